@@ -1,0 +1,202 @@
+//! Result vocabulary: what a branch is made of, as plain data without behaviour.
+//!
+//! The continuation produces these values, the exporters and the plots read them; neither side
+//! knows the other.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+/// Kind of a special point, two letters after the habit of the field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum EventType {
+    /// End point of the branch: an edge of the range, the start, or a requested stop.
+    EP,
+    /// The continuation failed here; the reason is in [`Event::what`].
+    MX,
+    /// User point: a value asked for in `stop_at`.
+    UZ,
+    /// Limit point (fold) in the continuation parameter.
+    LP,
+    /// A complex pair of eigenvalues crosses Re λ = 0 in the named Bloch sector.
+    HB,
+    /// A real eigenvalue crosses zero in the named Bloch sector other than by a fold.
+    BP,
+    /// Take-off at zero pressure: a separation zone opens or closes.
+    GR,
+    /// A reverse-slip zone opens or closes between slip and stick.
+    RV,
+    /// Two switching points coalesce: a zone vanishes or is born between others.
+    CO,
+    /// The stick zone vanishes.
+    ST,
+}
+
+impl EventType {
+    /// All types, in the order in which legends list them.
+    pub const ALL: [EventType; 10] = [
+        EventType::EP,
+        EventType::MX,
+        EventType::UZ,
+        EventType::LP,
+        EventType::HB,
+        EventType::BP,
+        EventType::GR,
+        EventType::RV,
+        EventType::CO,
+        EventType::ST,
+    ];
+}
+
+impl fmt::Display for EventType {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(match self {
+            EventType::EP => "EP",
+            EventType::MX => "MX",
+            EventType::UZ => "UZ",
+            EventType::LP => "LP",
+            EventType::HB => "HB",
+            EventType::BP => "BP",
+            EventType::GR => "GR",
+            EventType::RV => "RV",
+            EventType::CO => "CO",
+            EventType::ST => "ST",
+        })
+    }
+}
+
+impl FromStr for EventType {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        EventType::ALL
+            .into_iter()
+            .find(|kind| kind.to_string() == text)
+            .ok_or_else(|| format!("`{text}` is not an event type"))
+    }
+}
+
+/// The parameters of a point by the names of their columns.
+///
+/// `gamma`, `nu` and `xi` are `None` where the coefficients were given directly.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ParameterValues {
+    /// Mismatch δ = d/R.
+    pub mismatch: f64,
+    /// Friction coefficient f.
+    pub friction: f64,
+    /// Mass-proportional damping α, in units of Ω.
+    pub mass_damping: f64,
+    /// Stiffness-proportional damping β, in units of 1/Ω.
+    pub stiffness_damping: f64,
+    /// γ = ρR²Ω²/E.
+    pub gamma: Option<f64>,
+    /// Poisson's ratio ν.
+    pub nu: Option<f64>,
+    /// Ratio of the radii ξ = R*/R.
+    pub xi: Option<f64>,
+}
+
+/// Stability of a wave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Stability {
+    /// Proven stable against every perturbation of the sectors asked for.
+    Yes,
+    /// At least one growing mode.
+    No,
+    /// Neither could be shown.
+    Undecided,
+}
+
+/// The leading eigenvalue of a wave, the translation mode left out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LeadingEigenvalue {
+    /// Re λ, in units of Ω.
+    pub re: f64,
+    /// Im λ in its sector, in units of Ω.
+    pub im: f64,
+    /// Bloch sector.
+    pub sector: usize,
+}
+
+/// One accepted point of a branch: a row of `branch.csv`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BranchPoint {
+    /// Running number from 1.
+    pub point: usize,
+    /// Label of a labelled point: the key of events, spectra and profiles.
+    pub label: Option<usize>,
+    /// Type of a special point.
+    pub kind: Option<EventType>,
+    /// Regimes from release, time-forward, joined by `-`.
+    pub regimes: String,
+    /// Parameters of the model.
+    pub parameters: ParameterValues,
+    /// Wave speed c, signed, in units of Ω (radians of φ per unit of time).
+    pub speed: f64,
+    /// End of each zone: θ from release, time-forward, in (0, 2π/k].
+    pub switches: Vec<f64>,
+    /// Least contact pressure P over the zones in contact.
+    pub min_pressure: f64,
+    /// max(U − δ), zero without separation.
+    pub max_gap: f64,
+    /// Half the difference of the largest and the smallest V.
+    pub amplitude: f64,
+    /// Stability; `None` when not asked for.
+    pub stable: Option<Stability>,
+    /// Eigenvalues counted with Re λ > 0; `None` when not asked for.
+    pub unstable: Option<usize>,
+    /// Leading eigenvalue; `None` when not asked for.
+    pub lead: Option<LeadingEigenvalue>,
+    /// Newton iterations spent on the point.
+    pub newton: usize,
+    /// Largest scaled residual of the boundary-value problem.
+    pub residual: f64,
+}
+
+/// A special point: a row of `events.csv`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    /// Label of the point in `branch.csv`.
+    pub label: usize,
+    /// Type of the event.
+    pub kind: EventType,
+    /// Parameters at the event.
+    pub parameters: ParameterValues,
+    /// Wave speed c at the event.
+    pub speed: f64,
+    /// Bloch sector (`HB`, `BP`).
+    pub sector: Option<usize>,
+    /// Im λ at the crossing (`HB`).
+    pub omega: Option<f64>,
+    /// Regimes before the event, along the branch.
+    pub regimes_before: String,
+    /// Regimes after the event, along the branch.
+    pub regimes_after: String,
+    /// Bound or honest estimate of the error of the located parameter.
+    pub uncertainty: f64,
+    /// A short sentence.
+    pub what: String,
+}
+
+/// One sample of a wave over its wavelength: a row of `profiles/LABEL.csv`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProfileSample {
+    /// θ from release, time-forward, in [0, 2π/k].
+    pub theta: f64,
+    /// Radial displacement U at the contact surface.
+    pub radial: f64,
+    /// Tangential displacement V at the contact surface.
+    pub tangential: f64,
+    /// U̇ following the material point.
+    pub radial_rate: f64,
+    /// V̇ following the material point.
+    pub tangential_rate: f64,
+    /// Contact pressure P.
+    pub pressure: f64,
+    /// Friction force Q.
+    pub shear: f64,
+    /// Name of the regime.
+    pub regime: &'static str,
+}

@@ -1,0 +1,293 @@
+//! `brakewave check`: does the branch still have the events it is expected to have?
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use quick_junit::{NonSuccessKind, Report as JunitReport, TestCase, TestCaseStatus, TestSuite};
+
+use super::run::{Prepared, prepare};
+use super::{BAD_INPUT, Failure, NUMERICAL, UNMET, print};
+use crate::branch::Event;
+use crate::problem::{Expectation, Parameter};
+use crate::run::{Branch, End};
+
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    /// Problem files
+    #[arg(required = true)]
+    problems: Vec<PathBuf>,
+    /// Also write the outcome as JUnit XML
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+}
+
+/// One number of one expectation, compared.
+struct Comparison {
+    name: String,
+    expected: f64,
+    found: Option<f64>,
+    tolerance: f64,
+    met: bool,
+}
+
+/// Outcome of one problem file.
+struct Outcome {
+    file: PathBuf,
+    comparisons: Vec<(String, Vec<Comparison>, Option<String>)>,
+    code: u8,
+    trouble: Option<String>,
+}
+
+pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
+    let mut outcomes = Vec::with_capacity(arguments.problems.len());
+    for file in &arguments.problems {
+        let outcome = match check_file(file) {
+            Ok(outcome) => outcome,
+            Err(failure) => Outcome {
+                file: file.clone(),
+                comparisons: Vec::new(),
+                code: failure.code(),
+                trouble: Some(failure.to_string()),
+            },
+        };
+        print(&text(&outcome))?;
+        outcomes.push(outcome);
+    }
+    let passed = outcomes.iter().filter(|outcome| outcome.code == 0).count();
+    print(&format!(
+        "{passed} of {} problem files as expected\n",
+        outcomes.len()
+    ))?;
+    if let Some(path) = &arguments.junit {
+        write_junit(path, &outcomes)?;
+    }
+    // bad input outranks a numerical failure, which outranks an expectation not met
+    let codes = |code: u8| outcomes.iter().any(|outcome| outcome.code == code);
+    Ok([BAD_INPUT, NUMERICAL, UNMET]
+        .into_iter()
+        .find(|code| codes(*code))
+        .unwrap_or(0))
+}
+
+fn check_file(file: &Path) -> Result<Outcome, Failure> {
+    let Prepared {
+        problem,
+        continuation,
+        restart,
+    } = prepare(file)?;
+    let mut branch = Branch::begin(&problem, &continuation, restart.as_ref())?;
+    let mut events = Vec::new();
+    while branch.progress().end.is_none() {
+        events.extend(branch.step().into_iter().filter_map(|item| item.event));
+    }
+    let comparisons = compare(&problem.expect, &events, continuation.parameter);
+    let met = comparisons
+        .iter()
+        .all(|(_, numbers, missing)| missing.is_none() && numbers.iter().all(|one| one.met));
+    let trouble = match &branch.progress().end {
+        Some(End::Failed(reason)) => Some(format!("the branch ended before its range: {reason}")),
+        _ => None,
+    };
+    Ok(Outcome {
+        file: file.to_path_buf(),
+        comparisons,
+        code: match (met, &trouble) {
+            (false, _) => UNMET,
+            (true, Some(_)) => NUMERICAL,
+            (true, None) => 0,
+        },
+        trouble,
+    })
+}
+
+fn column(event: &Event, name: &str) -> Option<f64> {
+    let values = &event.parameters;
+    match name {
+        "mismatch" => Some(values.mismatch),
+        "friction" => Some(values.friction),
+        "mass_damping" => Some(values.mass_damping),
+        "stiffness_damping" => Some(values.stiffness_damping),
+        "gamma" => values.gamma,
+        "nu" => values.nu,
+        "xi" => values.xi,
+        "speed" => Some(event.speed),
+        "omega" => event.omega,
+        _ => None,
+    }
+}
+
+/// Difference in the sense of the tolerance: relative, absolute where zero is expected.
+fn difference(expected: f64, found: f64) -> f64 {
+    if expected == 0.0 {
+        found.abs()
+    } else {
+        ((found - expected) / expected).abs()
+    }
+}
+
+/// Every expectation with the event that fits it best; no event serves two expectations.
+fn compare(
+    expectations: &[Expectation],
+    events: &[Event],
+    parameter: Parameter,
+) -> Vec<(String, Vec<Comparison>, Option<String>)> {
+    let mut taken = vec![false; events.len()];
+    let distance = |expectation: &Expectation, event: &Event| -> f64 {
+        expectation
+            .numbers()
+            .into_iter()
+            .map(|(name, expected)| {
+                column(event, name).map_or(f64::INFINITY, |found| difference(expected, found))
+            })
+            .fold(0.0, f64::max)
+    };
+    expectations
+        .iter()
+        .map(|expectation| {
+            let fits = |event: &Event| {
+                event.kind == expectation.event
+                    && expectation
+                        .sector
+                        .is_none_or(|sector| event.sector == Some(sector))
+                    && expectation.label.is_none_or(|label| event.label == label)
+            };
+            let best = (0..events.len())
+                .filter(|&index| !taken[index] && fits(&events[index]))
+                .min_by(|&one, &other| {
+                    distance(expectation, &events[one])
+                        .total_cmp(&distance(expectation, &events[other]))
+                });
+            let mut title = expectation.event.to_string();
+            if let Some(sector) = expectation.sector {
+                let _ = write!(title, " sector {sector}");
+            }
+            let Some(index) = best else {
+                let numbers = expectation
+                    .numbers()
+                    .into_iter()
+                    .map(|(name, expected)| Comparison {
+                        name: name.to_string(),
+                        expected,
+                        found: None,
+                        tolerance: expectation.tolerance,
+                        met: false,
+                    })
+                    .collect();
+                let missing = format!("no {title} was found on the branch that is not matched");
+                return (title, numbers, Some(missing));
+            };
+            taken[index] = true;
+            let event = &events[index];
+            let numbers = expectation
+                .numbers()
+                .into_iter()
+                .map(|(name, expected)| {
+                    let found = column(event, name);
+                    Comparison {
+                        name: name.to_string(),
+                        expected,
+                        found,
+                        tolerance: expectation.tolerance,
+                        met: found.is_some_and(|found| {
+                            difference(expected, found) <= expectation.tolerance
+                        }),
+                    }
+                })
+                .collect();
+            let regimes = [
+                (&expectation.regimes_before, &event.regimes_before, "before"),
+                (&expectation.regimes_after, &event.regimes_after, "after"),
+            ];
+            let wrong = regimes.into_iter().find_map(|(expected, found, side)| {
+                let expected = expected.as_ref()?;
+                (expected != found)
+                    .then(|| format!("regimes {side}: expected {expected}, found {found}"))
+            });
+            let _ = write!(
+                title,
+                " at {} = {:.12}",
+                parameter.column(),
+                column(event, parameter.column()).unwrap_or(f64::NAN)
+            );
+            (title, numbers, wrong)
+        })
+        .collect()
+}
+
+fn line(comparison: &Comparison) -> String {
+    let verdict = if comparison.met { "ok  " } else { "FAIL" };
+    match comparison.found {
+        Some(found) => format!(
+            "{verdict} {:<10} expected {:+.16e}  found {:+.16e}  difference {:.1e}  tolerance {:.0e}",
+            comparison.name,
+            comparison.expected,
+            found,
+            difference(comparison.expected, found),
+            comparison.tolerance
+        ),
+        None => format!(
+            "{verdict} {:<10} expected {:+.16e}  not found",
+            comparison.name, comparison.expected
+        ),
+    }
+}
+
+fn text(outcome: &Outcome) -> String {
+    let mut text = format!("{}\n", outcome.file.display());
+    for (title, numbers, wrong) in &outcome.comparisons {
+        let _ = writeln!(text, "  {title}");
+        for comparison in numbers {
+            let _ = writeln!(text, "    {}", line(comparison));
+        }
+        if let Some(wrong) = wrong {
+            let _ = writeln!(text, "    FAIL {wrong}");
+        }
+    }
+    if outcome.comparisons.is_empty() && outcome.trouble.is_none() {
+        text.push_str("  nothing expected\n");
+    }
+    if let Some(trouble) = &outcome.trouble {
+        let _ = writeln!(text, "  FAIL {trouble}");
+    }
+    text
+}
+
+fn write_junit(path: &Path, outcomes: &[Outcome]) -> Result<(), Failure> {
+    let mut report = JunitReport::new("brakewave check");
+    for outcome in outcomes {
+        let name = outcome.file.display().to_string();
+        let mut suite = TestSuite::new(&name);
+        for (title, numbers, wrong) in &outcome.comparisons {
+            let failed = wrong.is_some() || numbers.iter().any(|one| !one.met);
+            let status = if failed {
+                let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+                let lines: Vec<String> = numbers
+                    .iter()
+                    .map(line)
+                    .chain(wrong.iter().cloned())
+                    .collect();
+                status.set_message(lines.join("\n"));
+                status
+            } else {
+                TestCaseStatus::success()
+            };
+            let mut case = TestCase::new(title, status);
+            case.set_classname(&name);
+            suite.add_test_case(case);
+        }
+        if let Some(trouble) = &outcome.trouble {
+            let mut status = TestCaseStatus::non_success(NonSuccessKind::Error);
+            status.set_message(trouble);
+            let mut case = TestCase::new("branch", status);
+            case.set_classname(&name);
+            suite.add_test_case(case);
+        }
+        report.add_test_suite(suite);
+    }
+    let xml = report
+        .to_string()
+        .map_err(|error| Failure::Usage(format!("JUnit report: {error}")))?;
+    std::fs::write(path, xml)
+        .map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))
+}

@@ -1,0 +1,131 @@
+//! The command line: verbs, messages, exit codes.
+
+mod check;
+mod plot;
+mod report;
+mod run;
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand, ValueEnum};
+
+use crate::output::folder::FolderError;
+use crate::output::plots::{Format, PlotError};
+use crate::problem::{self, ProblemError};
+use crate::run::RunError;
+
+/// Continuation and bifurcation of friction-driven travelling waves (brake squeal).
+#[derive(Debug, Parser)]
+#[command(version, about, after_help = EXIT_CODES)]
+struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 an expectation of `check` is not met; 2 bad input \
+or usage; 3 numerical failure (no start, or the branch ended before its range)";
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Follow the branch of a problem file and write tables, restart file and pictures
+    Run(run::RunArguments),
+    /// Run problem files and compare with their `expect` lists
+    Check(check::CheckArguments),
+    /// Draw the pictures of a result folder again
+    Plot(plot::PlotArguments),
+    /// Print a commented problem file
+    New,
+}
+
+/// Picture formats on the command line.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FormatArgument {
+    Svg,
+    Png,
+    Pdf,
+}
+
+impl From<FormatArgument> for Format {
+    fn from(format: FormatArgument) -> Format {
+        match format {
+            FormatArgument::Svg => Format::Svg,
+            FormatArgument::Png => Format::Png,
+            FormatArgument::Pdf => Format::Pdf,
+        }
+    }
+}
+
+/// Everything that can end a verb early, with its exit code.
+#[derive(Debug, thiserror::Error)]
+enum Failure {
+    #[error("{0}")]
+    Problem(#[from] ProblemError),
+    #[error("{0}")]
+    Folder(#[from] FolderError),
+    #[error("{0}")]
+    Plot(#[from] PlotError),
+    #[error("{0}")]
+    Run(#[from] RunError),
+    #[error("{0}")]
+    Usage(String),
+    #[error("{0}")]
+    Output(io::Error),
+}
+
+impl Failure {
+    fn code(&self) -> u8 {
+        match self {
+            Failure::Run(RunError::NoStart(_)) => NUMERICAL,
+            _ => BAD_INPUT,
+        }
+    }
+}
+
+const UNMET: u8 = 1;
+const BAD_INPUT: u8 = 2;
+const NUMERICAL: u8 = 3;
+
+/// Runs the command line of this process and returns its exit code.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let result = match arguments.verb {
+        Verb::Run(arguments) => run::run(&arguments),
+        Verb::Check(arguments) => check::check(&arguments),
+        Verb::Plot(arguments) => plot::plot(&arguments),
+        Verb::New => print(problem::TEMPLATE).map(|()| 0),
+    };
+    match result {
+        Ok(code) => ExitCode::from(code),
+        // a reader that has seen enough is no error
+        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
+        Err(failure) => {
+            let _ = writeln!(io::stderr(), "error: {failure}");
+            ExitCode::from(failure.code())
+        }
+    }
+}
+
+/// Writes to standard output.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())
+        .and_then(|()| out.flush())
+        .map_err(Failure::Output)
+}
+
+/// Writes a warning to standard error.
+fn warn(text: &str) {
+    let _ = writeln!(io::stderr(), "warning: {text}");
+}
+
+/// Where results go by default: `results/` and the name of the problem file.
+fn default_folder(problem: &std::path::Path) -> PathBuf {
+    let stem = problem
+        .file_stem()
+        .map_or_else(|| "problem".into(), |stem| stem.to_owned());
+    PathBuf::from("results").join(stem)
+}

@@ -1,0 +1,50 @@
+//! `brakewave plot`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Failure, FormatArgument, print};
+use crate::output::folder::Restart;
+use crate::output::plots;
+use crate::problem::Plot;
+
+#[derive(Debug, Args)]
+pub struct PlotArguments {
+    /// Result folder of an earlier run
+    folder: PathBuf,
+    /// Format of the pictures
+    #[arg(long, value_enum, default_value = "svg")]
+    format: FormatArgument,
+}
+
+pub fn plot(arguments: &PlotArguments) -> Result<u8, Failure> {
+    let restart = Restart::read(&arguments.folder)?;
+    let problem = &restart.problem;
+    let Some(continuation) = &problem.continuation else {
+        return Err(Failure::Usage(format!(
+            "{} holds no branch",
+            arguments.folder.display()
+        )));
+    };
+    // a run that asked for no pictures still has its diagram
+    let pictures = if problem.output.plots.is_empty() {
+        vec![Plot::Diagram]
+    } else {
+        problem.output.plots.clone()
+    };
+    let settings = plots::Settings {
+        parameter: continuation.parameter.column().to_string(),
+        title: problem.title.clone(),
+    };
+    let written = plots::draw(
+        &arguments.folder,
+        &pictures,
+        arguments.format.into(),
+        &settings,
+    )?;
+    for path in written {
+        print(&format!("{}\n", path.display()))?;
+    }
+    Ok(0)
+}

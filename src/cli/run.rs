@@ -1,0 +1,151 @@
+//! `brakewave run`.
+
+use std::io::{IsTerminal, stderr};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::report::Report;
+use super::{Failure, NUMERICAL, default_folder, print, warn};
+use crate::output::folder::{Folder, Restart};
+use crate::output::plots::{self, Format};
+use crate::problem::{self, Continuation, Problem, Start};
+use crate::run::{Branch, End, SavedWave};
+
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// Problem file
+    problem: PathBuf,
+    /// Result folder [default: results/<name of the problem file>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Go on with an interrupted run; its files end as if it had not been interrupted
+    #[arg(long, conflicts_with = "force")]
+    resume: bool,
+    /// Replace the results of an earlier run
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+    /// Threads for independent work; the results do not depend on it
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: u16,
+}
+
+/// A problem read and ready to run.
+pub struct Prepared {
+    pub problem: Problem,
+    pub continuation: Continuation,
+    pub restart: Option<SavedWave>,
+}
+
+/// Reads a problem file, and the wave it restarts from if it does.
+pub fn prepare(path: &Path) -> Result<Prepared, Failure> {
+    let (problem, text) = problem::read(path)?;
+    let continuation = problem
+        .continuation(&text, &path.display().to_string())?
+        .clone();
+    let restart = match &problem.wave.start {
+        Start::Restart { dir, label } => Some(Restart::read(dir)?.wave(dir, *label)?.clone()),
+        Start::Fast | Start::Slow => None,
+    };
+    if problem.stability.is_some() {
+        warn("the section `stability` is read but not evaluated in this version");
+    }
+    Ok(Prepared {
+        problem,
+        continuation,
+        restart,
+    })
+}
+
+pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
+    let Prepared {
+        problem,
+        continuation,
+        restart,
+    } = prepare(&arguments.problem)?;
+    let out = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| default_folder(&arguments.problem));
+    let interrupted = if arguments.resume && out.join(crate::output::folder::RESTART).exists() {
+        Some(Restart::read(&out)?)
+    } else {
+        None
+    };
+    let (mut branch, mut folder) = match interrupted {
+        Some(saved) => {
+            if saved.problem != problem {
+                return Err(Failure::Usage(format!(
+                    "{} was written for another problem than {}; --force starts it anew",
+                    out.display(),
+                    arguments.problem.display()
+                )));
+            }
+            let first = saved.wave(&out, 1)?;
+            let branch = Branch::resume(&problem, &continuation, first, saved.progress.clone())?;
+            (branch, Folder::reopen(&out, saved)?)
+        }
+        None => {
+            let branch = Branch::begin(&problem, &continuation, restart.as_ref())?;
+            // what a kill left before its first label is no result
+            let force = arguments.force || arguments.resume;
+            let folder = Folder::create(&out, &problem, &branch, force)?;
+            (branch, folder)
+        }
+    };
+    let bar = (!arguments.quiet && stderr().is_terminal()).then(progress_bar);
+    let mut report = Report::new(continuation.parameter);
+    let mut events = 0;
+    while branch.progress().end.is_none() {
+        let items = branch.step();
+        folder.write(&items, &branch)?;
+        for item in &items {
+            report.add(item);
+        }
+        if let Some(bar) = &bar {
+            events += items.iter().filter(|item| item.event.is_some()).count();
+            bar.set_position((1000.0 * branch.position()).clamp(0.0, 1000.0) as u64);
+            bar.set_message(format!(
+                "{} points, {events} events",
+                branch.progress().points
+            ));
+        }
+    }
+    if let Some(bar) = &bar {
+        bar.finish_and_clear();
+    }
+    if !problem.output.plots.is_empty() {
+        let settings = plots::Settings {
+            parameter: continuation.parameter.column().to_string(),
+            title: problem.title.clone(),
+        };
+        plots::draw(&out, &problem.output.plots, Format::Svg, &settings)?;
+    }
+    if !arguments.quiet {
+        if let Some(title) = &problem.title {
+            print(&format!("{title}\n\n"))?;
+        }
+        print(&report.text())?;
+        print(&format!("results in {}\n", out.display()))?;
+    }
+    match &branch.progress().end {
+        Some(End::Failed(reason)) => {
+            warn(&format!("the branch ended before its range: {reason}"));
+            Ok(NUMERICAL)
+        }
+        _ => Ok(0),
+    }
+}
+
+fn progress_bar() -> ProgressBar {
+    let bar = ProgressBar::new(1000);
+    // the template is constant and valid
+    if let Ok(style) = ProgressStyle::with_template("{spinner} [{bar:40}] {msg} ({elapsed})") {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar
+}

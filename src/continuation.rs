@@ -1,0 +1,204 @@
+//! Pseudo-arclength continuation of R(u) = 0, n equations in n + 1 unknowns.
+//!
+//! From a point u₀ with unit tangent t₀ a step predicts u₀ + Δs·t₀ and corrects in the plane
+//! across t₀. Lengths are Euclidean in the scaled unknowns, so the scaling of the system is the
+//! norm of the arclength. Keller, in: Applications of Bifurcation Theory (1977).
+
+use serde::{Deserialize, Serialize};
+
+use crate::linalg::Vector;
+use crate::newton::{self, Constraint, Failure, Plane, Solution, System};
+
+/// Step lengths and tolerances.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// First step, in scaled arclength.
+    pub ds: f64,
+    /// Shortest step; below it the branch ends.
+    pub ds_min: f64,
+    /// Longest step.
+    pub ds_max: f64,
+    /// Largest component of the last Newton correction (scaled unknowns).
+    pub tolerance: f64,
+}
+
+/// A step turns the tangent by at most this angle (radians), or it is repeated shorter: events
+/// are watched at its ends only, and a function that turns less cannot hide a pair of them from
+/// the interpolation that looks for it.
+pub const LARGEST_ANGLE: f64 = 0.3;
+
+/// Angle and Newton contraction at which the step length is kept.
+const TARGET_ANGLE: f64 = 0.06;
+const TARGET_CONTRACTION: f64 = 0.05;
+
+/// Factors by which a step may change from one to the next.
+const MOST_GROWTH: f64 = 1.5;
+const MOST_SHRINKING: f64 = 0.3;
+
+/// A point of a branch with its unit tangent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// Scaled unknowns; the last one is the parameter.
+    pub point: Vector,
+    /// Unit tangent, oriented along the branch.
+    pub tangent: Vector,
+    /// Newton iterations spent.
+    pub newton: usize,
+    /// Largest residual.
+    pub residual: f64,
+}
+
+/// A step that was taken, with the advice for the next.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// New point.
+    pub node: Node,
+    /// Advised length of the next step, not yet limited to the settings.
+    pub next: f64,
+}
+
+/// Why a step was refused.
+#[derive(Debug, thiserror::Error)]
+pub enum Refusal<F: std::error::Error> {
+    /// The corrector failed.
+    #[error("{0}")]
+    Corrector(#[from] Failure<F>),
+    /// The branch turns too much within the step.
+    #[error("the tangent turns by {angle:.2} rad in one step")]
+    Angle {
+        /// Angle between the tangents.
+        angle: f64,
+    },
+}
+
+/// Unit tangent at a solution, oriented so that it has a positive product with `along`.
+pub fn tangent<S: System>(
+    system: &S,
+    solution: &Solution,
+    along: &Vector,
+) -> Result<Vector, Failure<S::Failure>> {
+    let n = system.unknowns();
+    let mut direction = Vector::zeros(n);
+    direction[n - 1] = 1.0;
+    if !solution.factors.solve(&mut direction) {
+        return Err(Failure::Singular);
+    }
+    let length = direction.norm();
+    let sign = if direction.dot(along) < 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    Ok(direction * (sign / length))
+}
+
+/// Corrects a guess under a constraint and finds the tangent there.
+pub fn correct<S: System>(
+    system: &S,
+    constraint: &mut impl Constraint<S>,
+    guess: &Vector,
+    along: &Vector,
+    settings: &newton::Settings,
+) -> Result<(Node, Solution), Failure<S::Failure>> {
+    let solution = newton::solve(system, constraint, guess, settings)?;
+    let tangent = tangent(system, &solution, along)?;
+    let node = Node {
+        point: solution.point.clone(),
+        tangent,
+        newton: solution.iterations,
+        residual: solution.residual,
+    };
+    Ok((node, solution))
+}
+
+/// One step of length `ds` from `from` along its tangent.
+pub fn advance<S: System>(
+    system: &S,
+    from: &Node,
+    ds: f64,
+    tolerance: f64,
+) -> Result<Step, Refusal<S::Failure>> {
+    let predicted = &from.point + &from.tangent * ds;
+    let mut plane = Plane {
+        normal: &from.tangent,
+        through: &predicted,
+    };
+    let settings = newton::Settings {
+        tolerance,
+        ..newton::Settings::default()
+    };
+    let (node, solution) = correct(system, &mut plane, &predicted, &from.tangent, &settings)?;
+    let cosine = node.tangent.dot(&from.tangent);
+    let angle = cosine.clamp(-1.0, 1.0).acos();
+    if angle > LARGEST_ANGLE {
+        return Err(Refusal::Angle { angle });
+    }
+    // the angle is proportional to the step, the contraction to its square
+    let by_angle = TARGET_ANGLE / angle.max(1e-12);
+    let by_contraction = (TARGET_CONTRACTION / solution.contraction.max(1e-12)).sqrt();
+    let factor = by_angle
+        .min(by_contraction)
+        .clamp(MOST_SHRINKING, MOST_GROWTH);
+    Ok(Step {
+        node,
+        next: ds * factor,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::Matrix;
+    use crate::newton::Fixed;
+
+    /// x² + y² = 1, with y as parameter: two folds, closed.
+    struct Circle;
+
+    impl System for Circle {
+        type Failure = std::convert::Infallible;
+
+        fn unknowns(&self) -> usize {
+            2
+        }
+
+        fn evaluate(
+            &self,
+            point: &Vector,
+            residual: &mut [f64],
+            jacobian: &mut Matrix,
+        ) -> Result<(), Self::Failure> {
+            residual[0] = point.norm_squared() - 1.0;
+            jacobian[(0, 0)] = 2.0 * point[0];
+            jacobian[(0, 1)] = 2.0 * point[1];
+            Ok(())
+        }
+    }
+
+    /// Round both folds and back to the start; every point lies on the circle to rounding.
+    #[test]
+    fn follows_a_circle_round_its_folds() {
+        let along = Vector::from_vec(vec![0.0, 1.0]);
+        let guess = Vector::from_vec(vec![1.0, 0.0]);
+        let mut fixed = Fixed {
+            index: 1,
+            value: 0.0,
+        };
+        let settings = newton::Settings::default();
+        let (mut node, _) = correct(&Circle, &mut fixed, &guess, &along, &settings).unwrap();
+        let mut ds: f64 = 0.05;
+        let (mut turned, mut last) = (0.0, 0.0_f64);
+        for _ in 0..1000 {
+            let step = advance(&Circle, &node, ds, 1e-10).unwrap();
+            node = step.node;
+            ds = step.next.min(0.1);
+            assert!((node.point.norm() - 1.0).abs() < 4.0 * f64::EPSILON);
+            let angle = node.point[1].atan2(node.point[0]);
+            turned += (angle - last).rem_euclid(std::f64::consts::TAU);
+            last = angle;
+            if turned > std::f64::consts::TAU {
+                return;
+            }
+        }
+        panic!("the circle was not closed: turned by {turned}");
+    }
+}

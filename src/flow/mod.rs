@@ -1,0 +1,244 @@
+//! Exact flow of one regime along a material point, with exact derivatives.
+//!
+//! A wave of speed c depends on θ = φ − ct alone. Following one material point forward in time s,
+//! ∂/∂φ = −(1/c) d/ds turns (M) (β = 0) into linear equations with constant coefficients,
+//!
+//! ```text
+//! slip, reverse (σ = ±1):  m_a V̈ − (σfκ − α)V̇ + hV = σfgδ,     P = gδ + κV̇,  Q = σfP
+//! stick:                   V̇ = 1,                               P = gδ + κ,   Q = hV + α
+//! separation:              m_b Ü + αU̇ + gU + κV̇ = 0,  m_a V̈ + αV̇ + hV − κU̇ = 0
+//! m_a = 1 − a/c²,  m_b = 1 − b/c²,  κ = D/c > 0.
+//! ```
+//!
+//! The tangential displacement is measured from that of steady sliding, Y = V − fgδ/h: slip-stick
+//! waves then do not depend on δ at all, and no digits are lost where δ is large.
+//! W stands for V̇ throughout.
+
+pub mod contact;
+pub mod separation;
+pub mod sign;
+
+use crate::model::Parameters;
+
+/// Why a flow cannot be evaluated. Inside a continuation step either rejects the step.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum FlowError {
+    /// c² ≤ a: the equations along the material point lose their type.
+    #[error("the wave is not supersonic: c² = {speed_squared:e} is not above a = {a:e}")]
+    Subsonic {
+        /// c².
+        speed_squared: f64,
+        /// a.
+        a: f64,
+    },
+    /// A zone grew beyond the range of double precision.
+    #[error("a zone of duration {duration:e} leaves the range of double precision")]
+    Overflow {
+        /// Duration of the zone.
+        duration: f64,
+    },
+}
+
+/// A number with its derivatives in the five quantities a zone depends on, in the order of
+/// [`ENTRY_Y`], [`ENTRY_W`], [`DURATION`], [`SPEED`], [`PARAMETER`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Jet {
+    /// The number.
+    pub value: f64,
+    /// Its derivatives.
+    pub by: [f64; 5],
+}
+
+/// Index of Y at the entry of the zone.
+pub const ENTRY_Y: usize = 0;
+/// Index of W at the entry of the zone.
+pub const ENTRY_W: usize = 1;
+/// Index of the duration.
+pub const DURATION: usize = 2;
+/// Index of the speed c.
+pub const SPEED: usize = 3;
+/// Index of the continuation parameter.
+pub const PARAMETER: usize = 4;
+
+impl Jet {
+    /// scale·self + offset, the factors being constant.
+    pub fn affine(mut self, scale: f64, offset: f64) -> Jet {
+        self.value = scale * self.value + offset;
+        for derivative in &mut self.by {
+            *derivative *= scale;
+        }
+        self
+    }
+
+    /// self + factor·other.
+    pub fn plus(mut self, factor: f64, other: Jet) -> Jet {
+        self.value += factor * other.value;
+        for (derivative, added) in self.by.iter_mut().zip(other.by) {
+            *derivative += factor * added;
+        }
+        self
+    }
+
+    /// self·other.
+    pub fn times(self, other: Jet) -> Jet {
+        let mut by = [0.0; 5];
+        for (index, derivative) in by.iter_mut().enumerate() {
+            *derivative = self.by[index] * other.value + self.value * other.by[index];
+        }
+        Jet {
+            value: self.value * other.value,
+            by,
+        }
+    }
+
+    /// A quantity of the frame: it depends on c and the parameter alone.
+    pub fn of_frame(value: f64, by: [f64; 2]) -> Jet {
+        Jet {
+            value,
+            by: [0.0, 0.0, 0.0, by[0], by[1]],
+        }
+    }
+}
+
+/// The numbers of the equations above in a frame that moves with c, or their derivatives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Quantities {
+    /// m_a = 1 − a/c².
+    pub ma: f64,
+    /// m_b = 1 − b/c².
+    pub mb: f64,
+    /// κ = D/c.
+    pub kappa: f64,
+    /// g.
+    pub g: f64,
+    /// h.
+    pub h: f64,
+    /// f.
+    pub friction: f64,
+    /// δ.
+    pub mismatch: f64,
+    /// α.
+    pub damping: f64,
+}
+
+/// [`Quantities`] with their derivatives in c and in the continuation parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// The numbers.
+    pub at: Quantities,
+    /// Their derivatives in c (index 0) and in the parameter (index 1).
+    pub by: [Quantities; 2],
+}
+
+impl Frame {
+    /// The frame of a wave of speed c; `derivative` is that of the parameters in the continuation
+    /// parameter. Fails unless c² > a.
+    pub fn new(
+        parameters: &Parameters,
+        derivative: &Parameters,
+        speed: f64,
+    ) -> Result<Frame, FlowError> {
+        let value = &parameters.coefficients;
+        let moved = &derivative.coefficients;
+        let square = speed * speed;
+        // written so that NaN is refused too
+        if !(square > value.a && square.is_finite()) {
+            return Err(FlowError::Subsonic {
+                speed_squared: square,
+                a: value.a,
+            });
+        }
+        let inverse = 1.0 / square;
+        // (c² − a)/c² keeps the digits that 1 − a/c² loses as c² → a
+        let root = value.a.sqrt();
+        let ma = (speed.abs() - root) * (speed.abs() + root) * inverse;
+        Ok(Frame {
+            at: Quantities {
+                ma,
+                mb: 1.0 - value.b * inverse,
+                kappa: value.coupling / speed,
+                g: value.g,
+                h: value.h,
+                friction: parameters.friction,
+                mismatch: parameters.mismatch,
+                damping: parameters.mass_damping,
+            },
+            by: [
+                Quantities {
+                    ma: 2.0 * value.a * inverse / speed,
+                    mb: 2.0 * value.b * inverse / speed,
+                    kappa: -value.coupling * inverse,
+                    ..Quantities::default()
+                },
+                Quantities {
+                    ma: -moved.a * inverse,
+                    mb: -moved.b * inverse,
+                    kappa: moved.coupling / speed,
+                    g: moved.g,
+                    h: moved.h,
+                    friction: derivative.friction,
+                    mismatch: derivative.mismatch,
+                    damping: derivative.mass_damping,
+                },
+            ],
+        })
+    }
+
+    /// A jet of the frame from a function's gradient: `value` and Σ ∂(value)/∂q · q′.
+    pub fn jet(&self, value: f64, gradient: impl Fn(&Quantities) -> f64) -> Jet {
+        Jet::of_frame(value, [gradient(&self.by[0]), gradient(&self.by[1])])
+    }
+
+    /// gδ, the pressure of steady sliding.
+    pub fn weight(&self) -> Jet {
+        let at = &self.at;
+        self.jet(at.g * at.mismatch, |by| {
+            by.g * at.mismatch + at.g * by.mismatch
+        })
+    }
+
+    /// κ as a jet.
+    pub fn kappa(&self) -> Jet {
+        self.jet(self.at.kappa, |by| by.kappa)
+    }
+
+    /// fgδ/h, the tangential displacement of steady sliding.
+    pub fn steady(&self) -> Jet {
+        let at = &self.at;
+        let value = at.friction * at.g * at.mismatch / at.h;
+        self.jet(value, |by| {
+            (by.friction * at.g * at.mismatch
+                + at.friction * by.g * at.mismatch
+                + at.friction * at.g * by.mismatch
+                - value * by.h)
+                / at.h
+        })
+    }
+
+    /// Y at release: hY = fκ − α.
+    pub fn release(&self) -> Jet {
+        let at = &self.at;
+        let value = (at.friction * at.kappa - at.damping) / at.h;
+        self.jet(value, |by| {
+            (by.friction * at.kappa + at.friction * by.kappa - by.damping - value * by.h) / at.h
+        })
+    }
+
+    /// Pressure in contact P = gδ + κW for a jet of W.
+    pub fn pressure(&self, w: Jet) -> Jet {
+        self.weight().plus(1.0, self.kappa().times(w))
+    }
+}
+
+/// End of a zone: state and the function whose zero ends the zone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ZoneEnd {
+    /// Y at the end.
+    pub y: Jet,
+    /// W at the end, before any jump of the switch.
+    pub w: Jet,
+    /// U̇ at the end; zero in contact.
+    pub radial_rate: Jet,
+    /// The switching function, divided by duration^m where it has an m-fold zero at the entry.
+    pub switching: Jet,
+}

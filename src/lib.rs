@@ -1,0 +1,42 @@
+//! Numerical continuation and bifurcation of friction-driven travelling waves.
+//!
+//! An elastic tube is pressed on a rigid shaft that turns inside it. Waves of stick, slip, reverse
+//! slip and separation run round the contact — the squeal of a brake. This crate follows branches
+//! of such waves in a parameter, proves at every point that contact and friction laws hold, and
+//! locates every change of the sequence of regimes on the way. It implements and extends
+//! Q.S. Nguyen, A. Oueslati, A. Steindl, A. Teufel, H. Troger, C. R. Mecanique 336 (2008).
+//!
+//! Data flows one way:
+//!
+//! ```text
+//! problem ──► model ──► flow ──► wave ──► continuation ──► events ──► run ──► output
+//!  RON file   a b D g h  exact    boundary-  newton         fold,       points,  tables,
+//!             signature  flow,    value       pseudo-        regime      labels   restart,
+//!             switches   signs    problem     arclength      change,              pictures
+//!                                                            successor
+//! ```
+//!
+//! - [`problem`] reads and validates problem files;
+//! - [`model`] has the coefficients, the regimes and the table of switches between them;
+//! - [`flow`] is the exact flow of one regime with its derivatives, and proofs of sign;
+//! - [`wave`] poses a wave as a boundary-value problem for one signature, starts it from the
+//!   closed form ([`begin`]), examines it, and finds candidates for its successor;
+//! - [`newton`] and [`continuation`] know nothing of waves; [`linalg`] serves them;
+//! - [`events`] locates what happens within a step, [`follow`] takes the steps;
+//! - [`run`] turns a problem into labelled points and events, in the vocabulary of [`branch`];
+//! - [`output`] writes them, [`cli`] is the command line.
+
+pub mod begin;
+pub mod branch;
+pub mod cli;
+pub mod continuation;
+pub mod events;
+pub mod flow;
+pub mod follow;
+pub mod linalg;
+pub mod model;
+pub mod newton;
+pub mod output;
+pub mod problem;
+pub mod run;
+pub mod wave;

@@ -1,0 +1,81 @@
+//! The few dense operations the continuation needs.
+//!
+//! Newton systems have 8 to 40 unknowns and are solved by nalgebra's LU with partial pivoting,
+//! which at that size is two to three times faster than faer's blocked one; null vectors and
+//! condition numbers, wanted only at events, come from faer's singular value decomposition.
+
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+
+/// Dense matrix, column-major.
+pub type Matrix = DMatrix<f64>;
+/// Dense column vector.
+pub type Vector = DVector<f64>;
+
+/// LU factors of a square matrix.
+#[derive(Clone, Debug)]
+pub struct Factors(LU<f64, Dyn, Dyn>);
+
+impl Factors {
+    /// Factorises a square matrix.
+    pub fn new(matrix: Matrix) -> Factors {
+        Factors(matrix.lu())
+    }
+
+    /// Solves in place. False when the matrix is singular to working precision or the solution is
+    /// not finite.
+    pub fn solve(&self, right_side: &mut Vector) -> bool {
+        self.0.solve_mut(right_side) && right_side.iter().all(|x| x.is_finite())
+    }
+
+    /// Inverse of the matrix, `None` when it is singular.
+    pub fn inverse(&self) -> Option<Matrix> {
+        self.0.try_inverse()
+    }
+}
+
+/// Singular values of an n × (n+1) matrix and its null vector.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    /// Unit vector t with Jt = 0.
+    pub null_vector: Vector,
+    /// Largest singular value.
+    pub largest: f64,
+    /// Smallest of the n singular values: zero where the null space has more than one dimension.
+    pub smallest: f64,
+}
+
+/// Null vector of an n × (n+1) matrix, n ≥ 1. `None` if the decomposition fails, as it does for
+/// entries that are not finite.
+pub fn kernel(matrix: &Matrix) -> Option<Kernel> {
+    let (rows, columns) = matrix.shape();
+    if columns != rows + 1 || !matrix.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let view = faer::MatRef::from_column_major_slice(matrix.as_slice(), rows, columns);
+    let decomposition = view.svd().ok()?;
+    let right = decomposition.V();
+    let values = decomposition.S().column_vector();
+    Some(Kernel {
+        null_vector: Vector::from_fn(columns, |i, _| right[(i, columns - 1)]),
+        largest: values[0],
+        smallest: values[rows - 1],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernel_of_a_planted_matrix() {
+        // rows orthogonal to (1, 2, 2)/3
+        let matrix = Matrix::from_row_slice(2, 3, &[2.0, -1.0, 0.0, 0.0, 1.0, -1.0]);
+        let kernel = kernel(&matrix).unwrap();
+        let sign = kernel.null_vector[0].signum();
+        for (found, expected) in kernel.null_vector.iter().zip([1.0, 2.0, 2.0]) {
+            assert!((sign * found - expected / 3.0).abs() < 4.0 * f64::EPSILON);
+        }
+        // the determinant of JJᵀ is 9: the product of the singular values is 3
+        assert!((kernel.largest * kernel.smallest - 3.0).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,5 @@
+//! The `brakewave` binary.
+
+fn main() -> std::process::ExitCode {
+    brakewave::cli::main()
+}

@@ -1,0 +1,236 @@
+//! Regimes, the switches between them, and signatures: the sequence of zones of a wave.
+//!
+//! | regime | holds while | switch that ends it |
+//! |---|---|---|
+//! | stick | U = δ, V̇ = 1, P > 0, \|Q\| < fP | release Q = fP → slip |
+//! | slip | U = δ, V̇ < 1, P > 0 | V̇ = 1 → stick or reverse; P = 0 → separation |
+//! | reverse | U = δ, V̇ > 1, P > 0 | V̇ = 1 → stick or slip; P = 0 → separation |
+//! | separation | U > δ, P = Q = 0 | landing U = δ → slip, reverse (or stick with a Coulomb impact); touch U = δ → separation |
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::problem::Impact;
+
+/// Contact regime of a zone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Regime {
+    /// The surface moves with the shaft: V̇ = 1.
+    Stick,
+    /// The surface lags behind the shaft: V̇ < 1, Q = fP.
+    Slip,
+    /// The surface overtakes the shaft: V̇ > 1, Q = −fP.
+    Reverse,
+    /// No contact: P = Q = 0.
+    Separation,
+}
+
+impl Regime {
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Regime::Stick => "stick",
+            Regime::Slip => "slip",
+            Regime::Reverse => "reverse",
+            Regime::Separation => "separation",
+        }
+    }
+
+    /// Direction of sliding σ: +1 slip, −1 reverse; `None` where nothing slides.
+    pub fn sliding(self) -> Option<f64> {
+        match self {
+            Regime::Slip => Some(1.0),
+            Regime::Reverse => Some(-1.0),
+            Regime::Stick | Regime::Separation => None,
+        }
+    }
+}
+
+/// How a zone is entered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Entry {
+    /// stick → slip at Q = fP; V̇ = 1 and V̈ = 0, the whole state is reset.
+    Release,
+    /// Sliding comes to V̇ = 1 and |Q| ≤ fP holds: stick begins.
+    Arrest,
+    /// Sliding passes through V̇ = 1 and changes its direction.
+    Reversal,
+    /// Contact is lost at P = 0.
+    TakeOff,
+    /// Landing at U = δ; the velocity stays on its side of V̇ = 1.
+    Landing,
+    /// Landing with a Coulomb impact large enough to bring V̇ to 1.
+    ArrestedLanding,
+    /// Landing where contact would need tension: the impact stops U̇, and separation goes on.
+    Touch,
+}
+
+/// One zone of a signature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Zone {
+    /// Regime that holds in the zone.
+    pub regime: Regime,
+    /// Switch at its beginning.
+    pub entry: Entry,
+}
+
+/// The cyclic sequence of zones of a wave, time-forward along a material point.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Signature(pub Vec<Zone>);
+
+impl Signature {
+    /// slip-stick, as it starts in closed form.
+    pub fn slip_stick() -> Signature {
+        Signature(vec![
+            Zone {
+                regime: Regime::Slip,
+                entry: Entry::Release,
+            },
+            Zone {
+                regime: Regime::Stick,
+                entry: Entry::Arrest,
+            },
+        ])
+    }
+
+    /// Number of zones.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there is no zone.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The zone at an index taken modulo the number of zones.
+    pub fn zone(&self, index: usize) -> Zone {
+        self.0[index % self.0.len()]
+    }
+
+    /// Whether a regime occurs.
+    pub fn has(&self, regime: Regime) -> bool {
+        self.0.iter().any(|zone| zone.regime == regime)
+    }
+
+    /// How many zones have a regime.
+    pub fn count(&self, regime: Regime) -> usize {
+        self.0.iter().filter(|zone| zone.regime == regime).count()
+    }
+}
+
+/// Regimes joined by `-`.
+impl fmt::Display for Signature {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, zone) in self.0.iter().enumerate() {
+            if index > 0 {
+                formatter.write_str("-")?;
+            }
+            formatter.write_str(zone.regime.name())?;
+        }
+        Ok(())
+    }
+}
+
+/// Every switch that can lead from one regime into another under an impact law: the table above.
+pub fn switches(from: Regime, to: Regime, impact: Impact) -> &'static [Entry] {
+    use Regime::{Reverse, Separation, Slip, Stick};
+    match (from, to) {
+        (Stick, Slip) => &[Entry::Release],
+        (Slip | Reverse, Stick) => &[Entry::Arrest],
+        (Slip, Reverse) | (Reverse, Slip) => &[Entry::Reversal],
+        (Slip | Reverse, Separation) => &[Entry::TakeOff],
+        (Separation, Slip | Reverse) => match impact {
+            Impact::Frictionless => &[Entry::Landing],
+            Impact::Coulomb => &[Entry::Landing, Entry::ArrestedLanding],
+        },
+        // friction on the impulse of a touch is left to waves that land
+        (Separation, Separation) => match impact {
+            Impact::Frictionless => &[Entry::Touch],
+            Impact::Coulomb => &[],
+        },
+        (Separation, Stick) => match impact {
+            Impact::Frictionless => &[],
+            Impact::Coulomb => &[Entry::ArrestedLanding],
+        },
+        _ => &[],
+    }
+}
+
+/// Every chain of zones that leads from `from` into `to` with at most `longest` zones between,
+/// shortest first. The last zone of each chain is `to` with its entry.
+pub fn paths(from: Regime, to: Regime, longest: usize, impact: Impact) -> Vec<Vec<Zone>> {
+    const ALL: [Regime; 4] = [
+        Regime::Slip,
+        Regime::Stick,
+        Regime::Reverse,
+        Regime::Separation,
+    ];
+    let mut finished = Vec::new();
+    let mut open: Vec<Vec<Zone>> = vec![Vec::new()];
+    for length in 0..=longest {
+        let mut longer = Vec::new();
+        for chain in &open {
+            let last = chain.last().map_or(from, |zone| zone.regime);
+            for &entry in switches(last, to, impact) {
+                let mut chain = chain.clone();
+                chain.push(Zone { regime: to, entry });
+                finished.push(chain);
+            }
+            if length == longest {
+                continue;
+            }
+            for regime in ALL {
+                for &entry in switches(last, regime, impact) {
+                    let mut chain = chain.clone();
+                    chain.push(Zone { regime, entry });
+                    longer.push(chain);
+                }
+            }
+        }
+        open = longer;
+    }
+    finished
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_follow_the_switching_table() {
+        let text = |chains: Vec<Vec<Zone>>| -> Vec<String> {
+            chains
+                .into_iter()
+                .map(|chain| Signature(chain).to_string())
+                .collect()
+        };
+        assert_eq!(
+            text(paths(Regime::Slip, Regime::Slip, 1, Impact::Frictionless)),
+            ["stick-slip", "reverse-slip", "separation-slip"]
+        );
+        assert_eq!(
+            text(paths(
+                Regime::Separation,
+                Regime::Stick,
+                1,
+                Impact::Frictionless
+            )),
+            ["slip-stick", "reverse-stick"]
+        );
+        assert_eq!(
+            text(paths(
+                Regime::Separation,
+                Regime::Separation,
+                0,
+                Impact::Frictionless
+            )),
+            ["separation"]
+        );
+        assert_eq!(
+            text(paths(Regime::Separation, Regime::Stick, 0, Impact::Coulomb)),
+            ["stick"]
+        );
+    }
+}

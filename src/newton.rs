@@ -1,0 +1,310 @@
+//! Newton's method for a system of n equations in n + 1 unknowns closed by one constraint.
+
+use crate::linalg::{Factors, Matrix, Vector};
+
+/// n equations R(u) = 0 in n + 1 unknowns, scaled so that unknowns and residuals are of order one.
+pub trait System {
+    /// Why the system could not be evaluated at a point.
+    type Failure: std::error::Error;
+
+    /// Number n + 1 of unknowns; the last of them is the continuation parameter.
+    fn unknowns(&self) -> usize;
+
+    /// Writes R (length n) and its Jacobian (n rows at least, n + 1 columns). Entries of further
+    /// rows must be left alone; the Jacobian comes filled with zeros.
+    fn evaluate(
+        &self,
+        point: &Vector,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+    ) -> Result<(), Self::Failure>;
+}
+
+/// The equation that closes the system.
+pub trait Constraint<S: System> {
+    /// Value at `point`; writes the gradient, which comes filled with zeros.
+    fn evaluate(
+        &mut self,
+        system: &S,
+        point: &Vector,
+        gradient: &mut [f64],
+    ) -> Result<f64, S::Failure>;
+}
+
+/// t·(u − u₀) = 0: the plane through a predicted point across the tangent (pseudo-arclength).
+#[derive(Clone, Copy, Debug)]
+pub struct Plane<'a> {
+    /// Normal of the plane.
+    pub normal: &'a Vector,
+    /// A point of the plane.
+    pub through: &'a Vector,
+}
+
+impl<S: System> Constraint<S> for Plane<'_> {
+    fn evaluate(&mut self, _: &S, point: &Vector, gradient: &mut [f64]) -> Result<f64, S::Failure> {
+        gradient.copy_from_slice(self.normal.as_slice());
+        Ok(self
+            .normal
+            .iter()
+            .zip(point.iter().zip(self.through.iter()))
+            .map(|(normal, (here, there))| normal * (here - there))
+            .sum())
+    }
+}
+
+/// u_index = value.
+#[derive(Clone, Copy, Debug)]
+pub struct Fixed {
+    /// Index of the unknown.
+    pub index: usize,
+    /// Its value.
+    pub value: f64,
+}
+
+impl<S: System> Constraint<S> for Fixed {
+    fn evaluate(&mut self, _: &S, point: &Vector, gradient: &mut [f64]) -> Result<f64, S::Failure> {
+        gradient[self.index] = 1.0;
+        Ok(point[self.index] - self.value)
+    }
+}
+
+/// Tolerances of Newton's method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Largest component of the last correction, relative to the scaled unknowns of order one.
+    /// Convergence is quadratic: a last correction of 1e-10 leaves an error near 1e-20.
+    pub tolerance: f64,
+    /// Iterations after which the attempt is given up.
+    pub most_iterations: usize,
+    /// How often a correction may be halved to make the residual fall. None within a continuation
+    /// step, where a shorter step is the better remedy.
+    pub halvings: usize,
+    /// Iterations done after the tolerance was met, to take out the last rounding.
+    pub polish: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            tolerance: 1e-10,
+            most_iterations: 8,
+            halvings: 0,
+            polish: 0,
+        }
+    }
+}
+
+/// A solution.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// The point.
+    pub point: Vector,
+    /// Iterations spent.
+    pub iterations: usize,
+    /// Largest ratio of two successive corrections; 0 if one iteration was enough.
+    pub contraction: f64,
+    /// Largest component of the last correction.
+    pub correction: f64,
+    /// Largest relative residual before the last correction.
+    pub residual: f64,
+    /// LU factors of the bordered Jacobian at the iterate before the last correction.
+    pub factors: Factors,
+}
+
+/// How an attempt failed.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure<F: std::error::Error> {
+    /// The system could not be evaluated.
+    #[error("{0}")]
+    System(F),
+    /// The bordered Jacobian is singular.
+    #[error("the Newton matrix is singular")]
+    Singular,
+    /// Corrections do not shrink.
+    #[error("Newton's corrections do not shrink: {correction:e} after {iterations} iterations")]
+    Slow {
+        /// Largest component of the last correction.
+        correction: f64,
+        /// Iterations spent.
+        iterations: usize,
+    },
+}
+
+/// The bordered system at one point.
+struct Bordered {
+    matrix: Matrix,
+    right_side: Vector,
+}
+
+fn evaluate<S: System>(
+    system: &S,
+    constraint: &mut impl Constraint<S>,
+    point: &Vector,
+) -> Result<Bordered, S::Failure> {
+    let n = system.unknowns();
+    let mut matrix = Matrix::zeros(n, n);
+    let mut right_side = Vector::zeros(n);
+    system.evaluate(point, &mut right_side.as_mut_slice()[..n - 1], &mut matrix)?;
+    let mut gradient = [0.0; MOST_UNKNOWNS];
+    right_side[n - 1] = constraint.evaluate(system, point, &mut gradient[..n])?;
+    for (column, value) in gradient[..n].iter().enumerate() {
+        matrix[(n - 1, column)] = *value;
+    }
+    Ok(Bordered { matrix, right_side })
+}
+
+/// Upper bound of the number of unknowns: 3 for each of at most 40 zones, and two.
+pub const MOST_UNKNOWNS: usize = 128;
+
+/// Solves R(u) = 0 together with the constraint, from a guess.
+pub fn solve<S: System>(
+    system: &S,
+    constraint: &mut impl Constraint<S>,
+    guess: &Vector,
+    settings: &Settings,
+) -> Result<Solution, Failure<S::Failure>> {
+    let mut point = guess.clone();
+    let mut contraction = 0.0_f64;
+    let mut before = f64::INFINITY;
+    let mut polish = settings.polish;
+    let mut bordered = evaluate(system, constraint, &point).map_err(Failure::System)?;
+    for iteration in 1..=settings.most_iterations {
+        let residual = bordered.right_side.amax();
+        let factors = Factors::new(bordered.matrix.clone());
+        let mut step = bordered.right_side.clone();
+        if !factors.solve(&mut step) {
+            return Err(Failure::Singular);
+        }
+        let correction = step.amax();
+        // corrections at the level of rounding no longer contract
+        if iteration > 1 && correction > settings.tolerance {
+            let ratio = correction / before;
+            contraction = contraction.max(ratio);
+            if ratio > SLOWEST && settings.halvings == 0 {
+                return Err(Failure::Slow {
+                    correction,
+                    iterations: iteration,
+                });
+            }
+        }
+        before = correction;
+        if correction <= settings.tolerance {
+            point -= &step;
+            if polish == 0 {
+                return Ok(Solution {
+                    point,
+                    iterations: iteration,
+                    contraction,
+                    correction,
+                    residual: relative_residual(&bordered.matrix, bordered.right_side.as_slice()),
+                    factors,
+                });
+            }
+            polish -= 1;
+            bordered = evaluate(system, constraint, &point).map_err(Failure::System)?;
+            continue;
+        }
+        let mut factor = 1.0;
+        let mut left = settings.halvings;
+        loop {
+            let trial = &point - &step * factor;
+            match evaluate(system, constraint, &trial) {
+                Ok(next)
+                    if settings.halvings == 0
+                        || next.right_side.amax() < residual
+                        || left == 0 && next.right_side.amax().is_finite() =>
+                {
+                    point = trial;
+                    bordered = next;
+                    break;
+                }
+                Err(failure) if left == 0 => return Err(Failure::System(failure)),
+                _ if left == 0 => {
+                    return Err(Failure::Slow {
+                        correction,
+                        iterations: iteration,
+                    });
+                }
+                _ => {
+                    factor *= 0.5;
+                    left -= 1;
+                }
+            }
+        }
+    }
+    Err(Failure::Slow {
+        correction: before,
+        iterations: settings.most_iterations,
+    })
+}
+
+/// A correction larger than this fraction of the last one ends an undamped attempt: Newton's
+/// method close to a solution contracts quadratically.
+const SLOWEST: f64 = 0.5;
+
+/// Largest residual, each relative to the largest entry of its row of the Jacobian where that is
+/// above one: a zone with strong growth multiplies the rounding of its entry state, and its
+/// equations by the same factor.
+pub fn relative_residual(matrix: &Matrix, residual: &[f64]) -> f64 {
+    residual
+        .iter()
+        .enumerate()
+        .map(|(row, value)| value.abs() / matrix.row(row).amax().max(1.0))
+        .fold(0.0, f64::max)
+}
+
+/// Jacobian of the system alone, n × (n+1), and the largest relative residual.
+pub fn jacobian<S: System>(system: &S, point: &Vector) -> Result<(Matrix, f64), S::Failure> {
+    let n = system.unknowns();
+    let mut matrix = Matrix::zeros(n - 1, n);
+    let mut residual = Vector::zeros(n - 1);
+    system.evaluate(point, residual.as_mut_slice(), &mut matrix)?;
+    let size = relative_residual(&matrix, residual.as_slice());
+    Ok((matrix, size))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x² + y² = 1 in the plane.
+    struct Circle;
+
+    impl System for Circle {
+        type Failure = std::convert::Infallible;
+
+        fn unknowns(&self) -> usize {
+            2
+        }
+
+        fn evaluate(
+            &self,
+            point: &Vector,
+            residual: &mut [f64],
+            jacobian: &mut Matrix,
+        ) -> Result<(), Self::Failure> {
+            residual[0] = point.norm_squared() - 1.0;
+            jacobian[(0, 0)] = 2.0 * point[0];
+            jacobian[(0, 1)] = 2.0 * point[1];
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn converges_quadratically_and_refuses_the_impossible() {
+        let guess = Vector::from_vec(vec![0.7, 0.6]);
+        let mut constraint = Fixed {
+            index: 1,
+            value: 0.6,
+        };
+        let solution = solve(&Circle, &mut constraint, &guess, &Settings::default()).unwrap();
+        assert!((solution.point[0] - 0.8).abs() <= f64::EPSILON);
+        assert!(solution.iterations <= 5);
+
+        let mut outside = Fixed {
+            index: 1,
+            value: 1.5,
+        };
+        assert!(solve(&Circle, &mut outside, &guess, &Settings::default()).is_err());
+    }
+}

@@ -1,0 +1,271 @@
+//! The result folder: written as the branch grows, readable after a kill, resumable.
+//!
+//! Rows are appended one by one. `branch.ron` holds every labelled wave and the progress of the
+//! run; it is replaced as a whole at every label, by writing beside it and renaming, so that it is
+//! never seen half written. A resumed run cuts the tables back to the last progress saved and goes
+//! on from there, through the same steps as an uninterrupted one.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::tables;
+use crate::problem::Problem;
+use crate::run::{Branch, Item, Progress, SavedWave};
+
+/// What is wrong with a folder.
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    /// The operating system refused.
+    #[error("{}: {error}", path.display())]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// What the system said.
+        error: io::Error,
+    },
+    /// There are results already.
+    #[error(
+        "{} holds results already; --force replaces them, --resume goes on, --out DIR takes \
+         another folder",
+        .0.display()
+    )]
+    Exists(PathBuf),
+    /// `branch.ron` is missing or damaged.
+    #[error("{}: {reason}", path.display())]
+    Restart {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+fn io_error(path: &Path) -> impl FnOnce(io::Error) -> FolderError + '_ {
+    move |error| FolderError::Io {
+        path: path.to_path_buf(),
+        error,
+    }
+}
+
+/// Content of `branch.ron`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Restart {
+    /// Version of brakewave that wrote it.
+    pub version: String,
+    /// The problem with all its settings.
+    pub problem: Problem,
+    /// State of the run.
+    pub progress: Progress,
+    /// Every labelled wave, in order.
+    pub waves: Vec<SavedWave>,
+}
+
+impl Restart {
+    /// Reads the restart file of a folder.
+    pub fn read(folder: &Path) -> Result<Restart, FolderError> {
+        let path = folder.join(RESTART);
+        let text = fs::read_to_string(&path).map_err(io_error(&path))?;
+        ron::from_str(&text).map_err(|error| FolderError::Restart {
+            path,
+            reason: format!("not a restart file of this version: {error}"),
+        })
+    }
+
+    /// The wave of a label.
+    pub fn wave(&self, folder: &Path, label: usize) -> Result<&SavedWave, FolderError> {
+        self.waves
+            .iter()
+            .find(|wave| wave.label == label)
+            .ok_or_else(|| FolderError::Restart {
+                path: folder.join(RESTART),
+                reason: format!(
+                    "no label {label}; labels run from 1 to {}",
+                    self.waves.len()
+                ),
+            })
+    }
+}
+
+/// Name of the restart file.
+pub const RESTART: &str = "branch.ron";
+const BRANCH: &str = "branch.csv";
+const EVENTS: &str = "events.csv";
+const PROFILES: &str = "profiles";
+
+/// Intervals of a profile over one wavelength.
+const PROFILE_RESOLUTION: usize = 360;
+
+/// A result folder being written.
+#[derive(Debug)]
+pub struct Folder {
+    path: PathBuf,
+    branch: File,
+    events: File,
+    with_profiles: bool,
+    restart: Restart,
+}
+
+impl Folder {
+    /// Creates the folder for a run that begins. An existing one is refused unless `force`, which
+    /// removes the files of an earlier run and no others.
+    pub fn create(
+        path: &Path,
+        problem: &Problem,
+        branch: &Branch,
+        force: bool,
+    ) -> Result<Folder, FolderError> {
+        if path.exists() {
+            let occupied =
+                !path.is_dir() || fs::read_dir(path).map_err(io_error(path))?.next().is_some();
+            if occupied && !force {
+                return Err(FolderError::Exists(path.to_path_buf()));
+            }
+            clear(path)?;
+        }
+        fs::create_dir_all(path).map_err(io_error(path))?;
+        let with_profiles = problem.output.profiles > 0;
+        if with_profiles {
+            let profiles = path.join(PROFILES);
+            fs::create_dir_all(&profiles).map_err(io_error(&profiles))?;
+        }
+        let table = |name: &str, header: &str| -> Result<File, FolderError> {
+            let path = path.join(name);
+            let mut file = File::create(&path).map_err(io_error(&path))?;
+            writeln!(file, "{header}").map_err(io_error(&path))?;
+            Ok(file)
+        };
+        let folder = Folder {
+            branch: table(BRANCH, tables::BRANCH_HEADER)?,
+            events: table(EVENTS, tables::EVENTS_HEADER)?,
+            path: path.to_path_buf(),
+            with_profiles,
+            restart: Restart {
+                version: env!("CARGO_PKG_VERSION").to_string(),
+                problem: problem.clone(),
+                progress: branch.progress().clone(),
+                waves: Vec::new(),
+            },
+        };
+        Ok(folder)
+    }
+
+    /// Opens the folder of an interrupted run: tables are cut back to the saved progress.
+    pub fn reopen(path: &Path, restart: Restart) -> Result<Folder, FolderError> {
+        let table = |name: &str, rows: usize| -> Result<File, FolderError> {
+            let path = path.join(name);
+            let text = fs::read_to_string(&path).map_err(io_error(&path))?;
+            let length: usize = text
+                .split_inclusive('\n')
+                .take(rows + 1)
+                .filter(|line| line.ends_with('\n'))
+                .map(str::len)
+                .sum();
+            if text[..length].matches('\n').count() != rows + 1 {
+                return Err(FolderError::Restart {
+                    path,
+                    reason: format!("fewer than the {rows} rows that were saved"),
+                });
+            }
+            let file = OpenOptions::new()
+                .append(true)
+                .open(&path)
+                .map_err(io_error(&path))?;
+            file.set_len(length as u64).map_err(io_error(&path))?;
+            Ok(file)
+        };
+        let branch = table(BRANCH, restart.progress.points)?;
+        let events = table(EVENTS, restart.progress.events)?;
+        let profiles = path.join(PROFILES);
+        if let Ok(entries) = fs::read_dir(&profiles) {
+            for entry in entries.flatten() {
+                let label: Option<usize> = entry
+                    .path()
+                    .file_stem()
+                    .and_then(|stem| stem.to_str())
+                    .and_then(|stem| stem.parse().ok());
+                if label.is_none_or(|label| label > restart.progress.labels) {
+                    let path = entry.path();
+                    fs::remove_file(&path).map_err(io_error(&path))?;
+                }
+            }
+        }
+        Ok(Folder {
+            path: path.to_path_buf(),
+            branch,
+            events,
+            with_profiles: restart.problem.output.profiles > 0,
+            restart,
+        })
+    }
+
+    /// Writes what one step found, and the progress after it if it holds a label or the end.
+    pub fn write(&mut self, items: &[Item], branch: &Branch) -> Result<(), FolderError> {
+        for item in items {
+            let path = self.path.join(BRANCH);
+            self.branch
+                .write_all(tables::branch_row(&item.point, item.leg).as_bytes())
+                .map_err(io_error(&path))?;
+            if let Some(event) = &item.event {
+                let path = self.path.join(EVENTS);
+                self.events
+                    .write_all(tables::event_row(event).as_bytes())
+                    .map_err(io_error(&path))?;
+            }
+            if let Some(saved) = &item.saved {
+                self.restart.waves.push(saved.clone());
+                if self.with_profiles {
+                    let path = self
+                        .path
+                        .join(PROFILES)
+                        .join(format!("{}.csv", saved.label));
+                    // a profile that overflows is left out: the point itself has been solved
+                    if let Ok(samples) = item.profile(PROFILE_RESOLUTION) {
+                        fs::write(&path, tables::profile(&samples)).map_err(io_error(&path))?;
+                    }
+                }
+            }
+        }
+        let labelled = items.iter().any(|item| item.saved.is_some());
+        if labelled || branch.progress().end.is_some() {
+            self.restart.progress = branch.progress().clone();
+            self.save()?;
+        }
+        Ok(())
+    }
+
+    fn save(&self) -> Result<(), FolderError> {
+        let path = self.path.join(RESTART);
+        let beside = self.path.join("branch.ron.new");
+        let text = ron::ser::to_string(&self.restart).map_err(|error| FolderError::Restart {
+            path: path.clone(),
+            reason: error.to_string(),
+        })?;
+        fs::write(&beside, text).map_err(io_error(&beside))?;
+        fs::rename(&beside, &path).map_err(io_error(&path))
+    }
+}
+
+/// Removes what an earlier run wrote.
+fn clear(path: &Path) -> Result<(), FolderError> {
+    const PICTURES: [&str; 3] = ["svg", "png", "pdf"];
+    for entry in fs::read_dir(path).map_err(io_error(path))?.flatten() {
+        let file = entry.path();
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let picture = file
+            .extension()
+            .is_some_and(|extension| PICTURES.iter().any(|known| extension == *known));
+        let table = [BRANCH, EVENTS, "spectrum.csv", RESTART, "branch.ron.new"]
+            .iter()
+            .any(|known| name == *known);
+        if file.is_file() && (picture || table) {
+            fs::remove_file(&file).map_err(io_error(&file))?;
+        } else if name == PROFILES && file.is_dir() {
+            fs::remove_dir_all(&file).map_err(io_error(&file))?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,177 @@
+//! Pictures of a result folder, made for a column of a journal.
+//!
+//! Everything is read back from the tables on disk, so that a picture can be drawn again long
+//! after the run. Each picture is composed as SVG; PNG and PDF are converted from it.
+
+mod axis;
+mod canvas;
+mod diagram;
+mod displacement;
+mod error;
+mod frame;
+mod friction;
+mod legend;
+mod number;
+mod palette;
+mod phase_plane;
+mod pressure;
+mod profile;
+mod quantity;
+#[cfg(feature = "raster")]
+mod raster;
+mod sheet;
+mod spectrum;
+mod switches;
+mod tables;
+#[cfg(test)]
+mod tests;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+pub use error::PlotError;
+
+use profile::Profiles;
+use tables::Tables;
+
+pub use crate::problem::Plot as Picture;
+
+/// Name of a picture's file without extension.
+fn stem(picture: &Picture) -> String {
+    match picture {
+        Picture::Diagram => "diagram".to_owned(),
+        Picture::Pressure => "pressure".to_owned(),
+        Picture::Displacement => "displacement".to_owned(),
+        Picture::PhasePlane => "phase_plane".to_owned(),
+        Picture::Friction => "friction".to_owned(),
+        Picture::Spectrum => "spectrum".to_owned(),
+        Picture::Column(name) => {
+            // A column name comes from a file and must not lead out of the folder.
+            let safe: String = name
+                .chars()
+                .map(|c| {
+                    if c.is_alphanumeric() || c == '-' {
+                        c
+                    } else {
+                        '_'
+                    }
+                })
+                .collect();
+            format!("column_{safe}")
+        }
+    }
+}
+
+/// Whether a picture is made from the files in `profiles`.
+fn needs_profiles(picture: &Picture) -> bool {
+    matches!(
+        picture,
+        Picture::Pressure | Picture::Displacement | Picture::PhasePlane | Picture::Friction
+    )
+}
+
+/// File format of the pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Scalable vector graphics.
+    Svg,
+    /// Pixels, about 460 per inch at the width of a column.
+    Png,
+    /// One page of the width of a column.
+    Pdf,
+}
+
+impl Format {
+    /// Extension of the file name.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Format::Svg => "svg",
+            Format::Png => "png",
+            Format::Pdf => "pdf",
+        }
+    }
+}
+
+/// What the pictures have in common.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Column of `branch.csv` on the horizontal axis.
+    pub parameter: String,
+    /// Line of text above each picture.
+    pub title: Option<String>,
+}
+
+/// Draws the pictures into the folder and returns the files written.
+///
+/// # Errors
+///
+/// Returns an error when a table cannot be read or lacks a column, when the parameter or a
+/// picture's column is unknown, when the format is not compiled in, or when a file cannot be
+/// written. Pictures finished before the error stay.
+pub fn draw(
+    folder: &Path,
+    pictures: &[Picture],
+    format: Format,
+    settings: &Settings,
+) -> Result<Vec<PathBuf>, PlotError> {
+    if format != Format::Svg && cfg!(not(feature = "raster")) {
+        return Err(PlotError::FormatMissing(format.extension()));
+    }
+    let tables = Tables::read(folder)?;
+    tables.check_parameter(&settings.parameter)?;
+    let profiles = if pictures.iter().any(needs_profiles) {
+        Profiles::read(folder, &tables, &settings.parameter)?
+    } else {
+        Profiles::default()
+    };
+    let mut written = Vec::with_capacity(pictures.len());
+    for picture in pictures {
+        let svg = compose(picture, &tables, &profiles, settings)?;
+        let bytes = convert(svg, format)?;
+        let path = folder.join(format!("{}.{}", stem(picture), format.extension()));
+        fs::write(&path, bytes).map_err(|source| PlotError::Write {
+            path: path.clone(),
+            source,
+        })?;
+        written.push(path);
+    }
+    Ok(written)
+}
+
+/// The picture as SVG.
+fn compose(
+    picture: &Picture,
+    tables: &Tables,
+    profiles: &Profiles,
+    settings: &Settings,
+) -> Result<String, PlotError> {
+    match picture {
+        Picture::Diagram => diagram::compose(tables, "speed", settings),
+        Picture::Column(name) if name == "switches" => switches::compose(tables, settings),
+        Picture::Column(name) => diagram::compose(tables, name, settings),
+        Picture::Pressure => pressure::compose(profiles, settings),
+        Picture::Displacement => displacement::compose(profiles, settings),
+        Picture::PhasePlane => phase_plane::compose(profiles, settings),
+        Picture::Friction => friction::compose(profiles, settings),
+        Picture::Spectrum => spectrum::compose(tables, settings),
+    }
+}
+
+/// The bytes of the picture's file.
+#[cfg(feature = "raster")]
+fn convert(svg: String, format: Format) -> Result<Vec<u8>, PlotError> {
+    match format {
+        Format::Svg => Ok(svg.into_bytes()),
+        Format::Png => raster::png(&svg),
+        Format::Pdf => raster::pdf(&svg),
+    }
+}
+
+/// The bytes of the picture's file.
+#[cfg(not(feature = "raster"))]
+fn convert(svg: String, format: Format) -> Result<Vec<u8>, PlotError> {
+    match format {
+        Format::Svg => Ok(svg.into_bytes()),
+        Format::Png | Format::Pdf => Err(PlotError::FormatMissing(format.extension())),
+    }
+}

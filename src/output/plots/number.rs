@@ -1,0 +1,102 @@
+//! Numbers as text.
+
+/// Typographic minus sign.
+const MINUS: char = '\u{2212}';
+
+/// `value` with `decimals` digits after the point and a typographic minus sign; never `-0`.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+    if zero {
+        return "0".to_owned();
+    }
+    text.replace('-', &MINUS.to_string())
+}
+
+/// `value` with about `digits` significant digits and without trailing zeros.
+pub fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return "0".to_owned();
+    }
+    let exponent = decade(value);
+    if !(-4..6).contains(&exponent) {
+        let scale = 10f64.powi(exponent);
+        let mantissa = trimmed(&fixed(value / scale, digits.saturating_sub(1)));
+        return format!("{mantissa} × 10{}", superscript(exponent));
+    }
+    let decimals = (digits as i32 - 1 - exponent).clamp(0, 15) as usize;
+    trimmed(&fixed(value, decimals))
+}
+
+/// The values with as many digits as it takes to tell them apart, four at least.
+pub fn distinct(values: &[f64]) -> Vec<String> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    let enough = (4..=9)
+        .find(|digits| {
+            let texts: Vec<String> = sorted.iter().map(|v| significant(*v, *digits)).collect();
+            texts.windows(2).all(|pair| pair[0] != pair[1])
+        })
+        .unwrap_or(9);
+    values.iter().map(|v| significant(*v, enough)).collect()
+}
+
+/// Exponent of the power of ten at or below |value|.
+pub fn decade(value: f64) -> i32 {
+    let magnitude = value.abs();
+    if magnitude < f64::MIN_POSITIVE {
+        return 0;
+    }
+    // The logarithm of 1000 may come out just below 3.
+    (magnitude.log10() + 1e-12).floor() as i32
+}
+
+/// The exponent in superior figures.
+pub fn superscript(exponent: i32) -> String {
+    exponent
+        .to_string()
+        .chars()
+        .map(|c| match c {
+            '-' => '⁻',
+            '0' => '⁰',
+            '1' => '¹',
+            '2' => '²',
+            '3' => '³',
+            '4' => '⁴',
+            '5' => '⁵',
+            '6' => '⁶',
+            '7' => '⁷',
+            '8' => '⁸',
+            _ => '⁹',
+        })
+        .collect()
+}
+
+/// The text without zeros at the end of its decimals.
+pub fn trimmed(text: &str) -> String {
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_stay_distinct() {
+        assert_eq!(distinct(&[0.1, 0.25]), ["0.1", "0.25"]);
+        assert_eq!(distinct(&[1.00001, 1.00002]), ["1.00001", "1.00002"]);
+        assert_eq!(distinct(&[0.5, 0.5]), ["0.5", "0.5"]);
+    }
+
+    #[test]
+    fn signs_and_powers_are_typographic() {
+        assert_eq!(fixed(-0.0001, 2), "0");
+        assert_eq!(fixed(-1.5, 2), "−1.50");
+        assert_eq!(significant(2.5e-7, 3), "2.5 × 10⁻⁷");
+    }
+}

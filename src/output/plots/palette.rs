@@ -1,0 +1,108 @@
+//! Colours that the colour-blind can tell apart (Okabe and Ito) and the patterns of lines.
+
+use plotters::style::RGBColor;
+
+/// Black.
+pub const BLACK: RGBColor = RGBColor(0, 0, 0);
+/// White.
+pub const WHITE: RGBColor = RGBColor(255, 255, 255);
+/// For helper lines and what is left over.
+pub const GREY: RGBColor = RGBColor(130, 130, 130);
+/// Blue.
+pub const BLUE: RGBColor = RGBColor(0, 114, 178);
+/// Vermillion.
+pub const VERMILLION: RGBColor = RGBColor(213, 94, 0);
+/// Bluish green.
+pub const GREEN: RGBColor = RGBColor(0, 158, 115);
+/// Reddish purple.
+pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
+/// Orange.
+pub const ORANGE: RGBColor = RGBColor(230, 159, 0);
+/// Sky blue.
+pub const SKY: RGBColor = RGBColor(86, 180, 233);
+
+/// Colours of categories, in the order of use; yellow is left out, it is lost on white paper.
+pub const CATEGORIES: [RGBColor; 7] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK];
+
+/// Colour at `position` in [0, 1] of an ordered scale whose lightness only grows.
+pub fn ordered(position: f64) -> RGBColor {
+    const ANCHORS: [RGBColor; 4] = [RGBColor(20, 20, 40), BLUE, GREEN, ORANGE];
+    let position = if position.is_finite() { position } else { 0.0 };
+    let scaled = position.clamp(0.0, 1.0) * (ANCHORS.len() - 1) as f64;
+    let index = (scaled.floor() as usize).min(ANCHORS.len() - 2);
+    mix(ANCHORS[index], ANCHORS[index + 1], scaled - index as f64)
+}
+
+/// Colour of a regime's lines.
+pub fn regime(name: &str) -> RGBColor {
+    match name {
+        "slip" => BLUE,
+        "stick" => BLACK,
+        "separation" => GREEN,
+        "reverse" => VERMILLION,
+        _ => PURPLE,
+    }
+}
+
+/// Pale colour of a regime's zone, behind curves.
+pub fn zone(name: &str) -> RGBColor {
+    match name {
+        "slip" => mix(WHITE, SKY, 0.28),
+        "stick" => mix(WHITE, BLACK, 0.20),
+        "separation" => mix(WHITE, GREEN, 0.30),
+        "reverse" => mix(WHITE, VERMILLION, 0.38),
+        _ => mix(WHITE, PURPLE, 0.3),
+    }
+}
+
+/// `part` of the way from one colour to another.
+pub fn mix(from: RGBColor, to: RGBColor, part: f64) -> RGBColor {
+    let blend = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * part).round() as u8;
+    RGBColor(
+        blend(from.0, to.0),
+        blend(from.1, to.1),
+        blend(from.2, to.2),
+    )
+}
+
+/// Pattern of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pattern {
+    /// Without gaps.
+    Solid,
+    /// Long strokes.
+    Dashed,
+    /// Short strokes.
+    Dotted,
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pen {
+    /// Colour.
+    pub colour: RGBColor,
+    /// Width in pixels of the sheet.
+    pub width: f64,
+    /// Pattern.
+    pub pattern: Pattern,
+}
+
+impl Pen {
+    /// A line without gaps.
+    pub fn solid(colour: RGBColor, width: f64) -> Self {
+        Pen {
+            colour,
+            width,
+            pattern: Pattern::Solid,
+        }
+    }
+
+    /// A line of long strokes.
+    pub fn dashed(colour: RGBColor, width: f64) -> Self {
+        Pen {
+            colour,
+            width,
+            pattern: Pattern::Dashed,
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! PNG and PDF from SVG, with a font of our own: machines that compute often have none.
+
+use std::sync::Arc;
+
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::{Options, Tree, fontdb};
+use svg2pdf::{ConversionOptions, PageOptions};
+
+use super::canvas::WIDTH;
+use super::error::PlotError;
+
+/// Pixels of the PNG per pixel of the sheet.
+const SCALE: f32 = 3.0;
+
+/// Width of the page in millimetres: a column.
+const COLUMN: f64 = 85.0;
+
+/// The picture as PNG.
+pub fn png(svg: &str) -> Result<Vec<u8>, PlotError> {
+    let tree = tree(svg, "PNG")?;
+    let size = tree.size();
+    let (width, height) = (
+        (size.width() * SCALE).ceil() as u32,
+        (size.height() * SCALE).ceil() as u32,
+    );
+    let mut pixels = Pixmap::new(width, height)
+        .ok_or_else(|| fault("PNG", &format!("no room for {width} × {height} pixels")))?;
+    resvg::render(
+        &tree,
+        Transform::from_scale(SCALE, SCALE),
+        &mut pixels.as_mut(),
+    );
+    pixels
+        .encode_png()
+        .map_err(|error| fault("PNG", &error.to_string()))
+}
+
+/// The picture as a page of PDF.
+pub fn pdf(svg: &str) -> Result<Vec<u8>, PlotError> {
+    let tree = tree(svg, "PDF")?;
+    let page = PageOptions {
+        dpi: (WIDTH / (COLUMN / 25.4)) as f32,
+    };
+    svg2pdf::to_pdf(&tree, ConversionOptions::default(), page)
+        .map_err(|error| fault("PDF", &error.to_string()))
+}
+
+/// Reads the SVG with the fonts at hand.
+fn tree(svg: &str, format: &'static str) -> Result<Tree, PlotError> {
+    let mut fonts = fontdb::Database::new();
+    fonts.load_font_data(dejavu::sans_condensed::regular().to_vec());
+    let family = fonts
+        .faces()
+        .next()
+        .and_then(|face| face.families.first())
+        .map(|(name, _)| name.clone())
+        .ok_or_else(|| fault(format, "the built-in font cannot be read"))?;
+    fonts.set_sans_serif_family(family.clone());
+    let options = Options {
+        font_family: family,
+        fontdb: Arc::new(fonts),
+        ..Options::default()
+    };
+    Tree::from_str(svg, &options).map_err(|error| fault(format, &error.to_string()))
+}
+
+fn fault(format: &'static str, reason: &str) -> PlotError {
+    PlotError::Convert {
+        format,
+        reason: reason.to_owned(),
+    }
+}

@@ -1,0 +1,126 @@
+//! Rows of the tables. Numbers carry 17 significant digits, so that reading them back gives the
+//! same double.
+
+use crate::branch::{BranchPoint, Event, ParameterValues, ProfileSample, Stability};
+
+/// Header of `branch.csv`.
+pub const BRANCH_HEADER: &str = "point,label,type,regimes,mismatch,friction,mass_damping,\
+stiffness_damping,gamma,nu,xi,speed,switches,min_pressure,max_gap,amplitude,stable,unstable,\
+lead_re,lead_im,lead_sector,newton,residual,leg";
+
+/// Header of `events.csv`.
+pub const EVENTS_HEADER: &str = "label,type,mismatch,friction,mass_damping,stiffness_damping,\
+gamma,nu,xi,speed,sector,omega,regimes_before,regimes_after,uncertainty,what";
+
+/// Header of a profile.
+pub const PROFILE_HEADER: &str = "theta,U,V,U_dot,V_dot,P,Q,regime";
+
+/// A number with 17 significant digits; empty where it is not finite.
+pub fn number(value: f64) -> String {
+    if value.is_finite() {
+        format!("{value:.16e}")
+    } else {
+        String::new()
+    }
+}
+
+fn optional<T: ToString>(value: Option<T>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+fn parameters(values: &ParameterValues) -> [String; 7] {
+    [
+        number(values.mismatch),
+        number(values.friction),
+        number(values.mass_damping),
+        number(values.stiffness_damping),
+        values.gamma.map_or_else(String::new, number),
+        values.nu.map_or_else(String::new, number),
+        values.xi.map_or_else(String::new, number),
+    ]
+}
+
+/// A record as a line of CSV.
+fn line(fields: &[String]) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::with_capacity(512));
+    // writing to memory does not fail
+    let _ = writer.write_record(fields);
+    let bytes = writer.into_inner().unwrap_or_default();
+    String::from_utf8(bytes).unwrap_or_default()
+}
+
+/// A row of `branch.csv`.
+pub fn branch_row(point: &BranchPoint, leg: usize) -> String {
+    let switches: Vec<String> = point.switches.iter().map(|theta| number(*theta)).collect();
+    let mut fields = vec![
+        point.point.to_string(),
+        optional(point.label),
+        optional(point.kind),
+        point.regimes.clone(),
+    ];
+    fields.extend(parameters(&point.parameters));
+    fields.extend([
+        number(point.speed),
+        switches.join(" "),
+        number(point.min_pressure),
+        number(point.max_gap),
+        number(point.amplitude),
+        point
+            .stable
+            .map_or("", |stable| match stable {
+                Stability::Yes => "yes",
+                Stability::No => "no",
+                Stability::Undecided => "undecided",
+            })
+            .to_string(),
+        optional(point.unstable),
+        point.lead.map_or_else(String::new, |lead| number(lead.re)),
+        point.lead.map_or_else(String::new, |lead| number(lead.im)),
+        optional(point.lead.map(|lead| lead.sector)),
+        point.newton.to_string(),
+        number(point.residual),
+        leg.to_string(),
+    ]);
+    line(&fields)
+}
+
+/// A row of `events.csv`.
+pub fn event_row(event: &Event) -> String {
+    let mut fields = vec![event.label.to_string(), event.kind.to_string()];
+    fields.extend(parameters(&event.parameters));
+    fields.extend([
+        number(event.speed),
+        optional(event.sector),
+        event.omega.map_or_else(String::new, number),
+        event.regimes_before.clone(),
+        event.regimes_after.clone(),
+        number(event.uncertainty),
+        event.what.clone(),
+    ]);
+    line(&fields)
+}
+
+/// A whole profile.
+pub fn profile(samples: &[ProfileSample]) -> String {
+    use std::fmt::Write;
+    let mut text = String::with_capacity(samples.len() * 180 + 64);
+    text.push_str(PROFILE_HEADER);
+    text.push('\n');
+    for sample in samples {
+        for value in [
+            sample.theta,
+            sample.radial,
+            sample.tangential,
+            sample.radial_rate,
+            sample.tangential_rate,
+            sample.pressure,
+            sample.shear,
+        ] {
+            // writing to a string does not fail
+            let _ = write!(text, "{value:.16e},");
+        }
+        text.push_str(sample.regime);
+        text.push('\n');
+    }
+    text
+}

@@ -1,0 +1,166 @@
+//! The branch to follow.
+
+use std::fmt;
+
+use serde::de::{self, Deserializer, MapAccess, Visitor};
+use serde::{Deserialize, Serialize};
+
+use super::Parameter;
+use crate::branch::EventType;
+
+/// First step along the branch where none is given, in dimensionless scaled arclength.
+pub const DEFAULT_DS: f64 = 0.005;
+/// Smallest step where none is given, in dimensionless scaled arclength.
+pub const DEFAULT_DS_MIN: f64 = 1e-12;
+/// Largest step where none is given, in dimensionless scaled arclength.
+pub const DEFAULT_DS_MAX: f64 = 0.01;
+/// Largest number of points of a branch where none is given.
+pub const DEFAULT_MAX_POINTS: usize = 100_000;
+/// Relative size of the Newton correction at which a point is accepted where none is given.
+pub const DEFAULT_TOLERANCE: f64 = 1e-10;
+
+/// Which way a branch leaves its first point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Toward {
+    /// Toward smaller values of the parameter.
+    Down,
+    /// Toward larger values of the parameter.
+    Up,
+    /// One branch each way.
+    #[default]
+    Both,
+}
+
+/// The branch to follow, with every default filled in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Written")]
+pub struct Continuation {
+    /// Parameter of the branch.
+    pub parameter: Parameter,
+    /// Lower and upper end of the parameter, lower < upper.
+    pub range: (f64, f64),
+    /// Which way to go first.
+    pub toward: Toward,
+    /// Values of the parameter at which a user point is wanted, within `range`.
+    pub stop_at: Vec<f64>,
+    /// First step, in dimensionless scaled arclength; `ds_min` ≤ `ds` ≤ `ds_max`.
+    pub ds: f64,
+    /// Smallest step before the branch is given up, in dimensionless scaled arclength.
+    pub ds_min: f64,
+    /// Largest step, in dimensionless scaled arclength.
+    pub ds_max: f64,
+    /// Largest number of points, at least 1.
+    pub max_points: usize,
+    /// Relative size of the Newton correction at which a point is accepted.
+    pub tolerance: f64,
+    /// Events that end the branch.
+    pub stop_after: Vec<StopAfter>,
+}
+
+/// Ends a branch after a number of events of one type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StopAfter {
+    /// Type of the event.
+    pub event: EventType,
+    /// Which occurrence ends the branch, at least 1.
+    pub count: usize,
+}
+
+/// The section before the defaults are filled in.
+#[derive(Deserialize)]
+#[serde(rename = "Continuation", deny_unknown_fields)]
+struct Written {
+    parameter: Parameter,
+    range: (f64, f64),
+    #[serde(default)]
+    toward: Toward,
+    #[serde(default)]
+    stop_at: Vec<UserPoint>,
+    #[serde(default, deserialize_with = "given")]
+    ds: Option<f64>,
+    #[serde(default, deserialize_with = "given")]
+    ds_min: Option<f64>,
+    #[serde(default, deserialize_with = "given")]
+    ds_max: Option<f64>,
+    #[serde(default = "default_max_points")]
+    max_points: usize,
+    #[serde(default = "default_tolerance")]
+    tolerance: f64,
+    #[serde(default)]
+    stop_after: Vec<StopAfter>,
+}
+
+fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    f64::deserialize(deserializer).map(Some)
+}
+
+fn default_max_points() -> usize {
+    DEFAULT_MAX_POINTS
+}
+
+fn default_tolerance() -> f64 {
+    DEFAULT_TOLERANCE
+}
+
+impl From<Written> for Continuation {
+    fn from(written: Written) -> Self {
+        // A default gives way to what was written, unless that makes no sense for a step.
+        let sensible = |step: Option<f64>| step.filter(|step| step.is_finite() && *step > 0.0);
+        let floor = sensible(written.ds_min).unwrap_or(0.0);
+        let ceiling = sensible(written.ds_max).unwrap_or(f64::INFINITY);
+        let ds = sensible(written.ds).unwrap_or(DEFAULT_DS.max(floor).min(ceiling));
+        Continuation {
+            parameter: written.parameter,
+            range: written.range,
+            toward: written.toward,
+            stop_at: written.stop_at.into_iter().map(|point| point.0).collect(),
+            ds: written.ds.unwrap_or(ds),
+            ds_min: written.ds_min.unwrap_or(DEFAULT_DS_MIN.min(ds)),
+            ds_max: written.ds_max.unwrap_or(DEFAULT_DS_MAX.max(ds)),
+            max_points: written.max_points,
+            tolerance: written.tolerance,
+            stop_after: written.stop_after,
+        }
+    }
+}
+
+/// A bare number, or one with the name of its column, as in `(mismatch: 0.08)`.
+struct UserPoint(f64);
+
+impl<'de> Deserialize<'de> for UserPoint {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(UserPointVisitor)
+    }
+}
+
+struct UserPointVisitor;
+
+impl<'de> Visitor<'de> for UserPointVisitor {
+    type Value = UserPoint;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a number or one named number such as `(mismatch: 0.08)`")
+    }
+
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<UserPoint, E> {
+        Ok(UserPoint(value))
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<UserPoint, E> {
+        Ok(UserPoint(value as f64))
+    }
+
+    fn visit_u64<E: de::Error>(self, value: u64) -> Result<UserPoint, E> {
+        Ok(UserPoint(value as f64))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<UserPoint, A::Error> {
+        // Whether the name is that of the parameter is known only later.
+        match map.next_entry::<String, f64>()? {
+            Some((_, value)) if map.next_key::<String>()?.is_none() => Ok(UserPoint(value)),
+            Some(_) => Err(de::Error::invalid_length(2, &self)),
+            None => Err(de::Error::invalid_length(0, &self)),
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! What `ron` says about a text, in words for those who write problem files.
+
+use std::ops::Range;
+
+use ron::Error;
+use ron::error::{Position, SpannedError};
+
+use super::error::{Flaw, excerpt};
+use super::examples::{example, home, variant};
+use super::outline::Outline;
+
+/// The meaning of the event types, for those who ask for one that does not exist.
+const EVENT_HELP: &str = "EP end point, MX failure, UZ user point, LP fold, HB complex pair \
+    crosses, BP real eigenvalue crosses, GR take-off, RV reverse slip, CO switching points \
+    coalesce, ST stick vanishes";
+
+/// Finds the place and the words for what `ron` refused.
+pub(super) fn explain(text: &str, error: &SpannedError) -> Flaw {
+    let outline = Outline::of(text);
+    if outline.is_empty() {
+        let help = "`brakewave new` prints a problem file to start from";
+        return Flaw::new(0..0, "the file is empty: there is no problem in it", help);
+    }
+    if let Some(flaw) = outline.broken_before(offset_of(text, error.span.end)) {
+        return flaw;
+    }
+    let start = offset_of(text, error.span.start);
+    let offset = outline.after_blank(start);
+    let around = outline.innermost(offset);
+    let section = around.map_or(String::new(), |node| outline.path(node));
+    let quoted = quoted(&section);
+    let token = outline.token(offset);
+    match &error.code {
+        Error::NoSuchStructField {
+            expected, found, ..
+        } => Flaw::new(
+            token,
+            format!(
+                "unknown field `{}` in {quoted}{}",
+                excerpt(found),
+                known(found, expected)
+            ),
+            help_for_unknown(&section, found, expected),
+        ),
+        Error::DuplicateStructField { field, .. } => Flaw::new(
+            token,
+            format!("`{field}` is given twice in {quoted}"),
+            "keep one of the two",
+        ),
+        Error::MissingStructField { field, .. } => Flaw::new(
+            around.map_or(0..0, |node| outline.head(node)),
+            format!("missing field `{field}` in {quoted}"),
+            format!(
+                "add for example `{}`",
+                example(&section, field).unwrap_or(field.to_string())
+            ),
+        ),
+        Error::NoSuchEnumVariant {
+            expected, found, ..
+        } => Flaw::new(
+            token,
+            format!(
+                "unknown choice `{}` for {quoted}{}",
+                excerpt(found),
+                known(found, expected)
+            ),
+            if expected.contains(&"EP") {
+                EVENT_HELP.to_owned()
+            } else {
+                write_as(&section)
+            },
+        ),
+        code => refused_value(&outline, offset, code),
+    }
+}
+
+/// A value of another kind than its field has, or a mark that is missing.
+fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
+    let token = outline.token(offset);
+    let found = excerpt(&outline.text[token.clone()]);
+    // Some values are refused only at the mark after them.
+    let before = outline.ending(outline.text[..offset].trim_end().len());
+    let around = outline.innermost(offset);
+    let at_mark = matches!(found.as_str(), "" | "," | ":" | ")" | "]" | "}");
+    let node = if at_mark { before } else { around };
+    let path = node
+        .or(around)
+        .map_or(String::new(), |node| outline.path(node));
+
+    let wanted = match code {
+        Error::ExpectedFloat => "a number",
+        Error::ExpectedInteger | Error::InvalidIntegerDigit { .. } => "a whole number from 0 up",
+        Error::IntegerOutOfBounds => "a whole number from 0 up, but not too large",
+        // What is read of a value may end within it, where a comma would have to follow.
+        Error::ExpectedComma if node.is_some_and(|node| outline.splits(node, offset)) => {
+            match found.as_str() {
+                "(" => "a name without parentheses",
+                _ => "a whole number from 0 up",
+            }
+        }
+        Error::ExpectedString => "a text in double quotes",
+        Error::ExpectedArray => "a list in square brackets",
+        Error::ExpectedIdentifier | Error::SuggestRawIdentifier(_) => "a name",
+        Error::ExpectedStructLike => "values in parentheses",
+        Error::ExpectedNamedStructLike(_) | Error::ExpectedDifferentStructName { .. } => {
+            "a section of fields in parentheses"
+        }
+        Error::InvalidValueForType { expected, .. }
+        | Error::ExpectedDifferentLength { expected, .. } => match expected.as_str() {
+            "a tuple of size 2" => "two numbers in parentheses",
+            expected => expected,
+        },
+        Error::ExpectedComma => return missing_mark(outline, before, token, ","),
+        Error::ExpectedMapColon => return missing_mark(outline, None, token, ":"),
+        Error::ExpectedStructLikeEnd => return missing_mark(outline, None, token, ")"),
+        code => {
+            let mut message = code.to_string();
+            // The messages of `ron` begin with a capital letter, ours do not.
+            if let Some(first) = message.get_mut(..1) {
+                first.make_ascii_lowercase();
+            }
+            return Flaw::new(token, message, write_as(&path));
+        }
+    };
+    let length = matches!(code, Error::ExpectedDifferentLength { .. });
+    let Some(node) = (if length { around } else { node }) else {
+        let message = format!("{wanted} should stand before `{found}`");
+        return Flaw::new(token, message, write_as(&path));
+    };
+    let source = excerpt(outline.source(node));
+    let span = outline.span(node);
+    if *code == Error::ExpectedStructLike && at_mark {
+        let message = format!("`{source}` must be followed by {wanted}");
+        let help = match variant(outline.source(node)) {
+            Some(example) => format!("write it as in `{example}`"),
+            None => write_as(&path),
+        };
+        return Flaw::new(span, message, help);
+    }
+    if wanted == "a name" && (span.start < offset || outline.is_bare(node)) {
+        // Either the key within a section is no name, or a value has no key.
+        let at = if span.start < offset { token } else { span };
+        let message = format!(
+            "{} holds named fields, found `{}`",
+            quoted(&path),
+            excerpt(&outline.text[at.clone()])
+        );
+        let help = "write `name: value`; numbers have a decimal point, no comma";
+        return Flaw::new(at, message, help);
+    }
+    let entry = if outline.is_entry(node) {
+        "an entry of "
+    } else {
+        ""
+    };
+    let mut help = write_as(&path);
+    if source.starts_with('"') {
+        help.push_str(", without quotes around it");
+    }
+    let message = format!(
+        "{entry}{} must be {wanted}, found `{source}`",
+        quoted(&path)
+    );
+    Flaw::new(span, message, help)
+}
+
+/// The words for a mark that should stand between the value before and the token.
+fn missing_mark(outline: &Outline, before: Option<usize>, token: Range<usize>, mark: &str) -> Flaw {
+    if let Some(text) = before.filter(|&node| outline.source(node).contains('\n')) {
+        // A forgotten quote turns the file inside out from there on.
+        if outline.source(text).starts_with('"') {
+            let message = "this text runs over several lines, and what follows it makes no sense";
+            let help = "end it with `\"` on the line where it begins";
+            return Flaw::new(outline.span(text), message, help);
+        }
+    }
+    let found = excerpt(&outline.text[token.clone()]);
+    let message = format!("`{mark}` should stand before `{found}`");
+    let help = "write `name: value`, separate entries by commas, and close every bracket";
+    Flaw::new(token, message, help)
+}
+
+/// The name of a section for messages.
+fn quoted(path: &str) -> String {
+    match path {
+        "" => "the problem".to_owned(),
+        path => format!("`{}`", excerpt(path)),
+    }
+}
+
+/// How the field with this path is written.
+fn write_as(path: &str) -> String {
+    let (section, field) = path.rsplit_once('.').unwrap_or(("", path));
+    match example(section, field) {
+        Some(example) => format!("write it as in `{example}`"),
+        None => "`brakewave new` prints a complete example".to_owned(),
+    }
+}
+
+fn help_for_unknown(section: &str, found: &str, expected: &[&str]) -> String {
+    let home = home(found).filter(|home| *home != section);
+    match (home, nearest(found, expected).first()) {
+        (Some(home), _) => {
+            let home = quoted(&home);
+            format!("`{found}` belongs to {home}; is a bracket out of place?")
+        }
+        (None, Some(near)) => {
+            let near = example(section, near).unwrap_or(near.to_string());
+            format!("write for example `{near}`")
+        }
+        (None, None) => "remove it, or use one of the known names".to_owned(),
+    }
+}
+
+/// The end of a message about an unknown name: the nearest ones, and all there are.
+fn known(found: &str, expected: &[&str]) -> String {
+    let quoted = |names: &[&str], comma| {
+        let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+        names.join(comma)
+    };
+    let near = match nearest(found, expected).as_slice() {
+        [] => ";".to_owned(),
+        near => format!("; did you mean {}?", quoted(near, " or ")),
+    };
+    format!("{near} known: {}", quoted(expected, ", "))
+}
+
+/// The names that differ least from the one found, if they differ little.
+fn nearest<'a>(found: &str, names: &[&'a str]) -> Vec<&'a str> {
+    // The comparison takes time and memory in proportion to the length.
+    if found.len() > 64 {
+        return Vec::new();
+    }
+    let reach = (found.chars().count() / 2).clamp(1, 3);
+    let distance =
+        |name: &str| strsim::damerau_levenshtein(&found.to_lowercase(), &name.to_lowercase());
+    let least = names.iter().map(|name| distance(name)).min();
+    names
+        .iter()
+        .copied()
+        .filter(|name| Some(distance(name)) == least && least <= Some(reach))
+        .collect()
+}
+
+/// The offset of a line and a column.
+fn offset_of(text: &str, position: Position) -> usize {
+    let line: usize = text
+        .split_inclusive('\n')
+        .take(position.line.saturating_sub(1))
+        .map(str::len)
+        .sum();
+    text[line..]
+        .char_indices()
+        .nth(position.col.saturating_sub(1))
+        .map_or(text.len(), |(column, _)| line + column)
+}

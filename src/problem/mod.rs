@@ -1,0 +1,329 @@
+//! Problem files: what to compute, read from RON and checked before anything is computed.
+//!
+//! `ron` decides whether a file is well formed. Only when it refuses, or when a value fails the
+//! checks of [`parse`], does an outline of the text tell where to point.
+
+mod continuation;
+mod error;
+mod examples;
+mod expectation;
+mod explanation;
+mod outline;
+mod parameter;
+#[cfg(test)]
+mod tests;
+mod validation;
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+use ron::extensions::Extensions;
+use serde::{Deserialize, Serialize};
+
+pub use continuation::{
+    Continuation, DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_MAX_POINTS,
+    DEFAULT_TOLERANCE, StopAfter, Toward,
+};
+pub use error::ProblemError;
+pub use expectation::Expectation;
+pub use parameter::Parameter;
+
+use error::Flaw;
+use outline::Outline;
+
+/// Largest problem file accepted, in bytes.
+pub const MAX_BYTES: usize = 4 << 20;
+/// Largest number of waves around the circumference that is accepted.
+pub const MAX_MODE: u32 = 4096;
+/// Largest number of profiles that can be asked for.
+pub const MAX_PROFILES: usize = 1000;
+/// Coarsest accepted [`Continuation::tolerance`].
+pub const MAX_TOLERANCE: f64 = 1e-4;
+
+/// Eigenvalues kept per Bloch sector where no number is given.
+pub const DEFAULT_EIGENVALUES: usize = 6;
+/// Largest |Im λ| searched where none is given, in units of Ω.
+pub const DEFAULT_MAX_FREQUENCY: f64 = 12.0;
+
+/// A commented problem file to start from: the mode-4 branch in the mismatch.
+pub const TEMPLATE: &str = include_str!("template.ron");
+
+/// A problem that has passed every check.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Problem {
+    /// Title for plots and reports.
+    pub title: Option<String>,
+    /// The brake.
+    pub model: Model,
+    /// The wave to begin with.
+    pub wave: Wave,
+    /// The branch to follow; see [`Problem::continuation`].
+    pub continuation: Option<Continuation>,
+    /// Stability analysis; `None` when not asked for.
+    pub stability: Option<StabilitySection>,
+    /// Plots and tables to write.
+    #[serde(default)]
+    pub output: Output,
+    /// Events that a check compares with.
+    #[serde(default)]
+    pub expect: Vec<Expectation>,
+}
+
+impl Problem {
+    /// The `continuation` section, or an error that says how to write one.
+    ///
+    /// `text` and `name` are the source of the problem and the name of its file, for the message.
+    pub fn continuation(&self, text: &str, name: &str) -> Result<&Continuation, ProblemError> {
+        self.continuation.as_ref().ok_or_else(|| {
+            let flaw = Flaw::new(
+                Outline::of(text).locate("continuation"),
+                "missing field `continuation` in the problem: there is no branch to follow",
+                "add `continuation: (parameter: Mismatch, range: (0.004, 0.2)),`",
+            );
+            ProblemError::in_text(name, text, flaw)
+        })
+    }
+}
+
+/// The brake: an elastic tube in frictional contact with a rotating rigid shaft.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Coefficients of the equations of motion.
+    pub coefficients: Coefficients,
+    /// Friction coefficient f ≥ 0.
+    pub friction: f64,
+    /// Mismatch δ > 0, in units of the inner radius R.
+    pub mismatch: f64,
+    /// Damping, zero unless given.
+    #[serde(default)]
+    pub damping: Damping,
+    /// Law of the impact that ends a separation.
+    #[serde(default)]
+    pub impact: Impact,
+}
+
+impl Model {
+    /// The value of a parameter; `None` for γ, ν and ξ where the coefficients were given directly.
+    pub fn value(&self, parameter: Parameter) -> Option<f64> {
+        let geometry = match self.coefficients {
+            Coefficients::Geometry { nu, xi, gamma } => Some((nu, xi, gamma)),
+            Coefficients::Given { .. } => None,
+        };
+        match parameter {
+            Parameter::Mismatch => Some(self.mismatch),
+            Parameter::Friction => Some(self.friction),
+            Parameter::MassDamping => Some(self.damping.mass),
+            Parameter::StiffnessDamping => Some(self.damping.stiffness),
+            Parameter::Nu => geometry.map(|(nu, _, _)| nu),
+            Parameter::Xi => geometry.map(|(_, xi, _)| xi),
+            Parameter::Gamma => geometry.map(|(_, _, gamma)| gamma),
+        }
+    }
+}
+
+/// Where the coefficients of the equations of motion come from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Coefficients {
+    /// Computed from the geometry and the material.
+    Geometry {
+        /// Poisson's ratio ν in (−1, ½).
+        nu: f64,
+        /// Ratio of the radii ξ = R*/R > 1.
+        xi: f64,
+        /// γ = ρR²Ω²/E > 0.
+        gamma: f64,
+    },
+    /// Given directly, all dimensionless.
+    Given {
+        /// Square of the tangential wave speed, a > b.
+        a: f64,
+        /// Square of the radial wave speed, b > 0.
+        b: f64,
+        /// Coupling of the displacements, D ≠ 0; the wave runs in the direction of its sign.
+        #[serde(rename = "D")]
+        d: f64,
+        /// Radial stiffness, g > 0.
+        g: f64,
+        /// Tangential stiffness, h > 0.
+        h: f64,
+    },
+}
+
+/// Viscous damping.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Damping {
+    /// Mass-proportional part α ≥ 0, in units of Ω.
+    pub mass: f64,
+    /// Stiffness-proportional part β ≥ 0, in units of 1/Ω.
+    pub stiffness: f64,
+}
+
+/// Law of the impact that ends a separation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Impact {
+    /// V̇ is continuous at landing.
+    #[default]
+    Frictionless,
+    /// The impulse of landing carries friction: m_a[V̇] = ±f m_b|U̇⁻|, towards V̇ = 1 and not
+    /// beyond.
+    Coulomb,
+}
+
+/// The wave a computation begins with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wave {
+    /// Number of waves k around the circumference, 1 to [`MAX_MODE`].
+    pub mode: u32,
+    /// The first solution.
+    pub start: Start,
+}
+
+/// Which solution is the first.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Start {
+    /// The fast wave at the parameters of the model.
+    Fast,
+    /// The slow wave at the parameters of the model.
+    Slow,
+    /// A labelled point of an earlier run.
+    Restart {
+        /// Directory with the results of that run.
+        dir: PathBuf,
+        /// Label of the point.
+        label: usize,
+    },
+}
+
+/// Stability analysis of the points of the branch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct StabilitySection {
+    /// Bloch sectors to look at.
+    pub sectors: Sectors,
+    /// Eigenvalues to keep per sector, at least 1.
+    pub eigenvalues: usize,
+    /// Largest |Im λ| to search, in units of Ω.
+    pub max_frequency: f64,
+}
+
+impl Default for StabilitySection {
+    fn default() -> Self {
+        StabilitySection {
+            sectors: Sectors::All,
+            eigenvalues: DEFAULT_EIGENVALUES,
+            max_frequency: DEFAULT_MAX_FREQUENCY,
+        }
+    }
+}
+
+/// A choice of Bloch sectors.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Sectors {
+    /// Every sector from 0 to half the mode.
+    #[default]
+    All,
+    /// The listed sectors, each at most half the mode.
+    Only(Vec<usize>),
+}
+
+/// What to write besides the tables of the branch.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Output {
+    /// Plots to draw.
+    pub plots: Vec<Plot>,
+    /// Number of wave profiles to tabulate, at most [`MAX_PROFILES`].
+    pub profiles: usize,
+}
+
+/// A kind of plot.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Plot {
+    /// Branch diagram: wave speed over the parameter.
+    Diagram,
+    /// Contact pressure over a wavelength.
+    Pressure,
+    /// Displacements over a wavelength.
+    Displacement,
+    /// Eigenvalues in the complex plane.
+    Spectrum,
+    /// Velocities over displacements.
+    PhasePlane,
+    /// Friction force and relative velocity over a wavelength.
+    Friction,
+    /// Branch diagram of the named column of `branch.csv`.
+    Column(String),
+}
+
+/// Reads and checks a problem file; returns its text as well.
+pub fn read(path: &Path) -> Result<(Problem, String), ProblemError> {
+    let name = path.display().to_string();
+    let refuse = |error: std::io::Error| {
+        ProblemError::in_file(
+            &name,
+            format!("cannot read the problem file: {error}"),
+            "give the path of a problem file that exists and may be read; \
+             `brakewave new` prints one to start from",
+        )
+    };
+    let mut bytes = Vec::new();
+    // Pipes and devices have no length to ask for, hence the limit on what is read.
+    File::open(path)
+        .and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes))
+        .map_err(refuse)?;
+    if bytes.len() > MAX_BYTES {
+        return Err(too_large(&name));
+    }
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let byte = error.as_bytes()[valid];
+        let lossy = String::from_utf8_lossy(error.as_bytes());
+        let flaw = Flaw::new(
+            valid..valid + '\u{FFFD}'.len_utf8(),
+            format!("the file is not UTF-8 text: unexpected byte 0x{byte:02X}"),
+            "save the file as plain text in the encoding UTF-8",
+        );
+        ProblemError::in_text(&name, &lossy, flaw)
+    })?;
+    let problem = parse(&text, &name)?;
+    Ok((problem, text))
+}
+
+/// Parses and checks the text of a problem file; `name` is what messages call the file.
+pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
+    if text.len() > MAX_BYTES {
+        return Err(too_large(name));
+    }
+    let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
+    let problem: Problem = options()
+        .from_str(text)
+        .map_err(|error| ProblemError::in_text(name, text, explanation::explain(text, &error)))?;
+    let outline = Outline::of(text);
+    match validation::check(&problem, &outline) {
+        Ok(()) => Ok(problem),
+        Err(complaint) => {
+            let at = outline.locate(&complaint.path);
+            let flaw = Flaw::new(at, complaint.message, complaint.help);
+            Err(ProblemError::in_text(name, text, flaw))
+        }
+    }
+}
+
+fn too_large(name: &str) -> ProblemError {
+    ProblemError::in_file(
+        name,
+        format!("the file is larger than {} MiB", MAX_BYTES >> 20),
+        "a problem file is a page of text; is this another file?",
+    )
+}
+
+fn options() -> ron::Options {
+    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
+}

@@ -1,0 +1,289 @@
+//! Checks of the values of a problem.
+
+use std::fmt::Debug;
+
+use super::error::excerpt;
+use super::outline::Outline;
+use super::{
+    Coefficients, Continuation, Expectation, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Model, Output,
+    Parameter, Plot, Problem, Sectors, StabilitySection, Start, Toward, Wave,
+};
+
+/// Something wrong with the value at a path; see [`Outline::locate`].
+pub(super) struct Complaint {
+    pub path: String,
+    pub message: String,
+    pub help: String,
+}
+
+type Check = Result<(), Complaint>;
+
+/// Refuses the first value of the problem that makes no sense.
+pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
+    let mode = problem.wave.mode;
+    model(&problem.model)?;
+    wave(&problem.wave)?;
+    if let Some(section) = &problem.continuation {
+        range(section)?;
+        first_point(section, &problem.model, &problem.wave.start)?;
+        user_points(section, outline)?;
+        steps(section)?;
+    }
+    if let Some(section) = &problem.stability {
+        stability(section, mode)?;
+    }
+    output(&problem.output)?;
+    for (index, event) in problem.expect.iter().enumerate() {
+        expectation(&format!("expect.{index}"), event, mode, &problem.model)?;
+    }
+    Ok(())
+}
+
+fn refuse(path: &str, message: impl Into<String>, help: impl Into<String>) -> Check {
+    Err(Complaint {
+        path: path.to_owned(),
+        message: message.into(),
+        help: help.into(),
+    })
+}
+
+/// Refuses the value at the path unless it holds to the rule.
+fn admit(path: &str, value: impl Debug, holds: bool, rule: &str) -> Check {
+    if holds {
+        return Ok(());
+    }
+    // Messages name the fields only; the place tells the entry of a list.
+    let is_field = |step: &&str| step.parse::<usize>().is_err();
+    let fields: Vec<&str> = path.split('.').filter(is_field).collect();
+    let (name, value) = (fields.join("."), excerpt(&format!("{value:?}")));
+    refuse(
+        path,
+        format!("`{name}` is {value}, which is not admitted"),
+        rule,
+    )
+}
+
+/// Refuses NaN, the infinities, and a number that does not hold to the rule.
+fn number(path: &str, value: f64, holds: bool, rule: &str) -> Check {
+    if !value.is_finite() {
+        return admit(path, value, false, &format!("{rule}, and finite"));
+    }
+    admit(path, value, holds, rule)
+}
+
+fn model(model: &Model) -> Check {
+    for parameter in Parameter::ALL {
+        if let Some(value) = model.value(parameter) {
+            let (holds, rule) = parameter.admits(value);
+            number(parameter.path(), value, holds, rule)?;
+        }
+    }
+    let Coefficients::Given { a, b, d, g, h } = model.coefficients else {
+        return Ok(());
+    };
+    let coupled = "D must not be 0: without coupling there is no travelling wave";
+    for (name, value, holds, rule) in [
+        ("b", b, b > 0.0, "b must be greater than 0"),
+        ("a", a, a > b, "a must be greater than b"),
+        ("D", d, d != 0.0, coupled),
+        ("g", g, g > 0.0, "g must be greater than 0"),
+        ("h", h, h > 0.0, "h must be greater than 0"),
+    ] {
+        number(&format!("model.coefficients.{name}"), value, holds, rule)?;
+    }
+    Ok(())
+}
+
+fn wave(Wave { mode, start }: &Wave) -> Check {
+    let rule = format!("the mode is the number of waves around the circumference, 1 to {MAX_MODE}");
+    admit("wave.mode", mode, (1..=MAX_MODE).contains(mode), &rule)?;
+    if let Start::Restart { dir, .. } = start {
+        let rule = "name the directory with the results of an earlier run";
+        admit("wave.start.dir", dir, !dir.as_os_str().is_empty(), rule)?;
+    }
+    Ok(())
+}
+
+fn range(section: &Continuation) -> Check {
+    let (lower, upper) = section.range;
+    for (path, end) in [
+        ("continuation.range.0", lower),
+        ("continuation.range.1", upper),
+    ] {
+        let (holds, rule) = section.parameter.admits(end);
+        number(path, end, holds, rule)?;
+    }
+    let rule = "write the lower end first and the upper end, which must be greater, second";
+    admit("continuation.range", section.range, lower < upper, rule)
+}
+
+fn first_point(section: &Continuation, model: &Model, start: &Start) -> Check {
+    let column = section.parameter.column();
+    let Some(value) = model.value(section.parameter) else {
+        return refuse(
+            "continuation.parameter",
+            format!("`{column}` cannot be continued: the coefficients are `Given`"),
+            "use `coefficients: Geometry(nu: .., xi: .., gamma: ..)`, or continue in Mismatch, \
+             Friction, MassDamping or StiffnessDamping",
+        );
+    };
+    // A restart brings its own parameters.
+    if matches!(start, Start::Restart { .. }) {
+        return Ok(());
+    }
+    let (lower, upper) = section.range;
+    let begins = format!("the branch starts at {column} = {value:?}");
+    if !(lower..=upper).contains(&value) {
+        return refuse(
+            "continuation.range",
+            format!("{begins}, outside the range from {lower:?} to {upper:?}"),
+            format!("widen the range or change `{column}` in the model"),
+        );
+    }
+    let (edge, opposite) = match section.toward {
+        Toward::Down if value == lower => ("lower", "Up"),
+        Toward::Up if value == upper => ("upper", "Down"),
+        _ => return Ok(()),
+    };
+    refuse(
+        "continuation.toward",
+        format!("{begins}, the {edge} end of the range, which has nothing in this direction"),
+        format!("write `toward: {opposite}`, or move this end of the range"),
+    )
+}
+
+fn user_points(section: &Continuation, outline: &Outline) -> Check {
+    let (lower, upper) = section.range;
+    let column = section.parameter.column();
+    let rule = format!("user points must lie within the range from {lower:?} to {upper:?}");
+    let names = outline.entries("continuation.stop_at");
+    for (index, (&value, name)) in section.stop_at.iter().zip(names).enumerate() {
+        let path = format!("continuation.stop_at.{index}");
+        if let Some(name) = name.filter(|name| *name != column) {
+            let name = excerpt(name);
+            return refuse(
+                &path,
+                format!("the user point names `{name}`, but the branch is in `{column}`"),
+                format!("write `({column}: {value:?})` or the bare number"),
+            );
+        }
+        number(&path, value, (lower..=upper).contains(&value), &rule)?;
+    }
+    Ok(())
+}
+
+fn steps(section: &Continuation) -> Check {
+    let [ds, ds_min, ds_max] = [
+        ("ds", section.ds),
+        ("ds_min", section.ds_min),
+        ("ds_max", section.ds_max),
+    ];
+    for (name, step) in [ds, ds_min, ds_max] {
+        let rule = "step sizes must be greater than 0";
+        number(&format!("continuation.{name}"), step, step > 0.0, rule)?;
+    }
+    for ((low_name, low), (high_name, high)) in [(ds_min, ds_max), (ds_min, ds), (ds, ds_max)] {
+        if low > high {
+            return refuse(
+                &format!("continuation.{low_name}"),
+                format!("`{low_name}` is {low:?} but `{high_name}` is {high:?}"),
+                "choose ds_min <= ds <= ds_max",
+            );
+        }
+    }
+    let points = section.max_points;
+    let rule = "a branch has at least 1 point";
+    admit("continuation.max_points", points, points >= 1, rule)?;
+    let tolerance = section.tolerance;
+    let holds = tolerance > 0.0 && tolerance <= MAX_TOLERANCE;
+    let rule = format!("the tolerance must be greater than 0 and at most {MAX_TOLERANCE:?}");
+    number("continuation.tolerance", tolerance, holds, &rule)?;
+    for (index, stop) in section.stop_after.iter().enumerate() {
+        let path = format!("continuation.stop_after.{index}.count");
+        let rule = "`count: 1` ends the branch at the first event of this type";
+        admit(&path, stop.count, stop.count >= 1, rule)?;
+    }
+    Ok(())
+}
+
+/// Refuses a Bloch sector beyond half the mode: it is the conjugate of another one.
+fn sector(path: &str, sector: usize, mode: u32) -> Check {
+    let last = mode as usize / 2;
+    let rule = format!("the sectors of mode {mode} run from 0 to {last}");
+    admit(path, sector, sector <= last, &rule)
+}
+
+fn stability(section: &StabilitySection, mode: u32) -> Check {
+    if let Sectors::Only(list) = &section.sectors {
+        let rule = "name at least one sector, e.g. `Only([0])`, or write `All`";
+        admit("stability.sectors", list, !list.is_empty(), rule)?;
+        // A list longer than there are sectors fails on one of its first entries.
+        for (index, &entry) in list.iter().enumerate() {
+            let path = format!("stability.sectors.0.{index}");
+            sector(&path, entry, mode)?;
+            if list[..index].contains(&entry) {
+                let message = format!("sector {entry} is listed twice");
+                return refuse(&path, message, "list each sector once");
+            }
+        }
+    }
+    let kept = section.eigenvalues;
+    let rule = "keep at least 1 eigenvalue, or leave out the section `stability`";
+    admit("stability.eigenvalues", kept, kept >= 1, rule)?;
+    let highest = section.max_frequency;
+    let rule = "the highest frequency must be greater than 0";
+    number("stability.max_frequency", highest, highest > 0.0, rule)
+}
+
+fn output(Output { plots, profiles }: &Output) -> Check {
+    let rule = format!("ask for at most {MAX_PROFILES} profiles");
+    admit(
+        "output.profiles",
+        profiles,
+        *profiles <= MAX_PROFILES,
+        &rule,
+    )?;
+    for (index, plot) in plots.iter().enumerate() {
+        let nameless = matches!(plot, Plot::Column(name) if name.trim().is_empty());
+        let rule = "name a column of branch.csv, e.g. `Column(\"amplitude\")`";
+        admit(&format!("output.plots.{index}"), plot, !nameless, rule)?;
+    }
+    Ok(())
+}
+
+fn expectation(path: &str, event: &Expectation, mode: u32, model: &Model) -> Check {
+    let tolerance = event.tolerance;
+    let rule = "the tolerance must be greater than 0; it is relative, \
+                or absolute where the expected value is 0";
+    number(
+        &format!("{path}.tolerance"),
+        tolerance,
+        tolerance > 0.0,
+        rule,
+    )?;
+    if let Some(entry) = event.sector {
+        sector(&format!("{path}.sector"), entry, mode)?;
+    }
+    let numbers = event.numbers();
+    if numbers.is_empty() {
+        return refuse(
+            path,
+            format!("nothing to compare this {} event with", event.event),
+            "add at least one number: speed, omega, mismatch, friction, mass_damping, \
+             stiffness_damping, gamma, nu or xi",
+        );
+    }
+    for (name, value) in numbers {
+        let path = format!("{path}.{name}");
+        number(&path, value, true, "the expected value must be a number")?;
+        if Parameter::from_column(name).is_some_and(|known| model.value(known).is_none()) {
+            let message = format!("`{name}` is unknown when the coefficients are `Given`");
+            return refuse(
+                &path,
+                message,
+                "remove it, or use `coefficients: Geometry(..)`",
+            );
+        }
+    }
+    Ok(())
+}

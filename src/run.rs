@@ -1,0 +1,520 @@
+//! The pipeline from a problem to a branch: first wave, legs, points, labels and events.
+//!
+//! A [`Branch`] is advanced one step at a time and hands out what it found; it prints nothing and
+//! touches no file. Its [`Progress`] after any step is all that is needed to go on from there.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::begin::{self, NoStart};
+use crate::branch::{BranchPoint, Event, EventType, ProfileSample};
+use crate::continuation;
+use crate::flow::FlowError;
+use crate::follow::{Follower, Found, Settings, State, Status};
+use crate::linalg::Vector;
+use crate::model::coefficients::{Coefficients, Geometry};
+use crate::model::signature::Signature;
+use crate::model::{Model, Source};
+use crate::newton::System;
+use crate::problem::{self, Continuation, Parameter, Problem, Start, Toward};
+use crate::wave::start::Which;
+use crate::wave::{Scales, Wave, profile};
+
+/// Why a run cannot begin.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RunError {
+    /// Something the problem asks for that this version does not do, or a bad restart.
+    #[error("{0}")]
+    Input(String),
+    /// There is no first wave.
+    #[error("no start: {0}")]
+    NoStart(#[from] NoStart),
+}
+
+/// A wave in physical numbers: what a restart needs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SavedWave {
+    /// Label.
+    pub label: usize,
+    /// Value of the continuation parameter and of all others.
+    pub model: Model,
+    /// Signature.
+    pub signature: Signature,
+    /// (Y, W, T) of each zone: Y = V − fgδ/h and W = V̇ at its entry, duration T.
+    pub zones: Vec<[f64; 3]>,
+    /// Speed c.
+    pub speed: f64,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum End {
+    /// All that was asked for was done.
+    Finished,
+    /// The branch ended before its range.
+    Failed(String),
+}
+
+/// The state of a run between two steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// Leg being followed, from 1.
+    pub leg: usize,
+    /// Points handed out so far.
+    pub points: usize,
+    /// Labels handed out so far.
+    pub labels: usize,
+    /// Events handed out so far.
+    pub events: usize,
+    /// How often each `stop_after` entry has been met.
+    pub met: Vec<usize>,
+    /// Parts of the range from which this leg has a profile.
+    pub passed: Vec<bool>,
+    /// First wave of the run.
+    pub first: (Signature, Vec<f64>),
+    /// Units of the unknowns: [time, rate, speed, parameter, pressure].
+    pub scales: [f64; 5],
+    /// State of the branch; `None` before the first step of a leg.
+    pub state: Option<State>,
+    /// Reason why an earlier leg ended before its range.
+    pub failure: Option<String>,
+    /// How the run ended; `None` while it goes on.
+    pub end: Option<End>,
+}
+
+/// A row of the branch, with the wave behind it.
+#[derive(Clone, Debug)]
+pub struct Item {
+    /// The row.
+    pub point: BranchPoint,
+    /// Leg it belongs to.
+    pub leg: usize,
+    /// The event, at special points.
+    pub event: Option<Event>,
+    /// The wave in physical numbers, at labelled points.
+    pub saved: Option<SavedWave>,
+    wave: Arc<Wave>,
+    unknowns: Vector,
+}
+
+impl Item {
+    /// Samples of the wave over one wavelength.
+    pub fn profile(&self, resolution: usize) -> Result<Vec<ProfileSample>, FlowError> {
+        profile::sample(&self.wave, &self.unknowns, resolution)
+    }
+}
+
+/// A branch being computed from a problem.
+pub struct Branch {
+    model: Model,
+    mode: u32,
+    continuation: Continuation,
+    profiles: usize,
+    progress: Progress,
+    follower: Follower,
+}
+
+/// The model of a problem.
+pub fn model(problem: &problem::Model) -> Model {
+    Model {
+        source: match problem.coefficients {
+            problem::Coefficients::Geometry { nu, xi, gamma } => {
+                Source::Geometry(Geometry { nu, xi, gamma })
+            }
+            problem::Coefficients::Given { a, b, d, g, h } => Source::Given(Coefficients {
+                a,
+                b,
+                coupling: d,
+                g,
+                h,
+            }),
+        },
+        friction: problem.friction,
+        mismatch: problem.mismatch,
+        mass_damping: problem.damping.mass,
+        stiffness_damping: problem.damping.stiffness,
+        impact: problem.impact,
+    }
+}
+
+fn which(start: &Start) -> Option<Which> {
+    match start {
+        Start::Fast => Some(Which::Fast),
+        Start::Slow => Some(Which::Slow),
+        Start::Restart { .. } => None,
+    }
+}
+
+fn settings(continuation: &Continuation) -> Settings {
+    Settings {
+        range: continuation.range,
+        stop_at: continuation.stop_at.clone(),
+        continuation: step_settings(continuation),
+    }
+}
+
+fn step_settings(continuation: &Continuation) -> continuation::Settings {
+    continuation::Settings {
+        ds: continuation.ds,
+        ds_min: continuation.ds_min,
+        ds_max: continuation.ds_max,
+        tolerance: continuation.tolerance,
+    }
+}
+
+fn pack_scales(scales: &Scales) -> [f64; 5] {
+    [
+        scales.time,
+        scales.rate,
+        scales.speed,
+        scales.parameter,
+        scales.pressure,
+    ]
+}
+
+fn unpack_scales([time, rate, speed, parameter, pressure]: [f64; 5]) -> Scales {
+    Scales {
+        time,
+        rate,
+        speed,
+        parameter,
+        pressure,
+    }
+}
+
+/// Directions of the legs.
+fn legs(toward: Toward) -> &'static [bool] {
+    match toward {
+        Toward::Down => &[false],
+        Toward::Up => &[true],
+        Toward::Both => &[false, true],
+    }
+}
+
+impl Branch {
+    /// Finds the first wave. `restart` is the wave that `start: Restart(…)` names.
+    pub fn begin(
+        problem: &Problem,
+        continuation: &Continuation,
+        restart: Option<&SavedWave>,
+    ) -> Result<Branch, RunError> {
+        let parameter = continuation.parameter;
+        let mut model = model(&problem.model);
+        if model.stiffness_damping != 0.0 || parameter == Parameter::StiffnessDamping {
+            return Err(RunError::Input(
+                "stiffness-proportional damping β > 0 is not supported in this version; \
+                 take damping: (stiffness: 0)"
+                    .into(),
+            ));
+        }
+        let width = continuation.range.1 - continuation.range.0;
+        let mode = problem.wave.mode;
+        let (wave, point) = match (which(&problem.wave.start), restart) {
+            (Some(which), _) => begin::first_wave(
+                &model,
+                parameter,
+                mode,
+                which,
+                width,
+                step_settings(continuation),
+            )?,
+            (None, Some(saved)) => {
+                let impact = model.impact;
+                model = saved.model;
+                model.impact = impact;
+                let value = model.value(parameter).unwrap_or(f64::NAN);
+                let (low, high) = continuation.range;
+                if !(value >= low && value <= high) {
+                    return Err(RunError::Input(format!(
+                        "label {} has {} = {value}, outside the range ({low}, {high})",
+                        saved.label,
+                        parameter.column()
+                    )));
+                }
+                let largest = saved
+                    .zones
+                    .iter()
+                    .fold(1.0_f64, |size, [_, w, _]| size.max(w.abs()));
+                let wave = Wave::new(
+                    model,
+                    parameter,
+                    mode,
+                    saved.signature.clone(),
+                    begin::scales(&model, mode, saved.speed, largest, width),
+                );
+                let guess = wave.pack(&saved.zones, saved.speed, value);
+                let point = begin::polish(&wave, &guess)?;
+                (wave, point)
+            }
+            (None, None) => {
+                return Err(RunError::Input(
+                    "the wave to restart from is missing".into(),
+                ));
+            }
+        };
+        let directions = legs(continuation.toward);
+        let follower = Follower::new(wave.clone(), &point, directions[0], settings(continuation))
+            .map_err(NoStart::Newton)?;
+        Ok(Branch {
+            progress: Progress {
+                leg: 1,
+                points: 0,
+                labels: 0,
+                events: 0,
+                met: vec![0; continuation.stop_after.len()],
+                passed: vec![false; problem.output.profiles],
+                first: (wave.signature.clone(), point.iter().copied().collect()),
+                scales: pack_scales(&wave.scales),
+                state: None,
+                failure: None,
+                end: None,
+            },
+            model,
+            mode,
+            continuation: continuation.clone(),
+            profiles: problem.output.profiles,
+            follower,
+        })
+    }
+
+    /// Goes on from saved progress.
+    pub fn resume(
+        problem: &Problem,
+        continuation: &Continuation,
+        saved: &SavedWave,
+        progress: Progress,
+    ) -> Result<Branch, RunError> {
+        let model = saved.model;
+        let (signature, point) = progress.first.clone();
+        let first = Wave::new(
+            model,
+            continuation.parameter,
+            problem.wave.mode,
+            signature,
+            unpack_scales(progress.scales),
+        );
+        let follower = match &progress.state {
+            Some(state) => Follower::resume(&first, state.clone(), settings(continuation)),
+            None => Follower::new(
+                first,
+                &Vector::from_vec(point),
+                legs(continuation.toward)[progress.leg - 1],
+                settings(continuation),
+            ),
+        }
+        .map_err(RunError::Input)?;
+        Ok(Branch {
+            model,
+            mode: problem.wave.mode,
+            continuation: continuation.clone(),
+            profiles: problem.output.profiles,
+            progress,
+            follower,
+        })
+    }
+
+    /// The state after the last step.
+    pub fn progress(&self) -> &Progress {
+        &self.progress
+    }
+
+    /// Takes one step and returns the points found; empty once the run has ended.
+    pub fn step(&mut self) -> Vec<Item> {
+        if self.progress.end.is_some() {
+            return Vec::new();
+        }
+        if self.progress.state.is_none() {
+            let mut found = self.follower.here();
+            found.kind = Some(EventType::EP);
+            found.what = "start".into();
+            let item = self.item(found);
+            self.progress.state = Some(self.follower.state());
+            return vec![item];
+        }
+        let (found, status) = self.follower.step();
+        let mut items = Vec::with_capacity(found.len());
+        for found in found {
+            let kind = found.kind;
+            items.push(self.item(found));
+            if let Some(reason) = self.stop_requested(kind) {
+                self.progress.state = Some(self.follower.state());
+                self.end_leg(None, reason);
+                return items;
+            }
+        }
+        self.progress.state = Some(self.follower.state());
+        match status {
+            Status::Going => {
+                if self.progress.points >= self.continuation.max_points {
+                    self.end_leg(None, true);
+                }
+            }
+            Status::Finished => self.end_leg(None, false),
+            Status::Failed(reason) => self.end_leg(Some(reason), false),
+        }
+        items
+    }
+
+    /// Whether a `stop_after` entry is met by a point of this kind.
+    fn stop_requested(&mut self, kind: Option<EventType>) -> Option<bool> {
+        let kind = kind?;
+        let mut stop = None;
+        for (met, wanted) in self
+            .progress
+            .met
+            .iter_mut()
+            .zip(&self.continuation.stop_after)
+        {
+            if wanted.event == kind {
+                *met += 1;
+                if *met >= wanted.count {
+                    stop = Some(true);
+                }
+            }
+        }
+        stop
+    }
+
+    /// Ends a leg; the next one begins unless the whole run is to stop.
+    fn end_leg(&mut self, failure: Option<String>, stop: bool) {
+        if let Some(reason) = failure {
+            self.progress.failure.get_or_insert(reason);
+        }
+        let directions = legs(self.continuation.toward);
+        let another = !stop && self.progress.leg < directions.len();
+        if another {
+            let up = directions[self.progress.leg];
+            let (signature, point) = self.progress.first.clone();
+            let first = Wave::new(
+                self.model,
+                self.continuation.parameter,
+                self.mode,
+                signature,
+                unpack_scales(self.progress.scales),
+            );
+            match Follower::new(
+                first,
+                &Vector::from_vec(point),
+                up,
+                settings(&self.continuation),
+            ) {
+                Ok(follower) => {
+                    self.follower = follower;
+                    self.progress.leg += 1;
+                    self.progress.state = None;
+                    self.progress.passed = vec![false; self.profiles];
+                    return;
+                }
+                Err(reason) => {
+                    self.progress.failure.get_or_insert(reason);
+                }
+            }
+        }
+        self.progress.end = Some(match self.progress.failure.clone() {
+            Some(reason) => End::Failed(reason),
+            None => End::Finished,
+        });
+    }
+
+    fn item(&mut self, found: Found) -> Item {
+        let wave = &found.wave;
+        let parameter = wave.parameter;
+        let model = self.model.with(parameter, found.parameter);
+        let values = model.values();
+        let speed = wave.speed_at(&found.node.point);
+        self.progress.points += 1;
+        // a special point serves as the sample of its part of the range
+        let sampled = self.passes_profile_target(found.parameter);
+        let labelled = found.kind.is_some() || sampled;
+        let label = labelled.then(|| {
+            self.progress.labels += 1;
+            self.progress.labels
+        });
+        let regimes = wave.signature.to_string();
+        let event = match (found.kind, label) {
+            (Some(kind), Some(label)) => {
+                self.progress.events += 1;
+                Some(Event {
+                    label,
+                    kind,
+                    parameters: values,
+                    speed,
+                    sector: None,
+                    omega: None,
+                    regimes_before: regimes.clone(),
+                    regimes_after: found
+                        .after
+                        .as_ref()
+                        .map_or_else(|| regimes.clone(), Signature::to_string),
+                    uncertainty: found.uncertainty,
+                    what: found.what.clone(),
+                })
+            }
+            _ => None,
+        };
+        let examination = &found.examination;
+        let (low, high) = examination.tangential;
+        let point = BranchPoint {
+            point: self.progress.points,
+            label,
+            kind: found.kind,
+            regimes,
+            parameters: values,
+            speed,
+            switches: profile::switches(wave, &found.node.point),
+            min_pressure: examination.least_pressure,
+            max_gap: examination.largest_gap,
+            amplitude: 0.5 * (high - low),
+            stable: None,
+            unstable: None,
+            lead: None,
+            newton: found.node.newton,
+            residual: found.node.residual,
+        };
+        let saved = label.map(|label| SavedWave {
+            label,
+            model,
+            signature: wave.signature.clone(),
+            zones: wave.unpack(&found.node.point),
+            speed,
+        });
+        Item {
+            point,
+            leg: self.progress.leg,
+            event,
+            saved,
+            unknowns: found.node.point.clone(),
+            wave: found.wave,
+        }
+    }
+
+    /// Whether a point is the first of its leg in one of the equal parts of the range from which
+    /// a profile is wanted.
+    fn passes_profile_target(&mut self, value: f64) -> bool {
+        let (low, high) = self.continuation.range;
+        let count = self.progress.passed.len();
+        if count == 0 {
+            return false;
+        }
+        let width = (high - low) / count as f64;
+        let cell = ((value - low) / width)
+            .floor()
+            .clamp(0.0, (count - 1) as f64) as usize;
+        let new = !self.progress.passed[cell];
+        self.progress.passed[cell] = true;
+        new
+    }
+
+    /// Share of the range behind the branch, for progress: where the parameter stands in it.
+    pub fn position(&self) -> f64 {
+        let (low, high) = self.continuation.range;
+        let here = self.follower.here();
+        (here.parameter - low) / (high - low)
+    }
+
+    /// Number of unknowns of the present boundary-value problem.
+    pub fn unknowns(&self) -> usize {
+        self.follower.here().wave.unknowns()
+    }
+}

@@ -1,0 +1,634 @@
+//! Every inequality of every zone, proven over the whole zone, and the margins left.
+//!
+//! The functions that must keep their sign — 1 − W in slip, W − 1 in reverse slip, P in contact,
+//! U − δ in separation — are components of linear flows. In contact all of them are monotone
+//! between the zeros of V̈, which are known in closed form. A separation zone is cut into pieces of
+//! at most one radian; on each piece the Taylor polynomial of U and its Bernstein coefficients
+//! prove the sign ([`crate::flow::sign`]) and locate every local minimum.
+//!
+//! A *margin* is a smooth function of the unknowns that is positive while the signature holds:
+//! durations, the least values just named, and the conditions of the switching table. The margin
+//! that reaches zero first names the event.
+
+use crate::flow::sign::{Bernstein, COEFFICIENTS, DEGREE, REMAINDER, Verdict};
+use crate::flow::{DURATION, ENTRY_W, ENTRY_Y, FlowError, Jet};
+use crate::linalg::Vector;
+use crate::model::signature::{Entry, Regime};
+use crate::newton::{Constraint, System};
+use crate::problem::Impact;
+
+use super::{Flows, Wave, jet_units};
+
+/// What a margin measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Watch {
+    /// Duration of the zone.
+    Duration,
+    /// A local minimum of P inside a slip zone.
+    Pressure,
+    /// P just after landing.
+    LandingPressure,
+    /// A local minimum of |1 − W| inside a sliding zone.
+    Rate,
+    /// −P that contact would have just after a touch.
+    Tension,
+    /// |1 − W| just after landing, or beyond what a Coulomb impact can take away.
+    LandingRate,
+    /// What the arresting impact has left: impulse minus |1 − W⁻|.
+    Impulse,
+    /// A local minimum of U − δ inside a separation zone.
+    Gap,
+    /// −U̇ at landing.
+    LandingSpeed,
+    /// Q + fP at the beginning of stick.
+    LowerForce,
+    /// fP − Q where slip passes into stick after an arrest that does not imply it.
+    UpperForce,
+}
+
+/// A margin: positive while the signature holds. Scaled to order one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Margin {
+    /// What it measures.
+    pub watch: Watch,
+    /// Zone.
+    pub zone: usize,
+    /// Time after the entry of the zone at which a local minimum lies; 0 for other margins.
+    pub time: f64,
+    /// Value with scaled derivatives in Y, W, T of the zone, c and the parameter.
+    pub jet: Jet,
+}
+
+impl Margin {
+    /// Derivative along a direction in the scaled unknowns.
+    pub fn slope(&self, zones: usize, direction: &Vector) -> f64 {
+        let first = 3 * self.zone;
+        let columns = [first, first + 1, first + 2, 3 * zones, 3 * zones + 1];
+        columns
+            .into_iter()
+            .zip(self.jet.by)
+            .map(|(column, by)| by * direction[column])
+            .sum()
+    }
+}
+
+/// What an examination found.
+#[derive(Clone, Debug)]
+pub struct Examination {
+    /// All margins, in the order of the zones.
+    pub margins: Vec<Margin>,
+    /// Whether every inequality holds everywhere.
+    pub verdict: Verdict,
+    /// Least pressure over the zones in contact; infinite if there is none.
+    pub least_pressure: f64,
+    /// Largest U − δ.
+    pub largest_gap: f64,
+    /// Smallest and largest V.
+    pub tangential: (f64, f64),
+}
+
+impl Examination {
+    /// The margin of the same kind in the same zone, if there is one.
+    pub fn find(&self, watch: Watch, zone: usize) -> Option<&Margin> {
+        self.margins
+            .iter()
+            .find(|margin| margin.watch == watch && margin.zone == zone)
+    }
+}
+
+/// Collects what the pieces of one zone show.
+struct Collector<'a> {
+    wave: &'a Wave,
+    examination: Examination,
+}
+
+impl Collector<'_> {
+    fn margin(&mut self, watch: Watch, zone: usize, time: f64, jet: Jet) {
+        let mut jet = jet;
+        for (by, unit) in jet.by.iter_mut().zip(jet_units(&self.wave.scales)) {
+            *by *= unit;
+        }
+        if let Some(known) = self
+            .examination
+            .margins
+            .iter_mut()
+            .find(|margin| margin.watch == watch && margin.zone == zone)
+        {
+            if jet.value < known.jet.value {
+                known.time = time;
+                known.jet = jet;
+            }
+            return;
+        }
+        self.examination.margins.push(Margin {
+            watch,
+            zone,
+            time,
+            jet,
+        });
+    }
+
+    fn judge(&mut self, verdict: Verdict) {
+        self.examination.verdict = self.examination.verdict.and(verdict);
+    }
+
+    fn visit(&mut self, v: f64) {
+        let (low, high) = self.examination.tangential;
+        self.examination.tangential = (low.min(v), high.max(v));
+    }
+}
+
+/// Examines a point whatever its signature. Zones of negative duration are refused as such and
+/// not looked into.
+pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
+    let flows = wave.flows(point)?;
+    let mut collector = Collector {
+        wave,
+        examination: Examination {
+            margins: Vec::with_capacity(4 * wave.zones()),
+            verdict: Verdict::Positive,
+            least_pressure: f64::INFINITY,
+            largest_gap: 0.0,
+            tangential: (f64::INFINITY, f64::NEG_INFINITY),
+        },
+    };
+    for index in 0..wave.zones() {
+        let entry = wave.entry_at(point, index);
+        let duration = wave.duration_at(point, index);
+        let regime = wave.signature.zone(index).regime;
+        for margin in edge_margins(wave, &flows, point, index)? {
+            let positive = if margin.1.value > 0.0 {
+                Verdict::Positive
+            } else {
+                Verdict::Negative
+            };
+            collector.judge(positive);
+            collector.margin(margin.0, index, 0.0, margin.1);
+        }
+        if duration.is_nan() || duration <= 0.0 {
+            continue;
+        }
+        match regime {
+            Regime::Stick => {
+                let pressure = flows.frame.weight().value + flows.frame.at.kappa;
+                let least = collector.examination.least_pressure;
+                collector.examination.least_pressure = least.min(pressure);
+                collector.visit(entry[0] + flows.frame.steady().value);
+                collector.visit(entry[0] + duration + flows.frame.steady().value);
+            }
+            Regime::Slip | Regime::Reverse => {
+                contact_zone(&mut collector, &flows, index, entry, duration)?;
+            }
+            Regime::Separation => {
+                separation_zone(&mut collector, &flows, index, entry, duration)?;
+            }
+        }
+    }
+    Ok(collector.examination)
+}
+
+/// The margins that belong to the ends of a zone.
+fn edge_margins(
+    wave: &Wave,
+    flows: &Flows,
+    point: &Vector,
+    index: usize,
+) -> Result<Vec<(Watch, Jet)>, FlowError> {
+    let zone = wave.signature.zone(index);
+    let next = wave.signature.zone(index + 1);
+    let mut margins = Vec::with_capacity(4);
+    let watched = |watch: Watch| edge_margin(wave, flows, point, index, watch);
+    margins.push((Watch::Duration, watched(Watch::Duration)?));
+    if zone.entry == Entry::Landing {
+        margins.push((Watch::LandingRate, watched(Watch::LandingRate)?));
+    }
+    if matches!(zone.entry, Entry::Landing | Entry::ArrestedLanding) && zone.regime == Regime::Slip
+    {
+        margins.push((Watch::LandingPressure, watched(Watch::LandingPressure)?));
+    }
+    if zone.entry == Entry::Touch {
+        margins.push((Watch::Tension, watched(Watch::Tension)?));
+    }
+    if zone.regime == Regime::Stick {
+        margins.push((Watch::LowerForce, watched(Watch::LowerForce)?));
+    }
+    if zone.regime == Regime::Reverse && next.entry == Entry::Reversal {
+        margins.push((Watch::UpperForce, watched(Watch::UpperForce)?));
+    }
+    if zone.regime == Regime::Separation {
+        margins.push((Watch::LandingSpeed, watched(Watch::LandingSpeed)?));
+        let coulomb = wave.model.impact == Impact::Coulomb;
+        if coulomb && next.entry == Entry::ArrestedLanding {
+            margins.push((Watch::Impulse, watched(Watch::Impulse)?));
+        }
+    }
+    Ok(margins)
+}
+
+/// One margin at an end of a zone, in physical derivatives.
+fn edge_margin(
+    wave: &Wave,
+    flows: &Flows,
+    point: &Vector,
+    index: usize,
+    watch: Watch,
+) -> Result<Jet, FlowError> {
+    let zone = wave.signature.zone(index);
+    let entry = wave.entry_at(point, index);
+    let frame = &flows.frame;
+    let variable = |value: f64, column: usize| {
+        let mut jet = Jet {
+            value,
+            ..Jet::default()
+        };
+        jet.by[column] = 1.0;
+        jet
+    };
+    let y = variable(entry[0], ENTRY_Y);
+    let w = variable(entry[1], ENTRY_W);
+    let scales = &wave.scales;
+    let force = 1.0 / scales.pressure;
+    // Q − fP in slip terms: hY + α − fκW, with W = 1
+    let excess = |y: Jet| {
+        let h = frame.jet(frame.at.h, |by| by.h);
+        h.times(y.plus(-1.0, frame.release()))
+    };
+    // 2fP at W = 1
+    let band = || {
+        let f = frame.jet(frame.at.friction, |by| by.friction);
+        f.times(frame.weight().plus(1.0, frame.kappa()))
+            .affine(2.0, 0.0)
+    };
+    Ok(match watch {
+        Watch::Duration => {
+            variable(wave.duration_at(point, index), DURATION).affine(1.0 / scales.time, 0.0)
+        }
+        Watch::LandingRate if zone.regime == Regime::Reverse => w.affine(1.0, -1.0),
+        Watch::LandingRate => w.affine(-1.0, 1.0),
+        Watch::LandingPressure => frame.pressure(w).affine(force, 0.0),
+        Watch::Tension => frame.pressure(w).affine(-force, 0.0),
+        // Q + fP = (Q − fP) + 2fP
+        Watch::LowerForce => excess(y).plus(1.0, band()).affine(force, 0.0),
+        Watch::UpperForce => {
+            let end = wave.zone_end(flows, point, index)?;
+            // the other way round: Q > fP lets reverse slip pass into slip
+            excess(end.y).affine(force, 0.0)
+        }
+        Watch::LandingSpeed => {
+            let end = wave.zone_end(flows, point, index)?;
+            end.radial_rate.affine(-1.0, 0.0)
+        }
+        Watch::Impulse => {
+            let end = wave.zone_end(flows, point, index)?;
+            let sign = if end.w.value < 1.0 { 1.0 } else { -1.0 };
+            // |impulse| − |1 − W⁻|; the impulse is negative as U̇⁻ is
+            wave.impulse(flows, &end)
+                .affine(-1.0, 0.0)
+                .plus(sign, end.w.affine(1.0, -1.0))
+        }
+        Watch::Pressure | Watch::Rate | Watch::Gap => {
+            unreachable!("a margin inside a zone is not at its end")
+        }
+    })
+}
+
+/// A zero of V̈ closer to a release than this, in radians, is the release itself.
+const AT_RELEASE: f64 = 1e-6;
+
+/// A contact zone. W is monotone between the zeros of V̈, which are known in closed form: its
+/// values there and at the ends decide every inequality. Where W = 1 or P = 0 by the switching
+/// conditions, the end itself says nothing, and monotonicity does the rest.
+fn contact_zone(
+    collector: &mut Collector,
+    flows: &Flows,
+    index: usize,
+    entry: [f64; 2],
+    duration: f64,
+) -> Result<(), FlowError> {
+    let wave = collector.wave;
+    let zone = wave.signature.zone(index);
+    let takes_off = wave.signature.zone(index + 1).entry == Entry::TakeOff;
+    let flow = flows.contact(zone.regime);
+    let sigma = if zone.regime == Regime::Reverse {
+        -1.0
+    } else {
+        1.0
+    };
+    let weight = flows.frame.weight().value;
+    let kappa = flows.frame.at.kappa;
+    let steady = flows.frame.steady().value;
+    let order = Wave::order_at_entry(zone.entry);
+    let acceleration = flow.acceleration(entry);
+    let mut least_pressure = f64::INFINITY;
+    let mut decided = false;
+    let mut judge = |collector: &mut Collector, at_start: bool, at_end: bool, w: f64| {
+        let pressure = weight + kappa * w;
+        if !(at_end && takes_off) {
+            least_pressure = least_pressure.min(pressure);
+            if pressure.is_nan() || pressure <= 0.0 {
+                collector.judge(Verdict::Negative);
+            }
+        } else {
+            least_pressure = least_pressure.min(0.0);
+        }
+        let known = at_start && order > 0 || at_end && !takes_off;
+        if !known {
+            decided = true;
+            let lag = sigma * (1.0 - w);
+            if lag.is_nan() || lag <= 0.0 {
+                collector.judge(Verdict::Negative);
+            }
+        }
+    };
+    judge(collector, true, false, entry[1]);
+    let jerk = 2.0 * flow.p * acceleration - flow.q * entry[1];
+    // V̈ = 0 at a release by the switching condition, not to the last digit
+    let acceleration = if order == 2 { 0.0 } else { acceleration };
+    let near_release = if order == 2 {
+        AT_RELEASE / flow.q.sqrt()
+    } else {
+        0.0
+    };
+    for time in flow.zeros(acceleration, jerk, duration) {
+        if time <= near_release {
+            continue;
+        }
+        let state = flow.state(entry, time);
+        judge(collector, false, false, state[1]);
+        // W⃛ = −qW where V̈ = 0: a maximum for W > 0, a minimum for W < 0
+        let maximum = state[1] > 0.0;
+        if maximum == (sigma > 0.0) {
+            interior(collector, flows, Watch::Rate, index, entry, time)?;
+        }
+        if !maximum && zone.regime == Regime::Slip {
+            interior(collector, flows, Watch::Pressure, index, entry, time)?;
+        }
+    }
+    let end = flow.state(entry, duration);
+    judge(collector, false, true, end[1]);
+    if !decided {
+        // both ends at W = 1 and nothing between them: the zone has no room
+        collector.judge(Verdict::Undecided);
+    }
+    let known = collector.examination.least_pressure;
+    collector.examination.least_pressure = known.min(least_pressure);
+    collector.visit(entry[0] + steady);
+    for time in flow.zeros(entry[1], flow.acceleration(entry), duration) {
+        collector.visit(flow.state(entry, time)[0] + steady);
+    }
+    collector.visit(end[0] + steady);
+    Ok(())
+}
+
+/// A zone of more radians than this is refused: no wave of interest has it, and its examination
+/// would take longer than a second.
+const MOST_PIECES: f64 = 1e5;
+
+/// Taylor coefficients of U − δ, U̇ and V, W on a piece of a separation zone.
+struct SeparationPiece {
+    gap: [f64; COEFFICIENTS],
+    tangential: [f64; COEFFICIENTS],
+}
+
+fn separation_piece(flows: &Flows, state: [f64; 4], h: f64, order: usize) -> SeparationPiece {
+    let at = &flows.frame.at;
+    let mut gap = [0.0; COEFFICIENTS];
+    let mut tangential = [0.0; COEFFICIENTS];
+    gap[0] = state[0];
+    gap[1] = h * state[1];
+    tangential[0] = state[2] + flows.frame.steady().value;
+    tangential[1] = h * state[3];
+    for j in 0..DEGREE - 1 {
+        let n = j as f64;
+        let scale = 1.0 / ((n + 2.0) * (n + 1.0));
+        let u = if j == 0 { gap[0] + at.mismatch } else { gap[j] };
+        let rates = h * (n + 1.0);
+        gap[j + 2] = -(rates * (at.damping * gap[j + 1] + at.kappa * tangential[j + 1])
+            + at.g * h * h * u)
+            * scale
+            / at.mb;
+        if j == 0 && order == 3 {
+            // P = 0 at take-off
+            gap[2] = 0.0;
+        }
+        tangential[j + 2] = (rates * (at.kappa * gap[j + 1] - at.damping * tangential[j + 1])
+            - at.h * h * h * tangential[j])
+            * scale
+            / at.ma;
+    }
+    SeparationPiece { gap, tangential }
+}
+
+fn separation_zone(
+    collector: &mut Collector,
+    flows: &Flows,
+    index: usize,
+    entry: [f64; 2],
+    duration: f64,
+) -> Result<(), FlowError> {
+    let flow = flows.separation();
+    let steady = flows.frame.steady().value;
+    let radians = flow.norm() * duration;
+    if radians > MOST_PIECES {
+        return Err(FlowError::Overflow { duration });
+    }
+    let pieces = radians.ceil().max(1.0) as usize;
+    let h = duration / pieces as f64;
+    // U − δ, U̇, Y, W
+    let mut state = [0.0, 0.0, entry[0], entry[1]];
+    let mut falling = false;
+    let mut rising = false;
+    collector.visit(entry[0] + steady);
+    for piece in 0..pieces {
+        let start = piece as f64 * h;
+        let order = if piece == 0 {
+            Wave::order_at_entry(collector.wave.signature.zone(index).entry)
+        } else {
+            0
+        };
+        let last = piece + 1 == pieces;
+        let taylor = separation_piece(flows, state, h, order);
+        let at = &flows.frame.at;
+        let energy = at.g * (state[0] + at.mismatch).powi(2)
+            + at.mb * state[1].powi(2)
+            + at.h * (state[2] + steady).powi(2)
+            + at.ma * state[3].powi(2);
+        let remainder = REMAINDER * (radians / pieces as f64).powi(17) * (energy / at.g).sqrt();
+        let gap = Bernstein::from_taylor(&taylor.gap, remainder);
+        collector.judge(gap.verdict(order, usize::from(last)));
+        for place in gap.minima(&mut falling) {
+            interior(
+                collector,
+                flows,
+                Watch::Gap,
+                index,
+                entry,
+                start + place * h,
+            )?;
+        }
+        for place in gap.affine(-1.0, 0.0).minima(&mut rising) {
+            let known = collector.examination.largest_gap;
+            collector.examination.largest_gap = known.max(horner(&taylor.gap, place));
+        }
+        let w_end = horner_slope(&taylor.tangential, 1.0) / h;
+        if state[3] * w_end < 0.0 {
+            let mut place = state[3] / (state[3] - w_end);
+            for _ in 0..3 {
+                place -= horner_slope(&taylor.tangential, place)
+                    / horner_curvature(&taylor.tangential, place);
+            }
+            collector.visit(horner(&taylor.tangential, place));
+        }
+        state = [
+            horner(&taylor.gap, 1.0),
+            horner_slope(&taylor.gap, 1.0) / h,
+            horner(&taylor.tangential, 1.0) - steady,
+            w_end,
+        ];
+    }
+    collector.visit(state[2] + steady);
+    Ok(())
+}
+
+fn horner(taylor: &[f64; COEFFICIENTS], t: f64) -> f64 {
+    taylor.iter().rev().fold(0.0, |sum, a| sum * t + a)
+}
+
+fn horner_slope(taylor: &[f64; COEFFICIENTS], t: f64) -> f64 {
+    (1..COEFFICIENTS)
+        .rev()
+        .fold(0.0, |sum, j| sum * t + j as f64 * taylor[j])
+}
+
+fn horner_curvature(taylor: &[f64; COEFFICIENTS], t: f64) -> f64 {
+    (2..COEFFICIENTS)
+        .rev()
+        .fold(0.0, |sum, j| sum * t + (j * (j - 1)) as f64 * taylor[j])
+}
+
+/// Adds the margin of a local minimum inside a zone. Its derivative in the place of the minimum
+/// is zero, so the derivatives are those at a fixed time after the entry.
+fn interior(
+    collector: &mut Collector,
+    flows: &Flows,
+    watch: Watch,
+    index: usize,
+    entry: [f64; 2],
+    time: f64,
+) -> Result<(), FlowError> {
+    let jet = interior_margin(collector.wave, flows, watch, index, entry, time)?;
+    collector.margin(watch, index, time, jet);
+    Ok(())
+}
+
+fn interior_margin(
+    wave: &Wave,
+    flows: &Flows,
+    watch: Watch,
+    index: usize,
+    entry: [f64; 2],
+    time: f64,
+) -> Result<Jet, FlowError> {
+    let regime = wave.signature.zone(index).regime;
+    let mut jet = match watch {
+        Watch::Gap => {
+            let frame = &flows.frame;
+            let mismatch = frame.jet(frame.at.mismatch, |by| by.mismatch);
+            flows.separation().advance(entry, time)?[0]
+                .plus(-1.0, mismatch)
+                .affine(1.0 / wave.scales.time, 0.0)
+        }
+        Watch::Pressure => {
+            let w = flows.contact(regime).advance(entry, time)?[1];
+            flows
+                .frame
+                .pressure(w)
+                .affine(1.0 / wave.scales.pressure, 0.0)
+        }
+        _ => {
+            let w = flows.contact(regime).advance(entry, time)?[1];
+            let sigma = if regime == Regime::Reverse { 1.0 } else { -1.0 };
+            w.affine(sigma, -sigma)
+        }
+    };
+    jet.by[DURATION] = 0.0;
+    Ok(jet)
+}
+
+/// A margin as the constraint of an event: margin = 0. The place of a local minimum is followed
+/// from iterate to iterate.
+#[derive(Clone, Copy, Debug)]
+pub struct AtZero {
+    /// The margin where it was seen.
+    pub margin: Margin,
+}
+
+impl AtZero {
+    /// The margin at another point.
+    pub fn margin_at(&mut self, wave: &Wave, point: &Vector) -> Result<Margin, FlowError> {
+        let flows = wave.flows(point)?;
+        let Margin { watch, zone, .. } = self.margin;
+        let mut jet = match watch {
+            Watch::Pressure | Watch::Rate | Watch::Gap => {
+                let entry = wave.entry_at(point, zone);
+                let time = self.stationary(wave, &flows, entry)?;
+                self.margin.time = time;
+                interior_margin(wave, &flows, watch, zone, entry, time)?
+            }
+            _ => edge_margin(wave, &flows, point, zone, watch)?,
+        };
+        for (by, unit) in jet.by.iter_mut().zip(jet_units(&wave.scales)) {
+            *by *= unit;
+        }
+        self.margin.jet = jet;
+        Ok(self.margin)
+    }
+
+    /// The stationary place next to the last one, by Newton's method.
+    fn stationary(&self, wave: &Wave, flows: &Flows, entry: [f64; 2]) -> Result<f64, FlowError> {
+        let mut time = self.margin.time;
+        let regime = wave.signature.zone(self.margin.zone).regime;
+        for _ in 0..8 {
+            let step = if self.margin.watch == Watch::Gap {
+                let at = &flows.frame.at;
+                let [u, rate, _, w] = flows.separation().state(entry, time)?;
+                let acceleration = -(at.damping * rate + at.g * u + at.kappa * w) / at.mb;
+                rate / acceleration
+            } else {
+                let flow = flows.contact(regime);
+                let state = flow.state(entry, time);
+                let acceleration = flow.acceleration(state);
+                acceleration / (2.0 * flow.p * acceleration - flow.q * state[1])
+            };
+            if !step.is_finite() {
+                return Err(FlowError::Overflow { duration: time });
+            }
+            time -= step;
+            // beyond this the place moves the value by less than rounding
+            if step.abs() <= 1e-9 * wave.scales.time {
+                break;
+            }
+        }
+        Ok(time)
+    }
+}
+
+impl Constraint<Wave> for AtZero {
+    fn evaluate(
+        &mut self,
+        wave: &Wave,
+        point: &Vector,
+        gradient: &mut [f64],
+    ) -> Result<f64, FlowError> {
+        let margin = self.margin_at(wave, point)?;
+        let first = 3 * margin.zone;
+        let last = wave.unknowns() - 2;
+        for (column, by) in [first, first + 1, first + 2, last, last + 1]
+            .into_iter()
+            .zip(margin.jet.by)
+        {
+            gradient[column] = by;
+        }
+        Ok(margin.jet.value)
+    }
+}

@@ -1,0 +1,391 @@
+//! A travelling wave as a boundary-value problem for one signature.
+//!
+//! Unknowns are, for each zone i, the state (Y_i, W_i) just after its entry and its duration T_i,
+//! then the speed c and the continuation parameter: 3n + 2 numbers. Equations are, for each zone,
+//! the matching of Y and of W with the next entry and the switching condition at its end, then
+//! the period Σ T_i·|c| = 2π/k: 3n + 1. Matching zone by zone, instead of following the flow once
+//! round, keeps the growth of one zone out of the others.
+//!
+//! | switch | switching condition at the end of the zone | W after it |
+//! |---|---|---|
+//! | release | hY = fκ − α | W = 1 |
+//! | arrest, reversal | (W − 1)/T^m = 0 | W |
+//! | take-off | P = 0 | W |
+//! | landing | (U − δ)/T^m = 0 | W, or W ± f m_b \|U̇\|/m_a with a Coulomb impact |
+//! | arrested landing | (U − δ)/T^m = 0 | 1 |
+//! | touch | (U − δ)/T^m = 0 | W |
+//!
+//! m is the order of the zero at the entry of the zone. Of W − 1: 2 after a release (V̈ = 0 there),
+//! 1 after a reversal or an arrested landing. Of U − δ: 3 after take-off, 2 after a touch. Divided out, the zone may shrink to nothing and
+//! beyond while the equations stay regular, which is how zones open and close along a branch: the
+//! square-root law T ∝ √(δ* − δ) of a nascent zone is the parabola δ* − δ ∝ T² of its duration.
+
+pub mod admissibility;
+pub mod profile;
+pub mod start;
+pub mod successor;
+
+use std::cell::OnceCell;
+use std::f64::consts::TAU;
+
+use crate::flow::contact::ContactFlow;
+use crate::flow::separation::SeparationFlow;
+use crate::flow::{DURATION, ENTRY_W, ENTRY_Y, FlowError, Frame, Jet, PARAMETER, SPEED, ZoneEnd};
+use crate::linalg::{Matrix, Vector};
+use crate::model::signature::{Entry, Regime, Signature};
+use crate::model::{Model, Parameters};
+use crate::newton::System;
+use crate::problem::Parameter;
+
+/// Units of the unknowns, constant along a branch: they make every scaled unknown of order one,
+/// and they follow the exact scaling (γ, δ, c) → (s²γ, sδ, c/s) of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// Period 2π/(k|c|) of the first wave: unit of Y and of durations.
+    pub time: f64,
+    /// Unit of W: [`RATE_UNITS`] times the largest |V̇| of the first wave. Just after landing and
+    /// before take-off W varies by much more than the lengths of the zones do; in its own unit it
+    /// would take the whole arclength.
+    pub rate: f64,
+    /// Signed speed of the first wave.
+    pub speed: f64,
+    /// Unit of the continuation parameter: the width of its range.
+    pub parameter: f64,
+    /// κ = D/c of the first wave: unit of pressures.
+    pub pressure: f64,
+}
+
+/// See [`Scales::rate`].
+pub const RATE_UNITS: f64 = 4.0;
+
+/// The boundary-value problem of one signature.
+#[derive(Clone, Debug)]
+pub struct Wave {
+    /// Model; its continuation parameter is overridden by the unknown.
+    pub model: Model,
+    /// Continuation parameter.
+    pub parameter: Parameter,
+    /// Mode k: the wavelength is 2π/k.
+    pub mode: u32,
+    /// Sequence of zones.
+    pub signature: Signature,
+    /// Units.
+    pub scales: Scales,
+    /// Numbers of the model at its own parameter values: valid wherever the continuation
+    /// parameter does not enter a, b, D, g, h.
+    fixed: Parameters,
+    derivative: Parameters,
+}
+
+/// The flows of one frame, each made when a zone first asks for it.
+pub struct Flows {
+    /// Frame.
+    pub frame: Frame,
+    slip: OnceCell<ContactFlow>,
+    reverse: OnceCell<ContactFlow>,
+    separation: OnceCell<SeparationFlow>,
+}
+
+impl Flows {
+    fn new(frame: Frame) -> Flows {
+        Flows {
+            frame,
+            slip: OnceCell::new(),
+            reverse: OnceCell::new(),
+            separation: OnceCell::new(),
+        }
+    }
+
+    /// Flow of a sliding regime; slip for anything that is not reverse.
+    pub fn contact(&self, regime: Regime) -> &ContactFlow {
+        match regime {
+            Regime::Reverse => self
+                .reverse
+                .get_or_init(|| ContactFlow::new(&self.frame, -1.0)),
+            _ => self.slip.get_or_init(|| ContactFlow::new(&self.frame, 1.0)),
+        }
+    }
+
+    /// Flow of separation.
+    pub fn separation(&self) -> &SeparationFlow {
+        self.separation
+            .get_or_init(|| SeparationFlow::new(&self.frame))
+    }
+}
+
+impl Wave {
+    /// The boundary-value problem of a signature.
+    pub fn new(
+        model: Model,
+        parameter: Parameter,
+        mode: u32,
+        signature: Signature,
+        scales: Scales,
+    ) -> Wave {
+        Wave {
+            model,
+            parameter,
+            mode,
+            signature,
+            scales,
+            fixed: model.parameters(),
+            derivative: model.derivative(parameter),
+        }
+    }
+
+    /// The same wave under another signature.
+    pub fn with_signature(&self, signature: Signature) -> Wave {
+        Wave {
+            signature,
+            ..self.clone()
+        }
+    }
+
+    /// Number of zones.
+    pub fn zones(&self) -> usize {
+        self.signature.len()
+    }
+
+    /// Value of the continuation parameter at a point.
+    pub fn parameter_at(&self, point: &Vector) -> f64 {
+        point[3 * self.zones() + 1] * self.scales.parameter
+    }
+
+    /// Speed c at a point.
+    pub fn speed_at(&self, point: &Vector) -> f64 {
+        point[3 * self.zones()] * self.scales.speed
+    }
+
+    /// Entry state (Y, W) of a zone.
+    pub fn entry_at(&self, point: &Vector, zone: usize) -> [f64; 2] {
+        let zone = zone % self.zones();
+        [
+            point[3 * zone] * self.scales.time,
+            point[3 * zone + 1] * self.scales.rate,
+        ]
+    }
+
+    /// Duration of a zone.
+    pub fn duration_at(&self, point: &Vector, zone: usize) -> f64 {
+        point[3 * (zone % self.zones()) + 2] * self.scales.time
+    }
+
+    /// The model at the parameter value of a point.
+    pub fn model_at(&self, point: &Vector) -> Model {
+        self.model.with(self.parameter, self.parameter_at(point))
+    }
+
+    /// Scaled unknowns from physical ones: (Y, W, T) for each zone, c, parameter.
+    pub fn pack(&self, zones: &[[f64; 3]], speed: f64, parameter: f64) -> Vector {
+        let time = self.scales.time;
+        let mut point = Vec::with_capacity(3 * zones.len() + 2);
+        for [y, w, duration] in zones {
+            point.extend([y / time, w / self.scales.rate, duration / time]);
+        }
+        point.extend([speed / self.scales.speed, parameter / self.scales.parameter]);
+        Vector::from_vec(point)
+    }
+
+    /// Physical (Y, W, T) of each zone.
+    pub fn unpack(&self, point: &Vector) -> Vec<[f64; 3]> {
+        (0..self.zones())
+            .map(|zone| {
+                let [y, w] = self.entry_at(point, zone);
+                [y, w, self.duration_at(point, zone)]
+            })
+            .collect()
+    }
+
+    /// Frame and flows at a point.
+    pub fn flows(&self, point: &Vector) -> Result<Flows, FlowError> {
+        let value = self.parameter_at(point);
+        let mut parameters = self.fixed;
+        let mut derivative = self.derivative;
+        match self.parameter {
+            Parameter::Mismatch => parameters.mismatch = value,
+            Parameter::Friction => parameters.friction = value,
+            Parameter::MassDamping => parameters.mass_damping = value,
+            _ => {
+                let model = self.model.with(self.parameter, value);
+                parameters = model.parameters();
+                derivative = model.derivative(self.parameter);
+            }
+        }
+        let frame = Frame::new(&parameters, &derivative, self.speed_at(point))?;
+        Ok(Flows::new(frame))
+    }
+
+    /// Order of the zero just after an entry: of W − 1 in sliding, of U − δ in separation.
+    pub fn order_at_entry(entry: Entry) -> usize {
+        match entry {
+            Entry::TakeOff => 3,
+            Entry::Release | Entry::Touch => 2,
+            Entry::Reversal | Entry::ArrestedLanding => 1,
+            Entry::Arrest | Entry::Landing => 0,
+        }
+    }
+
+    /// End of a zone: state and scaled switching function, with derivatives.
+    pub fn zone_end(
+        &self,
+        flows: &Flows,
+        point: &Vector,
+        index: usize,
+    ) -> Result<ZoneEnd, FlowError> {
+        let zone = self.signature.zone(index);
+        let next = self.signature.zone(index + 1).entry;
+        let entry = self.entry_at(point, index);
+        let duration = self.duration_at(point, index);
+        let time = self.scales.time;
+        match zone.regime {
+            Regime::Stick => {
+                let y = Jet {
+                    value: entry[0] + duration,
+                    by: [1.0, 0.0, 1.0, 0.0, 0.0],
+                };
+                let mut w = Jet {
+                    value: entry[1],
+                    ..Jet::default()
+                };
+                w.by[ENTRY_W] = 1.0;
+                Ok(ZoneEnd {
+                    y,
+                    w,
+                    radial_rate: Jet::default(),
+                    switching: y.plus(-1.0, flows.frame.release()).affine(1.0 / time, 0.0),
+                })
+            }
+            Regime::Slip | Regime::Reverse => {
+                let flow = flows.contact(zone.regime);
+                let [y, w] = flow.advance(entry, duration)?;
+                let switching = if next == Entry::TakeOff {
+                    flows
+                        .frame
+                        .pressure(w)
+                        .affine(1.0 / self.scales.pressure, 0.0)
+                } else {
+                    match Wave::order_at_entry(zone.entry) {
+                        0 => w.affine(1.0, -1.0),
+                        m => flow
+                            .reduced_rate(entry, duration, m, w)
+                            .affine(time.powi(m as i32), 0.0),
+                    }
+                };
+                Ok(ZoneEnd {
+                    y,
+                    w,
+                    radial_rate: Jet::default(),
+                    switching,
+                })
+            }
+            Regime::Separation => {
+                let mut end =
+                    flows
+                        .separation()
+                        .zone(entry, duration, Wave::order_at_entry(zone.entry))?;
+                // U − δ in units of time, duration in units of time: (U − δ)/T^m · time^{m−1}
+                end.switching = end
+                    .switching
+                    .affine(time.powi(Wave::order_at_entry(zone.entry) as i32 - 1), 0.0);
+                Ok(end)
+            }
+        }
+    }
+
+    /// W just after the switch that ends a zone.
+    pub fn rate_after_switch(&self, flows: &Flows, end: &ZoneEnd, index: usize) -> Jet {
+        let next = self.signature.zone(index + 1);
+        match next.entry {
+            Entry::ArrestedLanding => Jet {
+                value: 1.0,
+                ..Jet::default()
+            },
+            Entry::Landing => {
+                let sign = match self.model.impact {
+                    crate::problem::Impact::Frictionless => return end.w,
+                    crate::problem::Impact::Coulomb if next.regime == Regime::Slip => -1.0,
+                    crate::problem::Impact::Coulomb => 1.0,
+                };
+                end.w.plus(sign, self.impulse(flows, end))
+            }
+            _ => end.w,
+        }
+    }
+
+    /// f m_b U̇⁻/m_a, the largest jump of W that a Coulomb impact can make (negative: U̇⁻ < 0).
+    pub fn impulse(&self, flows: &Flows, end: &ZoneEnd) -> Jet {
+        let at = &flows.frame.at;
+        let value = at.friction * at.mb / at.ma;
+        let factor = flows.frame.jet(value, |by| {
+            (by.friction * at.mb + at.friction * by.mb - value * by.ma) / at.ma
+        });
+        factor.times(end.radial_rate)
+    }
+}
+
+impl System for Wave {
+    type Failure = FlowError;
+
+    fn unknowns(&self) -> usize {
+        3 * self.zones() + 2
+    }
+
+    fn evaluate(
+        &self,
+        point: &Vector,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+    ) -> Result<(), FlowError> {
+        let flows = self.flows(point)?;
+        let n = self.zones();
+        let Scales {
+            time, rate, speed, ..
+        } = self.scales;
+        let units = jet_units(&self.scales);
+        for zone in 0..n {
+            let end = self.zone_end(&flows, point, zone)?;
+            let after = self.rate_after_switch(&flows, &end, zone);
+            let next = 3 * ((zone + 1) % n);
+            let columns = [3 * zone, 3 * zone + 1, 3 * zone + 2, 3 * n, 3 * n + 1];
+            let row = 3 * zone;
+            for (offset, jet) in [
+                end.y.affine(1.0 / time, 0.0),
+                after.affine(1.0 / rate, 0.0),
+                end.switching,
+            ]
+            .into_iter()
+            .enumerate()
+            {
+                residual[row + offset] = jet.value;
+                for (index, column) in columns.into_iter().enumerate() {
+                    jacobian[(row + offset, column)] += jet.by[index] * units[index];
+                }
+            }
+            residual[row] -= point[next];
+            jacobian[(row, next)] -= 1.0;
+            residual[row + 1] -= point[next + 1];
+            jacobian[(row + 1, next + 1)] -= 1.0;
+        }
+        // Σ T|c| k/2π = 1
+        let durations: f64 = (0..n).map(|zone| point[3 * zone + 2]).sum();
+        let factor = time * speed.abs() * f64::from(self.mode) / TAU;
+        let row = 3 * n;
+        residual[row] = durations * point[3 * n] * factor - 1.0;
+        for zone in 0..n {
+            jacobian[(row, 3 * zone + 2)] = point[3 * n] * factor;
+        }
+        jacobian[(row, 3 * n)] = durations * factor;
+        Ok(())
+    }
+}
+
+/// Units of the derivatives of a jet in the scaled unknowns.
+pub fn jet_units(scales: &Scales) -> [f64; 5] {
+    let mut units = [0.0; 5];
+    units[ENTRY_Y] = scales.time;
+    units[ENTRY_W] = scales.rate;
+    units[DURATION] = scales.time;
+    units[SPEED] = scales.speed;
+    units[PARAMETER] = scales.parameter;
+    units
+}

@@ -1,0 +1,77 @@
+//! Samples of a wave over one wavelength.
+
+use crate::branch::ProfileSample;
+use crate::flow::FlowError;
+use crate::linalg::Vector;
+use crate::model::signature::Regime;
+
+use super::Wave;
+
+/// End of each zone as θ from release, time-forward: the last is 2π/k.
+pub fn switches(wave: &Wave, point: &Vector) -> Vec<f64> {
+    let speed = wave.speed_at(point).abs();
+    let mut theta = 0.0;
+    (0..wave.zones())
+        .map(|zone| {
+            theta += wave.duration_at(point, zone) * speed;
+            theta
+        })
+        .collect()
+}
+
+/// Samples with at least `resolution` intervals per wavelength; both sides of every switch are
+/// sampled.
+pub fn sample(
+    wave: &Wave,
+    point: &Vector,
+    resolution: usize,
+) -> Result<Vec<ProfileSample>, FlowError> {
+    let flows = wave.flows(point)?;
+    let speed = wave.speed_at(point).abs();
+    let wavelength = std::f64::consts::TAU / f64::from(wave.mode);
+    let at = &flows.frame.at;
+    let weight = at.g * at.mismatch;
+    let steady = flows.frame.steady().value;
+    let mut samples = Vec::with_capacity(resolution + 2 * wave.zones());
+    let mut theta = 0.0;
+    for zone in 0..wave.zones() {
+        let regime = wave.signature.zone(zone).regime;
+        let entry = wave.entry_at(point, zone);
+        let duration = wave.duration_at(point, zone);
+        let share = duration * speed / wavelength * resolution as f64;
+        let intervals = share.ceil().clamp(1.0, resolution.max(1) as f64) as usize;
+        for index in 0..=intervals {
+            let time = duration * index as f64 / intervals as f64;
+            let (radial, radial_rate, [y, w]) = match regime {
+                Regime::Stick => (at.mismatch, 0.0, [entry[0] + time, entry[1]]),
+                Regime::Separation => {
+                    let [u, rate, y, w] = flows.separation().state(entry, time)?;
+                    (u, rate, [y, w])
+                }
+                _ => (at.mismatch, 0.0, flows.contact(regime).state(entry, time)),
+            };
+            let pressure = if regime == Regime::Separation {
+                0.0
+            } else {
+                weight + at.kappa * w
+            };
+            let shear = match regime.sliding() {
+                Some(sigma) => sigma * at.friction * pressure,
+                None if regime == Regime::Stick => at.h * (y + steady) + at.damping,
+                None => 0.0,
+            };
+            samples.push(ProfileSample {
+                theta: theta + time * speed,
+                radial,
+                tangential: y + steady,
+                radial_rate,
+                tangential_rate: w,
+                pressure,
+                shear,
+                regime: regime.name(),
+            });
+        }
+        theta += duration * speed;
+    }
+    Ok(samples)
+}

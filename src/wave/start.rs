@@ -1,0 +1,348 @@
+//! Slip-stick waves in closed form.
+//!
+//! With F = fD/c − α > 0 and y = V − fgδ/h the slip zone obeys m_a ÿ − Fẏ + hy = 0 from
+//! y = F/h, ẏ = 1 to the next ẏ = 1 after T1; stick lasts T2 = y(0) − y(T1). In units of the
+//! frequency ω = √(h/m_a) the zone depends on ζ = F/(2√(m_a h)) alone: ωT1 is the first zero of
+//!
+//! ```text
+//! e^{ζτ}[cos(ητ) − (ζ/η) sin(ητ)] − 1,   η = √(1 − ζ²),
+//! ```
+//!
+//! between π/η, where V̇ is least, and 2π/η. The wave's length L(c) = (T1 + T2)|c| tends to infinity as ζ → 1
+//! and as |c| → ∞, so L = 2π/k has two roots — the slow and the fast wave — or none: they meet
+//! where the least length is 2π/k, which is a fold.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::model::{Model, Parameters};
+
+/// Which of the two waves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// Larger |c|.
+    Fast,
+    /// Smaller |c|, close to √a: the stiff end.
+    Slow,
+}
+
+/// A slip-stick wave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlipStick {
+    /// Signed speed c.
+    pub speed: f64,
+    /// Duration of slip.
+    pub slip: f64,
+    /// Duration of stick.
+    pub stick: f64,
+    /// Least V̇ in slip: it decides where the pressure first touches zero.
+    pub least_rate: f64,
+    /// Y = y at release, F/h.
+    pub release: f64,
+}
+
+/// Why there is no slip-stick wave.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NoWave {
+    /// D = 0: radial and tangential motion are not coupled.
+    #[error("D = 0: radial and tangential motion are not coupled, and no travelling wave exists")]
+    Uncoupled,
+    /// f = 0.
+    #[error("f = 0: without friction nothing drives a wave; take friction > 0")]
+    Frictionless,
+    /// Beyond the fold in f.
+    #[error(
+        "no slip-stick wave of mode {mode} exists at f = {friction}: the fast and the slow wave \
+         meet in a fold at f = {fold:.15} and vanish beyond it; take friction below that"
+    )]
+    BeyondFold {
+        /// Mode.
+        mode: u32,
+        /// f asked for.
+        friction: f64,
+        /// f of the fold.
+        fold: f64,
+    },
+    /// Damping too strong: the stick zone has vanished.
+    #[error(
+        "no slip-stick wave of mode {mode} exists at mass damping α = {damping}: its stick zone \
+         vanishes at the Hopf point of steady sliding, α√(ak² + h) = kf|D|, here α = {hopf:.15}"
+    )]
+    BeyondHopf {
+        /// Mode.
+        mode: u32,
+        /// α asked for.
+        damping: f64,
+        /// α of the Hopf point.
+        hopf: f64,
+    },
+}
+
+/// First zero ωT1 of ẏ = 1 after release, and y(T1)·h/F there, for 0 < ζ < 1.
+fn shape(zeta: f64) -> (f64, f64) {
+    let eta = ((1.0 - zeta) * (1.0 + zeta)).sqrt();
+    // y(τ)h/F and ẏ(τ) from y = F/h = 2ζ/ω (in units of 1/ω), ẏ = 1
+    let y = |tau: f64| {
+        let (sine, cosine) = (eta * tau).sin_cos();
+        // y₀ = 2ζ, ẏ₀ − ζy₀ = 1 − 2ζ²
+        (zeta * tau).exp() * (2.0 * zeta * cosine + (1.0 - 2.0 * zeta * zeta) / eta * sine)
+    };
+    // e^{−ζτ}(ẏ − 1): well scaled however large the growth. It is negative at ητ = π, where ẏ is
+    // least, and positive at ητ = 2π; without its last term it vanishes at the first guess.
+    let excess = |tau: f64| {
+        let (sine, cosine) = (eta * tau).sin_cos();
+        let decay = (-zeta * tau).exp();
+        (
+            cosine - zeta / eta * sine - decay,
+            zeta * (decay - cosine) - eta * sine,
+        )
+    };
+    let (mut low, mut high) = (PI / eta, TAU / eta);
+    let mut tau = (PI + eta.atan2(zeta)) / eta;
+    for _ in 0..100 {
+        let (value, slope) = excess(tau);
+        if value < 0.0 {
+            low = tau;
+        } else {
+            high = tau;
+        }
+        let newton = tau - value / slope;
+        let next = if newton > low && newton < high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
+        if (next - tau).abs() <= 2.0 * f64::EPSILON * tau {
+            break;
+        }
+        tau = next;
+    }
+    (tau, y(tau) / (2.0 * zeta))
+}
+
+/// The wave of given |c|, whatever its length: `None` unless 0 < ζ < 1.
+fn at_speed(parameters: &Parameters, magnitude: f64) -> Option<SlipStick> {
+    let coefficients = parameters.coefficients;
+    let root = coefficients.a.sqrt();
+    let ma = (magnitude - root) * (magnitude + root) / (magnitude * magnitude);
+    let force =
+        parameters.friction * coefficients.coupling.abs() / magnitude - parameters.mass_damping;
+    let h = coefficients.h;
+    if !(ma > 0.0 && force > 0.0) {
+        return None;
+    }
+    let omega = (h / ma).sqrt();
+    let zeta = 0.5 * force / (ma * h).sqrt();
+    if zeta >= 1.0 {
+        return None;
+    }
+    let (tau, ratio) = shape(zeta);
+    let eta = ((1.0 - zeta) * (1.0 + zeta)).sqrt();
+    let release = force / h;
+    Some(SlipStick {
+        speed: magnitude.copysign(coefficients.coupling),
+        slip: tau / omega,
+        stick: release * (1.0 - ratio),
+        // ÿ = 0 at ητ = π, where ẏ = −e^{ζπ/η}
+        least_rate: -(zeta * PI / eta).exp(),
+        release,
+    })
+}
+
+fn length(parameters: &Parameters, magnitude: f64) -> f64 {
+    at_speed(parameters, magnitude)
+        .map_or(f64::INFINITY, |wave| (wave.slip + wave.stick) * magnitude)
+}
+
+/// |c| as a function of a variable x in (0, 1) that resolves both ends of the range of waves:
+/// from ζ = 1 (x = 0) to F = 0 or |c| = ∞ (x = 1).
+struct Range {
+    lowest: f64,
+    highest: f64,
+}
+
+impl Range {
+    fn new(parameters: &Parameters) -> Option<Range> {
+        let coefficients = parameters.coefficients;
+        let root = coefficients.a.sqrt();
+        let highest = if parameters.mass_damping > 0.0 {
+            parameters.friction * coefficients.coupling.abs() / parameters.mass_damping
+        } else {
+            f64::INFINITY
+        };
+        if highest <= root {
+            return None;
+        }
+        // ζ falls as |c| grows: bisection for ζ = 1 in log(|c|/√a − 1)
+        let zeta_below_one = |excess: f64| {
+            let magnitude = root * (1.0 + excess);
+            let ma = excess * (2.0 + excess) / ((1.0 + excess) * (1.0 + excess));
+            let force = parameters.friction * coefficients.coupling.abs() / magnitude
+                - parameters.mass_damping;
+            force < 2.0 * (ma * coefficients.h).sqrt()
+        };
+        let (mut low, mut high) = (-80.0_f64, 80.0_f64);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if zeta_below_one(middle.exp()) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        let lowest = root * (1.0 + high.exp());
+        (lowest < highest).then_some(Range { lowest, highest })
+    }
+
+    fn magnitude(&self, x: f64) -> f64 {
+        // the fourth power spreads the excess over `lowest` over many decades
+        let ratio = (x / (1.0 - x)).powi(4);
+        if self.highest.is_finite() {
+            self.lowest + (self.highest - self.lowest) * (ratio / (1.0 + ratio))
+        } else {
+            self.lowest * (1.0 + ratio)
+        }
+    }
+}
+
+/// x of least length: a scan, and golden section where the scan finds nothing short enough.
+fn shortest(parameters: &Parameters, range: &Range, wanted: f64) -> f64 {
+    const SCAN: u32 = 48;
+    let length_at = |x: f64| length(parameters, range.magnitude(x));
+    let mut best = (f64::INFINITY, 0.5);
+    for index in 1..SCAN {
+        let x = f64::from(index) / f64::from(SCAN);
+        let value = length_at(x);
+        if value < best.0 {
+            best = (value, x);
+        }
+    }
+    if best.0 < wanted {
+        return best.1;
+    }
+    let width = 1.0 / f64::from(SCAN);
+    let (mut low, mut high) = ((best.1 - width).max(0.0), (best.1 + width).min(1.0));
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    for _ in 0..80 {
+        let left = high - golden * (high - low);
+        let right = low + golden * (high - low);
+        if length_at(left) < length_at(right) {
+            high = right;
+        } else {
+            low = left;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// The slip-stick wave of mode k. Its numbers are exact to about 1e-15·(1 + growth of the slip
+/// zone); Newton's method on the full system takes out what is left.
+pub fn slip_stick(model: &Model, mode: u32, which: Which) -> Result<SlipStick, NoWave> {
+    let parameters = model.parameters();
+    let coefficients = parameters.coefficients;
+    if coefficients.coupling == 0.0 {
+        return Err(NoWave::Uncoupled);
+    }
+    if parameters.friction <= 0.0 {
+        return Err(NoWave::Frictionless);
+    }
+    let k = f64::from(mode);
+    let wanted = TAU / k;
+    let hopf = k * parameters.friction * coefficients.coupling.abs()
+        / (coefficients.a * k * k + coefficients.h).sqrt();
+    let beyond_hopf = NoWave::BeyondHopf {
+        mode,
+        damping: parameters.mass_damping,
+        hopf,
+    };
+    let range = Range::new(&parameters).ok_or(beyond_hopf)?;
+    let middle = shortest(&parameters, &range, wanted);
+    if length(&parameters, range.magnitude(middle)) > wanted {
+        return match fold_in_friction(model, mode) {
+            Some(fold) if fold < parameters.friction => Err(NoWave::BeyondFold {
+                mode,
+                friction: parameters.friction,
+                fold,
+            }),
+            _ => Err(beyond_hopf),
+        };
+    }
+    // L is larger than wanted at the outer end and not larger in the middle
+    let (mut inner, mut outer) = match which {
+        Which::Fast => (middle, 1.0),
+        Which::Slow => (middle, 0.0),
+    };
+    if which == Which::Fast && range.highest.is_finite() {
+        // F → 0: slip alone, of length 2π√(m_a/h)|c|, which must exceed the wavelength
+        let ma = 1.0 - coefficients.a / (range.highest * range.highest);
+        if TAU * (ma / coefficients.h).sqrt() * range.highest <= wanted {
+            return Err(beyond_hopf);
+        }
+    }
+    for _ in 0..200 {
+        let x = 0.5 * (inner + outer);
+        if x == inner || x == outer {
+            break;
+        }
+        if length(&parameters, range.magnitude(x)) > wanted {
+            outer = x;
+        } else {
+            inner = x;
+        }
+    }
+    at_speed(&parameters, range.magnitude(inner)).ok_or(beyond_hopf)
+}
+
+/// f at which the fast and the slow wave of mode k meet, all other parameters kept.
+pub fn fold_in_friction(model: &Model, mode: u32) -> Option<f64> {
+    let wanted = TAU / f64::from(mode);
+    let parameters = model.parameters();
+    let excess = |friction: f64| {
+        let parameters = Parameters {
+            friction,
+            ..parameters
+        };
+        let range = Range::new(&parameters)?;
+        let x = shortest(&parameters, &range, 0.0);
+        Some(length(&parameters, range.magnitude(x)) - wanted)
+    };
+    // the least length grows with f; below the Hopf point of a damped model there is no wave
+    let mut high = model.friction.max(1e-3);
+    for _ in 0..60 {
+        match excess(high) {
+            Some(value) if value > 0.0 => break,
+            _ => high *= 2.0,
+        }
+    }
+    let mut low = high;
+    for _ in 0..200 {
+        low *= 0.7;
+        match excess(low) {
+            Some(value) if value <= 0.0 => break,
+            Some(_) => high = low,
+            None => return None,
+        }
+    }
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        match excess(middle) {
+            Some(value) if value > 0.0 => high = middle,
+            _ => low = middle,
+        }
+    }
+    Some(0.5 * (low + high))
+}
+
+/// δ below which the slip-stick wave is no longer admissible: there the pressure touches zero in
+/// slip, δ = −κ min V̇/g, or reverse slip appears before stick,
+/// δ = −(α + fκ + h(F/h − T2))/(2fg), whichever is larger.
+pub fn least_mismatch(model: &Model, wave: &SlipStick) -> f64 {
+    let parameters = model.parameters();
+    let coefficients = parameters.coefficients;
+    let kappa = coefficients.coupling / wave.speed;
+    let separation = -kappa * wave.least_rate / coefficients.g;
+    let reverse = -(parameters.mass_damping
+        + parameters.friction * kappa
+        + coefficients.h * (wave.release - wave.stick))
+        / (2.0 * parameters.friction * coefficients.g);
+    separation.max(reverse)
+}
