@@ -246,10 +246,16 @@ const SLOWEST: f64 = 0.5;
 /// above one: a zone with strong growth multiplies the rounding of its entry state, and its
 /// equations by the same factor.
 pub fn relative_residual(matrix: &Matrix, residual: &[f64]) -> f64 {
+    let mut largest = [1.0_f64; MOST_UNKNOWNS];
+    for column in matrix.column_iter() {
+        for (largest, entry) in largest.iter_mut().zip(column.iter()) {
+            *largest = largest.max(entry.abs());
+        }
+    }
     residual
         .iter()
-        .enumerate()
-        .map(|(row, value)| value.abs() / matrix.row(row).amax().max(1.0))
+        .zip(largest)
+        .map(|(value, largest)| value.abs() / largest)
         .fold(0.0, f64::max)
 }
 

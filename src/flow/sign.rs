@@ -32,6 +32,14 @@ pub struct Bernstein {
     noise: f64,
 }
 
+/// The differences of a row of coefficients: the first and the last that exceed the noise (zero
+/// if none does), and how often they change their sign.
+struct Slopes {
+    first: f64,
+    last: f64,
+    changes: usize,
+}
+
 /// What could be shown of a function that should be positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
@@ -160,39 +168,46 @@ impl Bernstein {
     /// first piece) and is brought up to date: a minimum may lie where two pieces meet.
     pub fn minima(&self, falling: &mut bool) -> Vec<f64> {
         let mut places = Vec::new();
-        let mut slopes = self
-            .coefficients
-            .windows(2)
-            .map(|pair| pair[1] - pair[0])
-            .filter(|slope| slope.abs() > self.noise);
-        let Some(first) = slopes.next() else {
-            return places;
-        };
-        let last = slopes.next_back().unwrap_or(first);
-        if *falling && first > 0.0 {
+        let slopes = self.slopes();
+        if *falling && slopes.first > 0.0 {
             places.push(0.0);
         }
-        *falling = last < 0.0;
-        self.minima_in(0.0, 1.0, 0, &mut places);
+        if slopes.first != 0.0 {
+            *falling = slopes.last < 0.0;
+        }
+        if slopes.changes > 0 {
+            self.minima_in(0.0, 1.0, 0, &mut places);
+        }
         places
     }
 
-    fn minima_in(&self, from: f64, to: f64, depth: u32, places: &mut Vec<f64>) {
-        let (mut changes, mut rising_last, mut last) = (0, false, 0.0);
+    /// Differences of neighbouring coefficients: the slope has no more changes of sign than they.
+    fn slopes(&self) -> Slopes {
+        let mut slopes = Slopes {
+            first: 0.0,
+            last: 0.0,
+            changes: 0,
+        };
         for pair in self.coefficients.windows(2) {
             let slope = pair[1] - pair[0];
             if slope.abs() <= self.noise {
                 continue;
             }
-            if last != 0.0 && (slope > 0.0) != (last > 0.0) {
-                changes += 1;
-                rising_last = slope > 0.0;
+            if slopes.first == 0.0 {
+                slopes.first = slope;
+            } else if (slope > 0.0) != (slopes.last > 0.0) {
+                slopes.changes += 1;
             }
-            last = slope;
+            slopes.last = slope;
         }
-        match changes {
+        slopes
+    }
+
+    fn minima_in(&self, from: f64, to: f64, depth: u32, places: &mut Vec<f64>) {
+        let slopes = self.slopes();
+        match slopes.changes {
             0 => {}
-            1 if !rising_last => {}
+            1 if slopes.last < 0.0 => {}
             1 => places.push(from + (to - from) * self.stationary()),
             _ if depth < DEEPEST / 2 => {
                 let (left, right) = self.halves();
