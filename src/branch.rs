@@ -8,6 +8,14 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+/// Header of `branch.csv`.
+pub const BRANCH_HEADER: &str = "point,label,type,regimes,mismatch,friction,mass_damping,\
+stiffness_damping,gamma,nu,xi,speed,switches,min_pressure,max_gap,amplitude,stable,unstable,\
+lead_re,lead_im,lead_sector,newton,residual,leg";
+
+/// Columns of `branch.csv` that hold words: no curve can be drawn of them.
+pub const WORD_COLUMNS: [&str; 3] = ["type", "regimes", "stable"];
+
 /// Kind of a special point, two letters after the habit of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum EventType {

@@ -34,6 +34,10 @@ pub struct Settings {
 pub struct Found {
     /// Boundary-value problem before the point.
     pub wave: Arc<Wave>,
+    /// Arclength from the beginning of the step.
+    pub s: f64,
+    /// Boundary-value problem beyond a change of regime, and the point in its unknowns.
+    pub entered: Option<(Arc<Wave>, Node)>,
     /// Value of the continuation parameter: exactly the one asked for at user points and edges.
     pub parameter: f64,
     /// The point.
@@ -174,10 +178,17 @@ impl Follower {
         }
     }
 
+    /// Boundary-value problem and point from which the next step sets out.
+    pub fn from(&self) -> (&Arc<Wave>, &Node) {
+        (&self.wave, &self.node)
+    }
+
     /// The point the branch has reached.
     pub fn here(&self) -> Found {
         Found {
             wave: self.wave.clone(),
+            s: 0.0,
+            entered: None,
             parameter: self.wave.parameter_at(&self.node.point),
             node: self.node.clone(),
             examination: self.examination.clone(),
@@ -295,6 +306,8 @@ impl Follower {
             }
             let found = |kind, after, text| Found {
                 wave: self.wave.clone(),
+                s: place.s,
+                entered: None,
                 parameter: match what {
                     What::User(value) | What::Edge(value) => *value,
                     _ => wave.parameter_at(&place.node.point),
@@ -361,7 +374,10 @@ impl Follower {
             });
             return Ok((points, Status::Finished));
         }
-        points.push(self.here());
+        points.push(Found {
+            s: ds,
+            ..self.here()
+        });
         Ok((points, Status::Going))
     }
 
@@ -453,6 +469,8 @@ impl Follower {
             examine(&self.wave, &place.node.point).unwrap_or_else(|_| self.examination.clone());
         let mut found = Found {
             wave: self.wave.clone(),
+            s: place.s,
+            entered: None,
             parameter: self.wave.parameter_at(&place.node.point),
             node: place.node.clone(),
             examination,
@@ -490,10 +508,11 @@ impl Follower {
                 .push_str("; the branch turns back in the parameter here");
             self.heading = -self.heading;
         }
-        points.push(found);
         self.travelled += place.s.max(0.0);
         self.wave = Arc::new(beyond.wave);
         self.node = beyond.node;
+        found.entered = Some((self.wave.clone(), self.node.clone()));
+        points.push(found);
         self.examination = examination;
         self.ds = beyond.ds.max(limits.ds_min);
         (points, Status::Going)

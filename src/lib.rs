@@ -39,4 +39,5 @@ pub mod newton;
 pub mod output;
 pub mod problem;
 pub mod run;
+pub mod stability;
 pub mod wave;

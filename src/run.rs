@@ -8,7 +8,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::begin::{self, NoStart};
-use crate::branch::{BranchPoint, Event, EventType, ProfileSample};
+use crate::branch::{BranchPoint, Event, EventType, LeadingEigenvalue, ProfileSample, Stability};
 use crate::continuation;
 use crate::flow::FlowError;
 use crate::follow::{Follower, Found, Settings, State, Status};
@@ -17,7 +17,10 @@ use crate::model::coefficients::{Coefficients, Geometry};
 use crate::model::signature::Signature;
 use crate::model::{Model, Source};
 use crate::newton::System;
-use crate::problem::{self, Continuation, Parameter, Problem, Start, Toward};
+use crate::problem::{self, Continuation, Parameter, Problem, Sectors, Start, Toward};
+use crate::stability::spectrum::{Request, Spectrum};
+use crate::stability::track::{Crossing, Tracked, Tracker};
+use crate::wave::admissibility::examine;
 use crate::wave::start::Which;
 use crate::wave::{Scales, Wave, profile};
 
@@ -67,6 +70,8 @@ pub struct Progress {
     pub labels: usize,
     /// Events handed out so far.
     pub events: usize,
+    /// Rows of `spectrum.csv` handed out so far.
+    pub eigenvalues: usize,
     /// How often each `stop_after` entry has been met.
     pub met: Vec<usize>,
     /// Parts of the range from which this leg has a profile.
@@ -77,6 +82,8 @@ pub struct Progress {
     pub scales: [f64; 5],
     /// State of the branch; `None` before the first step of a leg.
     pub state: Option<State>,
+    /// Spectrum at the point the branch has reached, where stability is asked for.
+    pub spectrum: Option<Spectrum>,
     /// Reason why an earlier leg ended before its range.
     pub failure: Option<String>,
     /// How the run ended; `None` while it goes on.
@@ -94,6 +101,8 @@ pub struct Item {
     pub event: Option<Event>,
     /// The wave in physical numbers, at labelled points.
     pub saved: Option<SavedWave>,
+    /// Leading eigenvalues by sector at labelled points: sector, Re λ, Im λ, error.
+    pub eigenvalues: Vec<(usize, [f64; 3])>,
     wave: Arc<Wave>,
     unknowns: Vector,
 }
@@ -113,6 +122,26 @@ pub struct Branch {
     profiles: usize,
     progress: Progress,
     follower: Follower,
+    stability: Option<Request>,
+    notes: Vec<String>,
+}
+
+/// What a problem asks about stability.
+fn stability(problem: &Problem) -> Option<Request> {
+    let section = problem.stability.as_ref()?;
+    let sectors = match &section.sectors {
+        Sectors::All => (0..=problem.wave.mode as usize / 2).collect(),
+        Sectors::Only(list) => {
+            let mut list = list.clone();
+            list.sort_unstable();
+            list
+        }
+    };
+    Some(Request {
+        sectors,
+        eigenvalues: section.eigenvalues,
+        max_frequency: section.max_frequency,
+    })
 }
 
 /// The model of a problem.
@@ -262,6 +291,8 @@ impl Branch {
                 points: 0,
                 labels: 0,
                 events: 0,
+                eigenvalues: 0,
+                spectrum: None,
                 met: vec![0; continuation.stop_after.len()],
                 passed: vec![false; problem.output.profiles],
                 first: (wave.signature.clone(), point.iter().copied().collect()),
@@ -274,6 +305,8 @@ impl Branch {
             mode,
             continuation: continuation.clone(),
             profiles: problem.output.profiles,
+            stability: stability(problem),
+            notes: Vec::new(),
             follower,
         })
     }
@@ -310,6 +343,8 @@ impl Branch {
             continuation: continuation.clone(),
             profiles: problem.output.profiles,
             progress,
+            stability: stability(problem),
+            notes: Vec::new(),
             follower,
         })
     }
@@ -324,22 +359,66 @@ impl Branch {
         if self.progress.end.is_some() {
             return Vec::new();
         }
+        let mut tracker = self
+            .stability
+            .clone()
+            .map(|request| Tracker::new(request, self.progress.spectrum.take()));
         if self.progress.state.is_none() {
             let mut found = self.follower.here();
             found.kind = Some(EventType::EP);
             found.what = "start".into();
-            let item = self.item(found);
+            if let Some(tracker) = &mut tracker {
+                self.progress.spectrum = tracker.start(&found.wave, &found.node);
+            }
+            let spectrum = self.progress.spectrum.clone();
+            let item = self.item(found, spectrum.as_ref(), None);
             self.progress.state = Some(self.follower.state());
             return vec![item];
         }
+        let from = tracker.is_some().then(|| {
+            (
+                self.follower.from().0.clone(),
+                self.follower.from().1.clone(),
+            )
+        });
         let (found, status) = self.follower.step();
-        let mut items = Vec::with_capacity(found.len());
-        for found in found {
+        let mut tracked = Tracked::default();
+        if let (Some(tracker), Some((wave, node))) = (&mut tracker, &from) {
+            tracked = tracker.step(wave, node, &found);
+            self.progress.spectrum = tracker.last().cloned();
+        }
+        let mut items = Vec::with_capacity(found.len() + tracked.crossings.len());
+        let mut spectra = tracked.spectra.into_iter();
+        let mut crossings = tracked.crossings.into_iter().peekable();
+        for mut found in found {
+            while let Some(crossing) = crossings.next_if(|crossing| crossing.s < found.s) {
+                if let Some((wave, _)) = &from {
+                    items.extend(self.crossing(wave, crossing));
+                    if self.stop_requested(items.last().and_then(|item| item.point.kind)) {
+                        self.progress.state = Some(self.follower.state());
+                        self.end_leg(None, true);
+                        return items;
+                    }
+                }
+            }
+            if let Some(remark) = &tracked.remark {
+                if found.entered.is_some() {
+                    found.what.push_str("; ");
+                    found.what.push_str(remark);
+                } else if tracked.lost && found.kind.is_none() {
+                    self.notes.push(format!(
+                        "{} = {:.12}: {remark}",
+                        self.continuation.parameter.column(),
+                        found.parameter
+                    ));
+                }
+            }
             let kind = found.kind;
-            items.push(self.item(found));
-            if let Some(reason) = self.stop_requested(kind) {
+            let spectrum = spectra.next().flatten();
+            items.push(self.item(found, spectrum.as_ref(), None));
+            if self.stop_requested(kind) {
                 self.progress.state = Some(self.follower.state());
-                self.end_leg(None, reason);
+                self.end_leg(None, true);
                 return items;
             }
         }
@@ -357,23 +436,54 @@ impl Branch {
     }
 
     /// Whether a `stop_after` entry is met by a point of this kind.
-    fn stop_requested(&mut self, kind: Option<EventType>) -> Option<bool> {
-        let kind = kind?;
-        let mut stop = None;
+    fn stop_requested(&mut self, kind: Option<EventType>) -> bool {
+        let mut stop = false;
         for (met, wanted) in self
             .progress
             .met
             .iter_mut()
             .zip(&self.continuation.stop_after)
         {
-            if wanted.event == kind {
+            if Some(wanted.event) == kind {
                 *met += 1;
-                if *met >= wanted.count {
-                    stop = Some(true);
-                }
+                stop |= *met >= wanted.count;
             }
         }
         stop
+    }
+
+    /// A crossing of the imaginary axis as a point of the branch.
+    fn crossing(&mut self, wave: &Arc<Wave>, crossing: Crossing) -> Option<Item> {
+        let real = crossing.omega == 0.0;
+        let becomes = if crossing.grows { "unstable" } else { "stable" };
+        let what = if real {
+            format!(
+                "a real eigenvalue of sector {} becomes {becomes}",
+                crossing.sector
+            )
+        } else {
+            format!(
+                "a complex pair of sector {} becomes {becomes}",
+                crossing.sector
+            )
+        };
+        let found = Found {
+            wave: wave.clone(),
+            s: crossing.s,
+            entered: None,
+            parameter: wave.parameter_at(&crossing.node.point),
+            examination: examine(wave, &crossing.node.point).ok()?,
+            node: crossing.node,
+            kind: Some(if real { EventType::BP } else { EventType::HB }),
+            after: None,
+            uncertainty: crossing.uncertainty * wave.scales.parameter,
+            what,
+        };
+        Some(self.item(
+            found,
+            Some(&crossing.spectrum),
+            Some((crossing.sector, (!real).then_some(crossing.omega))),
+        ))
     }
 
     /// Ends a leg; the next one begins unless the whole run is to stop.
@@ -417,7 +527,12 @@ impl Branch {
         });
     }
 
-    fn item(&mut self, found: Found) -> Item {
+    fn item(
+        &mut self,
+        found: Found,
+        spectrum: Option<&Spectrum>,
+        crossing: Option<(usize, Option<f64>)>,
+    ) -> Item {
         let wave = &found.wave;
         let parameter = wave.parameter;
         let model = self.model.with(parameter, found.parameter);
@@ -440,8 +555,8 @@ impl Branch {
                     kind,
                     parameters: values,
                     speed,
-                    sector: None,
-                    omega: None,
+                    sector: crossing.map(|(sector, _)| sector),
+                    omega: crossing.and_then(|(_, omega)| omega),
                     regimes_before: regimes.clone(),
                     regimes_after: found
                         .after
@@ -466,9 +581,21 @@ impl Branch {
             min_pressure: examination.least_pressure,
             max_gap: examination.largest_gap,
             amplitude: 0.5 * (high - low),
-            stable: None,
-            unstable: None,
-            lead: None,
+            // on the imaginary axis itself nothing is decided
+            stable: self.stability.as_ref().map(|_| {
+                match spectrum.map_or(Stability::Undecided, |spectrum| spectrum.stable) {
+                    Stability::Yes if crossing.is_some() => Stability::Undecided,
+                    stable => stable,
+                }
+            }),
+            unstable: spectrum.map(Spectrum::unstable),
+            lead: spectrum
+                .and_then(Spectrum::lead)
+                .map(|(eigenvalue, sector)| LeadingEigenvalue {
+                    re: eigenvalue.re,
+                    im: eigenvalue.im,
+                    sector,
+                }),
             newton: found.node.newton,
             residual: found.node.residual,
         };
@@ -479,9 +606,24 @@ impl Branch {
             zones: wave.unpack(&found.node.point),
             speed,
         });
+        let eigenvalues = match (label, spectrum, &self.stability) {
+            (Some(_), Some(spectrum), Some(request)) => spectrum
+                .sectors
+                .iter()
+                .flat_map(|sector| {
+                    spectrum
+                        .listed(sector)
+                        .take(request.eigenvalues)
+                        .map(|one| (sector.sector, [one.re, one.im, one.error]))
+                })
+                .collect(),
+            _ => Vec::new(),
+        };
+        self.progress.eigenvalues += eigenvalues.len();
         Item {
             point,
             leg: self.progress.leg,
+            eigenvalues,
             event,
             saved,
             unknowns: found.node.point.clone(),
@@ -504,6 +646,16 @@ impl Branch {
         let new = !self.progress.passed[cell];
         self.progress.passed[cell] = true;
         new
+    }
+
+    /// What could not be settled so far, in words.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Whether stability is asked for.
+    pub fn with_stability(&self) -> bool {
+        self.stability.is_some()
     }
 
     /// Share of the range behind the branch, for progress: where the parameter stands in it.

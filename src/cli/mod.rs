@@ -98,10 +98,6 @@ pub fn main() -> ExitCode {
     };
     match result {
         Ok(code) => ExitCode::from(code),
-        // a reader that has seen enough is no error
-        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
-            ExitCode::SUCCESS
-        }
         Err(failure) => {
             let _ = writeln!(io::stderr(), "error: {failure}");
             ExitCode::from(failure.code())
@@ -112,9 +108,11 @@ pub fn main() -> ExitCode {
 /// Writes to standard output.
 fn print(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes())
-        .and_then(|()| out.flush())
-        .map_err(Failure::Output)
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        // a reader that has seen enough is no error; files and exit code are due all the same
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Output(error)),
+        _ => Ok(()),
+    }
 }
 
 /// Writes a warning to standard error.

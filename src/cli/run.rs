@@ -8,9 +8,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::report::Report;
 use super::{Failure, NUMERICAL, default_folder, print, warn};
-use crate::output::folder::{Folder, Restart};
+use crate::output::folder::{self, Folder, Restart};
 use crate::output::plots::{self, Format};
-use crate::problem::{self, Continuation, Problem, Start};
+use crate::problem::{self, Continuation, Problem, Start, Toward};
 use crate::run::{Branch, End, SavedWave};
 
 #[derive(Debug, Args)]
@@ -44,21 +44,56 @@ pub struct Prepared {
 /// Reads a problem file, and the wave it restarts from if it does.
 pub fn prepare(path: &Path) -> Result<Prepared, Failure> {
     let (problem, text) = problem::read(path)?;
-    let continuation = problem
+    let mut continuation = problem
         .continuation(&text, &path.display().to_string())?
         .clone();
     let restart = match &problem.wave.start {
-        Start::Restart { dir, label } => Some(Restart::read(dir)?.wave(dir, *label)?.clone()),
+        Start::Restart { dir, label } => {
+            let earlier = Restart::read(dir)?;
+            let modes = (earlier.problem.wave.mode, problem.wave.mode);
+            if modes.0 != modes.1 {
+                return Err(Failure::Usage(format!(
+                    "{} holds waves of mode {}, not of mode {}",
+                    dir.display(),
+                    modes.0,
+                    modes.1
+                )));
+            }
+            Some(earlier.wave(dir, *label)?.clone())
+        }
         Start::Fast | Start::Slow => None,
     };
-    if problem.stability.is_some() {
-        warn("the section `stability` is read but not evaluated in this version");
-    }
+    let first = match &restart {
+        Some(wave) => wave.model.value(continuation.parameter),
+        None => problem.model.value(continuation.parameter),
+    };
+    continuation.toward = ways(&continuation, first.unwrap_or(f64::NAN))?;
     Ok(Prepared {
         problem,
         continuation,
         restart,
     })
+}
+
+/// The ways a branch can go from its first point: at an end of the range there is but one.
+fn ways(continuation: &Continuation, first: f64) -> Result<Toward, Failure> {
+    let (low, high) = continuation.range;
+    match continuation.toward {
+        Toward::Both if first == low => Ok(Toward::Up),
+        Toward::Both if first == high => Ok(Toward::Down),
+        // a problem with its own start has been checked for this; a restart brings its own value
+        toward
+            if (toward == Toward::Down && first == low)
+                || (toward == Toward::Up && first == high) =>
+        {
+            Err(Failure::Usage(format!(
+                "the branch starts at {} = {first:?}, an end of the range from {low:?} to \
+                 {high:?} with nothing beyond; go the other way, or widen the range",
+                continuation.parameter.column()
+            )))
+        }
+        toward => Ok(toward),
+    }
 }
 
 pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
@@ -71,7 +106,7 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         .out
         .clone()
         .unwrap_or_else(|| default_folder(&arguments.problem));
-    let interrupted = if arguments.resume && out.join(crate::output::folder::RESTART).exists() {
+    let interrupted = if arguments.resume && out.join(folder::RESTART).exists() {
         Some(Restart::read(&out)?)
     } else {
         None
@@ -92,7 +127,7 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         None => {
             let branch = Branch::begin(&problem, &continuation, restart.as_ref())?;
             // what a kill left before its first label is no result
-            let force = arguments.force || arguments.resume;
+            let force = arguments.force || arguments.resume && folder::barely_begun(&out);
             let folder = Folder::create(&out, &problem, &branch, force)?;
             (branch, folder)
         }
@@ -131,6 +166,9 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         }
         print(&report.text())?;
         print(&format!("results in {}\n", out.display()))?;
+    }
+    for note in branch.notes() {
+        warn(note);
     }
     match &branch.progress().end {
         Some(End::Failed(reason)) => {

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::tables;
+use super::{plots, tables};
 use crate::problem::Problem;
 use crate::run::{Branch, Item, Progress, SavedWave};
 
@@ -93,6 +93,7 @@ impl Restart {
 pub const RESTART: &str = "branch.ron";
 const BRANCH: &str = "branch.csv";
 const EVENTS: &str = "events.csv";
+const SPECTRUM: &str = "spectrum.csv";
 const PROFILES: &str = "profiles";
 
 /// Intervals of a profile over one wavelength.
@@ -104,6 +105,8 @@ pub struct Folder {
     path: PathBuf,
     branch: File,
     events: File,
+    /// With a `stability` section only.
+    spectrum: Option<File>,
     with_profiles: bool,
     restart: Restart,
 }
@@ -140,6 +143,11 @@ impl Folder {
         let folder = Folder {
             branch: table(BRANCH, tables::BRANCH_HEADER)?,
             events: table(EVENTS, tables::EVENTS_HEADER)?,
+            spectrum: if branch.with_stability() {
+                Some(table(SPECTRUM, tables::SPECTRUM_HEADER)?)
+            } else {
+                None
+            },
             path: path.to_path_buf(),
             with_profiles,
             restart: Restart {
@@ -156,19 +164,14 @@ impl Folder {
     pub fn reopen(path: &Path, restart: Restart) -> Result<Folder, FolderError> {
         let table = |name: &str, rows: usize| -> Result<File, FolderError> {
             let path = path.join(name);
-            let text = fs::read_to_string(&path).map_err(io_error(&path))?;
-            let length: usize = text
-                .split_inclusive('\n')
-                .take(rows + 1)
-                .filter(|line| line.ends_with('\n'))
-                .map(str::len)
-                .sum();
-            if text[..length].matches('\n').count() != rows + 1 {
+            // bytes, for a row cut short may end within a character
+            let text = fs::read(&path).map_err(io_error(&path))?;
+            let Some(length) = line_ends(&text).nth(rows) else {
                 return Err(FolderError::Restart {
                     path,
                     reason: format!("fewer than the {rows} rows that were saved"),
                 });
-            }
+            };
             let file = OpenOptions::new()
                 .append(true)
                 .open(&path)
@@ -178,24 +181,17 @@ impl Folder {
         };
         let branch = table(BRANCH, restart.progress.points)?;
         let events = table(EVENTS, restart.progress.events)?;
-        let profiles = path.join(PROFILES);
-        if let Ok(entries) = fs::read_dir(&profiles) {
-            for entry in entries.flatten() {
-                let label: Option<usize> = entry
-                    .path()
-                    .file_stem()
-                    .and_then(|stem| stem.to_str())
-                    .and_then(|stem| stem.parse().ok());
-                if label.is_none_or(|label| label > restart.progress.labels) {
-                    let path = entry.path();
-                    fs::remove_file(&path).map_err(io_error(&path))?;
-                }
-            }
-        }
+        let spectrum = if restart.problem.stability.is_some() {
+            Some(table(SPECTRUM, restart.progress.eigenvalues)?)
+        } else {
+            None
+        };
+        remove_profiles(&path.join(PROFILES), restart.progress.labels)?;
         Ok(Folder {
             path: path.to_path_buf(),
             branch,
             events,
+            spectrum,
             with_profiles: restart.problem.output.profiles > 0,
             restart,
         })
@@ -213,6 +209,13 @@ impl Folder {
                 self.events
                     .write_all(tables::event_row(event).as_bytes())
                     .map_err(io_error(&path))?;
+            }
+            if let (Some(file), Some(label)) = (&mut self.spectrum, item.point.label) {
+                let path = self.path.join(SPECTRUM);
+                for (sector, numbers) in &item.eigenvalues {
+                    file.write_all(tables::spectrum_row(Some(label), *sector, *numbers).as_bytes())
+                        .map_err(io_error(&path))?;
+                }
             }
             if let Some(saved) = &item.saved {
                 self.restart.waves.push(saved.clone());
@@ -248,23 +251,54 @@ impl Folder {
     }
 }
 
-/// Removes what an earlier run wrote.
+/// Whether a folder has no more of a branch than a run killed before its first label leaves
+/// behind: nothing that would be missed.
+pub fn barely_begun(path: &Path) -> bool {
+    fs::read(path.join(BRANCH)).map_or(true, |text| line_ends(&text).count() <= 2)
+}
+
+/// Where the lines of a text end, each past its newline.
+fn line_ends(text: &[u8]) -> impl Iterator<Item = usize> {
+    text.iter()
+        .enumerate()
+        .filter(|(_, byte)| **byte == b'\n')
+        .map(|(index, _)| index + 1)
+}
+
+/// Removes what an earlier run wrote, and nothing else.
 fn clear(path: &Path) -> Result<(), FolderError> {
-    const PICTURES: [&str; 3] = ["svg", "png", "pdf"];
     for entry in fs::read_dir(path).map_err(io_error(path))?.flatten() {
         let file = entry.path();
         let name = entry.file_name();
         let name = name.to_string_lossy();
-        let picture = file
-            .extension()
-            .is_some_and(|extension| PICTURES.iter().any(|known| extension == *known));
-        let table = [BRANCH, EVENTS, "spectrum.csv", RESTART, "branch.ron.new"]
+        let table = [BRANCH, EVENTS, SPECTRUM, RESTART, "branch.ron.new"]
             .iter()
             .any(|known| name == *known);
-        if file.is_file() && (picture || table) {
+        if file.is_file() && (table || plots::is_picture(&name)) {
             fs::remove_file(&file).map_err(io_error(&file))?;
-        } else if name == PROFILES && file.is_dir() {
-            fs::remove_dir_all(&file).map_err(io_error(&file))?;
+        }
+    }
+    let profiles = path.join(PROFILES);
+    remove_profiles(&profiles, 0)?;
+    // stays where it is not empty
+    let _ = fs::remove_dir(&profiles);
+    Ok(())
+}
+
+/// Removes the profiles of all labels beyond `last`.
+fn remove_profiles(profiles: &Path, last: usize) -> Result<(), FolderError> {
+    let Ok(entries) = fs::read_dir(profiles) else {
+        return Ok(());
+    };
+    for entry in entries.flatten() {
+        let label: Option<usize> = entry
+            .file_name()
+            .to_str()
+            .and_then(|name| name.strip_suffix(".csv"))
+            .and_then(|label| label.parse().ok());
+        if label.is_some_and(|label| label > last) {
+            let path = entry.path();
+            fs::remove_file(&path).map_err(io_error(&path))?;
         }
     }
     Ok(())

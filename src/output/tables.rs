@@ -1,16 +1,15 @@
 //! Rows of the tables. Numbers carry 17 significant digits, so that reading them back gives the
 //! same double.
 
+pub use crate::branch::BRANCH_HEADER;
 use crate::branch::{BranchPoint, Event, ParameterValues, ProfileSample, Stability};
-
-/// Header of `branch.csv`.
-pub const BRANCH_HEADER: &str = "point,label,type,regimes,mismatch,friction,mass_damping,\
-stiffness_damping,gamma,nu,xi,speed,switches,min_pressure,max_gap,amplitude,stable,unstable,\
-lead_re,lead_im,lead_sector,newton,residual,leg";
 
 /// Header of `events.csv`.
 pub const EVENTS_HEADER: &str = "label,type,mismatch,friction,mass_damping,stiffness_damping,\
 gamma,nu,xi,speed,sector,omega,regimes_before,regimes_after,uncertainty,what";
+
+/// Header of `spectrum.csv`.
+pub const SPECTRUM_HEADER: &str = "label,sector,re,im,error";
 
 /// Header of a profile.
 pub const PROFILE_HEADER: &str = "theta,U,V,U_dot,V_dot,P,Q,regime";
@@ -98,6 +97,17 @@ pub fn event_row(event: &Event) -> String {
         event.what.clone(),
     ]);
     line(&fields)
+}
+
+/// A row of `spectrum.csv`, or of the output of `spectrum` where there is no label.
+pub fn spectrum_row(label: Option<usize>, sector: usize, [re, im, error]: [f64; 3]) -> String {
+    line(&[
+        optional(label),
+        sector.to_string(),
+        number(re),
+        number(im),
+        number(error),
+    ])
 }
 
 /// A whole profile.

@@ -8,6 +8,7 @@ use super::{
     Coefficients, Continuation, Expectation, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Model, Output,
     Parameter, Plot, Problem, Sectors, StabilitySection, Start, Toward, Wave,
 };
+use crate::branch::{BRANCH_HEADER, WORD_COLUMNS};
 
 /// Something wrong with the value at a path; see [`Outline::locate`].
 pub(super) struct Complaint {
@@ -243,10 +244,18 @@ fn output(Output { plots, profiles }: &Output) -> Check {
         *profiles <= MAX_PROFILES,
         &rule,
     )?;
+    let columns: Vec<&str> = BRANCH_HEADER
+        .split(',')
+        .filter(|column| !WORD_COLUMNS.contains(column))
+        .collect();
     for (index, plot) in plots.iter().enumerate() {
-        let nameless = matches!(plot, Plot::Column(name) if name.trim().is_empty());
-        let rule = "name a column of branch.csv, e.g. `Column(\"amplitude\")`";
-        admit(&format!("output.plots.{index}"), plot, !nameless, rule)?;
+        let Plot::Column(name) = plot else { continue };
+        let rule = format!(
+            "name a column of branch.csv, e.g. `Column(\"amplitude\")`; it has {}",
+            columns.join(", ")
+        );
+        let holds = columns.contains(&name.as_str());
+        admit(&format!("output.plots.{index}"), plot, holds, &rule)?;
     }
     Ok(())
 }

@@ -62,6 +62,25 @@ fn stem(picture: &Picture) -> String {
     }
 }
 
+/// Whether a file has the name of a picture that [`draw`] writes.
+pub fn is_picture(name: &str) -> bool {
+    let Some((stem, extension)) = name.rsplit_once('.') else {
+        return false;
+    };
+    let known = [
+        "diagram",
+        "pressure",
+        "displacement",
+        "phase_plane",
+        "friction",
+        "spectrum",
+    ];
+    (known.contains(&stem) || stem.starts_with("column_"))
+        && [Format::Svg, Format::Png, Format::Pdf]
+            .iter()
+            .any(|format| format.extension() == extension)
+}
+
 /// Whether a picture is made from the files in `profiles`.
 fn needs_profiles(picture: &Picture) -> bool {
     matches!(

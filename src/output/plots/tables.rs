@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::axis::drawable;
 use super::error::PlotError;
-use crate::branch::EventType;
+use crate::branch::{EventType, WORD_COLUMNS};
 
 /// Columns of `branch.csv` that hold words or lists.
 const WORDS: [&str; 4] = ["type", "regimes", "switches", "stable"];
@@ -177,7 +177,7 @@ impl Tables {
 
     /// Fails unless `name` is a column of `branch.csv` that can be drawn over the parameter.
     pub fn check_column(&self, name: &str) -> Result<(), PlotError> {
-        self.check(name, &["type", "regimes", "stable"])
+        self.check(name, &WORD_COLUMNS)
     }
 
     fn check(&self, name: &str, refused: &[&str]) -> Result<(), PlotError> {

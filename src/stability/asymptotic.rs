@@ -1,0 +1,200 @@
+//! The spectrum at high frequency.
+//!
+//! For |Im λ| → ∞ the exponents of a zone are r = xλ + y + O(1/λ). With q = √a/|c|,
+//!
+//! ```text
+//! x₁ = q/(1+q),  x₂ = −q/(1−q),   y_i = ±[(F − α)x_i − F]/(2q),   F = σfκ (0 in separation),
+//! ```
+//!
+//! + for i = 1. Separation decouples to this order: u is O(1/λ) of η, and so is what it gives back
+//! at landing. Reversals multiply η′ by V̈⁺/V̈⁻ and mix the two branches. The characteristic function
+//! becomes a sum of exponentials Σ a_p e^{−λτ_p} over the paths through the branches, and lim sup
+//! Re λ is the root ρ of Σ |a_p| e^{−ρτ_p} = 1: attained where the delays are rationally independent,
+//! a bound always.
+
+use nalgebra::Complex;
+
+use super::characteristic::{Characteristic, Jump};
+use crate::model::signature::Regime;
+
+/// One path: a e^{λ·advance} e^{−λT}.
+#[derive(Clone, Copy, Debug)]
+struct Path {
+    branch: usize,
+    factor: f64,
+    advance: f64,
+}
+
+/// The limit of t(λ) and d(λ) for large |Im λ|.
+#[derive(Clone, Debug)]
+pub struct HighFrequency {
+    /// (a_p, τ_p) of t.
+    trace: Vec<(f64, f64)>,
+    /// (a, τ) of d.
+    determinant: Option<(f64, f64)>,
+}
+
+/// Two paths whose advances differ by less than this fraction of the period are one.
+const SAME_DELAY: f64 = 1e-13;
+
+impl HighFrequency {
+    /// The limit for a linearised wave.
+    pub fn new(characteristic: &Characteristic) -> HighFrequency {
+        let q = characteristic.a.sqrt();
+        let x = [q / (1.0 + q), -q / (1.0 - q)];
+        let span = x[0] - x[1];
+        // (1, slope) in the basis (1, x₁), (1, x₂)
+        let split = |slope: f64| [(slope - x[1]) / span, (x[0] - slope) / span];
+        let period = characteristic.period;
+        let mut determinant = (1.0, 2.0 * period);
+        let starts: Vec<Path> = (0..2)
+            .map(|branch| Path {
+                branch,
+                factor: if characteristic.stick {
+                    split(0.0)[branch]
+                } else {
+                    1.0
+                },
+                advance: 0.0,
+            })
+            .collect();
+        let groups: Vec<Vec<Path>> = if characteristic.stick {
+            vec![starts]
+        } else {
+            starts.into_iter().map(|path| vec![path]).collect()
+        };
+        let mut trace = Vec::new();
+        for (start, mut paths) in groups.into_iter().enumerate() {
+            let mut forgotten = false;
+            for zone in &characteristic.zones {
+                if zone.regime == Regime::Stick {
+                    // only η is left, and release begins anew
+                    let sum = merge(&paths, true, period);
+                    paths = sum
+                        .iter()
+                        .flat_map(|path| {
+                            (0..2).map(|branch| Path {
+                                branch,
+                                factor: path.factor * split(0.0)[branch],
+                                advance: path.advance,
+                            })
+                        })
+                        .collect();
+                    forgotten = true;
+                    continue;
+                }
+                let force = zone.regime.sliding().unwrap_or(0.0)
+                    * characteristic.friction
+                    * characteristic.kappa;
+                let y = [0, 1].map(|i| {
+                    let sign = if i == 0 { 1.0 } else { -1.0 };
+                    sign * ((force - characteristic.damping) * x[i] - force) / (2.0 * q)
+                });
+                for path in &mut paths {
+                    path.factor *= (y[path.branch] * zone.duration).exp();
+                    path.advance += x[path.branch] * zone.duration;
+                }
+                if start == 0 {
+                    determinant.0 *= ((y[0] + y[1]) * zone.duration).exp();
+                    determinant.1 -= (x[0] + x[1]) * zone.duration;
+                }
+                if let Jump::Reversal(ratio) = zone.jump {
+                    paths = paths
+                        .iter()
+                        .flat_map(|path| {
+                            let parts = split(ratio * x[path.branch]);
+                            (0..2).map(move |branch| Path {
+                                branch,
+                                factor: path.factor * parts[branch],
+                                advance: path.advance,
+                            })
+                        })
+                        .collect();
+                    paths = merge(&paths, false, period);
+                    if start == 0 {
+                        determinant.0 *= ratio;
+                    }
+                }
+            }
+            if forgotten {
+                // the last stick zone ends the period: η is what is carried over
+                let sum = merge(&paths, true, period);
+                trace.extend(sum.iter().map(|path| (path.factor, period - path.advance)));
+            } else {
+                trace.extend(
+                    paths
+                        .iter()
+                        .filter(|path| path.branch == start)
+                        .map(|path| (path.factor, period - path.advance)),
+                );
+            }
+        }
+        HighFrequency {
+            trace,
+            determinant: (!characteristic.stick).then_some(determinant),
+        }
+    }
+
+    fn terms(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.trace.iter().copied().chain(self.determinant)
+    }
+
+    /// Σ |a_p| e^{−ρτ_p}: below 1, no zero at high frequency lies to the right of ρ.
+    pub fn size(&self, rho: f64) -> f64 {
+        self.terms()
+            .map(|(factor, delay)| factor.abs() * (-rho * delay).exp())
+            .sum()
+    }
+
+    /// t(λ) in the limit.
+    pub fn trace_at(&self, lambda: Complex<f64>) -> Complex<f64> {
+        self.trace
+            .iter()
+            .map(|(factor, delay)| (-lambda * *delay).exp() * *factor)
+            .sum()
+    }
+
+    /// ρ, the largest limit point of Re λ; NaN where a coefficient is infinite.
+    pub fn limit(&self) -> f64 {
+        if !self
+            .terms()
+            .all(|(factor, delay)| factor.is_finite() && delay > 0.0)
+        {
+            return f64::NAN;
+        }
+        let (mut low, mut high) = (-1.0, 1.0);
+        while self.size(low) < 1.0 && low > -1e6 {
+            low *= 2.0;
+        }
+        while self.size(high) > 1.0 && high < 1e6 {
+            high *= 2.0;
+        }
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if middle == low || middle == high {
+                break;
+            }
+            if self.size(middle) > 1.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+}
+
+/// Adds up paths of the same advance; of one branch, or of both where only η counts.
+fn merge(paths: &[Path], both: bool, period: f64) -> Vec<Path> {
+    let mut merged: Vec<Path> = Vec::new();
+    for path in paths {
+        let branch = if both { 0 } else { path.branch };
+        match merged.iter_mut().find(|known| {
+            known.branch == branch && (known.advance - path.advance).abs() <= SAME_DELAY * period
+        }) {
+            Some(known) => known.factor += path.factor,
+            None => merged.push(Path { branch, ..*path }),
+        }
+    }
+    merged
+}

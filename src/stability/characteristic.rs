@@ -1,0 +1,602 @@
+//! The eigenfunction problem of a wave as a characteristic function of λ.
+//!
+//! V → V(θ) + e^{λt}ψ(θ). With η(s) = e^{λs}ψ(−cs), so that ∂/∂φ = −(1/c)(d/ds − λ) on η, the
+//! equations along a material point are
+//!
+//! ```text
+//! slip, reverse:  m_a η″ + (2ãλ − σfκ + α)η′ + (h − ãλ² + σfκλ)η = 0,      ã = a/c²
+//! stick:          η′ = 0
+//! separation:     m_b u″ + (2b̃λ + α)u′ + (g − b̃λ²)u + κ(η′ − λη) = 0,      b̃ = b/c²
+//!                 m_a η″ + (2ãλ + α)η′ + (h − ãλ²)η − κ(u′ − λu) = 0
+//! ```
+//!
+//! the first of which is (12) of Nguyen et al. (2008), time-forward (there −2λψ′ should read
+//! −2cλψ′). A switch moves by τ in time when the state before it is perturbed:
+//!
+//! | switch | jump |
+//! |---|---|
+//! | arrest | η continuous, η′ := 0 |
+//! | release | none |
+//! | reversal | η continuous, η′ := η′·V̈⁺/V̈⁻ |
+//! | take-off | u = u′ = 0, η and η′ continuous |
+//! | landing | τ = −u/U̇⁻; u, u′ dropped; η continuous, η′ := η′ − (V̈⁺ − V̈⁻)τ |
+//! | touch | τ = −u/U̇⁻; u := 0, u′ := −Ü⁺τ, η continuous, η′ := η′ − (V̈⁺ − V̈⁻)τ |
+//!
+//! A stick zone forgets everything but η: with N(λ) = η at the beginning of stick for η = 1, η′ = 0
+//! at release, the spectrum in Bloch sector j is N(λ)e^{−λT} = e^{2πij/k}. Without one the transfer
+//! M(λ) over a period is 2 × 2 and the condition is det(M e^{−λT} − e^{2πij/k}) = 0. Both are
+//!
+//! ```text
+//! F_j(λ) = 1 − t(λ)/z_j + d(λ)/z_j² = 0,   t = tr M e^{−λT},  d = det M e^{−2λT},  z_j = e^{2πij/k},
+//! ```
+//!
+//! with d = 0 where there is stick. F_j tends to 1 as Re λ → ∞.
+
+use nalgebra::{Complex, Matrix4, Vector4};
+
+use crate::flow::FlowError;
+use crate::linalg::Vector;
+use crate::model::signature::{Entry, Regime};
+use crate::problem::Impact;
+use crate::wave::Wave;
+
+type C64 = Complex<f64>;
+
+const ZERO: C64 = C64::new(0.0, 0.0);
+const ONE: C64 = C64::new(1.0, 0.0);
+
+/// Why a wave has no characteristic function here.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NotLinearised {
+    /// The flow could not be evaluated.
+    #[error("{0}")]
+    Flow(#[from] FlowError),
+    /// Landing with a Coulomb impact: the jump depends on the slope of the front, which changes
+    /// m_a and m_b; the first-order theory above does not cover it.
+    #[error("the perturbation of a Coulomb impact is not known: stability is undecided")]
+    CoulombImpact,
+}
+
+/// A complex number v·e^{exponent} with its derivative in λ: exponents of both signs beyond the
+/// range of double precision occur for |λ| of 10⁴.
+#[derive(Clone, Copy, Debug)]
+pub struct Scaled {
+    /// v.
+    pub value: C64,
+    /// Derivative, on the same scale.
+    pub derivative: C64,
+    /// Real exponent of the scale.
+    pub exponent: f64,
+}
+
+impl Scaled {
+    fn times(self, other: Scaled) -> Scaled {
+        Scaled {
+            value: self.value * other.value,
+            derivative: self.derivative * other.value + self.value * other.derivative,
+            exponent: self.exponent + other.exponent,
+        }
+    }
+
+    /// Multiplication by e^{−λT}.
+    fn delayed(self, lambda: C64, period: f64) -> Scaled {
+        let turn = C64::from_polar(1.0, -lambda.im * period);
+        Scaled {
+            value: self.value * turn,
+            derivative: (self.derivative - self.value * period) * turn,
+            exponent: self.exponent - lambda.re * period,
+        }
+    }
+
+    /// The number itself; infinite or zero beyond the range of double precision.
+    pub fn number(self) -> C64 {
+        self.value * self.exponent.exp()
+    }
+}
+
+/// t(λ) and d(λ).
+#[derive(Clone, Copy, Debug)]
+pub struct Value {
+    /// tr M e^{−λT}, or N e^{−λT}.
+    pub trace: Scaled,
+    /// det M e^{−2λT}, or 0.
+    pub determinant: Scaled,
+}
+
+impl Value {
+    /// F_j and its derivative, both divided by the same positive number, so that |F_j| stays of
+    /// order one wherever λ lies.
+    pub fn sector(&self, z: C64) -> (C64, C64) {
+        let top = self.trace.exponent.max(self.determinant.exponent).max(0.0);
+        let inverse = z.conj();
+        let one = (-top).exp();
+        let trace = inverse * (self.trace.exponent - top).exp();
+        let determinant = inverse * inverse * (self.determinant.exponent - top).exp();
+        (
+            one - self.trace.value * trace + self.determinant.value * determinant,
+            -self.trace.derivative * trace + self.determinant.derivative * determinant,
+        )
+    }
+
+    /// |t| + |d|: below 1 there is no zero in any sector.
+    pub fn size(&self) -> f64 {
+        let part = |scaled: &Scaled| scaled.value.norm() * scaled.exponent.exp();
+        part(&self.trace) + part(&self.determinant)
+    }
+}
+
+/// What a switch does to a perturbation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Jump {
+    /// Release, or nothing to do.
+    None,
+    /// η′ := 0.
+    Arrest,
+    /// η′ := ratio·η′.
+    Reversal(f64),
+    /// u := u′ := 0.
+    TakeOff,
+    /// η′ := η′ + factor·u, then u := u′ := 0.
+    Landing(f64),
+    /// η′ := η′ + tangential·u, u′ := radial·u, then u := 0.
+    Touch { tangential: f64, radial: f64 },
+}
+
+/// One zone with the switch at its end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LinearZone {
+    pub(super) regime: Regime,
+    pub(super) duration: f64,
+    pub(super) jump: Jump,
+}
+
+/// The linearised wave.
+#[derive(Clone, Debug)]
+pub struct Characteristic {
+    /// Zones from just after a release, or from the beginning of a contact zone.
+    pub(super) zones: Vec<LinearZone>,
+    /// Whether there is a stick zone.
+    pub(super) stick: bool,
+    /// Period T of a material point.
+    pub period: f64,
+    /// Mode k.
+    pub mode: u32,
+    pub(super) ma: f64,
+    pub(super) mb: f64,
+    pub(super) a: f64,
+    pub(super) b: f64,
+    pub(super) kappa: f64,
+    pub(super) g: f64,
+    pub(super) h: f64,
+    pub(super) friction: f64,
+    pub(super) damping: f64,
+}
+
+/// Perturbations (u, u′, η, η′) with their derivatives in λ, up to two of them, times e^{exponent}.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct State {
+    pub(super) columns: [Vector4<C64>; 2],
+    pub(super) by: [Vector4<C64>; 2],
+    pub(super) exponent: f64,
+}
+
+/// A matrix that depends on λ, times e^{exponent}.
+#[derive(Clone, Copy)]
+struct Transfer {
+    at: Matrix4<C64>,
+    by: Matrix4<C64>,
+    exponent: f64,
+}
+
+/// Up to this |√Δ s| the power series of C, S and ∂S/∂Δ are used.
+const SERIES_LIMIT: f64 = 0.7;
+const SERIES_TERMS: usize = 10;
+
+impl Characteristic {
+    /// Linearises a solved wave.
+    pub fn new(wave: &Wave, point: &Vector) -> Result<Characteristic, NotLinearised> {
+        let flows = wave.flows(point)?;
+        let at = flows.frame.at;
+        let count = wave.zones();
+        let weight = flows.frame.weight().value;
+        let steady = flows.frame.steady().value;
+        let impact = wave.model.impact;
+        let mut zones = Vec::with_capacity(count);
+        for index in 0..count {
+            let zone = wave.signature.zone(index);
+            let next = wave.signature.zone(index + 1);
+            let end = wave.zone_end(&flows, point, index)?;
+            let (y, w, radial) = (end.y.value, end.w.value, end.radial_rate.value);
+            let sliding = |regime: Regime| flows.contact(regime).acceleration([y, w]);
+            let jump = match next.entry {
+                Entry::Release => Jump::None,
+                Entry::Arrest => Jump::Arrest,
+                Entry::TakeOff => Jump::TakeOff,
+                Entry::Reversal => Jump::Reversal(sliding(next.regime) / sliding(zone.regime)),
+                Entry::Landing | Entry::ArrestedLanding | Entry::Touch
+                    if impact == Impact::Coulomb =>
+                {
+                    return Err(NotLinearised::CoulombImpact);
+                }
+                Entry::ArrestedLanding => return Err(NotLinearised::CoulombImpact),
+                Entry::Landing => {
+                    let free = (at.kappa * radial - at.damping * w - at.h * (y + steady)) / at.ma;
+                    Jump::Landing((sliding(next.regime) - free) / radial)
+                }
+                Entry::Touch => Jump::Touch {
+                    tangential: -at.kappa / at.ma,
+                    radial: -(weight + at.kappa * w) / at.mb / radial,
+                },
+            };
+            zones.push(LinearZone {
+                regime: zone.regime,
+                duration: wave.duration_at(point, index),
+                jump,
+            });
+        }
+        // begin behind a release, or else with a contact zone
+        let release = (0..count).find(|&index| wave.signature.zone(index).entry == Entry::Release);
+        let contact =
+            (0..count).find(|&index| wave.signature.zone(index).regime.sliding().is_some());
+        zones.rotate_left(release.or(contact).unwrap_or(0));
+        let model = wave.model_at(point);
+        let coefficients = model.parameters().coefficients;
+        let square = wave.speed_at(point).powi(2);
+        Ok(Characteristic {
+            period: zones.iter().map(|zone| zone.duration).sum(),
+            stick: release.is_some(),
+            zones,
+            mode: wave.mode,
+            ma: at.ma,
+            mb: at.mb,
+            a: coefficients.a / square,
+            b: coefficients.b / square,
+            kappa: at.kappa,
+            g: at.g,
+            h: at.h,
+            friction: at.friction,
+            damping: at.damping,
+        })
+    }
+
+    /// z_j = e^{2πij/k}.
+    pub fn multiplier(&self, sector: usize) -> C64 {
+        let turn = sector as f64 / f64::from(self.mode);
+        C64::from_polar(1.0, std::f64::consts::TAU * turn)
+    }
+
+    /// t(λ) and d(λ) with derivatives.
+    pub fn evaluate(&self, lambda: C64) -> Value {
+        let start = |row: usize| {
+            let mut column = Vector4::repeat(ZERO);
+            column[row] = ONE;
+            column
+        };
+        let mut state = State {
+            columns: [start(2), start(3)],
+            by: [Vector4::repeat(ZERO); 2],
+            exponent: 0.0,
+        };
+        let none = Scaled {
+            value: ZERO,
+            derivative: ZERO,
+            exponent: 0.0,
+        };
+        if self.stick {
+            for zone in &self.zones {
+                self.cross(zone, lambda, &mut state, 1);
+            }
+            let trace = Scaled {
+                value: state.columns[0][2],
+                derivative: state.by[0][2],
+                exponent: state.exponent,
+            };
+            return Value {
+                trace: trace.delayed(lambda, self.period),
+                determinant: none,
+            };
+        }
+        // the determinant factor by factor: as a difference of products it would cancel
+        let mut determinant = Scaled {
+            value: ONE,
+            derivative: ZERO,
+            exponent: 0.0,
+        };
+        let mut index = 0;
+        while index < self.zones.len() {
+            let mut part = State {
+                columns: [start(2), start(3)],
+                by: [Vector4::repeat(ZERO); 2],
+                exponent: 0.0,
+            };
+            // from contact to contact: a chain of separation zones is one factor
+            loop {
+                let zone = &self.zones[index];
+                self.cross(zone, lambda, &mut state, 2);
+                self.cross(zone, lambda, &mut part, 2);
+                index += 1;
+                let separated = self
+                    .zones
+                    .get(index)
+                    .is_some_and(|zone| zone.regime == Regime::Separation);
+                if index == self.zones.len() || !separated {
+                    break;
+                }
+            }
+            let [one, other] = part.columns;
+            let [one_by, other_by] = part.by;
+            determinant = determinant.times(Scaled {
+                value: one[2] * other[3] - one[3] * other[2],
+                derivative: one_by[2] * other[3] + one[2] * other_by[3]
+                    - one_by[3] * other[2]
+                    - one[3] * other_by[2],
+                exponent: 2.0 * part.exponent,
+            });
+        }
+        let trace = Scaled {
+            value: state.columns[0][2] + state.columns[1][3],
+            derivative: state.by[0][2] + state.by[1][3],
+            exponent: state.exponent,
+        };
+        Value {
+            trace: trace.delayed(lambda, self.period),
+            determinant: determinant.delayed(lambda, 2.0 * self.period),
+        }
+    }
+
+    /// Carries `count` perturbations through a zone and the switch at its end.
+    pub(super) fn cross(&self, zone: &LinearZone, lambda: C64, state: &mut State, count: usize) {
+        self.flow(zone, lambda, zone.duration, state, count);
+        self.jump(zone.jump, state, count);
+    }
+
+    /// Carries perturbations through the first `duration` of a zone.
+    pub(super) fn flow(
+        &self,
+        zone: &LinearZone,
+        lambda: C64,
+        duration: f64,
+        state: &mut State,
+        count: usize,
+    ) {
+        match zone.regime {
+            Regime::Stick => {}
+            Regime::Slip | Regime::Reverse => {
+                let sigma = zone.regime.sliding().unwrap_or(1.0);
+                let (matrix, by, exponent) = self.contact(lambda, sigma, duration);
+                for column in 0..count {
+                    let [_, _, y, w] = state.columns[column].data.0[0];
+                    let [_, _, y_by, w_by] = state.by[column].data.0[0];
+                    for row in 0..2 {
+                        let [m0, m1] = matrix[row];
+                        let [d0, d1] = by[row];
+                        state.columns[column][2 + row] = m0 * y + m1 * w;
+                        state.by[column][2 + row] = m0 * y_by + m1 * w_by + d0 * y + d1 * w;
+                    }
+                }
+                state.exponent += exponent;
+            }
+            Regime::Separation => {
+                let transfer = self.separation(lambda, duration);
+                for column in 0..count {
+                    state.by[column] =
+                        transfer.at * state.by[column] + transfer.by * state.columns[column];
+                    state.columns[column] = transfer.at * state.columns[column];
+                }
+                state.exponent += transfer.exponent;
+            }
+        }
+        // keep the mantissas near one
+        let size = state.columns[..count]
+            .iter()
+            .flat_map(|column| column.iter())
+            .fold(0.0_f64, |size, x| size.max(x.norm_sqr()));
+        if size > 1e100 || size < 1e-100 && size > 0.0 {
+            let shift = 0.5 * size.ln();
+            let factor = (-shift).exp();
+            for column in 0..count {
+                state.columns[column] *= C64::from(factor);
+                state.by[column] *= C64::from(factor);
+            }
+            state.exponent += shift;
+        }
+    }
+
+    fn jump(&self, jump: Jump, state: &mut State, count: usize) {
+        for column in 0..count {
+            for vector in [&mut state.columns[column], &mut state.by[column]] {
+                let u = vector[0];
+                match jump {
+                    Jump::None => {}
+                    Jump::Arrest => vector[3] = ZERO,
+                    Jump::Reversal(ratio) => vector[3] *= ratio,
+                    Jump::TakeOff => {
+                        vector[0] = ZERO;
+                        vector[1] = ZERO;
+                    }
+                    Jump::Landing(factor) => {
+                        vector[3] += u * factor;
+                        vector[0] = ZERO;
+                        vector[1] = ZERO;
+                    }
+                    Jump::Touch { tangential, radial } => {
+                        vector[3] += u * tangential;
+                        vector[1] = u * radial;
+                        vector[0] = ZERO;
+                    }
+                }
+            }
+        }
+    }
+
+    /// exp(As) of a sliding zone with its derivative in λ and the exponent of both.
+    fn contact(&self, lambda: C64, sigma: f64, s: f64) -> ([[C64; 2]; 2], [[C64; 2]; 2], f64) {
+        let drive = sigma * self.friction * self.kappa;
+        let p = -(lambda * (2.0 * self.a) - drive + self.damping) / (2.0 * self.ma);
+        let q = (lambda * drive - lambda * lambda * self.a + self.h) / self.ma;
+        let p_by = -self.a / self.ma;
+        let q_by = (-lambda * (2.0 * self.a) + drive) / self.ma;
+        let delta = p * p - q;
+        let delta_by = p * (2.0 * p_by) - q_by;
+        let root = delta.sqrt();
+        let (c, sh, slope, exponent);
+        if root.norm() * s.abs() <= SERIES_LIMIT {
+            let x = delta * (s * s);
+            let (mut even, mut odd, mut third) = (ZERO, ZERO, ZERO);
+            for j in (0..SERIES_TERMS).rev() {
+                let n = 2.0 * j as f64;
+                even = ONE + even * x / ((n + 1.0) * (n + 2.0));
+                odd = ONE + odd * x / ((n + 2.0) * (n + 3.0));
+                third = ONE + third * x / ((n + 2.0) * (n + 5.0));
+            }
+            exponent = p.re * s;
+            let turn = C64::from_polar(1.0, p.im * s);
+            c = turn * even;
+            sh = turn * odd * s;
+            slope = turn * third * (s * s * s / 6.0);
+        } else {
+            let (e1, e2) = ((p + root) * s, (p - root) * s);
+            exponent = e1.re.max(e2.re);
+            let (x1, x2) = ((e1 - exponent).exp(), (e2 - exponent).exp());
+            c = (x1 + x2) * 0.5;
+            sh = (x1 - x2) / (root * 2.0);
+            slope = (c * s - sh) / (delta * 2.0);
+        }
+        let matrix = [[c - p * sh, sh], [-q * sh, c + p * sh]];
+        let c_by = sh * delta_by * (0.5 * s);
+        let s_by = slope * delta_by;
+        let grow = s * p_by;
+        let by = [
+            [
+                matrix[0][0] * grow + c_by - p * s_by - sh * p_by,
+                matrix[0][1] * grow + s_by,
+            ],
+            [
+                matrix[1][0] * grow - q * s_by - q_by * sh,
+                matrix[1][1] * grow + c_by + p * s_by + sh * p_by,
+            ],
+        ];
+        (matrix, by, exponent)
+    }
+
+    /// exp(As) of a separation zone on (u, u′, η, η′).
+    fn separation(&self, lambda: C64, s: f64) -> Transfer {
+        let square = lambda * lambda;
+        let (mb, ma) = (1.0 / self.mb, 1.0 / self.ma);
+        let (ub, ua) = (
+            -(lambda * (2.0 * self.b) + self.damping) * mb,
+            -(lambda * (2.0 * self.a) + self.damping) * ma,
+        );
+        let kb = self.kappa * mb;
+        let ka = self.kappa * ma;
+        // half of the trace of each oscillator, averaged: what is left has small real parts
+        let shift = (ub + ua) * 0.25;
+        // scales that make the matrix nearly skew, at the frequency |λ|
+        let size = lambda.norm_sqr();
+        let scale = [
+            (self.g + self.b * size).sqrt(),
+            self.mb.sqrt(),
+            (self.h + self.a * size).sqrt(),
+            self.ma.sqrt(),
+        ];
+        let real = |x: f64| C64::new(x, 0.0);
+        #[rustfmt::skip]
+        let at = Matrix4::new(
+            -shift, ONE, ZERO, ZERO,
+            (square * self.b - self.g) * mb, ub - shift, lambda * kb, real(-kb),
+            ZERO, ZERO, -shift, ONE,
+            -lambda * ka, real(ka), (square * self.a - self.h) * ma, ua - shift,
+        );
+        let shift_by = real(-0.5 * (self.b * mb + self.a * ma));
+        #[rustfmt::skip]
+        let by = Matrix4::new(
+            -shift_by, ZERO, ZERO, ZERO,
+            lambda * (2.0 * self.b * mb), real(-2.0 * self.b * mb) - shift_by, real(kb), ZERO,
+            ZERO, ZERO, -shift_by, ZERO,
+            real(-ka), ZERO, lambda * (2.0 * self.a * ma), real(-2.0 * self.a * ma) - shift_by,
+        );
+        let weigh = |matrix: Matrix4<C64>, power: f64| {
+            Matrix4::from_fn(|i, j| matrix[(i, j)] * (scale[i] / scale[j]).powf(power))
+        };
+        let (at, by) = (weigh(at, 1.0), weigh(by, 1.0));
+        let mut transfer = exponential(&at, &by, s);
+        let turn = C64::from_polar(1.0, shift.im * s);
+        transfer.exponent += shift.re * s;
+        let matrix = weigh(transfer.at, -1.0) * turn;
+        Transfer {
+            at: matrix,
+            by: weigh(transfer.by, -1.0) * turn + matrix * (shift_by * s),
+            exponent: transfer.exponent,
+        }
+    }
+}
+
+/// exp(As) and its derivative along `by`, by scaling and squaring; after every squaring the scale
+/// is taken out, so that nothing overflows.
+fn exponential(at: &Matrix4<C64>, by: &Matrix4<C64>, s: f64) -> Transfer {
+    /// ‖B‖ ≤ 1: the remainder of degree 18 is 1/19! ≈ 8e-18.
+    const DEGREE: u32 = 18;
+    let norm = (0..4)
+        .map(|j| at.column(j).iter().map(|x| x.norm()).sum::<f64>())
+        .fold(0.0, f64::max)
+        * s.abs();
+    let halvings = if norm > 1.0 { norm.log2().ceil() } else { 0.0 };
+    let scale = C64::from(s * (-halvings).exp2());
+    let (b, d) = (at * scale, by * scale);
+    let product = |(x, dx): (&Matrix4<C64>, &Matrix4<C64>),
+                   (y, dy): (&Matrix4<C64>, &Matrix4<C64>)| {
+        (x * y, dx * y + x * dy)
+    };
+    let inverse_factorial = |j: u32| C64::from(1.0 / (1..=j).map(f64::from).product::<f64>());
+    let (b2, d2) = product((&b, &d), (&b, &d));
+    let (b3, d3) = product((&b2, &d2), (&b, &d));
+    let (b4, d4) = product((&b2, &d2), (&b2, &d2));
+    let (b5, d5) = product((&b4, &d4), (&b, &d));
+    let mut result = (Matrix4::repeat(ZERO), Matrix4::repeat(ZERO));
+    for block in (0..=DEGREE / 5).rev() {
+        let first = 5 * block;
+        let mut sum = (
+            Matrix4::from_diagonal_element(inverse_factorial(first)),
+            Matrix4::repeat(ZERO),
+        );
+        for (offset, (power, slope)) in [
+            (1, (&b, &d)),
+            (2, (&b2, &d2)),
+            (3, (&b3, &d3)),
+            (4, (&b4, &d4)),
+        ] {
+            if first + offset <= DEGREE {
+                let factor = inverse_factorial(first + offset);
+                sum.0 += power * factor;
+                sum.1 += slope * factor;
+            }
+        }
+        if block < DEGREE / 5 {
+            let (x, dx) = product((&b5, &d5), (&result.0, &result.1));
+            sum.0 += x;
+            sum.1 += dx;
+        }
+        result = sum;
+    }
+    let mut exponent = 0.0;
+    for _ in 0..halvings as u32 {
+        result = product((&result.0, &result.1), (&result.0, &result.1));
+        exponent *= 2.0;
+        let size = result
+            .0
+            .iter()
+            .fold(0.0_f64, |size, x| size.max(x.norm_sqr()));
+        if size > 1e60 || size < 1e-60 && size > 0.0 {
+            let shift = 0.5 * size.ln();
+            let factor = C64::from((-shift).exp());
+            result.0 *= factor;
+            result.1 *= factor;
+            exponent += shift;
+        }
+    }
+    Transfer {
+        at: result.0,
+        by: result.1,
+        exponent,
+    }
+}

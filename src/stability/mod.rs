@@ -1,0 +1,9 @@
+//! Stability of a wave: its whole spectrum from the eigenfunction problem.
+//!
+//! [`characteristic`] turns a wave into analytic functions of λ whose zeros are the eigenvalues,
+//! [`asymptotic`] says what they do at high frequency, [`spectrum`] finds all of them in a window.
+
+pub mod asymptotic;
+pub mod characteristic;
+pub mod spectrum;
+pub mod track;

@@ -1,0 +1,718 @@
+//! Every eigenvalue of a window, counted and found.
+//!
+//! The number of zeros of F_j in a box is the number of turns of F_j along its edge. One walk along
+//! the upper half of the edge serves all sectors, since t and d do not depend on the sector and
+//! F_j(λ̄) is the conjugate of F_{k−j}(λ). The walk is refined until, for every sector, F moves by
+//! less than its own size from sample to sample and as its derivative predicts. Zeros are then
+//! found by Newton's method from a grid or from the zeros of a neighbouring wave, until as many are
+//! found as were counted.
+
+use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+
+use super::asymptotic::HighFrequency;
+use super::characteristic::{Characteristic, Value};
+use crate::branch::Stability;
+
+type C64 = Complex<f64>;
+
+/// What to compute.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// Bloch sectors 0 ≤ j ≤ k/2.
+    pub sectors: Vec<usize>,
+    /// Eigenvalues wanted in each sector.
+    pub eigenvalues: usize,
+    /// Largest |Im λ| that counts.
+    pub max_frequency: f64,
+}
+
+/// Eigenvalues are followed this far beyond the largest frequency that counts: those that enter
+/// the window through its upper edge between two points are then known at both.
+pub const MARGIN: f64 = 0.5;
+
+/// An eigenvalue.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Eigenvalue {
+    /// Re λ.
+    pub re: f64,
+    /// Im λ.
+    pub im: f64,
+    /// Estimate of its error: last Newton correction and rounding of F over |F′|.
+    pub error: f64,
+    /// Multiplicity of the zero.
+    pub multiplicity: usize,
+}
+
+impl Eigenvalue {
+    /// λ.
+    pub fn value(&self) -> C64 {
+        C64::new(self.re, self.im)
+    }
+}
+
+/// The eigenvalues of one sector in the window, the translation mode left out, by falling Re λ.
+/// In sectors 0 and k/2 conjugate pairs appear with both members.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sector {
+    /// Bloch sector.
+    pub sector: usize,
+    /// All zeros found.
+    pub eigenvalues: Vec<Eigenvalue>,
+}
+
+/// The spectrum of a wave in a window.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spectrum {
+    /// One entry per sector asked for, in order.
+    pub sectors: Vec<Sector>,
+    /// Left edge of the window.
+    pub left: f64,
+    /// Right edge of the window: no zero lies beyond it.
+    pub right: f64,
+    /// Whether as many zeros were found as counted in every sector.
+    pub complete: bool,
+    /// |λ₀| of the translation mode, where sector 0 was asked for.
+    pub translation_defect: Option<f64>,
+    /// Limit of Re λ at high frequency.
+    pub limit: f64,
+    /// Verdict.
+    pub stable: Stability,
+    /// Mode k.
+    pub mode: u32,
+    /// Largest |Im λ| that counts.
+    pub max_frequency: f64,
+}
+
+/// Real parts below this are no growth: the translation mode of a solved wave comes out near 1e-14,
+/// and a growth of 1e-7 takes 10⁷ turns of the shaft to show.
+pub const UNSTABLE: f64 = 1e-7;
+
+/// An edge walk closer to a zero than this fraction of the window is given up and moved.
+const SHORTEST_STEP: f64 = 1e-7;
+
+/// Most samples of one walk.
+const MOST_SAMPLES: usize = 200_000;
+
+/// Two zeros closer than this, in units of 1/T, are one.
+const SAME_ZERO: f64 = 1e-7;
+
+impl Spectrum {
+    /// Unstable eigenvalues of one sector with |Im λ| up to the largest frequency that counts.
+    pub fn unstable_in(&self, sector: &Sector) -> usize {
+        sector
+            .eigenvalues
+            .iter()
+            .filter(|eigenvalue| eigenvalue.re > UNSTABLE)
+            .filter(|eigenvalue| eigenvalue.im.abs() <= self.max_frequency)
+            .map(|eigenvalue| eigenvalue.multiplicity)
+            .sum()
+    }
+
+    /// Number of unstable eigenvalues on the full circle: a sector j and its conjugate k − j count
+    /// both.
+    pub fn unstable(&self) -> usize {
+        self.sectors
+            .iter()
+            .map(|sector| {
+                let twice = if self.symmetric(sector.sector) { 1 } else { 2 };
+                twice * self.unstable_in(sector)
+            })
+            .sum()
+    }
+
+    /// Whether a sector is its own conjugate: 0 and k/2.
+    pub fn symmetric(&self, sector: usize) -> bool {
+        sector == 0 || 2 * sector == self.mode as usize
+    }
+
+    /// The eigenvalues of a sector as tables list them: up to the largest frequency that counts,
+    /// and of conjugate pairs in a symmetric sector only the member with Im λ ≥ 0.
+    pub fn listed<'a>(&'a self, sector: &'a Sector) -> impl Iterator<Item = &'a Eigenvalue> {
+        let symmetric = self.symmetric(sector.sector);
+        sector
+            .eigenvalues
+            .iter()
+            .filter(move |eigenvalue| !symmetric || eigenvalue.im >= 0.0)
+            .filter(|eigenvalue| eigenvalue.im.abs() <= self.max_frequency)
+    }
+
+    /// The eigenvalue of largest real part, with its sector.
+    pub fn lead(&self) -> Option<(Eigenvalue, usize)> {
+        self.sectors
+            .iter()
+            .flat_map(|sector| {
+                self.listed(sector)
+                    .map(|eigenvalue| (*eigenvalue, sector.sector))
+            })
+            .max_by(|one, other| one.0.re.total_cmp(&other.0.re))
+    }
+}
+
+/// A box symmetric about the real axis.
+#[derive(Clone, Copy, Debug)]
+struct Window {
+    left: f64,
+    right: f64,
+    top: f64,
+}
+
+/// F_j at a sample, with the exponent that was taken out of it.
+#[derive(Clone, Copy)]
+struct Sample {
+    f: C64,
+    by: C64,
+}
+
+/// Samples of all multipliers at one λ.
+struct Row {
+    lambda: C64,
+    top: f64,
+    samples: Vec<Sample>,
+}
+
+/// The search for the zeros of one wave.
+struct Search<'a> {
+    characteristic: &'a Characteristic,
+    /// Sectors whose upper halves are needed: those asked for and their conjugates.
+    halves: Vec<usize>,
+    multipliers: Vec<C64>,
+}
+
+impl Search<'_> {
+    fn row(&self, lambda: C64) -> Row {
+        let value = self.characteristic.evaluate(lambda);
+        let top = value
+            .trace
+            .exponent
+            .max(value.determinant.exponent)
+            .max(0.0);
+        Row {
+            lambda,
+            top,
+            samples: self.samples(&value),
+        }
+    }
+
+    fn samples(&self, value: &Value) -> Vec<Sample> {
+        self.multipliers
+            .iter()
+            .map(|z| {
+                let (f, by) = value.sector(*z);
+                Sample { f, by }
+            })
+            .collect()
+    }
+
+    /// Whether a step of the walk is safe in every sector.
+    fn safe(&self, one: &Row, other: &Row) -> bool {
+        let h = other.lambda - one.lambda;
+        // on the scale of `one`
+        let factor = (other.top - one.top).exp();
+        one.samples.iter().zip(&other.samples).all(|(a, b)| {
+            let (fa, fb) = (a.f, b.f * factor);
+            let least = fa.norm().min(fb.norm());
+            let moved = (fb - fa).norm();
+            let predicted = (a.by + b.by * factor) * h * 0.5;
+            moved <= 0.8 * least && (fa + predicted - fb).norm() <= 0.2 * least
+        })
+    }
+
+    /// Turns of every F along the upper half of the edge, in radians; `None` if a zero is too near.
+    fn walk(&self, window: &Window) -> Option<Vec<f64>> {
+        let corners = [
+            C64::new(window.right, 0.0),
+            C64::new(window.right, window.top),
+            C64::new(window.left, window.top),
+            C64::new(window.left, 0.0),
+        ];
+        let mut turns = vec![0.0; self.halves.len()];
+        let shortest = SHORTEST_STEP * (window.top + window.right - window.left);
+        let first = 0.7 / self.characteristic.period;
+        let mut last = self.row(corners[0]);
+        let mut used = 0;
+        for pair in corners.windows(2) {
+            let length = (pair[1] - pair[0]).norm();
+            let pieces = (length / first).ceil().max(1.0) as usize;
+            let mut waiting: Vec<Row> = Vec::new();
+            for piece in 1..=pieces {
+                let share = piece as f64 / pieces as f64;
+                waiting.push(self.row(pair[0] + (pair[1] - pair[0]) * share));
+                while let Some(next) = waiting.pop() {
+                    used += 1;
+                    if used > MOST_SAMPLES {
+                        return None;
+                    }
+                    if self.safe(&last, &next) {
+                        for (turn, (a, b)) in
+                            turns.iter_mut().zip(last.samples.iter().zip(&next.samples))
+                        {
+                            *turn += (b.f / a.f).arg();
+                        }
+                        last = next;
+                    } else {
+                        let step = next.lambda - last.lambda;
+                        if step.norm().is_nan() || step.norm() < shortest {
+                            return None;
+                        }
+                        let middle = self.row(last.lambda + step * 0.5);
+                        waiting.push(next);
+                        waiting.push(middle);
+                    }
+                }
+            }
+        }
+        Some(turns)
+    }
+
+    fn conjugate(&self, sector: usize) -> usize {
+        let mode = self.characteristic.mode as usize;
+        (mode - sector) % mode
+    }
+
+    fn index(&self, sector: usize) -> usize {
+        self.halves
+            .iter()
+            .position(|half| *half == sector)
+            .unwrap_or(0)
+    }
+
+    /// Number of zeros of F_j in the whole box; `None` if the turns are not whole.
+    fn count(&self, turns: &[f64], sector: usize) -> Option<usize> {
+        let sum = turns[self.index(sector)] + turns[self.index(self.conjugate(sector))];
+        let whole = sum / std::f64::consts::TAU;
+        ((whole - whole.round()).abs() < 1e-6 && whole > -0.5).then(|| whole.round() as usize)
+    }
+
+    /// Newton's method on F_j.
+    fn polish(&self, half: usize, seed: C64) -> Option<Eigenvalue> {
+        let z = self.multipliers[half];
+        let longest = 0.5 / self.characteristic.period;
+        let mut lambda = seed;
+        for _ in 0..20 {
+            let (f, by) = self.characteristic.evaluate(lambda).sector(z);
+            let mut step = f / by;
+            let size = step.norm();
+            if !size.is_finite() {
+                return None;
+            }
+            if size > longest {
+                step *= longest / size;
+            }
+            lambda -= step;
+            if size <= 1e-13 * (1.0 + lambda.norm()) || size < 1e-9 {
+                // quadratic: the next correction is below rounding
+                let (f, by) = self.characteristic.evaluate(lambda).sector(z);
+                let rounding = f64::EPSILON * (4.0 + lambda.norm() * self.characteristic.period);
+                let error = (f.norm() + rounding) / by.norm();
+                lambda -= f / by;
+                return Some(Eigenvalue {
+                    re: lambda.re,
+                    im: lambda.im,
+                    error,
+                    multiplicity: 1,
+                });
+            }
+        }
+        None
+    }
+
+    /// Zeros of every half near the grid with this spacing, or near the seeds.
+    fn find(&self, window: &Window, spacing: f64, seeds: &[Vec<C64>]) -> Vec<Vec<Eigenvalue>> {
+        let mut starts: Vec<Vec<C64>> = seeds.to_vec();
+        starts.resize(self.halves.len(), Vec::new());
+        if spacing > 0.0 {
+            let columns = ((window.right - window.left) / spacing).ceil() as usize;
+            let rows = (window.top / spacing).ceil() as usize;
+            for row in 0..=rows {
+                for column in 0..=columns {
+                    let lambda = C64::new(
+                        window.left + column as f64 * spacing,
+                        (row as f64 * spacing).min(window.top),
+                    );
+                    let at = self.row(lambda);
+                    for (half, sample) in at.samples.iter().enumerate() {
+                        let step = sample.f / sample.by;
+                        let guess = lambda - step;
+                        let near = SAME_START * spacing;
+                        if step.norm() < 1.6 * spacing
+                            && !starts[half]
+                                .iter()
+                                .any(|known| (known - guess).norm() < near)
+                        {
+                            starts[half].push(guess);
+                        }
+                    }
+                }
+            }
+        }
+        let same = SAME_ZERO / self.characteristic.period;
+        starts
+            .iter()
+            .enumerate()
+            .map(|(half, guesses)| {
+                let mut zeros: Vec<Eigenvalue> = Vec::new();
+                for guess in guesses {
+                    let Some(zero) = self.polish(half, *guess) else {
+                        continue;
+                    };
+                    let inside = zero.re > window.left
+                        && zero.re < window.right
+                        && zero.im.abs() < window.top;
+                    if inside
+                        && !zeros
+                            .iter()
+                            .any(|known| (known.value() - zero.value()).norm() < same)
+                    {
+                        zeros.push(zero);
+                    }
+                }
+                zeros
+            })
+            .collect()
+    }
+
+    /// The zeros of F_j in the whole box, from the halves.
+    fn unite(&self, found: &[Vec<Eigenvalue>], sector: usize) -> Vec<Eigenvalue> {
+        let same = SAME_ZERO / self.characteristic.period;
+        let mut zeros: Vec<Eigenvalue> = found[self.index(sector)].clone();
+        for zero in &found[self.index(self.conjugate(sector))] {
+            let mirrored = Eigenvalue {
+                im: -zero.im,
+                ..*zero
+            };
+            if !zeros
+                .iter()
+                .any(|known| (known.value() - mirrored.value()).norm() < same)
+            {
+                zeros.push(mirrored);
+            }
+        }
+        zeros
+    }
+
+    /// Turns of F_j round a small circle: the number of zeros in it.
+    fn multiplicity(&self, half: usize, centre: C64, radius: f64) -> usize {
+        const SAMPLES: usize = 48;
+        let z = self.multipliers[half];
+        let at = |index: usize| {
+            let angle = std::f64::consts::TAU * index as f64 / SAMPLES as f64;
+            let lambda = centre + C64::from_polar(radius, angle);
+            self.characteristic.evaluate(lambda).sector(z).0
+        };
+        let mut last = at(0);
+        let mut turn = 0.0;
+        for index in 1..=SAMPLES {
+            let next = at(index % SAMPLES);
+            turn += (next / last).arg();
+            last = next;
+        }
+        (turn / std::f64::consts::TAU).round().max(0.0) as usize
+    }
+
+    /// All zeros of the box, sector by sector; false where fewer were found than counted.
+    fn zeros(
+        &self,
+        window: &Window,
+        sectors: &[usize],
+        seeds: &[Vec<C64>],
+    ) -> Option<(Vec<Vec<Eigenvalue>>, bool)> {
+        let turns = self.walk(window)?;
+        let counts: Option<Vec<usize>> = sectors
+            .iter()
+            .map(|sector| self.count(&turns, *sector))
+            .collect();
+        let counts = counts?;
+        let period = self.characteristic.period;
+        let mut spacing = if seeds.is_empty() { 0.6 / period } else { 0.0 };
+        let mut known: Vec<Vec<C64>> = seeds.to_vec();
+        let mut best = None;
+        for _ in 0..GRIDS {
+            let found = self.find(window, spacing, &known);
+            let mut united: Vec<Vec<Eigenvalue>> = sectors
+                .iter()
+                .map(|sector| self.unite(&found, *sector))
+                .collect();
+            let missing = |united: &[Vec<Eigenvalue>]| {
+                united.iter().zip(&counts).any(|(zeros, count)| {
+                    zeros.iter().map(|zero| zero.multiplicity).sum::<usize>() != *count
+                })
+            };
+            if !missing(&united) {
+                return Some((united, true));
+            }
+            // a multiple zero is found once
+            for (index, sector) in sectors.iter().enumerate() {
+                if united[index].len() < counts[index] {
+                    let half = self.index(*sector);
+                    for zero in &mut united[index] {
+                        let found = self.multiplicity(half, zero.value(), 1e-3 / period);
+                        zero.multiplicity = found.max(1);
+                    }
+                }
+            }
+            if !missing(&united) {
+                return Some((united, true));
+            }
+            best = Some(united);
+            known = found
+                .iter()
+                .map(|zeros| zeros.iter().map(Eigenvalue::value).collect())
+                .collect();
+            spacing = if spacing == 0.0 {
+                0.6 / period
+            } else {
+                0.5 * spacing
+            };
+        }
+        best.map(|united| (united, false))
+    }
+}
+
+/// Grids tried before a window is declared incomplete.
+const GRIDS: usize = 4;
+
+/// Newton starts closer than this fraction of the grid are one.
+const SAME_START: f64 = 0.2;
+
+/// The spectrum of a linearised wave. `seeds` is that of a neighbouring wave, if known.
+pub fn spectrum(
+    characteristic: &Characteristic,
+    request: &Request,
+    seeds: Option<&Spectrum>,
+) -> Spectrum {
+    let mode = characteristic.mode as usize;
+    let mut halves: Vec<usize> = request.sectors.clone();
+    for sector in &request.sectors {
+        let conjugate = (mode - sector) % mode;
+        if !halves.contains(&conjugate) {
+            halves.push(conjugate);
+        }
+    }
+    let search = Search {
+        characteristic,
+        multipliers: halves
+            .iter()
+            .map(|sector| characteristic.multiplier(*sector))
+            .collect(),
+        halves,
+    };
+    let high = HighFrequency::new(characteristic);
+    let limit = high.limit();
+    let period = characteristic.period;
+    let right = right_edge(characteristic, &high, request.max_frequency + MARGIN);
+    let mut window = Window {
+        left: seeds.map_or(-0.6 / period, |seeds| seeds.left),
+        right,
+        top: request.max_frequency + MARGIN,
+    };
+    let guesses = seeds.map_or_else(Vec::new, |seeds| starts(&search, seeds));
+    let mut result = None;
+    let mut lefts = 0;
+    for attempt in 0..24 {
+        let guesses: &[Vec<C64>] = if attempt == 0 { &guesses } else { &[] };
+        let Some((found, complete)) = search.zeros(&window, &request.sectors, guesses) else {
+            // a zero sits on the edge
+            window.left *= 1.037;
+            window.top *= 1.0 + 1.3e-4;
+            continue;
+        };
+        let few = found.iter().zip(&request.sectors).any(|(zeros, sector)| {
+            let symmetric = *sector == 0 || 2 * sector == mode;
+            let listed = zeros
+                .iter()
+                .filter(|zero| !symmetric || zero.im >= 0.0)
+                .count();
+            // one more for the translation mode
+            listed < request.eigenvalues + 1
+        });
+        result = Some((found, complete, window));
+        if !few || lefts == DEEPENINGS {
+            break;
+        }
+        lefts += 1;
+        window.left *= 1.5;
+    }
+    let Some((found, complete, window)) = result else {
+        return Spectrum {
+            sectors: Vec::new(),
+            left: window.left,
+            right,
+            complete: false,
+            translation_defect: None,
+            limit,
+            stable: Stability::Undecided,
+            mode: characteristic.mode,
+            max_frequency: request.max_frequency,
+        };
+    };
+    let mut translation_defect = None;
+    let sectors: Vec<Sector> = request
+        .sectors
+        .iter()
+        .zip(found)
+        .map(|(&sector, mut eigenvalues)| {
+            if sector == 0 {
+                translation_defect = remove_translation(&mut eigenvalues);
+            }
+            eigenvalues.sort_by(|one, other| {
+                other
+                    .re
+                    .total_cmp(&one.re)
+                    .then(other.im.total_cmp(&one.im))
+            });
+            Sector {
+                sector,
+                eigenvalues,
+            }
+        })
+        .collect();
+    let mut spectrum = Spectrum {
+        sectors,
+        left: window.left,
+        right: window.right,
+        complete,
+        translation_defect,
+        limit,
+        stable: Stability::Undecided,
+        mode: characteristic.mode,
+        max_frequency: request.max_frequency,
+    };
+    spectrum.stable = verdict(&search, &spectrum, request, &high);
+    spectrum
+}
+
+/// How often the window is deepened to find as many eigenvalues as were asked for.
+const DEEPENINGS: usize = 8;
+
+/// Zeros of a neighbouring wave as starts, half by half, the translation mode with them.
+fn starts(search: &Search, seeds: &Spectrum) -> Vec<Vec<C64>> {
+    search
+        .halves
+        .iter()
+        .map(|half| {
+            let mut starts = Vec::new();
+            for sector in &seeds.sectors {
+                let values = sector.eigenvalues.iter().map(Eigenvalue::value);
+                if sector.sector == *half {
+                    starts.extend(values.filter(|value| value.im > -1e-3));
+                } else if search.conjugate(sector.sector) == *half {
+                    starts.extend(
+                        values
+                            .map(|value| value.conj())
+                            .filter(|value| value.im > -1e-3),
+                    );
+                }
+            }
+            if *half == 0 {
+                starts.push(C64::new(0.0, 0.0));
+            }
+            starts
+        })
+        .collect()
+}
+
+/// Takes the translation mode out of the zeros of sector 0: the one nearest to λ = 0, where
+/// N(0) = 1 for every solved wave. Returns its distance from 0.
+fn remove_translation(eigenvalues: &mut Vec<Eigenvalue>) -> Option<f64> {
+    let (index, defect) = eigenvalues
+        .iter()
+        .enumerate()
+        .map(|(index, eigenvalue)| (index, eigenvalue.value().norm()))
+        .min_by(|one, other| one.1.total_cmp(&other.1))?;
+    if eigenvalues[index].multiplicity > 1 {
+        eigenvalues[index].multiplicity -= 1;
+    } else {
+        eigenvalues.remove(index);
+    }
+    Some(defect)
+}
+
+/// A right edge beyond which |t| + |d| < 1: no zero lies there.
+fn right_edge(characteristic: &Characteristic, high: &HighFrequency, top: f64) -> f64 {
+    let period = characteristic.period;
+    let samples = (4.0 * top * period).ceil().max(8.0) as usize;
+    let mut right = 0.4 / period;
+    for _ in 0..40 {
+        let clear = high.size(right) < EDGE
+            && (0..=samples).all(|index| {
+                let im = top * index as f64 / samples as f64;
+                characteristic.evaluate(C64::new(right, im)).size() < EDGE
+            });
+        if clear {
+            break;
+        }
+        right *= 1.5;
+    }
+    right
+}
+
+/// |t| + |d| stays below this on the right edge.
+const EDGE: f64 = 0.95;
+
+/// Largest window of a verdict: 400 in units of Ω is far beyond what the model resolves.
+const HIGHEST_FREQUENCY: f64 = 400.0;
+
+/// Stability from the window and the limit at high frequency.
+fn verdict(
+    search: &Search,
+    spectrum: &Spectrum,
+    request: &Request,
+    high: &HighFrequency,
+) -> Stability {
+    let growing = |eigenvalue: &Eigenvalue| eigenvalue.re > UNSTABLE;
+    if spectrum
+        .sectors
+        .iter()
+        .any(|sector| sector.eigenvalues.iter().any(growing))
+    {
+        return Stability::No;
+    }
+    if !spectrum.complete || spectrum.limit.is_nan() {
+        return Stability::Undecided;
+    }
+    if spectrum.limit > UNSTABLE {
+        // with stick the limit is attained; without, it is a bound only
+        return if search.characteristic.stick {
+            Stability::No
+        } else {
+            Stability::Undecided
+        };
+    }
+    // between the window and the frequencies where the limit holds
+    let mut top = request.max_frequency.max(12.0);
+    while top < HIGHEST_FREQUENCY {
+        top *= 2.0;
+        let window = Window {
+            left: -0.05 / search.characteristic.period,
+            right: spectrum.right,
+            top,
+        };
+        let Some((found, complete)) = search.zeros(&window, &request.sectors, &[]) else {
+            continue;
+        };
+        if found.iter().flatten().any(growing) {
+            return Stability::No;
+        }
+        if complete && settled(search.characteristic, high, top) {
+            return Stability::Yes;
+        }
+    }
+    Stability::Undecided
+}
+
+/// Whether the limit is reached at a frequency: its error, which falls like 1/ω, cannot bring
+/// |t| + |d| to 1 beyond it.
+fn settled(characteristic: &Characteristic, high: &HighFrequency, top: f64) -> bool {
+    /// The error is estimated over the upper third of the window; twice that is allowed for.
+    const SAFETY: f64 = 2.0;
+    const SAMPLES: usize = 200;
+    let error = (0..=SAMPLES)
+        .map(|index| {
+            let lambda = C64::new(0.0, top * (2.0 + index as f64 / SAMPLES as f64) / 3.0);
+            let exact = characteristic.evaluate(lambda).trace.number();
+            (exact - high.trace_at(lambda)).norm() * lambda.im / top
+        })
+        .fold(0.0, f64::max);
+    high.size(0.0) + SAFETY * error < 1.0
+}

@@ -1,0 +1,468 @@
+//! Spectra along a branch, and the crossings between its points.
+//!
+//! Between two points of one signature every eigenvalue near the imaginary axis is followed by
+//! Newton's method from the one spectrum into the other. The change of the unstable count must
+//! equal what crosses; where it does not, the interval is halved. A crossing is located in the
+//! arclength s by the secant rule on Re λ(s), with the wave and the eigenvalue solved together at
+//! every s.
+
+use nalgebra::Complex;
+
+use super::characteristic::Characteristic;
+use super::spectrum::{Eigenvalue, MARGIN, Request, Spectrum, UNSTABLE, spectrum};
+use crate::branch::EventType;
+use crate::continuation::Node;
+use crate::events;
+use crate::follow::Found;
+use crate::newton::{self, Plane};
+use crate::wave::Wave;
+
+type C64 = Complex<f64>;
+
+/// A crossing of the imaginary axis.
+#[derive(Clone, Debug)]
+pub struct Crossing {
+    /// Arclength from the beginning of the step.
+    pub s: f64,
+    /// The wave there.
+    pub node: Node,
+    /// Bloch sector.
+    pub sector: usize,
+    /// Im λ at the crossing: positive in sectors 0 and k/2, zero where a real eigenvalue crosses.
+    pub omega: f64,
+    /// Whether the eigenvalue becomes unstable along the branch.
+    pub grows: bool,
+    /// Estimated error of the scaled parameter.
+    pub uncertainty: f64,
+    /// Spectrum at the crossing.
+    pub spectrum: Spectrum,
+}
+
+/// What a step did to the spectrum.
+#[derive(Clone, Debug, Default)]
+pub struct Tracked {
+    /// Crossings in order.
+    pub crossings: Vec<Crossing>,
+    /// Spectrum at each point found, in order; `None` where the wave could not be linearised.
+    pub spectra: Vec<Option<Spectrum>>,
+    /// What remains to be said: a jump at a change of regime, or a count that was lost.
+    pub remark: Option<String>,
+    /// Whether a crossing could not be located.
+    pub lost: bool,
+}
+
+/// Follows the spectrum along a branch.
+#[derive(Clone, Debug)]
+pub struct Tracker {
+    request: Request,
+    /// Spectrum at the point where the next step sets out.
+    last: Option<Spectrum>,
+}
+
+/// Halvings of an interval before a count is given up.
+const DEEPEST: u32 = 24;
+
+/// Real eigenvalues have |Im λ| below this; complex pairs separate like a square root and pass
+/// it within 1e-14 of their collision.
+const REAL: f64 = 1e-7;
+
+/// Part of the first step beyond a change of regime at which its spectrum is first taken: at the
+/// event itself a nascent zone has no length and its jump is 0/0.
+const BEYOND: f64 = 1e-3;
+
+/// Eigenvalues farther from the imaginary axis than this are not followed: none crosses it in a
+/// step without coming near first, which the count would show.
+const NEAR: f64 = 0.35;
+
+/// One end of an interval.
+#[derive(Clone, Debug)]
+struct End {
+    s: f64,
+    node: Node,
+    spectrum: Spectrum,
+}
+
+/// A pair of ends of one eigenvalue, whose real parts have different signs.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    sector: usize,
+    from: C64,
+    to: C64,
+}
+
+impl Tracker {
+    /// A tracker that has seen nothing yet, or the spectrum `last`.
+    pub fn new(request: Request, last: Option<Spectrum>) -> Tracker {
+        Tracker { request, last }
+    }
+
+    /// Spectrum at the point from which the next step sets out.
+    pub fn last(&self) -> Option<&Spectrum> {
+        self.last.as_ref()
+    }
+
+    /// The spectrum of one wave; seeds are those of the last point.
+    pub fn at(&self, wave: &Wave, node: &Node) -> Option<Spectrum> {
+        self.from_seeds(wave, node, self.last.as_ref())
+    }
+
+    fn from_seeds(&self, wave: &Wave, node: &Node, seeds: Option<&Spectrum>) -> Option<Spectrum> {
+        let characteristic = Characteristic::new(wave, &node.point).ok()?;
+        Some(spectrum(&characteristic, &self.request, seeds))
+    }
+
+    /// The first point of a leg.
+    pub fn start(&mut self, wave: &Wave, node: &Node) -> Option<Spectrum> {
+        self.last = self.from_seeds(wave, node, None);
+        self.last.clone()
+    }
+
+    /// The step from `from` through the points found.
+    pub fn step(&mut self, wave: &Wave, from: &Node, found: &[Found]) -> Tracked {
+        let mut tracked = Tracked::default();
+        let folds = found
+            .iter()
+            .filter(|point| point.kind == Some(EventType::LP))
+            .count();
+        // the last point bounds the interval, or a change of regime: folds and user points are inside
+        let Some(end) = found
+            .iter()
+            .find(|point| point.entered.is_some())
+            .or(found.last())
+        else {
+            return tracked;
+        };
+        let after = self.at(wave, &end.node);
+        match (self.last.clone(), after.clone()) {
+            (Some(before), Some(after)) if end.s > 0.0 => {
+                let one = End {
+                    s: 0.0,
+                    node: from.clone(),
+                    spectrum: before,
+                };
+                let other = End {
+                    s: end.s,
+                    node: end.node.clone(),
+                    spectrum: after,
+                };
+                let mut lost = false;
+                self.between(
+                    wave,
+                    from,
+                    &one,
+                    &other,
+                    folds,
+                    0,
+                    &mut tracked.crossings,
+                    &mut lost,
+                );
+                tracked.lost = lost;
+                if lost {
+                    tracked.remark = Some(
+                        "the unstable count changes here and the crossing could not be located"
+                            .into(),
+                    );
+                }
+            }
+            _ => {}
+        }
+        tracked
+            .crossings
+            .sort_by(|one, other| one.s.total_cmp(&other.s));
+        tracked.spectra = found
+            .iter()
+            .map(|point| {
+                if point.s == end.s {
+                    after.clone()
+                } else {
+                    self.at(&point.wave, &point.node)
+                }
+            })
+            .collect();
+        self.last = after;
+        if let Some((next, node)) = end.entered.as_ref() {
+            let remark = self.enter(next, node, end);
+            if remark.is_some() {
+                tracked.remark = remark;
+            }
+        }
+        tracked
+    }
+
+    /// The spectrum just beyond a change of regime. Returns a remark where it is not the
+    /// continuation of the one before.
+    fn enter(&mut self, wave: &Wave, node: &Node, event: &Found) -> Option<String> {
+        let before = self.last.clone();
+        // a little way into the new signature
+        let mut ds = BEYOND * (event.s.abs().max(1e-3));
+        let mut beyond = None;
+        for _ in 0..6 {
+            if let Ok(step) =
+                crate::continuation::advance(wave, node, ds, newton::Settings::default().tolerance)
+            {
+                beyond = self.from_seeds(wave, &step.node, before.as_ref());
+                break;
+            }
+            ds *= 0.25;
+        }
+        self.last = beyond;
+        let (before, after) = (before.as_ref()?, self.last.as_ref()?);
+        let counts = |spectrum: &Spectrum| -> Vec<usize> {
+            spectrum
+                .sectors
+                .iter()
+                .map(|sector| spectrum.unstable_in(sector))
+                .collect()
+        };
+        let (one, other) = (counts(before), counts(after));
+        (one != other).then(|| {
+            let list = |spectrum: &Spectrum, counts: &[usize]| {
+                let parts: Vec<String> = spectrum
+                    .sectors
+                    .iter()
+                    .zip(counts)
+                    .map(|(sector, count)| format!("{count} in sector {}", sector.sector))
+                    .collect();
+                parts.join(", ")
+            };
+            format!(
+                "the spectrum is discontinuous here and the unstable count jumps without a \
+                 crossing: {} before, {} after",
+                list(before, &one),
+                list(after, &other)
+            )
+        })
+    }
+
+    /// Crossings between two ends of an interval.
+    #[allow(clippy::too_many_arguments)]
+    fn between(
+        &self,
+        wave: &Wave,
+        from: &Node,
+        one: &End,
+        other: &End,
+        folds: usize,
+        depth: u32,
+        crossings: &mut Vec<Crossing>,
+        lost: &mut bool,
+    ) {
+        let changes = self.changes(wave, one, other, folds);
+        if let Some(changes) = changes {
+            let mut located = Vec::with_capacity(changes.len());
+            for change in &changes {
+                match self.locate(wave, from, one, other, change) {
+                    Some(crossing) => located.push(crossing),
+                    None => break,
+                }
+            }
+            if located.len() == changes.len() {
+                crossings.extend(
+                    located
+                        .into_iter()
+                        .filter(|crossing| crossing.omega.abs() <= self.request.max_frequency),
+                );
+                return;
+            }
+        }
+        let middle = 0.5 * (one.s + other.s);
+        let half = (depth < DEEPEST)
+            .then(|| self.node_at(wave, from, middle))
+            .flatten()
+            .and_then(|node| {
+                let spectrum = self.from_seeds(wave, &node, Some(&one.spectrum))?;
+                Some(End {
+                    s: middle,
+                    node,
+                    spectrum,
+                })
+            });
+        let Some(half) = half else {
+            *lost = true;
+            return;
+        };
+        self.between(wave, from, one, &half, folds, depth + 1, crossings, lost);
+        self.between(wave, from, &half, other, folds, depth + 1, crossings, lost);
+    }
+
+    /// The eigenvalues that change the sign of their real part between two ends; `None` where
+    /// following them does not account for the change of the count.
+    fn changes(&self, wave: &Wave, one: &End, other: &End, folds: usize) -> Option<Vec<Change>> {
+        let characteristic = Characteristic::new(wave, &other.node.point).ok()?;
+        let mut changes = Vec::new();
+        for (before, after) in one.spectrum.sectors.iter().zip(&other.spectrum.sectors) {
+            let symmetric = one.spectrum.symmetric(before.sector);
+            let z = characteristic.multiplier(before.sector);
+            let relevant = |eigenvalue: &&Eigenvalue| eigenvalue.re.abs() < NEAR;
+            let mut taken = vec![false; after.eigenvalues.len()];
+            let mut gone = 0;
+            for start in before.eigenvalues.iter().filter(relevant) {
+                let reached = follow(&characteristic, z, start.value());
+                let index = reached.and_then(|value| {
+                    after
+                        .eigenvalues
+                        .iter()
+                        .position(|known| (known.value() - value).norm() < 1e-8)
+                });
+                let at_edge = start.im.abs() > self.request.max_frequency;
+                match index {
+                    Some(index) if !taken[index] => {
+                        taken[index] = true;
+                        let end = &after.eigenvalues[index];
+                        if (start.re > UNSTABLE) != (end.re > UNSTABLE) {
+                            // of a conjugate pair only the upper member is reported
+                            if !symmetric || start.im >= 0.0 || start.im.abs() < REAL {
+                                changes.push(Change {
+                                    sector: before.sector,
+                                    from: start.value(),
+                                    to: end.value(),
+                                });
+                            }
+                        }
+                    }
+                    // it may have left through the upper edge
+                    _ if at_edge => {}
+                    _ => gone += usize::from(start.re > -0.5 * NEAR),
+                }
+            }
+            // unstable eigenvalues that nothing has led to must have come in through the edge
+            let strangers = after
+                .eigenvalues
+                .iter()
+                .zip(&taken)
+                .filter(|(eigenvalue, taken)| {
+                    !**taken
+                        && eigenvalue.re > -0.5 * NEAR
+                        && eigenvalue.im.abs() < self.request.max_frequency + 0.5 * MARGIN
+                })
+                .count();
+            if gone > 0 || strangers > 0 {
+                return None;
+            }
+        }
+        // at a fold a real eigenvalue of sector 0 passes through zero: that is the fold itself
+        let mut left = folds;
+        changes.retain(|change| {
+            let real = change.from.im.abs() < REAL && change.to.im.abs() < REAL;
+            if change.sector == 0 && real && left > 0 {
+                left -= 1;
+                return false;
+            }
+            true
+        });
+        Some(changes)
+    }
+
+    /// The node at arclength s from the beginning of a step.
+    fn node_at(&self, wave: &Wave, from: &Node, s: f64) -> Option<Node> {
+        let predicted = &from.point + &from.tangent * s;
+        let mut plane = Plane {
+            normal: &from.tangent,
+            through: &predicted,
+        };
+        let settings = newton::Settings {
+            polish: 1,
+            ..newton::Settings::default()
+        };
+        let solution = newton::solve(wave, &mut plane, &predicted, &settings).ok()?;
+        events::retangent(wave, &solution.point, &from.tangent, solution.iterations)
+    }
+
+    /// The zero of Re λ(s) between two ends, by the Illinois variant of the secant rule.
+    fn locate(
+        &self,
+        wave: &Wave,
+        from: &Node,
+        one: &End,
+        other: &End,
+        change: &Change,
+    ) -> Option<Crossing> {
+        let (mut low, mut high) = (one.s, other.s);
+        let (mut at_low, mut at_high) = (change.from, change.to);
+        let (mut weight_low, mut weight_high) = (at_low.re, at_high.re);
+        let mut side = 0;
+        let mut best = None;
+        // width of the last bracket tells the error
+        for _ in 0..60 {
+            let s = (low * weight_high - high * weight_low) / (weight_high - weight_low);
+            let share = if high > low {
+                (s - low) / (high - low)
+            } else {
+                0.0
+            };
+            let guess = at_low + (at_high - at_low) * share;
+            let node = self.node_at(wave, from, s)?;
+            let characteristic = Characteristic::new(wave, &node.point).ok()?;
+            let z = characteristic.multiplier(change.sector);
+            let value = follow(&characteristic, z, guess)?;
+            // another eigenvalue was caught
+            if (value - guess).norm() > 0.5 * (at_high - at_low).norm() + 1e-9 {
+                return None;
+            }
+            let rate = (at_high.re - at_low.re) / (high - low);
+            best = Some((s, node, value, rate));
+            if value.re.abs() <= 4.0 * f64::EPSILON * (1.0 + value.norm())
+                || high - low <= 1e-15 * other.s
+            {
+                break;
+            }
+            if (value.re > 0.0) == (at_low.re > 0.0) {
+                low = s;
+                at_low = value;
+                weight_low = value.re;
+                if side == -1 {
+                    weight_high *= 0.5;
+                }
+                side = -1;
+            } else {
+                high = s;
+                at_high = value;
+                weight_high = value.re;
+                if side == 1 {
+                    weight_low *= 0.5;
+                }
+                side = 1;
+            }
+        }
+        let (s, node, value, rate) = best?;
+        let last = node.tangent.len() - 1;
+        let spectrum = self.from_seeds(wave, &node, Some(&one.spectrum))?;
+        // rounding of λ, carried to s by the rate of Re λ, and to the parameter by the tangent
+        let error = (value.re.abs() + 1e-14 * (1.0 + value.norm())) / rate.abs();
+        let symmetric = one.spectrum.symmetric(change.sector);
+        let real = value.im.abs() < REAL;
+        Some(Crossing {
+            s,
+            uncertainty: error * node.tangent[last].abs(),
+            node,
+            sector: change.sector,
+            omega: match (real, symmetric) {
+                (true, true) => 0.0,
+                (false, true) => value.im.abs(),
+                _ => value.im,
+            },
+            grows: change.to.re > change.from.re,
+            spectrum,
+        })
+    }
+}
+
+/// Newton's method on F_j from a value known nearby.
+fn follow(characteristic: &Characteristic, z: C64, start: C64) -> Option<C64> {
+    let mut value = start;
+    let longest = 0.5 / characteristic.period;
+    for _ in 0..20 {
+        let (f, by) = characteristic.evaluate(value).sector(z);
+        let step = f / by;
+        let size = step.norm();
+        if !size.is_finite() || size > longest {
+            return None;
+        }
+        value -= step;
+        if size < 1e-9 {
+            let (f, by) = characteristic.evaluate(value).sector(z);
+            return Some(value - f / by);
+        }
+    }
+    None
+}
