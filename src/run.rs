@@ -108,6 +108,11 @@ pub struct Item {
 }
 
 impl Item {
+    /// The wave as a boundary-value problem and its solution in scaled unknowns.
+    pub fn wave(&self) -> (&Wave, &Vector) {
+        (&self.wave, &self.unknowns)
+    }
+
     /// Samples of the wave over one wavelength.
     pub fn profile(&self, resolution: usize) -> Result<Vec<ProfileSample>, FlowError> {
         profile::sample(&self.wave, &self.unknowns, resolution)
@@ -127,7 +132,7 @@ pub struct Branch {
 }
 
 /// What a problem asks about stability.
-fn stability(problem: &Problem) -> Option<Request> {
+pub fn stability(problem: &Problem) -> Option<Request> {
     let section = problem.stability.as_ref()?;
     let sectors = match &section.sectors {
         Sectors::All => (0..=problem.wave.mode as usize / 2).collect(),
@@ -367,6 +372,9 @@ impl Branch {
             let mut found = self.follower.here();
             found.kind = Some(EventType::EP);
             found.what = "start".into();
+            // the value of the problem, not the scaled unknown's
+            let exact = self.model.value(self.continuation.parameter);
+            found.parameter = exact.unwrap_or(found.parameter);
             if let Some(tracker) = &mut tracker {
                 self.progress.spectrum = tracker.start(&found.wave, &found.node);
             }

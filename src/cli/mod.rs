@@ -4,6 +4,7 @@ mod check;
 mod plot;
 mod report;
 mod run;
+mod spectrum;
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -35,6 +36,8 @@ enum Verb {
     Check(check::CheckArguments),
     /// Draw the pictures of a result folder again
     Plot(plot::PlotArguments),
+    /// The wave at one parameter value and its eigenvalues, as CSV on standard output
+    Spectrum(spectrum::SpectrumArguments),
     /// Print a commented problem file
     New,
 }
@@ -94,6 +97,7 @@ pub fn main() -> ExitCode {
         Verb::Run(arguments) => run::run(&arguments),
         Verb::Check(arguments) => check::check(&arguments),
         Verb::Plot(arguments) => plot::plot(&arguments),
+        Verb::Spectrum(arguments) => spectrum::spectrum(&arguments),
         Verb::New => print(problem::TEMPLATE).map(|()| 0),
     };
     match result {

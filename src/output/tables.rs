@@ -3,6 +3,7 @@
 
 pub use crate::branch::BRANCH_HEADER;
 use crate::branch::{BranchPoint, Event, ParameterValues, ProfileSample, Stability};
+use crate::stability::eigenfunction::Eigenfunction;
 
 /// Header of `events.csv`.
 pub const EVENTS_HEADER: &str = "label,type,mismatch,friction,mass_damping,stiffness_damping,\
@@ -48,9 +49,21 @@ fn line(fields: &[String]) -> String {
     String::from_utf8(bytes).unwrap_or_default()
 }
 
+fn switches(point: &BranchPoint) -> String {
+    let switches: Vec<String> = point.switches.iter().map(|theta| number(*theta)).collect();
+    switches.join(" ")
+}
+
+fn verdict(stable: Stability) -> &'static str {
+    match stable {
+        Stability::Yes => "yes",
+        Stability::No => "no",
+        Stability::Undecided => "undecided",
+    }
+}
+
 /// A row of `branch.csv`.
 pub fn branch_row(point: &BranchPoint, leg: usize) -> String {
-    let switches: Vec<String> = point.switches.iter().map(|theta| number(*theta)).collect();
     let mut fields = vec![
         point.point.to_string(),
         optional(point.label),
@@ -60,18 +73,11 @@ pub fn branch_row(point: &BranchPoint, leg: usize) -> String {
     fields.extend(parameters(&point.parameters));
     fields.extend([
         number(point.speed),
-        switches.join(" "),
+        switches(point),
         number(point.min_pressure),
         number(point.max_gap),
         number(point.amplitude),
-        point
-            .stable
-            .map_or("", |stable| match stable {
-                Stability::Yes => "yes",
-                Stability::No => "no",
-                Stability::Undecided => "undecided",
-            })
-            .to_string(),
+        point.stable.map_or("", verdict).to_string(),
         optional(point.unstable),
         point.lead.map_or_else(String::new, |lead| number(lead.re)),
         point.lead.map_or_else(String::new, |lead| number(lead.im)),
@@ -133,4 +139,49 @@ pub fn profile(samples: &[ProfileSample]) -> String {
         text.push('\n');
     }
     text
+}
+
+/// A row of `brakewave spectrum`: an eigenvalue with its error, and the wave it belongs to.
+pub fn eigenvalue_row(
+    sector: usize,
+    [re, im, error]: [f64; 3],
+    point: &BranchPoint,
+    stable: Stability,
+    unstable: usize,
+) -> String {
+    let mut fields = vec![
+        sector.to_string(),
+        number(re),
+        number(im),
+        number(error),
+        point.regimes.clone(),
+    ];
+    fields.extend(parameters(&point.parameters));
+    fields.extend([
+        number(point.speed),
+        switches(point),
+        verdict(stable).to_string(),
+        unstable.to_string(),
+    ]);
+    line(&fields)
+}
+
+/// An eigenfunction as rows: sector, λ, θ, ψ, ψ′.
+pub fn mode_rows(sector: usize, [re, im, _]: [f64; 3], mode: &Eigenfunction) -> String {
+    mode.samples
+        .iter()
+        .map(|sample| {
+            let numbers = [
+                re,
+                im,
+                sample.theta,
+                sample.psi.re,
+                sample.psi.im,
+                sample.slope.re,
+                sample.slope.im,
+            ];
+            let fields: Vec<String> = numbers.iter().map(|value| number(*value)).collect();
+            format!("{sector},{}\n", fields.join(","))
+        })
+        .collect()
 }

@@ -1,9 +1,11 @@
 //! Stability of a wave: its whole spectrum from the eigenfunction problem.
 //!
 //! [`characteristic`] turns a wave into analytic functions of λ whose zeros are the eigenvalues,
-//! [`asymptotic`] says what they do at high frequency, [`spectrum`] finds all of them in a window.
+//! [`asymptotic`] says what they do at high frequency, [`spectrum`] finds all of them in a window,
+//! [`eigenfunction`] gives their shapes, and [`track`] follows them along a branch.
 
 pub mod asymptotic;
 pub mod characteristic;
+pub mod eigenfunction;
 pub mod spectrum;
 pub mod track;

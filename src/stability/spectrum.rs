@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::asymptotic::HighFrequency;
 use super::characteristic::{Characteristic, Value};
+use super::eigenfunction::translation_overlap;
 use crate::branch::Stability;
 
 type C64 = Complex<f64>;
@@ -553,7 +554,7 @@ pub fn spectrum(
         .zip(found)
         .map(|(&sector, mut eigenvalues)| {
             if sector == 0 {
-                translation_defect = remove_translation(&mut eigenvalues);
+                translation_defect = remove_translation(characteristic, &mut eigenvalues);
             }
             eigenvalues.sort_by(|one, other| {
                 other
@@ -612,14 +613,35 @@ fn starts(search: &Search, seeds: &Spectrum) -> Vec<Vec<C64>> {
         .collect()
 }
 
-/// Takes the translation mode out of the zeros of sector 0: the one nearest to λ = 0, where
-/// N(0) = 1 for every solved wave. Returns its distance from 0.
-fn remove_translation(eigenvalues: &mut Vec<Eigenvalue>) -> Option<f64> {
-    let (index, defect) = eigenvalues
-        .iter()
-        .enumerate()
-        .map(|(index, eigenvalue)| (index, eigenvalue.value().norm()))
-        .min_by(|one, other| one.1.total_cmp(&other.1))?;
+/// Zeros of sector 0 nearer to λ = 0 than this may be the translation mode.
+const TRANSLATION: f64 = 1e-2;
+
+/// Takes the translation mode out of the zeros of sector 0: the one whose eigenfunction overlaps
+/// most with the wave's derivative, and of equals the one nearest to λ = 0 (at a fold a second
+/// eigenvalue comes to zero with the same eigenfunction). Returns its distance from 0.
+fn remove_translation(
+    characteristic: &Characteristic,
+    eigenvalues: &mut Vec<Eigenvalue>,
+) -> Option<f64> {
+    let near: Vec<usize> = (0..eigenvalues.len())
+        .filter(|&index| eigenvalues[index].value().norm() < TRANSLATION)
+        .collect();
+    let missing = |index: usize| {
+        // 1 − overlap; below rounding all are equal
+        let overlap = translation_overlap(characteristic, eigenvalues[index].value());
+        (1.0 - overlap).max(1e-14)
+    };
+    let index = match near.as_slice() {
+        [] => return None,
+        [only] => *only,
+        several => several
+            .iter()
+            .copied()
+            .map(|index| (missing(index), eigenvalues[index].value().norm(), index))
+            .min_by(|one, other| one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1)))
+            .map(|(_, _, index)| index)?,
+    };
+    let defect = eigenvalues[index].value().norm();
     if eigenvalues[index].multiplicity > 1 {
         eigenvalues[index].multiplicity -= 1;
     } else {

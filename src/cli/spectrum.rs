@@ -1,0 +1,218 @@
+//! `brakewave spectrum`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::run::{Prepared, prepare};
+use super::{Failure, NUMERICAL, print, warn};
+use crate::branch::EventType;
+use crate::output::tables;
+use crate::problem::{Coefficients, Parameter, Problem, StopAfter};
+use crate::run::{Branch, End, Item, stability};
+use crate::stability::characteristic::Characteristic;
+use crate::stability::eigenfunction::eigenfunction;
+use crate::stability::spectrum::{Request, spectrum as compute};
+
+#[derive(Debug, Args)]
+pub struct SpectrumArguments {
+    /// Problem file
+    problem: PathBuf,
+    /// Parameter value by its column, e.g. mismatch=0.045; the continuation parameter is reached
+    /// along the branch, any other replaces the value in the file [default: the first wave]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    at: Vec<(Parameter, f64)>,
+    /// Bloch sector [default: those of the file, or all]
+    #[arg(long, value_name = "J")]
+    sector: Option<usize>,
+    /// Which passage of the branch through the value, where it turns back
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    passage: u16,
+    /// Write the eigenfunctions on the full circle, as CSV
+    #[arg(long, value_name = "FILE")]
+    eigenfunctions: Option<PathBuf>,
+}
+
+fn assignment(text: &str) -> Result<(Parameter, f64), String> {
+    let (name, value) = text
+        .split_once('=')
+        .ok_or("write NAME=VALUE, for example mismatch=0.045")?;
+    let names = || {
+        let names: Vec<&str> = Parameter::ALL.iter().map(|one| one.column()).collect();
+        format!("`{name}` is no parameter; known: {}", names.join(", "))
+    };
+    let parameter = Parameter::from_column(name.trim()).ok_or_else(names)?;
+    let value: f64 = value
+        .trim()
+        .parse()
+        .map_err(|_| format!("`{value}` is not a number"))?;
+    if !value.is_finite() {
+        return Err(format!("{value} is not finite"));
+    }
+    Ok((parameter, value))
+}
+
+/// The header: the eigenvalue, then the wave it belongs to.
+const HEADER: &str = "sector,re,im,error,regimes,mismatch,friction,mass_damping,\
+stiffness_damping,gamma,nu,xi,speed,switches,stable,unstable";
+
+/// Intervals of an eigenfunction over one wavelength.
+const RESOLUTION: usize = 180;
+
+pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
+    let Prepared {
+        mut problem,
+        mut continuation,
+        restart,
+    } = prepare(&arguments.problem)?;
+    let mode = problem.wave.mode as usize;
+    if let Some(sector) = arguments.sector
+        && sector >= mode
+    {
+        return Err(Failure::Usage(format!(
+            "there is no Bloch sector {sector} for mode {mode}: take 0 to {}",
+            mode - 1
+        )));
+    }
+    let mut request = stability(&problem).unwrap_or_else(|| Request {
+        sectors: (0..=mode / 2).collect(),
+        eigenvalues: crate::problem::DEFAULT_EIGENVALUES,
+        max_frequency: crate::problem::DEFAULT_MAX_FREQUENCY,
+    });
+    if let Some(sector) = arguments.sector {
+        request.sectors = vec![sector];
+    }
+    // the branch itself needs no stability
+    problem.stability = None;
+    let mut target = None;
+    for (parameter, value) in &arguments.at {
+        if *parameter == continuation.parameter {
+            target = Some(*value);
+        } else {
+            set(&mut problem, *parameter, *value)?;
+        }
+    }
+    continuation.stop_at.clear();
+    continuation.stop_after.clear();
+    if let Some(value) = target {
+        let (low, high) = continuation.range;
+        if !(value >= low && value <= high) {
+            return Err(Failure::Usage(format!(
+                "{} = {value} lies outside the range from {low} to {high} of the problem",
+                continuation.parameter.column()
+            )));
+        }
+        if value > low && value < high {
+            continuation.stop_at.push(value);
+            continuation.stop_after.push(StopAfter {
+                event: EventType::UZ,
+                count: usize::from(arguments.passage),
+            });
+        }
+    }
+    let mut branch = Branch::begin(&problem, &continuation, restart.as_ref())?;
+    let column = continuation.parameter;
+    let mut passages = 0;
+    let mut reached: Option<Item> = None;
+    while branch.progress().end.is_none() && reached.is_none() {
+        for item in branch.step() {
+            let here = item
+                .saved
+                .as_ref()
+                .and_then(|saved| saved.model.value(column));
+            let meets = target.is_none() || (item.point.label.is_some() && here == target);
+            if meets && item.point.kind != Some(EventType::MX) {
+                passages += 1;
+                if passages == usize::from(arguments.passage) || target.is_none() {
+                    reached = Some(item);
+                    break;
+                }
+            }
+        }
+    }
+    let Some(item) = reached else {
+        let reason = match &branch.progress().end {
+            Some(End::Failed(reason)) => format!(": {reason}"),
+            _ => String::new(),
+        };
+        warn(&format!(
+            "the branch passes {} = {} only {passages} times{reason}",
+            column.column(),
+            target.unwrap_or(f64::NAN)
+        ));
+        return Ok(NUMERICAL);
+    };
+    let (wave, unknowns) = item.wave();
+    let characteristic = match Characteristic::new(wave, unknowns) {
+        Ok(characteristic) => characteristic,
+        Err(error) => {
+            warn(&error.to_string());
+            return Ok(NUMERICAL);
+        }
+    };
+    let spectrum = compute(&characteristic, &request, None);
+    let mut text = format!("{HEADER}\n");
+    let mut modes = String::from("sector,re,im,theta,psi_re,psi_im,slope_re,slope_im\n");
+    for sector in &spectrum.sectors {
+        for eigenvalue in spectrum.listed(sector).take(request.eigenvalues) {
+            let numbers = [eigenvalue.re, eigenvalue.im, eigenvalue.error];
+            text.push_str(&tables::eigenvalue_row(
+                sector.sector,
+                numbers,
+                &item.point,
+                spectrum.stable,
+                spectrum.unstable(),
+            ));
+            if arguments.eigenfunctions.is_some() {
+                let mode = eigenfunction(
+                    &characteristic,
+                    item.point.speed,
+                    sector.sector,
+                    eigenvalue.value(),
+                    RESOLUTION,
+                );
+                modes.push_str(&tables::mode_rows(sector.sector, numbers, &mode));
+            }
+        }
+    }
+    print(&text)?;
+    if let Some(path) = &arguments.eigenfunctions {
+        std::fs::write(path, modes)
+            .map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
+    }
+    if !spectrum.complete {
+        warn("fewer eigenvalues were found than counted: the list is not complete");
+    }
+    Ok(0)
+}
+
+/// Replaces a parameter of the model, under the rules of a problem file.
+fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Result<(), Failure> {
+    let model = &mut problem.model;
+    let refused = |rule: &str| {
+        Err(Failure::Usage(format!(
+            "{} = {value} is not admitted: {rule}",
+            parameter.column()
+        )))
+    };
+    match (parameter, &mut model.coefficients) {
+        (Parameter::Mismatch, _) if value > 0.0 => model.mismatch = value,
+        (Parameter::Mismatch, _) => return refused("take a positive number"),
+        (Parameter::Friction, _) if value >= 0.0 => model.friction = value,
+        (Parameter::MassDamping, _) if value >= 0.0 => model.damping.mass = value,
+        (Parameter::StiffnessDamping, _) if value >= 0.0 => model.damping.stiffness = value,
+        (Parameter::Friction | Parameter::MassDamping | Parameter::StiffnessDamping, _) => {
+            return refused("take zero or a positive number");
+        }
+        (Parameter::Gamma, Coefficients::Geometry { gamma, .. }) if value > 0.0 => *gamma = value,
+        (Parameter::Nu, Coefficients::Geometry { nu, .. }) if value > -1.0 && value < 0.5 => {
+            *nu = value;
+        }
+        (Parameter::Xi, Coefficients::Geometry { xi, .. }) if value > 1.0 => *xi = value,
+        (_, Coefficients::Geometry { .. }) => {
+            return refused("γ > 0, −1 < ν < ½ and ξ > 1");
+        }
+        (_, Coefficients::Given { .. }) => return refused("the coefficients are given directly"),
+    }
+    Ok(())
+}
