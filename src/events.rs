@@ -127,8 +127,16 @@ pub fn at_parameter(
 }
 
 /// The fold inside a step at whose ends the parameter moves in opposite directions: zero of the
-/// last component of the tangent, by the Illinois variant of the secant rule in s.
-pub fn fold(wave: &Wave, from: &Node, to: &Node, ds: f64, tolerance: f64) -> Option<Located> {
+/// last component of the tangent, by the Illinois variant of the secant rule in s. `beginning` is
+/// the arclength at which the search begins and the last component of the tangent there.
+pub fn fold(
+    wave: &Wave,
+    from: &Node,
+    beginning: (f64, f64),
+    to: &Node,
+    ds: f64,
+    tolerance: f64,
+) -> Option<Located> {
     let last = wave.unknowns() - 1;
     let at = |s: f64| -> Option<Node> {
         let predicted = &from.point + &from.tangent * s;
@@ -139,8 +147,8 @@ pub fn fold(wave: &Wave, from: &Node, to: &Node, ds: f64, tolerance: f64) -> Opt
         let solution = newton::solve(wave, &mut plane, &predicted, &settings(tolerance)).ok()?;
         retangent(wave, &solution.point, &from.tangent, solution.iterations)
     };
-    let (mut low, mut high) = (0.0, ds);
-    let (mut at_low, mut at_high) = (from.tangent[last], to.tangent[last]);
+    let (mut low, mut high) = (beginning.0, ds);
+    let (mut at_low, mut at_high) = (beginning.1, to.tangent[last]);
     let mut side = 0;
     let mut node = None;
     for _ in 0..60 {

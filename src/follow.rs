@@ -390,9 +390,17 @@ impl Follower {
         // pieces of the step on which the parameter is monotone
         let mut ends: Vec<(&Node, f64)> = vec![(from, 0.0)];
         let fold;
-        let (before, after) = (from.tangent[last], to.tangent[last]);
-        if before.abs() > VERTICAL && before * after < 0.0 {
-            fold = events::fold(wave, from, to, ds, tolerance)?;
+        let (mut beginning, after) = ((0.0, from.tangent[last]), to.tangent[last]);
+        if beginning.1.abs() <= VERTICAL {
+            // where a zone opens the parameter is stationary: a short way on it tells its direction
+            let near = 1e-3 * ds;
+            let node = continuation::advance(wave, from, near, tolerance)
+                .ok()?
+                .node;
+            beginning = (near, node.tangent[last]);
+        }
+        if beginning.1 * after < 0.0 {
+            fold = events::fold(wave, from, beginning, to, ds, tolerance)?;
             located.push((fold.clone(), What::Fold));
             ends.push((&fold.node, fold.s));
         }

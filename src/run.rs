@@ -16,7 +16,7 @@ use crate::linalg::Vector;
 use crate::model::coefficients::{Coefficients, Geometry};
 use crate::model::signature::Signature;
 use crate::model::{Model, Source};
-use crate::newton::System;
+use crate::newton::{self, System};
 use crate::problem::{self, Continuation, Parameter, Problem, Sectors, Start, Toward};
 use crate::stability::spectrum::{Request, Spectrum};
 use crate::stability::track::{Crossing, Tracked, Tracker};
@@ -217,6 +217,9 @@ fn unpack_scales([time, rate, speed, parameter, pressure]: [f64; 5]) -> Scales {
     }
 }
 
+/// Relative residual up to which a saved wave is taken as it is: rounding leaves about 1e-13.
+const RESTART_RESIDUAL: f64 = 1e-11;
+
 /// Directions of the legs.
 fn legs(toward: Toward) -> &'static [bool] {
     match toward {
@@ -278,7 +281,15 @@ impl Branch {
                     begin::scales(&model, mode, saved.speed, largest, width),
                 );
                 let guess = wave.pack(&saved.zones, saved.speed, value);
-                let point = begin::polish(&wave, &guess)?;
+                // a saved wave solves its equations already; at a fold polishing it at a fixed
+                // parameter would fail
+                let solved = newton::jacobian(&wave, &guess)
+                    .is_ok_and(|(_, residual)| residual <= RESTART_RESIDUAL);
+                let point = if solved {
+                    guess
+                } else {
+                    begin::polish(&wave, &guess)?
+                };
                 (wave, point)
             }
             (None, None) => {
@@ -381,6 +392,9 @@ impl Branch {
             let spectrum = self.progress.spectrum.clone();
             let item = self.item(found, spectrum.as_ref(), None);
             self.progress.state = Some(self.follower.state());
+            if self.progress.points >= self.continuation.max_points {
+                self.end_leg(None, true);
+            }
             return vec![item];
         }
         let from = tracker.is_some().then(|| {

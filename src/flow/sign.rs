@@ -223,6 +223,17 @@ impl Bernstein {
     fn stationary(&self) -> f64 {
         let (mut low, mut high) = (0.0, 1.0);
         let (mut at_low, mut at_high) = (self.slope(low), self.slope(high));
+        if at_low == 0.0 {
+            // stationary already at the entry, as U̇ = 0 is at take-off: look beyond
+            for exponent in 1..=40 {
+                let place = 0.5_f64.powi(exponent);
+                let slope = self.slope(place);
+                if slope < 0.0 {
+                    (low, at_low) = (place, slope);
+                    break;
+                }
+            }
+        }
         if at_low >= 0.0 {
             return low;
         }

@@ -103,17 +103,22 @@ impl Tracker {
 
     /// The spectrum of one wave; seeds are those of the last point.
     pub fn at(&self, wave: &Wave, node: &Node) -> Option<Spectrum> {
-        self.from_seeds(wave, node, self.last.as_ref())
+        self.spectrum_near(wave, node, self.last.as_ref())
     }
 
-    fn from_seeds(&self, wave: &Wave, node: &Node, seeds: Option<&Spectrum>) -> Option<Spectrum> {
+    fn spectrum_near(
+        &self,
+        wave: &Wave,
+        node: &Node,
+        seeds: Option<&Spectrum>,
+    ) -> Option<Spectrum> {
         let characteristic = Characteristic::new(wave, &node.point).ok()?;
         Some(spectrum(&characteristic, &self.request, seeds))
     }
 
     /// The first point of a leg.
     pub fn start(&mut self, wave: &Wave, node: &Node) -> Option<Spectrum> {
-        self.last = self.from_seeds(wave, node, None);
+        self.last = self.spectrum_near(wave, node, None);
         self.last.clone()
     }
 
@@ -200,7 +205,7 @@ impl Tracker {
             if let Ok(step) =
                 crate::continuation::advance(wave, node, ds, newton::Settings::default().tolerance)
             {
-                beyond = self.from_seeds(wave, &step.node, before.as_ref());
+                beyond = self.spectrum_near(wave, &step.node, before.as_ref());
                 break;
             }
             ds *= 0.25;
@@ -270,7 +275,7 @@ impl Tracker {
             .then(|| self.node_at(wave, from, middle))
             .flatten()
             .and_then(|node| {
-                let spectrum = self.from_seeds(wave, &node, Some(&one.spectrum))?;
+                let spectrum = self.spectrum_near(wave, &node, Some(&one.spectrum))?;
                 Some(End {
                     s: middle,
                     node,
@@ -426,7 +431,7 @@ impl Tracker {
         }
         let (s, node, value, rate) = best?;
         let last = node.tangent.len() - 1;
-        let spectrum = self.from_seeds(wave, &node, Some(&one.spectrum))?;
+        let spectrum = self.spectrum_near(wave, &node, Some(&one.spectrum))?;
         // rounding of λ, carried to s by the rate of Re λ, and to the parameter by the tangent
         let error = (value.re.abs() + 1e-14 * (1.0 + value.norm())) / rate.abs();
         let symmetric = one.spectrum.symmetric(change.sector);
