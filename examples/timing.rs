@@ -11,6 +11,9 @@ use brakewave::follow::{Follower, Settings, Status};
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Model, Source};
 use brakewave::problem::{Impact, Parameter};
+use brakewave::stability::characteristic::Characteristic;
+use brakewave::stability::discretised;
+use brakewave::stability::spectrum::{Request, spectrum};
 use brakewave::wave::start::{Which, slip_stick};
 
 const MODE: u32 = 4;
@@ -101,7 +104,117 @@ fn run(work: &Work, measure: bool) -> Outcome {
     }
 }
 
+/// Median of repeated runs, in milliseconds.
+fn median(repetitions: usize, mut work: impl FnMut()) -> f64 {
+    let mut times: Vec<f64> = (0..repetitions)
+        .map(|_| {
+            let start = Instant::now();
+            work();
+            1e3 * start.elapsed().as_secs_f64()
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[repetitions / 2]
+}
+
 fn main() {
+    branches();
+    println!();
+    spectra();
+}
+
+/// The whole spectrum of one wave in all four sectors, against the dense discretised calculation.
+fn spectra() {
+    /// Leading eigenvalues of the sectors 0, 1, 2, computed by an independent program.
+    const EXACT: [(f64, f64); 3] = [
+        (0.04965063748184, 2.541566892289),
+        (0.1279698868278, 1.319591652955),
+        (0.107573000269, 0.8365151274592),
+    ];
+    const POINTS: usize = 200;
+    let request = Request {
+        sectors: (0..4).collect(),
+        eigenvalues: 6,
+        max_frequency: 60.0,
+    };
+    let steps = Steps {
+        ds: 0.01,
+        ds_min: 1e-12,
+        ds_max: 0.01,
+        tolerance: 1e-10,
+    };
+    println!(
+        "{:<58} {:>8} {:>10} {:>10}",
+        "spectrum, all four sectors", "found", "time/ms", "error"
+    );
+    for mismatch in [0.2, 0.08, 0.045, 0.02] {
+        let model = model().with(Parameter::Mismatch, mismatch);
+        let (wave, point) = first_wave(&model, Parameter::Mismatch, MODE, Which::Fast, 0.2, steps)
+            .expect("the wave exists");
+        let compute = || {
+            let characteristic = Characteristic::new(&wave, &point).expect("it is linearised");
+            spectrum(&characteristic, &request, None)
+        };
+        let found = compute();
+        assert!(found.complete);
+        let count: usize = found.sectors.iter().map(|one| one.eigenvalues.len()).sum();
+        let time = median(21, || {
+            std::hint::black_box(compute());
+        });
+        let error = if mismatch == 0.2 {
+            let worst = EXACT
+                .iter()
+                .zip(&found.sectors)
+                .map(|((re, im), sector)| {
+                    sector
+                        .eigenvalues
+                        .iter()
+                        .map(|one| (one.re - re).hypot(one.im - im))
+                        .fold(f64::INFINITY, f64::min)
+                })
+                .fold(0.0, f64::max);
+            format!("{worst:10.1e}")
+        } else {
+            String::new()
+        };
+        println!(
+            "{:<58} {count:>8} {time:>10.3} {error}",
+            format!("exact, |Im λ| ≤ 60, δ = {mismatch}, {}", wave.signature)
+        );
+    }
+    let settings = discretised::Settings {
+        points: POINTS,
+        ..discretised::Settings::default()
+    };
+    let ring = discretised::solve(&model(), MODE, &settings).expect("the ring has this wave");
+    let mut error = 0.0_f64;
+    let mut count = 0;
+    for (sector, (re, im)) in EXACT.iter().enumerate() {
+        let values = ring
+            .eigenvalues(sector as u32, 60.0, usize::MAX)
+            .expect("eigenvalues");
+        let nearest = values
+            .iter()
+            .map(|value| (value.re - re).hypot(value.im - im))
+            .fold(f64::INFINITY, f64::min);
+        error = error.max(nearest);
+        count += values.len();
+    }
+    let time = median(5, || {
+        for sector in 0..MODE {
+            std::hint::black_box(ring.multipliers(sector).expect("multipliers"));
+        }
+    });
+    println!(
+        "{:<58} {count:>8} {time:>10.3} {error:10.1e}",
+        format!(
+            "dense, {POINTS} points per wavelength, ε = {}, eigenvalues only",
+            settings.epsilon
+        )
+    );
+}
+
+fn branches() {
     let steps = Steps {
         ds: 0.01,
         ds_min: 1e-12,
@@ -156,15 +269,9 @@ fn main() {
     );
     for work in work {
         let outcome = run(&work, true);
-        let mut times: Vec<f64> = (0..51)
-            .map(|_| {
-                let start = Instant::now();
-                std::hint::black_box(run(&work, false));
-                1e3 * start.elapsed().as_secs_f64()
-            })
-            .collect();
-        times.sort_by(f64::total_cmp);
-        let time = times[times.len() / 2];
+        let time = median(51, || {
+            std::hint::black_box(run(&work, false));
+        });
         println!(
             "{:<42} {:>7} {:>7} {:>7} {:>10.3} {:>10.2} {:>9.1e}",
             work.name,

@@ -7,12 +7,15 @@ use clap::Args;
 use super::run::{Prepared, prepare};
 use super::{Failure, NUMERICAL, print, warn};
 use crate::branch::EventType;
+use crate::linalg::Vector;
 use crate::output::tables;
 use crate::problem::{Coefficients, Parameter, Problem, StopAfter};
 use crate::run::{Branch, End, Item, stability};
 use crate::stability::characteristic::Characteristic;
+use crate::stability::discretised;
 use crate::stability::eigenfunction::eigenfunction;
 use crate::stability::spectrum::{Request, spectrum as compute};
+use crate::wave::Wave;
 
 #[derive(Debug, Args)]
 pub struct SpectrumArguments {
@@ -28,6 +31,17 @@ pub struct SpectrumArguments {
     /// Which passage of the branch through the value, where it turns back
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     passage: u16,
+    /// Eigenvalues of the discretised ring with N points per wavelength instead of the exact ones
+    #[arg(long, value_name = "N", conflicts_with = "eigenfunctions")]
+    discretised: Option<usize>,
+    /// Width of the friction law tanh((1 − V̇)/ε) of the discretised ring
+    #[arg(
+        long,
+        value_name = "EPSILON",
+        default_value_t = 0.005,
+        requires = "discretised"
+    )]
+    epsilon: f64,
     /// Write the eigenfunctions on the full circle, as CSV
     #[arg(long, value_name = "FILE")]
     eigenfunctions: Option<PathBuf>,
@@ -143,6 +157,20 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
         return Ok(NUMERICAL);
     };
     let (wave, unknowns) = item.wave();
+    if let Some(points) = arguments.discretised {
+        let settings = discretised::Settings {
+            points,
+            epsilon: arguments.epsilon,
+            ..discretised::Settings::default()
+        };
+        return match ring(wave, unknowns, &settings, &request, &item) {
+            Ok(text) => print(&text).map(|()| 0),
+            Err(error) => {
+                warn(&error.to_string());
+                Ok(NUMERICAL)
+            }
+        };
+    }
     let characteristic = match Characteristic::new(wave, unknowns) {
         Ok(characteristic) => characteristic,
         Err(error) => {
@@ -160,8 +188,7 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
                 sector.sector,
                 numbers,
                 &item.point,
-                spectrum.stable,
-                spectrum.unstable(),
+                Some((spectrum.stable, spectrum.unstable())),
             ));
             if arguments.eigenfunctions.is_some() {
                 let mode = eigenfunction(
@@ -184,6 +211,39 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
         warn("fewer eigenvalues were found than counted: the list is not complete");
     }
     Ok(0)
+}
+
+/// The same table from the discretised ring; it gives no error of its own and no verdict.
+fn ring(
+    wave: &Wave,
+    unknowns: &Vector,
+    settings: &discretised::Settings,
+    request: &Request,
+    item: &Item,
+) -> Result<String, discretised::Error> {
+    let ring = discretised::solve_from(wave, unknowns, settings)?;
+    let mut point = item.point.clone();
+    point.speed = ring.speed;
+    let mut text = format!("{HEADER}\n");
+    for &sector in &request.sectors {
+        let symmetric = sector == 0 || 2 * sector == wave.mode as usize;
+        let all = ring.eigenvalues(sector as u32, request.max_frequency, usize::MAX)?;
+        // the translation mode is the one nearest to zero
+        let translation = (sector == 0).then(|| {
+            all.iter()
+                .map(|value| value.norm())
+                .fold(f64::INFINITY, f64::min)
+        });
+        let listed = all
+            .into_iter()
+            .filter(|value| translation != Some(value.norm()))
+            .filter(|value| !symmetric || value.im >= 0.0);
+        for value in listed.take(request.eigenvalues) {
+            let numbers = [value.re, value.im, f64::NAN];
+            text.push_str(&tables::eigenvalue_row(sector, numbers, &point, None));
+        }
+    }
+    Ok(text)
 }
 
 /// Replaces a parameter of the model, under the rules of a problem file.

@@ -141,13 +141,13 @@ pub fn profile(samples: &[ProfileSample]) -> String {
     text
 }
 
-/// A row of `brakewave spectrum`: an eigenvalue with its error, and the wave it belongs to.
+/// A row of `brakewave spectrum`: an eigenvalue with its error, the wave it belongs to and, where
+/// they are known, its stability and unstable count.
 pub fn eigenvalue_row(
     sector: usize,
     [re, im, error]: [f64; 3],
     point: &BranchPoint,
-    stable: Stability,
-    unstable: usize,
+    stability: Option<(Stability, usize)>,
 ) -> String {
     let mut fields = vec![
         sector.to_string(),
@@ -160,8 +160,10 @@ pub fn eigenvalue_row(
     fields.extend([
         number(point.speed),
         switches(point),
-        verdict(stable).to_string(),
-        unstable.to_string(),
+        stability
+            .map_or("", |(stable, _)| verdict(stable))
+            .to_string(),
+        optional(stability.map(|(_, unstable)| unstable)),
     ]);
     line(&fields)
 }

@@ -254,6 +254,8 @@ pub enum Plot {
     Displacement,
     /// Eigenvalues in the complex plane.
     Spectrum,
+    /// Floquet multipliers of the first labelled wave, with the unit circle.
+    Multipliers,
     /// Velocities over displacements.
     PhasePlane,
     /// Friction force and relative velocity over a wavelength.

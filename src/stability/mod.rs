@@ -3,9 +3,11 @@
 //! [`characteristic`] turns a wave into analytic functions of λ whose zeros are the eigenvalues,
 //! [`asymptotic`] says what they do at high frequency, [`spectrum`] finds all of them in a window,
 //! [`eigenfunction`] gives their shapes, and [`track`] follows them along a branch.
+//! [`discretised`] is a check that shares nothing with these but the model.
 
 pub mod asymptotic;
 pub mod characteristic;
+pub mod discretised;
 pub mod eigenfunction;
 pub mod spectrum;
 pub mod track;

@@ -11,6 +11,7 @@ mod error;
 mod frame;
 mod friction;
 mod legend;
+mod multipliers;
 mod number;
 mod palette;
 mod phase_plane;
@@ -45,6 +46,7 @@ fn stem(picture: &Picture) -> String {
         Picture::PhasePlane => "phase_plane".to_owned(),
         Picture::Friction => "friction".to_owned(),
         Picture::Spectrum => "spectrum".to_owned(),
+        Picture::Multipliers => "multipliers".to_owned(),
         Picture::Column(name) => {
             // A column name comes from a file and must not lead out of the folder.
             let safe: String = name
@@ -74,6 +76,7 @@ pub fn is_picture(name: &str) -> bool {
         "phase_plane",
         "friction",
         "spectrum",
+        "multipliers",
     ];
     (known.contains(&stem) || stem.starts_with("column_"))
         && [Format::Svg, Format::Png, Format::Pdf]
@@ -173,6 +176,7 @@ fn compose(
         Picture::PhasePlane => phase_plane::compose(profiles, settings),
         Picture::Friction => friction::compose(profiles, settings),
         Picture::Spectrum => spectrum::compose(tables, settings),
+        Picture::Multipliers => multipliers::compose(tables, settings),
     }
 }
 

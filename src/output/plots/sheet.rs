@@ -1,4 +1,4 @@
-//! Arrangement of a picture: title, frames one below the other, legend.
+//! Arrangement of a picture: title, frames one below the other or in a row, legend.
 
 use super::axis::{Axis, TICK_SIZE};
 use super::canvas::{self, Align, Canvas, Place, WIDTH, cut, text_width};
@@ -74,10 +74,7 @@ impl Sheet {
             .fold(0.0, f64::max);
         let left = figures + CAPTION_SIZE + 18.0;
         let right = WIDTH - self.right.max(self.overhang()).max(12.0);
-        let mut top = 12.0;
-        if self.title.is_some() {
-            top += 1.5 * TITLE_SIZE;
-        }
+        let mut top = self.top();
         let mut frames = Vec::with_capacity(self.panels.len());
         for panel in &self.panels {
             top += panel.above;
@@ -94,6 +91,58 @@ impl Sheet {
                 top += 3.2 * CAPTION_SIZE;
             }
         }
+        self.finish(&frames, top, paint)
+    }
+
+    /// Composes the picture with square frames from left to right instead.
+    pub fn compose_row(
+        self,
+        paint: impl FnOnce(&mut Canvas<'_>, &[Frame]),
+    ) -> Result<String, PlotError> {
+        let top = self.top();
+        // Left of each frame stand its figures and, if it has one, its caption.
+        let rooms: Vec<f64> = self
+            .panels
+            .iter()
+            .map(|panel| match panel.y.caption.is_empty() {
+                true => panel.y.figures_width() + 18.0,
+                false => panel.y.figures_width() + CAPTION_SIZE + 18.0,
+            })
+            .collect();
+        let room = WIDTH - self.right.max(14.0) - rooms.iter().sum::<f64>();
+        let side = room / self.panels.len().max(1) as f64;
+        let mut right = 0.0;
+        let mut frames = Vec::with_capacity(self.panels.len());
+        for (panel, room) in self.panels.iter().zip(rooms) {
+            let left = right + room;
+            right = left + side;
+            frames.push(Frame {
+                from: (left, top),
+                to: (right, top + side),
+                x: panel.x.clone(),
+                y: panel.y.clone(),
+                figures: panel.y.figures_width(),
+                labelled_below: true,
+            });
+        }
+        self.finish(&frames, top + side + 3.2 * CAPTION_SIZE, paint)
+    }
+
+    /// Where the frames begin.
+    fn top(&self) -> f64 {
+        match self.title {
+            Some(_) => 12.0 + 1.5 * TITLE_SIZE,
+            None => 12.0,
+        }
+    }
+
+    /// Composes the picture from its frames; the legend begins at `top`.
+    fn finish(
+        &self,
+        frames: &[Frame],
+        top: f64,
+        paint: impl FnOnce(&mut Canvas<'_>, &[Frame]),
+    ) -> Result<String, PlotError> {
         let height = (top + self.legend.height()).ceil();
         canvas::compose(height, |canvas| {
             if let Some(title) = &self.title {
@@ -103,8 +152,8 @@ impl Sheet {
                     .clamp(SMALLEST_TITLE, TITLE_SIZE);
                 canvas.text(place, &cut(title, size, room), size, Align::Middle);
             }
-            paint(canvas, &frames);
-            for frame in &frames {
+            paint(canvas, frames);
+            for frame in frames {
                 frame.border(canvas);
             }
             self.legend.paint(canvas, top);

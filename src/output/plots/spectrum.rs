@@ -10,10 +10,13 @@ use super::palette::{BLACK, CATEGORIES, Pen, VERMILLION, WHITE, mix};
 use super::profile::evenly;
 use super::quantity::Quantity;
 use super::sheet::{Panel, Sheet, remark, usual_length};
-use super::tables::{Table, Tables};
+use super::tables::Tables;
 
 /// Most labels shown in one picture.
 const MOST: usize = 4;
+
+/// Size of the points.
+pub const SIZE: f64 = 4.4;
 
 /// Shapes of the sectors.
 const SHAPES: [Shape; 8] = [
@@ -28,23 +31,36 @@ const SHAPES: [Shape; 8] = [
 ];
 
 /// An eigenvalue.
-struct Eigenvalue {
-    label: usize,
-    sector: usize,
-    re: f64,
-    im: f64,
+pub struct Eigenvalue {
+    /// Place of its label among those chosen.
+    pub label: usize,
+    /// Place of its sector among those that occur.
+    pub sector: usize,
+    /// Growth rate.
+    pub re: f64,
+    /// Frequency.
+    pub im: f64,
 }
 
-/// Composes the picture.
-pub fn compose(tables: &Tables, settings: &Settings) -> Result<String, PlotError> {
-    let empty = Table::default();
-    let table = match &tables.spectrum {
-        Some(table) => {
-            table.require(&["label", "sector", "re", "im"])?;
-            table
-        }
-        None => &empty,
+/// What is shown of `spectrum.csv`.
+#[derive(Default)]
+pub struct Chosen<'a> {
+    /// The labels shown.
+    pub labels: Vec<&'a str>,
+    /// The sectors that occur at these labels, in order.
+    pub sectors: Vec<&'a str>,
+    /// The eigenvalues at these labels.
+    pub eigenvalues: Vec<Eigenvalue>,
+    /// Number of all labels.
+    pub count: usize,
+}
+
+/// Chooses at most `most` labels, the first one always among them.
+pub fn choose(tables: &Tables, most: usize) -> Result<Chosen<'_>, PlotError> {
+    let Some(table) = &tables.spectrum else {
+        return Ok(Chosen::default());
     };
+    table.require(&["label", "sector", "re", "im"])?;
     let rows = || (0..table.len()).map(|row| (table.text(row, "label"), row));
     let mut labels: Vec<&str> = Vec::new();
     for (label, _) in rows() {
@@ -53,7 +69,7 @@ pub fn compose(tables: &Tables, settings: &Settings) -> Result<String, PlotError
         }
     }
     let count = labels.len();
-    let labels: Vec<&str> = evenly(count, MOST).into_iter().map(|i| labels[i]).collect();
+    let labels: Vec<&str> = evenly(count, most).into_iter().map(|i| labels[i]).collect();
     let mut sectors: Vec<&str> = Vec::new();
     for (label, row) in rows() {
         let sector = table.text(row, "sector");
@@ -62,7 +78,7 @@ pub fn compose(tables: &Tables, settings: &Settings) -> Result<String, PlotError
         }
     }
     sectors.sort_by_key(|sector| sector.parse::<u64>().unwrap_or(u64::MAX));
-    let eigenvalues: Vec<Eigenvalue> = rows()
+    let eigenvalues = rows()
         .filter_map(|(label, row)| {
             Some(Eigenvalue {
                 label: labels.iter().position(|known| *known == label)?,
@@ -74,7 +90,18 @@ pub fn compose(tables: &Tables, settings: &Settings) -> Result<String, PlotError
             })
         })
         .collect();
+    Ok(Chosen {
+        labels,
+        sectors,
+        eigenvalues,
+        count,
+    })
+}
 
+/// Composes the picture.
+pub fn compose(tables: &Tables, settings: &Settings) -> Result<String, PlotError> {
+    let chosen = choose(tables, MOST)?;
+    let (labels, eigenvalues) = (&chosen.labels, &chosen.eigenvalues);
     let (real, imaginary) = (Quantity::new("", "Re λ"), Quantity::new("", "Im λ"));
     // The imaginary axis with a little of the unstable side is always in the picture.
     let x = match axis::range(eigenvalues.iter().map(|one| one.re).chain([0.0])) {
@@ -85,7 +112,7 @@ pub fn compose(tables: &Tables, settings: &Settings) -> Result<String, PlotError
         _ => Axis::blank(&real),
     };
     let y = Axis::around(eigenvalues.iter().map(|one| one.im), &imaginary, 5);
-    let legend = legend(tables, settings, &labels, &sectors, count);
+    let legend = legend(tables, settings, &chosen);
     let sheet = Sheet {
         title: settings.title.clone(),
         panels: vec![Panel::new(x, y)],
@@ -107,10 +134,10 @@ pub fn compose(tables: &Tables, settings: &Settings) -> Result<String, PlotError
             }
             let ends = [(0.0, frame.y.low), (0.0, frame.y.high)];
             frame.curve(canvas, ends, Pen::solid(BLACK, 1.9));
-            for one in &eigenvalues {
+            for one in eigenvalues {
                 if let Some(place) = frame.place(one.re, one.im) {
                     let colour = colour(one.label, one.sector, labels.len());
-                    canvas.point(place, shape(one.sector), 4.4, colour);
+                    canvas.point(place, shape(one.sector), SIZE, colour);
                 }
             }
         }
@@ -118,14 +145,9 @@ pub fn compose(tables: &Tables, settings: &Settings) -> Result<String, PlotError
 }
 
 /// Explains sectors and labels.
-fn legend(
-    tables: &Tables,
-    settings: &Settings,
-    labels: &[&str],
-    sectors: &[&str],
-    count: usize,
-) -> Legend {
+pub fn legend(tables: &Tables, settings: &Settings, chosen: &Chosen<'_>) -> Legend {
     let mut legend = Legend::default();
+    let (labels, sectors, count) = (&chosen.labels, &chosen.sectors, chosen.count);
     if sectors.is_empty() {
         return legend;
     }
@@ -136,7 +158,7 @@ fn legend(
                 1 => colour(0, index, 1),
                 _ => BLACK,
             };
-            let key = Key::Point(shape(index), 4.4, colour);
+            let key = Key::Point(shape(index), SIZE, colour);
             (key, (*sector).to_owned())
         }),
     );
@@ -162,7 +184,7 @@ fn legend(
         legend.add(
             &heading,
             names.enumerate().map(|(index, name)| {
-                let key = Key::Point(Shape::Disc, 4.4, colour(index, 0, labels.len()));
+                let key = Key::Point(Shape::Disc, SIZE, colour(index, 0, labels.len()));
                 (key, name)
             }),
         );
@@ -172,12 +194,13 @@ fn legend(
     legend
 }
 
-fn shape(sector: usize) -> Shape {
+/// Shape of a sector's points.
+pub fn shape(sector: usize) -> Shape {
     SHAPES[sector % SHAPES.len()]
 }
 
 /// Colours tell the labels apart, or the sectors when there is one label.
-fn colour(label: usize, sector: usize, labels: usize) -> plotters::style::RGBColor {
+pub fn colour(label: usize, sector: usize, labels: usize) -> plotters::style::RGBColor {
     let index = if labels > 1 { label } else { sector };
     CATEGORIES[index % CATEGORIES.len()]
 }

@@ -202,6 +202,15 @@ impl Tables {
         of(&self.branch).or_else(|| of(&self.events))
     }
 
+    /// The numbers in a cell of a labelled point, from the branch or else from its events.
+    pub fn list_at_label(&self, label: &str, column: &str) -> Vec<f64> {
+        [&self.branch, &self.events]
+            .into_iter()
+            .filter_map(|table| Some(table.list(table.row_of_label(label)?, column)))
+            .find(|list| !list.is_empty())
+            .unwrap_or_default()
+    }
+
     /// Place of a labelled point along the branch. A second leg runs from the start of the first
     /// the other way.
     pub fn position(&self, label: &str) -> i64 {

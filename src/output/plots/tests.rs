@@ -64,6 +64,7 @@ fn all() -> Vec<Picture> {
         Picture::PhasePlane,
         Picture::Friction,
         Picture::Spectrum,
+        Picture::Multipliers,
         column("amplitude"),
         column("lead_re"),
         column("switches"),
@@ -97,7 +98,9 @@ fn what_is_missing_is_said() {
     let folder = folder(&[]);
     assert!(svg(&folder, Picture::Diagram).contains("the branch has no points"));
     assert!(svg(&folder, Picture::Pressure).contains("no profiles were asked for"));
-    assert!(svg(&folder, Picture::Spectrum).contains("no spectrum was asked for"));
+    for picture in [Picture::Spectrum, Picture::Multipliers] {
+        assert!(svg(&folder, picture).contains("no spectrum was asked for"));
+    }
 }
 
 #[test]
@@ -111,6 +114,7 @@ fn files_are_named_after_their_pictures() {
         "phase_plane",
         "friction",
         "spectrum",
+        "multipliers",
         "column_amplitude",
         "column_lead_re",
         "column_switches",
@@ -256,6 +260,33 @@ fn spectrum_names_sectors_and_labels() {
     for wanted in ["Re λ", "Im λ", "sector", "0.1 [1]", "0.2 [2]"] {
         assert!(text.contains(wanted), "{wanted}");
     }
+}
+
+#[test]
+fn multipliers_have_their_conjugates() {
+    // Eight waves around: the sectors 0 and 4 are their own conjugates, sector 1 is not.
+    let polygons = |spectrum: &str| {
+        let folder = folder(&[row("1", "EP", 0.1, "", 1), row("2", "EP", 0.2, "", 1)]);
+        fs::write(
+            folder.path().join("spectrum.csv"),
+            format!("label,sector,re,im,error\n{spectrum}2,0,-0.1,5,0\n"),
+        )
+        .unwrap();
+        let text = svg(&folder, Picture::Multipliers);
+        for wanted in ["Re μ", "Im μ", "sector", "μ = 1", "at δ = 0.1 [1]"] {
+            assert!(text.contains(wanted), "{wanted}");
+        }
+        text.matches("<polygon").count()
+    };
+    // Far from 1, so that only the left frame shows it; the legend and both discs are the rest.
+    let rest = 3;
+    assert_eq!(polygons("1,0,-0.1,3,0\n"), rest + 2);
+    assert_eq!(polygons("1,0,-2,0,0\n"), rest + 1);
+    assert_eq!(polygons("1,4,-0.1,3,0\n"), rest + 2);
+    assert_eq!(polygons("1,3,-0.1,3,0\n"), rest + 1);
+    assert_eq!(polygons("1,3,-0.1,-3,0\n"), rest + 1);
+    // Near 1 both frames show it.
+    assert_eq!(polygons("1,0,-0.1,0.1,0\n"), rest + 4);
 }
 
 #[test]

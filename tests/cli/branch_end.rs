@@ -1,0 +1,124 @@
+//! Waves that do not exist, and branches that end before their range: exit code 3, the reason,
+//! and all that was found.
+
+use std::fs;
+
+use crate::harness::{Bench, SMALL, Table, changed, off, snapshot};
+
+/// Where fast and slow wave of mode 4 meet at ν = 0.3, ξ = 1.5, γ = 1.
+const FOLD: f64 = 1.0915184203591;
+/// Damping at which the stick zone of the mode-4 wave vanishes.
+const NO_STICK: f64 = 0.3189475197930335;
+
+/// The branch in damping that ends in a Hopf point of steady sliding.
+fn damping() -> String {
+    let text = changed(SMALL, "parameter: Mismatch", "parameter: MassDamping");
+    let text = changed(&text, "range: (0.19, 0.2)", "range: (0.0, 0.4)");
+    let text = changed(&text, "toward: Down", "toward: Up");
+    changed(&text, "[0.195]", "[0.1]")
+}
+
+#[test]
+fn a_wave_that_does_not_exist_is_told_with_the_fold() {
+    let bench = Bench::new();
+    bench.put(
+        "problem.ron",
+        changed(SMALL, "friction: 0.5", "friction: 1.2"),
+    );
+    let outcome = bench.run(&["run", "problem.ron"]).expect(3);
+    let stderr = &outcome.stderr;
+    assert!(stderr.contains("fold"), "{stderr}");
+    let named = stderr
+        .split_whitespace()
+        .filter_map(|word| word.trim_end_matches([',', ';', ':', '.']).parse().ok())
+        .any(|number: f64| off(number, FOLD) < 1e-10);
+    assert!(named, "no f = {FOLD} in {stderr}");
+    // there is no branch, hence no folder that --force would be needed for
+    assert_eq!(bench.names(), ["problem.ron"]);
+}
+
+#[test]
+fn a_branch_that_ends_early_keeps_what_was_found() {
+    let bench = Bench::new();
+    bench.put("problem.ron", damping());
+    let outcome = bench.run(&["run", "problem.ron", "--out", "out"]).expect(3);
+    assert!(
+        outcome.stderr.contains("ended before its range: "),
+        "{}",
+        outcome.stderr
+    );
+    // the report is printed all the same
+    assert!(outcome.stdout.contains("ST at "), "{}", outcome.stdout);
+    let out = bench.path("out");
+    let events = Table::read(&out.join("events.csv"));
+    let branch = Table::read(&out.join("branch.csv"));
+    let kinds: Vec<&str> = (0..events.rows.len())
+        .map(|row| events.text(row, "type"))
+        .collect();
+    assert_eq!(kinds, ["EP", "UZ", "ST", "MX"]);
+    for kind in ["ST", "MX"] {
+        for table in [&events, &branch] {
+            let found = table.number(table.only("type", kind), "mass_damping");
+            assert!(off(found, NO_STICK) < 1e-10, "{kind} at {found}");
+        }
+    }
+    // the reason is in the table as well, in the words of the warning
+    let what = events.text(3, "what");
+    assert!(what.len() > 20 && outcome.stderr.contains(what), "{what}");
+    let last = branch.rows.len() - 1;
+    assert_eq!(branch.text(last, "type"), "MX");
+    assert_eq!(branch.text(last - 1, "type"), "ST");
+    assert!(last > 15, "the way there is kept");
+    for label in 1..=branch.all("label", "").len().abs_diff(last + 1) {
+        assert!(
+            out.join(format!("profiles/{label}.csv")).exists(),
+            "profile {label}"
+        );
+    }
+    assert!(out.join("diagram.svg").exists());
+    // that run is finished: going on with it says the same and changes nothing
+    let before = snapshot(&out);
+    let again = bench
+        .run(&["run", "problem.ron", "--out", "out", "--resume"])
+        .expect(3);
+    assert!(again.stderr.contains(what), "{}", again.stderr);
+    assert!(snapshot(&out) == before);
+    // a label of it can be restarted from
+    assert!(fs::read_to_string(out.join("branch.ron")).is_ok_and(|text| text.contains("label:4")));
+}
+
+#[test]
+fn a_branch_that_was_to_end_there_is_done() {
+    let bench = Bench::new();
+    let stop = "toward: Up, stop_after: [(event: ST, count: 1)]";
+    bench.put("problem.ron", changed(&damping(), "toward: Up", stop));
+    let outcome = bench.run(&["run", "problem.ron", "--out", "out"]).expect(0);
+    assert_eq!(outcome.stderr, "");
+    let branch = Table::read(&bench.path("out/branch.csv"));
+    let last = branch.rows.len() - 1;
+    assert_eq!(branch.text(last, "type"), "ST");
+    assert!(off(branch.number(last, "mass_damping"), NO_STICK) < 1e-10);
+    let events = Table::read(&bench.path("out/events.csv"));
+    assert!(events.all("type", "MX").is_empty());
+}
+
+/// The start lies on an end of the range, where one of both ways is none.
+#[test]
+fn both_ways_from_an_end_of_the_range_is_one_way() {
+    let bench = Bench::new();
+    bench.put(
+        "problem.ron",
+        changed(SMALL, "toward: Down", "toward: Both"),
+    );
+    bench.run(&["run", "problem.ron", "--out", "out"]).expect(0);
+    let branch = Table::read(&bench.path("out/branch.csv"));
+    for row in 0..branch.rows.len() {
+        let mismatch = branch.number(row, "mismatch");
+        assert!(
+            (0.19..=0.2 * (1.0 + 1e-15)).contains(&mismatch),
+            "{mismatch}"
+        );
+    }
+    assert_eq!(branch.text(branch.rows.len() - 1, "type"), "EP");
+    assert_eq!(branch.number(branch.rows.len() - 1, "mismatch"), 0.19);
+}

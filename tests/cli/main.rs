@@ -1,0 +1,11 @@
+//! Black-box tests of the binary: what its users and their scripts rely on.
+
+mod bad_input;
+mod branch_end;
+mod check;
+mod files;
+mod harness;
+mod pipe;
+mod plots;
+mod restart;
+mod resume;

@@ -1,0 +1,177 @@
+//! Pictures can be drawn again from the tables, whatever is left of these.
+
+use std::fs;
+use std::path::Path;
+
+use crate::harness::{Bench, SMALL, assert_same, changed, problem, snapshot};
+
+/// A folder with results and every kind of picture.
+fn results() -> Bench {
+    let bench = Bench::new();
+    let text = problem("mode4_mismatch.ron");
+    bench.put(
+        "problem.ron",
+        changed(&text, "[Diagram,", "[Diagram, Spectrum,"),
+    );
+    bench
+        .run(&["run", "problem.ron", "--out", "out", "--quiet"])
+        .expect(0);
+    bench
+}
+
+const PICTURES: [&str; 8] = [
+    "diagram",
+    "spectrum",
+    "column_switches",
+    "column_amplitude",
+    "pressure",
+    "displacement",
+    "phase_plane",
+    "friction",
+];
+
+/// Checks that the pictures begin and end as files of their format do.
+fn assert_pictures(bench: &Bench, format: &str, names: &[&str]) {
+    for name in names {
+        let path = bench.path("out").join(format!("{name}.{format}"));
+        let bytes = fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let (head, tail): (&[u8], &[u8]) = match format {
+            "svg" => (b"<svg ", b"</svg>"),
+            "png" => (b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"),
+            _ => (b"%PDF-", b"%%EOF"),
+        };
+        assert!(bytes.starts_with(head), "{}", path.display());
+        assert!(bytes.trim_ascii_end().ends_with(tail), "{}", path.display());
+        assert!(bytes.len() > 500, "{} is empty", path.display());
+    }
+}
+
+#[test]
+fn all_formats_are_drawn_again() {
+    let bench = results();
+    let out = bench.path("out");
+    let first = snapshot(&out);
+    assert_pictures(&bench, "svg", &PICTURES);
+    for name in PICTURES {
+        fs::remove_file(out.join(format!("{name}.svg"))).expect("a picture");
+    }
+    let outcome = bench.run(&["plot", "out"]).expect(0);
+    assert_eq!(outcome.stdout.lines().count(), PICTURES.len());
+    // as they were drawn by the run
+    assert_same(&snapshot(&out), &first, "svg");
+    for format in ["png", "pdf"] {
+        let outcome = bench.run(&["plot", "out", "--format", format]).expect(0);
+        for line in outcome.stdout.lines() {
+            assert!(bench.path(line).exists(), "{line}");
+        }
+        assert_pictures(&bench, format, &PICTURES);
+    }
+}
+
+#[test]
+fn branches_of_few_points_are_drawn() {
+    let bench = results();
+    let cut = |name: &str, rows: usize| {
+        let path = bench.path("out").join(name);
+        let text = fs::read_to_string(&path).expect("a table");
+        let kept: String = text.split_inclusive('\n').take(rows + 1).collect();
+        fs::write(&path, kept).expect("a table");
+    };
+    // downwards: what is cut off is gone
+    for rows in [2, 1, 0] {
+        cut("branch.csv", rows);
+        cut("events.csv", rows);
+        for format in ["svg", "png", "pdf"] {
+            // conversion is the same for all of them; the slow ones are spared where rows remain
+            if rows > 0 && format != "svg" {
+                continue;
+            }
+            bench.run(&["plot", "out", "--format", format]).expect(0);
+            assert_pictures(&bench, format, &PICTURES);
+        }
+    }
+    // not even the events, and not even the profiles
+    fs::remove_file(bench.path("out/events.csv")).expect("the events");
+    fs::remove_dir_all(bench.path("out/profiles")).expect("the profiles");
+    bench.run(&["plot", "out"]).expect(0);
+    assert_pictures(&bench, "svg", &PICTURES);
+    // without the branch there is nothing to draw
+    fs::remove_file(bench.path("out/branch.csv")).expect("the branch");
+    let stderr = bench.run(&["plot", "out"]).expect(2).stderr;
+    assert!(stderr.contains("branch.csv"), "{stderr}");
+}
+
+#[test]
+fn a_row_cut_short_is_left_out() {
+    let bench = results();
+    let path = bench.path("out/branch.csv");
+    let whole = fs::read(&path).expect("the branch");
+    let rows = whole.iter().rposition(|byte| *byte == b'\n').expect("rows");
+    for cut in [rows, rows - 1, rows - 60, rows - 180] {
+        fs::write(&path, &whole[..cut]).expect("the branch");
+        bench.run(&["plot", "out"]).expect(0);
+        assert_pictures(&bench, "svg", &PICTURES);
+    }
+}
+
+#[test]
+fn unknown_columns_are_refused_with_the_known_ones() {
+    let bench = Bench::new();
+    let odd = r#"plots: [Column("ampltude")]"#;
+    let text = changed(SMALL, "plots: [Diagram]", odd);
+    bench.put("problem.ron", text);
+    let stderr = bench
+        .run(&["run", "problem.ron", "--out", "out"])
+        .expect(2)
+        .stderr;
+    for known in ["ampltude", "amplitude", "min_pressure", "switches"] {
+        assert!(stderr.contains(known), "no {known} in {stderr}");
+    }
+    // before anything is computed
+    assert_eq!(bench.names(), ["problem.ron"]);
+
+    // a folder may ask for what its table lacks, too: another version may have written it
+    bench.put(
+        "problem.ron",
+        changed(SMALL, "[Diagram]", r#"[Column("amplitude")]"#),
+    );
+    bench.run(&["run", "problem.ron", "--out", "out"]).expect(0);
+    let restart = bench.path("out/branch.ron");
+    let text = fs::read_to_string(&restart).expect("the restart file");
+    let text = changed(&text, r#"Column("amplitude")"#, r#"Column("ampltude")"#);
+    fs::write(&restart, text).expect("the restart file");
+    let stderr = bench.run(&["plot", "out"]).expect(2).stderr;
+    for known in ["ampltude", "amplitude", "min_pressure", "switches"] {
+        assert!(stderr.contains(known), "no {known} in {stderr}");
+    }
+}
+
+#[test]
+fn folders_without_results_are_refused() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("empty")).expect("a folder");
+    bench.put("file", "");
+    for folder in ["empty", "missing", "file"] {
+        let stderr = bench.run(&["plot", folder]).expect(2).stderr;
+        let file = Path::new(folder).join("branch.ron");
+        assert!(stderr.contains(&file.display().to_string()), "{stderr}");
+    }
+    assert_eq!(bench.names(), ["empty", "file"]);
+}
+
+/// Titles are the user's own: they may hold what means something in XML.
+#[test]
+fn titles_are_text() {
+    let bench = Bench::new();
+    let title = r#"(title: "<&> \" ' ν \u{1} ]]>","#;
+    bench.put(
+        "problem.ron",
+        format!("{title}{}", SMALL.trim_start_matches('(')),
+    );
+    bench.run(&["run", "problem.ron", "--out", "out"]).expect(0);
+    // the converters parse the XML
+    for format in ["svg", "png", "pdf"] {
+        bench.run(&["plot", "out", "--format", format]).expect(0);
+        assert_pictures(&bench, format, &["diagram"]);
+    }
+}

@@ -1,0 +1,200 @@
+//! Every crossing of the imaginary axis along a branch, and the unstable count between them.
+//!
+//! The figures stand in the problem files and were computed by an independent program. Between
+//! consecutive rows the unstable count on the full circle changes by two with every HB: in sectors
+//! 0 and k/2 by a conjugate pair, in the others by an eigenvalue and its conjugate in sector k − j.
+//! It may jump where the spectrum does, as the event then says, and change where an eigenvalue
+//! enters or leaves the window through its upper edge.
+
+use brakewave::branch::{Event, EventType};
+use brakewave::problem::Expectation;
+use brakewave::run::Item;
+use brakewave::stability::spectrum::{Spectrum, UNSTABLE};
+
+use crate::observed;
+use crate::waves::{Rows, follow, problem};
+
+/// Events located and figures known to this, relative to 1.
+const BOUND: f64 = 1e-9;
+
+/// Distance from the edge of the window at which an eigenvalue may pass it between two rows.
+const EDGE: f64 = 0.5;
+
+fn value(event: &Event, column: &str) -> f64 {
+    match column {
+        "omega" => event.omega.unwrap_or(f64::NAN),
+        "speed" => event.speed,
+        "mismatch" => event.parameters.mismatch,
+        "friction" => event.parameters.friction,
+        "mass_damping" => event.parameters.mass_damping,
+        _ => unreachable!("no figure of {column}"),
+    }
+}
+
+/// Largest error of an event against the figures expected.
+fn distance(event: &Event, expected: &Expectation) -> f64 {
+    if event.sector != expected.sector {
+        return f64::INFINITY;
+    }
+    expected
+        .numbers()
+        .into_iter()
+        .map(|(column, number)| (value(event, column) - number).abs() / number.abs().max(1.0))
+        .fold(0.0, f64::max)
+}
+
+/// Every expected HB is found, and no other.
+fn matched(name: &str, rows: &Rows, expected: &[Expectation]) {
+    let mut events: Vec<&Event> = rows
+        .items
+        .iter()
+        .filter_map(|item| item.event.as_ref())
+        .filter(|event| matches!(event.kind, EventType::HB | EventType::BP))
+        .collect();
+    let mut worst = 0.0_f64;
+    for expected in expected.iter().filter(|one| one.event == EventType::HB) {
+        let (index, error) = events
+            .iter()
+            .map(|event| distance(event, expected))
+            .enumerate()
+            .min_by(|one, other| one.1.total_cmp(&other.1))
+            .expect("events are left");
+        assert!(error < BOUND, "{name}: {expected:?} is missed by {error:e}");
+        worst = worst.max(error);
+        events.remove(index);
+    }
+    assert!(events.is_empty(), "{name}: not expected: {events:?}");
+    assert!(rows.notes.is_empty(), "{name}: {:?}", rows.notes);
+    observed(&format!("crossings of {name}"), worst);
+}
+
+/// The change of the count on the full circle that the sentence of an event announces.
+fn announced(what: &str, mode: usize) -> i64 {
+    let Some((_, list)) = what.split_once("without a crossing: ") else {
+        return 0;
+    };
+    let (before, after) = list.split_once(" before, ").expect("both sides");
+    let count = |side: &str| -> i64 {
+        side.trim_end_matches(" after")
+            .split(", ")
+            .map(|part| {
+                let (count, sector) = part.split_once(" in sector ").expect("a sector");
+                let count: i64 = count.parse().expect("a count");
+                let sector: usize = sector.parse().expect("a sector");
+                if sector == 0 || 2 * sector == mode {
+                    count
+                } else {
+                    2 * count
+                }
+            })
+            .sum()
+    };
+    count(after) - count(before)
+}
+
+/// Unstable eigenvalues on the full circle whose frequency is near the edge of the window.
+fn near_edge(spectrum: &Spectrum) -> i64 {
+    let near = |sector: &&brakewave::stability::spectrum::Sector| -> i64 {
+        let count = sector
+            .eigenvalues
+            .iter()
+            .filter(|one| one.re > UNSTABLE)
+            .filter(|one| (one.im.abs() - spectrum.max_frequency).abs() <= EDGE)
+            .count();
+        let twice = if spectrum.symmetric(sector.sector) {
+            1
+        } else {
+            2
+        };
+        twice * count as i64
+    };
+    spectrum.sectors.iter().map(|sector| near(&sector)).sum()
+}
+
+fn is_crossing(item: &Item) -> bool {
+    item.point.kind == Some(EventType::HB)
+}
+
+/// The count between rows that are no crossings changes as the events say. Returns how many
+/// changes were entries through the edge.
+fn accounted(name: &str, rows: &Rows, mode: usize) -> usize {
+    let mut crossed = 0;
+    let mut last: Option<usize> = None;
+    let mut entries = 0;
+    for (index, item) in rows.items.iter().enumerate() {
+        let event = item.event.as_ref();
+        if is_crossing(item) {
+            let what = &event.expect("a crossing is an event").what;
+            crossed += if what.ends_with("becomes unstable") {
+                2
+            } else {
+                -2
+            };
+            continue;
+        }
+        let count = item.point.unstable.expect("stability is asked for") as i64;
+        if let Some(before) = last {
+            let previous = &rows.items[before];
+            let jump = previous
+                .event
+                .as_ref()
+                .map_or(0, |event| announced(&event.what, mode));
+            let old = previous.point.unstable.unwrap_or(0) as i64;
+            let left = count - old - crossed - jump;
+            if left != 0 {
+                let near = [before, index]
+                    .iter()
+                    .filter_map(|index| rows.spectra[*index].as_ref())
+                    .map(near_edge)
+                    .max()
+                    .unwrap_or(0);
+                assert!(
+                    left.abs() <= near && left % 2 == 0,
+                    "{name}: between points {} and {} ({:?}) the count goes from {old} to {count}, \
+                     crossings {crossed}, jump {jump}, near the edge {near}",
+                    previous.point.point,
+                    item.point.point,
+                    item.point.parameters
+                );
+                entries += 1;
+            }
+        }
+        last = Some(index);
+        crossed = 0;
+    }
+    entries
+}
+
+fn check(name: &str) -> (Rows, usize) {
+    let (problem, text) = problem(name);
+    let rows = follow(&problem, &text);
+    matched(name, &rows, &problem.expect);
+    let entries = accounted(name, &rows, problem.wave.mode as usize);
+    println!("observed: {name}: {entries} entries through the edge");
+    (rows, entries)
+}
+
+#[test]
+fn in_the_mismatch() {
+    let (rows, _) = check("mode4_stability.ron");
+    let first = rows
+        .items
+        .iter()
+        .filter_map(|item| item.event.as_ref())
+        .find(|event| event.kind == EventType::CO)
+        .expect("there is a CO");
+    assert!(first.what.contains("count jumps"), "{}", first.what);
+    // one pair of sector 1 and its conjugate of sector 3 are gone
+    assert_eq!(announced(&first.what, 4), -2, "{}", first.what);
+}
+
+#[test]
+fn in_the_damping() {
+    check("mode4_damping.ron");
+}
+
+#[test]
+fn in_the_friction() {
+    let (_, entries) = check("mode4_friction_stability.ron");
+    assert!(entries > 0, "pairs enter through the edge near the fold");
+}

@@ -1,0 +1,88 @@
+//! Eigenfunctions satisfy the equations, close over the wavelength, and follow Bloch's rule.
+
+use brakewave::model::Model;
+use brakewave::stability::characteristic::Characteristic;
+use brakewave::stability::eigenfunction::{eigenfunction, translation_overlap};
+use brakewave::wave::start::Which;
+
+use crate::observed;
+use crate::waves::{C64, mode4, tube, wave, window};
+
+const RESOLUTION: usize = 120;
+
+#[test]
+fn equations_closure_norm_and_bloch_factor() {
+    let cases: [(Model, u32); 8] = [
+        (mode4(0.2), 4),
+        (mode4(0.08), 4),
+        (mode4(0.045), 4),
+        (mode4(0.02), 4),
+        (mode4(0.001), 4),
+        (tube(0.25, 1.25, 0.446, 0.06), 8),
+        (tube(0.45, 1.25, 0.1, 0.1), 4),
+        (tube(0.45, 1.25, 0.1, 0.01), 4),
+    ];
+    let [mut equation, mut closure, mut norm, mut bloch, mut overlap] = [0.0_f64; 5];
+    let mut largest_overlap = 0.0_f64;
+    for (model, mode) in cases {
+        let (wave, point) = wave(&model, mode, Which::Fast);
+        let characteristic = Characteristic::new(&wave, &point).expect("no Coulomb impact");
+        let speed = wave.speed_at(&point);
+        let spectrum = window(&characteristic);
+        let translation = translation_overlap(&characteristic, C64::new(0.0, 0.0));
+        overlap = overlap.max((translation - 1.0).abs());
+        for sector in &spectrum.sectors {
+            for eigenvalue in spectrum.listed(sector).take(4) {
+                let lambda = eigenvalue.value();
+                let name = format!("{model:?}, sector {}, {lambda}", sector.sector);
+                let mode_shape =
+                    eigenfunction(&characteristic, speed, sector.sector, lambda, RESOLUTION);
+                equation = equation.max(mode_shape.equation_residual);
+                closure = closure.max(mode_shape.closure_residual);
+                assert!(
+                    mode_shape.equation_residual < 1e-8,
+                    "{name}: {:e}",
+                    mode_shape.equation_residual
+                );
+                assert!(
+                    mode_shape.closure_residual < 1e-11,
+                    "{name}: {:e}",
+                    mode_shape.closure_residual
+                );
+                let samples = &mode_shape.samples;
+                let first = samples[0];
+                let size = first.psi * first.psi + first.slope * first.slope;
+                norm = norm.max((size - 1.0).norm());
+                assert!((size - 1.0).norm() < 1e-12, "{name}: {size}");
+                // |θ| runs time-forward: against θ for c > 0
+                let lap = samples.len() / mode as usize;
+                let turn = std::f64::consts::TAU / f64::from(mode);
+                let angle = std::f64::consts::TAU * sector.sector as f64 / f64::from(mode);
+                let factor = C64::from_polar(1.0, angle);
+                for (one, next) in samples.iter().zip(&samples[lap..]) {
+                    assert!((next.theta - one.theta - turn).abs() < 1e-10, "{name}");
+                    let error = (next.psi - factor * one.psi).norm()
+                        + (next.slope - factor * one.slope).norm();
+                    bloch = bloch.max(error / (1.0 + one.psi.norm() + one.slope.norm()));
+                }
+                // and the circle closes: the end of the last lap is its beginning
+                let (end, start) = (samples[samples.len() - 1], samples[0]);
+                let error = (end.psi - start.psi).norm() / (1.0 + start.psi.norm());
+                assert!(error < 1e-10, "{name}: {error:e}");
+                if sector.sector == 0 {
+                    let other = translation_overlap(&characteristic, lambda);
+                    largest_overlap = largest_overlap.max(other);
+                    assert!(other < 0.999, "{name}: {other}");
+                }
+            }
+        }
+    }
+    assert!(bloch < 1e-12, "{bloch:e}");
+    assert!(overlap < 1e-13, "{overlap:e}");
+    observed("equations of the eigenfunctions", equation);
+    observed("closure of the eigenfunctions", closure);
+    observed("ψ(0)² + ψ′(0)² − 1", norm);
+    observed("ψ(θ + 2π/k) against its factor", bloch);
+    observed("overlap of the translation mode less 1", overlap);
+    println!("observed: largest overlap of another mode: {largest_overlap:.6}");
+}

@@ -1,0 +1,20 @@
+//! Claims about the stability of waves, through the library alone: figures of an independent
+//! program, symmetries, counts by a second method, closed forms
+//! at high frequency.
+//!
+//! Every module is one claim. `cargo test --test stability -- --nocapture` shows the errors observed.
+
+mod completeness;
+mod conjugates;
+mod crossings;
+mod eigenfunctions;
+mod high_frequency;
+mod reference;
+mod seeds;
+mod verdict;
+mod waves;
+
+/// Shows the worst error of a claim.
+fn observed(claim: &str, error: f64) {
+    println!("observed: {claim}: {error:.1e}");
+}

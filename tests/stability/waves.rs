@@ -1,0 +1,129 @@
+//! Waves and branches that the claims are about.
+
+use std::path::PathBuf;
+
+use brakewave::begin::first_wave;
+use brakewave::continuation;
+use brakewave::linalg::Vector;
+use brakewave::model::coefficients::Geometry;
+use brakewave::model::{Model, Source};
+use brakewave::problem::{self, Impact, Parameter, Problem};
+use brakewave::run::{Branch, End, Item};
+use brakewave::stability::characteristic::Characteristic;
+use brakewave::stability::spectrum::{Request, Spectrum, spectrum};
+use brakewave::wave::Wave;
+use brakewave::wave::start::Which;
+use nalgebra::Complex;
+
+pub type C64 = Complex<f64>;
+
+/// Steps of the default problem.
+pub const STEPS: continuation::Settings = continuation::Settings {
+    ds: 0.005,
+    ds_min: 1e-12,
+    ds_max: 0.01,
+    tolerance: 1e-10,
+};
+
+/// An undamped tube with γ = 1 and frictionless impact.
+pub fn tube(nu: f64, xi: f64, friction: f64, mismatch: f64) -> Model {
+    Model {
+        source: Source::Geometry(Geometry { nu, xi, gamma: 1.0 }),
+        friction,
+        mismatch,
+        mass_damping: 0.0,
+        stiffness_damping: 0.0,
+        impact: Impact::Frictionless,
+    }
+}
+
+/// The tube of the mode-4 branches.
+pub fn mode4(mismatch: f64) -> Model {
+    tube(0.3, 1.5, 0.5, mismatch)
+}
+
+/// The same tube with mass-proportional damping, where the wave is slip-stick.
+pub fn damped(damping: f64) -> Model {
+    Model {
+        mass_damping: damping,
+        ..mode4(0.2)
+    }
+}
+
+/// A first wave, posed in the mismatch.
+pub fn wave(model: &Model, mode: u32, which: Which) -> (Wave, Vector) {
+    first_wave(model, Parameter::Mismatch, mode, which, 1.0, STEPS).expect("there is a first wave")
+}
+
+/// The same, linearised.
+pub fn linearised(model: &Model, mode: u32, which: Which) -> Characteristic {
+    let (wave, point) = wave(model, mode, which);
+    Characteristic::new(&wave, &point).expect("the wave can be linearised")
+}
+
+/// What the problems ask for: sectors 0 to k/2, |Im λ| up to 12.
+pub fn request(mode: u32) -> Request {
+    Request {
+        sectors: (0..=mode as usize / 2).collect(),
+        eigenvalues: 6,
+        max_frequency: 12.0,
+    }
+}
+
+/// The spectrum of a linearised wave in the default window.
+pub fn window(characteristic: &Characteristic) -> Spectrum {
+    spectrum(characteristic, &request(characteristic.mode), None)
+}
+
+/// The folder of the problem files.
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("problems")
+}
+
+/// A problem file.
+pub fn problem(name: &str) -> (Problem, String) {
+    problem::read(&folder().join(name)).expect("a valid problem")
+}
+
+/// Names of all problem files.
+pub fn problems() -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(folder())
+        .expect("there are problems")
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|name| name.ends_with(".ron"))
+        .collect();
+    names.sort();
+    names
+}
+
+/// Rows of a branch, each with the spectrum at the point its step reached.
+pub struct Rows {
+    /// Rows, step by step.
+    pub items: Vec<Item>,
+    /// Spectrum at the end of the step of each row.
+    pub spectra: Vec<Option<Spectrum>>,
+    /// What could not be settled.
+    pub notes: Vec<String>,
+}
+
+/// Follows the branch of a problem to its end.
+pub fn follow(problem: &Problem, text: &str) -> Rows {
+    let continuation = problem
+        .continuation(text, "problem")
+        .expect("there is a branch");
+    let mut branch = Branch::begin(problem, continuation, None).expect("the branch begins");
+    let mut rows = Rows {
+        items: Vec::new(),
+        spectra: Vec::new(),
+        notes: Vec::new(),
+    };
+    while branch.progress().end.is_none() {
+        let items = branch.step();
+        rows.spectra
+            .extend(items.iter().map(|_| branch.progress().spectrum.clone()));
+        rows.items.extend(items);
+    }
+    assert_eq!(branch.progress().end, Some(End::Finished));
+    rows.notes = branch.notes().to_vec();
+    rows
+}

@@ -1,0 +1,134 @@
+//! What happens along a branch depends neither on its direction nor on the steps.
+
+use brakewave::branch::EventType::EP;
+use brakewave::continuation::Settings as Steps;
+use brakewave::follow::{Follower, Found, Settings, Status};
+
+use crate::branches::{
+    Case, Run, STEPS, fast_in_friction, fast_in_mismatch, regimes, slow_in_mismatch, to_the_end,
+    with_the_shaft,
+};
+use crate::observed;
+
+/// The same events in the same order. Parameters of events are exact to the uncertainty that the
+/// program states for each, and 1e-10 is a hundred times the largest of these.
+fn same(one: &[&Found], other: &[&Found], reversed: bool) -> f64 {
+    let list = |found: &[&Found]| -> Vec<String> {
+        found
+            .iter()
+            .map(|found| format!("{:?} at {}", found.kind, found.parameter))
+            .collect()
+    };
+    assert_eq!(one.len(), other.len(), "{:?} {:?}", list(one), list(other));
+    let mut worst = 0.0_f64;
+    for (one, other) in one.iter().zip(other) {
+        assert_eq!(one.kind, other.kind, "at {}", other.parameter);
+        let error = (one.parameter / other.parameter - 1.0).abs();
+        worst = worst.max(error);
+        assert!(error < 1e-10, "{} for {}", one.parameter, other.parameter);
+        let (before, after) = regimes(one);
+        let (mut before_other, mut after_other) = regimes(other);
+        if reversed {
+            std::mem::swap(&mut before_other, &mut after_other);
+        }
+        assert_eq!((before, after), (before_other, after_other));
+    }
+    worst
+}
+
+/// From a point of a branch back, to the edge of the range.
+fn back(from: &Found, case: &Case) -> Run {
+    let settings = Settings {
+        range: case.range,
+        stop_at: Vec::new(),
+        continuation: STEPS,
+    };
+    let up = !case.up;
+    let follower = Follower::new(from.wave.as_ref().clone(), &from.node.point, up, settings)
+        .expect("a regular start");
+    let run = to_the_end(follower, None);
+    assert_eq!(run.status, Status::Finished);
+    run
+}
+
+#[test]
+fn there_and_back() {
+    for (name, case) in [
+        ("fast", fast_in_mismatch()),
+        ("friction", fast_in_friction()),
+        ("with the shaft", with_the_shaft()),
+    ] {
+        let run = case.follow(&[]);
+        assert_eq!(run.status, Status::Finished, "{name}");
+        let last = run.points.last().expect("points");
+        assert_eq!(last.kind, Some(EP));
+        let returned = back(last, &case);
+        let mut events = returned.events();
+        events.reverse();
+        let worst = same(&run.events(), &events, true);
+        observed(&format!("{name}: there and back"), worst);
+        // and the first wave is met again
+        let (first, again) = (&run.points[0], returned.points.last().expect("points"));
+        assert_eq!(first.wave.signature, again.wave.signature);
+        let distance = (&first.node.point - &again.node.point).amax();
+        observed(&format!("{name}: first wave met again"), distance);
+        assert!(distance < 1e-12, "{name}: {distance:e}");
+    }
+}
+
+/// Round two folds and back round them, from just before the second separation zone opens.
+#[test]
+fn there_and_back_round_folds() {
+    let case = slow_in_mismatch();
+    let run = case.follow(&[]);
+    let turn = run.points.len() - 2;
+    assert_eq!(run.points[turn].kind, None);
+    let returned = back(&run.points[turn], &case);
+    let mut events = returned.events();
+    events.reverse();
+    let there = run.events();
+    assert_eq!(there.len(), 6);
+    let worst = same(&there[..5], &events, true);
+    observed("slow: there and back", worst);
+}
+
+fn steps(factor: f64) -> Steps {
+    Steps {
+        ds: STEPS.ds * factor,
+        ds_max: STEPS.ds_max * factor,
+        ..STEPS
+    }
+}
+
+/// Events of a branch with steps of several lengths are those with the default ones.
+fn check_steps(name: &str, case: &Case, factors: &[f64]) {
+    let run = case.follow(&[]);
+    for &factor in factors {
+        let other = case.follow_with(steps(factor), &[]);
+        assert_eq!(other.points.len() > run.points.len(), factor < 1.0);
+        let worst = same(&other.events(), &run.events(), false);
+        observed(
+            &format!(
+                "{name}: steps times {factor}, {} points for {}",
+                other.points.len(),
+                run.points.len()
+            ),
+            worst,
+        );
+    }
+}
+
+#[test]
+fn steps_do_not_matter() {
+    check_steps("fast", &fast_in_mismatch(), &[0.5, 2.0, 5.0, 10.0]);
+    check_steps("slow", &slow_in_mismatch(), &[0.5, 2.0, 5.0, 10.0]);
+    check_steps("friction", &fast_in_friction(), &[0.5, 2.0, 5.0, 10.0]);
+    check_steps("with the shaft", &with_the_shaft(), &[0.5, 2.0]);
+}
+
+/// Where the second separation zone has closed, at δ = 0.0029106079, the branch turns up in δ and
+/// folds at δ = 0.0029112625, 0.012 of scaled arclength further on.
+#[test]
+fn a_fold_next_to_a_change_is_found_with_coarse_steps() {
+    check_steps("with the shaft", &with_the_shaft(), &[5.0, 10.0]);
+}

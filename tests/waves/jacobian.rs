@@ -1,0 +1,182 @@
+//! The Jacobian of the boundary-value problem equals central differences, for every regime, every
+//! switch and every continuation parameter, down to zones that have no length yet.
+//!
+//! With D(s) = (R(x + s) − R(x − s))/2s the extrapolated quotient (4D(s) − D(2s))/3 has an error of
+//! order s⁴, far below the one that |D(2s) − D(s)|/3 estimates for D(s) itself. The estimate does
+//! not know the Jacobian, so it can serve as its allowed error. To it comes rounding: of each
+//! residual some operations times ε times the size Σ|∂R/∂x||x| of what was added up, over s.
+
+use std::collections::BTreeSet;
+
+use brakewave::begin::scales;
+use brakewave::linalg::{Matrix, Vector};
+use brakewave::model::Model;
+use brakewave::newton::System;
+use brakewave::problem::Parameter;
+use brakewave::wave::Wave;
+use brakewave::wave::start::Which;
+
+use crate::branches::{
+    Case, STEPS, fast_in_mismatch, slow_in_mismatch, specimens, with_coulomb_impact, with_the_shaft,
+};
+use crate::observed;
+
+/// Step in scaled unknowns: ∛ε balances the two errors.
+const STEP: f64 = 6e-6;
+
+/// Operations behind one residual: series of 20 terms, or up to 40 halvings of an exponential.
+const OPERATIONS: f64 = 64.0;
+
+/// The comparison is worth something only while the allowed error is below this fraction of the
+/// largest entry of the row.
+const MOST_ALLOWED: f64 = 1e-5;
+/// The same at the stiff end, m_a near 0.01, where steps are as much shorter and rounding larger.
+const MOST_ALLOWED_STIFF: f64 = 1e-3;
+
+/// The parameters a branch can be followed in.
+const PARAMETERS: [Parameter; 6] = [
+    Parameter::Mismatch,
+    Parameter::Friction,
+    Parameter::MassDamping,
+    Parameter::Gamma,
+    Parameter::Nu,
+    Parameter::Xi,
+];
+
+fn residual(wave: &Wave, point: &Vector) -> Vec<f64> {
+    let n = wave.unknowns();
+    let mut residual = vec![0.0; n - 1];
+    wave.evaluate(point, &mut residual, &mut Matrix::zeros(n - 1, n))
+        .expect("the equations can be evaluated");
+    residual
+}
+
+/// Largest error relative to the row, after the comparison.
+fn compare(wave: &Wave, point: &Vector, most_allowed: f64) -> f64 {
+    let n = wave.unknowns();
+    let mut matrix = Matrix::zeros(n - 1, n);
+    wave.evaluate(point, &mut vec![0.0; n - 1], &mut matrix)
+        .expect("the equations can be evaluated");
+    let mut worst = 0.0_f64;
+    // m_a = 1 − a/c² moves with c and with all that a depends on; its own size is their measure
+    let ma = wave.flows(point).expect("a frame").frame.at.ma;
+    for column in 0..n {
+        let moves_a = !matches!(
+            wave.parameter,
+            Parameter::Mismatch | Parameter::Friction | Parameter::MassDamping
+        );
+        let base = if column == n - 2 || column == n - 1 && moves_a {
+            STEP * ma
+        } else {
+            STEP
+        };
+        let quotient = |step: f64| -> Vec<f64> {
+            let (mut up, mut down) = (point.clone(), point.clone());
+            up[column] += step;
+            down[column] -= step;
+            let width = up[column] - down[column];
+            residual(wave, &up)
+                .into_iter()
+                .zip(residual(wave, &down))
+                .map(|(up, down)| (up - down) / width)
+                .collect()
+        };
+        let (near, far) = (quotient(base), quotient(2.0 * base));
+        for row in 0..n - 1 {
+            let largest = matrix.row(row).amax();
+            let size: f64 = (0..n).map(|j| (matrix[(row, j)] * point[j]).abs()).sum();
+            let rounding = OPERATIONS * f64::EPSILON * size / base;
+            let allowed = (far[row] - near[row]).abs() / 3.0 + rounding;
+            let difference = (4.0 * near[row] - far[row]) / 3.0;
+            let error = (matrix[(row, column)] - difference).abs();
+            let context = || {
+                format!(
+                    "{} in {:?}, row {row} column {column}: {} for {difference}, allowed {allowed:e}",
+                    wave.signature,
+                    wave.parameter,
+                    matrix[(row, column)]
+                )
+            };
+            assert!(error <= allowed, "{}", context());
+            assert!(allowed <= most_allowed * largest.max(1.0), "{}", context());
+            worst = worst.max(error / largest.max(1.0));
+        }
+    }
+    worst
+}
+
+/// The same wave as a problem in another parameter.
+fn in_parameter(wave: &Wave, point: &Vector, parameter: Parameter) -> (Wave, Vector) {
+    let model = wave.model_at(point);
+    let speed = wave.speed_at(point);
+    let value = model.value(parameter).expect("a tube has all parameters");
+    let width = if value > 0.0 { value } else { 1.0 };
+    let other = Wave::new(
+        model,
+        parameter,
+        wave.mode,
+        wave.signature.clone(),
+        scales(&model, wave.mode, speed, 1.0, width),
+    );
+    let other_point = other.pack(&wave.unpack(point), speed, value);
+    (other, other_point)
+}
+
+fn check(name: &str, case: &Case, most_allowed: f64) -> BTreeSet<String> {
+    let mut seen = BTreeSet::new();
+    let mut worst = 0.0_f64;
+    for (wave, point) in specimens(case, STEPS) {
+        for zone in &wave.signature.0 {
+            seen.insert(format!("{:?} by {:?}", zone.regime, zone.entry));
+        }
+        for parameter in PARAMETERS {
+            let (wave, point) = in_parameter(&wave, &point, parameter);
+            worst = worst.max(compare(&wave, &point, most_allowed));
+        }
+    }
+    observed(&format!("{name}: Jacobian relative to its rows"), worst);
+    seen
+}
+
+#[test]
+fn derivatives_equal_differences() {
+    let fast = fast_in_mismatch();
+    let damped = Case {
+        model: Model {
+            mass_damping: 0.05,
+            ..fast.model
+        },
+        ..fast
+    };
+    let mut seen = check("fast", &fast, MOST_ALLOWED);
+    seen.extend(check("damped", &damped, MOST_ALLOWED));
+    seen.extend(check("with the shaft", &with_the_shaft(), MOST_ALLOWED));
+    seen.extend(check(
+        "Coulomb impact",
+        &with_coulomb_impact(),
+        MOST_ALLOWED,
+    ));
+    let expected: BTreeSet<String> = [
+        "Slip by Release",
+        "Slip by Landing",
+        "Stick by Arrest",
+        "Reverse by Reversal",
+        "Reverse by Landing",
+        "Separation by TakeOff",
+        "Separation by Touch",
+        "Reverse by ArrestedLanding",
+        "Stick by ArrestedLanding",
+    ]
+    .map(String::from)
+    .into();
+    let missing: Vec<&String> = expected.difference(&seen).collect();
+    assert!(missing.is_empty(), "not met: {missing:?} in {seen:?}");
+}
+
+/// The slow wave, where m_a = 1 − a/c² is near 0.01: a step in c acts a hundred times as strongly.
+#[test]
+fn derivatives_equal_differences_at_the_stiff_end() {
+    let case = slow_in_mismatch();
+    assert_eq!(case.which, Which::Slow);
+    check("slow", &case, MOST_ALLOWED_STIFF);
+}

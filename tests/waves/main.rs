@@ -1,0 +1,25 @@
+//! Claims about the waves, through the library alone: figures of an independent program, closed
+//! forms, symmetries, an independent integration, derivatives against differences, and refusals.
+//!
+//! Every module is one claim. `cargo test --test waves -- --nocapture` shows the errors observed.
+
+mod admissibility;
+mod branches;
+mod closed_form;
+mod damping;
+mod down_and_up;
+mod impact;
+mod integration;
+mod jacobian;
+mod opening;
+mod reference;
+mod refusals;
+mod scaling;
+mod start;
+mod translation;
+mod tube;
+
+/// Shows the worst error of a claim.
+fn observed(claim: &str, error: f64) {
+    println!("observed: {claim}: {error:.1e}");
+}

@@ -1,0 +1,59 @@
+//! (γ, δ) → (s²γ, sδ) divides c by s and leaves the lengths of all zones alone: an exact symmetry
+//! of the model, which the units of the program follow, so that even the steps are the same.
+
+use brakewave::model::coefficients::Geometry;
+use brakewave::model::{Model, Source};
+
+use crate::branches::{Case, fast_in_mismatch, lengths, regimes, speed};
+use crate::observed;
+
+fn scaled(s: f64) -> Case {
+    let case = fast_in_mismatch();
+    Case {
+        model: Model {
+            source: Source::Geometry(Geometry {
+                nu: 0.3,
+                xi: 1.5,
+                gamma: s * s,
+            }),
+            mismatch: s * case.model.mismatch,
+            ..case.model
+        },
+        range: (s * 0.001, s * 0.2),
+        ..case
+    }
+}
+
+/// Rounding of s²γ and sδ is all that distinguishes the branches: ε, amplified by the condition of
+/// an event, which the stated uncertainty measures (1e-14 to 1e-12 relative).
+#[test]
+fn scaled_branches_are_the_same() {
+    let unit = scaled(1.0).follow(&[]);
+    let mut worst = 0.0_f64;
+    for s in [1e-3, 0.1, 7.0, 1e3] {
+        let run = scaled(s).follow(&[]);
+        assert_eq!(run.points.len(), unit.points.len(), "points at s = {s}");
+        let (events, expected) = (run.events(), unit.events());
+        assert_eq!(events.len(), 4);
+        assert_eq!(events.len(), expected.len());
+        for (one, other) in events.into_iter().zip(expected) {
+            assert_eq!(one.kind, other.kind);
+            assert_eq!(regimes(one), regimes(other));
+            let mut compare = |found: f64, expected: f64, unit: f64| {
+                let error = (found - expected).abs() / unit;
+                worst = worst.max(error);
+                assert!(error < 1e-11, "{found} for {expected} at s = {s}");
+            };
+            compare(one.parameter / s, other.parameter, other.parameter);
+            compare(speed(one) * s, speed(other), speed(other).abs());
+            let zones = lengths(&one.wave, &one.node.point);
+            for (length, expected) in zones
+                .into_iter()
+                .zip(lengths(&other.wave, &other.node.point))
+            {
+                compare(length, expected, 1.0);
+            }
+        }
+    }
+    observed("scaling: events", worst);
+}

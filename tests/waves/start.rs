@@ -1,0 +1,45 @@
+//! A branch may begin at a mismatch where its wave is not slip-stick any more.
+
+use brakewave::begin::first_wave;
+use brakewave::problem::Parameter;
+use brakewave::wave::start::Which;
+
+use crate::branches::{STEPS, fast_in_mismatch, lengths, mode4, speed};
+use crate::observed;
+
+/// Both waves are polished solutions of one system: they differ by rounding times its condition.
+#[test]
+fn first_wave_is_the_one_of_the_branch() {
+    let values = [0.08, 0.045, 0.02, 0.004, 0.001];
+    let run = fast_in_mismatch().follow(&values);
+    let mut worst = 0.0_f64;
+    for value in values {
+        let found = run.user_points(value)[0];
+        for parameter in [Parameter::Mismatch, Parameter::Friction, Parameter::Xi] {
+            let (wave, point) = first_wave(&mode4(value), parameter, 4, Which::Fast, 1.0, STEPS)
+                .expect("there is a first wave");
+            assert_eq!(wave.signature, found.wave.signature);
+            assert_eq!(wave.parameter, parameter);
+            let mut compare = |one: f64, other: f64, unit: f64| {
+                worst = worst.max((one - other).abs() / unit);
+                assert!((one - other).abs() < 1e-12 * unit, "{one} for {other}");
+            };
+            let expected = wave.model.value(parameter).expect("a tube");
+            compare(wave.parameter_at(&point), expected, expected.abs());
+            compare(wave.speed_at(&point), speed(found), 1.0);
+            let zones = lengths(&wave, &point);
+            for (length, other) in zones
+                .into_iter()
+                .zip(lengths(&found.wave, &found.node.point))
+            {
+                compare(length, other, 1.0);
+            }
+            let (states, others) = (wave.unpack(&point), found.wave.unpack(&found.node.point));
+            for (state, other) in states.into_iter().zip(others) {
+                compare(state[0], other[0], 1.0);
+                compare(state[1], other[1], 1.0);
+            }
+        }
+    }
+    observed("first wave where it is not slip-stick", worst);
+}
