@@ -153,6 +153,11 @@ fn evaluate<S: System>(
     Ok(Bordered { matrix, right_side })
 }
 
+/// Residuals below this, relative to their rows, are rounding. At the stiff end, c² → a, a change of
+/// c in its last place moves other unknowns by more than the tolerance, and corrections stop
+/// shrinking there; [`Solution::correction`] then says how well the unknowns are known.
+const ROUNDED: f64 = 1e-13;
+
 /// Upper bound of the number of unknowns: 3 for each of at most 40 zones, and two.
 pub const MOST_UNKNOWNS: usize = 128;
 
@@ -179,6 +184,19 @@ pub fn solve<S: System>(
         // corrections at the level of rounding no longer contract
         if iteration > 1 && correction > settings.tolerance {
             let ratio = correction / before;
+            // the equations hold to rounding: what is left moves the unknowns and nothing else
+            let rounded = ratio > SLOWEST
+                && relative_residual(&bordered.matrix, bordered.right_side.as_slice()) < ROUNDED;
+            if rounded {
+                return Ok(Solution {
+                    residual: relative_residual(&bordered.matrix, bordered.right_side.as_slice()),
+                    point,
+                    iterations: iteration,
+                    contraction,
+                    correction,
+                    factors,
+                });
+            }
             contraction = contraction.max(ratio);
             if ratio > SLOWEST && settings.halvings == 0 {
                 return Err(Failure::Slow {

@@ -146,6 +146,11 @@ impl HighFrequency {
             .sum()
     }
 
+    /// The longest delay: zeros follow one another in Im λ at 2π over it, or farther apart.
+    pub fn longest_delay(&self) -> f64 {
+        self.terms().map(|(_, delay)| delay).fold(0.0, f64::max)
+    }
+
     /// t(λ) in the limit.
     pub fn trace_at(&self, lambda: Complex<f64>) -> Complex<f64> {
         self.trace

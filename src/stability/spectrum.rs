@@ -175,6 +175,8 @@ struct Row {
 /// The search for the zeros of one wave.
 struct Search<'a> {
     characteristic: &'a Characteristic,
+    /// Spacing of the first grid.
+    spacing: f64,
     /// Sectors whose upper halves are needed: those asked for and their conjugates.
     halves: Vec<usize>,
     multipliers: Vec<C64>,
@@ -335,8 +337,9 @@ impl Search<'_> {
                     for (half, sample) in at.samples.iter().enumerate() {
                         let step = sample.f / sample.by;
                         let guess = lambda - step;
-                        let near = SAME_START * spacing;
-                        if step.norm() < 1.6 * spacing
+                        let near = SAME_START * spacing.max(0.25 * self.spacing);
+                        if starts[half].len() < MOST_STARTS
+                            && step.norm() < 1.6 * spacing
                             && !starts[half]
                                 .iter()
                                 .any(|known| (known - guess).norm() < near)
@@ -425,7 +428,7 @@ impl Search<'_> {
             .collect();
         let counts = counts?;
         let period = self.characteristic.period;
-        let mut spacing = if seeds.is_empty() { 0.6 / period } else { 0.0 };
+        let mut spacing = if seeds.is_empty() { self.spacing } else { 0.0 };
         let mut known: Vec<Vec<C64>> = seeds.to_vec();
         let mut best = None;
         for _ in 0..GRIDS {
@@ -461,7 +464,7 @@ impl Search<'_> {
                 .map(|zeros| zeros.iter().map(Eigenvalue::value).collect())
                 .collect();
             spacing = if spacing == 0.0 {
-                0.6 / period
+                self.spacing
             } else {
                 0.5 * spacing
             };
@@ -471,7 +474,10 @@ impl Search<'_> {
 }
 
 /// Grids tried before a window is declared incomplete.
-const GRIDS: usize = 4;
+const GRIDS: usize = 5;
+
+/// Most Newton starts from grids in one sector: a window with more zeros is declared incomplete.
+const MOST_STARTS: usize = 2000;
 
 /// Newton starts closer than this fraction of the grid are one.
 const SAME_START: f64 = 0.2;
@@ -490,15 +496,17 @@ pub fn spectrum(
             halves.push(conjugate);
         }
     }
+    let high = HighFrequency::new(characteristic);
     let search = Search {
         characteristic,
+        // about two grid points from zero to zero, also where c² → a makes one delay long
+        spacing: (0.6 / characteristic.period).min(3.0 / high.longest_delay()),
         multipliers: halves
             .iter()
             .map(|sector| characteristic.multiplier(*sector))
             .collect(),
         halves,
     };
-    let high = HighFrequency::new(characteristic);
     let limit = high.limit();
     let period = characteristic.period;
     let right = right_edge(characteristic, &high, request.max_frequency + MARGIN);

@@ -1,6 +1,5 @@
 //! Claims about the stability of waves, through the library alone: figures of an independent
-//! program, symmetries, counts by a second method, closed forms
-//! at high frequency.
+//! program, symmetries, counts by a second method, closed forms at high frequency, extremes.
 //!
 //! Every module is one claim. `cargo test --test stability -- --nocapture` shows the errors observed.
 
@@ -8,9 +7,11 @@ mod completeness;
 mod conjugates;
 mod crossings;
 mod eigenfunctions;
+mod extremes;
 mod high_frequency;
 mod reference;
 mod seeds;
+mod translation;
 mod verdict;
 mod waves;
 
