@@ -126,6 +126,17 @@ pub fn at_parameter(
     Some(located)
 }
 
+/// The node at arclength s along the step that sets out from `from`.
+pub fn node_at(wave: &Wave, from: &Node, s: f64, tolerance: f64) -> Option<Node> {
+    let predicted = &from.point + &from.tangent * s;
+    let mut plane = Plane {
+        normal: &from.tangent,
+        through: &predicted,
+    };
+    let solution = newton::solve(wave, &mut plane, &predicted, &settings(tolerance)).ok()?;
+    retangent(wave, &solution.point, &from.tangent, solution.iterations)
+}
+
 /// The fold inside a step at whose ends the parameter moves in opposite directions: zero of the
 /// last component of the tangent, by the Illinois variant of the secant rule in s. `beginning` is
 /// the arclength at which the search begins and the last component of the tangent there.
@@ -138,22 +149,13 @@ pub fn fold(
     tolerance: f64,
 ) -> Option<Located> {
     let last = wave.unknowns() - 1;
-    let at = |s: f64| -> Option<Node> {
-        let predicted = &from.point + &from.tangent * s;
-        let mut plane = Plane {
-            normal: &from.tangent,
-            through: &predicted,
-        };
-        let solution = newton::solve(wave, &mut plane, &predicted, &settings(tolerance)).ok()?;
-        retangent(wave, &solution.point, &from.tangent, solution.iterations)
-    };
     let (mut low, mut high) = (beginning.0, ds);
     let (mut at_low, mut at_high) = (beginning.1, to.tangent[last]);
     let mut side = 0;
     let mut node = None;
     for _ in 0..60 {
         let s = (low * at_high - high * at_low) / (at_high - at_low);
-        let next = at(s)?;
+        let next = node_at(wave, from, s, tolerance)?;
         let slope = next.tangent[last];
         node = Some((s, next));
         // |slope| is the error of s times the curvature: the parameter is then exact to rounding

@@ -185,11 +185,14 @@ pub fn solve<S: System>(
         if iteration > 1 && correction > settings.tolerance {
             let ratio = correction / before;
             // the equations hold to rounding: what is left moves the unknowns and nothing else
-            let rounded = ratio > SLOWEST
-                && relative_residual(&bordered.matrix, bordered.right_side.as_slice()) < ROUNDED;
-            if rounded {
+            let relative = if ratio > SLOWEST {
+                relative_residual(&bordered.matrix, bordered.right_side.as_slice())
+            } else {
+                f64::INFINITY
+            };
+            if relative < ROUNDED {
                 return Ok(Solution {
-                    residual: relative_residual(&bordered.matrix, bordered.right_side.as_slice()),
+                    residual: relative,
                     point,
                     iterations: iteration,
                     contraction,

@@ -16,7 +16,7 @@ use crate::linalg::Vector;
 use crate::model::coefficients::{Coefficients, Geometry};
 use crate::model::signature::Signature;
 use crate::model::{Model, Source};
-use crate::newton::{self, System};
+use crate::newton;
 use crate::problem::{self, Continuation, Parameter, Problem, Sectors, Start, Toward};
 use crate::stability::spectrum::{Request, Spectrum};
 use crate::stability::track::{Crossing, Tracked, Tracker};
@@ -685,10 +685,5 @@ impl Branch {
         let (low, high) = self.continuation.range;
         let here = self.follower.here();
         (here.parameter - low) / (high - low)
-    }
-
-    /// Number of unknowns of the present boundary-value problem.
-    pub fn unknowns(&self) -> usize {
-        self.follower.here().wave.unknowns()
     }
 }

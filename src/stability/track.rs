@@ -14,7 +14,7 @@ use crate::branch::EventType;
 use crate::continuation::Node;
 use crate::events;
 use crate::follow::Found;
-use crate::newton::{self, Plane};
+use crate::newton;
 use crate::wave::Wave;
 
 type C64 = Complex<f64>;
@@ -272,7 +272,7 @@ impl Tracker {
         }
         let middle = 0.5 * (one.s + other.s);
         let half = (depth < DEEPEST)
-            .then(|| self.node_at(wave, from, middle))
+            .then(|| node_at(wave, from, middle))
             .flatten()
             .and_then(|node| {
                 let spectrum = self.spectrum_near(wave, &node, Some(&one.spectrum))?;
@@ -358,21 +358,6 @@ impl Tracker {
         Some(changes)
     }
 
-    /// The node at arclength s from the beginning of a step.
-    fn node_at(&self, wave: &Wave, from: &Node, s: f64) -> Option<Node> {
-        let predicted = &from.point + &from.tangent * s;
-        let mut plane = Plane {
-            normal: &from.tangent,
-            through: &predicted,
-        };
-        let settings = newton::Settings {
-            polish: 1,
-            ..newton::Settings::default()
-        };
-        let solution = newton::solve(wave, &mut plane, &predicted, &settings).ok()?;
-        events::retangent(wave, &solution.point, &from.tangent, solution.iterations)
-    }
-
     /// The zero of Re λ(s) between two ends, by the Illinois variant of the secant rule.
     fn locate(
         &self,
@@ -396,7 +381,7 @@ impl Tracker {
                 0.0
             };
             let guess = at_low + (at_high - at_low) * share;
-            let node = self.node_at(wave, from, s)?;
+            let node = node_at(wave, from, s)?;
             let characteristic = Characteristic::new(wave, &node.point).ok()?;
             let z = characteristic.multiplier(change.sector);
             let value = follow(&characteristic, z, guess)?;
@@ -450,6 +435,11 @@ impl Tracker {
             spectrum,
         })
     }
+}
+
+/// The node at arclength s, with Newton's default tolerance.
+fn node_at(wave: &Wave, from: &Node, s: f64) -> Option<Node> {
+    events::node_at(wave, from, s, newton::Settings::default().tolerance)
 }
 
 /// Newton's method on F_j from a value known nearby.
