@@ -41,12 +41,13 @@ pub enum NoStart {
     },
 }
 
-/// The units of a branch that begins with a wave of this speed and this largest |V̇|.
-pub fn scales(model: &Model, mode: u32, speed: f64, largest_rate: f64, width: f64) -> Scales {
+/// The units of a branch that begins with a wave of this excess speed and this largest |V̇|.
+pub fn scales(model: &Model, mode: u32, excess: f64, largest_rate: f64, width: f64) -> Scales {
+    let speed = model.speed(excess);
     Scales {
         rate: RATE_UNITS * largest_rate.abs().max(1.0),
         time: std::f64::consts::TAU / (f64::from(mode) * speed.abs()),
-        speed,
+        excess,
         parameter: width,
         pressure: (model.parameters().coefficients.coupling / speed).abs(),
     }
@@ -72,14 +73,14 @@ pub fn first_wave(
             parameter,
             mode,
             Signature::slip_stick(),
-            scales(model, mode, closed.speed, closed.least_rate, width),
+            scales(model, mode, closed.excess, closed.least_rate, width),
         );
         let guess = wave.pack(
             &[
                 [closed.release, 1.0, closed.slip],
                 [closed.release - closed.stick, 1.0, closed.stick],
             ],
-            closed.speed,
+            closed.excess,
             value(model, parameter),
         );
         polish(&wave, &guess).map(|point| (wave, point))
@@ -118,16 +119,16 @@ pub fn first_wave(
                 if (reached / model.mismatch - 1.0).abs() > 1e-9 {
                     return Err(unreached(format!("it turns back to δ = {reached}")));
                 }
-                let speed = end.wave.speed_at(&end.node.point);
+                let excess = end.wave.excess_at(&end.node.point);
                 let wave = Wave::new(
                     *model,
                     parameter,
                     mode,
                     end.wave.signature.clone(),
-                    scales(model, mode, speed, closed.least_rate, width),
+                    scales(model, mode, excess, closed.least_rate, width),
                 );
                 let zones = end.wave.unpack(&end.node.point);
-                let guess = wave.pack(&zones, speed, value(model, parameter));
+                let guess = wave.pack(&zones, excess, value(model, parameter));
                 let point = polish(&wave, &guess)?;
                 return Ok((wave, point));
             }

@@ -46,8 +46,8 @@ pub struct SavedWave {
     pub signature: Signature,
     /// (Y, W, T) of each zone: Y = V − fgδ/h and W = V̇ at its entry, duration T.
     pub zones: Vec<[f64; 3]>,
-    /// Speed c.
-    pub speed: f64,
+    /// Excess speed e = |c|/√a − 1.
+    pub excess: f64,
 }
 
 /// How a run ended.
@@ -78,7 +78,7 @@ pub struct Progress {
     pub passed: Vec<bool>,
     /// First wave of the run.
     pub first: (Signature, Vec<f64>),
-    /// Units of the unknowns: [time, rate, speed, parameter, pressure].
+    /// Units of the unknowns: [time, rate, excess, parameter, pressure].
     pub scales: [f64; 5],
     /// State of the branch; `None` before the first step of a leg.
     pub state: Option<State>,
@@ -201,17 +201,17 @@ fn pack_scales(scales: &Scales) -> [f64; 5] {
     [
         scales.time,
         scales.rate,
-        scales.speed,
+        scales.excess,
         scales.parameter,
         scales.pressure,
     ]
 }
 
-fn unpack_scales([time, rate, speed, parameter, pressure]: [f64; 5]) -> Scales {
+fn unpack_scales([time, rate, excess, parameter, pressure]: [f64; 5]) -> Scales {
     Scales {
         time,
         rate,
-        speed,
+        excess,
         parameter,
         pressure,
     }
@@ -278,9 +278,9 @@ impl Branch {
                     parameter,
                     mode,
                     saved.signature.clone(),
-                    begin::scales(&model, mode, saved.speed, largest, width),
+                    begin::scales(&model, mode, saved.excess, largest, width),
                 );
-                let guess = wave.pack(&saved.zones, saved.speed, value);
+                let guess = wave.pack(&saved.zones, saved.excess, value);
                 // a saved wave solves its equations already; at a fold polishing it at a fixed
                 // parameter would fail
                 let solved = newton::jacobian(&wave, &guess)
@@ -626,7 +626,7 @@ impl Branch {
             model,
             signature: wave.signature.clone(),
             zones: wave.unpack(&found.node.point),
-            speed,
+            excess: wave.excess_at(&found.node.point),
         });
         let eigenvalues = match (label, spectrum, &self.stability) {
             (Some(_), Some(spectrum), Some(request)) => spectrum

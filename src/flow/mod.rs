@@ -23,13 +23,11 @@ use crate::model::Parameters;
 /// Why a flow cannot be evaluated. Inside a continuation step either rejects the step.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum FlowError {
-    /// c² ≤ a: the equations along the material point lose their type.
-    #[error("the wave is not supersonic: c² = {speed_squared:e} is not above a = {a:e}")]
+    /// |c| ≤ √a: the equations along the material point lose their type.
+    #[error("the wave is not supersonic: its excess speed |c|/√a − 1 = {excess:e} is not positive")]
     Subsonic {
-        /// c².
-        speed_squared: f64,
-        /// a.
-        a: f64,
+        /// e = |c|/√a − 1.
+        excess: f64,
     },
     /// A zone grew beyond the range of double precision.
     #[error("a zone of duration {duration:e} leaves the range of double precision")]
@@ -40,7 +38,7 @@ pub enum FlowError {
 }
 
 /// A number with its derivatives in the five quantities a zone depends on, in the order of
-/// [`ENTRY_Y`], [`ENTRY_W`], [`DURATION`], [`SPEED`], [`PARAMETER`].
+/// [`ENTRY_Y`], [`ENTRY_W`], [`DURATION`], [`EXCESS`], [`PARAMETER`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jet {
     /// The number.
@@ -55,8 +53,8 @@ pub const ENTRY_Y: usize = 0;
 pub const ENTRY_W: usize = 1;
 /// Index of the duration.
 pub const DURATION: usize = 2;
-/// Index of the speed c.
-pub const SPEED: usize = 3;
+/// Index of ln e, the logarithm of the excess speed.
+pub const EXCESS: usize = 3;
 /// Index of the continuation parameter.
 pub const PARAMETER: usize = 4;
 
@@ -91,7 +89,7 @@ impl Jet {
         }
     }
 
-    /// A quantity of the frame: it depends on c and the parameter alone.
+    /// A quantity of the frame: it depends on e and the parameter alone.
     pub fn of_frame(value: f64, by: [f64; 2]) -> Jet {
         Jet {
             value,
@@ -121,42 +119,47 @@ pub struct Quantities {
     pub damping: f64,
 }
 
-/// [`Quantities`] with their derivatives in c and in the continuation parameter.
+/// [`Quantities`] with their derivatives in ln e and in the continuation parameter.
+///
+/// The frame is given by its excess speed e = |c|/√a − 1 > 0. Slow waves have c² → a, where c itself
+/// no longer resolves m_a; in e nothing cancels:
+///
+/// ```text
+/// m_a = e(2 + e)/(1 + e)²,   m_b = 1 − (b/a)/(1 + e)²,   κ = |D|/(√a(1 + e)),   c = ±√a(1 + e),
+/// ```
+///
+/// the sign of c being that of D.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// The numbers.
     pub at: Quantities,
-    /// Their derivatives in c (index 0) and in the parameter (index 1).
+    /// Their derivatives in ln e (index 0) and in the parameter (index 1).
     pub by: [Quantities; 2],
 }
 
 impl Frame {
-    /// The frame of a wave of speed c; `derivative` is that of the parameters in the continuation
-    /// parameter. Fails unless c² > a.
+    /// The frame of a wave of excess speed e; `derivative` is that of the parameters in the
+    /// continuation parameter. Fails unless e > 0.
     pub fn new(
         parameters: &Parameters,
         derivative: &Parameters,
-        speed: f64,
+        excess: f64,
     ) -> Result<Frame, FlowError> {
         let value = &parameters.coefficients;
         let moved = &derivative.coefficients;
-        let square = speed * speed;
         // written so that NaN is refused too
-        if !(square > value.a && square.is_finite()) {
-            return Err(FlowError::Subsonic {
-                speed_squared: square,
-                a: value.a,
-            });
+        if !(excess > 0.0 && excess.is_finite()) {
+            return Err(FlowError::Subsonic { excess });
         }
-        let inverse = 1.0 / square;
-        // (c² − a)/c² keeps the digits that 1 − a/c² loses as c² → a
-        let root = value.a.sqrt();
-        let ma = (speed.abs() - root) * (speed.abs() + root) * inverse;
+        let inverse = 1.0 / (1.0 + excess);
+        let square = inverse * inverse;
+        let ratio = value.b / value.a;
+        let kappa = value.coupling.abs() / value.a.sqrt() * inverse;
         Ok(Frame {
             at: Quantities {
-                ma,
-                mb: 1.0 - value.b * inverse,
-                kappa: value.coupling / speed,
+                ma: excess * (2.0 + excess) * square,
+                mb: 1.0 - ratio * square,
+                kappa,
                 g: value.g,
                 h: value.h,
                 friction: parameters.friction,
@@ -165,15 +168,15 @@ impl Frame {
             },
             by: [
                 Quantities {
-                    ma: 2.0 * value.a * inverse / speed,
-                    mb: 2.0 * value.b * inverse / speed,
-                    kappa: -value.coupling * inverse,
+                    ma: 2.0 * excess * square * inverse,
+                    mb: 2.0 * ratio * excess * square * inverse,
+                    kappa: -kappa * excess * inverse,
                     ..Quantities::default()
                 },
                 Quantities {
-                    ma: -moved.a * inverse,
-                    mb: -moved.b * inverse,
-                    kappa: moved.coupling / speed,
+                    ma: 0.0,
+                    mb: -(moved.b - ratio * moved.a) / value.a * square,
+                    kappa: kappa * (moved.coupling / value.coupling - 0.5 * moved.a / value.a),
                     g: moved.g,
                     h: moved.h,
                     friction: derivative.friction,

@@ -124,6 +124,12 @@ impl Model {
         derivative
     }
 
+    /// Speed c = ±√a(1 + e) of a wave of excess speed e; it has the sign of D.
+    pub fn speed(&self, excess: f64) -> f64 {
+        let coefficients = self.parameters().coefficients;
+        (coefficients.a.sqrt() * (1.0 + excess)).copysign(coefficients.coupling)
+    }
+
     /// The parameters by column name, for tables.
     pub fn values(&self) -> ParameterValues {
         ParameterValues {

@@ -40,8 +40,10 @@ const SAME_DELAY: f64 = 1e-13;
 impl HighFrequency {
     /// The limit for a linearised wave.
     pub fn new(characteristic: &Characteristic) -> HighFrequency {
-        let q = characteristic.a.sqrt();
-        let x = [q / (1.0 + q), -q / (1.0 - q)];
+        // q = 1/(1 + e); 1 − q would cancel as c² → a
+        let excess = characteristic.excess;
+        let q = 1.0 / (1.0 + excess);
+        let x = [1.0 / (2.0 + excess), -1.0 / excess];
         let span = x[0] - x[1];
         // (1, slope) in the basis (1, x₁), (1, x₂)
         let split = |slope: f64| [(slope - x[1]) / span, (x[0] - slope) / span];

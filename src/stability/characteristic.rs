@@ -161,6 +161,8 @@ pub struct Characteristic {
     pub period: f64,
     /// Mode k.
     pub mode: u32,
+    /// e = |c|/√a − 1.
+    pub(super) excess: f64,
     pub(super) ma: f64,
     pub(super) mb: f64,
     pub(super) a: f64,
@@ -239,9 +241,10 @@ impl Characteristic {
         let contact =
             (0..count).find(|&index| wave.signature.zone(index).regime.sliding().is_some());
         zones.rotate_left(release.or(contact).unwrap_or(0));
-        let model = wave.model_at(point);
-        let coefficients = model.parameters().coefficients;
-        let square = wave.speed_at(point).powi(2);
+        let coefficients = wave.model_at(point).parameters().coefficients;
+        let excess = wave.excess_at(point);
+        // a/c² = 1/(1 + e)²
+        let a = (1.0 + excess).powi(-2);
         Ok(Characteristic {
             period: zones.iter().map(|zone| zone.duration).sum(),
             stick: release.is_some(),
@@ -249,8 +252,9 @@ impl Characteristic {
             mode: wave.mode,
             ma: at.ma,
             mb: at.mb,
-            a: coefficients.a / square,
-            b: coefficients.b / square,
+            excess,
+            a,
+            b: coefficients.b / coefficients.a * a,
             kappa: at.kappa,
             g: at.g,
             h: at.h,
@@ -436,10 +440,15 @@ impl Characteristic {
         let q = (lambda * drive - lambda * lambda * self.a + self.h) / self.ma;
         let p_by = -self.a / self.ma;
         let q_by = (-lambda * (2.0 * self.a) + drive) / self.ma;
-        let delta = p * p - q;
-        let delta_by = p * (2.0 * p_by) - q_by;
+        // p² − q by ã + m_a = 1, which takes out what cancels as c² → a
+        let force = drive - self.damping;
+        let linear = drive - self.a * self.damping;
+        let delta = (lambda * (lambda * self.a - linear)
+            + (0.25 * force * force - self.ma * self.h))
+            / (self.ma * self.ma);
+        let delta_by = (lambda * (2.0 * self.a) - linear) / (self.ma * self.ma);
         let root = delta.sqrt();
-        let (c, sh, slope, exponent);
+        let (matrix, sh, slope, exponent);
         if root.norm() * s.abs() <= SERIES_LIMIT {
             let x = delta * (s * s);
             let (mut even, mut odd, mut third) = (ZERO, ZERO, ZERO);
@@ -451,18 +460,24 @@ impl Characteristic {
             }
             exponent = p.re * s;
             let turn = C64::from_polar(1.0, p.im * s);
-            c = turn * even;
+            let c = turn * even;
             sh = turn * odd * s;
             slope = turn * third * (s * s * s / 6.0);
+            matrix = [[c - p * sh, sh], [-q * sh, c + p * sh]];
         } else {
-            let (e1, e2) = ((p + root) * s, (p - root) * s);
+            // r2 is the root of larger modulus: r1 = q/r2 does not cancel, nor do e^{r1 s} − r1 S and
+            // e^{r2 s} + r1 S, as c² → a
+            let aligned = p.re * root.re + p.im * root.im >= 0.0;
+            let r2 = if aligned { p + root } else { p - root };
+            let r1 = q / r2;
+            let (e1, e2) = (r1 * s, r2 * s);
             exponent = e1.re.max(e2.re);
             let (x1, x2) = ((e1 - exponent).exp(), (e2 - exponent).exp());
-            c = (x1 + x2) * 0.5;
-            sh = (x1 - x2) / (root * 2.0);
+            let c = (x1 + x2) * 0.5;
+            sh = (x1 - x2) / (r1 - r2);
             slope = (c * s - sh) / (delta * 2.0);
+            matrix = [[x1 - r1 * sh, sh], [-q * sh, x2 + r1 * sh]];
         }
-        let matrix = [[c - p * sh, sh], [-q * sh, c + p * sh]];
         let c_by = sh * delta_by * (0.5 * s);
         let s_by = slope * delta_by;
         let grow = s * p_by;

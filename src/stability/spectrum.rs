@@ -7,6 +7,8 @@
 //! found by Newton's method from a grid or from the zeros of a neighbouring wave, until as many are
 //! found as were counted.
 
+use std::f64::consts::TAU;
+
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
@@ -95,8 +97,8 @@ const SHORTEST_STEP: f64 = 1e-7;
 /// Most samples of one walk.
 const MOST_SAMPLES: usize = 200_000;
 
-/// Two zeros closer than this, in units of 1/T, are one.
-const SAME_ZERO: f64 = 1e-7;
+/// Two zeros closer than this fraction of the grid are one.
+const SAME_ZERO: f64 = 1.5e-7;
 
 impl Spectrum {
     /// Unstable eigenvalues of one sector with |Im λ| up to the largest frequency that counts.
@@ -150,13 +152,43 @@ impl Spectrum {
     }
 }
 
-/// A box symmetric about the real axis.
+/// A box symmetric about the real axis, |Im λ| < top, or with bottom > 0 a band of its upper half.
 #[derive(Clone, Copy, Debug)]
 struct Window {
     left: f64,
     right: f64,
+    bottom: f64,
     top: f64,
 }
+
+impl Window {
+    fn symmetric(left: f64, right: f64, top: f64) -> Window {
+        Window {
+            left,
+            right,
+            bottom: 0.0,
+            top,
+        }
+    }
+
+    /// Whether an upper half zero lies inside; zeros on the real axis may come out just below it.
+    fn contains(&self, zero: &Eigenvalue) -> bool {
+        let low = if self.bottom > 0.0 {
+            self.bottom
+        } else {
+            -self.top
+        };
+        zero.re > self.left && zero.re < self.right && zero.im > low && zero.im < self.top
+    }
+}
+
+/// Bands are this many spacings of the longest delay's zeros high: a window with thousands of
+/// zeros is counted and searched band by band, so that effort grows with their number.
+const BAND: f64 = 16.0;
+
+/// Most zeros expected in a window, over all sectors. Where c² → a one delay grows without bound
+/// and zeros lie that dense; beyond this number the window is cut and the answer left open.
+const MOST_ZEROS: f64 = 20_000.0;
 
 /// F_j at a sample, with the exponent that was taken out of it.
 #[derive(Clone, Copy)]
@@ -175,7 +207,9 @@ struct Row {
 /// The search for the zeros of one wave.
 struct Search<'a> {
     characteristic: &'a Characteristic,
-    /// Spacing of the first grid.
+    /// Longest delay: zeros follow one another in Im λ at 2π over it, or farther apart.
+    delay: f64,
+    /// Spacing of the first grid: about two points from zero to zero.
     spacing: f64,
     /// Sectors whose upper halves are needed: those asked for and their conjugates.
     halves: Vec<usize>,
@@ -221,17 +255,21 @@ impl Search<'_> {
         })
     }
 
-    /// Turns of every F along the upper half of the edge, in radians; `None` if a zero is too near.
+    /// Turns of every F along the upper half of the edge of a symmetric box, or round a band, in
+    /// radians; `None` if a zero is too near.
     fn walk(&self, window: &Window) -> Option<Vec<f64>> {
-        let corners = [
-            C64::new(window.right, 0.0),
+        let mut corners = vec![
+            C64::new(window.right, window.bottom),
             C64::new(window.right, window.top),
             C64::new(window.left, window.top),
-            C64::new(window.left, 0.0),
+            C64::new(window.left, window.bottom),
         ];
+        if window.bottom > 0.0 {
+            corners.push(corners[0]);
+        }
         let mut turns = vec![0.0; self.halves.len()];
-        let shortest = SHORTEST_STEP * (window.top + window.right - window.left);
-        let first = 0.7 / self.characteristic.period;
+        let shortest = SHORTEST_STEP * (window.top - window.bottom + window.right - window.left);
+        let first = self.spacing;
         let mut last = self.row(corners[0]);
         let mut used = 0;
         for pair in corners.windows(2) {
@@ -282,15 +320,13 @@ impl Search<'_> {
 
     /// Number of zeros of F_j in the whole box; `None` if the turns are not whole.
     fn count(&self, turns: &[f64], sector: usize) -> Option<usize> {
-        let sum = turns[self.index(sector)] + turns[self.index(self.conjugate(sector))];
-        let whole = sum / std::f64::consts::TAU;
-        ((whole - whole.round()).abs() < 1e-6 && whole > -0.5).then(|| whole.round() as usize)
+        whole(turns[self.index(sector)] + turns[self.index(self.conjugate(sector))])
     }
 
     /// Newton's method on F_j.
     fn polish(&self, half: usize, seed: C64) -> Option<Eigenvalue> {
         let z = self.multipliers[half];
-        let longest = 0.5 / self.characteristic.period;
+        let longest = self.spacing;
         let mut lambda = seed;
         for _ in 0..20 {
             let (f, by) = self.characteristic.evaluate(lambda).sector(z);
@@ -306,7 +342,7 @@ impl Search<'_> {
             if size <= 1e-13 * (1.0 + lambda.norm()) || size < 1e-9 {
                 // quadratic: the next correction is below rounding
                 let (f, by) = self.characteristic.evaluate(lambda).sector(z);
-                let rounding = f64::EPSILON * (4.0 + lambda.norm() * self.characteristic.period);
+                let rounding = f64::EPSILON * (4.0 + lambda.norm() * self.delay);
                 let error = (f.norm() + rounding) / by.norm();
                 lambda -= f / by;
                 return Some(Eigenvalue {
@@ -326,12 +362,12 @@ impl Search<'_> {
         starts.resize(self.halves.len(), Vec::new());
         if spacing > 0.0 {
             let columns = ((window.right - window.left) / spacing).ceil() as usize;
-            let rows = (window.top / spacing).ceil() as usize;
+            let rows = ((window.top - window.bottom) / spacing).ceil() as usize;
             for row in 0..=rows {
                 for column in 0..=columns {
                     let lambda = C64::new(
                         window.left + column as f64 * spacing,
-                        (row as f64 * spacing).min(window.top),
+                        (window.bottom + row as f64 * spacing).min(window.top),
                     );
                     let at = self.row(lambda);
                     for (half, sample) in at.samples.iter().enumerate() {
@@ -350,7 +386,7 @@ impl Search<'_> {
                 }
             }
         }
-        let same = SAME_ZERO / self.characteristic.period;
+        let same = SAME_ZERO * self.spacing;
         starts
             .iter()
             .enumerate()
@@ -360,10 +396,7 @@ impl Search<'_> {
                     let Some(zero) = self.polish(half, *guess) else {
                         continue;
                     };
-                    let inside = zero.re > window.left
-                        && zero.re < window.right
-                        && zero.im.abs() < window.top;
-                    if inside
+                    if window.contains(&zero)
                         && !zeros
                             .iter()
                             .any(|known| (known.value() - zero.value()).norm() < same)
@@ -378,7 +411,7 @@ impl Search<'_> {
 
     /// The zeros of F_j in the whole box, from the halves.
     fn unite(&self, found: &[Vec<Eigenvalue>], sector: usize) -> Vec<Eigenvalue> {
-        let same = SAME_ZERO / self.characteristic.period;
+        let same = SAME_ZERO * self.spacing;
         let mut zeros: Vec<Eigenvalue> = found[self.index(sector)].clone();
         for zero in &found[self.index(self.conjugate(sector))] {
             let mirrored = Eigenvalue {
@@ -400,7 +433,7 @@ impl Search<'_> {
         const SAMPLES: usize = 48;
         let z = self.multipliers[half];
         let at = |index: usize| {
-            let angle = std::f64::consts::TAU * index as f64 / SAMPLES as f64;
+            let angle = TAU * index as f64 / SAMPLES as f64;
             let lambda = centre + C64::from_polar(radius, angle);
             self.characteristic.evaluate(lambda).sector(z).0
         };
@@ -411,11 +444,94 @@ impl Search<'_> {
             turn += (next / last).arg();
             last = next;
         }
-        (turn / std::f64::consts::TAU).round().max(0.0) as usize
+        (turn / TAU).round().max(0.0) as usize
     }
 
-    /// All zeros of the box, sector by sector; false where fewer were found than counted.
+    /// All zeros of a symmetric box, sector by sector; false where fewer were found than counted.
+    /// `None` if a zero is too near its edge.
     fn zeros(
+        &self,
+        window: &Window,
+        sectors: &[usize],
+        seeds: &[Vec<C64>],
+    ) -> Option<(Vec<Vec<Eigenvalue>>, bool)> {
+        let height = BAND * TAU / self.delay;
+        if window.top <= 1.5 * height {
+            return self.lowest(window, sectors, seeds);
+        }
+        let within = |band: &Window| -> Vec<Vec<C64>> {
+            seeds
+                .iter()
+                .map(|starts| {
+                    let near = |start: &&C64| {
+                        start.im > band.bottom - self.spacing && start.im < band.top + self.spacing
+                    };
+                    starts.iter().filter(near).copied().collect()
+                })
+                .collect()
+        };
+        let mut band = Window {
+            top: height,
+            ..*window
+        };
+        let (mut united, mut complete) =
+            self.moved(&mut band, |band| self.lowest(band, sectors, &within(band)))?;
+        while band.top < window.top {
+            let bottom = band.top;
+            let rest = window.top - bottom;
+            band = Window {
+                bottom,
+                top: if rest > 1.5 * height {
+                    bottom + height
+                } else {
+                    window.top
+                },
+                ..*window
+            };
+            let last = band.top == window.top;
+            let (found, whole) = self.moved(&mut band, |band| self.upper(band, &within(band)))?;
+            complete &= whole;
+            for (zeros, &sector) in united.iter_mut().zip(sectors) {
+                zeros.extend(&found[self.index(sector)]);
+                let mirrored = &found[self.index(self.conjugate(sector))];
+                zeros.extend(mirrored.iter().map(|zero| Eigenvalue {
+                    im: -zero.im,
+                    ..*zero
+                }));
+            }
+            if last {
+                break;
+            }
+        }
+        Some((united, complete))
+    }
+
+    /// A search of a band; where a zero sits on its upper edge, the edge is moved.
+    fn moved<T>(&self, band: &mut Window, search: impl Fn(&Window) -> Option<T>) -> Option<T> {
+        const MOVES: usize = 6;
+        for _ in 0..MOVES {
+            if let Some(found) = search(band) {
+                return Some(found);
+            }
+            band.top += 0.137 * self.spacing;
+        }
+        None
+    }
+
+    /// All zeros of a band of the upper half, half by half.
+    fn upper(&self, band: &Window, seeds: &[Vec<C64>]) -> Option<(Vec<Vec<Eigenvalue>>, bool)> {
+        let turns = self.walk(band)?;
+        let counts: Option<Vec<usize>> = turns.iter().map(|turn| whole(*turn)).collect();
+        let halves: Vec<usize> = (0..self.halves.len()).collect();
+        Some(
+            self.complete(band, &counts?, &halves, seeds, |found, half| {
+                found[half].clone()
+            }),
+        )
+    }
+
+    /// All zeros of a symmetric box of moderate height, sector by sector.
+    fn lowest(
         &self,
         window: &Window,
         sectors: &[usize],
@@ -426,39 +542,50 @@ impl Search<'_> {
             .iter()
             .map(|sector| self.count(&turns, *sector))
             .collect();
-        let counts = counts?;
-        let period = self.characteristic.period;
+        let halves: Vec<usize> = sectors.iter().map(|sector| self.index(*sector)).collect();
+        Some(
+            self.complete(window, &counts?, &halves, seeds, |found, half| {
+                self.unite(found, self.halves[half])
+            }),
+        )
+    }
+
+    /// Finds zeros on finer and finer grids until each set has as many as were counted; false
+    /// where it never has. `set` makes the set of one half from the zeros of all.
+    fn complete(
+        &self,
+        window: &Window,
+        counts: &[usize],
+        halves: &[usize],
+        seeds: &[Vec<C64>],
+        set: impl Fn(&[Vec<Eigenvalue>], usize) -> Vec<Eigenvalue>,
+    ) -> (Vec<Vec<Eigenvalue>>, bool) {
         let mut spacing = if seeds.is_empty() { self.spacing } else { 0.0 };
         let mut known: Vec<Vec<C64>> = seeds.to_vec();
-        let mut best = None;
+        let mut best = Vec::new();
         for _ in 0..GRIDS {
             let found = self.find(window, spacing, &known);
-            let mut united: Vec<Vec<Eigenvalue>> = sectors
-                .iter()
-                .map(|sector| self.unite(&found, *sector))
-                .collect();
-            let missing = |united: &[Vec<Eigenvalue>]| {
-                united.iter().zip(&counts).any(|(zeros, count)| {
+            best = halves.iter().map(|half| set(&found, *half)).collect();
+            let missing = |sets: &[Vec<Eigenvalue>]| {
+                sets.iter().zip(counts).any(|(zeros, count)| {
                     zeros.iter().map(|zero| zero.multiplicity).sum::<usize>() != *count
                 })
             };
-            if !missing(&united) {
-                return Some((united, true));
+            if !missing(&best) {
+                return (best, true);
             }
             // a multiple zero is found once
-            for (index, sector) in sectors.iter().enumerate() {
-                if united[index].len() < counts[index] {
-                    let half = self.index(*sector);
-                    for zero in &mut united[index] {
-                        let found = self.multiplicity(half, zero.value(), 1e-3 / period);
-                        zero.multiplicity = found.max(1);
+            for (index, half) in halves.iter().enumerate() {
+                if best[index].len() < counts[index] {
+                    for zero in &mut best[index] {
+                        let radius = MULTIPLE * self.spacing;
+                        zero.multiplicity = self.multiplicity(*half, zero.value(), radius).max(1);
                     }
                 }
             }
-            if !missing(&united) {
-                return Some((united, true));
+            if !missing(&best) {
+                return (best, true);
             }
-            best = Some(united);
             known = found
                 .iter()
                 .map(|zeros| zeros.iter().map(Eigenvalue::value).collect())
@@ -469,9 +596,19 @@ impl Search<'_> {
                 0.5 * spacing
             };
         }
-        best.map(|united| (united, false))
+        (best, false)
     }
 }
+
+/// Turns as a number of zeros; `None` if they are not whole.
+fn whole(turn: f64) -> Option<usize> {
+    let zeros = turn / TAU;
+    ((zeros - zeros.round()).abs() < 1e-6 && zeros > -0.5).then(|| zeros.round() as usize)
+}
+
+/// Zeros within this fraction of the grid of one another count as one multiple zero where a zero
+/// is missing.
+const MULTIPLE: f64 = 2e-3;
 
 /// Grids tried before a window is declared incomplete.
 const GRIDS: usize = 5;
@@ -497,10 +634,13 @@ pub fn spectrum(
         }
     }
     let high = HighFrequency::new(characteristic);
+    // about two grid points from zero to zero, also where c² → a makes one delay long
+    let delay = high.longest_delay().max(characteristic.period);
+    let spacing = (0.6 / characteristic.period).min(3.0 / delay);
     let search = Search {
         characteristic,
-        // about two grid points from zero to zero, also where c² → a makes one delay long
-        spacing: (0.6 / characteristic.period).min(3.0 / high.longest_delay()),
+        delay,
+        spacing,
         multipliers: halves
             .iter()
             .map(|sector| characteristic.multiplier(*sector))
@@ -508,13 +648,15 @@ pub fn spectrum(
         halves,
     };
     let limit = high.limit();
-    let period = characteristic.period;
-    let right = right_edge(characteristic, &high, request.max_frequency + MARGIN);
-    let mut window = Window {
-        left: seeds.map_or(-0.6 / period, |seeds| seeds.left),
+    let wanted = request.max_frequency + MARGIN;
+    let expected = wanted * delay / std::f64::consts::PI * request.sectors.len() as f64;
+    let cut = (MOST_ZEROS / expected).min(1.0);
+    let right = right_edge(&search, &high, cut * wanted);
+    let mut window = Window::symmetric(
+        seeds.map_or(-search.spacing, |seeds| seeds.left),
         right,
-        top: request.max_frequency + MARGIN,
-    };
+        cut * wanted,
+    );
     let guesses = seeds.map_or_else(Vec::new, |seeds| starts(&search, seeds));
     let mut result = None;
     let mut lefts = 0;
@@ -536,13 +678,13 @@ pub fn spectrum(
             listed < request.eigenvalues + 1
         });
         result = Some((found, complete, window));
-        if !few || lefts == DEEPENINGS {
+        if !few || lefts == DEEPENINGS || cut < 1.0 {
             break;
         }
         lefts += 1;
         window.left *= 1.5;
     }
-    let Some((found, complete, window)) = result else {
+    let Some((found, mut complete, window)) = result else {
         return Spectrum {
             sectors: Vec::new(),
             left: window.left,
@@ -555,6 +697,7 @@ pub fn spectrum(
             max_frequency: request.max_frequency,
         };
     };
+    complete &= cut == 1.0;
     let mut translation_defect = None;
     let sectors: Vec<Sector> = request
         .sectors
@@ -659,11 +802,15 @@ fn remove_translation(
 }
 
 /// A right edge beyond which |t| + |d| < 1: no zero lies there.
-fn right_edge(characteristic: &Characteristic, high: &HighFrequency, top: f64) -> f64 {
-    let period = characteristic.period;
-    let samples = (4.0 * top * period).ceil().max(8.0) as usize;
-    let mut right = 0.4 / period;
-    for _ in 0..40 {
+fn right_edge(search: &Search, high: &HighFrequency, top: f64) -> f64 {
+    let characteristic = search.characteristic;
+    // six samples for a turn of the longest delay
+    let samples = (top * search.delay).ceil().max(8.0) as usize;
+    let mut right = 0.4 / characteristic.period;
+    while right > 0.5 * search.spacing && high.size(right / 1.5) < EDGE {
+        right /= 1.5;
+    }
+    for _ in 0..60 {
         let clear = high.size(right) < EDGE
             && (0..=samples).all(|index| {
                 let im = top * index as f64 / samples as f64;
@@ -711,14 +858,10 @@ fn verdict(
     }
     // between the window and the frequencies where the limit holds
     let mut top = request.max_frequency.max(12.0);
-    while top < HIGHEST_FREQUENCY {
+    while top < HIGHEST_FREQUENCY && 2.0 * top * search.delay < MOST_TURNS {
         top *= 2.0;
-        let window = Window {
-            left: -0.05 / search.characteristic.period,
-            right: spectrum.right,
-            top,
-        };
-        let Some((found, complete)) = search.zeros(&window, &request.sectors, &[]) else {
+        let strip = Window::symmetric(-0.1 * search.spacing, spectrum.right, top);
+        let Some((found, complete)) = search.zeros(&strip, &request.sectors, &[]) else {
             continue;
         };
         if found.iter().flatten().any(growing) {
@@ -730,6 +873,9 @@ fn verdict(
     }
     Stability::Undecided
 }
+
+/// Most radians that the longest delay may turn in the strip of a verdict.
+const MOST_TURNS: f64 = 1e5;
 
 /// Whether the limit is reached at a frequency: its error, which falls like 1/ω, cannot bring
 /// |t| + |d| to 1 beyond it.

@@ -1,7 +1,7 @@
 //! A travelling wave as a boundary-value problem for one signature.
 //!
 //! Unknowns are, for each zone i, the state (Y_i, W_i) just after its entry and its duration T_i,
-//! then the speed c and the continuation parameter: 3n + 2 numbers. Equations are, for each zone,
+//! then the excess speed e = |c|/√a − 1, as ln e, and the continuation parameter: 3n + 2 numbers. Equations are, for each zone,
 //! the matching of Y and of W with the next entry and the switching condition at its end, then
 //! the period Σ T_i·|c| = 2π/k: 3n + 1. Matching zone by zone, instead of following the flow once
 //! round, keeps the growth of one zone out of the others.
@@ -30,7 +30,7 @@ use std::f64::consts::TAU;
 
 use crate::flow::contact::ContactFlow;
 use crate::flow::separation::SeparationFlow;
-use crate::flow::{DURATION, ENTRY_W, ENTRY_Y, FlowError, Frame, Jet, PARAMETER, SPEED, ZoneEnd};
+use crate::flow::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, FlowError, Frame, Jet, PARAMETER, ZoneEnd};
 use crate::linalg::{Matrix, Vector};
 use crate::model::signature::{Entry, Regime, Signature};
 use crate::model::{Model, Parameters};
@@ -47,8 +47,9 @@ pub struct Scales {
     /// before take-off W varies by much more than the lengths of the zones do; in its own unit it
     /// would take the whole arclength.
     pub rate: f64,
-    /// Signed speed of the first wave.
-    pub speed: f64,
+    /// Excess speed e₀ of the first wave: the unknown is ln(e/e₀), which resolves e as well where
+    /// c² → a as where c is large.
+    pub excess: f64,
     /// Unit of the continuation parameter: the width of its range.
     pub parameter: f64,
     /// κ = D/c of the first wave: unit of pressures.
@@ -151,9 +152,14 @@ impl Wave {
         point[3 * self.zones() + 1] * self.scales.parameter
     }
 
-    /// Speed c at a point.
+    /// Excess speed e = |c|/√a − 1 at a point.
+    pub fn excess_at(&self, point: &Vector) -> f64 {
+        self.scales.excess * point[3 * self.zones()].exp()
+    }
+
+    /// Speed c = ±√a(1 + e) at a point, with the sign of D.
     pub fn speed_at(&self, point: &Vector) -> f64 {
-        point[3 * self.zones()] * self.scales.speed
+        self.model_at(point).speed(self.excess_at(point))
     }
 
     /// Entry state (Y, W) of a zone.
@@ -175,14 +181,17 @@ impl Wave {
         self.model.with(self.parameter, self.parameter_at(point))
     }
 
-    /// Scaled unknowns from physical ones: (Y, W, T) for each zone, c, parameter.
-    pub fn pack(&self, zones: &[[f64; 3]], speed: f64, parameter: f64) -> Vector {
+    /// Scaled unknowns from physical ones: (Y, W, T) for each zone, e, parameter.
+    pub fn pack(&self, zones: &[[f64; 3]], excess: f64, parameter: f64) -> Vector {
         let time = self.scales.time;
         let mut point = Vec::with_capacity(3 * zones.len() + 2);
         for [y, w, duration] in zones {
             point.extend([y / time, w / self.scales.rate, duration / time]);
         }
-        point.extend([speed / self.scales.speed, parameter / self.scales.parameter]);
+        point.extend([
+            (excess / self.scales.excess).ln(),
+            parameter / self.scales.parameter,
+        ]);
         Vector::from_vec(point)
     }
 
@@ -196,22 +205,26 @@ impl Wave {
             .collect()
     }
 
-    /// Frame and flows at a point.
-    pub fn flows(&self, point: &Vector) -> Result<Flows, FlowError> {
+    /// The numbers of the equations at a point, and their derivative in the parameter.
+    fn parameters_at(&self, point: &Vector) -> (Parameters, Parameters) {
         let value = self.parameter_at(point);
         let mut parameters = self.fixed;
-        let mut derivative = self.derivative;
         match self.parameter {
             Parameter::Mismatch => parameters.mismatch = value,
             Parameter::Friction => parameters.friction = value,
             Parameter::MassDamping => parameters.mass_damping = value,
             _ => {
                 let model = self.model.with(self.parameter, value);
-                parameters = model.parameters();
-                derivative = model.derivative(self.parameter);
+                return (model.parameters(), model.derivative(self.parameter));
             }
         }
-        let frame = Frame::new(&parameters, &derivative, self.speed_at(point))?;
+        (parameters, self.derivative)
+    }
+
+    /// Frame and flows at a point.
+    pub fn flows(&self, point: &Vector) -> Result<Flows, FlowError> {
+        let (parameters, derivative) = self.parameters_at(point);
+        let frame = Frame::new(&parameters, &derivative, self.excess_at(point))?;
         Ok(Flows::new(frame))
     }
 
@@ -336,11 +349,11 @@ impl System for Wave {
         residual: &mut [f64],
         jacobian: &mut Matrix,
     ) -> Result<(), FlowError> {
-        let flows = self.flows(point)?;
+        let (parameters, derivative) = self.parameters_at(point);
+        let excess = self.excess_at(point);
+        let flows = Flows::new(Frame::new(&parameters, &derivative, excess)?);
         let n = self.zones();
-        let Scales {
-            time, rate, speed, ..
-        } = self.scales;
+        let Scales { time, rate, .. } = self.scales;
         let units = jet_units(&self.scales);
         for zone in 0..n {
             let end = self.zone_end(&flows, point, zone)?;
@@ -366,15 +379,19 @@ impl System for Wave {
             residual[row + 1] -= point[next + 1];
             jacobian[(row + 1, next + 1)] -= 1.0;
         }
-        // Σ T|c| k/2π = 1
+        // Σ T|c| k/2π = 1, |c| = √a(1 + e)
         let durations: f64 = (0..n).map(|zone| point[3 * zone + 2]).sum();
-        let factor = time * speed.abs() * f64::from(self.mode) / TAU;
+        let a = parameters.coefficients.a;
+        let unit = time * a.sqrt() * f64::from(self.mode) / TAU;
+        let factor = unit * (1.0 + excess);
         let row = 3 * n;
-        residual[row] = durations * point[3 * n] * factor - 1.0;
+        residual[row] = durations * factor - 1.0;
         for zone in 0..n {
-            jacobian[(row, 3 * zone + 2)] = point[3 * n] * factor;
+            jacobian[(row, 3 * zone + 2)] = factor;
         }
-        jacobian[(row, 3 * n)] = durations * factor;
+        jacobian[(row, 3 * n)] = durations * unit * excess;
+        jacobian[(row, 3 * n + 1)] =
+            durations * factor * 0.5 * derivative.coefficients.a / a * self.scales.parameter;
         Ok(())
     }
 }
@@ -385,7 +402,7 @@ pub fn jet_units(scales: &Scales) -> [f64; 5] {
     units[ENTRY_Y] = scales.time;
     units[ENTRY_W] = scales.rate;
     units[DURATION] = scales.time;
-    units[SPEED] = scales.speed;
+    units[EXCESS] = 1.0;
     units[PARAMETER] = scales.parameter;
     units
 }

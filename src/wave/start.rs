@@ -8,8 +8,8 @@
 //! e^{ζτ}[cos(ητ) − (ζ/η) sin(ητ)] − 1,   η = √(1 − ζ²),
 //! ```
 //!
-//! between π/η, where V̇ is least, and 2π/η. The wave's length L(c) = (T1 + T2)|c| tends to infinity as ζ → 1
-//! and as |c| → ∞, so L = 2π/k has two roots — the slow and the fast wave — or none: they meet
+//! between π/η, where V̇ is least, and 2π/η. The wave's length L(e) = (T1 + T2)|c| tends to infinity as ζ → 1
+//! and as e → ∞, so L = 2π/k has two roots — the slow and the fast wave — or none: they meet
 //! where the least length is 2π/k, which is a fold.
 
 use std::f64::consts::{PI, TAU};
@@ -28,6 +28,8 @@ pub enum Which {
 /// A slip-stick wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlipStick {
+    /// Excess speed e = |c|/√a − 1.
+    pub excess: f64,
     /// Signed speed c.
     pub speed: f64,
     /// Duration of slip.
@@ -119,13 +121,21 @@ fn shape(zeta: f64) -> (f64, f64) {
     (tau, y(tau) / (2.0 * zeta))
 }
 
-/// The wave of given |c|, whatever its length: `None` unless 0 < ζ < 1.
-fn at_speed(parameters: &Parameters, magnitude: f64) -> Option<SlipStick> {
+/// m_a and F at an excess speed e.
+fn mass_and_force(parameters: &Parameters, excess: f64) -> (f64, f64) {
     let coefficients = parameters.coefficients;
-    let root = coefficients.a.sqrt();
-    let ma = (magnitude - root) * (magnitude + root) / (magnitude * magnitude);
-    let force =
-        parameters.friction * coefficients.coupling.abs() / magnitude - parameters.mass_damping;
+    let ratio = 1.0 + excess;
+    let kappa = coefficients.coupling.abs() / (coefficients.a.sqrt() * ratio);
+    (
+        excess * (2.0 + excess) / (ratio * ratio),
+        parameters.friction * kappa - parameters.mass_damping,
+    )
+}
+
+/// The wave of given e, whatever its length: `None` unless 0 < ζ < 1.
+fn at_excess(parameters: &Parameters, excess: f64) -> Option<SlipStick> {
+    let (ma, force) = mass_and_force(parameters, excess);
+    let coefficients = parameters.coefficients;
     let h = coefficients.h;
     if !(ma > 0.0 && force > 0.0) {
         return None;
@@ -139,7 +149,8 @@ fn at_speed(parameters: &Parameters, magnitude: f64) -> Option<SlipStick> {
     let eta = ((1.0 - zeta) * (1.0 + zeta)).sqrt();
     let release = force / h;
     Some(SlipStick {
-        speed: magnitude.copysign(coefficients.coupling),
+        excess,
+        speed: (coefficients.a.sqrt() * (1.0 + excess)).copysign(coefficients.coupling),
         slip: tau / omega,
         stick: release * (1.0 - ratio),
         // ÿ = 0 at ητ = π, where ẏ = −e^{ζπ/η}
@@ -148,12 +159,13 @@ fn at_speed(parameters: &Parameters, magnitude: f64) -> Option<SlipStick> {
     })
 }
 
-fn length(parameters: &Parameters, magnitude: f64) -> f64 {
-    at_speed(parameters, magnitude)
-        .map_or(f64::INFINITY, |wave| (wave.slip + wave.stick) * magnitude)
+fn length(parameters: &Parameters, excess: f64) -> f64 {
+    at_excess(parameters, excess).map_or(f64::INFINITY, |wave| {
+        (wave.slip + wave.stick) * wave.speed.abs()
+    })
 }
 
-/// |c| as a function of a variable x in (0, 1) that resolves both ends of the range of waves:
+/// e as a function of a variable x in (0, 1) that resolves both ends of the range of waves:
 /// from ζ = 1 (x = 0) to F = 0 or |c| = ∞ (x = 1).
 struct Range {
     lowest: f64,
@@ -163,21 +175,16 @@ struct Range {
 impl Range {
     fn new(parameters: &Parameters) -> Option<Range> {
         let coefficients = parameters.coefficients;
-        let root = coefficients.a.sqrt();
         let highest = if parameters.mass_damping > 0.0 {
-            parameters.friction * coefficients.coupling.abs() / parameters.mass_damping
+            parameters.friction * coefficients.coupling.abs()
+                / (parameters.mass_damping * coefficients.a.sqrt())
+                - 1.0
         } else {
             f64::INFINITY
         };
-        if highest <= root {
-            return None;
-        }
-        // ζ falls as |c| grows: bisection for ζ = 1 in log(|c|/√a − 1)
+        // ζ falls as e grows: bisection for ζ = 1 in log e
         let zeta_below_one = |excess: f64| {
-            let magnitude = root * (1.0 + excess);
-            let ma = excess * (2.0 + excess) / ((1.0 + excess) * (1.0 + excess));
-            let force = parameters.friction * coefficients.coupling.abs() / magnitude
-                - parameters.mass_damping;
+            let (ma, force) = mass_and_force(parameters, excess);
             force < 2.0 * (ma * coefficients.h).sqrt()
         };
         let (mut low, mut high) = (-80.0_f64, 80.0_f64);
@@ -189,13 +196,13 @@ impl Range {
                 low = middle;
             }
         }
-        let lowest = root * (1.0 + high.exp());
+        let lowest = high.exp();
         (lowest < highest).then_some(Range { lowest, highest })
     }
 
-    fn magnitude(&self, x: f64) -> f64 {
-        // the fourth power spreads the excess over `lowest` over many decades
-        let ratio = (x / (1.0 - x)).powi(4);
+    fn excess(&self, x: f64) -> f64 {
+        // the eighth power spreads e/lowest − 1 over many decades
+        let ratio = (x / (1.0 - x)).powi(8);
         if self.highest.is_finite() {
             self.lowest + (self.highest - self.lowest) * (ratio / (1.0 + ratio))
         } else {
@@ -207,7 +214,7 @@ impl Range {
 /// x of least length: a scan, and golden section where the scan finds nothing short enough.
 fn shortest(parameters: &Parameters, range: &Range, wanted: f64) -> f64 {
     const SCAN: u32 = 48;
-    let length_at = |x: f64| length(parameters, range.magnitude(x));
+    let length_at = |x: f64| length(parameters, range.excess(x));
     let mut best = (f64::INFINITY, 0.5);
     for index in 1..SCAN {
         let x = f64::from(index) / f64::from(SCAN);
@@ -256,7 +263,7 @@ pub fn slip_stick(model: &Model, mode: u32, which: Which) -> Result<SlipStick, N
     };
     let range = Range::new(&parameters).ok_or(beyond_hopf)?;
     let middle = shortest(&parameters, &range, wanted);
-    if length(&parameters, range.magnitude(middle)) > wanted {
+    if length(&parameters, range.excess(middle)) > wanted {
         return match fold_in_friction(model, mode) {
             Some(fold) if fold < parameters.friction => Err(NoWave::BeyondFold {
                 mode,
@@ -273,8 +280,9 @@ pub fn slip_stick(model: &Model, mode: u32, which: Which) -> Result<SlipStick, N
     };
     if which == Which::Fast && range.highest.is_finite() {
         // F → 0: slip alone, of length 2π√(m_a/h)|c|, which must exceed the wavelength
-        let ma = 1.0 - coefficients.a / (range.highest * range.highest);
-        if TAU * (ma / coefficients.h).sqrt() * range.highest <= wanted {
+        let (ma, _) = mass_and_force(&parameters, range.highest);
+        let speed = coefficients.a.sqrt() * (1.0 + range.highest);
+        if TAU * (ma / coefficients.h).sqrt() * speed <= wanted {
             return Err(beyond_hopf);
         }
     }
@@ -283,13 +291,13 @@ pub fn slip_stick(model: &Model, mode: u32, which: Which) -> Result<SlipStick, N
         if x == inner || x == outer {
             break;
         }
-        if length(&parameters, range.magnitude(x)) > wanted {
+        if length(&parameters, range.excess(x)) > wanted {
             outer = x;
         } else {
             inner = x;
         }
     }
-    at_speed(&parameters, range.magnitude(inner)).ok_or(beyond_hopf)
+    at_excess(&parameters, range.excess(inner)).ok_or(beyond_hopf)
 }
 
 /// f at which the fast and the slow wave of mode k meet, all other parameters kept.
@@ -303,7 +311,7 @@ pub fn fold_in_friction(model: &Model, mode: u32) -> Option<f64> {
         };
         let range = Range::new(&parameters)?;
         let x = shortest(&parameters, &range, 0.0);
-        Some(length(&parameters, range.magnitude(x)) - wanted)
+        Some(length(&parameters, range.excess(x)) - wanted)
     };
     // the least length grows with f; below the Hopf point of a damped model there is no wave
     let mut high = model.friction.max(1e-3);

@@ -50,7 +50,7 @@ pub fn candidates(
     let Some(opened) = open(wave, point, margin)? else {
         return Ok(Vec::new());
     };
-    let speed = wave.speed_at(point);
+    let excess = wave.excess_at(point);
     let parameter = wave.parameter_at(point);
     let mut found = Vec::new();
     let mut add = |zones: Vec<Zone>, states: Vec<[f64; 3]>, nascent: Vec<usize>| {
@@ -64,7 +64,7 @@ pub fn candidates(
             return;
         }
         let candidate = wave.with_signature(signature);
-        let point = candidate.pack(&states, speed, parameter);
+        let point = candidate.pack(&states, excess, parameter);
         if candidate.unknowns() <= crate::newton::MOST_UNKNOWNS {
             found.push(Candidate {
                 wave: candidate,

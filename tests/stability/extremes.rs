@@ -98,8 +98,7 @@ fn close_to_the_fold() {
 #[test]
 fn short_waves() {
     let mut worst = 0.0_f64;
-    // modes 32 and 64 are complete as well, with 3000 and 12000 eigenvalues, in seconds each
-    for mode in [12, 16] {
+    for mode in [12, 32, 64] {
         let fold = fold_in_friction(&tube(0.3, 1.5, 0.01, 0.2), mode).expect("there is a fold");
         for share in [0.1, 0.9] {
             let model = tube(0.3, 1.5, share * fold, 0.2);
@@ -108,6 +107,47 @@ fn short_waves() {
         }
     }
     observed("translation mode of short waves", worst);
+}
+
+/// c → √a: one delay grows like 1/√(|c|/√a − 1), and the zeros lie as dense.
+#[test]
+fn slow_waves() {
+    let mut worst = 0.0_f64;
+    for (mode, friction) in [(4, 0.5), (4, 0.1), (1, 0.1), (1, 0.02)] {
+        let name = format!("slow, mode {mode}, f = {friction}");
+        let model = tube(0.3, 1.5, friction, 0.2);
+        worst = worst.max(check(&name, &model, mode, Which::Slow));
+    }
+    observed("translation mode of slow waves", worst);
+}
+
+/// Where more zeros than can be listed lie in the window, it is cut and said to be incomplete.
+#[test]
+fn a_window_with_too_many_zeros() {
+    let model = tube(0.3, 1.5, 1e-3, 0.2);
+    let (wave, point) = slip_stick_wave(&model, 4, Which::Slow);
+    let spectrum = window(&Characteristic::new(&wave, &point).expect("no impact"));
+    assert!(!spectrum.complete);
+    // growth was found all the same
+    assert!(spectrum.unstable() > 0);
+    assert_eq!(spectrum.stable, Stability::No);
+}
+
+/// ν → ½: a and D grow without bound, b does not.
+#[test]
+fn nearly_incompressible() {
+    let mut worst = 0.0_f64;
+    for nu in [0.45, 0.49, 0.4999] {
+        for mode in [1, 4] {
+            let fold = fold_in_friction(&tube(nu, 1.5, 1e-3, 0.2), mode).expect("there is a fold");
+            for share in [0.1, 0.9] {
+                let name = format!("fast, mode {mode}, ν = {nu}, {share} of the fold");
+                let model = tube(nu, 1.5, share * fold, 0.2);
+                worst = worst.max(check(&name, &model, mode, Which::Fast));
+            }
+        }
+    }
+    observed("translation mode as ν → ½", worst);
 }
 
 /// Where the stick zone vanishes: α√(ak² + h) = kf|D|.

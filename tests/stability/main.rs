@@ -6,6 +6,7 @@
 mod completeness;
 mod conjugates;
 mod crossings;
+mod derivative;
 mod eigenfunctions;
 mod extremes;
 mod high_frequency;

@@ -31,7 +31,7 @@ const ROUNDING: f64 = 1e-12;
 const ROUNDING_OF_GAP: f64 = 1e-13;
 
 /// What rounding of the unknowns themselves makes of the velocities. At the stiff end the last
-/// digit of c moves V̇ by 1e-10 and more, and no solution in double precision is better: ε times
+/// digit of e moves V̇ by 1e-10 and more, and no solution in double precision is better: ε times
 /// the sum |∂R/∂x||x| of the most sensitive equation, for each of the two ends of a zone.
 fn of_the_unknowns(wave: &Wave, point: &Vector) -> f64 {
     let n = wave.unknowns();
@@ -62,15 +62,16 @@ fn violation(wave: &Wave, point: &Vector) -> f64 {
             at.mismatch
         );
     };
+    // U moves with U̇ while the last digit of the time passes
+    let falling = samples
+        .iter()
+        .fold(0.0_f64, |size, sample| size.max(sample.radial_rate.abs()));
+    let period: f64 = wave.unpack(point).iter().map(|zone| zone[2]).sum();
+    let gap = ROUNDING_OF_GAP + f64::EPSILON * period * falling / at.mismatch;
     for sample in &samples {
         let lag = 1.0 - sample.tangential_rate;
         check(sample, -sample.pressure / force, rounding, "P < 0");
-        check(
-            sample,
-            1.0 - sample.radial / at.mismatch,
-            ROUNDING_OF_GAP,
-            "U < δ",
-        );
+        check(sample, 1.0 - sample.radial / at.mismatch, gap, "U < δ");
         let friction = at.friction * sample.pressure;
         check(
             sample,
@@ -144,7 +145,7 @@ fn samples_of_the_other_branches_obey_the_laws() {
 /// The wave of an event's signature before it, at another parameter value.
 fn beyond(found: &Found, value: f64) -> Vector {
     let (wave, point) = (&found.wave, &found.node.point);
-    let guess = wave.pack(&wave.unpack(point), wave.speed_at(point), value);
+    let guess = wave.pack(&wave.unpack(point), wave.excess_at(point), value);
     polish(wave, &guess).expect("the equations have a solution")
 }
 

@@ -58,18 +58,7 @@ fn compare(wave: &Wave, point: &Vector, most_allowed: f64) -> f64 {
     wave.evaluate(point, &mut vec![0.0; n - 1], &mut matrix)
         .expect("the equations can be evaluated");
     let mut worst = 0.0_f64;
-    // m_a = 1 − a/c² moves with c and with all that a depends on; its own size is their measure
-    let ma = wave.flows(point).expect("a frame").frame.at.ma;
     for column in 0..n {
-        let moves_a = !matches!(
-            wave.parameter,
-            Parameter::Mismatch | Parameter::Friction | Parameter::MassDamping
-        );
-        let base = if column == n - 2 || column == n - 1 && moves_a {
-            STEP * ma
-        } else {
-            STEP
-        };
         let quotient = |step: f64| -> Vec<f64> {
             let (mut up, mut down) = (point.clone(), point.clone());
             up[column] += step;
@@ -81,11 +70,13 @@ fn compare(wave: &Wave, point: &Vector, most_allowed: f64) -> f64 {
                 .map(|(up, down)| (up - down) / width)
                 .collect()
         };
-        let (near, far) = (quotient(base), quotient(2.0 * base));
+        let (near, far) = (quotient(STEP), quotient(2.0 * STEP));
         for row in 0..n - 1 {
             let largest = matrix.row(row).amax();
-            let size: f64 = (0..n).map(|j| (matrix[(row, j)] * point[j]).abs()).sum();
-            let rounding = OPERATIONS * f64::EPSILON * size / base;
+            // ln(e/e₀) is near 0, but e carries the rounding of a number of its own size
+            let extent = |j: usize| if j == n - 2 { 1.0 } else { point[j].abs() };
+            let size: f64 = (0..n).map(|j| matrix[(row, j)].abs() * extent(j)).sum();
+            let rounding = OPERATIONS * f64::EPSILON * size / STEP;
             let allowed = (far[row] - near[row]).abs() / 3.0 + rounding;
             let difference = (4.0 * near[row] - far[row]) / 3.0;
             let error = (matrix[(row, column)] - difference).abs();
@@ -108,7 +99,7 @@ fn compare(wave: &Wave, point: &Vector, most_allowed: f64) -> f64 {
 /// The same wave as a problem in another parameter.
 fn in_parameter(wave: &Wave, point: &Vector, parameter: Parameter) -> (Wave, Vector) {
     let model = wave.model_at(point);
-    let speed = wave.speed_at(point);
+    let excess = wave.excess_at(point);
     let value = model.value(parameter).expect("a tube has all parameters");
     let width = if value > 0.0 { value } else { 1.0 };
     let other = Wave::new(
@@ -116,9 +107,9 @@ fn in_parameter(wave: &Wave, point: &Vector, parameter: Parameter) -> (Wave, Vec
         parameter,
         wave.mode,
         wave.signature.clone(),
-        scales(&model, wave.mode, speed, 1.0, width),
+        scales(&model, wave.mode, excess, 1.0, width),
     );
-    let other_point = other.pack(&wave.unpack(point), speed, value);
+    let other_point = other.pack(&wave.unpack(point), excess, value);
     (other, other_point)
 }
 

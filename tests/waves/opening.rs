@@ -48,7 +48,7 @@ fn separation_opens_like_a_square_root() {
     let (wave, point) = (&grazing.wave, &grazing.node.point);
     let delta = grazing.parameter;
     let pressure_at = |mismatch: f64| {
-        let guess = wave.pack(&wave.unpack(point), wave.speed_at(point), mismatch);
+        let guess = wave.pack(&wave.unpack(point), wave.excess_at(point), mismatch);
         let point = polish(wave, &guess).expect("the wave without separation");
         least_pressure(wave, &point)
     };
