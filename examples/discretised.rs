@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Model, Source};
-use brakewave::problem::Impact;
+use brakewave::problem::{FrictionLaw, Impact};
 use brakewave::stability::discretised::{SemiDiscreteWave, Settings, solve};
 use faer::c64;
 use plotters::coord::Shift;
@@ -46,6 +46,7 @@ const MODEL: Model = Model {
     mass_damping: 0.0,
     stiffness_damping: 0.0,
     impact: Impact::Frictionless,
+    law: FrictionLaw::Coulomb,
 };
 
 /// What was found for one n and ε.

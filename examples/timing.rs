@@ -10,7 +10,7 @@ use brakewave::continuation::Settings as Steps;
 use brakewave::follow::{Follower, Settings, Status};
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Model, Source};
-use brakewave::problem::{Impact, Parameter};
+use brakewave::problem::{FrictionLaw, Impact, Parameter};
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::discretised;
 use brakewave::stability::spectrum::{Request, spectrum};
@@ -30,6 +30,7 @@ fn model() -> Model {
         mass_damping: 0.0,
         stiffness_damping: 0.0,
         impact: Impact::Frictionless,
+        law: FrictionLaw::Coulomb,
     }
 }
 

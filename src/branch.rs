@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Header of `branch.csv`.
 pub const BRANCH_HEADER: &str = "point,label,type,regimes,mismatch,friction,mass_damping,\
 stiffness_damping,gamma,nu,xi,speed,switches,min_pressure,max_gap,amplitude,stable,unstable,\
-lead_re,lead_im,lead_sector,newton,residual,leg";
+lead_re,lead_im,lead_sector,newton,residual,leg,smoothing,condition,expected_error";
 
 /// Columns of `branch.csv` that hold words: no curve can be drawn of them.
 pub const WORD_COLUMNS: [&str; 3] = ["type", "regimes", "stable"];
@@ -104,6 +104,9 @@ pub struct ParameterValues {
     pub nu: Option<f64>,
     /// Ratio of the radii ξ = R*/R.
     pub xi: Option<f64>,
+    /// ε of the regularised friction law; `None` for every other.
+    #[serde(default)]
+    pub smoothing: Option<f64>,
 }
 
 /// Stability of a wave.
@@ -161,6 +164,10 @@ pub struct BranchPoint {
     pub newton: usize,
     /// Largest scaled residual of the boundary-value problem.
     pub residual: f64,
+    /// Condition number of the Newton matrix and expected error of the scaled unknowns; `None` when
+    /// not asked for.
+    #[serde(default)]
+    pub conditioning: Option<(f64, f64)>,
 }
 
 /// A special point: a row of `events.csv`.

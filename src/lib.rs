@@ -23,12 +23,16 @@
 //!   closed form ([`begin`]), examines it, and finds candidates for its successor;
 //! - [`newton`] and [`continuation`] know nothing of waves; [`linalg`] serves them;
 //! - [`events`] locates what happens within a step, [`follow`] takes the steps;
+//! - [`conditioning`] says how well a point is known;
 //! - [`run`] turns a problem into labelled points and events, in the vocabulary of [`branch`];
+//! - [`accuracy`] runs one problem by every method and compares errors and times;
 //! - [`output`] writes them, [`cli`] is the command line.
 
+pub mod accuracy;
 pub mod begin;
 pub mod branch;
 pub mod cli;
+pub mod conditioning;
 pub mod continuation;
 pub mod events;
 pub mod flow;

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::begin::{self, NoStart};
 use crate::branch::{BranchPoint, Event, EventType, LeadingEigenvalue, ProfileSample, Stability};
-use crate::continuation;
+use crate::conditioning::{Conditioning, conditioning};
+use crate::continuation::{self, Node};
 use crate::flow::FlowError;
 use crate::follow::{Follower, Found, Settings, State, Status};
 use crate::linalg::Vector;
@@ -17,7 +18,7 @@ use crate::model::coefficients::{Coefficients, Geometry};
 use crate::model::signature::Signature;
 use crate::model::{Model, Source};
 use crate::newton;
-use crate::problem::{self, Continuation, Parameter, Problem, Sectors, Start, Toward};
+use crate::problem::{self, Continuation, Method, Parameter, Problem, Sectors, Start, Toward};
 use crate::stability::spectrum::{Request, Spectrum};
 use crate::stability::track::{Crossing, Tracked, Tracker};
 use crate::wave::admissibility::examine;
@@ -123,8 +124,10 @@ impl Item {
 pub struct Branch {
     model: Model,
     mode: u32,
+    method: Method,
     continuation: Continuation,
     profiles: usize,
+    conditioning: bool,
     progress: Progress,
     follower: Follower,
     stability: Option<Request>,
@@ -169,6 +172,7 @@ pub fn model(problem: &problem::Model) -> Model {
         mass_damping: problem.damping.mass,
         stiffness_damping: problem.damping.stiffness,
         impact: problem.impact,
+        law: problem.friction_law,
     }
 }
 
@@ -298,6 +302,14 @@ impl Branch {
                 ));
             }
         };
+        let (wave, point) = match problem.method {
+            Some(method) if method != wave.method => {
+                let wave = wave.with_method(method);
+                let point = begin::polish(&wave, &point)?;
+                (wave, point)
+            }
+            _ => (wave, point),
+        };
         let directions = legs(continuation.toward);
         let follower = Follower::new(wave.clone(), &point, directions[0], settings(continuation))
             .map_err(NoStart::Newton)?;
@@ -319,8 +331,10 @@ impl Branch {
             },
             model,
             mode,
+            method: wave.method,
             continuation: continuation.clone(),
             profiles: problem.output.profiles,
+            conditioning: problem.output.conditioning,
             stability: stability(problem),
             notes: Vec::new(),
             follower,
@@ -336,13 +350,15 @@ impl Branch {
     ) -> Result<Branch, RunError> {
         let model = saved.model;
         let (signature, point) = progress.first.clone();
+        let method = problem.method.unwrap_or(model.law.default_method());
         let first = Wave::new(
             model,
             continuation.parameter,
             problem.wave.mode,
             signature,
             unpack_scales(progress.scales),
-        );
+        )
+        .with_method(method);
         let follower = match &progress.state {
             Some(state) => Follower::resume(&first, state.clone(), settings(continuation)),
             None => Follower::new(
@@ -356,8 +372,10 @@ impl Branch {
         Ok(Branch {
             model,
             mode: problem.wave.mode,
+            method,
             continuation: continuation.clone(),
             profiles: problem.output.profiles,
+            conditioning: problem.output.conditioning,
             progress,
             stability: stability(problem),
             notes: Vec::new(),
@@ -524,7 +542,8 @@ impl Branch {
                 self.mode,
                 signature,
                 unpack_scales(self.progress.scales),
-            );
+            )
+            .with_method(self.method);
             match Follower::new(
                 first,
                 &Vector::from_vec(point),
@@ -555,7 +574,7 @@ impl Branch {
         spectrum: Option<&Spectrum>,
         crossing: Option<(usize, Option<f64>)>,
     ) -> Item {
-        let wave = &found.wave;
+        let wave = &found.wave.clone();
         let parameter = wave.parameter;
         let model = self.model.with(parameter, found.parameter);
         let values = model.values();
@@ -620,6 +639,7 @@ impl Branch {
                 }),
             newton: found.node.newton,
             residual: found.node.residual,
+            conditioning: self.known_to(wave, &found.node),
         };
         let saved = label.map(|label| SavedWave {
             label,
@@ -651,6 +671,29 @@ impl Branch {
             unknowns: found.node.point.clone(),
             wave: found.wave,
         }
+    }
+
+    /// Conditioning of a point, where asked for; a point known less well than the tolerance asks is
+    /// noted as not converged to it.
+    fn known_to(&mut self, wave: &Wave, node: &Node) -> Option<(f64, f64)> {
+        if !self.conditioning {
+            return None;
+        }
+        let Conditioning {
+            condition,
+            expected_error,
+        } = conditioning(wave, node).ok()?;
+        let tolerance = self.continuation.tolerance;
+        if expected_error.is_nan() || expected_error > tolerance {
+            self.notes.push(format!(
+                "point {}, {} = {:.12}: not converged to the tolerance {tolerance:.0e}; the expected \
+                 error is {expected_error:.1e}, the condition number {condition:.1e}",
+                self.progress.points,
+                self.continuation.parameter.column(),
+                wave.parameter_at(&node.point)
+            ));
+        }
+        Some((condition, expected_error))
     }
 
     /// Whether a point is the first of its leg in one of the equal parts of the range from which

@@ -111,6 +111,7 @@ fn column(event: &Event, name: &str) -> Option<f64> {
         "gamma" => values.gamma,
         "nu" => values.nu,
         "xi" => values.xi,
+        "smoothing" => values.smoothing,
         "speed" => Some(event.speed),
         "omega" => event.omega,
         _ => None,

@@ -1,5 +1,6 @@
 //! The command line: verbs, messages, exit codes.
 
+mod accuracy;
 mod check;
 mod plot;
 mod report;
@@ -38,6 +39,8 @@ enum Verb {
     Plot(plot::PlotArguments),
     /// The wave at one parameter value and its eigenvalues, as CSV on standard output
     Spectrum(spectrum::SpectrumArguments),
+    /// Error against run time of every method on a problem file
+    Accuracy(accuracy::AccuracyArguments),
     /// Print a commented problem file
     New,
 }
@@ -98,6 +101,7 @@ pub fn main() -> ExitCode {
         Verb::Check(arguments) => check::check(&arguments),
         Verb::Plot(arguments) => plot::plot(&arguments),
         Verb::Spectrum(arguments) => spectrum::spectrum(&arguments),
+        Verb::Accuracy(arguments) => accuracy::accuracy(&arguments),
         Verb::New => print(problem::TEMPLATE).map(|()| 0),
     };
     match result {

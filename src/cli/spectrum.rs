@@ -9,7 +9,7 @@ use super::{Failure, NUMERICAL, print, warn};
 use crate::branch::EventType;
 use crate::linalg::Vector;
 use crate::output::tables;
-use crate::problem::{Coefficients, Parameter, Problem, StopAfter};
+use crate::problem::{Coefficients, FrictionLaw, Parameter, Problem, StopAfter};
 use crate::run::{Branch, End, Item, stability};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::discretised;
@@ -269,6 +269,11 @@ fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Result<(), Fa
             *nu = value;
         }
         (Parameter::Xi, Coefficients::Geometry { xi, .. }) if value > 1.0 => *xi = value,
+        (Parameter::Smoothing, _) => match &mut model.friction_law {
+            FrictionLaw::Regularised { epsilon } if value > 0.0 => *epsilon = value,
+            FrictionLaw::Regularised { .. } => return refused("take a positive number"),
+            _ => return refused("the friction law has no smoothing"),
+        },
         (_, Coefficients::Geometry { .. }) => {
             return refused("γ > 0, −1 < ν < ½ and ξ > 1");
         }

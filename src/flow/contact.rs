@@ -292,6 +292,7 @@ mod tests {
             friction,
             mismatch: 0.1,
             mass_damping: damping,
+            smoothing: 0.0,
         };
         let derivative = Parameters {
             coefficients: Coefficients::default(),

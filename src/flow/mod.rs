@@ -14,11 +14,19 @@
 //! waves then do not depend on δ at all, and no digits are lost where δ is large.
 //! W stands for V̇ throughout.
 
+pub mod collocation;
 pub mod contact;
+pub mod equations;
+pub mod numerical;
 pub mod separation;
+pub mod shooting;
 pub mod sign;
 
 use crate::model::Parameters;
+use crate::problem::FrictionLaw;
+use contact::ContactFlow;
+use numerical::{NumericalContact, NumericalSeparation};
+use separation::SeparationFlow;
 
 /// Why a flow cannot be evaluated. Inside a continuation step either rejects the step.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -28,6 +36,14 @@ pub enum FlowError {
     Subsonic {
         /// e = |c|/√a − 1.
         excess: f64,
+    },
+    /// A numerical method could not solve the equations of a zone.
+    #[error("a zone of duration {duration:e} could not be integrated: {reason}")]
+    Integration {
+        /// Duration of the zone.
+        duration: f64,
+        /// What the method says.
+        reason: &'static str,
     },
     /// A zone grew beyond the range of double precision.
     #[error("a zone of duration {duration:e} leaves the range of double precision")]
@@ -117,6 +133,8 @@ pub struct Quantities {
     pub mismatch: f64,
     /// α.
     pub damping: f64,
+    /// ε of the regularised friction law; zero for every other.
+    pub smoothing: f64,
 }
 
 /// [`Quantities`] with their derivatives in ln e and in the continuation parameter.
@@ -165,6 +183,7 @@ impl Frame {
                 friction: parameters.friction,
                 mismatch: parameters.mismatch,
                 damping: parameters.mass_damping,
+                smoothing: parameters.smoothing,
             },
             by: [
                 Quantities {
@@ -182,6 +201,7 @@ impl Frame {
                     friction: derivative.friction,
                     mismatch: derivative.mismatch,
                     damping: derivative.mass_damping,
+                    smoothing: derivative.smoothing,
                 },
             ],
         })
@@ -218,12 +238,20 @@ impl Frame {
         })
     }
 
-    /// Y at release: hY = fκ − α.
-    pub fn release(&self) -> Jet {
+    /// Y at release, where Q = rfP with r the static by the kinetic coefficient:
+    /// hY = rfκ + (r − 1)fgδ − α.
+    pub fn release(&self, law: FrictionLaw) -> Jet {
         let at = &self.at;
-        let value = (at.friction * at.kappa - at.damping) / at.h;
+        let r = law.static_ratio();
+        let value =
+            (at.friction * (r * at.kappa + (r - 1.0) * (at.g * at.mismatch)) - at.damping) / at.h;
         self.jet(value, |by| {
-            (by.friction * at.kappa + at.friction * by.kappa - by.damping - value * by.h) / at.h
+            (by.friction * (r * at.kappa + (r - 1.0) * (at.g * at.mismatch))
+                + at.friction
+                    * (r * by.kappa + (r - 1.0) * (by.g * at.mismatch + at.g * by.mismatch))
+                - by.damping
+                - value * by.h)
+                / at.h
         })
     }
 
@@ -244,4 +272,160 @@ pub struct ZoneEnd {
     pub radial_rate: Jet,
     /// The switching function, divided by duration^m where it has an m-fold zero at the entry.
     pub switching: Jet,
+}
+
+/// Flow of a sliding zone, by the method of the problem.
+#[derive(Clone, Debug)]
+pub enum SlidingFlow {
+    /// In closed form.
+    Exact(ContactFlow),
+    /// By integration.
+    Numerical(NumericalContact),
+}
+
+impl SlidingFlow {
+    /// (Y, W) after a time t from the entry (Y, W).
+    pub fn state(&self, entry: [f64; 2], t: f64) -> Result<[f64; 2], FlowError> {
+        match self {
+            SlidingFlow::Exact(flow) => Ok(flow.state(entry, t)),
+            SlidingFlow::Numerical(flow) => flow.state(entry, t),
+        }
+    }
+
+    /// (Y, W) at increasing times within a zone.
+    pub fn states(
+        &self,
+        entry: [f64; 2],
+        duration: f64,
+        times: &[f64],
+    ) -> Result<Vec<[f64; 2]>, FlowError> {
+        match self {
+            SlidingFlow::Exact(flow) => {
+                Ok(times.iter().map(|time| flow.state(entry, *time)).collect())
+            }
+            SlidingFlow::Numerical(flow) => flow.states(entry, duration, times),
+        }
+    }
+
+    /// (Y, W) after a time t with all derivatives.
+    pub fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 2], FlowError> {
+        match self {
+            SlidingFlow::Exact(flow) => flow.advance(entry, t),
+            SlidingFlow::Numerical(flow) => flow.zone(entry, t, 0).map(|[y, w, _]| [y, w]),
+        }
+    }
+
+    /// (Y, W) at the end of a zone and (W − 1)/t^m there, m being the order of the zero of W − 1 at
+    /// the entry; for m = 0 W − 1.
+    pub fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<[Jet; 3], FlowError> {
+        match self {
+            SlidingFlow::Exact(flow) => {
+                let [y, w] = flow.advance(entry, t)?;
+                let reduced = match m {
+                    0 => w.affine(1.0, -1.0),
+                    m => flow.reduced_rate(entry, t, m, w),
+                };
+                Ok([y, w, reduced])
+            }
+            SlidingFlow::Numerical(flow) => flow.zone(entry, t, m),
+        }
+    }
+
+    /// V̈ at a state.
+    pub fn acceleration(&self, state: [f64; 2]) -> f64 {
+        match self {
+            SlidingFlow::Exact(flow) => flow.acceleration(state),
+            SlidingFlow::Numerical(flow) => flow.acceleration(state),
+        }
+    }
+
+    /// The third derivative of V at a state.
+    pub fn jerk(&self, state: [f64; 2]) -> f64 {
+        match self {
+            SlidingFlow::Exact(flow) => 2.0 * flow.p * flow.acceleration(state) - flow.q * state[1],
+            SlidingFlow::Numerical(flow) => flow.jerk(state),
+        }
+    }
+
+    /// Times in (0, duration) at which V̈ vanishes, the beginning left out where it vanishes there
+    /// (`at_rest`: W − 1 has a double zero at the entry). In closed form all of them; by a numerical
+    /// method those that its samples show.
+    pub fn turning_points(
+        &self,
+        entry: [f64; 2],
+        duration: f64,
+        at_rest: bool,
+    ) -> Result<Vec<f64>, FlowError> {
+        /// A zero of V̈ closer to a release than this, in radians, is the release itself.
+        const AT_RELEASE: f64 = 1e-6;
+        match self {
+            SlidingFlow::Exact(flow) => {
+                let acceleration = flow.acceleration(entry);
+                let jerk = 2.0 * flow.p * acceleration - flow.q * entry[1];
+                // V̈ = 0 at a release by the switching condition, not to the last digit
+                let (acceleration, near) = if at_rest {
+                    (0.0, AT_RELEASE / flow.q.sqrt())
+                } else {
+                    (acceleration, 0.0)
+                };
+                let mut times = flow.zeros(acceleration, jerk, duration);
+                times.retain(|time| *time > near);
+                Ok(times)
+            }
+            SlidingFlow::Numerical(flow) => flow.turning_points(entry, duration, at_rest),
+        }
+    }
+
+    /// Times in (0, duration) at which W vanishes: extremes of V.
+    pub fn extremes(&self, entry: [f64; 2], duration: f64) -> Result<Vec<f64>, FlowError> {
+        match self {
+            SlidingFlow::Exact(flow) => {
+                Ok(flow.zeros(entry[1], flow.acceleration(entry), duration))
+            }
+            SlidingFlow::Numerical(flow) => flow.extremes(entry, duration),
+        }
+    }
+}
+
+/// Flow of a separation zone, by the method of the problem.
+#[derive(Clone, Debug)]
+pub enum FreeFlow {
+    /// By the matrix exponential.
+    Exact(Box<SeparationFlow>),
+    /// By integration.
+    Numerical(Box<NumericalSeparation>),
+}
+
+impl FreeFlow {
+    /// Radians per unit of time: a bound of the rates of the flow.
+    pub fn norm(&self) -> f64 {
+        match self {
+            FreeFlow::Exact(flow) => flow.norm(),
+            FreeFlow::Numerical(flow) => flow.norm(),
+        }
+    }
+
+    /// (U, U̇, Y, W) after a time t from the entry (Y, W).
+    pub fn state(&self, entry: [f64; 2], t: f64) -> Result<[f64; 4], FlowError> {
+        match self {
+            FreeFlow::Exact(flow) => flow.state(entry, t),
+            FreeFlow::Numerical(flow) => flow.state(entry, t),
+        }
+    }
+
+    /// (U, U̇, Y, W) after a time t with all derivatives.
+    pub fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 4], FlowError> {
+        match self {
+            FreeFlow::Exact(flow) => flow.advance(entry, t),
+            FreeFlow::Numerical(flow) => flow.advance(entry, t),
+        }
+    }
+
+    /// The zone to its end; the switching function is (U − δ)/t^m.
+    pub fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<ZoneEnd, FlowError> {
+        match self {
+            FreeFlow::Exact(flow) => flow.zone(entry, t, m),
+            FreeFlow::Numerical(flow) => flow.zone(entry, t, m),
+        }
+    }
 }

@@ -20,7 +20,7 @@ const TAYLOR_DEGREE: u32 = 18;
 const MOST_HALVINGS: i32 = 40;
 
 /// A matrix with its derivatives in ln e and in the parameter.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct MatrixJet {
     at: Matrix4<f64>,
     by: [Matrix4<f64>; 2],
@@ -50,7 +50,7 @@ impl MatrixJet {
 }
 
 /// The equations of separation in one frame.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct SeparationFlow {
     /// Scale of each variable: x = scale ∘ (U, U̇, V, W), held constant under differentiation.
     scale: Vector4<f64>,
@@ -280,12 +280,14 @@ mod tests {
             friction: 0.5,
             mismatch: 0.05,
             mass_damping: damping,
+            smoothing: 0.0,
         };
         let derivative = Parameters {
             coefficients: geometry.derivative_in_nu(),
             mismatch: 0.3,
             friction: 0.2,
             mass_damping: 0.1,
+            smoothing: 0.0,
         };
         Frame::new(&parameters, &derivative, excess).unwrap()
     }

@@ -10,12 +10,13 @@
 //! Lengths are measured by the inner radius R, stresses by E, time by 1/Ω.
 
 pub mod coefficients;
+pub mod friction;
 pub mod signature;
 
 use serde::{Deserialize, Serialize};
 
 use crate::branch::ParameterValues;
-use crate::problem::{Impact, Parameter};
+use crate::problem::{FrictionLaw, Impact, Parameter};
 use coefficients::{Coefficients, Geometry};
 
 /// Where the coefficients of (M) come from.
@@ -38,6 +39,8 @@ pub struct Parameters {
     pub mismatch: f64,
     /// Mass-proportional damping α.
     pub mass_damping: f64,
+    /// ε of the regularised friction law; zero for every other.
+    pub smoothing: f64,
 }
 
 /// A model with all its parameters.
@@ -55,6 +58,9 @@ pub struct Model {
     pub stiffness_damping: f64,
     /// Impact law.
     pub impact: Impact,
+    /// Friction law.
+    #[serde(default)]
+    pub law: FrictionLaw,
 }
 
 impl Model {
@@ -68,10 +74,12 @@ impl Model {
             friction: self.friction,
             mismatch: self.mismatch,
             mass_damping: self.mass_damping,
+            smoothing: self.value(Parameter::Smoothing).unwrap_or(0.0),
         }
     }
 
-    /// Value of one parameter; `None` for γ, ν, ξ where the coefficients were given.
+    /// Value of one parameter; `None` for γ, ν, ξ where the coefficients were
+    /// given, and for ε of a law without.
     pub fn value(&self, parameter: Parameter) -> Option<f64> {
         let geometry = match self.source {
             Source::Geometry(geometry) => Some(geometry),
@@ -85,6 +93,10 @@ impl Model {
             Parameter::Gamma => geometry.map(|geometry| geometry.gamma),
             Parameter::Nu => geometry.map(|geometry| geometry.nu),
             Parameter::Xi => geometry.map(|geometry| geometry.xi),
+            Parameter::Smoothing => match self.law {
+                FrictionLaw::Regularised { epsilon } => Some(epsilon),
+                _ => None,
+            },
         }
     }
 
@@ -98,6 +110,11 @@ impl Model {
             (Parameter::Gamma, Source::Geometry(geometry)) => geometry.gamma = value,
             (Parameter::Nu, Source::Geometry(geometry)) => geometry.nu = value,
             (Parameter::Xi, Source::Geometry(geometry)) => geometry.xi = value,
+            (Parameter::Smoothing, _) => {
+                if let FrictionLaw::Regularised { epsilon } = &mut self.law {
+                    *epsilon = value;
+                }
+            }
             (_, Source::Given(_)) => {}
         }
         self
@@ -110,6 +127,7 @@ impl Model {
             (Parameter::Mismatch, _) => derivative.mismatch = 1.0,
             (Parameter::Friction, _) => derivative.friction = 1.0,
             (Parameter::MassDamping, _) => derivative.mass_damping = 1.0,
+            (Parameter::Smoothing, _) => derivative.smoothing = 1.0,
             (Parameter::Gamma, Source::Geometry(geometry)) => {
                 derivative.coefficients = geometry.derivative_in_gamma();
             }
@@ -140,6 +158,7 @@ impl Model {
             gamma: self.value(Parameter::Gamma),
             nu: self.value(Parameter::Nu),
             xi: self.value(Parameter::Xi),
+            smoothing: self.value(Parameter::Smoothing),
         }
     }
 }

@@ -5,7 +5,8 @@
 //! | stick | U = δ, V̇ = 1, P > 0, \|Q\| < fP | release Q = fP → slip |
 //! | slip | U = δ, V̇ < 1, P > 0 | V̇ = 1 → stick or reverse; P = 0 → separation |
 //! | reverse | U = δ, V̇ > 1, P > 0 | V̇ = 1 → stick or slip; P = 0 → separation |
-//! | separation | U > δ, P = Q = 0 | landing U = δ → slip, reverse (or stick with a Coulomb impact); touch U = δ → separation |
+//! | contact | U = δ, P > 0, friction a smooth function of V̇ | P = 0 → separation |
+//! | separation | U > δ, P = Q = 0 | landing U = δ → slip, reverse, contact (or stick with a Coulomb impact); touch U = δ → separation |
 
 use std::fmt;
 
@@ -24,6 +25,8 @@ pub enum Regime {
     Reverse,
     /// No contact: P = Q = 0.
     Separation,
+    /// Contact under a friction law that is smooth through V̇ = 1: no stick, no sliding direction.
+    Contact,
 }
 
 impl Regime {
@@ -34,6 +37,7 @@ impl Regime {
             Regime::Slip => "slip",
             Regime::Reverse => "reverse",
             Regime::Separation => "separation",
+            Regime::Contact => "contact",
         }
     }
 
@@ -42,7 +46,7 @@ impl Regime {
         match self {
             Regime::Slip => Some(1.0),
             Regime::Reverse => Some(-1.0),
-            Regime::Stick | Regime::Separation => None,
+            Regime::Stick | Regime::Separation | Regime::Contact => None,
         }
     }
 }
@@ -62,6 +66,9 @@ pub enum Entry {
     Landing,
     /// Landing with a Coulomb impact large enough to bring V̇ to 1.
     ArrestedLanding,
+    /// V̇ = 0 rising: nothing switches, but a wave without switches needs a phase. V is periodic, so
+    /// that V̇ passes zero in every wave.
+    Section,
     /// Landing where contact would need tension: the impact stops U̇, and separation goes on.
     Touch,
 }
@@ -114,6 +121,14 @@ impl Signature {
         self.0.iter().any(|zone| zone.regime == regime)
     }
 
+    /// contact alone, cut at V̇ = 0, under a smooth friction law.
+    pub fn contact() -> Signature {
+        Signature(vec![Zone {
+            regime: Regime::Contact,
+            entry: Entry::Section,
+        }])
+    }
+
     /// How many zones have a regime.
     pub fn count(&self, regime: Regime) -> usize {
         self.0.iter().filter(|zone| zone.regime == regime).count()
@@ -135,12 +150,13 @@ impl fmt::Display for Signature {
 
 /// Every switch that can lead from one regime into another under an impact law: the table above.
 pub fn switches(from: Regime, to: Regime, impact: Impact) -> &'static [Entry] {
-    use Regime::{Reverse, Separation, Slip, Stick};
+    use Regime::{Contact, Reverse, Separation, Slip, Stick};
     match (from, to) {
         (Stick, Slip) => &[Entry::Release],
         (Slip | Reverse, Stick) => &[Entry::Arrest],
         (Slip, Reverse) | (Reverse, Slip) => &[Entry::Reversal],
-        (Slip | Reverse, Separation) => &[Entry::TakeOff],
+        (Slip | Reverse | Contact, Separation) => &[Entry::TakeOff],
+        (Separation, Contact) => &[Entry::Landing],
         (Separation, Slip | Reverse) => match impact {
             Impact::Frictionless => &[Entry::Landing],
             Impact::Coulomb => &[Entry::Landing, Entry::ArrestedLanding],
@@ -161,11 +177,12 @@ pub fn switches(from: Regime, to: Regime, impact: Impact) -> &'static [Entry] {
 /// Every chain of zones that leads from `from` into `to` with at most `longest` zones between,
 /// shortest first. The last zone of each chain is `to` with its entry.
 pub fn paths(from: Regime, to: Regime, longest: usize, impact: Impact) -> Vec<Vec<Zone>> {
-    const ALL: [Regime; 4] = [
+    const ALL: [Regime; 5] = [
         Regime::Slip,
         Regime::Stick,
         Regime::Reverse,
         Regime::Separation,
+        Regime::Contact,
     ];
     let mut finished = Vec::new();
     let mut open: Vec<Vec<Zone>> = vec![Vec::new()];

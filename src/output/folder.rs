@@ -142,7 +142,7 @@ impl Folder {
         };
         let folder = Folder {
             branch: table(BRANCH, tables::BRANCH_HEADER)?,
-            events: table(EVENTS, tables::EVENTS_HEADER)?,
+            events: table(EVENTS, &tables::events_header(problem.model.friction_law))?,
             spectrum: if branch.with_stability() {
                 Some(table(SPECTRUM, tables::SPECTRUM_HEADER)?)
             } else {

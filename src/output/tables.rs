@@ -3,11 +3,20 @@
 
 pub use crate::branch::BRANCH_HEADER;
 use crate::branch::{BranchPoint, Event, ParameterValues, ProfileSample, Stability};
+use crate::problem::FrictionLaw;
 use crate::stability::eigenfunction::Eigenfunction;
 
 /// Header of `events.csv`.
-pub const EVENTS_HEADER: &str = "label,type,mismatch,friction,mass_damping,stiffness_damping,\
+const EVENTS_HEADER: &str = "label,type,mismatch,friction,mass_damping,stiffness_damping,\
 gamma,nu,xi,speed,sector,omega,regimes_before,regimes_after,uncertainty,what";
+
+/// Header of `events.csv` for a model: a regularised friction law adds a column.
+pub fn events_header(law: FrictionLaw) -> String {
+    match law {
+        FrictionLaw::Regularised { .. } => format!("{EVENTS_HEADER},smoothing"),
+        _ => EVENTS_HEADER.to_string(),
+    }
+}
 
 /// Header of `spectrum.csv`.
 pub const SPECTRUM_HEADER: &str = "label,sector,re,im,error";
@@ -38,6 +47,11 @@ fn parameters(values: &ParameterValues) -> [String; 7] {
         values.nu.map_or_else(String::new, number),
         values.xi.map_or_else(String::new, number),
     ]
+}
+
+/// ε of the regularised friction law stands last: few problems have one.
+fn smoothing(values: &ParameterValues) -> String {
+    values.smoothing.map_or_else(String::new, number)
 }
 
 /// A record as a line of CSV.
@@ -85,7 +99,10 @@ pub fn branch_row(point: &BranchPoint, leg: usize) -> String {
         point.newton.to_string(),
         number(point.residual),
         leg.to_string(),
+        smoothing(&point.parameters),
     ]);
+    let (condition, error) = point.conditioning.unzip();
+    fields.extend([condition, error].map(|value| value.map_or_else(String::new, number)));
     line(&fields)
 }
 
@@ -102,6 +119,7 @@ pub fn event_row(event: &Event) -> String {
         number(event.uncertainty),
         event.what.clone(),
     ]);
+    fields.extend(event.parameters.smoothing.map(number));
     line(&fields)
 }
 

@@ -32,6 +32,8 @@ pub struct Expectation {
     pub nu: Option<f64>,
     /// Ratio of the radii ξ.
     pub xi: Option<f64>,
+    /// ε of the regularised friction law.
+    pub smoothing: Option<f64>,
     /// Regimes before the event, joined by `-`.
     pub regimes_before: Option<String>,
     /// Regimes after the event, joined by `-`.
@@ -53,6 +55,7 @@ impl Expectation {
             ("gamma", self.gamma),
             ("nu", self.nu),
             ("xi", self.xi),
+            ("smoothing", self.smoothing),
         ]
         .into_iter()
         .filter_map(|(name, value)| value.map(|value| (name, value)))

@@ -59,6 +59,9 @@ pub struct Problem {
     pub model: Model,
     /// The wave to begin with.
     pub wave: Wave,
+    /// How the equations of a zone are solved; the cheapest that is exact, or accurate to 1e-12,
+    /// for the friction law unless given.
+    pub method: Option<Method>,
     /// The branch to follow; see [`Problem::continuation`].
     pub continuation: Option<Continuation>,
     /// Stability analysis; `None` when not asked for.
@@ -103,6 +106,9 @@ pub struct Model {
     /// Law of the impact that ends a separation.
     #[serde(default)]
     pub impact: Impact,
+    /// Law of friction; Coulomb's with one coefficient unless given.
+    #[serde(default)]
+    pub friction_law: FrictionLaw,
 }
 
 impl Model {
@@ -117,6 +123,10 @@ impl Model {
             Parameter::Friction => Some(self.friction),
             Parameter::MassDamping => Some(self.damping.mass),
             Parameter::StiffnessDamping => Some(self.damping.stiffness),
+            Parameter::Smoothing => match self.friction_law {
+                FrictionLaw::Regularised { epsilon } => Some(epsilon),
+                _ => None,
+            },
             Parameter::Nu => geometry.map(|(nu, _, _)| nu),
             Parameter::Xi => geometry.map(|(_, xi, _)| xi),
             Parameter::Gamma => geometry.map(|(_, _, gamma)| gamma),
@@ -173,6 +183,58 @@ pub enum Impact {
     /// beyond.
     Coulomb,
 }
+
+/// Friction coefficient as a function of the sliding velocity v = |1 − V̇|; f is `friction`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum FrictionLaw {
+    /// f whatever the velocity, and in stick.
+    #[default]
+    Coulomb,
+    /// f in sliding, ratio·f in stick.
+    Static {
+        /// Static by kinetic coefficient, at least 1.
+        ratio: f64,
+    },
+    /// f·(1 + (ratio − 1)e^{−v/velocity}): from ratio·f at rest down to f.
+    Stribeck {
+        /// Static by kinetic coefficient, at least 1.
+        ratio: f64,
+        /// Velocity over which friction falls, in units of RΩ, greater than 0.
+        velocity: f64,
+    },
+    /// f·tanh((1 − V̇)/ε): no stick, the surface creeps instead.
+    Regularised {
+        /// ε > 0, in units of RΩ.
+        epsilon: f64,
+    },
+}
+
+/// How the equations of a zone are solved.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Method {
+    /// Closed form and matrix exponential: exact to rounding, for friction that does not depend on
+    /// the velocity.
+    Exact,
+    /// Multiple shooting: an explicit Runge–Kutta method of order 8 with its variational equations.
+    Shooting {
+        /// Relative and absolute tolerance of a step.
+        tolerance: f64,
+    },
+    /// Gauss–Legendre collocation on an adapted mesh in every zone.
+    Collocation {
+        /// Mesh intervals in a zone.
+        intervals: usize,
+        /// Collocation points in an interval: the order is twice that.
+        degree: usize,
+    },
+}
+
+/// Largest number of mesh intervals in a zone.
+pub const MAX_INTERVALS: usize = 2000;
+/// Largest number of collocation points in an interval.
+pub const MAX_DEGREE: usize = 7;
 
 /// The wave a computation begins with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -241,6 +303,8 @@ pub struct Output {
     pub plots: Vec<Plot>,
     /// Number of wave profiles to tabulate, at most [`MAX_PROFILES`].
     pub profiles: usize,
+    /// Whether to give the condition number and the expected error of every point.
+    pub conditioning: bool,
 }
 
 /// A kind of plot.

@@ -19,11 +19,13 @@ pub enum Parameter {
     Nu,
     /// Ratio of the radii ξ.
     Xi,
+    /// ε of the regularised friction law.
+    Smoothing,
 }
 
 impl Parameter {
     /// All parameters, in the order of their columns.
-    pub const ALL: [Parameter; 7] = [
+    pub const ALL: [Parameter; 8] = [
         Parameter::Mismatch,
         Parameter::Friction,
         Parameter::MassDamping,
@@ -31,6 +33,7 @@ impl Parameter {
         Parameter::Gamma,
         Parameter::Nu,
         Parameter::Xi,
+        Parameter::Smoothing,
     ];
 
     /// Name of the column in `branch.csv`.
@@ -43,6 +46,7 @@ impl Parameter {
             Parameter::Gamma => "gamma",
             Parameter::Nu => "nu",
             Parameter::Xi => "xi",
+            Parameter::Smoothing => "smoothing",
         }
     }
 
@@ -56,6 +60,7 @@ impl Parameter {
             Parameter::Gamma => "γ",
             Parameter::Nu => "ν",
             Parameter::Xi => "ξ",
+            Parameter::Smoothing => "ε",
         }
     }
 
@@ -76,6 +81,7 @@ impl Parameter {
             Parameter::Gamma => "model.coefficients.gamma",
             Parameter::Nu => "model.coefficients.nu",
             Parameter::Xi => "model.coefficients.xi",
+            Parameter::Smoothing => "model.friction_law.epsilon",
         }
     }
 
@@ -92,6 +98,7 @@ impl Parameter {
                 value > -1.0 && value < 0.5,
                 "Poisson's ratio must lie between -1 and 0.5, both excluded",
             ),
+            Parameter::Smoothing => (value > 0.0, "the smoothing must be greater than 0"),
             Parameter::Xi => (value > 1.0, "the ratio of the radii must be greater than 1"),
         }
     }

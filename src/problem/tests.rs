@@ -184,8 +184,11 @@ fn parameters_by_column() {
     }
     assert_eq!(Parameter::from_column("speed"), None);
     let model = parse(FULL, "p.ron").unwrap().model;
-    let values = Parameter::ALL.map(|parameter| model.value(parameter).unwrap());
-    assert_eq!(values, [0.2, 0.5, 0.01, 0.02, 1.0, 0.3, 1.5]);
+    let values = Parameter::ALL.map(|parameter| model.value(parameter));
+    let expected = [0.2, 0.5, 0.01, 0.02, 1.0, 0.3, 1.5].map(Some);
+    assert_eq!(values[..7], expected);
+    // only the regularised law has a smoothing
+    assert_eq!(values[7], None);
     let given = parse(
         &coefficients("Given(a: 2, b: 1, D: -1, g: 1, h: 1)"),
         "p.ron",

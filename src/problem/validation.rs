@@ -5,8 +5,9 @@ use std::fmt::Debug;
 use super::error::excerpt;
 use super::outline::Outline;
 use super::{
-    Coefficients, Continuation, Expectation, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Model, Output,
-    Parameter, Plot, Problem, Sectors, StabilitySection, Start, Toward, Wave,
+    Coefficients, Continuation, Expectation, FrictionLaw, Impact, MAX_DEGREE, MAX_INTERVALS,
+    MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Method, Model, Output, Parameter, Plot, Problem,
+    Sectors, StabilitySection, Start, Toward, Wave,
 };
 use crate::branch::{BRANCH_HEADER, WORD_COLUMNS};
 
@@ -24,6 +25,9 @@ pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
     let mode = problem.wave.mode;
     model(&problem.model)?;
     wave(&problem.wave)?;
+    if let Some(chosen) = problem.method {
+        method(chosen, problem.model.friction_law)?;
+    }
     if let Some(section) = &problem.continuation {
         range(section)?;
         first_point(section, &problem.model, &problem.wave.start)?;
@@ -79,6 +83,7 @@ fn model(model: &Model) -> Check {
             number(parameter.path(), value, holds, rule)?;
         }
     }
+    friction_law(model.friction_law, model.impact)?;
     let Coefficients::Given { a, b, d, g, h } = model.coefficients else {
         return Ok(());
     };
@@ -93,6 +98,59 @@ fn model(model: &Model) -> Check {
         number(&format!("model.coefficients.{name}"), value, holds, rule)?;
     }
     Ok(())
+}
+
+fn friction_law(law: FrictionLaw, impact: Impact) -> Check {
+    let rule = "static friction is at least kinetic friction: the ratio is at least 1";
+    match law {
+        FrictionLaw::Regularised { .. } if impact == Impact::Coulomb => refuse(
+            "model.impact",
+            "a `Coulomb` impact needs a friction law with a sliding direction",
+            "leave out `impact`, or the `Regularised` friction law",
+        ),
+        FrictionLaw::Coulomb | FrictionLaw::Regularised { .. } => Ok(()),
+        FrictionLaw::Static { ratio } => {
+            number("model.friction_law.ratio", ratio, ratio >= 1.0, rule)
+        }
+        FrictionLaw::Stribeck { ratio, velocity } => {
+            number("model.friction_law.ratio", ratio, ratio >= 1.0, rule)?;
+            let rule = "the velocity over which friction falls must be greater than 0";
+            number(
+                "model.friction_law.velocity",
+                velocity,
+                velocity > 0.0,
+                rule,
+            )
+        }
+    }
+}
+
+fn method(method: Method, law: FrictionLaw) -> Check {
+    match method {
+        Method::Exact => {
+            let exact = matches!(law, FrictionLaw::Coulomb | FrictionLaw::Static { .. });
+            let rule = "this friction law depends on the velocity and has no closed form; write \
+                        `Shooting(tolerance: 1e-12)` or `Collocation(intervals: 20, degree: 4)`";
+            admit("method", method, exact, rule)
+        }
+        Method::Shooting { tolerance } => {
+            let holds = (1e-14..=MAX_TOLERANCE).contains(&tolerance);
+            let rule = format!("the tolerance must lie between 1e-14 and {MAX_TOLERANCE:?}");
+            number("method.tolerance", tolerance, holds, &rule)
+        }
+        Method::Collocation { intervals, degree } => {
+            let rule = format!("a zone has 2 to {MAX_INTERVALS} mesh intervals");
+            let holds = (2..=MAX_INTERVALS).contains(&intervals);
+            admit("method.intervals", intervals, holds, &rule)?;
+            let rule = format!("an interval has 2 to {MAX_DEGREE} collocation points");
+            admit(
+                "method.degree",
+                degree,
+                (2..=MAX_DEGREE).contains(&degree),
+                &rule,
+            )
+        }
+    }
 }
 
 fn wave(Wave { mode, start }: &Wave) -> Check {
@@ -123,9 +181,17 @@ fn first_point(section: &Continuation, model: &Model, start: &Start) -> Check {
     let Some(value) = model.value(section.parameter) else {
         return refuse(
             "continuation.parameter",
-            format!("`{column}` cannot be continued: the coefficients are `Given`"),
-            "use `coefficients: Geometry(nu: .., xi: .., gamma: ..)`, or continue in Mismatch, \
-             Friction, MassDamping or StiffnessDamping",
+            if section.parameter == Parameter::Smoothing {
+                format!("`{column}` cannot be continued: the friction law has no smoothing")
+            } else {
+                format!("`{column}` cannot be continued: the coefficients are `Given`")
+            },
+            if section.parameter == Parameter::Smoothing {
+                "use `friction_law: Regularised(epsilon: 0.02)`"
+            } else {
+                "use `coefficients: Geometry(nu: .., xi: .., gamma: ..)`, or continue in Mismatch, \
+                 Friction, MassDamping or StiffnessDamping"
+            },
         );
     };
     // A restart brings its own parameters.
@@ -236,7 +302,11 @@ fn stability(section: &StabilitySection, mode: u32) -> Check {
     number("stability.max_frequency", highest, highest > 0.0, rule)
 }
 
-fn output(Output { plots, profiles }: &Output) -> Check {
+fn output(
+    Output {
+        plots, profiles, ..
+    }: &Output,
+) -> Check {
     let rule = format!("ask for at most {MAX_PROFILES} profiles");
     admit(
         "output.profiles",

@@ -32,6 +32,9 @@ pub struct HighFrequency {
     trace: Vec<(f64, f64)>,
     /// (a, τ) of d.
     determinant: Option<(f64, f64)>,
+    /// A release from static friction multiplies η′ by λ² while a zone divides it by λ: N grows
+    /// like λ, and Re λ without bound, like ln|λ| over the delay.
+    unbounded: bool,
 }
 
 /// Two paths whose advances differ by less than this fraction of the period are one.
@@ -134,6 +137,10 @@ impl HighFrequency {
         HighFrequency {
             trace,
             determinant: (!characteristic.stick).then_some(determinant),
+            unbounded: characteristic
+                .zones
+                .iter()
+                .any(|zone| matches!(zone.jump, Jump::StaticRelease(_))),
         }
     }
 
@@ -161,8 +168,12 @@ impl HighFrequency {
             .sum()
     }
 
-    /// ρ, the largest limit point of Re λ; NaN where a coefficient is infinite.
+    /// ρ, the largest limit point of Re λ: infinite with static friction, NaN where a coefficient is
+    /// infinite.
     pub fn limit(&self) -> f64 {
+        if self.unbounded {
+            return f64::INFINITY;
+        }
         if !self
             .terms()
             .all(|(factor, delay)| factor.is_finite() && delay > 0.0)

@@ -16,7 +16,7 @@
 //! | switch | jump |
 //! |---|---|
 //! | arrest | η continuous, η′ := 0 |
-//! | release | none |
+//! | release | none; from static friction r·f > f: η′ := V̈⁺(h + rfκλ − ãλ²)η/h |
 //! | reversal | η continuous, η′ := η′·V̈⁺/V̈⁻ |
 //! | take-off | u = u′ = 0, η and η′ continuous |
 //! | landing | τ = −u/U̇⁻; u, u′ dropped; η continuous, η′ := η′ − (V̈⁺ − V̈⁻)τ |
@@ -51,6 +51,12 @@ pub enum NotLinearised {
     /// The flow could not be evaluated.
     #[error("{0}")]
     Flow(#[from] FlowError),
+    /// Friction that depends on the velocity: the slip zone has no constant coefficients.
+    #[error(
+        "the eigenfunction problem is posed for friction that does not depend on the velocity: \
+         stability is undecided"
+    )]
+    FrictionLaw,
     /// Landing with a Coulomb impact: the jump depends on the slope of the front, which changes
     /// m_a and m_b; the first-order theory above does not cover it.
     #[error("the perturbation of a Coulomb impact is not known: stability is undecided")]
@@ -130,6 +136,8 @@ impl Value {
 pub(super) enum Jump {
     /// Release, or nothing to do.
     None,
+    /// η′ := factor·(h + rfκλ − ãλ²)η: release from static friction.
+    StaticRelease(f64),
     /// η′ := 0.
     Arrest,
     /// η′ := ratio·η′.
@@ -171,6 +179,8 @@ pub struct Characteristic {
     pub(super) g: f64,
     pub(super) h: f64,
     pub(super) friction: f64,
+    /// Friction coefficient in stick.
+    pub(super) static_friction: f64,
     pub(super) damping: f64,
 }
 
@@ -197,6 +207,10 @@ const SERIES_TERMS: usize = 10;
 impl Characteristic {
     /// Linearises a solved wave.
     pub fn new(wave: &Wave, point: &Vector) -> Result<Characteristic, NotLinearised> {
+        let law = wave.model.law;
+        if !law.piecewise_linear() {
+            return Err(NotLinearised::FrictionLaw);
+        }
         let flows = wave.flows(point)?;
         let at = flows.frame.at;
         let count = wave.zones();
@@ -211,7 +225,10 @@ impl Characteristic {
             let (y, w, radial) = (end.y.value, end.w.value, end.radial_rate.value);
             let sliding = |regime: Regime| flows.contact(regime).acceleration([y, w]);
             let jump = match next.entry {
-                Entry::Release => Jump::None,
+                Entry::Release if law.jumps_at_release() => {
+                    Jump::StaticRelease(flows.contact(Regime::Slip).acceleration([y, 1.0]) / at.h)
+                }
+                Entry::Release | Entry::Section => Jump::None,
                 Entry::Arrest => Jump::Arrest,
                 Entry::TakeOff => Jump::TakeOff,
                 Entry::Reversal => Jump::Reversal(sliding(next.regime) / sliding(zone.regime)),
@@ -259,6 +276,7 @@ impl Characteristic {
             g: at.g,
             h: at.h,
             friction: at.friction,
+            static_friction: law.static_ratio() * at.friction,
             damping: at.damping,
         })
     }
@@ -287,6 +305,7 @@ impl Characteristic {
             exponent: 0.0,
         };
         if self.stick {
+            self.release(lambda, &mut state);
             for zone in &self.zones {
                 self.cross(zone, lambda, &mut state, 1);
             }
@@ -348,10 +367,19 @@ impl Characteristic {
         }
     }
 
+    /// The release before the first zone, on η = 1 and η′ = 0.
+    pub(super) fn release(&self, lambda: C64, state: &mut State) {
+        if let Some(zone) = self.zones.last()
+            && matches!(zone.jump, Jump::StaticRelease(_))
+        {
+            self.jump(zone.jump, lambda, state, 1);
+        }
+    }
+
     /// Carries `count` perturbations through a zone and the switch at its end.
     pub(super) fn cross(&self, zone: &LinearZone, lambda: C64, state: &mut State, count: usize) {
         self.flow(zone, lambda, zone.duration, state, count);
-        self.jump(zone.jump, state, count);
+        self.jump(zone.jump, lambda, state, count);
     }
 
     /// Carries perturbations through the first `duration` of a zone.
@@ -365,7 +393,7 @@ impl Characteristic {
     ) {
         match zone.regime {
             Regime::Stick => {}
-            Regime::Slip | Regime::Reverse => {
+            Regime::Slip | Regime::Reverse | Regime::Contact => {
                 let sigma = zone.regime.sliding().unwrap_or(1.0);
                 let (matrix, by, exponent) = self.contact(lambda, sigma, duration);
                 for column in 0..count {
@@ -406,12 +434,24 @@ impl Characteristic {
         }
     }
 
-    fn jump(&self, jump: Jump, state: &mut State, count: usize) {
+    fn jump(&self, jump: Jump, lambda: C64, state: &mut State, count: usize) {
+        if let Jump::StaticRelease(factor) = jump {
+            // the front moves by −(perturbation of Q − rfP)/h, and V̈ jumps at it
+            let force = self.static_friction * self.kappa;
+            let slope = (self.h + lambda * (force - lambda * self.a)) * factor;
+            let slope_by = (force - lambda * (2.0 * self.a)) * factor;
+            for column in 0..count {
+                let (eta, eta_by) = (state.columns[column][2], state.by[column][2]);
+                state.columns[column][3] = slope * eta;
+                state.by[column][3] = slope * eta_by + slope_by * eta;
+            }
+            return;
+        }
         for column in 0..count {
             for vector in [&mut state.columns[column], &mut state.by[column]] {
                 let u = vector[0];
                 match jump {
-                    Jump::None => {}
+                    Jump::None | Jump::StaticRelease(_) => {}
                     Jump::Arrest => vector[3] = ZERO,
                     Jump::Reversal(ratio) => vector[3] *= ratio,
                     Jump::TakeOff => {

@@ -1272,7 +1272,7 @@ mod tests {
     use super::*;
     use crate::model::Source;
     use crate::model::coefficients::Geometry;
-    use crate::problem::Impact;
+    use crate::problem::{FrictionLaw, Impact};
 
     fn model(mismatch: f64) -> Model {
         Model {
@@ -1286,6 +1286,7 @@ mod tests {
             mass_damping: 0.0,
             stiffness_damping: 0.0,
             impact: Impact::Frictionless,
+            law: FrictionLaw::Coulomb,
         }
     }
 

@@ -45,11 +45,14 @@ struct Trace {
 
 const ZERO: C64 = C64::new(0.0, 0.0);
 
-/// State at the beginning of the wavelength: (η, η′) = (1, 0) behind a release; without stick the
+/// State at the beginning of the wavelength: (η, η′) = (1, 0) behind a release (η′ is not zero
+/// where static friction gives way); without stick the
 /// null vector of M e^{−λT} − z.
 fn beginning(characteristic: &Characteristic, lambda: C64, z: C64) -> Vector4<C64> {
     if characteristic.stick {
-        return Vector4::new(ZERO, ZERO, C64::from(1.0), ZERO);
+        let mut state = single(Vector4::new(ZERO, ZERO, C64::from(1.0), ZERO));
+        characteristic.release(lambda, &mut state);
+        return state.columns[0];
     }
     let mut state = unit_columns();
     for zone in &characteristic.zones {

@@ -176,7 +176,7 @@ pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
                 collector.visit(entry[0] + flows.frame.steady().value);
                 collector.visit(entry[0] + duration + flows.frame.steady().value);
             }
-            Regime::Slip | Regime::Reverse => {
+            Regime::Slip | Regime::Reverse | Regime::Contact => {
                 contact_zone(&mut collector, &flows, index, entry, duration)?;
             }
             Regime::Separation => {
@@ -199,10 +199,11 @@ fn edge_margins(
     let mut margins = Vec::with_capacity(4);
     let watched = |watch: Watch| edge_margin(wave, flows, point, index, watch);
     margins.push((Watch::Duration, watched(Watch::Duration)?));
-    if zone.entry == Entry::Landing {
+    if zone.entry == Entry::Landing && zone.regime != Regime::Contact {
         margins.push((Watch::LandingRate, watched(Watch::LandingRate)?));
     }
-    if matches!(zone.entry, Entry::Landing | Entry::ArrestedLanding) && zone.regime == Regime::Slip
+    if matches!(zone.entry, Entry::Landing | Entry::ArrestedLanding)
+        && matches!(zone.regime, Regime::Slip | Regime::Contact)
     {
         margins.push((Watch::LandingPressure, watched(Watch::LandingPressure)?));
     }
@@ -251,11 +252,12 @@ fn edge_margin(
     // Q − fP in slip terms: hY + α − fκW, with W = 1
     let excess = |y: Jet| {
         let h = frame.jet(frame.at.h, |by| by.h);
-        h.times(y.plus(-1.0, frame.release()))
+        h.times(y.plus(-1.0, frame.release(wave.model.law)))
     };
-    // 2fP at W = 1
+    // 2rfP at W = 1, r the static by the kinetic coefficient
     let band = || {
-        let f = frame.jet(frame.at.friction, |by| by.friction);
+        let r = wave.model.law.static_ratio();
+        let f = frame.jet(r * frame.at.friction, |by| r * by.friction);
         f.times(frame.weight().plus(1.0, frame.kappa()))
             .affine(2.0, 0.0)
     };
@@ -292,11 +294,9 @@ fn edge_margin(
     })
 }
 
-/// A zero of V̈ closer to a release than this, in radians, is the release itself.
-const AT_RELEASE: f64 = 1e-6;
-
-/// A contact zone. W is monotone between the zeros of V̈, which are known in closed form: its
-/// values there and at the ends decide every inequality. Where W = 1 or P = 0 by the switching
+/// A contact zone. W is monotone between the zeros of V̈, which are known in closed form (by a
+/// numerical method, as far as its samples show them): its values there and at the ends decide
+/// every inequality. Where W = 1 or P = 0 by the switching
 /// conditions, the end itself says nothing, and monotonicity does the rest.
 fn contact_zone(
     collector: &mut Collector,
@@ -317,10 +317,10 @@ fn contact_zone(
     let weight = flows.frame.weight().value;
     let kappa = flows.frame.at.kappa;
     let steady = flows.frame.steady().value;
-    let order = Wave::order_at_entry(zone.entry);
-    let acceleration = flow.acceleration(entry);
+    let order = wave.order_at_entry(zone.entry);
     let mut least_pressure = f64::INFINITY;
-    let mut decided = false;
+    // a smooth law has no direction of sliding to keep
+    let mut decided = zone.regime == Regime::Contact;
     let mut judge = |collector: &mut Collector, at_start: bool, at_end: bool, w: f64| {
         let pressure = weight + kappa * w;
         if !(at_end && takes_off) {
@@ -332,7 +332,7 @@ fn contact_zone(
             least_pressure = least_pressure.min(0.0);
         }
         let known = at_start && order > 0 || at_end && !takes_off;
-        if !known {
+        if !known && zone.regime != Regime::Contact {
             decided = true;
             let lag = sigma * (1.0 - w);
             if lag.is_nan() || lag <= 0.0 {
@@ -341,30 +341,18 @@ fn contact_zone(
         }
     };
     judge(collector, true, false, entry[1]);
-    let jerk = 2.0 * flow.p * acceleration - flow.q * entry[1];
-    // V̈ = 0 at a release by the switching condition, not to the last digit
-    let acceleration = if order == 2 { 0.0 } else { acceleration };
-    let near_release = if order == 2 {
-        AT_RELEASE / flow.q.sqrt()
-    } else {
-        0.0
-    };
-    for time in flow.zeros(acceleration, jerk, duration) {
-        if time <= near_release {
-            continue;
-        }
-        let state = flow.state(entry, time);
+    for time in flow.turning_points(entry, duration, order == 2)? {
+        let state = flow.state(entry, time)?;
         judge(collector, false, false, state[1]);
-        // W⃛ = −qW where V̈ = 0: a maximum for W > 0, a minimum for W < 0
-        let maximum = state[1] > 0.0;
-        if maximum == (sigma > 0.0) {
+        let maximum = flow.jerk(state) < 0.0;
+        if zone.regime != Regime::Contact && maximum == (sigma > 0.0) {
             interior(collector, flows, Watch::Rate, index, entry, time)?;
         }
-        if !maximum && zone.regime == Regime::Slip {
+        if !maximum && zone.regime != Regime::Reverse {
             interior(collector, flows, Watch::Pressure, index, entry, time)?;
         }
     }
-    let end = flow.state(entry, duration);
+    let end = flow.state(entry, duration)?;
     judge(collector, false, true, end[1]);
     if !decided {
         // both ends at W = 1 and nothing between them: the zone has no room
@@ -373,8 +361,8 @@ fn contact_zone(
     let known = collector.examination.least_pressure;
     collector.examination.least_pressure = known.min(least_pressure);
     collector.visit(entry[0] + steady);
-    for time in flow.zeros(entry[1], flow.acceleration(entry), duration) {
-        collector.visit(flow.state(entry, time)[0] + steady);
+    for time in flow.extremes(entry, duration)? {
+        collector.visit(flow.state(entry, time)?[0] + steady);
     }
     collector.visit(end[0] + steady);
     Ok(())
@@ -442,7 +430,9 @@ fn separation_zone(
     for piece in 0..pieces {
         let start = piece as f64 * h;
         let order = if piece == 0 {
-            Wave::order_at_entry(collector.wave.signature.zone(index).entry)
+            collector
+                .wave
+                .order_at_entry(collector.wave.signature.zone(index).entry)
         } else {
             0
         };
@@ -596,9 +586,8 @@ impl AtZero {
                 rate / acceleration
             } else {
                 let flow = flows.contact(regime);
-                let state = flow.state(entry, time);
-                let acceleration = flow.acceleration(state);
-                acceleration / (2.0 * flow.p * acceleration - flow.q * state[1])
+                let state = flow.state(entry, time)?;
+                flow.acceleration(state) / flow.jerk(state)
             };
             if !step.is_finite() {
                 return Err(FlowError::Overflow { duration: time });

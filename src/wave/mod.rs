@@ -8,19 +8,22 @@
 //!
 //! | switch | switching condition at the end of the zone | W after it |
 //! |---|---|---|
-//! | release | hY = fκ − α | W = 1 |
-//! | arrest, reversal | (W − 1)/T^m = 0 | W |
+//! | release | hY = rfκ + (r − 1)fgδ − α | 1 |
+//! | arrest, reversal | (W − 1)/T^m = 0 | 1 |
 //! | take-off | P = 0 | W |
 //! | landing | (U − δ)/T^m = 0 | W, or W ± f m_b \|U̇\|/m_a with a Coulomb impact |
 //! | arrested landing | (U − δ)/T^m = 0 | 1 |
+//! | section | W = 0 | 0 |
 //! | touch | (U − δ)/T^m = 0 | W |
 //!
 //! m is the order of the zero at the entry of the zone. Of W − 1: 2 after a release (V̈ = 0 there),
-//! 1 after a reversal or an arrested landing. Of U − δ: 3 after take-off, 2 after a touch. Divided out, the zone may shrink to nothing and
+//! 1 after a reversal, an arrested landing or a release from
+//! static friction. Of U − δ: 3 after take-off, 2 after a touch. Divided out, the zone may shrink to nothing and
 //! beyond while the equations stay regular, which is how zones open and close along a branch: the
 //! square-root law T ∝ √(δ* − δ) of a nascent zone is the parabola δ* − δ ∝ T² of its duration.
 
 pub mod admissibility;
+pub mod precise;
 pub mod profile;
 pub mod start;
 pub mod successor;
@@ -29,13 +32,17 @@ use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use crate::flow::contact::ContactFlow;
+use crate::flow::numerical::{Integrator, NumericalContact, NumericalSeparation};
 use crate::flow::separation::SeparationFlow;
-use crate::flow::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, FlowError, Frame, Jet, PARAMETER, ZoneEnd};
+use crate::flow::{
+    DURATION, ENTRY_W, ENTRY_Y, EXCESS, FlowError, Frame, FreeFlow, Jet, PARAMETER, SlidingFlow,
+    ZoneEnd,
+};
 use crate::linalg::{Matrix, Vector};
 use crate::model::signature::{Entry, Regime, Signature};
 use crate::model::{Model, Parameters};
 use crate::newton::System;
-use crate::problem::Parameter;
+use crate::problem::{FrictionLaw, Method, Parameter};
 
 /// Units of the unknowns, constant along a branch: they make every scaled unknown of order one,
 /// and they follow the exact scaling (γ, δ, c) → (s²γ, sδ, c/s) of the model.
@@ -72,6 +79,8 @@ pub struct Wave {
     pub signature: Signature,
     /// Units.
     pub scales: Scales,
+    /// How the equations of a zone are solved.
+    pub method: Method,
     /// Numbers of the model at its own parameter values: valid wherever the continuation
     /// parameter does not enter a, b, D, g, h.
     fixed: Parameters,
@@ -82,40 +91,63 @@ pub struct Wave {
 pub struct Flows {
     /// Frame.
     pub frame: Frame,
-    slip: OnceCell<ContactFlow>,
-    reverse: OnceCell<ContactFlow>,
-    separation: OnceCell<SeparationFlow>,
+    law: FrictionLaw,
+    integrator: Option<Integrator>,
+    slip: OnceCell<SlidingFlow>,
+    reverse: OnceCell<SlidingFlow>,
+    separation: OnceCell<FreeFlow>,
 }
 
 impl Flows {
-    fn new(frame: Frame) -> Flows {
+    fn new(frame: Frame, law: FrictionLaw, method: Method) -> Flows {
         Flows {
             frame,
+            law,
+            integrator: Integrator::of(method, law),
             slip: OnceCell::new(),
             reverse: OnceCell::new(),
             separation: OnceCell::new(),
         }
     }
 
+    fn sliding(&self, sigma: f64) -> SlidingFlow {
+        match self.integrator {
+            None => SlidingFlow::Exact(ContactFlow::new(&self.frame, sigma)),
+            Some(integrator) => SlidingFlow::Numerical(NumericalContact::new(
+                &self.frame,
+                self.law,
+                sigma,
+                integrator,
+            )),
+        }
+    }
+
     /// Flow of a sliding regime; slip for anything that is not reverse.
-    pub fn contact(&self, regime: Regime) -> &ContactFlow {
+    pub fn contact(&self, regime: Regime) -> &SlidingFlow {
         match regime {
-            Regime::Reverse => self
-                .reverse
-                .get_or_init(|| ContactFlow::new(&self.frame, -1.0)),
-            _ => self.slip.get_or_init(|| ContactFlow::new(&self.frame, 1.0)),
+            Regime::Reverse => self.reverse.get_or_init(|| self.sliding(-1.0)),
+            _ => self.slip.get_or_init(|| self.sliding(1.0)),
         }
     }
 
     /// Flow of separation.
-    pub fn separation(&self) -> &SeparationFlow {
-        self.separation
-            .get_or_init(|| SeparationFlow::new(&self.frame))
+    pub fn separation(&self) -> &FreeFlow {
+        self.separation.get_or_init(|| {
+            let exact = SeparationFlow::new(&self.frame);
+            match self.integrator {
+                None => FreeFlow::Exact(Box::new(exact)),
+                Some(integrator) => FreeFlow::Numerical(Box::new(NumericalSeparation::new(
+                    &self.frame,
+                    exact.norm(),
+                    integrator,
+                ))),
+            }
+        })
     }
 }
 
 impl Wave {
-    /// The boundary-value problem of a signature.
+    /// The boundary-value problem of a signature, with the default method of the friction law.
     pub fn new(
         model: Model,
         parameter: Parameter,
@@ -129,9 +161,16 @@ impl Wave {
             mode,
             signature,
             scales,
+            method: model.law.default_method(),
             fixed: model.parameters(),
             derivative: model.derivative(parameter),
         }
+    }
+
+    /// The same problem solved by another method.
+    pub fn with_method(mut self, method: Method) -> Wave {
+        self.method = method;
+        self
     }
 
     /// The same wave under another signature.
@@ -225,16 +264,21 @@ impl Wave {
     pub fn flows(&self, point: &Vector) -> Result<Flows, FlowError> {
         let (parameters, derivative) = self.parameters_at(point);
         let frame = Frame::new(&parameters, &derivative, self.excess_at(point))?;
-        Ok(Flows::new(frame))
+        Ok(self.flows_of(frame))
+    }
+
+    fn flows_of(&self, frame: Frame) -> Flows {
+        Flows::new(frame, self.model.law, self.method)
     }
 
     /// Order of the zero just after an entry: of W − 1 in sliding, of U − δ in separation.
-    pub fn order_at_entry(entry: Entry) -> usize {
+    pub fn order_at_entry(&self, entry: Entry) -> usize {
         match entry {
+            Entry::Release if self.model.law.jumps_at_release() => 1,
             Entry::TakeOff => 3,
             Entry::Release | Entry::Touch => 2,
             Entry::Reversal | Entry::ArrestedLanding => 1,
-            Entry::Arrest | Entry::Landing => 0,
+            Entry::Arrest | Entry::Landing | Entry::Section => 0,
         }
     }
 
@@ -265,24 +309,23 @@ impl Wave {
                     y,
                     w,
                     radial_rate: Jet::default(),
-                    switching: y.plus(-1.0, flows.frame.release()).affine(1.0 / time, 0.0),
+                    switching: y
+                        .plus(-1.0, flows.frame.release(self.model.law))
+                        .affine(1.0 / time, 0.0),
                 })
             }
-            Regime::Slip | Regime::Reverse => {
-                let flow = flows.contact(zone.regime);
-                let [y, w] = flow.advance(entry, duration)?;
+            Regime::Slip | Regime::Reverse | Regime::Contact => {
+                let order = self.order_at_entry(zone.entry);
+                let [y, w, reduced] = flows.contact(zone.regime).zone(entry, duration, order)?;
                 let switching = if next == Entry::TakeOff {
                     flows
                         .frame
                         .pressure(w)
                         .affine(1.0 / self.scales.pressure, 0.0)
+                } else if next == Entry::Section {
+                    w
                 } else {
-                    match Wave::order_at_entry(zone.entry) {
-                        0 => w.affine(1.0, -1.0),
-                        m => flow
-                            .reduced_rate(entry, duration, m, w)
-                            .affine(time.powi(m as i32), 0.0),
-                    }
+                    reduced.affine(time.powi(order as i32), 0.0)
                 };
                 Ok(ZoneEnd {
                     y,
@@ -295,11 +338,11 @@ impl Wave {
                 let mut end =
                     flows
                         .separation()
-                        .zone(entry, duration, Wave::order_at_entry(zone.entry))?;
+                        .zone(entry, duration, self.order_at_entry(zone.entry))?;
                 // U − δ in units of time, duration in units of time: (U − δ)/T^m · time^{m−1}
                 end.switching = end
                     .switching
-                    .affine(time.powi(Wave::order_at_entry(zone.entry) as i32 - 1), 0.0);
+                    .affine(time.powi(self.order_at_entry(zone.entry) as i32 - 1), 0.0);
                 Ok(end)
             }
         }
@@ -309,10 +352,13 @@ impl Wave {
     pub fn rate_after_switch(&self, flows: &Flows, end: &ZoneEnd, index: usize) -> Jet {
         let next = self.signature.zone(index + 1);
         match next.entry {
-            Entry::ArrestedLanding => Jet {
+            // set, not carried over: the switching function of a zone entered at W = 1 takes that for
+            // granted
+            Entry::Arrest | Entry::Release | Entry::Reversal | Entry::ArrestedLanding => Jet {
                 value: 1.0,
                 ..Jet::default()
             },
+            Entry::Section => Jet::default(),
             Entry::Landing => {
                 let sign = match self.model.impact {
                     crate::problem::Impact::Frictionless => return end.w,
@@ -351,7 +397,7 @@ impl System for Wave {
     ) -> Result<(), FlowError> {
         let (parameters, derivative) = self.parameters_at(point);
         let excess = self.excess_at(point);
-        let flows = Flows::new(Frame::new(&parameters, &derivative, excess)?);
+        let flows = self.flows_of(Frame::new(&parameters, &derivative, excess)?);
         let n = self.zones();
         let Scales { time, rate, .. } = self.scales;
         let units = jet_units(&self.scales);

@@ -2,6 +2,7 @@
 
 use crate::branch::ProfileSample;
 use crate::flow::FlowError;
+use crate::flow::equations::multiplier;
 use crate::linalg::Vector;
 use crate::model::signature::Regime;
 
@@ -40,25 +41,34 @@ pub fn sample(
         let duration = wave.duration_at(point, zone);
         let share = duration * speed / wavelength * resolution as f64;
         let intervals = share.ceil().clamp(1.0, resolution.max(1) as f64) as usize;
-        for index in 0..=intervals {
-            let time = duration * index as f64 / intervals as f64;
+        let times: Vec<f64> = (0..=intervals)
+            .map(|index| duration * index as f64 / intervals as f64)
+            .collect();
+        let sliding = match regime {
+            Regime::Stick | Regime::Separation => Vec::new(),
+            _ => flows.contact(regime).states(entry, duration, &times)?,
+        };
+        for (index, time) in times.into_iter().enumerate() {
             let (radial, radial_rate, [y, w]) = match regime {
                 Regime::Stick => (at.mismatch, 0.0, [entry[0] + time, entry[1]]),
                 Regime::Separation => {
                     let [u, rate, y, w] = flows.separation().state(entry, time)?;
                     (u, rate, [y, w])
                 }
-                _ => (at.mismatch, 0.0, flows.contact(regime).state(entry, time)),
+                _ => (at.mismatch, 0.0, sliding[index]),
             };
             let pressure = if regime == Regime::Separation {
                 0.0
             } else {
                 weight + at.kappa * w
             };
-            let shear = match regime.sliding() {
-                Some(sigma) => sigma * at.friction * pressure,
-                None if regime == Regime::Stick => at.h * (y + steady) + at.damping,
-                None => 0.0,
+            let shear = match regime {
+                Regime::Stick => at.h * (y + steady) + at.damping,
+                Regime::Separation => 0.0,
+                sliding => {
+                    let sigma = sliding.sliding().unwrap_or(1.0);
+                    multiplier(wave.model.law, sigma, w, at.smoothing) * at.friction * pressure
+                }
             };
             samples.push(ProfileSample {
                 theta: theta + time * speed,

@@ -12,8 +12,8 @@ use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime, Signature, Zone, paths};
 use crate::newton::System;
 
-use super::Wave;
 use super::admissibility::{Margin, Watch};
+use super::{Flows, Wave};
 
 /// New zones tried at one event: two suffice for every codimension-one event of the table, since
 /// one instant can pass at most through reverse and stick on its way between two others.
@@ -52,12 +52,14 @@ pub fn candidates(
     };
     let excess = wave.excess_at(point);
     let parameter = wave.parameter_at(point);
+    let flows = wave.flows(point)?;
     let mut found = Vec::new();
     let mut add = |zones: Vec<Zone>, states: Vec<[f64; 3]>, nascent: Vec<usize>| {
-        // one zone alone has no switch that could fix its phase
-        if zones.len() < 2 {
-            return;
-        }
+        let (zones, states, nascent) = match sectioned(wave, &flows, zones, states, nascent) {
+            Some(cut) => cut,
+            // one zone alone has no switch that could fix its phase
+            None => return,
+        };
         let (zones, states, nascent) = from_release(zones, states, nascent);
         let signature = Signature(zones);
         if signature == wave.signature {
@@ -86,7 +88,14 @@ pub fn candidates(
         states.rotate_right(1);
         add(zones, states, Vec::new());
     }
+    // a contact zone that is left alone closes on itself
+    if count == 1 && first.regime == Regime::Contact && !opened.joined {
+        add(opened.zones.clone(), opened.states.clone(), Vec::new());
+    }
     for chain in paths(last.regime, first.regime, LONGEST_CHAIN, wave.model.impact) {
+        if !chain.iter().all(|zone| wave.model.law.has(zone.regime)) {
+            continue;
+        }
         let inserted = chain.len() - 1;
         let mut zones = chain;
         let mut states = vec![[opened.instant[0], opened.instant[1], 0.0]; inserted];
@@ -95,6 +104,50 @@ pub fn candidates(
         add(zones, states, (0..inserted).collect());
     }
     Ok(found)
+}
+
+/// A cycle that can be posed: one contact zone alone is cut at V̇ = 0, and a wave with switches of
+/// its own is not. `None` for one zone of any other regime.
+#[allow(clippy::type_complexity)]
+fn sectioned(
+    wave: &Wave,
+    flows: &Flows,
+    mut zones: Vec<Zone>,
+    mut states: Vec<[f64; 3]>,
+    mut nascent: Vec<usize>,
+) -> Option<(Vec<Zone>, Vec<[f64; 3]>, Vec<usize>)> {
+    if zones.len() == 1 {
+        if !wave.model.law.has(zones[0].regime) || zones[0].regime != Regime::Contact {
+            return None;
+        }
+        let flow = flows.contact(Regime::Contact);
+        let [y, w, duration] = states[0];
+        let rising = flow
+            .extremes([y, w], duration)
+            .ok()?
+            .into_iter()
+            .filter_map(|time| flow.state([y, w], time).ok())
+            .find(|state| flow.acceleration(*state) > 0.0)?;
+        return Some((
+            Signature::contact().0,
+            vec![[rising[0], 0.0, duration]],
+            Vec::new(),
+        ));
+    }
+    let section = zones.iter().position(|zone| zone.entry == Entry::Section);
+    if let Some(index) = section {
+        let before = (index + zones.len() - 1) % zones.len();
+        if zones[before].regime == zones[index].regime {
+            states[before][2] += states[index][2];
+            zones.remove(index);
+            states.remove(index);
+            nascent.retain(|zone| *zone != index);
+            for zone in &mut nascent {
+                *zone -= usize::from(*zone > index);
+            }
+        }
+    }
+    Some((zones, states, nascent))
 }
 
 /// Rotates a cycle so that it begins at a release, if there is one.
@@ -157,7 +210,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
                     let [_, _, y, w] = flows.separation().state([y, w], margin.time)?;
                     [y, w]
                 }
-                regime => flows.contact(regime).state([y, w], margin.time),
+                regime => flows.contact(regime).state([y, w], margin.time)?,
             };
             states[index][2] = margin.time;
             let (mut zones, mut states) = rotated(index + 1, zones, &states);

@@ -35,6 +35,10 @@ fn zero_is_an_eigenvalue_of_every_wave() {
     for name in problems() {
         let (mut problem, text) = problem(&name);
         problem.stability = None;
+        // a velocity-dependent law has no eigenfunction problem here
+        if !problem.model.friction_law.piecewise_linear() {
+            continue;
+        }
         for item in follow(&problem, &text).items {
             let (wave, point) = item.wave();
             let characteristic = Characteristic::new(wave, point).expect("no Coulomb impact here");

@@ -7,7 +7,7 @@ use brakewave::continuation;
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Model, Source};
-use brakewave::problem::{self, Impact, Parameter, Problem};
+use brakewave::problem::{self, FrictionLaw, Impact, Parameter, Problem};
 use brakewave::run::{Branch, End, Item};
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::spectrum::{Request, Spectrum, spectrum};
@@ -34,6 +34,7 @@ pub fn tube(nu: f64, xi: f64, friction: f64, mismatch: f64) -> Model {
         mass_damping: 0.0,
         stiffness_damping: 0.0,
         impact: Impact::Frictionless,
+        law: FrictionLaw::Coulomb,
     }
 }
 

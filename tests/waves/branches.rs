@@ -5,11 +5,13 @@ use std::sync::Arc;
 use brakewave::begin::first_wave;
 use brakewave::branch::EventType;
 use brakewave::continuation;
+use brakewave::flow::SlidingFlow;
+use brakewave::flow::contact::ContactFlow;
 use brakewave::follow::{Follower, Found, Settings, Status};
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Model, Source};
-use brakewave::problem::{Impact, Parameter};
+use brakewave::problem::{FrictionLaw, Impact, Parameter};
 use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 
@@ -30,6 +32,7 @@ pub fn tube(nu: f64, xi: f64, friction: f64, mismatch: f64) -> Model {
         mass_damping: 0.0,
         stiffness_damping: 0.0,
         impact: Impact::Frictionless,
+        law: FrictionLaw::Coulomb,
     }
 }
 
@@ -251,4 +254,12 @@ pub fn specimens(case: &Case, steps: continuation::Settings) -> Vec<(Arc<Wave>, 
         chosen.extend(places.into_iter().map(|place| group[place].clone()));
     }
     chosen
+}
+
+/// The closed form behind a flow.
+pub fn exact(flow: &SlidingFlow) -> &ContactFlow {
+    match flow {
+        SlidingFlow::Exact(flow) => flow,
+        SlidingFlow::Numerical(_) => panic!("Coulomb's law has a closed form"),
+    }
 }

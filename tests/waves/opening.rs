@@ -15,13 +15,13 @@ use brakewave::linalg::Vector;
 use brakewave::model::signature::Regime;
 use brakewave::wave::Wave;
 
-use crate::branches::{fast_in_mismatch, regimes};
+use crate::branches::{exact, fast_in_mismatch, regimes};
 use crate::observed;
 
 /// Least pressure in the first zone, slip after release, of a wave without separation.
 fn least_pressure(wave: &Wave, point: &Vector) -> f64 {
     let flows = wave.flows(point).expect("a frame");
-    let flow = flows.contact(Regime::Slip);
+    let flow = exact(flows.contact(Regime::Slip));
     let entry = wave.entry_at(point, 0);
     let duration = wave.duration_at(point, 0);
     // V̈ vanishes at release and at the minimum

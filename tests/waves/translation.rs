@@ -24,7 +24,7 @@ use brakewave::newton::System;
 use brakewave::wave::Wave;
 
 use crate::branches::{
-    Case, STEPS, fast_in_friction, fast_in_mismatch, slow_in_mismatch, specimens,
+    Case, STEPS, exact, fast_in_friction, fast_in_mismatch, slow_in_mismatch, specimens,
     with_coulomb_impact, with_the_shaft,
 };
 use crate::observed;
@@ -51,9 +51,9 @@ fn check(name: &str, case: &Case) {
             let duration = wave.duration_at(&point, index);
             // V̈, and V⃛ or U⃛, at the entry
             let (acceleration, jerk) = match zone.regime {
-                Regime::Stick => (0.0, 0.0),
+                Regime::Stick | Regime::Contact => (0.0, 0.0),
                 Regime::Slip | Regime::Reverse => {
-                    let flow = flows.contact(zone.regime);
+                    let flow = exact(flows.contact(zone.regime));
                     let acceleration = flow.acceleration(entry);
                     (
                         acceleration,
@@ -135,13 +135,13 @@ fn check(name: &str, case: &Case) {
                 let end = wave.zone_end(&flows, &point, index).expect("an end");
                 let rates = match zone.regime {
                     Regime::Slip | Regime::Reverse => {
-                        let flow = flows.contact(zone.regime);
+                        let flow = exact(flows.contact(zone.regime));
                         (2.0 * flow.p * entry[1]).abs()
                             + flow.q * (entry[0].abs() + flow.shift.value.abs())
                     }
                     _ => 0.0,
                 };
-                let order = Wave::order_at_entry(zone.entry) as i32;
+                let order = wave.order_at_entry(zone.entry) as i32;
                 sizes(&end.switching, &entry, duration) / duration.abs()
                     + rates * (scales.time / duration.abs()).powi(order)
             } else {
@@ -170,7 +170,7 @@ fn is_series(flows: &brakewave::wave::Flows, regime: Regime, duration: f64) -> b
     let norm = if regime == Regime::Separation {
         flows.separation().norm()
     } else {
-        let flow = flows.contact(regime);
+        let flow = exact(flows.contact(regime));
         flow.q.sqrt() + 2.0 * flow.p.abs()
     };
     norm * duration <= 1.0

@@ -3,6 +3,7 @@
 //! Everything is read back from the tables on disk, so that a picture can be drawn again long
 //! after the run. Each picture is composed as SVG; PNG and PDF are converted from it.
 
+pub mod accuracy;
 mod axis;
 mod canvas;
 mod diagram;
@@ -181,8 +182,11 @@ fn compose(
 }
 
 /// The bytes of the picture's file.
+///
+/// # Errors
+/// The format is not compiled in, or the conversion fails.
 #[cfg(feature = "raster")]
-fn convert(svg: String, format: Format) -> Result<Vec<u8>, PlotError> {
+pub fn convert(svg: String, format: Format) -> Result<Vec<u8>, PlotError> {
     match format {
         Format::Svg => Ok(svg.into_bytes()),
         Format::Png => raster::png(&svg),
@@ -191,8 +195,11 @@ fn convert(svg: String, format: Format) -> Result<Vec<u8>, PlotError> {
 }
 
 /// The bytes of the picture's file.
+///
+/// # Errors
+/// The format is not compiled in, or the conversion fails.
 #[cfg(not(feature = "raster"))]
-fn convert(svg: String, format: Format) -> Result<Vec<u8>, PlotError> {
+pub fn convert(svg: String, format: Format) -> Result<Vec<u8>, PlotError> {
     match format {
         Format::Svg => Ok(svg.into_bytes()),
         Format::Png | Format::Pdf => Err(PlotError::FormatMissing(format.extension())),

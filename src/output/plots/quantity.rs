@@ -30,6 +30,7 @@ impl Quantity {
             "gamma" => Quantity::new("", "γ"),
             "nu" => Quantity::new("Poisson's ratio", "ν"),
             "xi" => Quantity::new("radius ratio", "ξ"),
+            "smoothing" => Quantity::new("smoothing", "ε"),
             "speed" => Quantity::new("speed", "c"),
             "switches" => Quantity::new("switching positions", "θ"),
             "min_pressure" => Quantity::new("least pressure", "min P"),

@@ -1,0 +1,447 @@
+//! Error against run time: one problem by every method and a ladder of its settings.
+//!
+//! The branch of the problem is followed by each method in turn. Events are paired with those of the
+//! reference in their order along the branch, waves at the user points and at the end of the range,
+//! where the parameter is the same to the last digit. The reference is the exact flow; for a slip-stick
+//! wave under Coulomb friction it is itself compared with the closed form in higher precision. Under
+//! a friction law without an exact flow the reference is collocation of order 12 on a fine mesh.
+//!
+//! The discretised ring has no branch and no switching points: it is solved at each of those
+//! waves that has no separation, and compared in speed and eigenvalues.
+
+use std::time::Instant;
+
+use nalgebra::Complex;
+
+use crate::branch::EventType;
+use crate::linalg::Vector;
+use crate::problem::{Continuation, FrictionLaw, Method, Problem};
+use crate::run::{Branch, End, RunError};
+use crate::stability::characteristic::Characteristic;
+use crate::stability::discretised;
+use crate::stability::spectrum::{Request, spectrum};
+use crate::wave::start::{self, SlipStick};
+use crate::wave::{Wave, precise, profile};
+
+/// One rung of the ladder of a method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rung {
+    /// A method of the boundary-value problem.
+    Flow(Method),
+    /// The discretised ring with n points per wavelength and ε.
+    Ring {
+        /// Points per wavelength.
+        points: usize,
+        /// Width of the friction law in V̇.
+        epsilon: f64,
+    },
+}
+
+impl Rung {
+    /// Name of the method.
+    pub fn method(self) -> &'static str {
+        match self {
+            Rung::Flow(Method::Exact) => "exact",
+            Rung::Flow(Method::Shooting { .. }) => "shooting",
+            Rung::Flow(Method::Collocation { .. }) => "collocation",
+            Rung::Ring { .. } => "ring",
+        }
+    }
+
+    /// The setting in words.
+    pub fn setting(self) -> String {
+        match self {
+            Rung::Flow(Method::Exact) => String::new(),
+            Rung::Flow(Method::Shooting { tolerance }) => format!("tolerance {tolerance:.0e}"),
+            Rung::Flow(Method::Collocation { intervals, degree }) => {
+                format!("{intervals} intervals of degree {degree}")
+            }
+            Rung::Ring { points, epsilon } => format!("{points} points, epsilon {epsilon}"),
+        }
+    }
+}
+
+/// The ladder for a friction law, from coarse to fine within each method.
+pub fn ladder(law: FrictionLaw) -> Vec<Rung> {
+    let mut rungs = Vec::new();
+    if law.piecewise_linear() {
+        rungs.push(Rung::Flow(Method::Exact));
+    }
+    if !matches!(law, FrictionLaw::Regularised { .. }) {
+        for tolerance in [1e-5, 1e-7, 1e-9, 1e-11, 1e-13] {
+            rungs.push(Rung::Flow(Method::Shooting { tolerance }));
+        }
+        for intervals in [3, 5, 10, 20, 40] {
+            let degree = 4;
+            rungs.push(Rung::Flow(Method::Collocation { intervals, degree }));
+        }
+    } else {
+        for intervals in [50, 100, 200, 400] {
+            let degree = 4;
+            rungs.push(Rung::Flow(Method::Collocation { intervals, degree }));
+        }
+    }
+    if law == FrictionLaw::Coulomb {
+        for (points, epsilon) in [(25, 0.1), (50, 0.05), (100, 0.02), (200, 0.005)] {
+            rungs.push(Rung::Ring { points, epsilon });
+        }
+    }
+    rungs
+}
+
+/// The method of the reference under a law.
+pub fn reference_method(law: FrictionLaw) -> Method {
+    match law {
+        FrictionLaw::Coulomb | FrictionLaw::Static { .. } => Method::Exact,
+        FrictionLaw::Stribeck { .. } => Method::Collocation {
+            intervals: 60,
+            degree: 6,
+        },
+        FrictionLaw::Regularised { .. } => Method::Collocation {
+            intervals: 600,
+            degree: 5,
+        },
+    }
+}
+
+/// A wave at a value of the parameter that every method meets exactly.
+struct Compared {
+    wave: Wave,
+    point: Vector,
+    speed: f64,
+    switches: Vec<f64>,
+    signature: String,
+    /// Leading eigenvalues, sector by sector.
+    leading: Option<Vec<Vec<Complex<f64>>>>,
+}
+
+/// A branch followed by one method.
+pub struct Followed {
+    points: usize,
+    events: Vec<(EventType, f64)>,
+    waves: Vec<Compared>,
+    failed: Option<String>,
+}
+
+/// What one rung achieves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Rung.
+    pub rung: Rung,
+    /// Points of the branch.
+    pub points: usize,
+    /// Events found, and those of the reference.
+    pub events: (usize, usize),
+    /// Largest relative error of c.
+    pub speed_error: Option<f64>,
+    /// Largest error of a switching point, in wavelengths.
+    pub switch_error: Option<f64>,
+    /// Largest relative error of the parameter at an event.
+    pub event_error: Option<f64>,
+    /// Largest error of a leading eigenvalue.
+    pub eigenvalue_error: Option<f64>,
+    /// Median run time in seconds, of the branch or of a wave of the ring.
+    pub seconds: f64,
+    /// What went wrong, if anything did.
+    pub failure: Option<String>,
+}
+
+impl Row {
+    /// Points per second.
+    pub fn rate(&self) -> f64 {
+        self.points as f64 / self.seconds
+    }
+
+    /// The largest of the errors of the wave and its events.
+    pub fn error(&self) -> Option<f64> {
+        [self.speed_error, self.switch_error, self.event_error]
+            .into_iter()
+            .flatten()
+            .reduce(f64::max)
+    }
+}
+
+/// Leading eigenvalues compared in each sector.
+const LEADING: usize = 1;
+
+/// Largest |Im λ| of the eigenvalues compared.
+const HIGHEST: f64 = 8.0;
+
+/// The problem as every method follows it: without stability and profiles, with a few user points
+/// if it has none.
+pub fn stripped(problem: &Problem, continuation: &Continuation) -> (Problem, Continuation) {
+    let mut problem = problem.clone();
+    problem.stability = None;
+    problem.output = Default::default();
+    problem.expect.clear();
+    let mut continuation = continuation.clone();
+    if continuation.stop_at.is_empty() {
+        let (low, high) = continuation.range;
+        continuation.stop_at = [0.25, 0.5, 0.75]
+            .map(|share| low + share * (high - low))
+            .to_vec();
+    }
+    (problem, continuation)
+}
+
+/// Follows the branch by a method.
+pub fn follow(
+    problem: &Problem,
+    continuation: &Continuation,
+    method: Method,
+    eigenvalues: bool,
+) -> Result<Followed, RunError> {
+    let mut problem = problem.clone();
+    problem.method = Some(method);
+    let mut branch = Branch::begin(&problem, continuation, None)?;
+    let mut followed = Followed {
+        points: 0,
+        events: Vec::new(),
+        waves: Vec::new(),
+        failed: None,
+    };
+    while branch.progress().end.is_none() {
+        for item in branch.step() {
+            followed.points += 1;
+            let Some(kind) = item.point.kind else {
+                continue;
+            };
+            let (wave, point) = item.wave();
+            if !matches!(kind, EventType::UZ | EventType::EP | EventType::MX) {
+                followed.events.push((kind, wave.parameter_at(point)));
+            }
+            if matches!(kind, EventType::UZ | EventType::EP) {
+                followed.waves.push(Compared {
+                    speed: wave.speed_at(point),
+                    switches: profile::switches(wave, point),
+                    signature: wave.signature.to_string(),
+                    leading: eigenvalues.then(|| leading(wave, point)).flatten(),
+                    wave: wave.clone(),
+                    point: point.clone(),
+                });
+            }
+        }
+    }
+    if let Some(End::Failed(reason)) = &branch.progress().end {
+        followed.failed = Some(reason.clone());
+    }
+    Ok(followed)
+}
+
+fn leading(wave: &Wave, point: &Vector) -> Option<Vec<Vec<Complex<f64>>>> {
+    let characteristic = Characteristic::new(wave, point).ok()?;
+    let request = Request {
+        sectors: (0..=wave.mode as usize / 2).collect(),
+        eigenvalues: LEADING,
+        max_frequency: HIGHEST,
+    };
+    let spectrum = spectrum(&characteristic, &request, None);
+    Some(
+        spectrum
+            .sectors
+            .iter()
+            .map(|sector| {
+                let listed = spectrum.listed(sector).take(LEADING);
+                listed.map(|eigenvalue| eigenvalue.value()).collect()
+            })
+            .collect(),
+    )
+}
+
+/// Largest of the errors, if there is any.
+fn worst(errors: impl Iterator<Item = f64>) -> Option<f64> {
+    errors.reduce(f64::max)
+}
+
+/// Largest distance of the reference's leading eigenvalues from the nearest found.
+fn eigenvalue_error(reference: &[Vec<Complex<f64>>], found: &[Vec<Complex<f64>>]) -> Option<f64> {
+    worst(reference.iter().zip(found).flat_map(|(one, other)| {
+        one.iter().filter_map(|value| {
+            other
+                .iter()
+                .map(|candidate| (candidate - value).norm())
+                .reduce(f64::min)
+        })
+    }))
+}
+
+/// How often a rung is repeated, and for how long at most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Repeats {
+    /// Most repetitions.
+    pub most: usize,
+    /// Seconds after which no further one begins.
+    pub seconds: f64,
+}
+
+/// Runs a piece of work repeatedly; the median time and the first result.
+fn timed<T>(repeats: Repeats, work: impl Fn() -> T) -> (f64, T) {
+    let begun = Instant::now();
+    let mut times = Vec::new();
+    let start = Instant::now();
+    let first = work();
+    times.push(start.elapsed().as_secs_f64());
+    while times.len() < repeats.most && begun.elapsed().as_secs_f64() < repeats.seconds {
+        let start = Instant::now();
+        let _ = work();
+        times.push(start.elapsed().as_secs_f64());
+    }
+    times.sort_by(f64::total_cmp);
+    (times[times.len() / 2], first)
+}
+
+/// Measures one rung against the reference.
+pub fn measure(
+    problem: &Problem,
+    continuation: &Continuation,
+    rung: Rung,
+    reference: &Followed,
+    repeats: Repeats,
+) -> Row {
+    match rung {
+        Rung::Flow(method) => flow_row(problem, continuation, method, reference, repeats),
+        Rung::Ring { points, epsilon } => ring_row(points, epsilon, reference, repeats),
+    }
+}
+
+fn empty(rung: Rung, reference: &Followed, failure: String) -> Row {
+    Row {
+        rung,
+        points: 0,
+        events: (0, reference.events.len()),
+        speed_error: None,
+        switch_error: None,
+        event_error: None,
+        eigenvalue_error: None,
+        seconds: f64::NAN,
+        failure: Some(failure),
+    }
+}
+
+fn flow_row(
+    problem: &Problem,
+    continuation: &Continuation,
+    method: Method,
+    reference: &Followed,
+    repeats: Repeats,
+) -> Row {
+    let rung = Rung::Flow(method);
+    let (seconds, found) = timed(repeats, || follow(problem, continuation, method, false));
+    // the eigenvalues are no part of the time
+    let found = match found.and_then(|_| follow(problem, continuation, method, true)) {
+        Ok(found) => found,
+        Err(error) => return empty(rung, reference, error.to_string()),
+    };
+    let mut row = Row {
+        points: found.points,
+        events: (found.events.len(), reference.events.len()),
+        seconds,
+        failure: found.failed.clone(),
+        ..empty(rung, reference, String::new())
+    };
+    if method == Method::Exact && problem.model.friction_law == FrictionLaw::Coulomb {
+        let precise: Vec<(f64, f64)> = found.waves.iter().filter_map(against_closed_form).collect();
+        row.speed_error = worst(precise.iter().map(|errors| errors.0));
+        row.switch_error = worst(precise.iter().map(|errors| errors.1));
+        return row;
+    }
+    let pairs = || {
+        let pairs = reference.waves.iter().zip(&found.waves);
+        pairs.filter(|(one, other)| one.signature == other.signature)
+    };
+    row.speed_error = worst(pairs().map(|(one, other)| (other.speed / one.speed - 1.0).abs()));
+    row.switch_error = worst(pairs().flat_map(|(one, other)| {
+        let wavelength = one.switches.last().copied().unwrap_or(1.0);
+        let both = one.switches.iter().zip(&other.switches);
+        both.map(move |(one, other)| (one - other).abs() / wavelength)
+            .collect::<Vec<_>>()
+    }));
+    let same = reference.events.len() == found.events.len()
+        && (reference.events.iter().zip(&found.events)).all(|(one, other)| one.0 == other.0);
+    if same {
+        let both = reference.events.iter().zip(&found.events);
+        row.event_error = worst(both.map(|(one, other)| (other.1 / one.1 - 1.0).abs()));
+    } else if row.failure.is_none() {
+        row.failure = Some("not the events of the reference".into());
+    }
+    row.eigenvalue_error = worst(pairs().filter_map(|(one, other)| {
+        eigenvalue_error(one.leading.as_ref()?, other.leading.as_ref()?)
+    }));
+    row
+}
+
+/// Relative error of c and of the zone lengths of a slip-stick wave against the closed form in
+/// higher precision.
+fn against_closed_form(compared: &Compared) -> Option<(f64, f64)> {
+    let Compared { wave, point, .. } = compared;
+    if compared.signature != "slip-stick" {
+        return None;
+    }
+    let zones = wave.unpack(point);
+    let near = SlipStick {
+        excess: wave.excess_at(point),
+        speed: compared.speed,
+        slip: zones[0][2],
+        stick: zones[1][2],
+        least_rate: f64::NAN,
+        release: zones[0][0],
+    };
+    let exact = precise::slip_stick(&wave.model_at(point), wave.mode, &near)?;
+    let speed = (compared.speed / exact.speed - 1.0).abs();
+    let period = exact.slip + exact.stick;
+    let switch = (near.slip - exact.slip).abs() / period;
+    Some((speed, switch))
+}
+
+fn ring_row(points: usize, epsilon: f64, reference: &Followed, repeats: Repeats) -> Row {
+    let rung = Rung::Ring { points, epsilon };
+    let waves: Vec<&Compared> = reference
+        .waves
+        .iter()
+        .filter(|compared| !compared.signature.contains("separation"))
+        .collect();
+    if waves.is_empty() {
+        return empty(rung, reference, "every wave has separation".into());
+    }
+    let settings = discretised::Settings {
+        points,
+        epsilon,
+        which: start::Which::Fast,
+        ..discretised::Settings::default()
+    };
+    let solve = || -> Result<Vec<_>, discretised::Error> {
+        waves
+            .iter()
+            .map(|compared| discretised::solve_from(&compared.wave, &compared.point, &settings))
+            .collect()
+    };
+    let (seconds, rings) = timed(repeats, solve);
+    let rings = match rings {
+        Ok(rings) => rings,
+        Err(error) => return empty(rung, reference, error.to_string()),
+    };
+    let pairs = || waves.iter().zip(&rings);
+    let eigenvalues = pairs().filter_map(|(compared, ring)| {
+        let exact = compared.leading.as_ref()?;
+        let found: Option<Vec<Vec<Complex<f64>>>> = (0..exact.len())
+            .map(|sector| {
+                let values = ring
+                    .eigenvalues(sector as u32, 2.0 * HIGHEST, usize::MAX)
+                    .ok()?;
+                Some(values.iter().map(|v| Complex::new(v.re, v.im)).collect())
+            })
+            .collect();
+        eigenvalue_error(exact, &found?)
+    });
+    Row {
+        points: waves.len(),
+        speed_error: worst(
+            pairs().map(|(compared, ring)| (ring.speed / compared.speed - 1.0).abs()),
+        ),
+        eigenvalue_error: worst(eigenvalues),
+        seconds,
+        failure: None,
+        events: (0, 0),
+        ..empty(rung, reference, String::new())
+    }
+}

@@ -1,0 +1,51 @@
+//! Waves that the claims are about.
+
+use brakewave::begin::{first_wave, polish};
+use brakewave::continuation::Settings;
+use brakewave::linalg::Vector;
+use brakewave::model::coefficients::Geometry;
+use brakewave::model::{Model, Source};
+use brakewave::problem::{FrictionLaw, Impact, Method, Parameter};
+use brakewave::wave::Wave;
+use brakewave::wave::start::Which;
+
+/// Steps of the default problem.
+pub const STEPS: Settings = Settings {
+    ds: 0.005,
+    ds_min: 1e-12,
+    ds_max: 0.01,
+    tolerance: 1e-10,
+};
+
+/// The tube of the mode-4 branches under a friction law.
+pub fn tube(friction: f64, mismatch: f64, law: FrictionLaw) -> Model {
+    Model {
+        source: Source::Geometry(Geometry {
+            nu: 0.3,
+            xi: 1.5,
+            gamma: 1.0,
+        }),
+        friction,
+        mismatch,
+        mass_damping: 0.0,
+        stiffness_damping: 0.0,
+        impact: Impact::Frictionless,
+        law,
+    }
+}
+
+/// The fast mode-4 wave of a model, posed in the mismatch.
+pub fn fast(model: &Model) -> (Wave, Vector) {
+    first_wave(model, Parameter::Mismatch, 4, Which::Fast, 1.0, STEPS).expect("there is a wave")
+}
+
+/// The same wave solved by another method.
+pub fn by_method(wave: &Wave, point: &Vector, method: Method) -> Vector {
+    polish(&wave.clone().with_method(method), point).expect("the other method solves it too")
+}
+
+/// Largest difference of two solutions: e relative, zones in the units of the wave.
+pub fn difference(wave: &Wave, one: &Vector, other: &Vector) -> f64 {
+    let speed = (wave.excess_at(other) / wave.excess_at(one) - 1.0).abs();
+    (one - other).amax().max(speed)
+}
