@@ -24,6 +24,7 @@
 //! - [`newton`] and [`continuation`] know nothing of waves; [`linalg`] serves them;
 //! - [`events`] locates what happens within a step, [`follow`] takes the steps;
 //! - [`run`] turns a problem into labelled points and events, in the vocabulary of [`branch`];
+//! - [`steady`] has the stability of steady sliding, where the waves come from;
 //! - [`output`] writes them, [`cli`] is the command line.
 
 pub mod begin;
@@ -40,4 +41,5 @@ pub mod output;
 pub mod problem;
 pub mod run;
 pub mod stability;
+pub mod steady;
 pub mod wave;

@@ -5,6 +5,7 @@ mod plot;
 mod report;
 mod run;
 mod spectrum;
+mod steady;
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -16,6 +17,7 @@ use crate::output::folder::FolderError;
 use crate::output::plots::{Format, PlotError};
 use crate::problem::{self, ProblemError};
 use crate::run::RunError;
+use crate::steady::radial;
 
 /// Continuation and bifurcation of friction-driven travelling waves (brake squeal).
 #[derive(Debug, Parser)]
@@ -38,6 +40,9 @@ enum Verb {
     Plot(plot::PlotArguments),
     /// The wave at one parameter value and its eigenvalues, as CSV on standard output
     Spectrum(spectrum::SpectrumArguments),
+    /// Stability of steady sliding, mode by mode, in the reduced model and in the tube itself, as CSV
+    /// on standard output
+    Steady(steady::SteadyArguments),
     /// Print a commented problem file
     New,
 }
@@ -72,6 +77,8 @@ enum Failure {
     #[error("{0}")]
     Run(#[from] RunError),
     #[error("{0}")]
+    Radial(#[from] radial::Error),
+    #[error("{0}")]
     Usage(String),
     #[error("{0}")]
     Output(io::Error),
@@ -80,7 +87,7 @@ enum Failure {
 impl Failure {
     fn code(&self) -> u8 {
         match self {
-            Failure::Run(RunError::NoStart(_)) => NUMERICAL,
+            Failure::Run(RunError::NoStart(_)) | Failure::Radial(_) => NUMERICAL,
             _ => BAD_INPUT,
         }
     }
@@ -98,6 +105,7 @@ pub fn main() -> ExitCode {
         Verb::Check(arguments) => check::check(&arguments),
         Verb::Plot(arguments) => plot::plot(&arguments),
         Verb::Spectrum(arguments) => spectrum::spectrum(&arguments),
+        Verb::Steady(arguments) => steady::steady(&arguments),
         Verb::New => print(problem::TEMPLATE).map(|()| 0),
     };
     match result {

@@ -47,7 +47,8 @@ pub struct SpectrumArguments {
     eigenfunctions: Option<PathBuf>,
 }
 
-fn assignment(text: &str) -> Result<(Parameter, f64), String> {
+/// NAME=VALUE on the command line.
+pub(super) fn assignment(text: &str) -> Result<(Parameter, f64), String> {
     let (name, value) = text
         .split_once('=')
         .ok_or("write NAME=VALUE, for example mismatch=0.045")?;
@@ -247,7 +248,7 @@ fn ring(
 }
 
 /// Replaces a parameter of the model, under the rules of a problem file.
-fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Result<(), Failure> {
+pub(super) fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Result<(), Failure> {
     let model = &mut problem.model;
     let refused = |rule: &str| {
         Err(Failure::Usage(format!(

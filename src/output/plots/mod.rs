@@ -22,6 +22,7 @@ mod quantity;
 mod raster;
 mod sheet;
 mod spectrum;
+mod steady;
 mod switches;
 mod tables;
 #[cfg(test)]
@@ -36,6 +37,7 @@ use profile::Profiles;
 use tables::Tables;
 
 pub use crate::problem::Plot as Picture;
+use crate::steady::Mode;
 
 /// Name of a picture's file without extension.
 fn stem(picture: &Picture) -> String {
@@ -112,6 +114,34 @@ impl Format {
             Format::Pdf => "pdf",
         }
     }
+}
+
+impl Format {
+    /// The format of a file by its extension.
+    pub fn of(path: &Path) -> Option<Format> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        [Format::Svg, Format::Png, Format::Pdf]
+            .into_iter()
+            .find(|format| format.extension() == extension)
+    }
+}
+
+/// Draws growth rates of steady sliding against the mode and, with damping, the Hopf friction.
+///
+/// # Errors
+///
+/// When the format is not compiled in or the file cannot be written.
+pub fn draw_steady(
+    path: &Path,
+    format: Format,
+    title: Option<&str>,
+    modes: &[Mode],
+) -> Result<(), PlotError> {
+    let bytes = convert(steady::compose(modes, title)?, format)?;
+    fs::write(path, bytes).map_err(|source| PlotError::Write {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 /// What the pictures have in common.
