@@ -25,6 +25,7 @@
 //! - [`events`] locates what happens within a step, [`follow`] takes the steps;
 //! - [`run`] turns a problem into labelled points and events, in the vocabulary of [`branch`];
 //! - [`steady`] has the stability of steady sliding, where the waves come from;
+//! - [`map`] lays branches through a plane of two parameters;
 //! - [`output`] writes them, [`cli`] is the command line.
 
 pub mod begin;
@@ -35,6 +36,7 @@ pub mod events;
 pub mod flow;
 pub mod follow;
 pub mod linalg;
+pub mod map;
 pub mod model;
 pub mod newton;
 pub mod output;

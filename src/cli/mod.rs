@@ -1,6 +1,7 @@
 //! The command line: verbs, messages, exit codes.
 
 mod check;
+mod map;
 mod plot;
 mod report;
 mod run;
@@ -14,6 +15,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::output::folder::FolderError;
+use crate::output::map_folder::MapFolderError;
 use crate::output::plots::{Format, PlotError};
 use crate::problem::{self, ProblemError};
 use crate::run::RunError;
@@ -40,6 +42,8 @@ enum Verb {
     Plot(plot::PlotArguments),
     /// The wave at one parameter value and its eigenvalues, as CSV on standard output
     Spectrum(spectrum::SpectrumArguments),
+    /// Which waves exist where in a plane of two parameters, and which of them are stable
+    Map(map::MapArguments),
     /// Stability of steady sliding, mode by mode, in the reduced model and in the tube itself, as CSV
     /// on standard output
     Steady(steady::SteadyArguments),
@@ -73,6 +77,8 @@ enum Failure {
     #[error("{0}")]
     Folder(#[from] FolderError),
     #[error("{0}")]
+    MapFolder(#[from] MapFolderError),
+    #[error("{0}")]
     Plot(#[from] PlotError),
     #[error("{0}")]
     Run(#[from] RunError),
@@ -105,6 +111,7 @@ pub fn main() -> ExitCode {
         Verb::Check(arguments) => check::check(&arguments),
         Verb::Plot(arguments) => plot::plot(&arguments),
         Verb::Spectrum(arguments) => spectrum::spectrum(&arguments),
+        Verb::Map(arguments) => map::map(&arguments),
         Verb::Steady(arguments) => steady::steady(&arguments),
         Verb::New => print(problem::TEMPLATE).map(|()| 0),
     };

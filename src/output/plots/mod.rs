@@ -11,6 +11,7 @@ mod error;
 mod frame;
 mod friction;
 mod legend;
+mod map;
 mod multipliers;
 mod number;
 mod palette;
@@ -36,6 +37,7 @@ pub use error::PlotError;
 use profile::Profiles;
 use tables::Tables;
 
+use crate::problem::Map;
 pub use crate::problem::Plot as Picture;
 use crate::steady::Mode;
 
@@ -138,6 +140,26 @@ pub fn draw_steady(
     modes: &[Mode],
 ) -> Result<(), PlotError> {
     let bytes = convert(steady::compose(modes, title)?, format)?;
+    fs::write(path, bytes).map_err(|source| PlotError::Write {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// Draws the regions of a map from the `map.csv` of its folder.
+///
+/// # Errors
+///
+/// When the table cannot be read, the format is not compiled in, or the file cannot be written.
+pub fn draw_map(
+    path: &Path,
+    format: Format,
+    folder: &Path,
+    section: &Map,
+    title: Option<&str>,
+) -> Result<(), PlotError> {
+    let table = folder.join(super::map_folder::TABLE);
+    let bytes = convert(map::compose(&table, section, title)?, format)?;
     fs::write(path, bytes).map_err(|source| PlotError::Write {
         path: path.to_owned(),
         source,
