@@ -54,7 +54,11 @@ pub fn row(problem: &Problem, map: &Map, index: usize) -> Result<Vec<Cell>, RunE
             problem,
             map,
             start,
-            request: stability(problem),
+            // of the spectrum a map keeps the leading eigenvalue and the count
+            request: stability(problem).map(|request| Request {
+                eigenvalues: 1,
+                ..request
+            }),
         };
         let (hits, whys) = if plane.is_grid() {
             let (hits, why) = search.along(&points)?;

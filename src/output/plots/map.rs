@@ -15,7 +15,7 @@ use super::sheet::{HEIGHT, Panel, Sheet, remark, usual_length};
 use crate::problem::{Map, MapAxis, MapPoints};
 
 /// Signatures with a colour of their own, the most frequent ones; the rest share one.
-const MOST: usize = 2 * CATEGORIES.len();
+const MOST: usize = 2 * CATEGORIES.len() - 1;
 
 /// How much of its colour a region keeps, by the stability of its waves; unknown stability counts
 /// as stable.
@@ -182,7 +182,8 @@ fn hue(rank: usize) -> RGBColor {
     let count = CATEGORIES.len();
     match rank {
         rank if rank < count => mix(WHITE, CATEGORIES[rank], 0.9),
-        rank if rank < MOST => mix(WHITE, CATEGORIES[rank - count], 0.5),
+        // dark shades of all but black, the last one
+        rank if rank < MOST => mix(BLACK, CATEGORIES[rank - count], 0.55),
         _ => GREY,
     }
 }
