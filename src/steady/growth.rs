@@ -35,7 +35,8 @@ impl Wave {
         let [one, other] = eigenvalues(kappa, damping);
         let lambda = if one.re >= other.re { one } else { other };
         Wave {
-            growth: lambda.re,
+            // no negative zero
+            growth: lambda.re + 0.0,
             omega: lambda.im,
             speed: -lambda.im / f64::from(mode),
         }

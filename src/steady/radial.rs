@@ -18,8 +18,8 @@
 //!
 //! ```text
 //! A(U, W; u, w) = ∫ { C[u′U′ + (u−kw)(U−kW)] + λ[u′(U−kW) + (u−kw)U′]
-//!                     + μ(w′−w+ku)(W′−W+kU) } dx,        B = γ∫(uU + wW)e^{2x} dx,
-//! A − κB = −[σ_rr U + τW] at r = 1.
+//!                     + μ(w′−w+ku)(W′−W+kU) } dx,        B = ∫(uU + wW)e^{2x} dx,
+//! A − γκB = −[σ_rr U + τW] at r = 1.
 //! ```
 //!
 //! The right side vanishes for all tests with U(1) = ifW(1): friction is a condition on the test
@@ -32,7 +32,8 @@
 //! vanish at both ends. Order 1 is the reduced model, exactly. κ converges geometrically in the
 //! order, twice as fast as the displacement, as in any Galerkin method.
 //!
-//! Both matrices are divided by γ∫X²r dr.
+//! Both matrices are divided by ∫X²r dr, and γ is left out of B: it only sets the unit of time, √γ,
+//! so that what is solved for is γκ.
 
 use std::num::NonZeroUsize;
 
@@ -101,6 +102,7 @@ pub enum Error {
 pub struct Radial {
     mode: u32,
     order: usize,
+    gamma: f64,
     /// A over all functions: those of u, then those of w. The first of u is a test function only.
     stiffness: Mat<f64>,
     /// B over the same functions.
@@ -160,13 +162,14 @@ impl Radial {
         let scale = mass[(0, 0)];
         for j in 0..size {
             for i in 0..size {
-                stiffness[(i, j)] /= geometry.gamma * scale;
+                stiffness[(i, j)] /= scale;
                 mass[(i, j)] /= scale;
             }
         }
         Radial {
             mode,
             order,
+            gamma: geometry.gamma,
             stiffness,
             mass,
         }
@@ -212,6 +215,12 @@ impl Radial {
     /// # Errors
     /// When the QZ iteration does not converge.
     pub fn eigenvalues(&self, friction: f64) -> Result<Vec<c64>, Error> {
+        let found = self.scaled_eigenvalues(friction)?;
+        Ok(found.into_iter().map(|kappa| kappa / self.gamma).collect())
+    }
+
+    /// All γκ by increasing modulus.
+    fn scaled_eigenvalues(&self, friction: f64) -> Result<Vec<c64>, Error> {
         let failed = Error::Eigenvalues {
             mode: self.mode,
             size: self.size(),
@@ -237,7 +246,16 @@ impl Radial {
     /// # Errors
     /// When the QZ iteration does not converge, or yields not a single eigenvalue.
     pub fn lowest(&self, friction: f64, families: usize) -> Result<Vec<Pair>, Error> {
-        let mut found = self.eigenvalues(friction)?;
+        let mut pairs = self.scaled_lowest(friction, families)?;
+        for pair in &mut pairs {
+            pair.kappa /= self.gamma;
+        }
+        Ok(pairs)
+    }
+
+    /// The same with γκ in place of κ.
+    fn scaled_lowest(&self, friction: f64, families: usize) -> Result<Vec<Pair>, Error> {
+        let mut found = self.scaled_eigenvalues(friction)?;
         if found.is_empty() {
             return Err(Error::Families {
                 mode: self.mode,
@@ -252,7 +270,7 @@ impl Radial {
             .collect())
     }
 
-    /// κ by two-sided inverse iteration: x ← (A − κB)⁻¹Bx, y ← (A − κB)⁻ᵀBᵀy, κ = yᵀAx/yᵀBx.
+    /// γκ by two-sided inverse iteration: x ← (A − κB)⁻¹Bx, y ← (A − κB)⁻ᵀBᵀy, κ = yᵀAx/yᵀBx.
     fn refine(&self, friction: f64, guess: c64) -> Pair {
         let stiffness = self.with_friction(&self.stiffness, friction);
         let mass = self.with_friction(&self.mass, friction);
@@ -320,16 +338,27 @@ impl Radial {
     /// # Errors
     /// As for [`Radial::lowest`].
     pub fn hopf(&self, families: usize, damping: Damping) -> Result<Vec<Option<Hopf>>, Error> {
+        let time = self.gamma.sqrt();
+        let scaled = Damping {
+            mass: damping.mass * time,
+            stiffness: damping.stiffness / time,
+        };
         let mut points: Vec<_> = self
-            .lowest(0.0, families)?
+            .scaled_lowest(0.0, families)?
             .iter()
-            .map(|pair| self.follow_hopf(pair, damping))
+            .map(|pair| {
+                let point = self.follow_hopf(pair, scaled)?;
+                Some(Hopf {
+                    omega: point.omega / time,
+                    ..point
+                })
+            })
             .collect();
         points.resize(families.max(1), None);
         Ok(points)
     }
 
-    /// Follows a Hopf point from the undamped family in tα, tβ for t from 0 to 1.
+    /// Follows a Hopf point, in units of time √γ, from the undamped family in tα, tβ for t from 0 to 1.
     fn follow_hopf(&self, pair: &Pair, damping: Damping) -> Option<Hopf> {
         let norm = |pair: &Pair| bilinear(&self.with_friction(&self.mass, 0.0), pair);
         // κ = κ₀ + igf: without friction the problem is self-adjoint, and g is real
