@@ -26,6 +26,8 @@
 //! - [`conditioning`] says how well a point is known;
 //! - [`run`] turns a problem into labelled points and events, in the vocabulary of [`branch`];
 //! - [`accuracy`] runs one problem by every method and compares errors and times;
+//! - [`steady`] has the stability of steady sliding, where the waves come from;
+//! - [`map`] lays branches through a plane of two parameters;
 //! - [`output`] writes them, [`cli`] is the command line.
 
 pub mod accuracy;
@@ -38,10 +40,12 @@ pub mod events;
 pub mod flow;
 pub mod follow;
 pub mod linalg;
+pub mod map;
 pub mod model;
 pub mod newton;
 pub mod output;
 pub mod problem;
 pub mod run;
 pub mod stability;
+pub mod steady;
 pub mod wave;

@@ -2,10 +2,12 @@
 
 mod accuracy;
 mod check;
+mod map;
 mod plot;
 mod report;
 mod run;
 mod spectrum;
+mod steady;
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -14,9 +16,11 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::output::folder::FolderError;
+use crate::output::map_folder::MapFolderError;
 use crate::output::plots::{Format, PlotError};
 use crate::problem::{self, ProblemError};
 use crate::run::RunError;
+use crate::steady::radial;
 
 /// Continuation and bifurcation of friction-driven travelling waves (brake squeal).
 #[derive(Debug, Parser)]
@@ -41,6 +45,11 @@ enum Verb {
     Spectrum(spectrum::SpectrumArguments),
     /// Error against run time of every method on a problem file
     Accuracy(accuracy::AccuracyArguments),
+    /// Which waves exist where in a plane of two parameters, and which of them are stable
+    Map(map::MapArguments),
+    /// Stability of steady sliding, mode by mode, in the reduced model and in the tube itself, as CSV
+    /// on standard output
+    Steady(steady::SteadyArguments),
     /// Print a commented problem file
     New,
 }
@@ -71,9 +80,13 @@ enum Failure {
     #[error("{0}")]
     Folder(#[from] FolderError),
     #[error("{0}")]
+    MapFolder(#[from] MapFolderError),
+    #[error("{0}")]
     Plot(#[from] PlotError),
     #[error("{0}")]
     Run(#[from] RunError),
+    #[error("{0}")]
+    Radial(#[from] radial::Error),
     #[error("{0}")]
     Usage(String),
     #[error("{0}")]
@@ -83,7 +96,7 @@ enum Failure {
 impl Failure {
     fn code(&self) -> u8 {
         match self {
-            Failure::Run(RunError::NoStart(_)) => NUMERICAL,
+            Failure::Run(RunError::NoStart(_)) | Failure::Radial(_) => NUMERICAL,
             _ => BAD_INPUT,
         }
     }
@@ -102,6 +115,8 @@ pub fn main() -> ExitCode {
         Verb::Plot(arguments) => plot::plot(&arguments),
         Verb::Spectrum(arguments) => spectrum::spectrum(&arguments),
         Verb::Accuracy(arguments) => accuracy::accuracy(&arguments),
+        Verb::Map(arguments) => map::map(&arguments),
+        Verb::Steady(arguments) => steady::steady(&arguments),
         Verb::New => print(problem::TEMPLATE).map(|()| 0),
     };
     match result {

@@ -9,7 +9,7 @@ use super::{Failure, NUMERICAL, print, warn};
 use crate::branch::EventType;
 use crate::linalg::Vector;
 use crate::output::tables;
-use crate::problem::{Coefficients, FrictionLaw, Parameter, Problem, StopAfter};
+use crate::problem::{Parameter, Problem, StopAfter};
 use crate::run::{Branch, End, Item, stability};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::discretised;
@@ -47,7 +47,8 @@ pub struct SpectrumArguments {
     eigenfunctions: Option<PathBuf>,
 }
 
-fn assignment(text: &str) -> Result<(Parameter, f64), String> {
+/// NAME=VALUE on the command line.
+pub(super) fn assignment(text: &str) -> Result<(Parameter, f64), String> {
     let (name, value) = text
         .split_once('=')
         .ok_or("write NAME=VALUE, for example mismatch=0.045")?;
@@ -247,7 +248,7 @@ fn ring(
 }
 
 /// Replaces a parameter of the model, under the rules of a problem file.
-fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Result<(), Failure> {
+pub(super) fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Result<(), Failure> {
     let model = &mut problem.model;
     let refused = |rule: &str| {
         Err(Failure::Usage(format!(
@@ -255,29 +256,13 @@ fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Result<(), Fa
             parameter.column()
         )))
     };
-    match (parameter, &mut model.coefficients) {
-        (Parameter::Mismatch, _) if value > 0.0 => model.mismatch = value,
-        (Parameter::Mismatch, _) => return refused("take a positive number"),
-        (Parameter::Friction, _) if value >= 0.0 => model.friction = value,
-        (Parameter::MassDamping, _) if value >= 0.0 => model.damping.mass = value,
-        (Parameter::StiffnessDamping, _) if value >= 0.0 => model.damping.stiffness = value,
-        (Parameter::Friction | Parameter::MassDamping | Parameter::StiffnessDamping, _) => {
-            return refused("take zero or a positive number");
-        }
-        (Parameter::Gamma, Coefficients::Geometry { gamma, .. }) if value > 0.0 => *gamma = value,
-        (Parameter::Nu, Coefficients::Geometry { nu, .. }) if value > -1.0 && value < 0.5 => {
-            *nu = value;
-        }
-        (Parameter::Xi, Coefficients::Geometry { xi, .. }) if value > 1.0 => *xi = value,
-        (Parameter::Smoothing, _) => match &mut model.friction_law {
-            FrictionLaw::Regularised { epsilon } if value > 0.0 => *epsilon = value,
-            FrictionLaw::Regularised { .. } => return refused("take a positive number"),
-            _ => return refused("the friction law has no smoothing"),
-        },
-        (_, Coefficients::Geometry { .. }) => {
-            return refused("γ > 0, −1 < ν < ½ and ξ > 1");
-        }
-        (_, Coefficients::Given { .. }) => return refused("the coefficients are given directly"),
+    if model.value(parameter).is_none() {
+        return refused("the model has no such parameter");
     }
+    let (holds, rule) = parameter.admits(value);
+    if !(holds && value.is_finite()) {
+        return refused(rule);
+    }
+    model.set(parameter, value);
     Ok(())
 }

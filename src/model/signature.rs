@@ -111,6 +111,14 @@ impl Signature {
         self.0.is_empty()
     }
 
+    /// Whether both are the same cycle: without stick a wave may begin anywhere.
+    pub fn is_rotation_of(&self, other: &Signature) -> bool {
+        self.len() == other.len()
+            && (0..self.len()).any(|shift| {
+                (0..self.len()).all(|index| self.0[index] == other.zone(index + shift))
+            })
+    }
+
     /// The zone at an index taken modulo the number of zones.
     pub fn zone(&self, index: usize) -> Zone {
         self.0[index % self.0.len()]

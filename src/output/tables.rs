@@ -3,6 +3,7 @@
 
 pub use crate::branch::BRANCH_HEADER;
 use crate::branch::{BranchPoint, Event, ParameterValues, ProfileSample, Stability};
+use crate::map::{Cell, CellPoint};
 use crate::problem::FrictionLaw;
 use crate::stability::eigenfunction::Eigenfunction;
 
@@ -103,6 +104,50 @@ pub fn branch_row(point: &BranchPoint, leg: usize) -> String {
     ]);
     let (condition, error) = point.conditioning.unzip();
     fields.extend([condition, error].map(|value| value.map_or_else(String::new, number)));
+    line(&fields)
+}
+
+/// Header of `map.csv`.
+pub const MAP_HEADER: &str = "row,column,start,passage,regimes,mismatch,friction,mass_damping,\
+stiffness_damping,gamma,nu,xi,speed,switches,min_pressure,max_gap,amplitude,stable,unstable,\
+lead_re,lead_im,lead_sector,why";
+
+/// A row of `map.csv`.
+pub fn map_row(cell: &Cell) -> String {
+    let mut fields = vec![
+        cell.row.to_string(),
+        cell.column.to_string(),
+        cell.start.to_owned(),
+        cell.passage.to_string(),
+    ];
+    match &cell.found {
+        CellPoint::Wave(point) => {
+            fields.push(point.regimes.clone());
+            fields.extend(parameters(&point.parameters));
+            fields.extend([
+                number(point.speed),
+                switches(point),
+                number(point.min_pressure),
+                number(point.max_gap),
+                number(point.amplitude),
+                point.stable.map_or("", verdict).to_string(),
+                optional(point.unstable),
+                point.lead.map_or_else(String::new, |lead| number(lead.re)),
+                point.lead.map_or_else(String::new, |lead| number(lead.im)),
+                optional(point.lead.map(|lead| lead.sector)),
+                String::new(),
+            ]);
+        }
+        CellPoint::Nothing {
+            parameters: values,
+            why,
+        } => {
+            fields.push(String::new());
+            fields.extend(parameters(values));
+            fields.extend(std::iter::repeat_n(String::new(), 10));
+            fields.push(why.clone());
+        }
+    }
     line(&fields)
 }
 

@@ -57,6 +57,24 @@ pub struct Continuation {
     pub stop_after: Vec<StopAfter>,
 }
 
+impl Continuation {
+    /// A branch through a range both ways, with every default.
+    pub fn new(parameter: Parameter, range: (f64, f64)) -> Continuation {
+        Continuation {
+            parameter,
+            range,
+            toward: Toward::Both,
+            stop_at: Vec::new(),
+            ds: DEFAULT_DS,
+            ds_min: DEFAULT_DS_MIN,
+            ds_max: DEFAULT_DS_MAX,
+            max_points: DEFAULT_MAX_POINTS,
+            tolerance: DEFAULT_TOLERANCE,
+            stop_after: Vec::new(),
+        }
+    }
+}
+
 /// Ends a branch after a number of events of one type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -8,6 +8,7 @@ mod error;
 mod examples;
 mod expectation;
 mod explanation;
+mod map;
 mod outline;
 mod parameter;
 #[cfg(test)]
@@ -27,6 +28,7 @@ pub use continuation::{
 };
 pub use error::ProblemError;
 pub use expectation::Expectation;
+pub use map::{MAX_GRID, MAX_MAP_POINTS, Map, MapAxis, MapPoints};
 pub use parameter::Parameter;
 
 use error::Flaw;
@@ -66,6 +68,8 @@ pub struct Problem {
     pub continuation: Option<Continuation>,
     /// Stability analysis; `None` when not asked for.
     pub stability: Option<StabilitySection>,
+    /// The plane to map; see [`Problem::map`].
+    pub map: Option<Map>,
     /// Plots and tables to write.
     #[serde(default)]
     pub output: Output,
@@ -84,6 +88,23 @@ impl Problem {
                 Outline::of(text).locate("continuation"),
                 "missing field `continuation` in the problem: there is no branch to follow",
                 "add `continuation: (parameter: Mismatch, range: (0.004, 0.2)),`",
+            );
+            ProblemError::in_text(name, text, flaw)
+        })
+    }
+}
+
+impl Problem {
+    /// The `map` section, or an error that says how to write one.
+    ///
+    /// `text` and `name` are the source of the problem and the name of its file, for the message.
+    pub fn map(&self, text: &str, name: &str) -> Result<&Map, ProblemError> {
+        self.map.as_ref().ok_or_else(|| {
+            let flaw = Flaw::new(
+                Outline::of(text).locate("map"),
+                "missing field `map` in the problem: there is no plane to map",
+                "add `map: (first: (parameter: Friction, range: (0.1, 1.0)), second: (parameter: \
+                 Mismatch, range: (0.004, 0.2)), points: Grid(rows: 100, columns: 100)),`",
             );
             ProblemError::in_text(name, text, flaw)
         })
@@ -130,6 +151,25 @@ impl Model {
             Parameter::Nu => geometry.map(|(nu, _, _)| nu),
             Parameter::Xi => geometry.map(|(_, xi, _)| xi),
             Parameter::Gamma => geometry.map(|(_, _, gamma)| gamma),
+        }
+    }
+
+    /// Changes the value of a parameter; γ, ν and ξ of coefficients given directly stay unknown.
+    pub fn set(&mut self, parameter: Parameter, value: f64) {
+        match (parameter, &mut self.coefficients) {
+            (Parameter::Mismatch, _) => self.mismatch = value,
+            (Parameter::Friction, _) => self.friction = value,
+            (Parameter::MassDamping, _) => self.damping.mass = value,
+            (Parameter::StiffnessDamping, _) => self.damping.stiffness = value,
+            (Parameter::Nu, Coefficients::Geometry { nu, .. }) => *nu = value,
+            (Parameter::Xi, Coefficients::Geometry { xi, .. }) => *xi = value,
+            (Parameter::Gamma, Coefficients::Geometry { gamma, .. }) => *gamma = value,
+            (Parameter::Smoothing, _) => {
+                if let FrictionLaw::Regularised { epsilon } = &mut self.friction_law {
+                    *epsilon = value;
+                }
+            }
+            (_, Coefficients::Given { .. }) => {}
         }
     }
 }

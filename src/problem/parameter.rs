@@ -86,7 +86,7 @@ impl Parameter {
     }
 
     /// Whether the model makes sense with this value, and the rule in words.
-    pub(super) fn admits(self, value: f64) -> (bool, &'static str) {
+    pub(crate) fn admits(self, value: f64) -> (bool, &'static str) {
         match self {
             Parameter::Mismatch => (value > 0.0, "the mismatch must be greater than 0"),
             Parameter::Friction => (value >= 0.0, "the friction coefficient must be at least 0"),

@@ -30,6 +30,12 @@ const FULL: &str = r#"// Каждое поле — every field, with "quotes" an
         stop_after: [(event: HB, count: 1)],
     ),
     stability: (sectors: Only([0, 2]), eigenvalues: 8, max_frequency: 10.0),
+    map: (
+        first: (parameter: Friction, range: (0.1, 0.9)),
+        second: (parameter: MassDamping, range: (0.25, 0.45)),
+        points: Grid(rows: 3, columns: 5),
+        starts: [Slow],
+    ),
     output: (plots: [Diagram, Column("amplitude"), PhasePlane, Friction], profiles: 9),
     expect: [
         (event: GR, mismatch: 0.05, speed: -1.2, tolerance: 1e-9),
@@ -110,9 +116,11 @@ fn optional_lines_of_the_template_are_right() {
     let continuation = problem.continuation.unwrap();
     assert_eq!(continuation.stop_after.len(), 1);
     assert_eq!(continuation.ds_max, DEFAULT_DS_MAX);
+    let map = problem.map.unwrap();
+    assert_eq!(map.starts, [Start::Fast, Start::Slow]);
 }
 
-const COMMENTED_FIELDS: [&str; 9] = [
+const COMMENTED_FIELDS: [&str; 15] = [
     "damping: ",
     "impact: ",
     "ds: ",
@@ -122,6 +130,12 @@ const COMMENTED_FIELDS: [&str; 9] = [
     "tolerance: ",
     "stop_after: ",
     "stability: ",
+    "map: ",
+    "    first: ",
+    "    second: ",
+    "    points: ",
+    "    starts: ",
+    "),",
 ];
 
 #[test]
@@ -160,6 +174,11 @@ fn every_field_has_an_example_that_is_right() {
             "(continuation: (stop_after: [(@)]))",
         ),
         ("stability", "(stability: (@))"),
+        ("map", "(map: (@))"),
+        ("map.first", "(map: (first: (@)))"),
+        ("map.second", "(map: (second: (@)))"),
+        ("map.points", "(map: (points: Grid(@)))"),
+        ("map.points", "(map: (points: QuasiRandom(@)))"),
         ("output", "(output: (@))"),
         ("expect", "(expect: [(@)])"),
     ];
@@ -174,6 +193,74 @@ fn every_field_has_an_example_that_is_right() {
     }
     let known = |field| examples::home(field).unwrap();
     assert_eq!([known("wave"), known("ds")], ["", "continuation"]);
+}
+
+#[test]
+fn maps_are_checked() {
+    let problem = parse(FULL, "p.ron").unwrap();
+    let map = problem.map.unwrap();
+    assert_eq!(map.second.parameter, Parameter::MassDamping);
+    assert_eq!(
+        map.points,
+        MapPoints::Grid {
+            rows: 3,
+            columns: 5
+        }
+    );
+    let scattered = edited("Grid(rows: 3, columns: 5)", "QuasiRandom(count: 7)");
+    let scattered = parse(&scattered, "p.ron").unwrap().map.unwrap();
+    assert_eq!(scattered.points, MapPoints::QuasiRandom { count: 7 });
+    for (from, to, place, message) in [
+        (
+            "range: (0.1, 0.9)",
+            "range: (0.9, 0.1)",
+            "(0.9, 0.1)",
+            "`map.first.range` is",
+        ),
+        (
+            "range: (0.1, 0.9)",
+            "range: (-0.1, 0.9)",
+            "-0.1",
+            "`map.first.range` is",
+        ),
+        (
+            "range: (0.25, 0.45)",
+            "range: (0.25, -0.45)",
+            "-0.45",
+            "`map.second.range` is",
+        ),
+        (
+            "parameter: MassDamping",
+            "parameter: Friction",
+            "Friction",
+            "`map.second.parameter` is",
+        ),
+        ("rows: 3", "rows: 1", "1", "`map.points.rows` is 1"),
+        (
+            "columns: 5",
+            "columns: 1000000",
+            "1000000",
+            "`map.points.columns` is",
+        ),
+        (
+            "Grid(rows: 3, columns: 5)",
+            "QuasiRandom(count: 0)",
+            "0",
+            "`map.points.count` is 0",
+        ),
+        ("[Slow]", "[]", "[]", "`map.starts` is"),
+        ("[Slow]", "[Slow, Slow]", "Slow", "`map.starts` is Slow"),
+    ] {
+        refused(&edited(from, to), place, message, "");
+    }
+    let unknown = edited("columns: 5", "colums: 5");
+    let error = parse(&unknown, "p.ron").unwrap_err();
+    assert_eq!(marked(&error), "colums");
+    let none = parse(TEMPLATE, "p.ron")
+        .unwrap()
+        .map(TEMPLATE, "p.ron")
+        .unwrap_err();
+    assert!(none.message().contains("missing field `map`"), "{none}");
 }
 
 #[test]

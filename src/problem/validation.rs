@@ -5,9 +5,9 @@ use std::fmt::Debug;
 use super::error::excerpt;
 use super::outline::Outline;
 use super::{
-    Coefficients, Continuation, Expectation, FrictionLaw, Impact, MAX_DEGREE, MAX_INTERVALS,
-    MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Method, Model, Output, Parameter, Plot, Problem,
-    Sectors, StabilitySection, Start, Toward, Wave,
+    Coefficients, Continuation, Expectation, FrictionLaw, Impact, MAX_DEGREE, MAX_GRID,
+    MAX_INTERVALS, MAX_MAP_POINTS, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Map, MapPoints, Method,
+    Model, Output, Parameter, Plot, Problem, Sectors, StabilitySection, Start, Toward, Wave,
 };
 use crate::branch::{BRANCH_HEADER, WORD_COLUMNS};
 
@@ -36,6 +36,9 @@ pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
     }
     if let Some(section) = &problem.stability {
         stability(section, mode)?;
+    }
+    if let Some(section) = &problem.map {
+        map(section, &problem.model)?;
     }
     output(&problem.output)?;
     for (index, event) in problem.expect.iter().enumerate() {
@@ -300,6 +303,61 @@ fn stability(section: &StabilitySection, mode: u32) -> Check {
     let highest = section.max_frequency;
     let rule = "the highest frequency must be greater than 0";
     number("stability.max_frequency", highest, highest > 0.0, rule)
+}
+
+fn map(section: &Map, model: &Model) -> Check {
+    for (side, axis) in [("first", &section.first), ("second", &section.second)] {
+        let column = axis.parameter.column();
+        if model.value(axis.parameter).is_none() {
+            return refuse(
+                &format!("map.{side}.parameter"),
+                format!("`{column}` cannot be mapped: the coefficients are `Given`"),
+                "use `coefficients: Geometry(nu: .., xi: .., gamma: ..)`, or map Mismatch, Friction, \
+                 MassDamping or StiffnessDamping",
+            );
+        }
+        let (lower, upper) = axis.range;
+        for (end, value) in [lower, upper].into_iter().enumerate() {
+            let (holds, rule) = axis.parameter.admits(value);
+            number(&format!("map.{side}.range.{end}"), value, holds, rule)?;
+        }
+        let rule = "write the lower end first and the upper end, which must be greater, second";
+        admit(
+            &format!("map.{side}.range"),
+            axis.range,
+            lower < upper,
+            rule,
+        )?;
+    }
+    let parameter = section.second.parameter;
+    let rule = "the two parameters of a map must be different";
+    let differ = section.first.parameter != parameter;
+    admit("map.second.parameter", parameter, differ, rule)?;
+    match section.points {
+        MapPoints::Grid { rows, columns } => {
+            let rule = format!("a grid has 2 to {MAX_GRID} of them");
+            for (name, value) in [("rows", rows), ("columns", columns)] {
+                let holds = (2..=MAX_GRID).contains(&value);
+                admit(&format!("map.points.{name}"), value, holds, &rule)?;
+            }
+            let rule = format!("a map has at most {MAX_MAP_POINTS} points");
+            let holds = rows.saturating_mul(columns) <= MAX_MAP_POINTS;
+            admit("map.points", section.points, holds, &rule)?;
+        }
+        MapPoints::QuasiRandom { count } => {
+            let rule = format!("a map has 1 to {MAX_MAP_POINTS} points");
+            let holds = (1..=MAX_MAP_POINTS).contains(&count);
+            admit("map.points.count", count, holds, &rule)?;
+        }
+    }
+    let starts = &section.starts;
+    let rule = "name Fast, Slow or both, each once";
+    admit("map.starts", starts, !starts.is_empty(), rule)?;
+    for (index, start) in starts.iter().enumerate() {
+        let known = matches!(start, Start::Fast | Start::Slow) && !starts[..index].contains(start);
+        admit(&format!("map.starts.{index}"), start, known, rule)?;
+    }
+    Ok(())
 }
 
 fn output(

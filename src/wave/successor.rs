@@ -62,7 +62,7 @@ pub fn candidates(
         };
         let (zones, states, nascent) = from_release(zones, states, nascent);
         let signature = Signature(zones);
-        if signature == wave.signature {
+        if signature.is_rotation_of(&wave.signature) {
             return;
         }
         let candidate = wave.with_signature(signature);

@@ -12,6 +12,7 @@ mod error;
 mod frame;
 mod friction;
 mod legend;
+mod map;
 mod multipliers;
 mod number;
 mod palette;
@@ -23,6 +24,7 @@ mod quantity;
 mod raster;
 mod sheet;
 mod spectrum;
+mod steady;
 mod switches;
 mod tables;
 #[cfg(test)]
@@ -36,7 +38,9 @@ pub use error::PlotError;
 use profile::Profiles;
 use tables::Tables;
 
+use crate::problem::Map;
 pub use crate::problem::Plot as Picture;
+use crate::steady::Mode;
 
 /// Name of a picture's file without extension.
 fn stem(picture: &Picture) -> String {
@@ -113,6 +117,54 @@ impl Format {
             Format::Pdf => "pdf",
         }
     }
+}
+
+impl Format {
+    /// The format of a file by its extension.
+    pub fn of(path: &Path) -> Option<Format> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        [Format::Svg, Format::Png, Format::Pdf]
+            .into_iter()
+            .find(|format| format.extension() == extension)
+    }
+}
+
+/// Draws growth rates of steady sliding against the mode and, with damping, the Hopf friction.
+///
+/// # Errors
+///
+/// When the format is not compiled in or the file cannot be written.
+pub fn draw_steady(
+    path: &Path,
+    format: Format,
+    title: Option<&str>,
+    modes: &[Mode],
+) -> Result<(), PlotError> {
+    let bytes = convert(steady::compose(modes, title)?, format)?;
+    fs::write(path, bytes).map_err(|source| PlotError::Write {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// Draws the regions of a map from the `map.csv` of its folder.
+///
+/// # Errors
+///
+/// When the table cannot be read, the format is not compiled in, or the file cannot be written.
+pub fn draw_map(
+    path: &Path,
+    format: Format,
+    folder: &Path,
+    section: &Map,
+    title: Option<&str>,
+) -> Result<(), PlotError> {
+    let table = folder.join(super::map_folder::TABLE);
+    let bytes = convert(map::compose(&table, section, title)?, format)?;
+    fs::write(path, bytes).map_err(|source| PlotError::Write {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 /// What the pictures have in common.

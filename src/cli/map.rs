@@ -1,0 +1,297 @@
+//! `brakewave map` and `brakewave map merge`.
+
+use std::io::{IsTerminal, Write, stderr};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use clap::{Args, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+
+use super::{Failure, default_folder, print};
+use crate::map;
+use crate::output::map_folder::{Description, MapFolder};
+use crate::output::plots::{self, Format};
+use crate::problem::{self, Problem};
+
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct MapArguments {
+    #[command(subcommand)]
+    verb: Option<MapVerb>,
+    /// Problem file with a section `map`
+    #[arg(required = true)]
+    problem: Option<PathBuf>,
+    /// Folder of the map [default: results/<name of the problem file>_map, and in it shard-I-of-N]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Compute only every Nth row, from the Ith: I/N with 1 ≤ I ≤ N; `map merge` joins the shards
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Go on with an interrupted map
+    #[arg(long, conflicts_with = "force")]
+    resume: bool,
+    /// Replace an earlier map
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+    /// Threads [default: one per core]; the results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Draw the regions of the plane: FILE.svg, .png or .pdf
+    #[arg(long, value_name = "FILE", conflicts_with = "shard")]
+    plot: Option<PathBuf>,
+}
+
+#[derive(Debug, Subcommand)]
+enum MapVerb {
+    /// Join the shards of a map to one table, the same as that of a map computed at once
+    Merge(MergeArguments),
+}
+
+#[derive(Debug, Args)]
+struct MergeArguments {
+    /// Folders of the shards
+    #[arg(required = true)]
+    shards: Vec<PathBuf>,
+    /// Folder for the joined table
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Replace an earlier map
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+    /// Draw the regions of the plane: FILE.svg, .png or .pdf
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+}
+
+/// Which rows of a map: those with index ≡ i − 1 modulo n.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Shard {
+    number: usize,
+    of: usize,
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Shard, String> {
+        let numbers = text
+            .split_once('/')
+            .and_then(|(number, of)| Some((number.parse().ok()?, of.parse().ok()?)));
+        match numbers {
+            Some((number, of)) if 1 <= number && number <= of => Ok(Shard { number, of }),
+            _ => Err("write I/N with 1 ≤ I ≤ N, for example 2/4".into()),
+        }
+    }
+}
+
+pub fn map(arguments: &MapArguments) -> Result<u8, Failure> {
+    match (&arguments.verb, &arguments.problem) {
+        (Some(MapVerb::Merge(arguments)), _) => merge(arguments),
+        (None, Some(problem)) => run(arguments, problem),
+        (None, None) => Err(Failure::Usage("name a problem file".into())),
+    }
+}
+
+fn run(arguments: &MapArguments, path: &Path) -> Result<u8, Failure> {
+    let picture = picture(arguments.plot.as_deref())?;
+    let (problem, text) = problem::read(path)?;
+    let section = problem.map(&text, &path.display().to_string())?;
+    let out = folder(arguments, path);
+    let description = Description::new(&problem);
+    let folder = MapFolder::open(&out, &description, arguments.resume, arguments.force)?;
+    let shard = arguments.shard.unwrap_or(Shard { number: 1, of: 1 });
+    let finished = folder.finished()?;
+    let rows: Vec<usize> = (shard.number - 1..description.rows())
+        .step_by(shard.of)
+        .filter(|row| finished.binary_search(row).is_err())
+        .collect();
+    let threads = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads.map_or(0, usize::from))
+        .build()
+        .map_err(|error| Failure::Usage(format!("cannot start threads: {error}")))?;
+    let meter = Meter::new(rows.len(), arguments.quiet);
+    threads.install(|| {
+        rows.par_iter().try_for_each(|&row| -> Result<(), Failure> {
+            let cells = map::row(&problem, section, row)?;
+            folder.write(row, &cells)?;
+            meter.tick();
+            Ok(())
+        })
+    })?;
+    meter.finish();
+    if arguments.shard.is_some_and(|shard| shard.of > 1) {
+        return summary(arguments.quiet, &format!("shard in {}\n", out.display()));
+    }
+    tables(&folder, &description, std::slice::from_ref(&out))?;
+    draw(picture, &out, &problem)?;
+    summary(arguments.quiet, &format!("map in {}\n", out.display()))
+}
+
+fn merge(arguments: &MergeArguments) -> Result<u8, Failure> {
+    let picture = picture(arguments.plot.as_deref())?;
+    let mut description: Option<(Description, &PathBuf)> = None;
+    for shard in &arguments.shards {
+        let found = Description::read(shard)?;
+        match &description {
+            Some((known, first)) if *known != found => {
+                return Err(Failure::Usage(format!(
+                    "{} and {} are shards of different maps",
+                    first.display(),
+                    shard.display()
+                )));
+            }
+            _ => description = Some((found, shard)),
+        }
+    }
+    let Some((description, _)) = description else {
+        return Err(Failure::Usage("name the folders of the shards".into()));
+    };
+    let own = arguments.shards.contains(&arguments.out);
+    // a shard may be joined in its own folder, which is not cleared then
+    let folder = MapFolder::open(&arguments.out, &description, own, arguments.force)?;
+    tables(&folder, &description, &arguments.shards)?;
+    draw(picture, &arguments.out, &description.problem)?;
+    let text = format!("map in {}\n", arguments.out.display());
+    summary(arguments.quiet, &text)
+}
+
+fn summary(quiet: bool, text: &str) -> Result<u8, Failure> {
+    if !quiet {
+        print(text)?;
+    }
+    Ok(0)
+}
+
+/// Where the map goes.
+fn folder(arguments: &MapArguments, problem: &Path) -> PathBuf {
+    if let Some(out) = &arguments.out {
+        return out.clone();
+    }
+    let mut name = default_folder(problem).into_os_string();
+    name.push("_map");
+    let folder = PathBuf::from(name);
+    match arguments.shard {
+        Some(Shard { number, of }) if of > 1 => folder.join(format!("shard-{number}-of-{of}")),
+        _ => folder,
+    }
+}
+
+/// The joined tables.
+fn tables(folder: &MapFolder, description: &Description, from: &[PathBuf]) -> Result<(), Failure> {
+    let table = folder.join(description, from)?;
+    #[cfg(feature = "parquet")]
+    {
+        use crate::output::map_folder::PARQUET;
+        use crate::output::parquet::{Kind, convert};
+        let kind = |name: &str| match name {
+            "row" | "column" | "passage" | "unstable" | "lead_sector" => Kind::Integer,
+            "start" | "regimes" | "switches" | "stable" | "why" => Kind::Text,
+            _ => Kind::Number,
+        };
+        let parquet = folder.path().join(PARQUET);
+        convert(&table, &parquet, kind)
+            .map_err(|error| Failure::Usage(format!("{}: {error}", parquet.display())))?;
+    }
+    #[cfg(not(feature = "parquet"))]
+    let _ = table;
+    Ok(())
+}
+
+/// File and format of the picture asked for.
+fn picture(path: Option<&Path>) -> Result<Option<(&Path, Format)>, Failure> {
+    let Some(path) = path else {
+        return Ok(None);
+    };
+    match Format::of(path) {
+        Some(format) => Ok(Some((path, format))),
+        None => Err(Failure::Usage(format!(
+            "{}: give the picture a name that ends in .svg, .png or .pdf",
+            path.display()
+        ))),
+    }
+}
+
+fn draw(picture: Option<(&Path, Format)>, folder: &Path, problem: &Problem) -> Result<(), Failure> {
+    if let (Some((path, format)), Some(section)) = (picture, &problem.map) {
+        plots::draw_map(path, format, folder, section, problem.title.as_deref())?;
+    }
+    Ok(())
+}
+
+/// How often progress is reported where nobody looks on.
+const REPORT: Duration = Duration::from_secs(20);
+
+/// Rows done and the time that is left: a bar on a terminal, a line now and then in a log.
+struct Meter {
+    bar: Option<ProgressBar>,
+    log: Option<Mutex<Log>>,
+}
+
+struct Log {
+    begun: Instant,
+    reported: Instant,
+    done: usize,
+    all: usize,
+}
+
+impl Meter {
+    fn new(rows: usize, quiet: bool) -> Meter {
+        let watched = stderr().is_terminal();
+        let bar = (!quiet && watched).then(|| {
+            let bar = ProgressBar::new(rows as u64);
+            let template = "{spinner} [{bar:40}] {pos} of {len} rows, {eta} left ({elapsed})";
+            // the template is constant and valid
+            if let Ok(style) = ProgressStyle::with_template(template) {
+                bar.set_style(style.progress_chars("=> "));
+            }
+            bar
+        });
+        let now = Instant::now();
+        let log = (!quiet && !watched).then(|| {
+            Mutex::new(Log {
+                begun: now,
+                reported: now,
+                done: 0,
+                all: rows,
+            })
+        });
+        Meter { bar, log }
+    }
+
+    fn tick(&self) {
+        if let Some(bar) = &self.bar {
+            bar.inc(1);
+        }
+        // a thread that fails while it reports leaves the rest without reports
+        let Some(Ok(mut log)) = self.log.as_ref().map(Mutex::lock) else {
+            return;
+        };
+        log.done += 1;
+        if log.reported.elapsed() >= REPORT && log.done < log.all {
+            log.reported = Instant::now();
+            let left =
+                log.begun.elapsed().as_secs_f64() / log.done as f64 * (log.all - log.done) as f64;
+            let _ = writeln!(
+                stderr(),
+                "{} of {} rows, about {left:.0} s left",
+                log.done,
+                log.all
+            );
+        }
+    }
+
+    fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

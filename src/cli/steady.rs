@@ -1,0 +1,207 @@
+//! `brakewave steady`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::spectrum::{assignment, set};
+use super::{Failure, print, warn};
+use crate::model::Source;
+use crate::output::plots::{self, Format};
+use crate::output::tables::number;
+use crate::problem::{self, MAX_MODE, Parameter};
+use crate::run::model;
+use crate::steady::{self, Hopf, Mode, Settings, Wave};
+
+/// Most families and radial functions that can be asked for.
+const MOST_FAMILIES: u16 = 64;
+/// Modes shown at least where no range is given.
+const LEAST_MODES: u32 = 12;
+/// Relative difference between radial orders above which a warning is due: what is promised.
+const PROMISED: f64 = 1e-10;
+
+#[derive(Debug, Args)]
+pub struct SteadyArguments {
+    /// Problem file
+    problem: PathBuf,
+    /// Parameter value by its column instead of that of the file, e.g. stiffness_damping=0.003
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    at: Vec<(Parameter, f64)>,
+    /// Modes, e.g. 1..20 or 4 [default: 1 to twice the mode of the file, 12 at least]
+    #[arg(long, value_name = "FIRST..LAST", value_parser = modes)]
+    modes: Option<(u32, u32)>,
+    /// Families of radial modes among which the fastest growth and the least Hopf friction are looked for
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_FAMILIES)))]
+    families: u16,
+    /// Radial functions per component [default: as many as convergence takes]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=400))]
+    order: Option<u16>,
+    /// Draw growth against the mode: FILE.svg, .png or .pdf
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+}
+
+fn modes(text: &str) -> Result<(u32, u32), String> {
+    let (first, last) = text.split_once("..").unwrap_or((text, text));
+    let parse = |part: &str| -> Result<u32, String> {
+        let part = part.trim_start_matches('=').trim();
+        part.parse()
+            .map_err(|_| format!("`{part}` is not a number of waves; write 1..20 or 4"))
+    };
+    let (first, last) = (parse(first)?, parse(last)?);
+    if first < 1 || last > MAX_MODE || first > last {
+        return Err(format!(
+            "{first}..{last} is no range of modes: write the smaller one first, from 1 to {MAX_MODE}"
+        ));
+    }
+    Ok((first, last))
+}
+
+/// The header: reduced model, fundamental family of the tube, family that leads, convergence.
+const HEADER: &str = "mode,growth,omega,speed,direction,hopf_friction,hopf_omega,first,\
+full_growth,full_omega,full_speed,full_direction,full_hopf_friction,full_hopf_omega,field_error,\
+lead_family,lead_growth,lead_omega,lead_speed,lead_direction,\
+lead_hopf_family,lead_hopf_friction,lead_hopf_omega,lead_first,radial_order,radial_error";
+
+pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
+    let format = match &arguments.plot {
+        None => None,
+        Some(path) => match Format::of(path) {
+            Some(format) => Some((path, format)),
+            None => {
+                return Err(Failure::Usage(format!(
+                    "{}: give the picture a name that ends in .svg, .png or .pdf",
+                    path.display()
+                )));
+            }
+        },
+    };
+    let (mut problem, _) = problem::read(&arguments.problem)?;
+    for (parameter, value) in &arguments.at {
+        set(&mut problem, *parameter, *value)?;
+    }
+    let model = model(&problem.model);
+    let geometry = match &model.source {
+        Source::Geometry(geometry) => Some(geometry),
+        Source::Given(_) => None,
+    };
+    let coefficients = model.parameters().coefficients;
+    let (first, last) = arguments
+        .modes
+        .unwrap_or((1, (2 * problem.wave.mode).clamp(LEAST_MODES, MAX_MODE)));
+    let settings = Settings {
+        friction: model.friction,
+        damping: problem.model.damping,
+        families: usize::from(arguments.families),
+        order: arguments.order.map(usize::from),
+    };
+    let modes: Vec<Mode> = (first..=last)
+        .map(|mode| steady::mode(&coefficients, geometry, mode, &settings))
+        .collect::<Result<_, _>>()?;
+    let reduced = first_to_go(&modes, |mode| {
+        Some((mode.reduced.hopf?.friction, mode.reduced.wave.growth))
+    });
+    let full = first_to_go(&modes, |mode| {
+        let full = mode.full.as_ref()?;
+        Some((full.first?.1.friction, full.lead_wave.growth))
+    });
+    let mut text = format!("{HEADER}\n");
+    for (index, mode) in modes.iter().enumerate() {
+        text.push_str(&row(mode, reduced == Some(index), full == Some(index)));
+    }
+    print(&text)?;
+    if let Some((path, format)) = format {
+        plots::draw_steady(path, format, problem.title.as_deref(), &modes)?;
+    }
+    for (found, what) in [(reduced, "in the reduced model"), (full, "of the tube")] {
+        if found.is_some_and(|index| index + 1 == modes.len() && modes.len() > 1) {
+            warn(&format!(
+                "the mode that goes first {what} is the last one asked for, {last}: \
+                 a higher one may go earlier"
+            ));
+        }
+    }
+    let coarse = |mode: &&Mode| mode.full.as_ref().is_some_and(|full| full.error > PROMISED);
+    let unconverged: Vec<String> = modes
+        .iter()
+        .filter(coarse)
+        .map(|mode| mode.mode.to_string())
+        .collect();
+    if !unconverged.is_empty() {
+        warn(&format!(
+            "the radial problem is not converged to {PROMISED:e} for mode {}: see radial_error, \
+             and raise --order",
+            unconverged.join(", ")
+        ));
+    }
+    Ok(0)
+}
+
+/// The mode with the least Hopf friction; without damping, where that is zero for all, the one
+/// that grows fastest.
+fn first_to_go(modes: &[Mode], of: impl Fn(&Mode) -> Option<(f64, f64)>) -> Option<usize> {
+    let mut best: Option<(usize, (f64, f64))> = None;
+    for (index, mode) in modes.iter().enumerate() {
+        let Some((friction, growth)) = of(mode) else {
+            continue;
+        };
+        let earlier = best.is_none_or(|(_, (least, fastest))| {
+            friction < least || (friction == least && growth > fastest)
+        });
+        if earlier {
+            best = Some((index, (friction, growth)));
+        }
+    }
+    best.map(|(index, _)| index)
+}
+
+/// A row of the table.
+fn row(mode: &Mode, first: bool, lead_first: bool) -> String {
+    let mut fields = vec![mode.mode.to_string()];
+    fields.extend(wave(&mode.reduced.wave));
+    fields.extend(hopf(mode.reduced.hopf));
+    fields.push(mark(first));
+    match &mode.full {
+        None => fields.resize(HEADER.split(',').count(), String::new()),
+        Some(full) => {
+            fields.extend(wave(&full.fundamental.wave));
+            fields.extend(hopf(full.fundamental.hopf));
+            fields.push(number(full.field_error));
+            fields.push(full.lead.to_string());
+            fields.extend(wave(&full.lead_wave));
+            fields.push(
+                full.first
+                    .map_or_else(String::new, |(family, _)| family.to_string()),
+            );
+            fields.extend(hopf(full.first.map(|(_, point)| point)));
+            fields.push(mark(lead_first));
+            fields.push(full.order.to_string());
+            fields.push(number(full.error));
+        }
+    }
+    fields.join(",") + "\n"
+}
+
+fn mark(first: bool) -> String {
+    if first { "yes" } else { "" }.to_owned()
+}
+
+fn wave(wave: &Wave) -> [String; 4] {
+    let direction = match wave.speed {
+        speed if speed > 0.0 => "with",
+        speed if speed < 0.0 => "against",
+        _ => "",
+    };
+    [
+        number(wave.growth),
+        number(wave.omega),
+        number(wave.speed),
+        direction.to_owned(),
+    ]
+}
+
+fn hopf(point: Option<Hopf>) -> [String; 2] {
+    point.map_or_else(Default::default, |point| {
+        [number(point.friction), number(point.omega)]
+    })
+}

@@ -1,0 +1,32 @@
+//! One wave, or none, at one point of a map.
+
+use crate::branch::{BranchPoint, ParameterValues};
+
+/// A wave that exists at a point of the plane, or the statement that none was found there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    /// Row, from 0: along it the first parameter of a grid is constant.
+    pub row: usize,
+    /// Column, from 0.
+    pub column: usize,
+    /// Name of the wave the branch began with: `fast` or `slow`.
+    pub start: &'static str,
+    /// Which passage of the branch through this point, from 1; 0 where there is none.
+    pub passage: usize,
+    /// What was found.
+    pub found: CellPoint,
+}
+
+/// What was found at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CellPoint {
+    /// A wave. Its `point` and `label` are those of the branch and mean nothing here.
+    Wave(Box<BranchPoint>),
+    /// No wave of this start.
+    Nothing {
+        /// Parameters of the point.
+        parameters: ParameterValues,
+        /// Why the branch does not come here.
+        why: String,
+    },
+}

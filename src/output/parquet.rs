@@ -1,0 +1,158 @@
+//! A table as Parquet: the same columns and numbers as its CSV, with types.
+
+use std::fs::File;
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+
+use ::parquet::basic::{ConvertedType, Repetition, Type as Physical};
+use ::parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use ::parquet::errors::ParquetError;
+use ::parquet::file::properties::WriterProperties;
+use ::parquet::file::writer::SerializedFileWriter;
+use ::parquet::schema::types::Type;
+
+/// Rows of a row group: the rows that are held in memory at a time.
+const GROUP: usize = 1 << 16;
+
+/// Type of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// 64-bit integer.
+    Integer,
+    /// Double.
+    Number,
+    /// UTF-8.
+    Text,
+}
+
+/// A table could not be converted.
+#[derive(Debug, thiserror::Error)]
+pub enum ConvertError {
+    /// The operating system refused.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    /// The table is no CSV.
+    #[error("{0}")]
+    Csv(#[from] csv::Error),
+    /// The Parquet writer refused.
+    #[error("{0}")]
+    Parquet(#[from] ParquetError),
+    /// A field is not of the type of its column.
+    #[error("line {line}: `{field}` in column `{column}` is not of its type")]
+    Field {
+        /// Line of the table.
+        line: usize,
+        /// The field.
+        field: String,
+        /// Name of the column.
+        column: String,
+    },
+}
+
+/// Converts a table with a header. `kind` gives the type of a column by its name; empty fields
+/// become null.
+///
+/// # Errors
+/// When the table cannot be read, a field does not fit its type, or the file cannot be written.
+pub fn convert(
+    table: &Path,
+    parquet: &Path,
+    kind: impl Fn(&str) -> Kind,
+) -> Result<(), ConvertError> {
+    let mut reader = csv::Reader::from_path(table)?;
+    let names: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
+    let kinds: Vec<Kind> = names.iter().map(|name| kind(name)).collect();
+    let fields = names
+        .iter()
+        .zip(&kinds)
+        .map(|(name, kind)| {
+            let (physical, converted) = match kind {
+                Kind::Integer => (Physical::INT64, ConvertedType::NONE),
+                Kind::Number => (Physical::DOUBLE, ConvertedType::NONE),
+                Kind::Text => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
+            };
+            let built = Type::primitive_type_builder(name, physical)
+                .with_repetition(Repetition::OPTIONAL)
+                .with_converted_type(converted)
+                .build()?;
+            Ok(Arc::new(built))
+        })
+        .collect::<Result<Vec<_>, ParquetError>>()?;
+    let schema = Type::group_type_builder("table")
+        .with_fields(fields)
+        .build()?;
+    let created_by = format!("brakewave {}", env!("CARGO_PKG_VERSION"));
+    let properties = WriterProperties::builder()
+        .set_created_by(created_by)
+        .build();
+    let beside = parquet.with_extension("parquet.new");
+    let mut writer = SerializedFileWriter::new(
+        File::create(&beside)?,
+        Arc::new(schema),
+        Arc::new(properties),
+    )?;
+    let mut records = reader.records();
+    let mut line = 1;
+    loop {
+        let group: Vec<csv::StringRecord> =
+            records.by_ref().take(GROUP).collect::<Result<_, _>>()?;
+        if group.is_empty() {
+            break;
+        }
+        let mut rows = writer.next_row_group()?;
+        let mut index = 0;
+        while let Some(mut column) = rows.next_column()? {
+            let field = |record: &csv::StringRecord| record.get(index).unwrap_or("").to_owned();
+            let fields: Vec<String> = group.iter().map(field).collect();
+            let levels: Vec<i16> = fields
+                .iter()
+                .map(|field| i16::from(!field.is_empty()))
+                .collect();
+            let refuse = |row: usize| ConvertError::Field {
+                line: line + 1 + row,
+                field: fields[row].clone(),
+                column: names[index].clone(),
+            };
+            let given = || {
+                fields
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, field)| !field.is_empty())
+            };
+            match kinds[index] {
+                Kind::Integer => {
+                    let values = given()
+                        .map(|(row, field)| field.parse::<i64>().map_err(|_| refuse(row)))
+                        .collect::<Result<Vec<_>, _>>()?;
+                    column
+                        .typed::<Int64Type>()
+                        .write_batch(&values, Some(&levels), None)?;
+                }
+                Kind::Number => {
+                    let values = given()
+                        .map(|(row, field)| field.parse::<f64>().map_err(|_| refuse(row)))
+                        .collect::<Result<Vec<_>, _>>()?;
+                    column
+                        .typed::<DoubleType>()
+                        .write_batch(&values, Some(&levels), None)?;
+                }
+                Kind::Text => {
+                    let values: Vec<ByteArray> = given()
+                        .map(|(_, field)| ByteArray::from(field.as_str()))
+                        .collect();
+                    column
+                        .typed::<ByteArrayType>()
+                        .write_batch(&values, Some(&levels), None)?;
+                }
+            }
+            column.close()?;
+            index += 1;
+        }
+        rows.close()?;
+        line += group.len();
+    }
+    writer.close()?;
+    std::fs::rename(&beside, parquet)?;
+    Ok(())
+}

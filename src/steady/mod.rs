@@ -1,0 +1,171 @@
+//! Stability of steady sliding, mode by mode.
+//!
+//! The tube slips everywhere, u = δX(r), and is perturbed by e^{ikφ+λt}. Both the reduced model
+//! and the full radial problem give complex stiffnesses κ(k, f), from which damping makes the
+//! eigenvalues λ ([`growth`]):
+//!
+//! ```text
+//! coefficients ──► reduced: κ in closed form ─┐
+//!                                             ├─► growth: λ(κ; α, β), Hopf points ──► Mode
+//! geometry ──► radial: κ of elasticity ───────┘
+//! ```
+//!
+//! The mismatch δ does not enter: the perturbation of the pressure is proportional to the
+//! perturbation of the displacement, whatever the pressure.
+
+pub mod growth;
+pub mod radial;
+pub mod reduced;
+
+use crate::model::coefficients::{Coefficients, Geometry};
+use crate::problem::Damping;
+pub use growth::{Hopf, Wave};
+use radial::{Error, Radial};
+use reduced::Reduced;
+
+/// Number of radial functions per component the first attempt is made with.
+const FIRST_ORDER: usize = 12;
+/// Largest number of radial functions; the eigenvalue problem then has twice as many rows.
+const LAST_ORDER: usize = 120;
+/// Relative difference of the stiffnesses κ of two successive orders at which the finer one is
+/// taken. The error of the finer one is far smaller still: convergence is geometric in the order.
+/// Rounding leaves about 1e-13.
+const RADIAL_TOLERANCE: f64 = 1e-11;
+
+/// What is computed besides the modes themselves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Friction coefficient f ≥ 0.
+    pub friction: f64,
+    /// Damping.
+    pub damping: Damping,
+    /// Families of radial modes looked at, at least 1.
+    pub families: usize,
+    /// Number of radial functions; `None` raises it until κ has converged.
+    pub order: Option<usize>,
+}
+
+/// Stability of steady sliding against perturbations of one mode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// Number of waves around the circumference.
+    pub mode: u32,
+    /// The reduced model.
+    pub reduced: Branch,
+    /// The full radial problem; `None` where only the coefficients of the reduced model are known.
+    pub full: Option<Full>,
+}
+
+/// The wave of one family of perturbations and the friction at which it begins to grow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Branch {
+    /// The wave that grows fastest, or decays slowest.
+    pub wave: Wave,
+    /// Where it begins to grow; `None` where no friction makes it grow.
+    pub hopf: Option<Hopf>,
+}
+
+/// What the full radial problem says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Full {
+    /// The fundamental family: least |κ|.
+    pub fundamental: Branch,
+    /// Distance of the fundamental displacement field from that of the reduced model, relative to
+    /// its norm, in the norm of kinetic energy: 0 where they are parallel, 1 where orthogonal.
+    pub field_error: f64,
+    /// Family with the fastest growth, from 1 in the order of |κ|.
+    pub lead: usize,
+    /// Its wave.
+    pub lead_wave: Wave,
+    /// Family whose Hopf point has the least friction, from 1, and that point.
+    pub first: Option<(usize, Hopf)>,
+    /// Radial functions per component.
+    pub order: usize,
+    /// Largest relative difference of a κ of these families from the next coarser order.
+    pub error: f64,
+}
+
+/// Stability of steady sliding against one mode. `geometry` is `None` where only the coefficients
+/// are known.
+///
+/// # Errors
+/// When the iteration for the eigenvalues of the full problem fails.
+pub fn mode(
+    coefficients: &Coefficients,
+    geometry: Option<&Geometry>,
+    mode: u32,
+    settings: &Settings,
+) -> Result<Mode, Error> {
+    let reduced = Reduced::new(coefficients, mode);
+    let full = match geometry {
+        Some(geometry) => Some(full(geometry, mode, settings)?),
+        None => None,
+    };
+    Ok(Mode {
+        mode,
+        reduced: Branch {
+            wave: Wave::fastest(reduced.stiffness(settings.friction), mode, settings.damping),
+            hopf: reduced.hopf(settings.damping),
+        },
+        full,
+    })
+}
+
+/// The full problem at an order where κ has converged, or at the last one.
+fn full(geometry: &Geometry, mode: u32, settings: &Settings) -> Result<Full, Error> {
+    let (first, last) = match settings.order {
+        Some(order) => ((order / 3 * 2).max(1), order),
+        None => (FIRST_ORDER, LAST_ORDER),
+    };
+    let families = settings.families;
+    let mut order = first;
+    let mut coarse = Radial::new(geometry, mode, order).lowest(settings.friction, families)?;
+    loop {
+        order = (order + order / 2).max(order + 1).min(last);
+        let radial = Radial::new(geometry, mode, order);
+        let pairs = radial.lowest(settings.friction, families)?;
+        let error = pairs
+            .iter()
+            .enumerate()
+            .map(|(index, pair)| match coarse.get(index) {
+                Some(other) => (pair.kappa - other.kappa).norm() / pair.kappa.norm(),
+                None => f64::INFINITY,
+            })
+            .fold(0.0, f64::max);
+        if order < last && error > RADIAL_TOLERANCE {
+            coarse = pairs;
+            continue;
+        }
+        let waves: Vec<Wave> = pairs
+            .iter()
+            .map(|pair| Wave::fastest(pair.kappa, mode, settings.damping))
+            .collect();
+        let mut lead = 0;
+        for (index, wave) in waves.iter().enumerate() {
+            if wave.growth > waves[lead].growth {
+                lead = index;
+            }
+        }
+        let hopf = radial.hopf(families, settings.damping)?;
+        let mut least: Option<(usize, Hopf)> = None;
+        for (index, point) in hopf.iter().enumerate() {
+            if let Some(point) = point
+                && least.is_none_or(|(_, known)| point.friction < known.friction)
+            {
+                least = Some((index + 1, *point));
+            }
+        }
+        return Ok(Full {
+            fundamental: Branch {
+                wave: waves[0],
+                hopf: hopf[0],
+            },
+            field_error: radial.field_error(&pairs[0]),
+            lead: lead + 1,
+            lead_wave: waves[lead],
+            first: least,
+            order,
+            error,
+        });
+    }
+}

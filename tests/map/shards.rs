@@ -1,0 +1,158 @@
+//! The same bytes from one thread or many, in one piece or shards, at once or after a kill.
+
+use std::fs;
+
+use crate::{files, problem, run, succeed};
+
+fn small() -> String {
+    problem(
+        "map: (first: (parameter: Friction, range: (0.2, 1.05)), \
+         second: (parameter: Mismatch, range: (0.03, 0.2)), \
+         points: Grid(rows: 9, columns: 11), starts: [Fast, Slow])",
+    )
+}
+
+const TABLES: [&str; 2] = [
+    "map.csv",
+    if cfg!(feature = "parquet") {
+        "map.parquet"
+    } else {
+        "map.ron"
+    },
+];
+
+#[test]
+fn shards_merge_to_the_bytes_of_one_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("p.ron"), small()).unwrap();
+    succeed(path, &["map", "p.ron", "--out", "whole", "--threads", "1"]);
+    succeed(
+        path,
+        &["map", "p.ron", "--out", "parallel", "--threads", "3"],
+    );
+    let shards = ["1/4", "2/4", "3/4", "4/4"].map(|shard| {
+        let out = format!("shard{}", &shard[..1]);
+        succeed(path, &["map", "p.ron", "--shard", shard, "--out", &out]);
+        out
+    });
+    // a shard alone is no map
+    let output = run(
+        path,
+        &["map", "merge", &shards[0], &shards[1], "--out", "half"],
+    );
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        said.contains("4 of 9 rows are missing") && said.contains("row 2"),
+        "{said}"
+    );
+    let mut arguments = vec!["map", "merge", "--out", "merged"];
+    arguments.extend(shards.iter().rev().map(String::as_str));
+    succeed(path, &arguments);
+    for name in TABLES {
+        let read = |folder: &str| fs::read(path.join(folder).join(name)).unwrap();
+        let whole = read("whole");
+        assert!(whole.len() > 500);
+        assert!(
+            whole == read("parallel"),
+            "{name} depends on the number of threads"
+        );
+        assert!(whole == read("merged"), "{name} depends on the shards");
+    }
+}
+
+/// Parquet holds the very doubles of the CSV, and nothing where that is empty.
+#[cfg(feature = "parquet")]
+#[test]
+fn parquet_holds_the_numbers_of_the_table() {
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("p.ron"), small()).unwrap();
+    succeed(path, &["map", "p.ron", "--out", "m"]);
+    let file = fs::File::open(path.join("m/map.parquet")).unwrap();
+    let reader = SerializedFileReader::new(file).unwrap();
+    let mut table = csv::Reader::from_path(path.join("m/map.csv")).unwrap();
+    let mut compared = 0;
+    let mut records = table.records();
+    for row in reader.get_row_iter(None).unwrap() {
+        let record = records.next().unwrap().unwrap();
+        for ((_, found), text) in row.unwrap().get_column_iter().zip(&record) {
+            let same = match found {
+                Field::Null => text.is_empty(),
+                Field::Long(value) => text.parse() == Ok(*value),
+                Field::Double(value) => text.parse::<f64>().unwrap().to_bits() == value.to_bits(),
+                Field::Str(value) => value == text,
+                _ => false,
+            };
+            assert!(same, "{found:?} {text}");
+            compared += 1;
+        }
+    }
+    assert!(records.next().is_none() && compared > 9 * 11 * 2 * 20);
+}
+
+#[test]
+fn a_killed_map_resumes_to_the_same_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("p.ron"), small()).unwrap();
+    succeed(path, &["map", "p.ron", "--out", "m"]);
+    let whole = files(&path.join("m"));
+    // what a kill leaves: some rows, one of them half written beside its place, no table
+    for name in TABLES {
+        if name != "map.ron" {
+            fs::remove_file(path.join("m").join(name)).unwrap();
+        }
+    }
+    for row in [0, 4, 7] {
+        fs::remove_file(path.join(format!("m/rows/{row:09}.csv"))).unwrap();
+    }
+    fs::write(path.join("m/rows/000000004.new"), "4,0,fast,1,sl").unwrap();
+    let refused = run(path, &["map", "p.ron", "--out", "m"]);
+    assert_eq!(refused.status.code(), Some(2));
+    succeed(path, &["map", "p.ron", "--out", "m", "--resume"]);
+    assert!(files(&path.join("m")) == whole);
+    // and once more with nothing left to do
+    succeed(path, &["map", "p.ron", "--out", "m", "--resume"]);
+    assert!(files(&path.join("m")) == whole);
+    // not with another problem
+    fs::write(path.join("q.ron"), small().replace("0.03", "0.04")).unwrap();
+    let refused = run(path, &["map", "q.ron", "--out", "m", "--resume"]);
+    assert_eq!(refused.status.code(), Some(2));
+    succeed(path, &["map", "q.ron", "--out", "m", "--force"]);
+    assert!(files(&path.join("m")) != whole);
+}
+
+#[test]
+fn bad_usage_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("p.ron"), small()).unwrap();
+    fs::write(path.join("none.ron"), problem("")).unwrap();
+    let given = "(model: (coefficients: Given(a: 1.1, b: 0.3, D: -0.8, g: 18.0, h: 8.5), \
+        friction: 0.5, mismatch: 0.2), wave: (mode: 4, start: Fast), \
+        map: (first: (parameter: Nu, range: (0.2, 0.3)), second: (parameter: Mismatch, \
+        range: (0.03, 0.2)), points: Grid(rows: 2, columns: 2)))";
+    fs::write(path.join("given.ron"), given).unwrap();
+    for arguments in [
+        &["map"][..],
+        &["map", "none.ron"],
+        &["map", "given.ron"],
+        &["map", "p.ron", "--shard", "0/4"],
+        &["map", "p.ron", "--shard", "5/4"],
+        &["map", "p.ron", "--shard", "2"],
+        &["map", "p.ron", "--threads", "0"],
+        &["map", "p.ron", "--plot", "map.gif"],
+        &["map", "merge", "nowhere", "--out", "x"],
+    ] {
+        let output = run(path, arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!said.contains("panicked"), "{said}");
+    }
+    assert_eq!(fs::read_dir(path).unwrap().count(), 3);
+}

@@ -1,0 +1,23 @@
+//! Claims about the stability of steady sliding: the closed form against roots found otherwise, the
+//! radial problem against Bessel functions, its own orders, symmetries and limits, the command line.
+
+mod bessel;
+mod command;
+mod radial;
+mod reduced;
+
+use brakewave::model::coefficients::Geometry;
+use brakewave::problem::Damping;
+
+/// Shows the worst error of a claim.
+fn observed(claim: &str, error: f64) {
+    println!("observed: {claim}: {error:.1e}");
+}
+
+fn tube(nu: f64, xi: f64) -> Geometry {
+    Geometry { nu, xi, gamma: 1.0 }
+}
+
+fn damping(mass: f64, stiffness: f64) -> Damping {
+    Damping { mass, stiffness }
+}
