@@ -39,5 +39,6 @@ pub mod newton;
 pub mod output;
 pub mod problem;
 pub mod run;
+pub mod simulation;
 pub mod stability;
 pub mod wave;
