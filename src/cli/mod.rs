@@ -4,6 +4,7 @@ mod check;
 mod plot;
 mod report;
 mod run;
+mod simulate;
 mod spectrum;
 
 use std::io::{self, Write};
@@ -38,6 +39,8 @@ enum Verb {
     Plot(plot::PlotArguments),
     /// The wave at one parameter value and its eigenvalues, as CSV on standard output
     Spectrum(spectrum::SpectrumArguments),
+    /// Simulate the motion in time as the section `simulation` of a problem file says
+    Simulate(simulate::SimulateArguments),
     /// Print a commented problem file
     New,
 }
@@ -98,6 +101,7 @@ pub fn main() -> ExitCode {
         Verb::Check(arguments) => check::check(&arguments),
         Verb::Plot(arguments) => plot::plot(&arguments),
         Verb::Spectrum(arguments) => spectrum::spectrum(&arguments),
+        Verb::Simulate(arguments) => simulate::simulate(&arguments),
         Verb::New => print(problem::TEMPLATE).map(|()| 0),
     };
     match result {

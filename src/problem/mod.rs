@@ -10,6 +10,7 @@ mod expectation;
 mod explanation;
 mod outline;
 mod parameter;
+mod simulation;
 #[cfg(test)]
 mod tests;
 mod validation;
@@ -28,6 +29,11 @@ pub use continuation::{
 pub use error::ProblemError;
 pub use expectation::Expectation;
 pub use parameter::Parameter;
+pub use simulation::{
+    Body, Circle, DEFAULT_COURANT, DEFAULT_EVERY, DEFAULT_GROWTH_AMPLITUDE, DEFAULT_PAIRS,
+    DifferenceOrder, FrictionLaw, Growth, MAX_COURANT, MAX_SAMPLES, MAX_SIMULATION_POINTS,
+    MAX_SNAPSHOTS, MIN_SIMULATION_POINTS, Perturbation, Simulation, SimulationStart,
+};
 
 use error::Flaw;
 use outline::Outline;
@@ -63,6 +69,8 @@ pub struct Problem {
     pub continuation: Option<Continuation>,
     /// Stability analysis; `None` when not asked for.
     pub stability: Option<StabilitySection>,
+    /// Simulation in time; see [`Problem::simulation`].
+    pub simulation: Option<Simulation>,
     /// Plots and tables to write.
     #[serde(default)]
     pub output: Output,
@@ -81,6 +89,21 @@ impl Problem {
                 Outline::of(text).locate("continuation"),
                 "missing field `continuation` in the problem: there is no branch to follow",
                 "add `continuation: (parameter: Mismatch, range: (0.004, 0.2)),`",
+            );
+            ProblemError::in_text(name, text, flaw)
+        })
+    }
+
+    /// The `simulation` section, or an error that says how to write one.
+    ///
+    /// `text` and `name` are the source of the problem and the name of its file, for the message.
+    pub fn simulation(&self, text: &str, name: &str) -> Result<&Simulation, ProblemError> {
+        self.simulation.as_ref().ok_or_else(|| {
+            let flaw = Flaw::new(
+                Outline::of(text).locate("simulation"),
+                "missing field `simulation` in the problem: there is nothing to simulate",
+                "add `simulation: (body: Ring(points: 384), start: SteadySliding, \
+                 perturbation: (mode: 4, amplitude: 1e-3), duration: 40.0),`",
             );
             ProblemError::in_text(name, text, flaw)
         })

@@ -4,8 +4,12 @@ use std::fmt::Debug;
 
 use super::error::excerpt;
 use super::outline::Outline;
+use super::simulation::{
+    Body, Circle, FrictionLaw, MAX_COURANT, MAX_SAMPLES, MAX_SIMULATION_POINTS, MAX_SNAPSHOTS,
+    MIN_SIMULATION_POINTS, Simulation, SimulationStart,
+};
 use super::{
-    Coefficients, Continuation, Expectation, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Model, Output,
+    Coefficients, Impact, Continuation, Expectation, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Model, Output,
     Parameter, Plot, Problem, Sectors, StabilitySection, Start, Toward, Wave,
 };
 use crate::branch::{BRANCH_HEADER, WORD_COLUMNS};
@@ -32,6 +36,9 @@ pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
     }
     if let Some(section) = &problem.stability {
         stability(section, mode)?;
+    }
+    if let Some(section) = &problem.simulation {
+        simulation(section, problem)?;
     }
     output(&problem.output)?;
     for (index, event) in problem.expect.iter().enumerate() {
@@ -234,6 +241,139 @@ fn stability(section: &StabilitySection, mode: u32) -> Check {
     let highest = section.max_frequency;
     let rule = "the highest frequency must be greater than 0";
     number("stability.max_frequency", highest, highest > 0.0, rule)
+}
+
+fn simulation(section: &Simulation, problem: &Problem) -> Check {
+    let mode = problem.wave.mode;
+    let rule = format!(
+        "a simulation has {MIN_SIMULATION_POINTS} to {MAX_SIMULATION_POINTS} points around"
+    );
+    let resolved = |points: usize| {
+        points >= MIN_SIMULATION_POINTS && points <= MAX_SIMULATION_POINTS
+    };
+    let around = match section.body {
+        Body::Ring {
+            points, friction, ..
+        } => {
+            admit("simulation.body.points", points, resolved(points), &rule)?;
+            if let FrictionLaw::Tanh { epsilon } = friction {
+                let rule = "the width of the transition must be greater than 0";
+                let path = "simulation.body.friction.epsilon";
+                number(path, epsilon, epsilon > 0.0, rule)?;
+            }
+            points
+        }
+        Body::Annulus { around, across } => {
+            admit("simulation.body.around", around, resolved(around), &rule)?;
+            let rule = format!(
+                "an annulus has at least 2 elements across, and at most \
+                 {MAX_SIMULATION_POINTS} elements in all"
+            );
+            let holds = across >= 2 && across <= MAX_SIMULATION_POINTS / around;
+            admit("simulation.body.across", across, holds, &rule)?;
+            if matches!(problem.model.coefficients, Coefficients::Given { .. }) {
+                return refuse(
+                    "simulation.body",
+                    "an annulus needs a geometry, but the coefficients are `Given`",
+                    "write `coefficients: Geometry(nu: .., xi: .., gamma: ..)`, or simulate a `Ring`",
+                );
+            }
+            around
+        }
+    };
+    if let SimulationStart::Wave { dir, .. } = &section.start {
+        let rule = "name the directory with the results of a run";
+        let path = "simulation.start.dir";
+        admit(path, dir, !dir.as_os_str().is_empty(), rule)?;
+        if matches!(section.body, Body::Annulus { .. }) {
+            return refuse(
+                "simulation.start",
+                "an annulus cannot begin with a wave: the table holds its contact line only",
+                "write `start: SteadySliding` with a perturbation",
+            );
+        }
+    }
+    let waves = match section.circle {
+        Circle::Whole => 1,
+        Circle::Wavelength => mode,
+    };
+    if matches!(section.start, SimulationStart::Wave { .. })
+        && section.circle == Circle::Whole
+        && !around.is_multiple_of(mode as usize)
+    {
+        let rule = format!("{mode} waves need a multiple of {mode} points to be alike");
+        return admit("simulation.body.points", around, false, &rule);
+    }
+    if let Some(perturbation) = section.perturbation {
+        let highest = (around as u64 * u64::from(waves) / 4) as u32;
+        let holds = perturbation.mode <= highest && perturbation.mode.is_multiple_of(waves);
+        let rule = match section.circle {
+            Circle::Whole => format!("the points resolve the modes 0 to {highest}"),
+            Circle::Wavelength => format!(
+                "one wavelength of mode {mode} holds multiples of {mode}, here up to {highest}; \
+                 write `circle: Whole` for others"
+            ),
+        };
+        let path = "simulation.perturbation.mode";
+        admit(path, perturbation.mode, holds, &rule)?;
+        let path = "simulation.perturbation.amplitude";
+        number(path, perturbation.amplitude, true, "an amplitude is a number")?;
+    }
+    let (duration, every) = (section.duration, section.every);
+    let rule = "the time simulated must be greater than 0";
+    number("simulation.duration", duration, duration > 0.0, rule)?;
+    let holds = every > 0.0 && every <= duration && duration / every <= MAX_SAMPLES as f64;
+    let rule = format!(
+        "the time between samples must be greater than 0, at most the duration, and leave at most \
+         {MAX_SAMPLES} samples"
+    );
+    number("simulation.every", every, holds, &rule)?;
+    let courant = section.courant;
+    let holds = courant > 0.0 && courant <= MAX_COURANT;
+    let rule = format!("the Courant number must be greater than 0 and at most {MAX_COURANT}");
+    number("simulation.courant", courant, holds, &rule)?;
+    let snapshots = section.snapshots;
+    let rule = format!("ask for at most {MAX_SNAPSHOTS} snapshots");
+    let path = "simulation.snapshots";
+    admit(path, snapshots, snapshots <= MAX_SNAPSHOTS, &rule)?;
+    if let Some(growth) = &section.growth {
+        if !matches!(section.start, SimulationStart::Wave { .. }) {
+            return refuse(
+                "simulation.growth",
+                "there is no wave whose perturbations could grow",
+                "write `start: Wave(dir: \"results/x\", label: 3)`, or remove `growth`",
+            );
+        }
+        if let Sectors::Only(list) = &growth.sectors {
+            for (index, &entry) in list.iter().enumerate() {
+                sector(&format!("simulation.growth.sectors.0.{index}"), entry, mode)?;
+            }
+        }
+        let rule = "Arnoldi's method needs at least 2 pairs of runs, and 1000 are plenty";
+        let path = "simulation.growth.pairs";
+        admit(path, growth.pairs, (2..=1000).contains(&growth.pairs), rule)?;
+        let amplitude = growth.amplitude;
+        let rule = "the difference of the runs must be greater than 0 and small, at most 0.1";
+        let holds = amplitude > 0.0 && amplitude <= 0.1;
+        number("simulation.growth.amplitude", amplitude, holds, rule)?;
+    }
+    if problem.model.damping.stiffness != 0.0 {
+        let rule = "a simulation has no stiffness-proportional damping; leave it out, or use `mass`";
+        return admit(
+            "model.damping.stiffness",
+            problem.model.damping.stiffness,
+            false,
+            rule,
+        );
+    }
+    if problem.model.impact == Impact::Coulomb {
+        return refuse(
+            "model.impact",
+            "`model.impact` is Coulomb, which is not simulated",
+            "write `impact: Frictionless` in a file with a section `simulation`",
+        );
+    }
+    Ok(())
 }
 
 fn output(Output { plots, profiles }: &Output) -> Check {

@@ -42,6 +42,10 @@ pub struct Request {
     pub settling: f64,
 }
 
+/// Time that suffices for the wave of a table to become that of the grid: fronts settle within a
+/// few steps, and a wavelength passes in about this time at the speeds of thin tubes.
+pub const SETTLING: f64 = 1.0;
+
 /// An eigenvalue with the residual of its shape, in units of Ω.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eigenvalue {

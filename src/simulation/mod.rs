@@ -12,6 +12,10 @@
 //! sliding     finite elements
 //! ```
 
+pub mod annulus;
 pub mod growth;
+pub mod line;
+pub mod measure;
+pub mod motion;
 pub mod profile;
 pub mod ring;

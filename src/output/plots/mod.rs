@@ -21,6 +21,7 @@ mod quantity;
 #[cfg(feature = "raster")]
 mod raster;
 mod sheet;
+mod simulation;
 mod spectrum;
 mod switches;
 mod tables;
@@ -31,6 +32,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 pub use error::PlotError;
+pub use simulation::draw as draw_simulation;
 
 use profile::Profiles;
 use tables::Tables;

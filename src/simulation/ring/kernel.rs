@@ -22,6 +22,8 @@
 //! Every statement is a selection between values, so that the loop has no branches and uses vector
 //! registers. There is no sum over nodes: the result does not depend on how the ring is cut up.
 
+use serde::{Deserialize, Serialize};
+
 use super::friction::Friction;
 
 /// Most neighbours on either side that a difference reaches to.
@@ -55,7 +57,7 @@ pub struct Constants {
 }
 
 /// Nodes side by side, one array per quantity.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Nodes {
     /// U at n.
     pub radial: Vec<f64>,

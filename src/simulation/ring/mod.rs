@@ -373,6 +373,20 @@ impl Ring {
         ]
     }
 
+    /// Shear that keeps V̈ = 0 at V̇ = 1: Q = α − a∂²V + D∂U + hV.
+    pub fn holding_shear(&self, point: usize) -> f64 {
+        let nodes = &self.nodes;
+        let count = nodes.len();
+        let c = &self.constants;
+        let mut shear = self.parameters.mass_damping + (c.h - c.a[0]) * nodes.tangential[point];
+        for k in 1..=self.setup.order.reach() {
+            let (left, right) = ((point + count - k) % count, (point + k) % count);
+            shear += c.coupling[k - 1] * (nodes.radial[right] - nodes.radial[left])
+                - c.a[k] * (nodes.tangential[left] + nodes.tangential[right]);
+        }
+        shear
+    }
+
     /// Contact pressure P = gδ − D∂V of a point; zero in the air.
     pub fn pressure(&self, point: usize) -> f64 {
         let nodes = &self.nodes;
