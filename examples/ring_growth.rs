@@ -34,9 +34,9 @@ fn main() {
     let setup = Setup { points: 0, angle: 0.0, order, time_step: 0.0, law: Law::Coulomb, watched: false };
     let request = Request { points, waves: if sector == 0 { 1 } else { 4 }, sector, shift, courant, amplitude, pairs, settling: 1.0 };
     let start = std::time::Instant::now();
-    let found = growth::eigenvalues(&parameters, &setup, &profile, &request).unwrap();
+    let found = growth::averaged(&parameters, &setup, &profile, &request).unwrap();
     for value in found.iter().filter(|v| v.im >= -1e-9 || sector != 0).filter(|v| v.im.abs() < 12.0).take(24) {
-        println!("{:+.5} {:+.5}i  residual {:.1e}", value.re, value.im, value.residual);
+        println!("{:+.5} {:+.5}i  residual {:.1e} scatter {:.1e}", value.re, value.im, value.residual, value.scatter);
     }
     eprintln!("{:.2?}", start.elapsed());
 }

@@ -199,6 +199,9 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
 /// Highest |Im λ| listed, in units of Ω.
 const HIGHEST: f64 = problem::DEFAULT_MAX_FREQUENCY;
 
+/// |Im λ| below which an eigenvalue counts as real: rounding of a logarithm over the time of a pair.
+const REAL: f64 = 1e-6;
+
 /// Eigenvalues listed per sector.
 const LISTED: usize = problem::DEFAULT_EIGENVALUES;
 
@@ -248,12 +251,12 @@ fn wave_growth(
             settling: growth::SETTLING,
         };
         let of = |points: usize| {
-            growth::eigenvalues(&parameters, &setup, wave, &request(points)).map_err(failed)
+            growth::averaged(&parameters, &setup, wave, &request(points)).map_err(failed)
         };
         let (fine, coarse) = (of(points)?, of(points / 2)?);
         let real = sector == 0 || 2 * sector == mode;
         let listed = fine.into_iter().filter(|value| {
-            value.residual <= RESOLVED && value.im.abs() <= HIGHEST && !(real && value.im < 0.0)
+            value.residual <= RESOLVED && value.im.abs() <= HIGHEST && !(real && value.im < -REAL)
         });
         for value in listed.take(LISTED) {
             let nearest = coarse
@@ -288,14 +291,14 @@ fn report(
     if !eigenvalues.is_empty() {
         let _ = writeln!(
             text,
-            "\n{:>6} {:>12} {:>12} {:>9} {:>9}",
-            "sector", "growth", "frequency", "residual", "grid"
+            "\n{:>6} {:>12} {:>12} {:>9} {:>9} {:>9}",
+            "sector", "growth", "frequency", "residual", "scatter", "grid"
         );
         for (sector, value, grid) in eigenvalues {
             let _ = writeln!(
                 text,
-                "{sector:>6} {:>12.6} {:>12.6} {:>9.1e} {:>9.1e}",
-                value.re, value.im, value.residual, grid
+                "{sector:>6} {:>12.6} {:>12.6} {:>9.1e} {:>9.1e} {:>9.1e}",
+                value.re, value.im, value.residual, value.scatter, grid
             );
         }
     }

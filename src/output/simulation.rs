@@ -288,13 +288,14 @@ impl SimulationFolder {
 
     /// Writes eigenvalues by sector, each with its residual and its difference from a coarser grid.
     pub fn growth(&self, rows: &[(usize, Eigenvalue, f64)]) -> Result<(), FolderError> {
-        let mut text = String::from("sector,re,im,residual,grid_error\n");
+        let mut text = String::from("sector,re,im,residual,scatter,grid\n");
         for (sector, value, grid) in rows {
             text.push_str(&format!(
-                "{sector},{},{},{},{}\n",
+                "{sector},{},{},{},{},{}\n",
                 tables::number(value.re),
                 tables::number(value.im),
                 tables::number(value.residual),
+                tables::number(value.scatter),
                 tables::number(*grid),
             ));
         }

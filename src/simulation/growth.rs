@@ -10,6 +10,10 @@
 //! all before: m pairs give the m × (m+1) matrix of M between these shapes, its eigenvalues μ, and
 //! for each the residual ‖Mψ − μψ‖, whence λ = ln μ/T with an error. |Im λ| < π/T.
 //!
+//! Where exactly the fronts stand between the points when the wave is perturbed shows in M: some points
+//! have just been passed, others have not. [`averaged`] begins at several such instants; the scatter of
+//! the eigenvalues is an honest error, and that of λ = 0, translation, is one of its samples.
+//!
 //! In the Bloch sector j of a ring with w waves a perturbation is Re ψ(θ)e^{±2πijm/w} on the m-th
 //! wave, with the upper sign for c < 0; the difference is decomposed in the same way.
 
@@ -55,6 +59,8 @@ pub struct Eigenvalue {
     pub im: f64,
     /// ‖Mψ − μψ‖/(|μ|T): error of λ to first order, apart from that of the grid.
     pub residual: f64,
+    /// Standard error of the mean over several instants of the fronts between the points; 0 for one.
+    pub scatter: f64,
 }
 
 /// Why there is no answer.
@@ -151,6 +157,7 @@ pub fn eigenvalues(
             Eigenvalue {
                 re: exponent.re,
                 im: exponent.im + turns * TAU / interval,
+                scatter: 0.0,
                 residual: last * shapes[(size - 1, index)].norm()
                     / (norm * value.norm() * interval),
             }
@@ -159,6 +166,61 @@ pub fn eigenvalues(
         .collect();
     found.sort_by(|one, other| other.re.total_cmp(&one.re));
     Ok(found)
+}
+
+/// Instants of [`averaged`].
+pub const INSTANTS: usize = 4;
+
+/// Time between these instants: a fraction of a period in which fronts pass several points, not a
+/// multiple of the time from point to point for any number of points in use.
+const APART: f64 = 0.061_803_398_875;
+
+/// The mean of [`eigenvalues`] over [`INSTANTS`] instants at which the wave is perturbed. Eigenvalues
+/// of the first are matched with the nearest of the others.
+pub fn averaged(
+    parameters: &Parameters,
+    setup: &Setup,
+    profile: &Profile,
+    request: &Request,
+) -> Result<Vec<Eigenvalue>, GrowthError> {
+    let mut sets = Vec::with_capacity(INSTANTS);
+    for instant in 0..INSTANTS {
+        let later = Request {
+            settling: request.settling + APART * instant as f64,
+            ..*request
+        };
+        sets.push(eigenvalues(parameters, setup, profile, &later)?);
+    }
+    let count = INSTANTS as f64;
+    let mut means: Vec<Eigenvalue> = sets[0]
+        .iter()
+        .map(|value| {
+            let distance =
+                |other: &Eigenvalue| (other.re - value.re).hypot(other.im - value.im);
+            let matched: Vec<&Eigenvalue> = sets
+                .iter()
+                .filter_map(|set| {
+                    set.iter()
+                        .min_by(|one, other| distance(one).total_cmp(&distance(other)))
+                })
+                .collect();
+            let (re, im) = matched.iter().fold((0.0, 0.0), |(re, im), other| {
+                (re + other.re / count, im + other.im / count)
+            });
+            let square: f64 = matched
+                .iter()
+                .map(|other| (other.re - re).powi(2) + (other.im - im).powi(2))
+                .sum();
+            Eigenvalue {
+                re,
+                im,
+                residual: matched.iter().map(|other| other.residual).fold(0.0, f64::max),
+                scatter: (square / (count * (count - 1.0))).sqrt(),
+            }
+        })
+        .collect();
+    means.sort_by(|one, other| other.re.total_cmp(&one.re));
+    Ok(means)
 }
 
 /// The map M of perturbations over T.

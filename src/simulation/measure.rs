@@ -4,6 +4,7 @@
 //! the mean of the blocks is given. It holds what the motion does not repeat; the error of the grid
 //! is another matter, seen by simulating with other numbers of points.
 
+use super::exponentials::exponentials;
 use super::line::Regime;
 use super::motion::Motion;
 
@@ -240,41 +241,39 @@ pub fn steady_state(samples: &[Sample], mode: u32) -> Vec<Measure> {
     measures
 }
 
-/// Growth rate and frequency of the mode watched while everything slips: the slope of the logarithm
-/// of its amplitude, over the second half of the samples before anything else happens.
+/// Most samples of a signal that is decomposed; more are thinned out.
+const SIGNAL: usize = 600;
+
+/// Growth rate and frequency of the mode watched while everything slips: of the exponential of its
+/// complex amplitude that is largest at the end of this time. The error is the difference from what
+/// the last three quarters of the time give.
 pub fn linear_growth(samples: &[Sample]) -> Vec<Measure> {
+    let slip = usize::from(Regime::Slip.code());
     let slipping = samples
         .iter()
-        .take_while(|sample| {
-            sample.fractions[usize::from(Regime::Slip.code())] == 1.0
-        })
+        .take_while(|sample| sample.fractions[slip] == 1.0)
         .count();
-    let half = &samples[slipping / 2..slipping];
-    let Some(last) = half.last() else {
+    let thinning = slipping.div_ceil(SIGNAL).max(1);
+    let kept: Vec<&Sample> = samples[..slipping].iter().step_by(thinning).collect();
+    if kept.len() < BLOCKS * LEAST {
+        return Vec::new();
+    }
+    let last = kept.len() - 1;
+    let step = (kept[last].time - kept[0].time) / last as f64;
+    let signal: Vec<[f64; 2]> = kept.iter().map(|sample| sample.harmonic).collect();
+    let all = exponentials(&signal, step);
+    let later = exponentials(&signal[signal.len() / 4..], step);
+    let (Some(leading), Some(other)) = (all.first(), later.first()) else {
         return Vec::new();
     };
-    let window = [half[0].time, last.time];
-    let times: Vec<f64> = half.iter().map(|sample| sample.time).collect();
-    let sizes: Vec<f64> = half
-        .iter()
-        .map(|sample| sample.harmonic[0].hypot(sample.harmonic[1]).ln())
-        .collect();
-    let phases = phases(half);
-    let of = |values: &[f64]| {
-        blocked(half.len(), |range| {
-            slope(&times[range.clone()], &values[range])
-        })
-    };
-    [("growth", of(&sizes)), ("frequency", of(&phases))]
+    let window = [kept[0].time, kept[last].time];
+    [("growth", 0), ("frequency", 1)]
         .into_iter()
-        .filter_map(|(name, found)| {
-            let (value, error) = found.filter(|found| found.0.is_finite())?;
-            Some(Measure {
-                name,
-                value,
-                error,
-                window,
-            })
+        .map(|(name, part)| Measure {
+            name,
+            value: leading.exponent[part],
+            error: (leading.exponent[part] - other.exponent[part]).abs(),
+            window,
         })
         .collect()
 }
