@@ -95,9 +95,10 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
         Source::Given(_) => None,
     };
     let mode = problem.wave.mode;
-    let watched = section
-        .perturbation
-        .map_or(mode, |perturbation| perturbation.mode);
+    let watched = match (&section.start, section.perturbation) {
+        (SimulationStart::SteadySliding, Some(perturbation)) => perturbation.mode,
+        _ => mode,
+    };
     let waves = match section.circle {
         Circle::Whole => mode as usize,
         Circle::Wavelength => 1,
@@ -159,7 +160,10 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
             bar.set_position(done as u64);
         }
         if !sample.energy.is_finite() {
-            warn(&format!("the motion is no longer finite at t = {}", sample.time));
+            warn(&format!(
+                "the motion is no longer finite at t = {}",
+                sample.time
+            ));
             return Ok(super::NUMERICAL);
         }
     }
@@ -251,7 +255,14 @@ fn wave_growth(
             settling: growth::SETTLING,
         };
         let of = |points: usize| {
-            growth::averaged(&parameters, &setup, wave, &request(points)).map_err(failed)
+            growth::averaged(
+                &parameters,
+                &setup,
+                wave,
+                &request(points),
+                growth::INSTANTS,
+            )
+            .map_err(failed)
         };
         let (fine, coarse) = (of(points)?, of(points / 2)?);
         let real = sector == 0 || 2 * sector == mode;
@@ -280,7 +291,11 @@ fn report(
     if let Some(title) = &problem.title {
         let _ = writeln!(text, "{title}\n");
     }
-    let _ = writeln!(text, "{:<12} {:>18} {:>9}  window", "measure", "value", "error");
+    let _ = writeln!(
+        text,
+        "{:<12} {:>18} {:>9}  window",
+        "measure", "value", "error"
+    );
     for measure in measures {
         let _ = writeln!(
             text,

@@ -58,12 +58,19 @@ mod tests {
     fn header_is_as_the_format_says() {
         let bytes = doubles(&[&[1.0, 2.0], &[3.0, 4.0]]);
         assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
-        assert_eq!(u16::from_le_bytes([bytes[8], bytes[9]]) as usize + 10, HEADER);
+        assert_eq!(
+            u16::from_le_bytes([bytes[8], bytes[9]]) as usize + 10,
+            HEADER
+        );
         assert_eq!(HEADER % 64, 0);
         assert_eq!(bytes[HEADER - 1], b'\n');
         let text = std::str::from_utf8(&bytes[10..HEADER]).unwrap();
         assert!(text.contains("'descr': '<f8'") && text.contains("'shape': (2, 2)"));
-        let number = |at: usize| f64::from_le_bytes(bytes[HEADER + 8 * at..][..8].try_into().unwrap());
-        assert_eq!([number(0), number(1), number(2), number(3)], [1.0, 3.0, 2.0, 4.0]);
+        let number =
+            |at: usize| f64::from_le_bytes(bytes[HEADER + 8 * at..][..8].try_into().unwrap());
+        assert_eq!(
+            [number(0), number(1), number(2), number(3)],
+            [1.0, 3.0, 2.0, 4.0]
+        );
     }
 }

@@ -92,7 +92,11 @@ fn stride(points: usize) -> usize {
 impl SimulationFolder {
     /// Creates the folder. An existing one with results is refused unless `force`, which removes the
     /// files of an earlier simulation and no others.
-    pub fn create(path: &Path, points: usize, force: bool) -> Result<SimulationFolder, FolderError> {
+    pub fn create(
+        path: &Path,
+        points: usize,
+        force: bool,
+    ) -> Result<SimulationFolder, FolderError> {
         if path.exists() {
             let occupied =
                 !path.is_dir() || fs::read_dir(path).map_err(refused(path))?.next().is_some();
@@ -172,7 +176,11 @@ impl SimulationFolder {
 
     /// Appends a sample.
     pub fn sample(&mut self, sample: &Sample, line: &Line) -> Result<(), FolderError> {
-        let row: Vec<String> = sample.numbers().iter().map(|x| tables::number(*x)).collect();
+        let row: Vec<String> = sample
+            .numbers()
+            .iter()
+            .map(|x| tables::number(*x))
+            .collect();
         let path = self.path.join(SERIES);
         writeln!(self.series, "{}", row.join(",")).map_err(refused(&path))?;
         let codes: Vec<u8> = line
@@ -217,8 +225,9 @@ impl SimulationFolder {
         let (extension, content) = match motion {
             Motion::Ring(_) => {
                 let line = motion.line();
-                let angles: Vec<f64> =
-                    (0..line.radial.len()).map(|point| line.width * point as f64).collect();
+                let angles: Vec<f64> = (0..line.radial.len())
+                    .map(|point| line.width * point as f64)
+                    .collect();
                 let columns: [&[f64]; 7] = [
                     &angles,
                     &line.radial,
@@ -235,14 +244,22 @@ impl SimulationFolder {
                 ("vtk", vtk::annulus(annulus, &title).into_bytes())
             }
         };
-        let path = self.path.join(SNAPSHOTS).join(format!("{number:04}.{extension}"));
+        let path = self
+            .path
+            .join(SNAPSHOTS)
+            .join(format!("{number:04}.{extension}"));
         fs::write(&path, content).map_err(refused(&path))?;
         self.snapshots = number;
         Ok(())
     }
 
     /// Saves the state, after what leads to it.
-    pub fn checkpoint(&mut self, problem: &Problem, energy: f64, motion: &Motion) -> Result<(), FolderError> {
+    pub fn checkpoint(
+        &mut self,
+        problem: &Problem,
+        energy: f64,
+        motion: &Motion,
+    ) -> Result<(), FolderError> {
         let path = self.path.join(REGIMES);
         let header = npy::header(npy::Kind::Byte, self.samples, self.columns);
         self.regimes

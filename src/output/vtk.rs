@@ -14,7 +14,11 @@ pub fn annulus(annulus: &Annulus, title: &str) -> String {
     let points = columns * (across + 1);
     let state = annulus.state();
     let mut text = String::with_capacity(points * 200);
-    let line: String = title.chars().filter(|c| !c.is_control()).take(200).collect();
+    let line: String = title
+        .chars()
+        .filter(|c| !c.is_control())
+        .take(200)
+        .collect();
     let _ = writeln!(
         text,
         "# vtk DataFile Version 3.0\n{line}\nASCII\nDATASET STRUCTURED_GRID\n\
@@ -43,7 +47,10 @@ pub fn annulus(annulus: &Annulus, title: &str) -> String {
         let _ = writeln!(text, "VECTORS {name} double");
         for (circle, point) in nodes() {
             let (sine, cosine) = (annulus.width() * point as f64).sin_cos();
-            let (u, v) = (value(radial, circle, point), value(tangential, circle, point));
+            let (u, v) = (
+                value(radial, circle, point),
+                value(tangential, circle, point),
+            );
             let (x, y) = (u * cosine - v * sine, u * sine + v * cosine);
             let _ = writeln!(text, "{x:.9e} {y:.9e} 0");
         }
@@ -62,7 +69,11 @@ pub fn annulus(annulus: &Annulus, title: &str) -> String {
     for (name, field) in [("pressure", &state.pressure), ("shear", &state.shear)] {
         let _ = writeln!(text, "SCALARS {name} double 1\nLOOKUP_TABLE default");
         for (circle, point) in nodes() {
-            let here = if circle == 0 { field[point % around] } else { 0.0 };
+            let here = if circle == 0 {
+                field[point % around]
+            } else {
+                0.0
+            };
             let _ = writeln!(text, "{here:.9e}");
         }
     }

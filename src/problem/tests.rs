@@ -164,7 +164,10 @@ fn every_field_has_an_example_that_is_right() {
         ("simulation.body", "(simulation: (body: Ring(@)))"),
         ("simulation.body", "(simulation: (body: Annulus(@)))"),
         ("simulation.start", "(simulation: (start: Wave(@)))"),
-        ("simulation.perturbation", "(simulation: (perturbation: (@)))"),
+        (
+            "simulation.perturbation",
+            "(simulation: (perturbation: (@)))",
+        ),
         ("simulation.growth", "(simulation: (growth: (@)))"),
         ("output", "(output: (@))"),
         ("expect", "(expect: [(@)])"),

@@ -9,8 +9,8 @@ use super::simulation::{
     MIN_SIMULATION_POINTS, Simulation, SimulationStart,
 };
 use super::{
-    Coefficients, Impact, Continuation, Expectation, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Model, Output,
-    Parameter, Plot, Problem, Sectors, StabilitySection, Start, Toward, Wave,
+    Coefficients, Continuation, Expectation, Impact, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Model,
+    Output, Parameter, Plot, Problem, Sectors, StabilitySection, Start, Toward, Wave,
 };
 use crate::branch::{BRANCH_HEADER, WORD_COLUMNS};
 
@@ -248,9 +248,8 @@ fn simulation(section: &Simulation, problem: &Problem) -> Check {
     let rule = format!(
         "a simulation has {MIN_SIMULATION_POINTS} to {MAX_SIMULATION_POINTS} points around"
     );
-    let resolved = |points: usize| {
-        points >= MIN_SIMULATION_POINTS && points <= MAX_SIMULATION_POINTS
-    };
+    let resolved =
+        |points: usize| points >= MIN_SIMULATION_POINTS && points <= MAX_SIMULATION_POINTS;
     let around = match section.body {
         Body::Ring {
             points, friction, ..
@@ -317,7 +316,12 @@ fn simulation(section: &Simulation, problem: &Problem) -> Check {
         let path = "simulation.perturbation.mode";
         admit(path, perturbation.mode, holds, &rule)?;
         let path = "simulation.perturbation.amplitude";
-        number(path, perturbation.amplitude, true, "an amplitude is a number")?;
+        number(
+            path,
+            perturbation.amplitude,
+            true,
+            "an amplitude is a number",
+        )?;
     }
     let (duration, every) = (section.duration, section.every);
     let rule = "the time simulated must be greater than 0";
@@ -358,7 +362,8 @@ fn simulation(section: &Simulation, problem: &Problem) -> Check {
         number("simulation.growth.amplitude", amplitude, holds, rule)?;
     }
     if problem.model.damping.stiffness != 0.0 {
-        let rule = "a simulation has no stiffness-proportional damping; leave it out, or use `mass`";
+        let rule =
+            "a simulation has no stiffness-proportional damping; leave it out, or use `mass`";
         return admit(
             "model.damping.stiffness",
             problem.model.damping.stiffness,

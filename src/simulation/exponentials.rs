@@ -37,7 +37,9 @@ pub fn exponentials(signal: &[[f64; 2]], step: f64) -> Vec<Exponential> {
         return Vec::new();
     }
     let value = |index: usize| c64::new(signal[index][0], signal[index][1]);
-    let windows = Mat::from_fn(window, count - window + 1, |row, column| value(row + column));
+    let windows = Mat::from_fn(window, count - window + 1, |row, column| {
+        value(row + column)
+    });
     let Ok(decomposition) = windows.thin_svd() else {
         return Vec::new();
     };
@@ -53,9 +55,7 @@ pub fn exponentials(signal: &[[f64; 2]], step: f64) -> Vec<Exponential> {
     let space = decomposition.U().subcols(0, rank);
     let (first, second) = (space.subrows(0, window - 1), space.subrows(1, window - 1));
     let normal = first.adjoint() * first;
-    let shift = normal
-        .partial_piv_lu()
-        .solve(&(first.adjoint() * second));
+    let shift = normal.partial_piv_lu().solve(&(first.adjoint() * second));
     let Ok(multipliers) = shift.eigenvalues() else {
         return Vec::new();
     };
@@ -67,9 +67,7 @@ pub fn exponentials(signal: &[[f64; 2]], step: f64) -> Vec<Exponential> {
     });
     let right = Mat::from_fn(count, 1, |row, _| value(row));
     let normal = powers.adjoint() * &powers;
-    let weights = normal
-        .partial_piv_lu()
-        .solve(&(powers.adjoint() * &right));
+    let weights = normal.partial_piv_lu().solve(&(powers.adjoint() * &right));
     let mut found: Vec<Exponential> = (0..rank)
         .map(|index| {
             let exponent: c64 = multipliers[index].ln() / step;
@@ -113,9 +111,7 @@ mod tests {
         for (exponent, _) in planted {
             let off = found
                 .iter()
-                .map(|one| {
-                    (one.exponent[0] - exponent[0]).hypot(one.exponent[1] - exponent[1])
-                })
+                .map(|one| (one.exponent[0] - exponent[0]).hypot(one.exponent[1] - exponent[1]))
                 .fold(f64::INFINITY, f64::min);
             assert!(off < 1e-10, "{exponent:?}: {off:e}");
         }

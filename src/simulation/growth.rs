@@ -139,9 +139,7 @@ pub fn eigenvalues(
     };
     let (matrix, basis, last) = arnoldi(&map, request.pairs);
     let size = matrix.nrows();
-    let decomposition = matrix
-        .eigen()
-        .map_err(|_| GrowthError::Eigenvalues(size))?;
+    let decomposition = matrix.eigen().map_err(|_| GrowthError::Eigenvalues(size))?;
     let (values, shapes) = (decomposition.S().column_vector(), decomposition.U());
     let mut found: Vec<Eigenvalue> = (0..size)
         .map(|index| {
@@ -168,35 +166,36 @@ pub fn eigenvalues(
     Ok(found)
 }
 
-/// Instants of [`averaged`].
+/// Instants of [`averaged`] that give a fair scatter.
 pub const INSTANTS: usize = 4;
 
 /// Time between these instants: a fraction of a period in which fronts pass several points, not a
 /// multiple of the time from point to point for any number of points in use.
 const APART: f64 = 0.061_803_398_875;
 
-/// The mean of [`eigenvalues`] over [`INSTANTS`] instants at which the wave is perturbed. Eigenvalues
+/// The mean of [`eigenvalues`] over several instants, two or more, at which the wave is perturbed. Eigenvalues
 /// of the first are matched with the nearest of the others.
 pub fn averaged(
     parameters: &Parameters,
     setup: &Setup,
     profile: &Profile,
     request: &Request,
+    instants: usize,
 ) -> Result<Vec<Eigenvalue>, GrowthError> {
-    let mut sets = Vec::with_capacity(INSTANTS);
-    for instant in 0..INSTANTS {
+    let instants = instants.max(2);
+    let mut sets = Vec::with_capacity(instants);
+    for instant in 0..instants {
         let later = Request {
             settling: request.settling + APART * instant as f64,
             ..*request
         };
         sets.push(eigenvalues(parameters, setup, profile, &later)?);
     }
-    let count = INSTANTS as f64;
+    let count = instants as f64;
     let mut means: Vec<Eigenvalue> = sets[0]
         .iter()
         .map(|value| {
-            let distance =
-                |other: &Eigenvalue| (other.re - value.re).hypot(other.im - value.im);
+            let distance = |other: &Eigenvalue| (other.re - value.re).hypot(other.im - value.im);
             let matched: Vec<&Eigenvalue> = sets
                 .iter()
                 .filter_map(|set| {
@@ -214,7 +213,10 @@ pub fn averaged(
             Eigenvalue {
                 re,
                 im,
-                residual: matched.iter().map(|other| other.residual).fold(0.0, f64::max),
+                residual: matched
+                    .iter()
+                    .map(|other| other.residual)
+                    .fold(0.0, f64::max),
                 scatter: (square / (count * (count - 1.0))).sqrt(),
             }
         })
@@ -278,7 +280,11 @@ impl Map {
                     if self.real {
                         value.re += size * (f64::from(wave) * angle + turn).cos();
                     } else {
-                        let signed = if wave % 2 == 0 { -wave / 2 } else { (wave + 1) / 2 };
+                        let signed = if wave % 2 == 0 {
+                            -wave / 2
+                        } else {
+                            (wave + 1) / 2
+                        };
                         let argument = f64::from(signed) * angle + self.phase * place + turn;
                         value += c64::new(size * argument.cos(), size * argument.sin());
                     }
@@ -384,7 +390,11 @@ impl Map {
             product += shape[point].conj() * rate;
             square += shape[point].norm_sqr();
         }
-        if square > 0.0 { (product / square).im } else { 0.0 }
+        if square > 0.0 {
+            (product / square).im
+        } else {
+            0.0
+        }
     }
 }
 

@@ -101,7 +101,9 @@ impl Line {
         let part = count / waves;
         let alike: Vec<f64> = (0..part)
             .map(|point| {
-                let sum: f64 = (0..waves).map(|wave| self.tangential[wave * part + point]).sum();
+                let sum: f64 = (0..waves)
+                    .map(|wave| self.tangential[wave * part + point])
+                    .sum();
                 sum / waves as f64
             })
             .collect();

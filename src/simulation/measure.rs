@@ -171,8 +171,8 @@ fn blocked(count: usize, statistic: impl Fn(std::ops::Range<usize>) -> f64) -> O
         .map(|block| statistic(block * count / BLOCKS..(block + 1) * count / BLOCKS))
         .collect();
     let mean = parts.iter().sum::<f64>() / BLOCKS as f64;
-    let variance = parts.iter().map(|part| (part - mean).powi(2)).sum::<f64>()
-        / (BLOCKS - 1) as f64;
+    let variance =
+        parts.iter().map(|part| (part - mean).powi(2)).sum::<f64>() / (BLOCKS - 1) as f64;
     Some((statistic(0..count), (variance / BLOCKS as f64).sqrt()))
 }
 

@@ -29,6 +29,9 @@ pub enum ProfileError {
     },
 }
 
+/// Relative difference of places that is rounding of the sum of zones before them.
+const SAME_PLACE: f64 = 1e-12;
+
 /// A row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Row {
@@ -108,7 +111,14 @@ impl Profile {
                 contact: record.get(regime) != Some("separation"),
             });
         }
-        if rows.len() < 2 || rows.windows(2).any(|pair| pair[1].theta < pair[0].theta) {
+        // the two sides of a switch may differ by rounding
+        let mut falls = false;
+        for index in 1..rows.len() {
+            let before = rows[index - 1].theta;
+            falls |= rows[index].theta < before - SAME_PLACE * before.abs();
+            rows[index].theta = rows[index].theta.max(before);
+        }
+        if rows.len() < 2 || falls {
             return Err(content("θ must rise from row to row".to_owned()));
         }
         Ok(Profile { speed, rows })

@@ -134,8 +134,10 @@ fn space_time(
                     .map_or("", |regime| regime.name());
                 let ends = [from, to].map(|column| angle * column as f64 / columns as f64);
                 if name != Regime::Slip.name()
-                    && let (Some(low), Some(high)) =
-                        (frame.place(ends[0], times[row]), frame.place(ends[1], upper))
+                    && let (Some(low), Some(high)) = (
+                        frame.place(ends[0], times[row]),
+                        frame.place(ends[1], upper),
+                    )
                 {
                     canvas.area(low, high, zone(name));
                 }
@@ -180,7 +182,10 @@ fn profiles(start: &Table, end: &Table, title: Option<&str>) -> Result<String, P
         ("V_dot", Quantity::new("velocity", "V\u{307}")),
         ("P", Quantity::new("pressure", "P")),
     ];
-    let pens = [(start, Pen::dashed(GREY, 1.6)), (end, Pen::solid(BLUE, 1.6))];
+    let pens = [
+        (start, Pen::dashed(GREY, 1.6)),
+        (end, Pen::solid(BLUE, 1.6)),
+    ];
     let count = panels.len();
     let frames: Vec<Panel> = panels
         .iter()

@@ -65,7 +65,10 @@ pub fn circles(geometry: &Geometry, across: usize, width: f64) -> Circles {
                 // strains of each unknown: u and v of every corner
                 let mut strain = [[0.0; 8]; 3];
                 for (corner, (dphi, dr)) in CORNERS.into_iter().enumerate() {
-                    let (along, up) = (if dphi == 1 { x } else { 1.0 - x }, if dr == 1 { y } else { 1.0 - y });
+                    let (along, up) = (
+                        if dphi == 1 { x } else { 1.0 - x },
+                        if dr == 1 { y } else { 1.0 - y },
+                    );
                     let shape = along * up;
                     let in_phi = if dphi == 1 { up } else { -up } / width;
                     let in_r = if dr == 1 { along } else { -along } / height;

@@ -294,7 +294,10 @@ impl Annulus {
                 || accelerations(circles, setup, state, circle, u, v),
             );
         };
-        let rows = (force.0.par_chunks_mut(around), force.1.par_chunks_mut(around));
+        let rows = (
+            force.0.par_chunks_mut(around),
+            force.1.par_chunks_mut(around),
+        );
         if around * across >= PARALLEL {
             rows.0.zip(rows.1).enumerate().for_each(elastic);
         } else {
@@ -397,7 +400,12 @@ impl Annulus {
 
     /// Elastic forces on a node of a circle when all nodes of a circle move alike.
     fn sums(&self, circle: usize, fields: [&[f64]; 2]) -> [f64; 2] {
-        alike(&self.circles.blocks[circle], circle, self.setup.across, fields)
+        alike(
+            &self.circles.blocks[circle],
+            circle,
+            self.setup.across,
+            fields,
+        )
     }
 
     /// Cartesian places of the nodes of a circle's point, for drawing.
@@ -495,7 +503,12 @@ fn steady(circles: &Circles, mismatch: f64, friction: f64) -> (Vec<f64>, Vec<f64
     let mut u = vec![mismatch];
     if across > 1 {
         right[1] = -entry(1, 0, 0) * mismatch;
-        u.extend(tridiagonal(1, across, |circle, dr| entry(circle, dr, 0), &right[1..]));
+        u.extend(tridiagonal(
+            1,
+            across,
+            |circle, dr| entry(circle, dr, 0),
+            &right[1..],
+        ));
     }
     let zeros = vec![0.0; across];
     let pressure = alike(&circles.blocks[0], 0, across, [&u, &zeros])[0];

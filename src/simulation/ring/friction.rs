@@ -28,9 +28,17 @@ impl Friction for Coulomb {
         let (slip, reverse) = (free + most, free - most);
         let behind = d <= 0.0;
         // what carries the node towards V̇ = 1, and what would carry it beyond
-        let (toward, beyond) = if behind { (slip, reverse) } else { (reverse, slip) };
+        let (toward, beyond) = if behind {
+            (slip, reverse)
+        } else {
+            (reverse, slip)
+        };
         let reached = d + toward;
-        let stays = if behind { reached <= 0.0 } else { reached >= 0.0 };
+        let stays = if behind {
+            reached <= 0.0
+        } else {
+            reached >= 0.0
+        };
         let crosses = if behind { beyond > 0.0 } else { beyond < 0.0 };
         // the share of the step left after the crossing is (d + toward)/toward
         let rest = beyond * (reached / toward);

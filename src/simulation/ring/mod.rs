@@ -182,8 +182,7 @@ impl Ring {
         if setup.points < LEAST_POINTS {
             return Err(SetupError::Points(setup.points));
         }
-        let limit =
-            LARGEST_PART * stable_step(parameters, setup.points, setup.angle, setup.order);
+        let limit = LARGEST_PART * stable_step(parameters, setup.points, setup.angle, setup.order);
         let dt = setup.time_step;
         if !(dt > 0.0 && dt <= limit) {
             return Err(SetupError::Step { step: dt, limit });
@@ -192,9 +191,18 @@ impl Ring {
         let width = spacing(setup.points, setup.angle);
         let half = 0.5 * parameters.mass_damping * dt;
         let constants = Constants {
-            b: setup.order.second().map(|weight| c.b * weight / (width * width)),
-            a: setup.order.second().map(|weight| c.a * weight / (width * width)),
-            coupling: setup.order.first().map(|weight| c.coupling * weight / width),
+            b: setup
+                .order
+                .second()
+                .map(|weight| c.b * weight / (width * width)),
+            a: setup
+                .order
+                .second()
+                .map(|weight| c.a * weight / (width * width)),
+            coupling: setup
+                .order
+                .first()
+                .map(|weight| c.coupling * weight / width),
             g: c.g,
             h: c.h,
             rest: c.g * parameters.mismatch,
@@ -401,7 +409,8 @@ impl Ring {
                 c.coupling[k - 1] * (nodes.tangential[right] - nodes.tangential[left])
             })
             .sum();
-        c.rest - slope
+        // what would be tension ends the contact with the next step
+        (c.rest - slope).max(0.0)
     }
 }
 
