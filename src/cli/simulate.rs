@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::{Failure, default_folder, print, warn};
 use crate::model::{Model, Source};
 use crate::output::folder::Restart;
-use crate::output::plots;
+use crate::output::plots::{self, Format};
 use crate::output::simulation::{CHECKPOINT, Checkpoint, END, START, SimulationFolder};
 use crate::problem::{self, Body, Circle, Problem, Sectors, Simulation, SimulationStart};
 use crate::simulation::growth::{self, Eigenvalue};
@@ -183,7 +183,7 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
             folder.growth(&eigenvalues)?;
         }
     }
-    plots::draw_simulation(&out, problem.title.as_deref(), &measures)?;
+    plots::draw_simulation(&out, problem.title.as_deref(), Format::Svg)?;
     if !arguments.quiet {
         let rate = motion.size() as f64 * steps as f64 / seconds.max(f64::MIN_POSITIVE);
         print(&report(&problem, &measures, &eigenvalues, &samples))?;

@@ -28,7 +28,8 @@ pub const REGIMES: &str = "regimes.npy";
 pub const START: &str = "start.csv";
 /// Name of the contact line at the end.
 pub const END: &str = "end.csv";
-const MEASURES: &str = "measures.csv";
+/// Name of the table of measures.
+pub const MEASURES: &str = "measures.csv";
 const GROWTH: &str = "growth.csv";
 const SNAPSHOTS: &str = "snapshots";
 
@@ -355,6 +356,9 @@ pub fn read_series(path: &Path, rows: usize) -> Result<(Vec<Sample>, usize), Fol
     Ok((samples, length))
 }
 
+/// Extensions of pictures.
+const FORMATS: [&str; 3] = ["svg", "png", "pdf"];
+
 /// Names of the pictures of a simulation, without extension.
 pub const PICTURES: [&str; 3] = ["space_time", "phase_plane", "profiles"];
 
@@ -375,8 +379,8 @@ fn clear(path: &Path) -> Result<(), FolderError> {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         let picture = name
-            .strip_suffix(".svg")
-            .is_some_and(|stem| PICTURES.contains(&stem));
+            .split_once('.')
+            .is_some_and(|(stem, end)| PICTURES.contains(&stem) && FORMATS.contains(&end));
         if file.is_file() && (picture || known.contains(&name.as_ref())) {
             fs::remove_file(&file).map_err(refused(&file))?;
         }

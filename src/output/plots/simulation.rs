@@ -13,10 +13,10 @@ use super::profile::evenly;
 use super::quantity::Quantity;
 use super::sheet::{Panel, Sheet, usual_length};
 use super::tables::Table;
+use super::{Format, convert};
 use crate::output::npy;
-use crate::output::simulation::{END, PICTURES, REGIMES, SERIES, START};
+use crate::output::simulation::{END, MEASURES, PICTURES, REGIMES, SERIES, START};
 use crate::simulation::line::Regime;
-use crate::simulation::measure::Measure;
 
 /// Most rows of a picture of regimes.
 const ROWS: usize = 220;
@@ -24,22 +24,19 @@ const ROWS: usize = 220;
 /// Time that the phase plane shows, at the end, in units of 1/Ω.
 const ORBIT: f64 = 12.0;
 
-/// Draws all pictures of a simulation as SVG and returns the files written. `measures` tell how fast
-/// the wave is; without a speed places are those of the tube.
+/// Draws all pictures of a simulation from the tables of its folder and returns the files written.
+/// Without a measured speed places are those of the tube.
 ///
 /// # Errors
 ///
-/// When a table cannot be read or a file cannot be written.
-pub fn draw(
-    folder: &Path,
-    title: Option<&str>,
-    measures: &[Measure],
-) -> Result<Vec<PathBuf>, PlotError> {
+/// When a table cannot be read, a file cannot be written, or the format is not compiled in.
+pub fn draw(folder: &Path, title: Option<&str>, format: Format) -> Result<Vec<PathBuf>, PlotError> {
     let series = Table::read(&folder.join(SERIES))?;
-    let speed = measures
-        .iter()
-        .find(|measure| measure.name == "speed")
-        .map_or(0.0, |measure| measure.value);
+    let measures = Table::read_if_there(&folder.join(MEASURES))?.unwrap_or_default();
+    let speed = (0..measures.len())
+        .find(|row| measures.text(*row, "name") == "speed")
+        .and_then(|row| measures.number(row, "value"))
+        .unwrap_or(0.0);
     let start = Table::read(&folder.join(START))?;
     let end = Table::read(&folder.join(END))?;
     let pictures = [
@@ -49,8 +46,9 @@ pub fn draw(
     ];
     let mut written = Vec::with_capacity(pictures.len());
     for (name, svg) in PICTURES.into_iter().zip(pictures) {
-        let path = folder.join(format!("{name}.svg"));
-        fs::write(&path, svg).map_err(|source| PlotError::Write {
+        let path = folder.join(format!("{name}.{}", format.extension()));
+        let bytes = convert(svg, format)?;
+        fs::write(&path, bytes).map_err(|source| PlotError::Write {
             path: path.clone(),
             source,
         })?;
