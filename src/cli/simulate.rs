@@ -209,7 +209,7 @@ const REAL: f64 = 1e-6;
 /// Eigenvalues listed per sector.
 const LISTED: usize = problem::DEFAULT_EIGENVALUES;
 
-/// Largest residual of an eigenvalue that is listed, in units of Ω.
+/// Largest residual and scatter of an eigenvalue that is listed, in units of Ω.
 const RESOLVED: f64 = 1e-2;
 
 /// Growth of perturbations of the wave, with the difference from a ring of half as many points.
@@ -267,7 +267,9 @@ fn wave_growth(
         let (fine, coarse) = (of(points)?, of(points / 2)?);
         let real = sector == 0 || 2 * sector == mode;
         let listed = fine.into_iter().filter(|value| {
-            value.residual <= RESOLVED && value.im.abs() <= HIGHEST && !(real && value.im < -REAL)
+            value.residual.max(value.scatter) <= RESOLVED
+                && value.im.abs() <= HIGHEST
+                && !(real && value.im < -REAL)
         });
         for value in listed.take(LISTED) {
             let nearest = coarse

@@ -23,7 +23,7 @@ pub const DEFAULT_EVERY: f64 = 0.05;
 /// Pairs of runs of [`Growth`] where none are given.
 pub const DEFAULT_PAIRS: usize = 80;
 /// Largest difference of the two runs of a pair where none is given, in units of RΩ.
-pub const DEFAULT_GROWTH_AMPLITUDE: f64 = 3e-4;
+pub const DEFAULT_GROWTH_AMPLITUDE: f64 = 1e-4;
 
 /// A simulation in time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

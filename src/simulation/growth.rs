@@ -256,10 +256,16 @@ impl Map {
         FIELDS * self.points
     }
 
-    /// Whether an entry of a shape is free to be perturbed: U and U̇ only in the air.
+    /// Whether an entry of a shape is free to be perturbed: U and U̇ only in the air, V̇ not in stick,
+    /// which would forget it at once.
     fn free(&self, entry: usize) -> bool {
         let (field, point) = (entry / self.points, entry % self.points);
-        field < 2 || self.ring.nodes().share[point] == 0.0
+        let nodes = self.ring.nodes();
+        match field {
+            0 => true,
+            1 => nodes.tangential_rate[point] != 1.0,
+            _ => nodes.share[point] == 0.0,
+        }
     }
 
     /// A smooth shape to begin with: a few waves of V and V̇ that are not alike.
@@ -267,7 +273,7 @@ impl Map {
         (0..self.size())
             .map(|entry| {
                 let (field, point) = (entry / self.points, entry % self.points);
-                if field >= 2 {
+                if field >= 2 || !self.free(entry) {
                     return c64::new(0.0, 0.0);
                 }
                 let angle = TAU * point as f64 / self.points as f64;

@@ -342,7 +342,8 @@ impl Annulus {
                         u = (mismatch - state.radial[node]) / dt;
                         radial = mismatch;
                         normal = u - alone_u;
-                        let slid = Coulomb.slide(old_v - 1.0, alone_v - old_v, friction * normal);
+                        let (slid, _) =
+                            Coulomb.slide(old_v - 1.0, alone_v - old_v, friction * normal);
                         v = 1.0 + slid;
                         shear = v - alone_v;
                     }

@@ -11,8 +11,10 @@
 //! ```
 //!
 //! which leapfrog keeps exactly where no force acts. With the mean of the two velocities each force
-//! does the work that E gains, so that E − (work of friction, contact and damping) stays what it was
-//! to rounding, at any step and spacing.
+//! does the work that E gains. What is added to V at the kinks of its acceleration does work against
+//! the elastic force, too, which is counted with friction. So E − (work of friction, contact and
+//! damping) stays what it was to rounding as long as there are no kinks, and to the second order of the
+//! step with them.
 //!
 //! **Cutting.** A stretch with the neighbours that `depth` steps reach is copied out, taken through
 //! `depth` steps without a look at the rest, and its core is copied back. Stretches are independent
