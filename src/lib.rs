@@ -24,6 +24,7 @@
 //! - [`newton`] and [`continuation`] know nothing of waves; [`linalg`] serves them;
 //! - [`events`] locates what happens within a step, [`follow`] takes the steps;
 //! - [`run`] turns a problem into labelled points and events, in the vocabulary of [`branch`];
+//! - [`simulation`] moves a ring or the whole tube in time, with the model and none of the above;
 //! - [`output`] writes them, [`cli`] is the command line.
 
 pub mod begin;

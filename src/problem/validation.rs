@@ -249,7 +249,7 @@ fn simulation(section: &Simulation, problem: &Problem) -> Check {
         "a simulation has {MIN_SIMULATION_POINTS} to {MAX_SIMULATION_POINTS} points around"
     );
     let resolved =
-        |points: usize| points >= MIN_SIMULATION_POINTS && points <= MAX_SIMULATION_POINTS;
+        |points: usize| (MIN_SIMULATION_POINTS..=MAX_SIMULATION_POINTS).contains(&points);
     let around = match section.body {
         Body::Ring {
             points, friction, ..

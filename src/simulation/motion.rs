@@ -18,7 +18,7 @@ use crate::problem::{Body, Circle, DifferenceOrder, FrictionLaw, Simulation};
 #[derive(Clone, Debug)]
 pub enum Motion {
     /// System (M).
-    Ring(Ring),
+    Ring(Box<Ring>),
     /// The elastic tube.
     Annulus(Box<Annulus>),
 }
@@ -122,7 +122,7 @@ impl Motion {
                     },
                     watched: true,
                 };
-                Motion::Ring(Ring::new(parameters, setup)?)
+                Motion::Ring(Box::new(Ring::new(parameters, setup)?))
             }
             Body::Annulus { around, across } => {
                 let geometry = geometry.ok_or(MotionError::Geometry)?;

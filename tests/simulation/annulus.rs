@@ -85,7 +85,7 @@ fn chebyshev(count: usize) -> (Vec<f64>, DMatrix<f64>) {
         .collect();
     let weight = |i: usize| {
         let end = if i == 0 || i + 1 == count { 2.0 } else { 1.0 };
-        if i % 2 == 0 { end } else { -end }
+        if i.is_multiple_of(2) { end } else { -end }
     };
     let scale = 2.0 / (GEOMETRY.xi - 1.0);
     let mut matrix = DMatrix::zeros(count, count);
@@ -273,12 +273,12 @@ fn laws_and_balance_hold() {
         let before = tube.state().tangential_rate.clone();
         tube.advance(1);
         let state = tube.state();
-        for i in 0..66 {
+        for (i, rate) in before.iter().take(66).enumerate() {
             let (p, q) = (state.pressure[i], state.shear[i]);
             assert!(state.radial[i] >= 0.1 && p >= 0.0);
             let noise = 1e-12 * (1.0 + p);
             assert!(q.abs() <= 0.5 * p + noise);
-            let (old, new) = (before[i] - 1.0, state.tangential_rate[i] - 1.0);
+            let (old, new) = (rate - 1.0, state.tangential_rate[i] - 1.0);
             let regime = Regime::of(p > 0.0, state.tangential_rate[i], 0.0);
             seen[usize::from(regime.code())] += 1;
             match regime {

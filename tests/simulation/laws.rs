@@ -115,7 +115,7 @@ fn friction_and_contact_hold_at_every_node_and_step() {
                 );
                 let kind = match (old, new) {
                     _ if !held => 0,
-                    (_, new) if new == 0.0 => 1,
+                    (_, 0.0) => 1,
                     (old, new) if old <= 0.0 && new < 0.0 => {
                         assert!((shear - most).abs() <= noise, "slip {shear:e} {most:e}");
                         2

@@ -34,7 +34,7 @@ fn unlikeness(profile: &Profile, mass_damping: f64, time: f64) -> [f64; 2] {
         ];
         ring.place(point, values);
     }
-    let mut motion = Motion::Ring(ring);
+    let mut motion = Motion::Ring(Box::new(ring));
     let unlike = |motion: &Motion| motion.line().asymmetry(4).expect("256 points, 4 waves");
     let start = unlike(&motion);
     motion.advance((time / setup.time_step).round() as u64);
