@@ -52,8 +52,17 @@ struct Beginning {
 
 fn beginning(problem: &Problem, section: &Simulation) -> Result<Beginning, Failure> {
     let model = crate::run::model(&problem.model);
-    let SimulationStart::Wave { dir, label } = &section.start else {
-        return Ok(Beginning { model, wave: None });
+    let (dir, label) = match &section.start {
+        SimulationStart::SteadySliding => return Ok(Beginning { model, wave: None }),
+        SimulationStart::Profile { file, speed } => {
+            let wave =
+                Profile::read(file, *speed).map_err(|error| Failure::Usage(error.to_string()))?;
+            return Ok(Beginning {
+                model,
+                wave: Some(wave),
+            });
+        }
+        SimulationStart::Wave { dir, label } => (dir, label),
     };
     let restart = Restart::read(dir)?;
     let saved = restart.wave(dir, *label)?;

@@ -116,7 +116,7 @@ pub enum Circle {
 }
 
 /// The motion at the beginning.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum SimulationStart {
     /// Steady sliding.
@@ -127,6 +127,13 @@ pub enum SimulationStart {
         dir: PathBuf,
         /// Label of the point.
         label: usize,
+    },
+    /// A table like those in `profiles` of a result folder, over one wavelength.
+    Profile {
+        /// The file.
+        file: PathBuf,
+        /// Speed c ≠ 0 of the wave.
+        speed: f64,
     },
 }
 

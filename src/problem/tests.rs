@@ -164,6 +164,7 @@ fn every_field_has_an_example_that_is_right() {
         ("simulation.body", "(simulation: (body: Ring(@)))"),
         ("simulation.body", "(simulation: (body: Annulus(@)))"),
         ("simulation.start", "(simulation: (start: Wave(@)))"),
+        ("simulation.start", "(simulation: (start: Profile(@)))"),
         (
             "simulation.perturbation",
             "(simulation: (perturbation: (@)))",

@@ -280,10 +280,20 @@ fn simulation(section: &Simulation, problem: &Problem) -> Check {
             around
         }
     };
-    if let SimulationStart::Wave { dir, .. } = &section.start {
-        let rule = "name the directory with the results of a run";
-        let path = "simulation.start.dir";
-        admit(path, dir, !dir.as_os_str().is_empty(), rule)?;
+    match &section.start {
+        SimulationStart::SteadySliding => {}
+        SimulationStart::Wave { dir, .. } => {
+            let rule = "name the directory with the results of a run";
+            let path = "simulation.start.dir";
+            admit(path, dir, !dir.as_os_str().is_empty(), rule)?;
+        }
+        SimulationStart::Profile { speed, .. } => {
+            let rule = "the speed of a wave is not 0";
+            number("simulation.start.speed", *speed, *speed != 0.0, rule)?;
+        }
+    }
+    let from_wave = section.start != SimulationStart::SteadySliding;
+    if from_wave {
         if matches!(section.body, Body::Annulus { .. }) {
             return refuse(
                 "simulation.start",
@@ -296,10 +306,7 @@ fn simulation(section: &Simulation, problem: &Problem) -> Check {
         Circle::Whole => 1,
         Circle::Wavelength => mode,
     };
-    if matches!(section.start, SimulationStart::Wave { .. })
-        && section.circle == Circle::Whole
-        && !around.is_multiple_of(mode as usize)
-    {
+    if from_wave && section.circle == Circle::Whole && !around.is_multiple_of(mode as usize) {
         let rule = format!("{mode} waves need a multiple of {mode} points to be alike");
         return admit("simulation.body.points", around, false, &rule);
     }
@@ -341,7 +348,7 @@ fn simulation(section: &Simulation, problem: &Problem) -> Check {
     let path = "simulation.snapshots";
     admit(path, snapshots, snapshots <= MAX_SNAPSHOTS, &rule)?;
     if let Some(growth) = &section.growth {
-        if !matches!(section.start, SimulationStart::Wave { .. }) {
+        if !from_wave {
             return refuse(
                 "simulation.growth",
                 "there is no wave whose perturbations could grow",

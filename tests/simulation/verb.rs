@@ -207,6 +207,21 @@ fn a_wave_is_taken_from_a_result_folder() {
     bench.run(&["run", "p.ron", "--out", "wave", "--quiet"], 0);
     bench.run(&["simulate", "p.ron"], 0);
     let growth = fs::read_to_string(bench.path("results/p_simulation/growth.csv")).expect("growth");
+    // the same from the table itself
+    let branch = fs::read_to_string(bench.path("wave/branch.csv")).expect("a branch");
+    let cells = |line: usize| branch.lines().nth(line).expect("a row").split(',');
+    let column = cells(0).position(|name| name == "speed").expect("a column");
+    let speed = cells(1).nth(column).expect("a speed");
+    let table = format!("Profile(file: \"wave/profiles/1.csv\", speed: {speed})");
+    let from = "Wave(dir: \"wave\", label: 1)";
+    assert!(problem.contains(from));
+    fs::write(bench.path("q.ron"), problem.replace(from, &table)).expect("a file");
+    bench.run(&["simulate", "q.ron", "--quiet"], 0);
+    let read = |name: &str| {
+        let path = format!("results/{name}_simulation/series.csv");
+        fs::read(bench.path(&path)).expect("a series")
+    };
+    assert!(read("p") == read("q"));
     let row: Vec<f64> = growth
         .lines()
         .nth(1)
