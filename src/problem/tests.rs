@@ -210,7 +210,18 @@ fn parameters_by_column() {
 fn problems_survive_a_round_trip() {
     let restart = edited("start: Fast", "start: Restart(dir: \"r/x\", label: 3)");
     let given = coefficients("Given(a: 2, b: 1, D: -1e-300, g: 0.1, h: 1)");
-    for text in [FULL, TEMPLATE, &restart, &given] {
+    let simulated = |section: &str| {
+        let model =
+            "coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1), friction: 0.5, mismatch: 1";
+        format!("(model: ({model}), wave: (mode: 4, start: Fast), simulation: ({section}))")
+    };
+    let ring = simulated(
+        "body: Ring(points: 96, order: Sixth, friction: Tanh(epsilon: 0.01)), circle: Wavelength, \
+         start: Wave(dir: \"r/x\", label: 3), perturbation: (mode: 8, amplitude: 1e-3), duration: 1, \
+         courant: 0.1, every: 0.1, snapshots: 2, growth: (sectors: Only([0, 2]), pairs: 9)",
+    );
+    let tube = simulated("body: Annulus(around: 64, across: 4), start: SteadySliding, duration: 9");
+    for text in [FULL, TEMPLATE, &restart, &given, &ring, &tube] {
         let problem = parse(text, "p.ron").unwrap();
         let stored = ron::to_string(&problem).unwrap();
         assert_eq!(ron::from_str::<Problem>(&stored).unwrap(), problem);

@@ -293,14 +293,12 @@ fn simulation(section: &Simulation, problem: &Problem) -> Check {
         }
     }
     let from_wave = section.start != SimulationStart::SteadySliding;
-    if from_wave {
-        if matches!(section.body, Body::Annulus { .. }) {
-            return refuse(
-                "simulation.start",
-                "an annulus cannot begin with a wave: the table holds its contact line only",
-                "write `start: SteadySliding` with a perturbation",
-            );
-        }
+    if from_wave && matches!(section.body, Body::Annulus { .. }) {
+        return refuse(
+            "simulation.start",
+            "an annulus cannot begin with a wave: the table holds its contact line only",
+            "write `start: SteadySliding` with a perturbation",
+        );
     }
     let waves = match section.circle {
         Circle::Whole => 1,
