@@ -338,6 +338,13 @@ impl Map {
             ring.nodes().clone()
         };
         let (mut plus, mut minus) = rayon::join(|| run(factor), || run(-factor));
+        // where one run has landed and the other not, the difference of U̇ is no derivative
+        let apart: Vec<bool> = plus
+            .share
+            .iter()
+            .zip(&minus.share)
+            .map(|(one, other)| (*one == 0.0) != (*other == 0.0))
+            .collect();
         let (plus, minus) = (fields(&mut plus), fields(&mut minus));
         let count = self.points as isize;
         let share = if self.real { 1.0 } else { 2.0 } / self.waves as f64;
@@ -352,6 +359,9 @@ impl Map {
                 let mut value = c64::new(0.0, 0.0);
                 for wave in 0..self.waves {
                     let index = wave * self.points + source;
+                    if field >= 2 && apart[index] {
+                        continue;
+                    }
                     let half = 0.5 * (plus[field][index] - minus[field][index]);
                     let argument = -self.phase * wave as f64;
                     value += c64::new(half * argument.cos(), half * argument.sin());
