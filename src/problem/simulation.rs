@@ -8,6 +8,9 @@ use super::Sectors;
 
 /// Fewest points of a ring, or of the contact line of an annulus, per wavelength simulated.
 pub const MIN_SIMULATION_POINTS: usize = 16;
+/// Fewest points per wavelength for [`Growth`], which looks at half as many, too: seven points are the
+/// least on which differences of every order do not reach round a ring.
+pub const MIN_GROWTH_POINTS: usize = 14;
 /// Most points of a ring, and most nodes of an annulus.
 pub const MAX_SIMULATION_POINTS: usize = 1 << 20;
 /// Most samples of a simulation.

@@ -6,7 +6,7 @@ use super::error::excerpt;
 use super::outline::Outline;
 use super::simulation::{
     Body, Circle, FrictionLaw, MAX_COURANT, MAX_SAMPLES, MAX_SIMULATION_POINTS, MAX_SNAPSHOTS,
-    MIN_SIMULATION_POINTS, Simulation, SimulationStart,
+    MIN_GROWTH_POINTS, MIN_SIMULATION_POINTS, Simulation, SimulationStart,
 };
 use super::{
     Coefficients, Continuation, Expectation, Impact, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Model,
@@ -353,6 +353,13 @@ fn simulation(section: &Simulation, problem: &Problem) -> Check {
                 "write `start: Wave(dir: \"results/x\", label: 3)`, or remove `growth`",
             );
         }
+        let per_wave = match section.circle {
+            Circle::Whole => around / mode as usize,
+            Circle::Wavelength => around,
+        };
+        let rule = format!("growth needs at least {MIN_GROWTH_POINTS} points per wavelength");
+        let holds = per_wave >= MIN_GROWTH_POINTS;
+        admit("simulation.body.points", around, holds, &rule)?;
         if let Sectors::Only(list) = &growth.sectors {
             for (index, &entry) in list.iter().enumerate() {
                 sector(&format!("simulation.growth.sectors.0.{index}"), entry, mode)?;

@@ -204,6 +204,11 @@ fn a_wave_is_taken_from_a_result_folder() {
     let bench = Bench::new(&problem);
     // the wave is not there yet
     bench.run(&["simulate", "p.ron"], 2);
+    // and growth is refused before anything is simulated where the grid is too coarse for it
+    let coarse = problem.replace("points: 192", "points: 48");
+    fs::write(bench.path("c.ron"), coarse).expect("a file");
+    let text = bench.run(&["simulate", "c.ron"], 2);
+    assert!(text.contains("at least 14 points per wavelength"), "{text}");
     bench.run(&["run", "p.ron", "--out", "wave", "--quiet"], 0);
     bench.run(&["simulate", "p.ron"], 0);
     let growth = fs::read_to_string(bench.path("results/p_simulation/growth.csv")).expect("growth");
