@@ -28,6 +28,7 @@
 //! - [`accuracy`] runs one problem by every method and compares errors and times;
 //! - [`steady`] has the stability of steady sliding, where the waves come from;
 //! - [`map`] lays branches through a plane of two parameters;
+//! - [`simulation`] moves a ring or the whole tube in time, with the model and none of the above;
 //! - [`output`] writes them, [`cli`] is the command line.
 
 pub mod accuracy;
@@ -46,6 +47,7 @@ pub mod newton;
 pub mod output;
 pub mod problem;
 pub mod run;
+pub mod simulation;
 pub mod stability;
 pub mod steady;
 pub mod wave;

@@ -6,6 +6,7 @@ mod map;
 mod plot;
 mod report;
 mod run;
+mod simulate;
 mod spectrum;
 mod steady;
 
@@ -50,6 +51,8 @@ enum Verb {
     /// Stability of steady sliding, mode by mode, in the reduced model and in the tube itself, as CSV
     /// on standard output
     Steady(steady::SteadyArguments),
+    /// Simulate the motion in time as the section `simulation` of a problem file says
+    Simulate(simulate::SimulateArguments),
     /// Print a commented problem file
     New,
 }
@@ -117,6 +120,7 @@ pub fn main() -> ExitCode {
         Verb::Accuracy(arguments) => accuracy::accuracy(&arguments),
         Verb::Map(arguments) => map::map(&arguments),
         Verb::Steady(arguments) => steady::steady(&arguments),
+        Verb::Simulate(arguments) => simulate::simulate(&arguments),
         Verb::New => print(problem::TEMPLATE).map(|()| 0),
     };
     match result {

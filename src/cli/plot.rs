@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::{Failure, FormatArgument, print};
 use crate::output::folder::Restart;
-use crate::output::plots;
+use crate::output::{plots, simulation};
 use crate::problem::Plot;
 
 #[derive(Debug, Args)]
@@ -19,6 +19,9 @@ pub struct PlotArguments {
 }
 
 pub fn plot(arguments: &PlotArguments) -> Result<u8, Failure> {
+    if arguments.folder.join(simulation::CHECKPOINT).exists() {
+        return plot_simulation(arguments);
+    }
     let restart = Restart::read(&arguments.folder)?;
     let problem = &restart.problem;
     let Some(continuation) = &problem.continuation else {
@@ -43,6 +46,16 @@ pub fn plot(arguments: &PlotArguments) -> Result<u8, Failure> {
         arguments.format.into(),
         &settings,
     )?;
+    for path in written {
+        print(&format!("{}\n", path.display()))?;
+    }
+    Ok(0)
+}
+
+fn plot_simulation(arguments: &PlotArguments) -> Result<u8, Failure> {
+    let checkpoint = simulation::Checkpoint::read(&arguments.folder)?;
+    let title = checkpoint.problem.title.as_deref();
+    let written = plots::draw_simulation(&arguments.folder, title, arguments.format.into())?;
     for path in written {
         print(&format!("{}\n", path.display()))?;
     }

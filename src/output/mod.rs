@@ -2,7 +2,10 @@
 
 pub mod folder;
 pub mod map_folder;
+pub mod npy;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod plots;
+pub mod simulation;
 pub mod tables;
+pub mod vtk;

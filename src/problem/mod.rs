@@ -11,6 +11,7 @@ mod explanation;
 mod map;
 mod outline;
 mod parameter;
+mod simulation;
 #[cfg(test)]
 mod tests;
 mod validation;
@@ -30,6 +31,11 @@ pub use error::ProblemError;
 pub use expectation::Expectation;
 pub use map::{MAX_GRID, MAX_MAP_POINTS, Map, MapAxis, MapPoints};
 pub use parameter::Parameter;
+pub use simulation::{
+    Body, Circle, DEFAULT_COURANT, DEFAULT_EVERY, DEFAULT_GROWTH_AMPLITUDE, DEFAULT_PAIRS,
+    DifferenceOrder, Growth, MAX_COURANT, MAX_SAMPLES, MAX_SIMULATION_POINTS, MAX_SNAPSHOTS,
+    MIN_SIMULATION_POINTS, Perturbation, RingFriction, Simulation, SimulationStart,
+};
 
 use error::Flaw;
 use outline::Outline;
@@ -70,6 +76,8 @@ pub struct Problem {
     pub stability: Option<StabilitySection>,
     /// The plane to map; see [`Problem::map`].
     pub map: Option<Map>,
+    /// Simulation in time; see [`Problem::simulation`].
+    pub simulation: Option<Simulation>,
     /// Plots and tables to write.
     #[serde(default)]
     pub output: Output,
@@ -88,6 +96,21 @@ impl Problem {
                 Outline::of(text).locate("continuation"),
                 "missing field `continuation` in the problem: there is no branch to follow",
                 "add `continuation: (parameter: Mismatch, range: (0.004, 0.2)),`",
+            );
+            ProblemError::in_text(name, text, flaw)
+        })
+    }
+
+    /// The `simulation` section, or an error that says how to write one.
+    ///
+    /// `text` and `name` are the source of the problem and the name of its file, for the message.
+    pub fn simulation(&self, text: &str, name: &str) -> Result<&Simulation, ProblemError> {
+        self.simulation.as_ref().ok_or_else(|| {
+            let flaw = Flaw::new(
+                Outline::of(text).locate("simulation"),
+                "missing field `simulation` in the problem: there is nothing to simulate",
+                "add `simulation: (body: Ring(points: 384), start: SteadySliding, \
+                 perturbation: (mode: 4, amplitude: 1e-3), duration: 40.0),`",
             );
             ProblemError::in_text(name, text, flaw)
         })

@@ -118,9 +118,19 @@ fn optional_lines_of_the_template_are_right() {
     assert_eq!(continuation.ds_max, DEFAULT_DS_MAX);
     let map = problem.map.unwrap();
     assert_eq!(map.starts, [Start::Fast, Start::Slow]);
+    assert_eq!(problem.method, Some(Method::Exact));
+    assert_eq!(problem.simulation.unwrap().courant, DEFAULT_COURANT);
 }
 
-const COMMENTED_FIELDS: [&str; 15] = [
+const COMMENTED_FIELDS: [&str; 23] = [
+    "friction_law: ",
+    "method: ",
+    "simulation: ",
+    "    body: ",
+    "    circle: ",
+    "    start: ",
+    "    perturbation: ",
+    "    duration: ",
     "damping: ",
     "impact: ",
     "ds: ",
@@ -179,6 +189,16 @@ fn every_field_has_an_example_that_is_right() {
         ("map.second", "(map: (second: (@)))"),
         ("map.points", "(map: (points: Grid(@)))"),
         ("map.points", "(map: (points: QuasiRandom(@)))"),
+        ("simulation", "(simulation: (@))"),
+        ("simulation.body", "(simulation: (body: Ring(@)))"),
+        ("simulation.body", "(simulation: (body: Annulus(@)))"),
+        ("simulation.start", "(simulation: (start: Wave(@)))"),
+        ("simulation.start", "(simulation: (start: Profile(@)))"),
+        (
+            "simulation.perturbation",
+            "(simulation: (perturbation: (@)))",
+        ),
+        ("simulation.growth", "(simulation: (growth: (@)))"),
         ("output", "(output: (@))"),
         ("expect", "(expect: [(@)])"),
     ];
@@ -290,7 +310,18 @@ fn parameters_by_column() {
 fn problems_survive_a_round_trip() {
     let restart = edited("start: Fast", "start: Restart(dir: \"r/x\", label: 3)");
     let given = coefficients("Given(a: 2, b: 1, D: -1e-300, g: 0.1, h: 1)");
-    for text in [FULL, TEMPLATE, &restart, &given] {
+    let simulated = |section: &str| {
+        let model =
+            "coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1), friction: 0.5, mismatch: 1";
+        format!("(model: ({model}), wave: (mode: 4, start: Fast), simulation: ({section}))")
+    };
+    let ring = simulated(
+        "body: Ring(points: 96, order: Sixth, friction: Tanh(epsilon: 0.01)), circle: Wavelength, \
+         start: Wave(dir: \"r/x\", label: 3), perturbation: (mode: 8, amplitude: 1e-3), duration: 1, \
+         courant: 0.1, every: 0.1, snapshots: 2, growth: (sectors: Only([0, 2]), pairs: 9)",
+    );
+    let tube = simulated("body: Annulus(around: 64, across: 4), start: SteadySliding, duration: 9");
+    for text in [FULL, TEMPLATE, &restart, &given, &ring, &tube] {
         let problem = parse(text, "p.ron").unwrap();
         let stored = ron::to_string(&problem).unwrap();
         assert_eq!(ron::from_str::<Problem>(&stored).unwrap(), problem);

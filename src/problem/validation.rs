@@ -4,6 +4,10 @@ use std::fmt::Debug;
 
 use super::error::excerpt;
 use super::outline::Outline;
+use super::simulation::{
+    Body, Circle, MAX_COURANT, MAX_SAMPLES, MAX_SIMULATION_POINTS, MAX_SNAPSHOTS,
+    MIN_GROWTH_POINTS, MIN_SIMULATION_POINTS, RingFriction, Simulation, SimulationStart,
+};
 use super::{
     Coefficients, Continuation, Expectation, FrictionLaw, Impact, MAX_DEGREE, MAX_GRID,
     MAX_INTERVALS, MAX_MAP_POINTS, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Map, MapPoints, Method,
@@ -39,6 +43,9 @@ pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
     }
     if let Some(section) = &problem.map {
         map(section, &problem.model)?;
+    }
+    if let Some(section) = &problem.simulation {
+        simulation(section, problem)?;
     }
     output(&problem.output)?;
     for (index, event) in problem.expect.iter().enumerate() {
@@ -356,6 +363,163 @@ fn map(section: &Map, model: &Model) -> Check {
     for (index, start) in starts.iter().enumerate() {
         let known = matches!(start, Start::Fast | Start::Slow) && !starts[..index].contains(start);
         admit(&format!("map.starts.{index}"), start, known, rule)?;
+    }
+    Ok(())
+}
+
+fn simulation(section: &Simulation, problem: &Problem) -> Check {
+    let mode = problem.wave.mode;
+    let rule = format!(
+        "a simulation has {MIN_SIMULATION_POINTS} to {MAX_SIMULATION_POINTS} points around"
+    );
+    let resolved =
+        |points: usize| (MIN_SIMULATION_POINTS..=MAX_SIMULATION_POINTS).contains(&points);
+    let around = match section.body {
+        Body::Ring {
+            points, friction, ..
+        } => {
+            admit("simulation.body.points", points, resolved(points), &rule)?;
+            if let RingFriction::Tanh { epsilon } = friction {
+                let rule = "the width of the transition must be greater than 0";
+                let path = "simulation.body.friction.epsilon";
+                number(path, epsilon, epsilon > 0.0, rule)?;
+            }
+            points
+        }
+        Body::Annulus { around, across } => {
+            admit("simulation.body.around", around, resolved(around), &rule)?;
+            let rule = format!(
+                "an annulus has at least 2 elements across, and at most \
+                 {MAX_SIMULATION_POINTS} elements in all"
+            );
+            let holds = across >= 2 && across <= MAX_SIMULATION_POINTS / around;
+            admit("simulation.body.across", across, holds, &rule)?;
+            if matches!(problem.model.coefficients, Coefficients::Given { .. }) {
+                return refuse(
+                    "simulation.body",
+                    "an annulus needs a geometry, but the coefficients are `Given`",
+                    "write `coefficients: Geometry(nu: .., xi: .., gamma: ..)`, or simulate a `Ring`",
+                );
+            }
+            around
+        }
+    };
+    match &section.start {
+        SimulationStart::SteadySliding => {}
+        SimulationStart::Wave { dir, .. } => {
+            let rule = "name the directory with the results of a run";
+            let path = "simulation.start.dir";
+            admit(path, dir, !dir.as_os_str().is_empty(), rule)?;
+        }
+        SimulationStart::Profile { speed, .. } => {
+            let rule = "the speed of a wave is not 0";
+            number("simulation.start.speed", *speed, *speed != 0.0, rule)?;
+        }
+    }
+    let from_wave = section.start != SimulationStart::SteadySliding;
+    if from_wave && matches!(section.body, Body::Annulus { .. }) {
+        return refuse(
+            "simulation.start",
+            "an annulus cannot begin with a wave: the table holds its contact line only",
+            "write `start: SteadySliding` with a perturbation",
+        );
+    }
+    let waves = match section.circle {
+        Circle::Whole => 1,
+        Circle::Wavelength => mode,
+    };
+    if from_wave && section.circle == Circle::Whole && !around.is_multiple_of(mode as usize) {
+        let rule = format!("{mode} waves need a multiple of {mode} points to be alike");
+        return admit("simulation.body.points", around, false, &rule);
+    }
+    if let Some(perturbation) = section.perturbation {
+        let highest = (around as u64 * u64::from(waves) / 4) as u32;
+        let holds = perturbation.mode <= highest && perturbation.mode.is_multiple_of(waves);
+        let rule = match section.circle {
+            Circle::Whole => format!("the points resolve the modes 0 to {highest}"),
+            Circle::Wavelength => format!(
+                "one wavelength of mode {mode} holds multiples of {mode}, here up to {highest}; \
+                 write `circle: Whole` for others"
+            ),
+        };
+        let path = "simulation.perturbation.mode";
+        admit(path, perturbation.mode, holds, &rule)?;
+        let path = "simulation.perturbation.amplitude";
+        number(
+            path,
+            perturbation.amplitude,
+            true,
+            "an amplitude is a number",
+        )?;
+    }
+    let (duration, every) = (section.duration, section.every);
+    let rule = "the time simulated must be greater than 0";
+    number("simulation.duration", duration, duration > 0.0, rule)?;
+    let holds = every > 0.0 && every <= duration && duration / every <= MAX_SAMPLES as f64;
+    let rule = format!(
+        "the time between samples must be greater than 0, at most the duration, and leave at most \
+         {MAX_SAMPLES} samples"
+    );
+    number("simulation.every", every, holds, &rule)?;
+    let courant = section.courant;
+    let holds = courant > 0.0 && courant <= MAX_COURANT;
+    let rule = format!("the Courant number must be greater than 0 and at most {MAX_COURANT}");
+    number("simulation.courant", courant, holds, &rule)?;
+    let snapshots = section.snapshots;
+    let rule = format!("ask for at most {MAX_SNAPSHOTS} snapshots");
+    let path = "simulation.snapshots";
+    admit(path, snapshots, snapshots <= MAX_SNAPSHOTS, &rule)?;
+    if let Some(growth) = &section.growth {
+        if !from_wave {
+            return refuse(
+                "simulation.growth",
+                "there is no wave whose perturbations could grow",
+                "write `start: Wave(dir: \"results/x\", label: 3)`, or remove `growth`",
+            );
+        }
+        let per_wave = match section.circle {
+            Circle::Whole => around / mode as usize,
+            Circle::Wavelength => around,
+        };
+        let rule = format!("growth needs at least {MIN_GROWTH_POINTS} points per wavelength");
+        let holds = per_wave >= MIN_GROWTH_POINTS;
+        admit("simulation.body.points", around, holds, &rule)?;
+        if let Sectors::Only(list) = &growth.sectors {
+            for (index, &entry) in list.iter().enumerate() {
+                sector(&format!("simulation.growth.sectors.0.{index}"), entry, mode)?;
+            }
+        }
+        let rule = "Arnoldi's method needs at least 2 pairs of runs, and 1000 are plenty";
+        let path = "simulation.growth.pairs";
+        admit(path, growth.pairs, (2..=1000).contains(&growth.pairs), rule)?;
+        let amplitude = growth.amplitude;
+        let rule = "the difference of the runs must be greater than 0 and small, at most 0.1";
+        let holds = amplitude > 0.0 && amplitude <= 0.1;
+        number("simulation.growth.amplitude", amplitude, holds, rule)?;
+    }
+    if problem.model.damping.stiffness != 0.0 {
+        let rule =
+            "a simulation has no stiffness-proportional damping; leave it out, or use `mass`";
+        return admit(
+            "model.damping.stiffness",
+            problem.model.damping.stiffness,
+            false,
+            rule,
+        );
+    }
+    if problem.model.friction_law != FrictionLaw::Coulomb {
+        return refuse(
+            "model.friction_law",
+            "`model.friction_law` is not Coulomb's, and no other is simulated",
+            "leave it out; a ring has `friction: Tanh(epsilon: 0.01)` in its section",
+        );
+    }
+    if problem.model.impact == Impact::Coulomb {
+        return refuse(
+            "model.impact",
+            "`model.impact` is Coulomb, which is not simulated",
+            "write `impact: Frictionless` in a file with a section `simulation`",
+        );
     }
     Ok(())
 }

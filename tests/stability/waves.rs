@@ -86,12 +86,12 @@ pub fn problem(name: &str) -> (Problem, String) {
     problem::read(&folder().join(name)).expect("a valid problem")
 }
 
-/// Names of all problem files.
+/// Names of all problem files with a branch.
 pub fn problems() -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder())
         .expect("there are problems")
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .filter(|name| name.ends_with(".ron"))
+        .filter(|name| name.ends_with(".ron") && problem(name).0.continuation.is_some())
         .collect();
     names.sort();
     names

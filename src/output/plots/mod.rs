@@ -23,6 +23,7 @@ mod quantity;
 #[cfg(feature = "raster")]
 mod raster;
 mod sheet;
+mod simulation;
 mod spectrum;
 mod steady;
 mod switches;
@@ -34,6 +35,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 pub use error::PlotError;
+pub use simulation::draw as draw_simulation;
 
 use profile::Profiles;
 use tables::Tables;

@@ -1,0 +1,87 @@
+//! Eigenvalues of waves from simulations of the ring, with their convergence in the number of points.
+//!
+//!     brakewave run problems/mode4_mismatch.ron
+//!     cargo run --release --example ring_eigenvalues
+//!
+//! Takes every labelled wave of the result folder (or of another one, given as argument) at the
+//! mismatches listed below, and prints, by sector and points per wavelength, what half differences
+//! of pairs of runs give: growth rate, frequency, scatter over instants of the fronts between the
+//! points, residual. Compare with `brakewave spectrum problems/mode4_mismatch.ron --at mismatch=0.2`.
+
+use std::path::Path;
+
+use brakewave::output::folder::Restart;
+use brakewave::simulation::growth::{self, INSTANTS, Request, SETTLING};
+use brakewave::simulation::profile::Profile;
+use brakewave::simulation::ring::{Law, Order, Setup};
+
+/// Mismatch, sectors, amplitude of the perturbation, and up to which frequency eigenvalues are listed.
+/// Where nothing lifts off the step is smooth in the state; landings need some averaging.
+const WAVES: [(f64, &[usize], f64); 4] = [
+    (0.2, &[0, 1, 2], 1e-6),
+    (0.08, &[0], 1e-4),
+    (0.045, &[0], 3e-4),
+    (0.02, &[0], 3e-4),
+];
+const POINTS: [usize; 3] = [96, 192, 384];
+const MODE: usize = 4;
+const PAIRS: usize = 80;
+const RESOLVED: f64 = 5e-3;
+const HIGHEST: f64 = 12.0;
+const LISTED: usize = 4;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let argument = std::env::args().nth(1);
+    let folder = Path::new(argument.as_deref().unwrap_or("results/mode4_mismatch"));
+    let restart = Restart::read(folder)?;
+    println!("| δ | sector | points | λ | scatter | residual |\n|---|---|---|---|---|---|");
+    for (mismatch, sectors, amplitude) in WAVES {
+        let Some(saved) = restart
+            .waves
+            .iter()
+            .find(|wave| wave.model.mismatch == mismatch)
+        else {
+            eprintln!("no label at mismatch {mismatch}");
+            continue;
+        };
+        let path = folder.join("profiles").join(format!("{}.csv", saved.label));
+        let profile = Profile::read(&path, saved.model.speed(saved.excess))?;
+        let setup = Setup {
+            points: POINTS[0],
+            angle: profile.wavelength(),
+            order: Order::Fourth,
+            time_step: 1.0,
+            law: Law::Coulomb,
+            watched: false,
+        };
+        for &sector in sectors {
+            for points in POINTS {
+                let request = Request {
+                    points,
+                    waves: if sector == 0 { 1 } else { MODE },
+                    sector,
+                    shift: points,
+                    courant: 0.2,
+                    amplitude,
+                    pairs: PAIRS,
+                    settling: SETTLING,
+                };
+                let parameters = saved.model.parameters();
+                let found = growth::averaged(&parameters, &setup, &profile, &request, INSTANTS)?;
+                let real = sector == 0 || 2 * sector == MODE;
+                let listed = found.iter().filter(|value| {
+                    value.residual.max(value.scatter) < RESOLVED
+                        && value.im.abs() < HIGHEST
+                        && !(real && value.im < -RESOLVED)
+                });
+                for value in listed.take(LISTED) {
+                    println!(
+                        "| {mismatch} | {sector} | {points} | {:+.5} {:+.5}i | {:.0e} | {:.0e} |",
+                        value.re, value.im, value.scatter, value.residual
+                    );
+                }
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,76 @@
+//! Arrays in NumPy's format, version 1.0: a header of text, then the numbers in rows.
+
+use std::fmt::Write;
+
+/// Bytes of every header written here, so that the number of rows can be changed in place.
+pub const HEADER: usize = 128;
+
+/// Kind of the numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// 64-bit floating point, little-endian.
+    Double,
+    /// Unsigned bytes.
+    Byte,
+}
+
+/// The header of an array of `rows` × `columns`.
+pub fn header(kind: Kind, rows: usize, columns: usize) -> [u8; HEADER] {
+    let descriptor = match kind {
+        Kind::Double => "<f8",
+        Kind::Byte => "|u1",
+    };
+    let mut text = String::with_capacity(HEADER);
+    // writing to a string does not fail
+    let _ = write!(
+        text,
+        "{{'descr': '{descriptor}', 'fortran_order': False, 'shape': ({rows}, {columns}), }}"
+    );
+    let mut bytes = [b' '; HEADER];
+    bytes[..8].copy_from_slice(b"\x93NUMPY\x01\x00");
+    bytes[8..10].copy_from_slice(&((HEADER - 10) as u16).to_le_bytes());
+    let end = 10 + text.len().min(HEADER - 11);
+    bytes[10..end].copy_from_slice(&text.as_bytes()[..end - 10]);
+    bytes[HEADER - 1] = b'\n';
+    bytes
+}
+
+/// An array of doubles, given by columns.
+pub fn doubles(columns: &[&[f64]]) -> Vec<u8> {
+    let rows = columns.iter().map(|column| column.len()).min().unwrap_or(0);
+    let mut bytes = Vec::with_capacity(HEADER + 8 * rows * columns.len());
+    bytes.extend_from_slice(&header(Kind::Double, rows, columns.len()));
+    for row in 0..rows {
+        for column in columns {
+            bytes.extend_from_slice(&column[row].to_le_bytes());
+        }
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The layout of the format: magic, version, length, a dictionary, and a line end before data
+    /// that begin at a multiple of 64.
+    #[test]
+    fn header_is_as_the_format_says() {
+        let bytes = doubles(&[&[1.0, 2.0], &[3.0, 4.0]]);
+        assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
+        assert_eq!(
+            u16::from_le_bytes([bytes[8], bytes[9]]) as usize + 10,
+            HEADER
+        );
+        assert_eq!(HEADER % 64, 0);
+        assert_eq!(bytes[HEADER - 1], b'\n');
+        let text = std::str::from_utf8(&bytes[10..HEADER]).unwrap();
+        assert!(text.contains("'descr': '<f8'") && text.contains("'shape': (2, 2)"));
+        let number =
+            |at: usize| f64::from_le_bytes(bytes[HEADER + 8 * at..][..8].try_into().unwrap());
+        assert_eq!(
+            [number(0), number(1), number(2), number(3)],
+            [1.0, 3.0, 2.0, 4.0]
+        );
+    }
+}

@@ -1,0 +1,181 @@
+//! The section `simulation`: what to simulate in time, and from where.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::Sectors;
+
+/// Fewest points of a ring, or of the contact line of an annulus, per wavelength simulated.
+pub const MIN_SIMULATION_POINTS: usize = 16;
+/// Fewest points per wavelength for [`Growth`], which looks at half as many, too: seven points are the
+/// least on which differences of every order do not reach round a ring.
+pub const MIN_GROWTH_POINTS: usize = 14;
+/// Most points of a ring, and most nodes of an annulus.
+pub const MAX_SIMULATION_POINTS: usize = 1 << 20;
+/// Most samples of a simulation.
+pub const MAX_SAMPLES: usize = 1 << 20;
+/// Most snapshots.
+pub const MAX_SNAPSHOTS: usize = 1000;
+/// Largest Courant number: beyond it, rates are off by a percent long before the scheme breaks.
+pub const MAX_COURANT: f64 = 0.9;
+/// Courant number where none is given.
+pub const DEFAULT_COURANT: f64 = 0.3;
+/// Time between samples where none is given, in units of 1/Ω.
+pub const DEFAULT_EVERY: f64 = 0.05;
+/// Pairs of runs of [`Growth`] where none are given.
+pub const DEFAULT_PAIRS: usize = 80;
+/// Largest difference of the two runs of a pair where none is given, in units of RΩ.
+pub const DEFAULT_GROWTH_AMPLITUDE: f64 = 1e-4;
+
+/// A simulation in time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Simulation {
+    /// What moves.
+    pub body: Body,
+    /// How much of the circle is simulated.
+    #[serde(default)]
+    pub circle: Circle,
+    /// The motion at the beginning.
+    pub start: SimulationStart,
+    /// What is added to it.
+    #[serde(default)]
+    pub perturbation: Option<Perturbation>,
+    /// Time simulated, in units of 1/Ω.
+    pub duration: f64,
+    /// Largest Courant number.
+    #[serde(default = "default_courant")]
+    pub courant: f64,
+    /// Time between samples, in units of 1/Ω.
+    #[serde(default = "default_every")]
+    pub every: f64,
+    /// Number of snapshots, evenly spread over the duration, the last at its end.
+    #[serde(default)]
+    pub snapshots: usize,
+    /// Growth of perturbations of the wave at the beginning.
+    #[serde(default)]
+    pub growth: Option<Growth>,
+}
+
+/// What moves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Body {
+    /// System (M) by finite differences.
+    Ring {
+        /// Points on what is simulated of the circle.
+        points: usize,
+        /// Accuracy of the space differences.
+        #[serde(default)]
+        order: DifferenceOrder,
+        /// Friction law.
+        #[serde(default)]
+        friction: RingFriction,
+    },
+    /// The elastic tube by finite elements.
+    Annulus {
+        /// Elements along what is simulated of the circle.
+        around: usize,
+        /// Elements from the inner to the outer radius.
+        across: usize,
+    },
+}
+
+/// Accuracy of space differences.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DifferenceOrder {
+    /// Order 2.
+    Second,
+    /// Order 4.
+    #[default]
+    Fourth,
+    /// Order 6.
+    Sixth,
+}
+
+/// Friction law of the ring.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum RingFriction {
+    /// Set-valued, solved exactly.
+    #[default]
+    SetValued,
+    /// fP tanh((1 − V̇)/ε).
+    Tanh {
+        /// Width ε of the transition.
+        epsilon: f64,
+    },
+}
+
+/// How much of the circle is simulated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Circle {
+    /// All of it.
+    #[default]
+    Whole,
+    /// One wavelength 2π/mode, its ends joined.
+    Wavelength,
+}
+
+/// The motion at the beginning.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum SimulationStart {
+    /// Steady sliding.
+    SteadySliding,
+    /// A wave of a result folder that has its profile.
+    Wave {
+        /// Directory with the results of a run.
+        dir: PathBuf,
+        /// Label of the point.
+        label: usize,
+    },
+    /// A table like those in `profiles` of a result folder, over one wavelength.
+    Profile {
+        /// The file.
+        file: PathBuf,
+        /// Speed c ≠ 0 of the wave.
+        speed: f64,
+    },
+}
+
+/// A travelling harmonic added at the beginning.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Perturbation {
+    /// Waves around the whole circumference.
+    pub mode: u32,
+    /// Amplitude in V, in units of R.
+    pub amplitude: f64,
+}
+
+/// Growth of perturbations of the wave at the beginning.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Growth {
+    /// Bloch sectors to look at.
+    pub sectors: Sectors,
+    /// Pairs of runs.
+    pub pairs: usize,
+    /// Largest difference between the runs of a pair and the wave.
+    pub amplitude: f64,
+}
+
+impl Default for Growth {
+    fn default() -> Growth {
+        Growth {
+            sectors: Sectors::All,
+            pairs: DEFAULT_PAIRS,
+            amplitude: DEFAULT_GROWTH_AMPLITUDE,
+        }
+    }
+}
+
+fn default_courant() -> f64 {
+    DEFAULT_COURANT
+}
+
+fn default_every() -> f64 {
+    DEFAULT_EVERY
+}

@@ -1,0 +1,472 @@
+//! Growth of small perturbations of a travelling wave, from the simulation alone.
+//!
+//! Two rings that begin with the wave ± ε times a perturbation ψ are taken through the time T, in
+//! which the wave moves by a whole number of points. Half their difference, moved back with the wave,
+//! is Mψ up to O(ε²), where M has the eigenvalues e^{λT}. Half differences rather than one: the wave
+//! of the grid is not the wave of the table, and what is the same in both cancels.
+//!
+//! A single difference followed in time shows a sum of many exponentials, of which decaying ones lie
+//! densely. Arnoldi's method applies the pair of runs again and again to a new ψ, each orthogonal to
+//! all before: m pairs give the m × (m+1) matrix of M between these shapes, its eigenvalues μ, and
+//! for each the residual ‖Mψ − μψ‖, whence λ = ln μ/T with an error. |Im λ| < π/T.
+//!
+//! Where exactly the fronts stand between the points when the wave is perturbed shows in M: some points
+//! have just been passed, others have not. [`averaged`] begins at several such instants; the scatter of
+//! the eigenvalues is an honest error, and that of λ = 0, translation, is one of its samples.
+//!
+//! In the Bloch sector j of a ring with w waves a perturbation is Re ψ(θ)e^{±2πijm/w} on the m-th
+//! wave, with the upper sign for c < 0; the difference is decomposed in the same way.
+
+use faer::{Mat, c64};
+use std::f64::consts::TAU;
+
+use super::profile::Profile;
+use super::ring::kernel::Nodes;
+use super::ring::{Ring, Setup, SetupError};
+use crate::model::Parameters;
+
+/// What to compute.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Request {
+    /// Points per wavelength.
+    pub points: usize,
+    /// Waves on the ring, 1 for sector 0 alone.
+    pub waves: usize,
+    /// Bloch sector j < waves.
+    pub sector: usize,
+    /// Points that the wave moves by in T.
+    pub shift: usize,
+    /// Courant number √a Δt/Δφ that is not exceeded.
+    pub courant: f64,
+    /// Largest value of ε ψ.
+    pub amplitude: f64,
+    /// Pairs of runs.
+    pub pairs: usize,
+    /// Time over which the wave of the table becomes that of the grid before it is perturbed.
+    pub settling: f64,
+}
+
+/// Time that suffices for the wave of a table to become that of the grid: fronts settle within a
+/// few steps, and a wavelength passes in about this time at the speeds of thin tubes.
+pub const SETTLING: f64 = 1.0;
+
+/// An eigenvalue with the residual of its shape, in units of Ω.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Eigenvalue {
+    /// Growth rate.
+    pub re: f64,
+    /// Frequency.
+    pub im: f64,
+    /// ‖Mψ − μψ‖/(|μ|T): error of λ to first order, apart from that of the grid.
+    pub residual: f64,
+    /// Standard error of the mean over several instants of the fronts between the points; 0 for one.
+    pub scatter: f64,
+}
+
+/// Why there is no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum GrowthError {
+    /// The ring cannot be set up.
+    #[error("{0}")]
+    Setup(#[from] SetupError),
+    /// The eigenvalues of the small matrix do not converge.
+    #[error("the eigenvalues of the matrix of {0} shapes do not converge")]
+    Eigenvalues(usize),
+    /// There is no such sector.
+    #[error("there is no sector {0} on a ring of {1} waves")]
+    Sector(usize, usize),
+}
+
+/// Puts a wave on the ring, as many times as it fits.
+pub fn place(ring: &mut Ring, profile: &Profile) {
+    let width = ring.spacing();
+    let earlier = -0.5 * ring.setup().time_step;
+    for point in 0..ring.setup().points {
+        let angle = point as f64 * width;
+        let now = profile.at(angle, 0.0);
+        let before = profile.at(angle, earlier);
+        let mut values = now.values;
+        values[2..].copy_from_slice(&before.values[2..]);
+        if now.contact {
+            values[0] = ring.parameters().mismatch;
+        }
+        ring.place(point, values);
+    }
+}
+
+/// Eigenvalues of the perturbations of a wave, by falling growth rate.
+pub fn eigenvalues(
+    parameters: &Parameters,
+    setup: &Setup,
+    profile: &Profile,
+    request: &Request,
+) -> Result<Vec<Eigenvalue>, GrowthError> {
+    let Request {
+        points,
+        waves,
+        sector,
+        shift,
+        ..
+    } = *request;
+    if sector >= waves.max(1) {
+        return Err(GrowthError::Sector(sector, waves));
+    }
+    let angle = profile.wavelength() * waves as f64;
+    let interval = shift as f64 * profile.wavelength() / points as f64 / profile.speed().abs();
+    let longest = super::ring::courant_step(parameters, points * waves, angle, request.courant);
+    let steps = (interval / longest).ceil().max(1.0);
+    let mut ring = Ring::new(
+        parameters,
+        Setup {
+            points: points * waves,
+            angle,
+            time_step: interval / steps,
+            watched: false,
+            ..*setup
+        },
+    )?;
+    place(&mut ring, profile);
+    ring.advance((request.settling / ring.setup().time_step).round() as u64);
+    let map = Map {
+        points,
+        waves,
+        phase: -profile.speed().signum() * TAU * sector as f64 / waves as f64,
+        real: sector == 0 || 2 * sector == waves,
+        shift: shift as isize * profile.speed().signum() as isize,
+        steps: steps as u64,
+        amplitude: request.amplitude,
+        ring,
+    };
+    let (matrix, basis, last) = arnoldi(&map, request.pairs);
+    let size = matrix.nrows();
+    let decomposition = matrix.eigen().map_err(|_| GrowthError::Eigenvalues(size))?;
+    let (values, shapes) = (decomposition.S().column_vector(), decomposition.U());
+    let mut found: Vec<Eigenvalue> = (0..size)
+        .map(|index| {
+            let value: c64 = values[index];
+            let norm: f64 = (0..size)
+                .map(|row| shapes[(row, index)].norm_sqr())
+                .sum::<f64>()
+                .sqrt();
+            let exponent = value.ln() / interval;
+            let weights: Vec<c64> = (0..size).map(|row| shapes[(row, index)]).collect();
+            let rough = map.frequency(&basis, &weights, profile.speed());
+            let turns = ((rough - exponent.im) * interval / TAU).round();
+            Eigenvalue {
+                re: exponent.re,
+                im: exponent.im + turns * TAU / interval,
+                scatter: 0.0,
+                residual: last * shapes[(size - 1, index)].norm()
+                    / (norm * value.norm() * interval),
+            }
+        })
+        .filter(|value| value.re.is_finite() && value.im.is_finite())
+        .collect();
+    found.sort_by(|one, other| other.re.total_cmp(&one.re));
+    Ok(found)
+}
+
+/// Instants of [`averaged`] that give a fair scatter.
+pub const INSTANTS: usize = 4;
+
+/// Time between these instants: a fraction of a period in which fronts pass several points, not a
+/// multiple of the time from point to point for any number of points in use.
+const APART: f64 = 0.061_803_398_875;
+
+/// The mean of [`eigenvalues`] over several instants, two or more, at which the wave is perturbed. Eigenvalues
+/// of the first are matched with the nearest of the others.
+pub fn averaged(
+    parameters: &Parameters,
+    setup: &Setup,
+    profile: &Profile,
+    request: &Request,
+    instants: usize,
+) -> Result<Vec<Eigenvalue>, GrowthError> {
+    let instants = instants.max(2);
+    let mut sets = Vec::with_capacity(instants);
+    for instant in 0..instants {
+        let later = Request {
+            settling: request.settling + APART * instant as f64,
+            ..*request
+        };
+        sets.push(eigenvalues(parameters, setup, profile, &later)?);
+    }
+    let count = instants as f64;
+    let mut means: Vec<Eigenvalue> = sets[0]
+        .iter()
+        .map(|value| {
+            let distance = |other: &Eigenvalue| (other.re - value.re).hypot(other.im - value.im);
+            let matched: Vec<&Eigenvalue> = sets
+                .iter()
+                .filter_map(|set| {
+                    set.iter()
+                        .min_by(|one, other| distance(one).total_cmp(&distance(other)))
+                })
+                .collect();
+            let (re, im) = matched.iter().fold((0.0, 0.0), |(re, im), other| {
+                (re + other.re / count, im + other.im / count)
+            });
+            let square: f64 = matched
+                .iter()
+                .map(|other| (other.re - re).powi(2) + (other.im - im).powi(2))
+                .sum();
+            Eigenvalue {
+                re,
+                im,
+                residual: matched
+                    .iter()
+                    .map(|other| other.residual)
+                    .fold(0.0, f64::max),
+                scatter: (square / (count * (count - 1.0))).sqrt(),
+            }
+        })
+        .collect();
+    means.sort_by(|one, other| other.re.total_cmp(&one.re));
+    Ok(means)
+}
+
+/// The map M of perturbations over T.
+struct Map {
+    ring: Ring,
+    points: usize,
+    waves: usize,
+    /// e^{i·phase} from one wave to the next.
+    phase: f64,
+    real: bool,
+    shift: isize,
+    steps: u64,
+    amplitude: f64,
+}
+
+/// Values per point: V, V̇, U, U̇.
+const FIELDS: usize = 4;
+
+/// The quantities of a perturbation in the order of its shape.
+fn fields(nodes: &mut Nodes) -> [&mut Vec<f64>; FIELDS] {
+    [
+        &mut nodes.tangential,
+        &mut nodes.tangential_rate,
+        &mut nodes.radial,
+        &mut nodes.radial_rate,
+    ]
+}
+
+impl Map {
+    fn size(&self) -> usize {
+        FIELDS * self.points
+    }
+
+    /// Whether an entry of a shape is free to be perturbed: U and U̇ only in the air, V̇ not in stick,
+    /// which would forget it at once.
+    fn free(&self, entry: usize) -> bool {
+        let (field, point) = (entry / self.points, entry % self.points);
+        let nodes = self.ring.nodes();
+        match field {
+            0 => true,
+            1 => nodes.tangential_rate[point] != 1.0,
+            _ => nodes.share[point] == 0.0,
+        }
+    }
+
+    /// A smooth shape to begin with: a few waves of V and V̇ that are not alike.
+    fn first(&self) -> Vec<c64> {
+        (0..self.size())
+            .map(|entry| {
+                let (field, point) = (entry / self.points, entry % self.points);
+                if field >= 2 || !self.free(entry) {
+                    return c64::new(0.0, 0.0);
+                }
+                let angle = TAU * point as f64 / self.points as f64;
+                let place = point as f64 / self.points as f64;
+                let mut value = c64::new(0.0, 0.0);
+                for wave in 0..6 {
+                    let order = f64::from(wave) + 0.37 * field as f64;
+                    let turn = 0.7 * order * order + 0.4;
+                    let size = 1.0 / (1.0 + 0.5 * f64::from(wave));
+                    if self.real {
+                        value.re += size * (f64::from(wave) * angle + turn).cos();
+                    } else {
+                        let signed = if wave % 2 == 0 {
+                            -wave / 2
+                        } else {
+                            (wave + 1) / 2
+                        };
+                        let argument = f64::from(signed) * angle + self.phase * place + turn;
+                        value += c64::new(size * argument.cos(), size * argument.sin());
+                    }
+                }
+                if self.real && self.phase != 0.0 {
+                    // vanishes at the ends, where the sign changes
+                    value.re *= (0.5 * angle).sin();
+                }
+                value
+            })
+            .collect()
+    }
+
+    /// The ring with a multiple of a shape added.
+    fn perturbed(&self, shape: &[c64], factor: f64) -> Ring {
+        let mut ring = self.ring.clone();
+        let mut nodes = ring.nodes().clone();
+        let steps = ring.steps();
+        let mismatch = ring.parameters().mismatch;
+        for (field, values) in fields(&mut nodes).into_iter().enumerate() {
+            for wave in 0..self.waves {
+                let (sine, cosine) = (self.phase * wave as f64).sin_cos();
+                for point in 0..self.points {
+                    let value = shape[field * self.points + point];
+                    values[wave * self.points + point] +=
+                        factor * (value.re * cosine - value.im * sine);
+                }
+            }
+        }
+        for value in &mut nodes.radial {
+            *value = value.max(mismatch);
+        }
+        // the number of nodes is the same
+        let _ = ring.resume(nodes, steps);
+        ring
+    }
+
+    /// Mψ.
+    fn apply(&self, shape: &[c64]) -> Vec<c64> {
+        let largest = shape.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        let factor = self.amplitude / largest.max(f64::MIN_POSITIVE);
+        let run = |factor: f64| {
+            let mut ring = self.perturbed(shape, factor);
+            ring.advance(self.steps);
+            ring.nodes().clone()
+        };
+        let (mut plus, mut minus) = rayon::join(|| run(factor), || run(-factor));
+        // where one run has landed and the other not, the difference of U̇ is no derivative
+        let apart: Vec<bool> = plus
+            .share
+            .iter()
+            .zip(&minus.share)
+            .map(|(one, other)| (*one == 0.0) != (*other == 0.0))
+            .collect();
+        let (plus, minus) = (fields(&mut plus), fields(&mut minus));
+        let count = self.points as isize;
+        let share = if self.real { 1.0 } else { 2.0 } / self.waves as f64;
+        (0..self.size())
+            .map(|entry| {
+                if !self.free(entry) {
+                    return c64::new(0.0, 0.0);
+                }
+                let (field, point) = (entry / self.points, entry % self.points);
+                let moved = point as isize + self.shift;
+                let (turns, source) = (moved.div_euclid(count), moved.rem_euclid(count) as usize);
+                let mut value = c64::new(0.0, 0.0);
+                for wave in 0..self.waves {
+                    let index = wave * self.points + source;
+                    if field >= 2 && apart[index] {
+                        continue;
+                    }
+                    let half = 0.5 * (plus[field][index] - minus[field][index]);
+                    let argument = -self.phase * wave as f64;
+                    value += c64::new(half * argument.cos(), half * argument.sin());
+                }
+                let turn = self.phase * turns as f64;
+                let turned = value * c64::new(turn.cos(), turn.sin()) * (share / factor);
+                if self.real {
+                    c64::new(turned.re, 0.0)
+                } else {
+                    turned
+                }
+            })
+            .collect()
+    }
+}
+
+impl Map {
+    /// Im⟨ψ, V̇ + cψ′⟩/⟨ψ, ψ⟩ of a combination of shapes.
+    fn frequency(&self, basis: &[Vec<c64>], weights: &[c64], speed: f64) -> f64 {
+        let count = self.points;
+        let combine = |entry: usize| -> c64 {
+            basis
+                .iter()
+                .zip(weights)
+                .map(|(shape, weight)| weight * shape[entry])
+                .sum()
+        };
+        let shape: Vec<c64> = (0..count).map(combine).collect();
+        let slope = speed * 0.5 / self.ring.spacing();
+        let turn = |angle: f64| c64::new(angle.cos(), angle.sin());
+        let (mut product, mut square) = (c64::new(0.0, 0.0), 0.0);
+        for point in 0..count {
+            let right = match point + 1 {
+                next if next == count => turn(self.phase) * shape[0],
+                next => shape[next],
+            };
+            let left = match point {
+                0 => turn(-self.phase) * shape[count - 1],
+                point => shape[point - 1],
+            };
+            let rate = combine(count + point) + slope * (right - left);
+            product += shape[point].conj() * rate;
+            square += shape[point].norm_sqr();
+        }
+        if square > 0.0 {
+            (product / square).im
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Part of a new shape's length that must be left after the old ones have been taken out; less is
+/// rounding, and the shapes found span all there is.
+const EXHAUSTED: f64 = 1e-12;
+
+/// The matrix of the map between orthonormal shapes, these shapes, and the length of what it leaves
+/// out.
+fn arnoldi(map: &Map, pairs: usize) -> (Mat<c64>, Vec<Vec<c64>>, f64) {
+    let length = |shape: &[c64]| {
+        shape
+            .iter()
+            .map(|value| value.norm_sqr())
+            .sum::<f64>()
+            .sqrt()
+    };
+    let mut shape = map.first();
+    let first = length(&shape);
+    shape.iter_mut().for_each(|value| *value /= first);
+    let mut shapes = vec![shape];
+    let mut columns: Vec<Vec<c64>> = Vec::new();
+    let mut last = 0.0;
+    while columns.len() < pairs.min(map.size()) {
+        let mut image = map.apply(&shapes[shapes.len() - 1]);
+        let whole = length(&image);
+        let mut column = vec![c64::new(0.0, 0.0); shapes.len()];
+        // twice is enough
+        for _ in 0..2 {
+            for (entry, shape) in column.iter_mut().zip(&shapes) {
+                let part: c64 = shape
+                    .iter()
+                    .zip(&image)
+                    .map(|(one, other)| one.conj() * other)
+                    .sum();
+                *entry += part;
+                for (value, one) in image.iter_mut().zip(shape) {
+                    *value -= part * one;
+                }
+            }
+        }
+        last = length(&image);
+        column.push(c64::new(last, 0.0));
+        columns.push(column);
+        if last <= EXHAUSTED * whole {
+            break;
+        }
+        image.iter_mut().for_each(|value| *value /= last);
+        shapes.push(image);
+    }
+    let size = columns.len();
+    let matrix = Mat::from_fn(size, size, |row, column| {
+        columns[column]
+            .get(row)
+            .copied()
+            .unwrap_or(c64::new(0.0, 0.0))
+    });
+    (matrix, shapes, last)
+}

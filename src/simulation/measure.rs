@@ -1,0 +1,279 @@
+//! What a simulation has shown: speed, regimes, growth, each with an error.
+//!
+//! Errors are those of the motion in time: a window is cut into blocks, and the standard error of
+//! the mean of the blocks is given. It holds what the motion does not repeat; the error of the grid
+//! is another matter, seen by simulating with other numbers of points.
+
+use super::exponentials::exponentials;
+use super::line::Regime;
+use super::motion::Motion;
+
+/// A row of the time series.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Time.
+    pub time: f64,
+    /// Energy.
+    pub energy: f64,
+    /// Energy less that at the start and less all work since.
+    pub imbalance: f64,
+    /// Shares of separation, slip, stick, reverse slip.
+    pub fractions: [f64; 4],
+    /// Least pressure on what is in contact; 0 where something is in the air.
+    pub least_pressure: f64,
+    /// Largest U − δ.
+    pub largest_gap: f64,
+    /// Complex amplitude of the mode watched.
+    pub harmonic: [f64; 2],
+    /// How unlike the waves round the circle are.
+    pub asymmetry: f64,
+    /// V of the first point.
+    pub tangential: f64,
+    /// V̇ of the first point.
+    pub tangential_rate: f64,
+}
+
+impl Sample {
+    /// Names of the numbers, in order.
+    pub const COLUMNS: [&'static str; 14] = [
+        "time",
+        "energy",
+        "imbalance",
+        "separation",
+        "slip",
+        "stick",
+        "reverse",
+        "min_pressure",
+        "max_gap",
+        "harmonic_re",
+        "harmonic_im",
+        "asymmetry",
+        "V",
+        "V_dot",
+    ];
+
+    /// The state of a motion. `mode` is watched; the circle is compared in `waves` parts; `start` is
+    /// the energy at the beginning.
+    pub fn of(motion: &Motion, mode: u32, waves: usize, mismatch: f64, start: f64) -> Sample {
+        let line = motion.line();
+        let (energy, work) = motion.energy();
+        let fold = |values: &[f64], with: fn(f64, f64) -> f64, from: f64| {
+            values.iter().copied().fold(from, with)
+        };
+        Sample {
+            time: motion.time(),
+            energy,
+            imbalance: energy - start - work.iter().sum::<f64>(),
+            fractions: line.fractions(),
+            least_pressure: fold(&line.pressure, f64::min, f64::INFINITY),
+            largest_gap: fold(&line.radial, f64::max, f64::NEG_INFINITY) - mismatch,
+            harmonic: line.harmonic(mode),
+            asymmetry: line.asymmetry(waves).unwrap_or(0.0),
+            tangential: line.tangential[0],
+            tangential_rate: line.tangential_rate[0],
+        }
+    }
+
+    /// All numbers, in the order of [`Sample::COLUMNS`].
+    pub fn numbers(&self) -> [f64; 14] {
+        let [separation, slip, stick, reverse] = self.fractions;
+        [
+            self.time,
+            self.energy,
+            self.imbalance,
+            separation,
+            slip,
+            stick,
+            reverse,
+            self.least_pressure,
+            self.largest_gap,
+            self.harmonic[0],
+            self.harmonic[1],
+            self.asymmetry,
+            self.tangential,
+            self.tangential_rate,
+        ]
+    }
+
+    /// The sample with these numbers.
+    pub fn from_numbers(numbers: [f64; 14]) -> Sample {
+        let [
+            time,
+            energy,
+            imbalance,
+            separation,
+            slip,
+            stick,
+            reverse,
+            least_pressure,
+            largest_gap,
+            re,
+            im,
+            asymmetry,
+            tangential,
+            tangential_rate,
+        ] = numbers;
+        Sample {
+            time,
+            energy,
+            imbalance,
+            fractions: [separation, slip, stick, reverse],
+            least_pressure,
+            largest_gap,
+            harmonic: [re, im],
+            asymmetry,
+            tangential,
+            tangential_rate,
+        }
+    }
+}
+
+/// A number with its error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measure {
+    /// Name for tables.
+    pub name: &'static str,
+    /// Value.
+    pub value: f64,
+    /// Standard error.
+    pub error: f64,
+    /// Window of time it comes from.
+    pub window: [f64; 2],
+}
+
+/// Blocks that a window is cut into.
+const BLOCKS: usize = 8;
+
+/// Fewest samples of a block.
+const LEAST: usize = 4;
+
+/// Slope of a straight line through the points by least squares.
+fn slope(times: &[f64], values: &[f64]) -> f64 {
+    let count = times.len() as f64;
+    let (t_mean, v_mean) = (
+        times.iter().sum::<f64>() / count,
+        values.iter().sum::<f64>() / count,
+    );
+    let (mut product, mut square) = (0.0, 0.0);
+    for (t, v) in times.iter().zip(values) {
+        product += (t - t_mean) * (v - v_mean);
+        square += (t - t_mean) * (t - t_mean);
+    }
+    product / square
+}
+
+/// Value of a statistic over all, and the standard error from blocks. None for too few samples.
+fn blocked(count: usize, statistic: impl Fn(std::ops::Range<usize>) -> f64) -> Option<(f64, f64)> {
+    if count < BLOCKS * LEAST {
+        return None;
+    }
+    let parts: Vec<f64> = (0..BLOCKS)
+        .map(|block| statistic(block * count / BLOCKS..(block + 1) * count / BLOCKS))
+        .collect();
+    let mean = parts.iter().sum::<f64>() / BLOCKS as f64;
+    let variance =
+        parts.iter().map(|part| (part - mean).powi(2)).sum::<f64>() / (BLOCKS - 1) as f64;
+    Some((statistic(0..count), (variance / BLOCKS as f64).sqrt()))
+}
+
+/// The phase of the mode watched without jumps. Right as long as it turns by less than half a turn
+/// from sample to sample.
+fn phases(samples: &[Sample]) -> Vec<f64> {
+    let mut turns = 0.0;
+    let mut last = None;
+    samples
+        .iter()
+        .map(|sample| {
+            let phase = sample.harmonic[1].atan2(sample.harmonic[0]);
+            if let Some(last) = last {
+                let jump: f64 = phase - last;
+                turns -= (jump / std::f64::consts::TAU).round();
+            }
+            last = Some(phase);
+            phase + turns * std::f64::consts::TAU
+        })
+        .collect()
+}
+
+/// Speed of the mode watched, its amplitude, the shares of the regimes and the asymmetry, over the
+/// second half of the samples.
+pub fn steady_state(samples: &[Sample], mode: u32) -> Vec<Measure> {
+    let half = &samples[samples.len() / 2..];
+    let Some(last) = half.last() else {
+        return Vec::new();
+    };
+    let window = [half[0].time, last.time];
+    let times: Vec<f64> = half.iter().map(|sample| sample.time).collect();
+    let mut measures = Vec::new();
+    let mut add = |name, found: Option<(f64, f64)>| {
+        if let Some((value, error)) = found.filter(|found| found.0.is_finite()) {
+            measures.push(Measure {
+                name,
+                value,
+                error,
+                window,
+            });
+        }
+    };
+    if mode > 0 {
+        let phases = phases(half);
+        let speed = blocked(half.len(), |range| {
+            -slope(&times[range.clone()], &phases[range]) / f64::from(mode)
+        });
+        add("speed", speed);
+    }
+    let mean = |value: &dyn Fn(&Sample) -> f64| {
+        blocked(half.len(), |range| {
+            let count = range.len() as f64;
+            half[range].iter().map(value).sum::<f64>() / count
+        })
+    };
+    add(
+        "amplitude",
+        mean(&|sample| sample.harmonic[0].hypot(sample.harmonic[1])),
+    );
+    for regime in Regime::ALL {
+        let index = usize::from(regime.code());
+        add(regime.name(), mean(&|sample| sample.fractions[index]));
+    }
+    add("asymmetry", mean(&|sample| sample.asymmetry));
+    add("energy", mean(&|sample| sample.energy));
+    measures
+}
+
+/// Most samples of a signal that is decomposed; more are thinned out.
+const SIGNAL: usize = 600;
+
+/// Growth rate and frequency of the mode watched while everything slips: of the exponential of its
+/// complex amplitude that is largest at the end of this time. The error is the difference from what
+/// the last three quarters of the time give.
+pub fn linear_growth(samples: &[Sample]) -> Vec<Measure> {
+    let slip = usize::from(Regime::Slip.code());
+    let slipping = samples
+        .iter()
+        .take_while(|sample| sample.fractions[slip] == 1.0)
+        .count();
+    let thinning = slipping.div_ceil(SIGNAL).max(1);
+    let kept: Vec<&Sample> = samples[..slipping].iter().step_by(thinning).collect();
+    if kept.len() < BLOCKS * LEAST {
+        return Vec::new();
+    }
+    let last = kept.len() - 1;
+    let step = (kept[last].time - kept[0].time) / last as f64;
+    let signal: Vec<[f64; 2]> = kept.iter().map(|sample| sample.harmonic).collect();
+    let all = exponentials(&signal, step);
+    let later = exponentials(&signal[signal.len() / 4..], step);
+    let (Some(leading), Some(other)) = (all.first(), later.first()) else {
+        return Vec::new();
+    };
+    let window = [kept[0].time, kept[last].time];
+    [("growth", 0), ("frequency", 1)]
+        .into_iter()
+        .map(|(name, part)| Measure {
+            name,
+            value: leading.exponent[part],
+            error: (leading.exponent[part] - other.exponent[part]).abs(),
+            window,
+        })
+        .collect()
+}

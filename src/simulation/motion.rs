@@ -1,0 +1,313 @@
+//! A body in motion, be it the ring or the annulus: what a section `simulation` describes.
+
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+use super::annulus::{self, Annulus, State};
+use super::growth;
+use super::line::{Line, Regime};
+use super::profile::Profile;
+use super::ring::kernel::Nodes;
+use super::ring::{self, Law, Order, Ring};
+use crate::model::Parameters;
+use crate::model::coefficients::Geometry;
+use crate::problem::{Body, Circle, DifferenceOrder, RingFriction, Simulation};
+
+/// A body in motion.
+#[derive(Clone, Debug)]
+pub enum Motion {
+    /// System (M).
+    Ring(Box<Ring>),
+    /// The elastic tube.
+    Annulus(Box<Annulus>),
+}
+
+/// All that a motion needs to go on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Saved {
+    /// Of a ring.
+    Ring(Nodes),
+    /// Of an annulus.
+    Annulus(State),
+}
+
+/// Why a motion cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum MotionError {
+    /// The ring.
+    #[error("{0}")]
+    Ring(#[from] ring::SetupError),
+    /// The annulus.
+    #[error("{0}")]
+    Annulus(#[from] annulus::SetupError),
+    /// An annulus without a geometry.
+    #[error("an annulus needs the geometry of the tube")]
+    Geometry,
+    /// The saved state is of another body.
+    #[error("the checkpoint is of another body")]
+    Body,
+    /// The wave does not fit the ring.
+    #[error(
+        "the wave is {found} long, but mode {mode} has the wavelength {expected}; take a wave of this mode"
+    )]
+    Wavelength {
+        /// Length of the wave.
+        found: f64,
+        /// Length expected.
+        expected: f64,
+        /// Mode of the problem.
+        mode: u32,
+    },
+}
+
+/// Relative difference of wavelengths that is still rounding of a table.
+const SAME_LENGTH: f64 = 1e-9;
+
+/// Angle of the part of the circle that is simulated.
+pub fn angle(section: &Simulation, mode: u32) -> f64 {
+    match section.circle {
+        Circle::Whole => TAU,
+        Circle::Wavelength => TAU / f64::from(mode),
+    }
+}
+
+/// λ of the growing travelling wave of steady sliding of the reduced model (M):
+/// λ² + αλ + (ak² + h) + ikfD = 0, the root with the larger real part.
+pub fn steady_growth(parameters: &Parameters, mode: u32) -> [f64; 2] {
+    let c = parameters.coefficients;
+    let k = f64::from(mode);
+    let alpha = parameters.mass_damping;
+    // √(α²/4 − K − iS)
+    let (re, im) = (
+        0.25 * alpha * alpha - c.a * k * k - c.h,
+        -k * parameters.friction * c.coupling,
+    );
+    let size = re.hypot(im);
+    let root_re = (0.5 * (size + re)).max(0.0).sqrt();
+    let root_im = (0.5 * (size - re)).max(0.0).sqrt().copysign(im);
+    [root_re - 0.5 * alpha, root_im]
+}
+
+impl Motion {
+    /// The body of a section, at its beginning.
+    pub fn begin(
+        section: &Simulation,
+        parameters: &Parameters,
+        geometry: Option<Geometry>,
+        mode: u32,
+        wave: Option<&Profile>,
+    ) -> Result<Motion, MotionError> {
+        let angle = angle(section, mode);
+        let whole_steps = |longest: f64| section.every / (section.every / longest).ceil();
+        let mut motion = match section.body {
+            Body::Ring {
+                points,
+                order,
+                friction,
+            } => {
+                let longest = ring::courant_step(parameters, points, angle, section.courant);
+                let setup = ring::Setup {
+                    points,
+                    angle,
+                    order: match order {
+                        DifferenceOrder::Second => Order::Second,
+                        DifferenceOrder::Fourth => Order::Fourth,
+                        DifferenceOrder::Sixth => Order::Sixth,
+                    },
+                    time_step: whole_steps(longest),
+                    law: match friction {
+                        RingFriction::SetValued => Law::Coulomb,
+                        RingFriction::Tanh { epsilon } => Law::Smoothed { epsilon },
+                    },
+                    watched: true,
+                };
+                Motion::Ring(Box::new(Ring::new(parameters, setup)?))
+            }
+            Body::Annulus { around, across } => {
+                let geometry = geometry.ok_or(MotionError::Geometry)?;
+                let longest =
+                    annulus::courant_step(&geometry, around, across, angle, section.courant);
+                let setup = annulus::Setup {
+                    geometry,
+                    friction: parameters.friction,
+                    mismatch: parameters.mismatch,
+                    mass_damping: parameters.mass_damping,
+                    around,
+                    across,
+                    angle,
+                    time_step: whole_steps(longest),
+                };
+                Motion::Annulus(Box::new(Annulus::new(setup)?))
+            }
+        };
+        if let (Motion::Ring(ring), Some(wave)) = (&mut motion, wave) {
+            let expected = TAU / f64::from(mode);
+            let found = wave.wavelength();
+            if (found / expected - 1.0).abs() > SAME_LENGTH {
+                return Err(MotionError::Wavelength {
+                    found,
+                    expected,
+                    mode,
+                });
+            }
+            growth::place(ring, wave);
+        }
+        if let Some(perturbation) = section.perturbation {
+            let lambda = steady_growth(parameters, perturbation.mode);
+            motion.perturb(perturbation.mode, perturbation.amplitude, lambda);
+        }
+        Ok(motion)
+    }
+
+    /// Adds A cos kφ to V and A Re(λe^{ikφ}) to V̇; points in the air keep U.
+    fn perturb(&mut self, mode: u32, amplitude: f64, lambda: [f64; 2]) {
+        match self {
+            Motion::Annulus(annulus) => annulus.perturb(mode, amplitude, lambda),
+            Motion::Ring(ring) => {
+                let mut nodes = ring.nodes().clone();
+                let width = ring.spacing();
+                for point in 0..nodes.len() {
+                    let (sine, cosine) = (f64::from(mode) * width * point as f64).sin_cos();
+                    nodes.tangential[point] += amplitude * cosine;
+                    nodes.tangential_rate[point] +=
+                        amplitude * (lambda[0] * cosine - lambda[1] * sine);
+                }
+                let steps = ring.steps();
+                // as many nodes as before
+                let _ = ring.resume(nodes, steps);
+            }
+        }
+    }
+
+    /// Takes a number of steps.
+    pub fn advance(&mut self, steps: u64) {
+        match self {
+            Motion::Ring(ring) => ring.advance(steps),
+            Motion::Annulus(annulus) => annulus.advance(steps),
+        }
+    }
+
+    /// Steps taken.
+    pub fn steps(&self) -> u64 {
+        match self {
+            Motion::Ring(ring) => ring.steps(),
+            Motion::Annulus(annulus) => annulus.steps(),
+        }
+    }
+
+    /// Time since the start.
+    pub fn time(&self) -> f64 {
+        match self {
+            Motion::Ring(ring) => ring.time(),
+            Motion::Annulus(annulus) => annulus.time(),
+        }
+    }
+
+    /// Time step.
+    pub fn time_step(&self) -> f64 {
+        match self {
+            Motion::Ring(ring) => ring.setup().time_step,
+            Motion::Annulus(annulus) => annulus.setup().time_step,
+        }
+    }
+
+    /// Nodes that move.
+    pub fn size(&self) -> usize {
+        match self {
+            Motion::Ring(ring) => ring.setup().points,
+            Motion::Annulus(annulus) => annulus.state().radial.len(),
+        }
+    }
+
+    /// Energy, and the work of friction, contact and damping since the start.
+    pub fn energy(&self) -> (f64, [f64; 3]) {
+        match self {
+            Motion::Ring(ring) => (ring.energy(), ring.work()),
+            Motion::Annulus(annulus) => (annulus.energy(), annulus.state().work),
+        }
+    }
+
+    /// The state to go on from.
+    pub fn saved(&self) -> Saved {
+        match self {
+            Motion::Ring(ring) => Saved::Ring(ring.nodes().clone()),
+            Motion::Annulus(annulus) => Saved::Annulus(annulus.state().clone()),
+        }
+    }
+
+    /// Goes on from a state.
+    pub fn resume(&mut self, saved: Saved, steps: u64) -> Result<(), MotionError> {
+        match (self, saved) {
+            (Motion::Ring(ring), Saved::Ring(nodes)) => Ok(ring.resume(nodes, steps)?),
+            (Motion::Annulus(annulus), Saved::Annulus(state)) => Ok(annulus.resume(state, steps)?),
+            _ => Err(MotionError::Body),
+        }
+    }
+
+    /// The contact line.
+    pub fn line(&self) -> Line {
+        match self {
+            Motion::Ring(ring) => ring_line(ring),
+            Motion::Annulus(annulus) => {
+                let around = annulus.setup().around;
+                let state = annulus.state();
+                let rates = &state.tangential_rate[..around];
+                Line {
+                    width: annulus.width(),
+                    radial: state.radial[..around].to_vec(),
+                    tangential: state.tangential[..around].to_vec(),
+                    radial_rate: state.radial_rate[..around].to_vec(),
+                    tangential_rate: rates.to_vec(),
+                    pressure: state.pressure.clone(),
+                    shear: state.shear.clone(),
+                    regimes: (0..around)
+                        .map(|point| Regime::of(state.pressure[point] > 0.0, rates[point], 0.0))
+                        .collect(),
+                }
+            }
+        }
+    }
+}
+
+/// The ring is its contact line. Q follows from the law, and in stick from V̈ = 0.
+fn ring_line(ring: &Ring) -> Line {
+    let nodes = ring.nodes();
+    let count = nodes.len();
+    let parameters = ring.parameters();
+    let within = match ring.setup().law {
+        Law::Coulomb => 0.0,
+        Law::Smoothed { epsilon } => epsilon,
+    };
+    let pressure: Vec<f64> = (0..count).map(|point| ring.pressure(point)).collect();
+    let regimes: Vec<Regime> = (0..count)
+        .map(|point| {
+            let contact = nodes.share[point] != 0.0;
+            Regime::of(contact, nodes.tangential_rate[point], within)
+        })
+        .collect();
+    let shear = (0..count)
+        .map(|point| {
+            let most = parameters.friction * pressure[point].max(0.0);
+            match (regimes[point], ring.setup().law) {
+                (Regime::Separation, _) => 0.0,
+                (_, Law::Smoothed { epsilon }) => {
+                    most * ((1.0 - nodes.tangential_rate[point]) / epsilon).tanh()
+                }
+                (Regime::Slip, _) => most,
+                (Regime::Reverse, _) => -most,
+                (Regime::Stick, _) => ring.holding_shear(point).clamp(-most, most),
+            }
+        })
+        .collect();
+    Line {
+        width: ring.spacing(),
+        radial: nodes.radial.clone(),
+        tangential: nodes.tangential.clone(),
+        radial_rate: nodes.radial_rate.clone(),
+        tangential_rate: nodes.tangential_rate.clone(),
+        pressure,
+        shear,
+        regimes,
+    }
+}

@@ -1,0 +1,223 @@
+//! One step of every node.
+//!
+//! Leapfrog: U, V at the instant n, their rates at n − ½. With ∂ and ∂² the central differences,
+//!
+//! ```text
+//! U̇ⁿ⁺½ = [(1 − αΔt/2) U̇ⁿ⁻½ + Δt (b∂²U + D∂V − gU)ⁿ] / (1 + αΔt/2)      where U > δ
+//! V̇ⁿ⁺½ = [(1 − αΔt/2) V̇ⁿ⁻½ + Δt (a∂²V − D∂U − hV + Q)ⁿ] / (1 + αΔt/2)
+//! Uⁿ⁺¹ = Uⁿ + Δt U̇ⁿ⁺½,   Vⁿ⁺¹ = Vⁿ + Δt V̇ⁿ⁺½.
+//! ```
+//!
+//! **Contact.** A node in contact has U = δ and U̇ = 0 and stays as long as P = gδ − D∂V ≥ 0. This is the
+//! reaction of a stretch in contact. The term b∂²U of a neighbour that is still in the air does not
+//! enter: it would throw a landed node up again with b/(2c²) of its velocity at every resolution,
+//! where the law wants rest. When P < 0 the node is free from this step on. A free node whose next
+//! U lies below δ lands: U becomes δ, its velocity is lost.
+//!
+//! **Instants within a step.** A node that lands after the share s of the step from n to n + 1 is in
+//! contact for 3/2 − s steps by the time n + 3/2, so that friction gets that share of its next step.
+//! Without it every landing would come half a step late on average. The true V is then ahead by
+//! ½(1 − s)²Δt² times the acceleration by friction, which is added. Crossings of V̇ = 1 are in
+//! [`super::friction`].
+//!
+//! Every statement is a selection between values, so that the loop has no branches and uses vector
+//! registers. There is no sum over nodes: the result does not depend on how the ring is cut up.
+
+use serde::{Deserialize, Serialize};
+
+use super::friction::Friction;
+
+/// Most neighbours on either side that a difference reaches to.
+pub const MOST_REACH: usize = 3;
+
+/// Numbers of the step, the same for all nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constants {
+    /// Radial wave: b/Δφ² times the weights of the second difference, from the node outwards.
+    pub b: [f64; MOST_REACH + 1],
+    /// Tangential wave: a/Δφ² times the weights of the second difference.
+    pub a: [f64; MOST_REACH + 1],
+    /// Coupling: D/Δφ times the weights of the first difference.
+    pub coupling: [f64; MOST_REACH],
+    /// Radial stiffness.
+    pub g: f64,
+    /// Tangential stiffness.
+    pub h: f64,
+    /// gδ, the pressure of rest.
+    pub rest: f64,
+    /// Mismatch δ.
+    pub mismatch: f64,
+    /// Friction coefficient f.
+    pub friction: f64,
+    /// Time step.
+    pub dt: f64,
+    /// 1 − αΔt/2.
+    pub keep: f64,
+    /// 1/(1 + αΔt/2).
+    pub gain: f64,
+}
+
+/// Nodes side by side, one array per quantity.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Nodes {
+    /// U at n.
+    pub radial: Vec<f64>,
+    /// V at n.
+    pub tangential: Vec<f64>,
+    /// U̇ at n − ½.
+    pub radial_rate: Vec<f64>,
+    /// V̇ at n − ½.
+    pub tangential_rate: Vec<f64>,
+    /// Share of the next step that friction acts: 0 in the air, 1 in contact, ½ to 3/2 just landed.
+    pub share: Vec<f64>,
+    /// Work of friction since the start, per unit of mass of the node; empty when not watched.
+    pub friction_work: Vec<f64>,
+    /// Work of contact, which is what landings dissipate; empty when not watched.
+    pub contact_work: Vec<f64>,
+    /// Work of mass damping; empty when not watched.
+    pub damping_work: Vec<f64>,
+}
+
+impl Nodes {
+    /// Zeros.
+    pub fn new(count: usize, watched: bool) -> Nodes {
+        let zeros = || vec![0.0; count];
+        let ledger = || vec![0.0; if watched { count } else { 0 }];
+        Nodes {
+            radial: zeros(),
+            tangential: zeros(),
+            radial_rate: zeros(),
+            tangential_rate: zeros(),
+            share: zeros(),
+            friction_work: ledger(),
+            contact_work: ledger(),
+            damping_work: ledger(),
+        }
+    }
+
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.radial.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.radial.is_empty()
+    }
+}
+
+/// Takes the nodes `from..to` of a stretch through one step. U and V of the next instant go to
+/// `next`; the nodes within `R` of the range are read. `WATCHED` keeps account of work.
+#[inline(always)]
+pub fn step<const R: usize, const WATCHED: bool, F: Friction>(
+    constants: &Constants,
+    law: F,
+    nodes: &mut Nodes,
+    next: (&mut [f64], &mut [f64]),
+    from: usize,
+    to: usize,
+) {
+    let c = *constants;
+    let count = to - from;
+    // slices of one length each, so that no access is checked within the loop
+    let radial = &nodes.radial[from - R..to + R];
+    let tangential = &nodes.tangential[from - R..to + R];
+    let u: [&[f64]; 7] = std::array::from_fn(|k| {
+        let k = k.min(2 * R);
+        &radial[k..k + count]
+    });
+    let v: [&[f64]; 7] = std::array::from_fn(|k| {
+        let k = k.min(2 * R);
+        &tangential[k..k + count]
+    });
+    let radial_rate = &mut nodes.radial_rate[from..to];
+    let tangential_rate = &mut nodes.tangential_rate[from..to];
+    let share = &mut nodes.share[from..to];
+    let radial_next = &mut next.0[from..to];
+    let tangential_next = &mut next.1[from..to];
+    let (friction_work, contact_work, damping_work) = if WATCHED {
+        (
+            &mut nodes.friction_work[from..to],
+            &mut nodes.contact_work[from..to],
+            &mut nodes.damping_work[from..to],
+        )
+    } else {
+        (&mut [][..], &mut [][..], &mut [][..])
+    };
+    for i in 0..count {
+        let (u0, v0) = (u[R][i], v[R][i]);
+        let mut bend_u = c.b[0] * u0;
+        let mut bend_v = c.a[0] * v0;
+        let mut slope_u = 0.0;
+        let mut slope_v = 0.0;
+        for k in 1..=R {
+            let (left, right) = (u[R - k][i], u[R + k][i]);
+            bend_u += c.b[k] * (left + right);
+            slope_u += c.coupling[k - 1] * (right - left);
+            let (left, right) = (v[R - k][i], v[R + k][i]);
+            bend_v += c.a[k] * (left + right);
+            slope_v += c.coupling[k - 1] * (right - left);
+        }
+        let touched = share[i];
+        let touches = touched != 0.0;
+        let pressure = c.rest - slope_v;
+        let holds = touches & (pressure >= 0.0);
+
+        // an impact has left a node that touches without velocity, whatever its last step was
+        let before = if touches { 0.0 } else { radial_rate[i] };
+        let free_rate = c.gain * (c.keep * before + c.dt * (bend_u + slope_v - c.g * u0));
+        let moved = c.dt * free_rate;
+        let free = u0 + moved;
+        let lands = !holds & (free < c.mismatch);
+        let drop = c.mismatch - u0;
+        let rate = if holds {
+            0.0
+        } else if lands {
+            drop / c.dt
+        } else {
+            free_rate
+        };
+        radial_next[i] = if holds | lands { c.mismatch } else { free };
+        let landed = 1.5 - drop / moved;
+        share[i] = if holds {
+            1.0
+        } else if lands {
+            landed
+        } else {
+            0.0
+        };
+
+        let old = tangential_rate[i];
+        let change = c.gain * (c.keep * old + c.dt * (bend_v - slope_u - c.h * v0)) - old;
+        let most = if holds {
+            c.gain * c.dt * touched * c.friction * pressure
+        } else {
+            0.0
+        };
+        let (slid, kink) = law.slide(old - 1.0, change, most);
+        let new = 1.0 + slid;
+        // friction that began within the last step
+        let late = touched - 0.5;
+        let begun = 0.5 * (new - old - change) / touched * (late * late);
+        let begun = if holds & (touched != 1.0) { begun } else { 0.0 };
+        let bent = kink + begun;
+        tangential_rate[i] = new;
+        tangential_next[i] = v0 + c.dt * (new + bent);
+
+        if WATCHED {
+            // forces are what is missing between the velocity without and with them
+            let mean = 0.5 * (old + new);
+            // moving the node by what is bent does work against the elastic force
+            let elastic = bend_v - slope_u - c.h * v0;
+            friction_work[i] += (new - old - change) / c.gain * mean - c.dt * bent * elastic;
+            let was = radial_rate[i];
+            let mean_rate = 0.5 * (was + rate);
+            let alone = c.gain * (c.keep * was + c.dt * (bend_u + slope_v - c.g * u0));
+            contact_work[i] += (rate - alone) / c.gain * mean_rate;
+            // αΔt = 1/gain − keep
+            let alpha = 1.0 / c.gain - c.keep;
+            damping_work[i] -= alpha * (mean * mean + mean_rate * mean_rate);
+        }
+        radial_rate[i] = rate;
+    }
+}

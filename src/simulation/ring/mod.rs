@@ -1,0 +1,496 @@
+//! The ring: system (M) on N points of one wavelength or of the whole circle.
+//!
+//! [`kernel`] has the equations of a step, [`friction`] the law of a node. This file has the grid,
+//! the limit of the time step, the balance of energy, and the way a long ring is cut up.
+//!
+//! **Energy.** Per unit of mass of the ring, with Δφ the spacing and K the symmetric matrix of the
+//! differences,
+//!
+//! ```text
+//! E = Δφ Σ ½(U̇² + V̇²) + ½⟨(U,V)ⁿ⁻¹, K (U,V)ⁿ⟩,
+//! ```
+//!
+//! which leapfrog keeps exactly where no force acts. With the mean of the two velocities each force
+//! does the work that E gains. What is added to V at the kinks of its acceleration does work against
+//! the elastic force, too, which is counted with friction. So E − (work of friction, contact and
+//! damping) stays what it was to rounding as long as there are no kinks, and to the second order of the
+//! step with them.
+//!
+//! **Cutting.** A stretch with the neighbours that `depth` steps reach is copied out, taken through
+//! `depth` steps without a look at the rest, and its core is copied back. Stretches are independent
+//! work for several cores and stay in their caches. Neighbours are computed twice, with the same
+//! operations on the same numbers: the result has the same bits for any number of threads.
+
+pub mod friction;
+pub mod kernel;
+
+use rayon::prelude::*;
+
+use crate::model::Parameters;
+use friction::{Coulomb, Friction, Smoothed};
+use kernel::{Constants, MOST_REACH, Nodes, step};
+
+/// Accuracy of the space differences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Error of order Δφ².
+    Second,
+    /// Error of order Δφ⁴.
+    Fourth,
+    /// Error of order Δφ⁶.
+    Sixth,
+}
+
+impl Order {
+    /// Neighbours on either side.
+    pub fn reach(self) -> usize {
+        match self {
+            Order::Second => 1,
+            Order::Fourth => 2,
+            Order::Sixth => 3,
+        }
+    }
+
+    /// Weights of the second difference, from the node outwards.
+    fn second(self) -> [f64; MOST_REACH + 1] {
+        match self {
+            Order::Second => [-2.0, 1.0, 0.0, 0.0],
+            Order::Fourth => [-2.5, 4.0 / 3.0, -1.0 / 12.0, 0.0],
+            Order::Sixth => [-49.0 / 18.0, 1.5, -0.15, 1.0 / 90.0],
+        }
+    }
+
+    /// Weights of the first difference, right minus left, from the nearest neighbour outwards.
+    fn first(self) -> [f64; MOST_REACH] {
+        match self {
+            Order::Second => [0.5, 0.0, 0.0],
+            Order::Fourth => [2.0 / 3.0, -1.0 / 12.0, 0.0],
+            Order::Sixth => [0.75, -0.15, 1.0 / 60.0],
+        }
+    }
+}
+
+/// The friction law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// Set-valued, see [`Coulomb`].
+    Coulomb,
+    /// Smoothed with tanh, see [`Smoothed`].
+    Smoothed {
+        /// Width ε of the transition.
+        epsilon: f64,
+    },
+}
+
+/// Grid and steps of a ring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setup {
+    /// Number of points N.
+    pub points: usize,
+    /// Length of the ring as an angle: 2π, or a wavelength; its ends are joined.
+    pub angle: f64,
+    /// Accuracy of the space differences.
+    pub order: Order,
+    /// Time step Δt in units of 1/Ω.
+    pub time_step: f64,
+    /// Friction law.
+    pub law: Law,
+    /// Whether account of work is kept.
+    pub watched: bool,
+}
+
+/// Fewest points: differences must not reach round the ring.
+pub const LEAST_POINTS: usize = 2 * MOST_REACH + 1;
+
+/// Part of the limit of linear stability that a time step may take. The limit itself is exact for
+/// the free ring; contact and friction only take energy out, landing moves a node by less than a step.
+pub const LARGEST_PART: f64 = 0.98;
+
+/// Why there is no ring.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SetupError {
+    /// Too few points.
+    #[error("a ring of {0} points is too coarse; take at least {LEAST_POINTS}")]
+    Points(usize),
+    /// The time step is not positive, or too large.
+    #[error("the time step {step:e} must lie between 0 and {limit:e}, where the scheme is stable")]
+    Step {
+        /// The step asked for.
+        step: f64,
+        /// Largest stable step.
+        limit: f64,
+    },
+}
+
+/// A ring in motion.
+#[derive(Clone, Debug)]
+pub struct Ring {
+    parameters: Parameters,
+    setup: Setup,
+    constants: Constants,
+    nodes: Nodes,
+    steps: u64,
+    stretches: Vec<Stretch>,
+    depth: usize,
+}
+
+/// A piece of the ring that is worked on by itself.
+#[derive(Clone, Debug)]
+struct Stretch {
+    from: usize,
+    to: usize,
+    nodes: Nodes,
+    next: (Vec<f64>, Vec<f64>),
+}
+
+/// Points of a stretch: its arrays stay in the second-level cache, and a block of steps takes long
+/// enough (50 µs and more) for handing it to another thread to cost little.
+const STRETCH: usize = 1024;
+
+/// Steps of a block, at most; a stretch must be several times as long.
+const DEPTH: usize = 48;
+
+/// Distance of neighbouring points.
+fn spacing(points: usize, angle: f64) -> f64 {
+    angle / points as f64
+}
+
+/// The largest stable time step: 2/ω of the fastest motion of the grid, bounded by the largest sum
+/// of absolute values in a row of the stiffness.
+pub fn stable_step(parameters: &Parameters, points: usize, angle: f64, order: Order) -> f64 {
+    let c = parameters.coefficients;
+    let width = spacing(points, angle);
+    let second: f64 = order
+        .second()
+        .iter()
+        .enumerate()
+        .map(|(k, weight)| weight.abs() * if k == 0 { 1.0 } else { 2.0 })
+        .sum();
+    let first: f64 = order.first().iter().map(|weight| 2.0 * weight.abs()).sum();
+    let coupling = c.coupling.abs() * first / width;
+    let radial = c.b * second / (width * width) + c.g + coupling;
+    let tangential = c.a * second / (width * width) + c.h + coupling;
+    2.0 / radial.max(tangential).sqrt()
+}
+
+/// The time step of a Courant number √a Δt/Δφ.
+pub fn courant_step(parameters: &Parameters, points: usize, angle: f64, courant: f64) -> f64 {
+    courant * spacing(points, angle) / parameters.coefficients.a.sqrt()
+}
+
+impl Ring {
+    /// A ring at rest in steady sliding: U = δ, V = δfg/h, V̇ = 0.
+    pub fn new(parameters: &Parameters, setup: Setup) -> Result<Ring, SetupError> {
+        if setup.points < LEAST_POINTS {
+            return Err(SetupError::Points(setup.points));
+        }
+        let limit = LARGEST_PART * stable_step(parameters, setup.points, setup.angle, setup.order);
+        let dt = setup.time_step;
+        if !(dt > 0.0 && dt <= limit) {
+            return Err(SetupError::Step { step: dt, limit });
+        }
+        let c = parameters.coefficients;
+        let width = spacing(setup.points, setup.angle);
+        let half = 0.5 * parameters.mass_damping * dt;
+        let constants = Constants {
+            b: setup
+                .order
+                .second()
+                .map(|weight| c.b * weight / (width * width)),
+            a: setup
+                .order
+                .second()
+                .map(|weight| c.a * weight / (width * width)),
+            coupling: setup
+                .order
+                .first()
+                .map(|weight| c.coupling * weight / width),
+            g: c.g,
+            h: c.h,
+            rest: c.g * parameters.mismatch,
+            mismatch: parameters.mismatch,
+            friction: parameters.friction,
+            dt,
+            keep: 1.0 - half,
+            gain: 1.0 / (1.0 + half),
+        };
+        let mut nodes = Nodes::new(setup.points, setup.watched);
+        nodes.radial.fill(parameters.mismatch);
+        nodes
+            .tangential
+            .fill(parameters.mismatch * parameters.friction * c.g / c.h);
+        nodes.share.fill(1.0);
+        let count = setup.points.div_ceil(STRETCH);
+        let depth = DEPTH.min(setup.points / count / 12).max(1);
+        let margin = depth * setup.order.reach();
+        let stretches = (0..count)
+            .map(|index| {
+                let from = index * setup.points / count;
+                let to = (index + 1) * setup.points / count;
+                let size = to - from + 2 * margin;
+                Stretch {
+                    from,
+                    to,
+                    nodes: Nodes::new(size, setup.watched),
+                    next: (vec![0.0; size], vec![0.0; size]),
+                }
+            })
+            .collect();
+        Ok(Ring {
+            parameters: *parameters,
+            setup,
+            constants,
+            nodes,
+            steps: 0,
+            stretches,
+            depth,
+        })
+    }
+
+    /// What the ring was made of.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Grid and steps.
+    pub fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    /// Distance of neighbouring points.
+    pub fn spacing(&self) -> f64 {
+        spacing(self.setup.points, self.setup.angle)
+    }
+
+    /// Steps taken.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Time since the start.
+    pub fn time(&self) -> f64 {
+        self.steps as f64 * self.setup.time_step
+    }
+
+    /// U and V at the time of the ring; rates half a step earlier.
+    pub fn nodes(&self) -> &Nodes {
+        &self.nodes
+    }
+
+    /// Goes on from these nodes, whose number must be that of the ring, after `steps` steps.
+    pub fn resume(&mut self, nodes: Nodes, steps: u64) -> Result<(), SetupError> {
+        if nodes.len() != self.setup.points
+            || nodes.friction_work.len() != self.nodes.friction_work.len()
+        {
+            return Err(SetupError::Points(nodes.len()));
+        }
+        self.nodes = nodes;
+        self.steps = steps;
+        Ok(())
+    }
+
+    /// Puts a point where it is to begin: U, V, and their rates half a step before. U ≤ δ means
+    /// contact.
+    pub fn place(&mut self, point: usize, [u, v, u_rate, v_rate]: [f64; 4]) {
+        let contact = u <= self.parameters.mismatch;
+        self.nodes.radial[point] = u.max(self.parameters.mismatch);
+        self.nodes.tangential[point] = v;
+        self.nodes.radial_rate[point] = if contact { 0.0 } else { u_rate };
+        self.nodes.tangential_rate[point] = v_rate;
+        self.nodes.share[point] = if contact { 1.0 } else { 0.0 };
+    }
+
+    /// Takes a number of steps.
+    pub fn advance(&mut self, steps: u64) {
+        let mut left = steps;
+        while left > 0 {
+            let block = left.min(self.depth as u64);
+            match self.setup.law {
+                Law::Coulomb => self.block(Coulomb, block as usize),
+                Law::Smoothed { epsilon } => self.block(Smoothed { epsilon }, block as usize),
+            }
+            left -= block;
+        }
+        self.steps += steps;
+    }
+
+    fn block<F: Friction>(&mut self, law: F, steps: usize) {
+        match (self.setup.order, self.setup.watched) {
+            (Order::Second, false) => self.block_of::<1, false, F>(law, steps),
+            (Order::Second, true) => self.block_of::<1, true, F>(law, steps),
+            (Order::Fourth, false) => self.block_of::<2, false, F>(law, steps),
+            (Order::Fourth, true) => self.block_of::<2, true, F>(law, steps),
+            (Order::Sixth, false) => self.block_of::<3, false, F>(law, steps),
+            (Order::Sixth, true) => self.block_of::<3, true, F>(law, steps),
+        }
+    }
+
+    fn block_of<const R: usize, const WATCHED: bool, F: Friction>(&mut self, law: F, steps: usize) {
+        let (nodes, constants) = (&self.nodes, &self.constants);
+        let work = |stretch: &mut Stretch| {
+            stretch.load(nodes, R * steps);
+            // the widest vector registers of the machine; no operation is contracted or reordered
+            pulp::Arch::new().dispatch(
+                #[inline(always)]
+                || stretch.run::<R, WATCHED, F>(constants, law, steps),
+            );
+        };
+        if self.stretches.len() == 1 {
+            self.stretches.iter_mut().for_each(work);
+        } else {
+            self.stretches.par_iter_mut().for_each(work);
+        }
+        for stretch in &self.stretches {
+            stretch.store(&mut self.nodes, R * steps);
+        }
+    }
+
+    /// Energy of the ring, see the module.
+    pub fn energy(&self) -> f64 {
+        let nodes = &self.nodes;
+        let count = nodes.len();
+        let reach = self.setup.order.reach();
+        let c = &self.constants;
+        let dt = c.dt;
+        let mut energy = 0.0;
+        for i in 0..count {
+            let (rate_u, rate_v) = (nodes.radial_rate[i], nodes.tangential_rate[i]);
+            let (u, v) = (nodes.radial[i], nodes.tangential[i]);
+            // where the node was one step before
+            let (before_u, before_v) = (u - dt * rate_u, v - dt * rate_v);
+            let mut force_u = c.b[0] * u - c.g * u;
+            let mut force_v = c.a[0] * v - c.h * v;
+            for k in 1..=reach {
+                let (left, right) = ((i + count - k) % count, (i + k) % count);
+                force_u += c.b[k] * (nodes.radial[left] + nodes.radial[right])
+                    + c.coupling[k - 1] * (nodes.tangential[right] - nodes.tangential[left]);
+                force_v += c.a[k] * (nodes.tangential[left] + nodes.tangential[right])
+                    - c.coupling[k - 1] * (nodes.radial[right] - nodes.radial[left]);
+            }
+            energy += 0.5 * (rate_u * rate_u + rate_v * rate_v)
+                - 0.5 * (before_u * force_u + before_v * force_v);
+        }
+        energy * self.spacing()
+    }
+
+    /// Work since the start of friction, contact and mass damping, where account is kept.
+    pub fn work(&self) -> [f64; 3] {
+        let sum = |ledger: &[f64]| ledger.iter().sum::<f64>() * self.spacing();
+        [
+            sum(&self.nodes.friction_work),
+            sum(&self.nodes.contact_work),
+            sum(&self.nodes.damping_work),
+        ]
+    }
+
+    /// Shear that keeps V̈ = 0 at V̇ = 1: Q = α − a∂²V + D∂U + hV.
+    pub fn holding_shear(&self, point: usize) -> f64 {
+        let nodes = &self.nodes;
+        let count = nodes.len();
+        let c = &self.constants;
+        let mut shear = self.parameters.mass_damping + (c.h - c.a[0]) * nodes.tangential[point];
+        for k in 1..=self.setup.order.reach() {
+            let (left, right) = ((point + count - k) % count, (point + k) % count);
+            shear += c.coupling[k - 1] * (nodes.radial[right] - nodes.radial[left])
+                - c.a[k] * (nodes.tangential[left] + nodes.tangential[right]);
+        }
+        shear
+    }
+
+    /// Contact pressure P = gδ − D∂V of a point; zero in the air.
+    pub fn pressure(&self, point: usize) -> f64 {
+        let nodes = &self.nodes;
+        if nodes.share[point] == 0.0 {
+            return 0.0;
+        }
+        let count = nodes.len();
+        let c = &self.constants;
+        let slope: f64 = (1..=self.setup.order.reach())
+            .map(|k| {
+                let (left, right) = ((point + count - k) % count, (point + k) % count);
+                c.coupling[k - 1] * (nodes.tangential[right] - nodes.tangential[left])
+            })
+            .sum();
+        // what would be tension ends the contact with the next step
+        (c.rest - slope).max(0.0)
+    }
+}
+
+impl Stretch {
+    /// Copies the stretch with `margin` neighbours on either side.
+    fn load(&mut self, ring: &Nodes, margin: usize) {
+        let (from, to) = (self.from, self.to);
+        let copy = |here: &mut [f64], there: &[f64]| {
+            let count = there.len();
+            for (k, value) in here[..margin].iter_mut().enumerate() {
+                *value = there[(from + (margin / count + 1) * count + k - margin) % count];
+            }
+            here[margin..margin + to - from].copy_from_slice(&there[from..to]);
+            let end = margin + to - from;
+            for (k, value) in here[end..end + margin].iter_mut().enumerate() {
+                *value = there[(to + k) % count];
+            }
+        };
+        copy(&mut self.nodes.radial, &ring.radial);
+        copy(&mut self.nodes.tangential, &ring.tangential);
+        copy(&mut self.nodes.radial_rate, &ring.radial_rate);
+        copy(&mut self.nodes.tangential_rate, &ring.tangential_rate);
+        copy(&mut self.nodes.share, &ring.share);
+        // account is kept of the core alone
+        let ledgers = [
+            (&mut self.nodes.friction_work, &ring.friction_work),
+            (&mut self.nodes.contact_work, &ring.contact_work),
+            (&mut self.nodes.damping_work, &ring.damping_work),
+        ];
+        for (here, there) in ledgers {
+            if !there.is_empty() {
+                here[margin..margin + to - from].copy_from_slice(&there[from..to]);
+            }
+        }
+    }
+
+    /// Takes the stretch through the steps; what is known shrinks by `R` on either side per step.
+    #[inline(always)]
+    fn run<const R: usize, const WATCHED: bool, F: Friction>(
+        &mut self,
+        constants: &Constants,
+        law: F,
+        steps: usize,
+    ) {
+        let size = self.to - self.from + 2 * R * steps;
+        for done in 1..=steps {
+            let next = (&mut self.next.0[..], &mut self.next.1[..]);
+            step::<R, WATCHED, F>(
+                constants,
+                law,
+                &mut self.nodes,
+                next,
+                R * done,
+                size - R * done,
+            );
+            std::mem::swap(&mut self.nodes.radial, &mut self.next.0);
+            std::mem::swap(&mut self.nodes.tangential, &mut self.next.1);
+        }
+    }
+
+    /// Copies the core back.
+    fn store(&self, ring: &mut Nodes, margin: usize) {
+        let (from, to) = (self.from, self.to);
+        let core = margin..margin + to - from;
+        let pairs = [
+            (&mut ring.radial, &self.nodes.radial),
+            (&mut ring.tangential, &self.nodes.tangential),
+            (&mut ring.radial_rate, &self.nodes.radial_rate),
+            (&mut ring.tangential_rate, &self.nodes.tangential_rate),
+            (&mut ring.share, &self.nodes.share),
+            (&mut ring.friction_work, &self.nodes.friction_work),
+            (&mut ring.contact_work, &self.nodes.contact_work),
+            (&mut ring.damping_work, &self.nodes.damping_work),
+        ];
+        for (there, here) in pairs {
+            if !there.is_empty() {
+                there[from..to].copy_from_slice(&here[core.clone()]);
+            }
+        }
+    }
+}
