@@ -5,7 +5,7 @@
 //! Runs the problems named below with the binary beside this example, and gathers in DIR (default
 //! `figures`) each picture, a table of it, and `captions.md`: what is shown, with which parameters, and
 //! what can be compared. The paper prints no parameters, so those here are chosen; for its figure 7 they
-//! are fitted to the zone that it shows. Figures 7 and 9 are named by their numbers, the others by
+//! are fitted to the zone that it shows. Figures 7, 8 and 9 are named by their numbers, the others by
 //! their subject: what the paper's other figures treat, without a claim that curves agree.
 
 use std::error::Error;
@@ -29,7 +29,7 @@ struct Figure {
     caption: &'static str,
 }
 
-const FIGURES: [Figure; 9] = [
+const FIGURES: [Figure; 10] = [
     Figure {
         name: "annulus_stick_slip",
         problem: "annulus_stick_slip",
@@ -91,6 +91,16 @@ that figure. The other waves are those at other mismatches; the table is that of
         picture: "spectrum",
         table: "spectrum.csv",
         caption: "Eigenvalues of the mode-4 waves in all sectors. Undamped slip-stick waves are unstable.",
+    },
+    Figure {
+        name: "figure_8_multipliers",
+        problem: "mode4_stability",
+        simulated: false,
+        picture: "multipliers",
+        table: "spectrum.csv",
+        caption: "Counterpart of figure 8: Floquet multipliers e^{λT} with the unit circle and an enlarged view near 1, \
+here of the first wave of the branch from the eigenfunction problem, in all sectors. The paper's are those of a discretised \
+ring; `brakewave spectrum --discretised` has these, and docs/discretised.md their convergence.",
     },
     Figure {
         name: "figure_9_irregular",

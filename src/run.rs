@@ -22,6 +22,7 @@ use crate::problem::{self, Continuation, Method, Parameter, Problem, Sectors, St
 use crate::stability::spectrum::{Request, Spectrum};
 use crate::stability::track::{Crossing, Tracked, Tracker};
 use crate::wave::admissibility::examine;
+use crate::wave::hopf::{Family, NoHopf, family};
 use crate::wave::start::Which;
 use crate::wave::{Scales, Wave, profile};
 
@@ -34,6 +35,9 @@ pub enum RunError {
     /// There is no first wave.
     #[error("no start: {0}")]
     NoStart(#[from] NoStart),
+    /// There is no Hopf point to start from.
+    #[error("no start: {0}")]
+    NoHopf(#[from] NoHopf),
 }
 
 /// A wave in physical numbers: what a restart needs.
@@ -128,6 +132,7 @@ pub struct Branch {
     continuation: Continuation,
     profiles: usize,
     conditioning: bool,
+    family: Option<Family>,
     progress: Progress,
     follower: Follower,
     stability: Option<Request>,
@@ -180,6 +185,7 @@ fn which(start: &Start) -> Option<Which> {
     match start {
         Start::Fast => Some(Which::Fast),
         Start::Slow => Some(Which::Slow),
+        Start::Hopf => Some(Which::Fast),
         Start::Restart { .. } => None,
     }
 }
@@ -221,6 +227,13 @@ fn unpack_scales([time, rate, excess, parameter, pressure]: [f64; 5]) -> Scales 
     }
 }
 
+/// Waves shown of the vertical family at a Hopf point.
+const FAMILY: usize = 11;
+
+/// The slip-stick branch is entered at this relative distance from the Hopf point: its stick zone is
+/// there like the square root of it.
+const BEYOND_HOPF: f64 = 1e-9;
+
 /// Relative residual up to which a saved wave is taken as it is: rounding leaves about 1e-13.
 const RESTART_RESIDUAL: f64 = 1e-11;
 
@@ -251,6 +264,27 @@ impl Branch {
         }
         let width = continuation.range.1 - continuation.range.0;
         let mode = problem.wave.mode;
+        let family = match problem.wave.start {
+            Start::Hopf => {
+                let found = family(&model, parameter, mode, width, FAMILY)?;
+                let (low, high) = continuation.range;
+                if !(low..=high).contains(&found.critical) {
+                    return Err(RunError::Input(format!(
+                        "the Hopf point of mode {mode} lies at {} = {:.15}, outside the range ({low}, \
+                         {high})",
+                        parameter.column(),
+                        found.critical
+                    )));
+                }
+                let beyond = match parameter {
+                    Parameter::MassDamping => 1.0 - BEYOND_HOPF,
+                    _ => 1.0 + BEYOND_HOPF,
+                };
+                model = model.with(parameter, found.critical * beyond);
+                Some(found)
+            }
+            _ => None,
+        };
         let (wave, point) = match (which(&problem.wave.start), restart) {
             (Some(which), _) => begin::first_wave(
                 &model,
@@ -335,6 +369,7 @@ impl Branch {
             continuation: continuation.clone(),
             profiles: problem.output.profiles,
             conditioning: problem.output.conditioning,
+            family,
             stability: stability(problem),
             notes: Vec::new(),
             follower,
@@ -376,6 +411,8 @@ impl Branch {
             continuation: continuation.clone(),
             profiles: problem.output.profiles,
             conditioning: problem.output.conditioning,
+            // it was handed out before anything was saved
+            family: None,
             progress,
             stability: stability(problem),
             notes: Vec::new(),
@@ -398,9 +435,12 @@ impl Branch {
             .clone()
             .map(|request| Tracker::new(request, self.progress.spectrum.take()));
         if self.progress.state.is_none() {
+            let mut items = self.family();
             let mut found = self.follower.here();
-            found.kind = Some(EventType::EP);
-            found.what = "start".into();
+            if items.is_empty() {
+                found.kind = Some(EventType::EP);
+                found.what = "start".into();
+            }
             // the value of the problem, not the scaled unknown's
             let exact = self.model.value(self.continuation.parameter);
             found.parameter = exact.unwrap_or(found.parameter);
@@ -408,12 +448,12 @@ impl Branch {
                 self.progress.spectrum = tracker.start(&found.wave, &found.node);
             }
             let spectrum = self.progress.spectrum.clone();
-            let item = self.item(found, spectrum.as_ref(), None);
+            items.push(self.item(found, spectrum.as_ref(), None));
             self.progress.state = Some(self.follower.state());
             if self.progress.points >= self.continuation.max_points {
                 self.end_leg(None, true);
             }
-            return vec![item];
+            return items;
         }
         let from = tracker.is_some().then(|| {
             (
@@ -471,6 +511,47 @@ impl Branch {
             }
             Status::Finished => self.end_leg(None, false),
             Status::Failed(reason) => self.end_leg(Some(reason), false),
+        }
+        items
+    }
+
+    /// The waves at the Hopf point, from steady sliding to where a stick zone opens.
+    fn family(&mut self) -> Vec<Item> {
+        let Some(family) = self.family.take() else {
+            return Vec::new();
+        };
+        let wave = Arc::new(family.wave);
+        let last = family.points.len() - 1;
+        let mut items = Vec::with_capacity(family.points.len());
+        for (index, point) in family.points.into_iter().enumerate() {
+            let Ok(examination) = examine(&wave, &point) else {
+                continue;
+            };
+            let mut tangent = Vector::zeros(point.len());
+            tangent[0] = -1.0;
+            let (kind, what) = match index {
+                0 => (Some(EventType::EP), "the Hopf point of steady sliding"),
+                _ if index == last => (Some(EventType::ST), "V̇ reaches 1: a stick zone opens"),
+                _ => (None, ""),
+            };
+            let found = Found {
+                wave: wave.clone(),
+                s: 0.0,
+                entered: None,
+                parameter: family.critical,
+                node: Node {
+                    point,
+                    tangent,
+                    newton: 0,
+                    residual: 0.0,
+                },
+                examination,
+                kind,
+                after: (index == last).then(Signature::slip_stick),
+                uncertainty: 8.0 * f64::EPSILON * family.critical,
+                what: what.into(),
+            };
+            items.push(self.item(found, None, None));
         }
         items
     }

@@ -22,6 +22,7 @@ use crate::output::plots::{Format, PlotError};
 use crate::problem::{self, ProblemError};
 use crate::run::RunError;
 use crate::steady::radial;
+use crate::wave::hopf::NoHopf;
 
 /// Continuation and bifurcation of friction-driven travelling waves (brake squeal).
 #[derive(Debug, Parser)]
@@ -99,7 +100,10 @@ enum Failure {
 impl Failure {
     fn code(&self) -> u8 {
         match self {
-            Failure::Run(RunError::NoStart(_)) | Failure::Radial(_) => NUMERICAL,
+            Failure::Run(RunError::NoHopf(NoHopf::Parameter)) => BAD_INPUT,
+            Failure::Run(RunError::NoStart(_) | RunError::NoHopf(_)) | Failure::Radial(_) => {
+                NUMERICAL
+            }
             _ => BAD_INPUT,
         }
     }

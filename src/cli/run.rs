@@ -10,7 +10,7 @@ use super::report::Report;
 use super::{Failure, NUMERICAL, default_folder, print, warn};
 use crate::output::folder::{self, Folder, Restart};
 use crate::output::plots::{self, Format};
-use crate::problem::{self, Continuation, Problem, Start, Toward};
+use crate::problem::{self, Continuation, Parameter, Problem, Start, Toward};
 use crate::run::{Branch, End, SavedWave};
 
 #[derive(Debug, Args)]
@@ -61,8 +61,20 @@ pub fn prepare(path: &Path) -> Result<Prepared, Failure> {
             }
             Some(earlier.wave(dir, *label)?.clone())
         }
-        Start::Fast | Start::Slow => None,
+        Start::Fast | Start::Slow | Start::Hopf => None,
     };
+    if problem.wave.start == Start::Hopf {
+        // there are waves on one side of it only
+        continuation.toward = match continuation.parameter {
+            Parameter::MassDamping => Toward::Down,
+            _ => Toward::Up,
+        };
+        return Ok(Prepared {
+            problem,
+            continuation,
+            restart,
+        });
+    }
     let first = match &restart {
         Some(wave) => wave.model.value(continuation.parameter),
         None => problem.model.value(continuation.parameter),

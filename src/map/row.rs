@@ -48,7 +48,7 @@ pub fn row(problem: &Problem, map: &Map, index: usize) -> Result<Vec<Cell>, RunE
     for start in &map.starts {
         let name = match start {
             Start::Slow => "slow",
-            Start::Fast | Start::Restart { .. } => "fast",
+            Start::Fast | Start::Hopf | Start::Restart { .. } => "fast",
         };
         let search = Search {
             problem,

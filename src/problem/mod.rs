@@ -317,6 +317,9 @@ pub enum Start {
     Fast,
     /// The slow wave at the parameters of the model.
     Slow,
+    /// The waves at the Hopf point of steady sliding, and the slip-stick wave that begins there; the
+    /// value of the continuation parameter is that of the Hopf point, whatever the model says.
+    Hopf,
     /// A labelled point of an earlier run.
     Restart {
         /// Directory with the results of that run.

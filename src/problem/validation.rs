@@ -204,8 +204,8 @@ fn first_point(section: &Continuation, model: &Model, start: &Start) -> Check {
             },
         );
     };
-    // A restart brings its own parameters.
-    if matches!(start, Start::Restart { .. }) {
+    // A restart brings its own parameters, and so does a Hopf point.
+    if matches!(start, Start::Restart { .. } | Start::Hopf) {
         return Ok(());
     }
     let (lower, upper) = section.range;

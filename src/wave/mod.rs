@@ -23,6 +23,7 @@
 //! square-root law T ∝ √(δ* − δ) of a nascent zone is the parabola δ* − δ ∝ T² of its duration.
 
 pub mod admissibility;
+pub mod hopf;
 pub mod precise;
 pub mod profile;
 pub mod start;

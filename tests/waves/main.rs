@@ -8,6 +8,7 @@ mod branches;
 mod closed_form;
 mod damping;
 mod down_and_up;
+mod hopf;
 mod impact;
 mod integration;
 mod jacobian;
