@@ -27,6 +27,7 @@
 //! - [`run`] turns a problem into labelled points and events, in the vocabulary of [`branch`];
 //! - [`accuracy`] runs one problem by every method and compares errors and times;
 //! - [`steady`] has the stability of steady sliding, where the waves come from;
+//! - [`curve`] follows one event in two parameters;
 //! - [`map`] lays branches through a plane of two parameters;
 //! - [`output`] writes them, [`cli`] is the command line.
 
@@ -36,6 +37,7 @@ pub mod branch;
 pub mod cli;
 pub mod conditioning;
 pub mod continuation;
+pub mod curve;
 pub mod events;
 pub mod flow;
 pub mod follow;
