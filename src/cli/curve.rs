@@ -43,7 +43,12 @@ pub fn curve(arguments: &CurveArguments) -> Result<u8, Failure> {
     let start = start::find(&problem, &continuation, restart.as_ref(), section)?;
     let found = curve::follow(&start.system, start.event, &start.point, start.settings)
         .map_err(NoCurve::Singular)?;
-    curve_folder::write(&out, &found, start.settings.ranges, problem.title.as_deref())?;
+    curve_folder::write(
+        &out,
+        &found,
+        start.settings.ranges,
+        problem.title.as_deref(),
+    )?;
     if !arguments.quiet {
         if let Some(title) = &problem.title {
             print(&format!("{title}\n\n"))?;

@@ -471,10 +471,7 @@ impl Follower {
         let (mut fold, mut cusp) = (None, None);
         if self.with_fold || self.system.condition == Condition::Fold {
             let count = self.system.wave_unknowns();
-            let (_, by) = self
-                .system
-                .wave_equations(&node.point)
-                .map_err(numerical)?;
+            let (_, by) = self.system.wave_equations(&node.point).map_err(numerical)?;
             let square = by.columns(0, count).clone_owned();
             if self.with_fold {
                 fold = Some(square.determinant());
@@ -686,9 +683,8 @@ impl Follower {
     ) -> Result<Place, Refusal> {
         let settings = self.newton();
         let tangent = &self.node.tangent;
-        let (node, _) =
-            continuation::correct(&self.system, constraint, guess, tangent, &settings)
-                .map_err(|failure| Refusal::Numerical(failure.to_string()))?;
+        let (node, _) = continuation::correct(&self.system, constraint, guess, tangent, &settings)
+            .map_err(|failure| Refusal::Numerical(failure.to_string()))?;
         Ok(Place {
             s: tangent.dot(&(&node.point - &self.node.point)),
             node,
@@ -770,9 +766,7 @@ fn regions(system: &EventSystem, point: &Vector, tolerance: f64) -> Vec<Region> 
     let mut found = Vec::with_capacity(2);
     let mut along = Vector::zeros(last + 1);
     along[last] = 1.0;
-    let direction = |from: &Vector, to: &Vector| {
-        (to[to.len() - 1] - from[from.len() - 1]).signum()
-    };
+    let direction = |from: &Vector, to: &Vector| (to[to.len() - 1] - from[from.len() - 1]).signum();
     match system.condition {
         Condition::Margin(margin) => {
             let here = AtZero { margin }.margin_at(&wave, &own).unwrap_or(margin);
@@ -800,7 +794,8 @@ fn regions(system: &EventSystem, point: &Vector, tolerance: f64) -> Vec<Region> 
         }
         Condition::Fold => {
             let null = point.rows(last, last).clone_owned();
-            let tangent = Vector::from_fn(last + 1, |row, _| if row < last { null[row] } else { 0.0 });
+            let tangent =
+                Vector::from_fn(last + 1, |row, _| if row < last { null[row] } else { 0.0 });
             let node = Node {
                 point: own.clone(),
                 tangent,
@@ -825,7 +820,9 @@ fn regions(system: &EventSystem, point: &Vector, tolerance: f64) -> Vec<Region> 
             };
             let omega = system.omega(point).unwrap_or(0.0);
             let growth = |step: f64| -> Option<(f64, f64)> {
-                let there = continuation::advance(&wave, &node, step, tolerance).ok()?.node;
+                let there = continuation::advance(&wave, &node, step, tolerance)
+                    .ok()?
+                    .node;
                 let characteristic = Characteristic::new(&wave, &there.point).ok()?;
                 let z = characteristic.multiplier(sector);
                 let mut lambda = Complex::new(0.0, omega);
@@ -841,7 +838,11 @@ fn regions(system: &EventSystem, point: &Vector, tolerance: f64) -> Vec<Region> 
             };
             for step in [INTO, -INTO] {
                 if let Some((direction, rate)) = growth(step) {
-                    let name = if rate > 0.0 { "the pair grows" } else { "the pair decays" };
+                    let name = if rate > 0.0 {
+                        "the pair grows"
+                    } else {
+                        "the pair decays"
+                    };
                     found.push(Region {
                         direction,
                         name: name.into(),

@@ -17,7 +17,9 @@ pub enum NoCurve {
     #[error("{0}")]
     Run(#[from] RunError),
     /// The branch has no such event.
-    #[error("the branch has {found} events of the kind asked for, {wanted}, and not number {index}{end}")]
+    #[error(
+        "the branch has {found} events of the kind asked for, {wanted}, and not number {index}{end}"
+    )]
     NotFound {
         /// Kind asked for.
         wanted: String,

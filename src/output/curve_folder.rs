@@ -140,7 +140,11 @@ pub fn summary(curve: &Curve) -> String {
             continue;
         };
         let [one, other] = point.parameters;
-        let _ = write!(text, "  {kind:<6} {one:.12}  {other:.12}  {:.12}", point.speed);
+        let _ = write!(
+            text,
+            "  {kind:<6} {one:.12}  {other:.12}  {:.12}",
+            point.speed
+        );
         if let Some(omega) = point.omega {
             let _ = write!(text, "  ω {omega:.12}");
         }

@@ -67,11 +67,12 @@ pub fn compose(
         let place = names.iter().position(|known| *known == name).unwrap_or(0);
         shapes[place % shapes.len()]
     };
-    keys.extend(
-        names
-            .iter()
-            .map(|name| (Key::Point(shape(name), MARK, VERMILLION), (*name).to_owned())),
-    );
+    keys.extend(names.iter().map(|name| {
+        (
+            Key::Point(shape(name), MARK, VERMILLION),
+            (*name).to_owned(),
+        )
+    }));
     legend.add("", keys);
     let sheet = Sheet {
         title: title.map(str::to_owned),
