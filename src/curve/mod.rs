@@ -7,13 +7,18 @@
 //!
 //! | type | point | test function |
 //! |---|---|---|
-//! | `GR+RV`, `LP+GR`, … | another margin vanishes: two events at once, and the end of the curve | the margin |
+//! | `GR+RV`, `LP+GR`, … | another margin vanishes: two events at once | the margin |
 //! | `GR+LP`, `HB+LP`, … | the wave has a fold too | det F_x |
 //! | `CP` | cusp: the curve of folds turns round | (p₁′, p₂′) · (−wᵀF_{p₂}, wᵀF_{p₁}) |
 //! | `BT` | ω → 0 in sector 0 or k/2 | ω |
 //!
 //! where wᵀF_x = 0 along the folds: from F_x x′ + F_p p′ = 0 it follows that wᵀF_p p′ = 0, so that p′ is
 //! a multiple of (−wᵀF_{p₂}, wᵀF_{p₁}), and the factor changes sign where the curve has its cusp.
+//!
+//! Where another margin vanishes the wave changes its regimes. A change of regime that is followed
+//! goes on as one of the next wave, if the candidates of the switching table have one on which all
+//! inequalities hold: the same margin vanishes there. Folds and Hopf points end: the parameter is
+//! stationary at the opening of a zone, and its spectrum is not the continuation of the one before.
 
 pub mod start;
 pub mod system;
@@ -26,11 +31,12 @@ use crate::events;
 use crate::follow::describe;
 use crate::linalg::{self, Vector};
 use crate::model::signature::Signature;
-use crate::newton::{self, Constraint, Fixed, Plane, System};
+use crate::newton::{self, Constraint, Fixed, Plane};
 use crate::problem::Parameter;
 use crate::stability::characteristic::Characteristic;
 use crate::wave::Wave;
 use crate::wave::admissibility::{AtZero, Examination, Margin, Watch, examine};
+use crate::wave::successor::candidates;
 
 use system::{Condition, EventSystem};
 
@@ -96,8 +102,8 @@ pub struct Curve {
     pub ends: [String; 2],
     /// Whether an end is one of Newton's method and not of the curve.
     pub failed: bool,
-    /// What lies beside the point of this index.
-    pub regions: (usize, Vec<Region>),
+    /// What lies beside the points of these indices, one for every stretch with the same waves.
+    pub regions: Vec<(usize, Vec<Region>)>,
 }
 
 /// A margin below this on the event's own account is the event itself, but for rounding.
@@ -106,6 +112,9 @@ const OWN: f64 = 1e-8;
 /// ω in units of the frequency of the wave below which it counts as zero. Parameters are even in ω:
 /// the point found lies 1e-8 from the limit.
 const LEAST_OMEGA: f64 = 1e-4;
+
+/// Margins that vanish closer together than this fraction of a step see one event.
+const AT_ONCE: f64 = 1e-6;
 
 /// A curve has closed when it passes this close to its start, in units of the last step.
 const CLOSED: f64 = 1.0;
@@ -203,9 +212,13 @@ pub fn follow(
     let start = points.len();
     points.extend(first.map(|point| (point, system.clone(), node.point.clone())));
     points.extend(second);
-    let place = middle(&points);
-    let (_, there, at) = &points[place];
-    let regions = (place, regions(there, at, settings.steps.tolerance));
+    let regions = middles(&points)
+        .into_iter()
+        .map(|place| {
+            let (_, there, at) = &points[place];
+            (place, regions(there, at, settings.steps.tolerance))
+        })
+        .collect();
     let mut ends = ends.into_iter();
     Ok(Curve {
         event,
@@ -230,30 +243,41 @@ const CLOSES: &str = "the curve closes on its start";
 
 type Entry = (Point, EventSystem, Vector);
 
-/// The point where regions are named: the middle by arclength in the plane.
-fn middle(points: &[Entry]) -> usize {
+/// Part of the whole length that a stretch needs for its regions to be named.
+const NAMED: f64 = 0.12;
+
+/// The points where regions are named: the middle, by arclength in the plane, of every stretch with
+/// the same waves.
+fn middles(points: &[Entry]) -> Vec<usize> {
     let scaled = |entry: &Entry| {
         let widths = entry.1.widths();
         let [one, other] = entry.0.parameters;
         [one / widths[0], other / widths[1]]
     };
-    let lengths: Vec<f64> = points
-        .windows(2)
-        .map(|pair| {
-            let (one, other) = (scaled(&pair[0]), scaled(&pair[1]));
-            (one[0] - other[0]).hypot(one[1] - other[1])
-        })
-        .collect();
-    let half = 0.5 * lengths.iter().sum::<f64>();
-    let mut passed = 0.0;
-    for (index, length) in lengths.iter().enumerate() {
-        passed += length;
-        if passed >= half {
-            // regions are not looked for at the ends, where more happens
-            return (index + 1).min(points.len().saturating_sub(2)).max(1);
-        }
+    // way from the first point to each
+    let mut way = vec![0.0];
+    for pair in points.windows(2) {
+        let (one, other) = (scaled(&pair[0]), scaled(&pair[1]));
+        let so_far = way.last().copied().unwrap_or(0.0);
+        way.push(so_far + (one[0] - other[0]).hypot(one[1] - other[1]));
     }
-    0
+    let whole = way.last().copied().unwrap_or(0.0);
+    let mut places = Vec::new();
+    let mut from = 0;
+    while from < points.len() {
+        let to = (from..points.len())
+            .take_while(|index| points[*index].0.before == points[from].0.before)
+            .last()
+            .unwrap_or(from);
+        // the ends of a stretch belong to two events at once
+        if to > from + 2 && way[to] - way[from] >= NAMED * whole {
+            let half = 0.5 * (way[from] + way[to]);
+            let place = (from..to).find(|index| way[*index] >= half).unwrap_or(from);
+            places.push(place.clamp(from + 1, to - 1));
+        }
+        from = to + 1;
+    }
+    places
 }
 
 /// The start with its unit tangent, the null vector of the Jacobian.
@@ -396,8 +420,18 @@ impl Follower {
         self.margins(&tests, ds, &mut located)?;
         self.signs(&to, &tests, ds, &mut located)?;
         located.sort_by(|one, other| one.0.s.total_cmp(&other.0.s));
+        // one event is seen by several margins: a zone without length says most about what comes next
+        let near = AT_ONCE * ds.max(1e-3);
+        let seen: Vec<(f64, Margin)> = located
+            .iter()
+            .filter_map(|(place, what)| match what {
+                What::Margin(margin) => Some((place.s, *margin)),
+                _ => None,
+            })
+            .collect();
         for (place, what) in located {
             let mut point = self.point(&place.node);
+            let mut entered = None;
             let (kind, text, ends) = match what {
                 What::Edge(index, value) => {
                     // exactly the value that was asked for
@@ -406,9 +440,25 @@ impl Follower {
                     let text = format!("edge of the range, {name} = {value}");
                     ("EP".to_owned(), text, true)
                 }
-                What::Margin(margin) => {
-                    let (kind, text) = self.second_event(&place.node.point, &margin);
-                    (format!("{}+{kind}", self.event), text, true)
+                What::Margin(_) => {
+                    let mut together: Vec<Margin> = seen
+                        .iter()
+                        .filter(|(s, _)| (s - place.s).abs() <= near)
+                        .map(|(_, margin)| *margin)
+                        .collect();
+                    together.sort_by_key(|margin| margin.watch != Watch::Duration);
+                    let (kind, mut text) = self.second_event(&place.node.point, &together[0]);
+                    entered = together
+                        .iter()
+                        .find_map(|margin| self.enter(&place.node, margin));
+                    if let Some(next) = &entered {
+                        let name = next.system.signature();
+                        text = format!("{text}; the curve goes on in {name}");
+                    } else if matches!(self.system.condition, Condition::Margin(_)) {
+                        text.push_str("; no curve of this event goes on from here");
+                    }
+                    let ends = entered.is_none();
+                    (format!("{}+{kind}", self.event), text, ends)
                 }
                 What::Fold => {
                     let text = "the wave has a fold here too".to_owned();
@@ -430,6 +480,13 @@ impl Follower {
             points.push((point, self.system.clone(), place.node.point));
             if ends {
                 return Ok(Some(text));
+            }
+            if let Some(next) = entered {
+                *self = Follower {
+                    travelled: self.travelled + place.s,
+                    ..next
+                };
+                return Ok(None);
             }
         }
         let closed = self.closes(&to, ds);
@@ -453,20 +510,24 @@ impl Follower {
         let examination = examine(&wave, &own).map_err(numerical)?;
         for (watch, zone) in &self.own {
             let regime = wave.signature.zone(*zone).regime.name();
-            match examination.find(*watch, *zone) {
-                Some(margin) if margin.jet.value < -OWN => {
-                    return Err(Refusal::Event(format!(
-                        "another minimum inside the {regime} zone falls below zero first"
-                    )));
+            let itself = match self.system.condition {
+                Condition::Margin(margin) => (margin.watch, margin.zone) == (*watch, *zone),
+                _ => false,
+            };
+            let reason = match examination.find(*watch, *zone) {
+                Some(margin) if margin.jet.value >= -OWN => continue,
+                Some(_) if itself => {
+                    format!("another minimum inside the {regime} zone falls below zero first")
                 }
-                None => {
-                    return Err(Refusal::Event(format!(
-                        "the minimum inside the {regime} zone reaches an end of the zone: no \
-                         inequality fails there any more"
-                    )));
-                }
-                Some(_) => {}
-            }
+                None if itself => format!(
+                    "the minimum inside the {regime} zone reaches an end of the zone: no \
+                     inequality fails there any more"
+                ),
+                _ => format!(
+                    "an inequality of the {regime} zone that vanishes along with the event fails"
+                ),
+            };
+            return Err(Refusal::Event(reason));
         }
         let (mut fold, mut cusp) = (None, None);
         if self.with_fold || self.system.condition == Condition::Fold {
@@ -691,6 +752,112 @@ impl Follower {
         })
     }
 
+    /// The same event of the wave beyond a change of regime, a step into it being admissible.
+    fn enter(&self, node: &Node, second: &Margin) -> Option<Follower> {
+        let Condition::Margin(first) = self.system.condition else {
+            return None;
+        };
+        let tolerance = self.settings.steps.tolerance;
+        let (wave, own) = self.system.wave(&node.point, 0);
+        let regime = wave.signature.zone(first.zone).regime;
+        let here = AtZero { margin: *second }.margin_at(&wave, &own).ok()?;
+        for candidate in candidates(&wave, &own, &here).ok()? {
+            let Ok(examination) = examine(&candidate.wave, &candidate.point) else {
+                continue;
+            };
+            let vanish: Vec<Margin> = examination
+                .margins
+                .iter()
+                .copied()
+                .filter(|margin| margin.jet.value.abs() < AT_SECOND)
+                .collect();
+            for margin in vanish.iter().filter(|margin| {
+                margin.watch == first.watch
+                    && candidate.wave.signature.zone(margin.zone).regime == regime
+                    && !(margin.watch == Watch::Duration
+                        && candidate.nascent.contains(&margin.zone))
+            }) {
+                let system = self
+                    .system
+                    .of(candidate.wave.signature.clone(), Condition::Margin(*margin));
+                let count = system.wave_unknowns();
+                let parameters = node.point.len() - 2;
+                let point = Vector::from_fn(count + 2, |row, _| match row {
+                    row if row < count => candidate.point[row],
+                    row => node.point[parameters + row - count],
+                });
+                let Ok((matrix, residual)) = newton::jacobian(&system, &point) else {
+                    continue;
+                };
+                let Some(kernel) = linalg::kernel(&matrix) else {
+                    continue;
+                };
+                if residual.is_nan() || residual > AT_SECOND {
+                    continue;
+                }
+                let mut ds = self.ds.min(self.settings.steps.ds);
+                for _ in 0..TRIES {
+                    for sign in [1.0, -1.0] {
+                        let from = Node {
+                            point: point.clone(),
+                            tangent: &kernel.null_vector * sign,
+                            newton: 0,
+                            residual,
+                        };
+                        let into = self.into(&system, &from, &vanish, ds, tolerance);
+                        // the event itself goes on, and new zones do grow
+                        if let Some(own) = into.filter(|own| {
+                            own.contains(&(margin.watch, margin.zone))
+                                && !candidate
+                                    .nascent
+                                    .iter()
+                                    .any(|zone| own.contains(&(Watch::Duration, *zone)))
+                        }) {
+                            let mut next =
+                                Follower::new(system.clone(), self.event, from, self.settings)
+                                    .ok()?;
+                            next.own = own;
+                            next.ds = ds;
+                            next.origin = self.origin.clone();
+                            return Some(next);
+                        }
+                    }
+                    ds *= 0.25;
+                }
+            }
+        }
+        None
+    }
+
+    /// The margins that vanish at both ends of a step into a candidate; `None` where that is not
+    /// admissible.
+    fn into(
+        &self,
+        system: &EventSystem,
+        from: &Node,
+        vanish: &[Margin],
+        ds: f64,
+        tolerance: f64,
+    ) -> Option<Vec<(Watch, usize)>> {
+        let to = continuation::advance(system, from, ds, tolerance)
+            .ok()?
+            .node;
+        let (wave, own) = system.wave(&to.point, 0);
+        let examination = examine(&wave, &own).ok()?;
+        let mut along = Vec::new();
+        for one in &examination.margins {
+            let began = vanish
+                .iter()
+                .any(|known| known.watch == one.watch && known.zone == one.zone);
+            if began && one.jet.value.abs() < OWN {
+                along.push((one.watch, one.zone));
+            } else if one.jet.value.is_nan() || one.jet.value <= 0.0 {
+                return None;
+            }
+        }
+        Some(along)
+    }
+
     /// Type and words of a second event at a point.
     fn second_event(&self, point: &Vector, margin: &Margin) -> (EventType, String) {
         let (wave, own) = self.system.wave(point, 0);
@@ -732,7 +899,8 @@ impl Follower {
 
     /// Whether the step to a node passes the start again.
     fn closes(&self, to: &Node, ds: f64) -> bool {
-        if self.travelled < 4.0 * ds {
+        // another signature has other unknowns
+        if self.travelled < 4.0 * ds || self.origin.point.len() != to.point.len() {
             return false;
         }
         let side = |point: &Vector| self.origin.tangent.dot(&(point - &self.origin.point));
@@ -742,6 +910,13 @@ impl Follower {
             && to.tangent.dot(&self.origin.tangent) > 0.9
     }
 }
+
+/// Margins and residuals of a candidate below this vanish at the point where two events meet: it is
+/// known to 1e-12 or better, and reduced switching functions of nascent zones amplify that.
+const AT_SECOND: f64 = 1e-8;
+
+/// Steps tried into a candidate: from the given one down by factors of 4.
+const TRIES: usize = 8;
 
 /// A point located within a step.
 struct Place {
@@ -852,13 +1027,4 @@ fn regions(system: &EventSystem, point: &Vector, tolerance: f64) -> Vec<Region> 
         }
     }
     found
-}
-
-/// Whether the equations of an event hold at a point, as largest relative residual.
-///
-/// # Errors
-/// When they cannot be evaluated.
-pub fn residual(system: &EventSystem, point: &Vector) -> Result<f64, system::NotEvaluated> {
-    debug_assert_eq!(point.len(), system.unknowns());
-    newton::jacobian(system, point).map(|(_, residual)| residual)
 }

@@ -91,6 +91,20 @@ impl EventSystem {
         }
     }
 
+    /// The same plane and model with another signature and condition.
+    pub fn of(&self, signature: Signature, condition: Condition) -> EventSystem {
+        EventSystem {
+            signature,
+            condition,
+            ..self.clone()
+        }
+    }
+
+    /// Signature of the wave.
+    pub fn signature(&self) -> &Signature {
+        &self.signature
+    }
+
     /// Number of unknowns of the wave, its parameter left out.
     pub fn wave_unknowns(&self) -> usize {
         3 * self.signature.len() + 1

@@ -30,11 +30,14 @@ fn jacobians_are_derivatives() {
         let fold = event == "event: LP";
         let along = match fold {
             true => "(parameter: Friction, range: (0.9, 1.2), toward: Up)",
-            false => "(parameter: Mismatch, range: (0.02, 0.3), toward: Down)",
+            false => {
+                "(parameter: Mismatch, range: (0.02, 0.3), toward: Down), \
+                      stability: (max_frequency: 4.0)"
+            }
         };
         let problem = tube(
             friction,
-            if fold { 0.3 } else { 0.11 },
+            if fold { 0.3 } else { 0.1 },
             0.0,
             &format!(
                 "continuation: {along}, curve: ({event}, parameters: (Mismatch, Friction), {ranges}"

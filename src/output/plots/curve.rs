@@ -1,13 +1,14 @@
 //! The curve of an event in the plane of its parameters, with the regions on either side named.
 
 use super::axis::Axis;
-use super::canvas::{Align, Place, Shape, text_width};
+use super::canvas::{Align, Canvas, Place, Shape, text_width};
 use super::error::PlotError;
+use super::frame::Frame;
 use super::legend::{Key, Legend};
 use super::palette::{BLACK, BLUE, Pen, VERMILLION};
 use super::quantity::{Quantity, event_name, short_signature};
 use super::sheet::{HEIGHT, Panel, Sheet, usual_length};
-use crate::curve::Curve;
+use crate::curve::{Curve, Region};
 
 /// Size of the names of regions.
 const SIZE: f64 = 16.0;
@@ -100,57 +101,64 @@ pub fn compose(
         if let Some(place) = frame.place(one, other) {
             canvas.point(place, Shape::Disc, MARK, BLACK);
         }
-        let (index, regions) = &curve.regions;
-        let around = |index: usize| -> Option<Place> {
-            let (one, other) = plane(index);
-            frame.place(one, other)
-        };
-        let (Some(here), Some(before), Some(after)) = (
-            around(*index),
-            around(index.saturating_sub(1)),
-            around((index + 1).min(curve.points.len() - 1)),
-        ) else {
-            return;
-        };
-        let (dx, dy) = (after.0 - before.0, after.1 - before.1);
-        let length = dx.hypot(dy);
-        if length.is_nan() || length <= 0.0 {
-            return;
-        }
-        // across the curve, towards larger values of the first parameter
-        let mut across = (dy / length, -dx / length);
-        if across.0 < 0.0 {
-            across = (-across.0, -across.1);
-        }
-        for direction in [1.0, -1.0] {
-            let mut texts: Vec<String> = regions
-                .iter()
-                .filter(|region| region.direction == direction)
-                .map(|region| readable(&region.name))
-                .collect();
-            texts.dedup();
-            let text = match texts.as_slice() {
-                [] => continue,
-                [only] => only.clone(),
-                several => several.join(", "),
-            };
-            // the nearer side of the text keeps its distance from the curve
-            let half = 0.5 * text_width(&text, SIZE);
-            let reach = AWAY + half * across.0.abs() + 0.5 * SIZE * across.1.abs();
-            let centre = (
-                here.0 + direction * across.0 * reach,
-                here.1 + direction * across.1 * reach,
-            );
-            let left = (frame.from.0 + 4.0 + half).min(frame.to.0 - half);
-            let right = (frame.to.0 - 4.0 - half).max(left);
-            let top = frame.from.1 + SIZE;
-            let place = (
-                centre.0.clamp(left, right),
-                (centre.1 + 0.36 * SIZE).clamp(top, frame.to.1 - 6.0),
-            );
-            canvas.text(place, &text, SIZE, Align::Middle);
+        for (index, regions) in &curve.regions {
+            name_sides(canvas, frame, curve, *index, regions);
         }
     })
+}
+
+/// Names what lies on either side of the curve at a point.
+fn name_sides(
+    canvas: &mut Canvas<'_>,
+    frame: &Frame,
+    curve: &Curve,
+    index: usize,
+    regions: &[Region],
+) {
+    let around = |index: usize| -> Option<Place> {
+        let [one, other] = curve.points[index].parameters;
+        frame.place(one, other)
+    };
+    let (Some(here), Some(before), Some(after)) = (
+        around(index),
+        around(index.saturating_sub(1)),
+        around((index + 1).min(curve.points.len() - 1)),
+    ) else {
+        return;
+    };
+    let (dx, dy) = (after.0 - before.0, after.1 - before.1);
+    let length = dx.hypot(dy);
+    if length.is_nan() || length <= 0.0 {
+        return;
+    }
+    // across the curve, towards larger values of the first parameter
+    let mut across = (dy / length, -dx / length);
+    if across.0 < 0.0 {
+        across = (-across.0, -across.1);
+    }
+    for direction in [1.0, -1.0] {
+        let mut texts: Vec<String> = regions
+            .iter()
+            .filter(|region| region.direction == direction)
+            .map(|region| readable(&region.name))
+            .collect();
+        texts.dedup();
+        if texts.is_empty() {
+            continue;
+        }
+        let text = texts.join(", ");
+        // the nearer side of the text keeps its distance from the curve
+        let half = 0.5 * text_width(&text, SIZE);
+        let reach = AWAY + half * across.0.abs() + 0.5 * SIZE * across.1.abs();
+        let left = (frame.from.0 + 4.0 + half).min(frame.to.0 - half);
+        let right = (frame.to.0 - 4.0 - half).max(left);
+        let place = (
+            (here.0 + direction * across.0 * reach).clamp(left, right),
+            (here.1 + direction * across.1 * reach + 0.36 * SIZE)
+                .clamp(frame.from.1 + SIZE, frame.to.1 - 6.0),
+        );
+        canvas.text(place, &text, SIZE, Align::Middle);
+    }
 }
 
 /// A region's name with its signature shortened, if it has one.
