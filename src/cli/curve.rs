@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::run::{Prepared, prepare};
-use super::{Failure, NUMERICAL, default_folder, print, warn};
+use super::{Failure, FormatArgument, NUMERICAL, default_folder, print, warn};
+use crate::curve;
 use crate::curve::start::{self, NoCurve};
-use crate::curve::{self};
 use crate::output::curve_folder;
 use crate::problem;
 
@@ -18,6 +18,9 @@ pub struct CurveArguments {
     /// Folder of the curve [default: results/<name of the problem file>_curve]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Format of the picture
+    #[arg(long, value_enum, default_value_t = FormatArgument::Svg)]
+    format: FormatArgument,
     /// Replace an earlier curve
     #[arg(long)]
     force: bool,
@@ -43,12 +46,9 @@ pub fn curve(arguments: &CurveArguments) -> Result<u8, Failure> {
     let start = start::find(&problem, &continuation, restart.as_ref(), section)?;
     let found = curve::follow(&start.system, start.event, &start.point, start.settings)
         .map_err(NoCurve::Singular)?;
-    curve_folder::write(
-        &out,
-        &found,
-        start.settings.ranges,
-        problem.title.as_deref(),
-    )?;
+    let title = problem.title.as_deref();
+    let format = arguments.format.into();
+    curve_folder::write(&out, &found, start.settings.ranges, title, format)?;
     if !arguments.quiet {
         if let Some(title) = &problem.title {
             print(&format!("{title}\n\n"))?;

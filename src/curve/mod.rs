@@ -805,9 +805,10 @@ impl Follower {
                             residual,
                         };
                         let into = self.into(&system, &from, &vanish, ds, tolerance);
-                        // the event itself goes on, and new zones do grow
+                        // the event itself goes on, alone as before, and new zones do grow
                         if let Some(own) = into.filter(|own| {
                             own.contains(&(margin.watch, margin.zone))
+                                && own.len() <= self.own.len()
                                 && !candidate
                                     .nascent
                                     .iter()

@@ -1,4 +1,4 @@
-//! The folder of a curve: `curve.csv` and `curve.svg`.
+//! The folder of a curve: `curve.csv` and a picture, `curve.svg` unless another format is asked for.
 
 use std::fmt::Write;
 use std::fs;
@@ -11,8 +11,8 @@ use crate::curve::{Curve, Point};
 
 /// Name of the table.
 pub const TABLE: &str = "curve.csv";
-/// Name of the picture.
-pub const PICTURE: &str = "curve.svg";
+/// Name of the picture without extension.
+pub const PICTURE: &str = "curve";
 
 /// What is wrong with a folder.
 #[derive(Debug, thiserror::Error)]
@@ -64,13 +64,15 @@ pub fn write(
     curve: &Curve,
     ranges: [(f64, f64); 2],
     title: Option<&str>,
+    format: Format,
 ) -> Result<(), CurveFolderError> {
     fs::create_dir_all(path).map_err(io_error(path))?;
     let file = path.join(TABLE);
     let beside = path.join("curve.csv.new");
     fs::write(&beside, table(curve)).map_err(io_error(&beside))?;
     fs::rename(&beside, &file).map_err(io_error(&file))?;
-    plots::draw_curve(&path.join(PICTURE), Format::Svg, curve, ranges, title)?;
+    let picture = path.join(PICTURE).with_extension(format.extension());
+    plots::draw_curve(&picture, format, curve, ranges, title)?;
     Ok(())
 }
 
