@@ -11,7 +11,7 @@ fn a_pair_of_sector_0_on_its_axis() {
         0.5,
         0.072,
         0.0,
-        "continuation: (parameter: Mismatch, range: (0.06, 0.2), toward: Down), stability: (max_frequency: 4.0), curve: (event: HB, \
+        "continuation: (parameter: Mismatch, range: (0.06, 0.2), toward: Down), curve: (event: HB, \
          sector: 0, parameters: (Mismatch, Friction), range: ((0.01, 0.3), (0.1, 1.2)))",
     );
     let curve = curve(&problem);
@@ -48,7 +48,7 @@ fn a_pair_of_sector_0_on_its_axis() {
             0.0,
             &format!(
                 "continuation: (parameter: Mismatch, range: ({}, 1.0), toward: Down), \
-                 stability: (sectors: Only([0]), max_frequency: 4.0)",
+                 stability: (sectors: Only([0]))",
                 0.998 * mismatch
             ),
         );

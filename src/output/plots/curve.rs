@@ -1,7 +1,7 @@
 //! The curve of an event in the plane of its parameters, with the regions on either side named.
 
 use super::axis::Axis;
-use super::canvas::{Align, Canvas, Place, Shape, text_width};
+use super::canvas::{Align, Place, Shape, text_width};
 use super::error::PlotError;
 use super::frame::Frame;
 use super::legend::{Key, Legend};
@@ -101,64 +101,118 @@ pub fn compose(
         if let Some(place) = frame.place(one, other) {
             canvas.point(place, Shape::Disc, MARK, BLACK);
         }
+        let line: Vec<Place> = (0..curve.points.len())
+            .filter_map(|index| {
+                let (one, other) = plane(index);
+                frame.place(one, other)
+            })
+            .collect();
+        if line.len() != curve.points.len() {
+            return;
+        }
+        let mut taken = Vec::new();
         for (index, regions) in &curve.regions {
-            name_sides(canvas, frame, curve, *index, regions);
+            for (direction, text) in sides(regions) {
+                let stretch = stretch(curve, *index);
+                if let Some(found) = room(frame, &line, &taken, &stretch, direction, &text) {
+                    let place = (found.centre.0, found.centre.1 + 0.36 * SIZE);
+                    canvas.text(place, &text, SIZE, Align::Middle);
+                    taken.push(found);
+                }
+            }
         }
     })
 }
 
-/// Names what lies on either side of the curve at a point.
-fn name_sides(
-    canvas: &mut Canvas<'_>,
+/// Names on either side of the curve.
+fn sides(regions: &[Region]) -> Vec<(f64, String)> {
+    [-1.0, 1.0]
+        .into_iter()
+        .filter_map(|direction| {
+            let mut texts: Vec<String> = regions
+                .iter()
+                .filter(|region| region.direction == direction)
+                .map(|region| readable(&region.name))
+                .collect();
+            texts.dedup();
+            (!texts.is_empty()).then(|| (direction, texts.join(", ")))
+        })
+        .collect()
+}
+
+/// Points with the same waves around one, the nearest first.
+fn stretch(curve: &Curve, index: usize) -> Vec<usize> {
+    let same = |other: &usize| curve.points[*other].before == curve.points[index].before;
+    let mut found: Vec<usize> = (index..curve.points.len()).take_while(same).collect();
+    found.extend((0..index).rev().take_while(same));
+    found.sort_by_key(|other| other.abs_diff(index));
+    found
+}
+
+/// The place of a text.
+struct Room {
+    centre: Place,
+    half: Place,
+}
+
+impl Room {
+    /// Whether a place lies within, or nearer than a margin.
+    fn holds(&self, place: Place, margin: f64) -> bool {
+        (place.0 - self.centre.0).abs() < self.half.0 + margin
+            && (place.1 - self.centre.1).abs() < self.half.1 + margin
+    }
+}
+
+/// Room for a text beside a stretch of the curve, on the side of larger (1) or smaller (−1) values of
+/// the first parameter, that covers neither the curve nor another text.
+fn room(
     frame: &Frame,
-    curve: &Curve,
-    index: usize,
-    regions: &[Region],
-) {
-    let around = |index: usize| -> Option<Place> {
-        let [one, other] = curve.points[index].parameters;
-        frame.place(one, other)
-    };
-    let (Some(here), Some(before), Some(after)) = (
-        around(index),
-        around(index.saturating_sub(1)),
-        around((index + 1).min(curve.points.len() - 1)),
-    ) else {
-        return;
-    };
-    let (dx, dy) = (after.0 - before.0, after.1 - before.1);
-    let length = dx.hypot(dy);
-    if length.is_nan() || length <= 0.0 {
-        return;
-    }
-    // across the curve, towards larger values of the first parameter
-    let mut across = (dy / length, -dx / length);
-    if across.0 < 0.0 {
-        across = (-across.0, -across.1);
-    }
-    for direction in [1.0, -1.0] {
-        let mut texts: Vec<String> = regions
-            .iter()
-            .filter(|region| region.direction == direction)
-            .map(|region| readable(&region.name))
-            .collect();
-        texts.dedup();
-        if texts.is_empty() {
-            continue;
-        }
-        let text = texts.join(", ");
-        // the nearer side of the text keeps its distance from the curve
-        let half = 0.5 * text_width(&text, SIZE);
-        let reach = AWAY + half * across.0.abs() + 0.5 * SIZE * across.1.abs();
-        let left = (frame.from.0 + 4.0 + half).min(frame.to.0 - half);
-        let right = (frame.to.0 - 4.0 - half).max(left);
-        let place = (
-            (here.0 + direction * across.0 * reach).clamp(left, right),
-            (here.1 + direction * across.1 * reach + 0.36 * SIZE)
-                .clamp(frame.from.1 + SIZE, frame.to.1 - 6.0),
+    line: &[Place],
+    taken: &[Room],
+    stretch: &[usize],
+    direction: f64,
+    text: &str,
+) -> Option<Room> {
+    let half = (0.5 * text_width(text, SIZE), 0.6 * SIZE);
+    stretch.iter().find_map(|&index| {
+        let (before, after) = (
+            line[index.saturating_sub(1)],
+            line[(index + 1).min(line.len() - 1)],
         );
-        canvas.text(place, &text, SIZE, Align::Middle);
-    }
+        let (dx, dy) = (after.0 - before.0, after.1 - before.1);
+        let length = dx.hypot(dy);
+        if length.is_nan() || length <= 0.0 {
+            return None;
+        }
+        // across the curve, towards larger values of the first parameter
+        let sign = direction * if dy < 0.0 { -1.0 } else { 1.0 };
+        let across = (sign * dy / length, -sign * dx / length);
+        // the nearer side of the text keeps its distance from the curve
+        let reach = AWAY + half.0 * across.0.abs() + half.1 * across.1.abs();
+        let within = |value: f64, low: f64, high: f64| value.clamp(low, high.max(low));
+        let room = Room {
+            centre: (
+                within(
+                    line[index].0 + across.0 * reach,
+                    frame.from.0 + half.0 + 8.0,
+                    frame.to.0 - half.0 - 8.0,
+                ),
+                within(
+                    line[index].1 + across.1 * reach,
+                    frame.from.1 + half.1 + 8.0,
+                    frame.to.1 - half.1 - 8.0,
+                ),
+            ),
+            half,
+        };
+        let covers = line.iter().any(|place| room.holds(*place, 4.0))
+            || taken.iter().any(|other| {
+                let both = (half.0 + other.half.0, half.1 + other.half.1);
+                (room.centre.0 - other.centre.0).abs() < both.0
+                    && (room.centre.1 - other.centre.1).abs() < both.1
+            });
+        (!covers).then_some(room)
+    })
 }
 
 /// A region's name with its signature shortened, if it has one.
