@@ -561,7 +561,7 @@ const ON_TARGET: f64 = 1e-13;
 const AT_ONCE: f64 = 1e-6;
 
 /// The event in a sentence.
-fn describe(
+pub(crate) fn describe(
     kind: EventType,
     before: &Signature,
     after: Option<&Signature>,

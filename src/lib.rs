@@ -27,6 +27,7 @@
 //! - [`run`] turns a problem into labelled points and events, in the vocabulary of [`branch`];
 //! - [`accuracy`] runs one problem by every method and compares errors and times;
 //! - [`steady`] has the stability of steady sliding, where the waves come from;
+//! - [`curve`] follows one event in two parameters;
 //! - [`map`] lays branches through a plane of two parameters;
 //! - [`simulation`] moves a ring or the whole tube in time, with the model and none of the above;
 //! - [`output`] writes them, [`cli`] is the command line.
@@ -37,6 +38,7 @@ pub mod branch;
 pub mod cli;
 pub mod conditioning;
 pub mod continuation;
+pub mod curve;
 pub mod events;
 pub mod flow;
 pub mod follow;

@@ -62,6 +62,38 @@ pub fn kernel(matrix: &Matrix) -> Option<Kernel> {
     })
 }
 
+/// The least singular value of a square matrix with its vectors.
+#[derive(Clone, Debug)]
+pub struct Least {
+    /// Left vector: wᵀM = σvᵀ.
+    pub left: Vector,
+    /// Right vector: Mv = σw.
+    pub right: Vector,
+    /// σ.
+    pub value: f64,
+    /// Largest singular value.
+    pub largest: f64,
+}
+
+/// The least singular value of a square matrix. `None` if the decomposition fails, as it does for
+/// entries that are not finite.
+pub fn least(matrix: &Matrix) -> Option<Least> {
+    let (rows, columns) = matrix.shape();
+    if columns != rows || rows == 0 || !matrix.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let view = faer::MatRef::from_column_major_slice(matrix.as_slice(), rows, columns);
+    let decomposition = view.svd().ok()?;
+    let (left, right) = (decomposition.U(), decomposition.V());
+    let values = decomposition.S().column_vector();
+    Some(Least {
+        left: Vector::from_fn(rows, |i, _| left[(i, rows - 1)]),
+        right: Vector::from_fn(rows, |i, _| right[(i, rows - 1)]),
+        value: values[rows - 1],
+        largest: values[0],
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

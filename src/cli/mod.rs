@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod check;
+mod curve;
 mod map;
 mod plot;
 mod report;
@@ -16,6 +17,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
+use crate::curve::start::NoCurve;
+use crate::output::curve_folder::CurveFolderError;
 use crate::output::folder::FolderError;
 use crate::output::map_folder::MapFolderError;
 use crate::output::plots::{Format, PlotError};
@@ -47,6 +50,8 @@ enum Verb {
     Spectrum(spectrum::SpectrumArguments),
     /// Error against run time of every method on a problem file
     Accuracy(accuracy::AccuracyArguments),
+    /// Follow an event of the branch in two parameters
+    Curve(curve::CurveArguments),
     /// Which waves exist where in a plane of two parameters, and which of them are stable
     Map(map::MapArguments),
     /// Stability of steady sliding, mode by mode, in the reduced model and in the tube itself, as CSV
@@ -90,6 +95,10 @@ enum Failure {
     #[error("{0}")]
     Run(#[from] RunError),
     #[error("{0}")]
+    Curve(#[from] NoCurve),
+    #[error("{0}")]
+    CurveFolder(#[from] CurveFolderError),
+    #[error("{0}")]
     Radial(#[from] radial::Error),
     #[error("{0}")]
     Usage(String),
@@ -104,6 +113,8 @@ impl Failure {
             Failure::Run(RunError::NoStart(_) | RunError::NoHopf(_)) | Failure::Radial(_) => {
                 NUMERICAL
             }
+            Failure::Curve(NoCurve::Run(RunError::Input(_)) | NoCurve::Outside { .. }) => BAD_INPUT,
+            Failure::Curve(_) => NUMERICAL,
             _ => BAD_INPUT,
         }
     }
@@ -122,6 +133,7 @@ pub fn main() -> ExitCode {
         Verb::Plot(arguments) => plot::plot(&arguments),
         Verb::Spectrum(arguments) => spectrum::spectrum(&arguments),
         Verb::Accuracy(arguments) => accuracy::accuracy(&arguments),
+        Verb::Curve(arguments) => curve::curve(&arguments),
         Verb::Map(arguments) => map::map(&arguments),
         Verb::Steady(arguments) => steady::steady(&arguments),
         Verb::Simulate(arguments) => simulate::simulate(&arguments),

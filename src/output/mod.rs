@@ -1,5 +1,6 @@
 //! What a run leaves behind: tables, the restart file, pictures.
 
+pub mod curve_folder;
 pub mod folder;
 pub mod map_folder;
 pub mod npy;

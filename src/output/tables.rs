@@ -56,7 +56,7 @@ fn smoothing(values: &ParameterValues) -> String {
 }
 
 /// A record as a line of CSV.
-fn line(fields: &[String]) -> String {
+pub(super) fn line(fields: &[String]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::with_capacity(512));
     // writing to memory does not fail
     let _ = writer.write_record(fields);

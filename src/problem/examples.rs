@@ -20,6 +20,10 @@ pub(super) fn example(section: &str, field: &str) -> Option<String> {
 pub(super) fn home(field: &str) -> Option<String> {
     let mut homes = examples();
     homes.retain(|(_, example)| is_of(example, field));
+    // the steps of a curve are those of a continuation, where one thinks of them first
+    if homes.iter().any(|(home, _)| home == "continuation") {
+        homes.retain(|(home, _)| home != "curve");
+    }
     let (home, _) = homes.first()?.clone();
     homes
         .iter()

@@ -4,6 +4,7 @@
 //! checks of [`parse`], does an outline of the text tell where to point.
 
 mod continuation;
+mod curve;
 mod error;
 mod examples;
 mod expectation;
@@ -27,6 +28,7 @@ pub use continuation::{
     Continuation, DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_MAX_POINTS,
     DEFAULT_TOLERANCE, StopAfter, Toward,
 };
+pub use curve::{Curve, DEFAULT_CURVE_POINTS};
 pub use error::ProblemError;
 pub use expectation::Expectation;
 pub use map::{MAX_GRID, MAX_MAP_POINTS, Map, MapAxis, MapPoints};
@@ -78,6 +80,8 @@ pub struct Problem {
     pub map: Option<Map>,
     /// Simulation in time; see [`Problem::simulation`].
     pub simulation: Option<Simulation>,
+    /// The event to follow in two parameters; see [`Problem::curve`].
+    pub curve: Option<Curve>,
     /// Plots and tables to write.
     #[serde(default)]
     pub output: Output,
@@ -128,6 +132,23 @@ impl Problem {
                 "missing field `map` in the problem: there is no plane to map",
                 "add `map: (first: (parameter: Friction, range: (0.1, 1.0)), second: (parameter: \
                  Mismatch, range: (0.004, 0.2)), points: Grid(rows: 100, columns: 100)),`",
+            );
+            ProblemError::in_text(name, text, flaw)
+        })
+    }
+}
+
+impl Problem {
+    /// The `curve` section, or an error that says how to write one.
+    ///
+    /// `text` and `name` are the source of the problem and the name of its file, for the message.
+    pub fn curve(&self, text: &str, name: &str) -> Result<&Curve, ProblemError> {
+        self.curve.as_ref().ok_or_else(|| {
+            let flaw = Flaw::new(
+                Outline::of(text).locate("curve"),
+                "missing field `curve` in the problem: there is no event to follow",
+                "add `curve: (event: GR, parameters: (Mismatch, Friction), range: ((0.01, 0.3), \
+                 (0.1, 1.0))),`",
             );
             ProblemError::in_text(name, text, flaw)
         })

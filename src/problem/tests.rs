@@ -184,6 +184,7 @@ fn every_field_has_an_example_that_is_right() {
             "(continuation: (stop_after: [(@)]))",
         ),
         ("stability", "(stability: (@))"),
+        ("curve", "(curve: (@))"),
         ("map", "(map: (@))"),
         ("map.first", "(map: (first: (@)))"),
         ("map.second", "(map: (second: (@)))"),

@@ -9,11 +9,11 @@ use super::simulation::{
     MIN_GROWTH_POINTS, MIN_SIMULATION_POINTS, RingFriction, Simulation, SimulationStart,
 };
 use super::{
-    Coefficients, Continuation, Expectation, FrictionLaw, Impact, MAX_DEGREE, MAX_GRID,
+    Coefficients, Continuation, Curve, Expectation, FrictionLaw, Impact, MAX_DEGREE, MAX_GRID,
     MAX_INTERVALS, MAX_MAP_POINTS, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Map, MapPoints, Method,
     Model, Output, Parameter, Plot, Problem, Sectors, StabilitySection, Start, Toward, Wave,
 };
-use crate::branch::{BRANCH_HEADER, WORD_COLUMNS};
+use crate::branch::{BRANCH_HEADER, EventType, WORD_COLUMNS};
 
 /// Something wrong with the value at a path; see [`Outline::locate`].
 pub(super) struct Complaint {
@@ -46,6 +46,9 @@ pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
     }
     if let Some(section) = &problem.simulation {
         simulation(section, problem)?;
+    }
+    if let Some(section) = &problem.curve {
+        curve(section, &problem.model, mode)?;
     }
     output(&problem.output)?;
     for (index, event) in problem.expect.iter().enumerate() {
@@ -250,37 +253,99 @@ fn user_points(section: &Continuation, outline: &Outline) -> Check {
 }
 
 fn steps(section: &Continuation) -> Check {
-    let [ds, ds_min, ds_max] = [
-        ("ds", section.ds),
-        ("ds_min", section.ds_min),
-        ("ds_max", section.ds_max),
-    ];
-    for (name, step) in [ds, ds_min, ds_max] {
-        let rule = "step sizes must be greater than 0";
-        number(&format!("continuation.{name}"), step, step > 0.0, rule)?;
-    }
-    for ((low_name, low), (high_name, high)) in [(ds_min, ds_max), (ds_min, ds), (ds, ds_max)] {
-        if low > high {
-            return refuse(
-                &format!("continuation.{low_name}"),
-                format!("`{low_name}` is {low:?} but `{high_name}` is {high:?}"),
-                "choose ds_min <= ds <= ds_max",
-            );
-        }
-    }
+    step_lengths(
+        "continuation",
+        [section.ds, section.ds_min, section.ds_max],
+        section.tolerance,
+    )?;
     let points = section.max_points;
     let rule = "a branch has at least 1 point";
     admit("continuation.max_points", points, points >= 1, rule)?;
-    let tolerance = section.tolerance;
-    let holds = tolerance > 0.0 && tolerance <= MAX_TOLERANCE;
-    let rule = format!("the tolerance must be greater than 0 and at most {MAX_TOLERANCE:?}");
-    number("continuation.tolerance", tolerance, holds, &rule)?;
     for (index, stop) in section.stop_after.iter().enumerate() {
         let path = format!("continuation.stop_after.{index}.count");
         let rule = "`count: 1` ends the branch at the first event of this type";
         admit(&path, stop.count, stop.count >= 1, rule)?;
     }
     Ok(())
+}
+
+/// Checks steps [ds, ds_min, ds_max] and tolerance of a section.
+fn step_lengths(section: &str, [ds, ds_min, ds_max]: [f64; 3], tolerance: f64) -> Check {
+    let [ds, ds_min, ds_max] = [("ds", ds), ("ds_min", ds_min), ("ds_max", ds_max)];
+    for (name, step) in [ds, ds_min, ds_max] {
+        let rule = "step sizes must be greater than 0";
+        number(&format!("{section}.{name}"), step, step > 0.0, rule)?;
+    }
+    for ((low_name, low), (high_name, high)) in [(ds_min, ds_max), (ds_min, ds), (ds, ds_max)] {
+        if low > high {
+            return refuse(
+                &format!("{section}.{low_name}"),
+                format!("`{low_name}` is {low:?} but `{high_name}` is {high:?}"),
+                "choose ds_min <= ds <= ds_max",
+            );
+        }
+    }
+    let holds = tolerance > 0.0 && tolerance <= MAX_TOLERANCE;
+    let rule = format!("the tolerance must be greater than 0 and at most {MAX_TOLERANCE:?}");
+    number(&format!("{section}.tolerance"), tolerance, holds, &rule)
+}
+
+fn curve(section: &Curve, model: &Model, mode: u32) -> Check {
+    let event = section.event;
+    let known = [
+        EventType::LP,
+        EventType::GR,
+        EventType::RV,
+        EventType::CO,
+        EventType::ST,
+        EventType::HB,
+    ];
+    let rule = "a curve follows LP, GR, RV, CO, ST or HB";
+    admit("curve.event", event, known.contains(&event), rule)?;
+    let rule = "`index: 1` is the first event of this type along the branch";
+    admit("curve.index", section.index, section.index >= 1, rule)?;
+    sector("curve.sector", section.sector, mode)?;
+    if section.sector > 0 && event != EventType::HB {
+        return refuse(
+            "curve.sector",
+            format!("`curve.sector` is given for {event}, which has none"),
+            "leave it out, or follow an HB",
+        );
+    }
+    let (first, second) = section.parameters;
+    let sides = [(first, section.range.0), (second, section.range.1)];
+    for (side, (parameter, range)) in sides.into_iter().enumerate() {
+        let column = parameter.column();
+        if model.value(parameter).is_none() || parameter == Parameter::StiffnessDamping {
+            return refuse(
+                &format!("curve.parameters.{side}"),
+                format!("an event of this model cannot be followed in `{column}`"),
+                "use Mismatch, Friction or MassDamping; Gamma, Nu and Xi need \
+                 `coefficients: Geometry(nu: .., xi: .., gamma: ..)`",
+            );
+        }
+        for (end, value) in [range.0, range.1].into_iter().enumerate() {
+            let (holds, rule) = parameter.admits(value);
+            number(&format!("curve.range.{side}.{end}"), value, holds, rule)?;
+        }
+        let rule = "write the lower end first and the upper end, which must be greater, second";
+        admit(
+            &format!("curve.range.{side}"),
+            range,
+            range.0 < range.1,
+            rule,
+        )?;
+    }
+    let rule = "the two parameters of a curve must be different";
+    admit("curve.parameters.1", second, first != second, rule)?;
+    step_lengths(
+        "curve",
+        [section.ds, section.ds_min, section.ds_max],
+        section.tolerance,
+    )?;
+    let points = section.max_points;
+    let rule = "a curve has at least 1 point";
+    admit("curve.max_points", points, points >= 1, rule)
 }
 
 /// Refuses a Bloch sector beyond half the mode: it is the conjugate of another one.

@@ -6,6 +6,7 @@
 pub mod accuracy;
 mod axis;
 mod canvas;
+mod curve;
 mod diagram;
 mod displacement;
 mod error;
@@ -40,6 +41,7 @@ pub use simulation::draw as draw_simulation;
 use profile::Profiles;
 use tables::Tables;
 
+use crate::curve::Curve;
 use crate::problem::Map;
 pub use crate::problem::Plot as Picture;
 use crate::steady::Mode;
@@ -163,6 +165,25 @@ pub fn draw_map(
 ) -> Result<(), PlotError> {
     let table = folder.join(super::map_folder::TABLE);
     let bytes = convert(map::compose(&table, section, title)?, format)?;
+    fs::write(path, bytes).map_err(|source| PlotError::Write {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// Draws the curve of an event in the plane of its parameters, `ranges` wide.
+///
+/// # Errors
+///
+/// When the format is not compiled in or the file cannot be written.
+pub fn draw_curve(
+    path: &Path,
+    format: Format,
+    curve: &Curve,
+    ranges: [(f64, f64); 2],
+    title: Option<&str>,
+) -> Result<(), PlotError> {
+    let bytes = convert(curve::compose(curve, ranges, title)?, format)?;
     fs::write(path, bytes).map_err(|source| PlotError::Write {
         path: path.to_owned(),
         source,

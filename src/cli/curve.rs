@@ -1,0 +1,66 @@
+//! `brakewave curve`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::run::{Prepared, prepare};
+use super::{Failure, FormatArgument, NUMERICAL, default_folder, print, warn};
+use crate::curve;
+use crate::curve::start::{self, NoCurve};
+use crate::output::curve_folder;
+use crate::problem;
+
+#[derive(Debug, Args)]
+pub struct CurveArguments {
+    /// Problem file with sections `continuation` and `curve`
+    problem: PathBuf,
+    /// Folder of the curve [default: results/<name of the problem file>_curve]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Format of the picture
+    #[arg(long, value_enum, default_value_t = FormatArgument::Svg)]
+    format: FormatArgument,
+    /// Replace an earlier curve
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub fn curve(arguments: &CurveArguments) -> Result<u8, Failure> {
+    let (problem, text) = problem::read(&arguments.problem)?;
+    let section = problem.curve(&text, &arguments.problem.display().to_string())?;
+    let Prepared {
+        continuation,
+        restart,
+        ..
+    } = prepare(&arguments.problem)?;
+    let out = arguments.out.clone().unwrap_or_else(|| {
+        let mut name = default_folder(&arguments.problem).into_os_string();
+        name.push("_curve");
+        PathBuf::from(name)
+    });
+    curve_folder::admit(&out, arguments.force)?;
+    let start = start::find(&problem, &continuation, restart.as_ref(), section)?;
+    let found = curve::follow(&start.system, start.event, &start.point, start.settings)
+        .map_err(NoCurve::Singular)?;
+    let title = problem.title.as_deref();
+    let format = arguments.format.into();
+    curve_folder::write(&out, &found, start.settings.ranges, title, format)?;
+    if !arguments.quiet {
+        if let Some(title) = &problem.title {
+            print(&format!("{title}\n\n"))?;
+        }
+        print(&curve_folder::summary(&found))?;
+        print(&format!("curve in {}\n", out.display()))?;
+    }
+    if found.failed {
+        for end in &found.ends {
+            warn(end);
+        }
+        return Ok(NUMERICAL);
+    }
+    Ok(0)
+}

@@ -1,0 +1,1037 @@
+//! Curves of events in two parameters.
+//!
+//! An event of a branch — a fold, a change of regime, a Hopf point — moves along a curve when a second
+//! parameter is let go. [`system`] poses it, [`crate::continuation`] follows it by pseudo-arclength,
+//! and at every point all other inequalities of the wave are proven, as on a branch. On the way,
+//! points of codimension two are located:
+//!
+//! | type | point | test function |
+//! |---|---|---|
+//! | `GR+RV`, `LP+GR`, … | another margin vanishes: two events at once | the margin |
+//! | `GR+LP`, `HB+LP`, … | the wave has a fold too | det F_x |
+//! | `CP` | cusp: the curve of folds turns round | (p₁′, p₂′) · (−wᵀF_{p₂}, wᵀF_{p₁}) |
+//! | `BT` | ω → 0 in sector 0 or k/2 | ω |
+//!
+//! where wᵀF_x = 0 along the folds: from F_x x′ + F_p p′ = 0 it follows that wᵀF_p p′ = 0, so that p′ is
+//! a multiple of (−wᵀF_{p₂}, wᵀF_{p₁}), and the factor changes sign where the curve has its cusp.
+//!
+//! Where another margin vanishes the wave changes its regimes. A change of regime that is followed
+//! goes on as one of the next wave, if the candidates of the switching table have one on which all
+//! inequalities hold: the same margin vanishes there. Folds and Hopf points end: the parameter is
+//! stationary at the opening of a zone, and its spectrum is not the continuation of the one before.
+
+pub mod start;
+pub mod system;
+
+use nalgebra::Complex;
+
+use crate::branch::EventType;
+use crate::continuation::{self, Node};
+use crate::events;
+use crate::follow::describe;
+use crate::linalg::{self, Vector};
+use crate::model::signature::Signature;
+use crate::newton::{self, Constraint, Fixed, Plane};
+use crate::problem::Parameter;
+use crate::stability::characteristic::Characteristic;
+use crate::wave::Wave;
+use crate::wave::admissibility::{AtZero, Examination, Margin, Watch, examine};
+use crate::wave::successor::candidates;
+
+use system::{Condition, EventSystem};
+
+/// How far to follow, and how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Range of each parameter.
+    pub ranges: [(f64, f64); 2],
+    /// Step lengths and tolerance.
+    pub steps: continuation::Settings,
+    /// Largest number of points in either direction.
+    pub most_points: usize,
+}
+
+/// A point of the curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Both parameters.
+    pub parameters: [f64; 2],
+    /// Wave speed c, signed.
+    pub speed: f64,
+    /// Regimes before the event.
+    pub before: String,
+    /// Regimes after it; empty where no admissible wave was found to go on.
+    pub after: String,
+    /// ω of a Hopf point.
+    pub omega: Option<f64>,
+    /// Type of a point of codimension two, of the start and of the ends.
+    pub kind: Option<String>,
+    /// What happens there, in words; empty at ordinary points.
+    pub what: String,
+    /// Newton iterations.
+    pub newton: usize,
+    /// Largest residual relative to its row of the Jacobian.
+    pub residual: f64,
+    /// Excess speed e = |c|/√a − 1.
+    pub excess: f64,
+}
+
+/// What lies on one side of the curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// Direction of the first parameter, ±1, in which it lies.
+    pub direction: f64,
+    /// Signature of its waves, or what else tells it from the other side.
+    pub name: String,
+}
+
+/// The curve of an event.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Type of the event.
+    pub event: EventType,
+    /// Bloch sector of an HB.
+    pub sector: Option<usize>,
+    /// The two parameters.
+    pub parameters: [Parameter; 2],
+    /// Points from one end to the other.
+    pub points: Vec<Point>,
+    /// Index of the event on the branch.
+    pub start: usize,
+    /// Why the curve ends at its first and at its last point, in words.
+    pub ends: [String; 2],
+    /// Whether an end is one of Newton's method and not of the curve.
+    pub failed: bool,
+    /// What lies beside the points of these indices, one for every stretch with the same waves.
+    pub regions: Vec<(usize, Vec<Region>)>,
+}
+
+/// A margin below this on the event's own account is the event itself, but for rounding.
+const OWN: f64 = 1e-8;
+
+/// ω in units of the frequency of the wave below which it counts as zero. Parameters are even in ω:
+/// the point found lies 1e-8 from the limit.
+const LEAST_OMEGA: f64 = 1e-4;
+
+/// Margins that vanish closer together than this fraction of a step see one event.
+const AT_ONCE: f64 = 1e-6;
+
+/// A curve has closed when it passes this close to its start, in units of the last step.
+const CLOSED: f64 = 1.0;
+
+/// F_x with a least singular value below this part of the largest is singular along the whole curve:
+/// a zone without length makes the parameters stationary.
+const SINGULAR: f64 = 1e-10;
+
+/// Test functions at a point.
+#[derive(Clone, Debug)]
+struct Tests {
+    examination: Examination,
+    /// det F_x where it tells a fold.
+    fold: Option<f64>,
+    /// The factor that vanishes at a cusp, with the left null vector behind it.
+    cusp: Option<(f64, Vector)>,
+}
+
+/// Why a step cannot be taken.
+enum Refusal {
+    /// Newton's method or a flow fails.
+    Numerical(String),
+    /// The event is none any more.
+    Event(String),
+}
+
+/// What was found within a step.
+enum What {
+    Edge(usize, f64),
+    Margin(Margin),
+    Fold,
+    Cusp,
+    ZeroOmega,
+}
+
+/// A curve being followed in one direction.
+struct Follower {
+    system: EventSystem,
+    event: EventType,
+    settings: Settings,
+    /// Margins that vanish along the whole curve.
+    own: Vec<(Watch, usize)>,
+    with_fold: bool,
+    node: Node,
+    tests: Tests,
+    origin: Node,
+    travelled: f64,
+    ds: f64,
+}
+
+/// Follows an event both ways from a solution of its equations.
+///
+/// # Errors
+/// When the start does not solve the equations, or has no tangent.
+pub fn follow(
+    system: &EventSystem,
+    event: EventType,
+    start: &Vector,
+    settings: Settings,
+) -> Result<Curve, String> {
+    let mut system = system.clone();
+    let node = first_node(&system, start, settings.steps.tolerance)?;
+    system.settle(&node.point);
+    let mut halves = Vec::with_capacity(2);
+    let mut ends = Vec::with_capacity(2);
+    let mut failed = false;
+    let mut first = None;
+    for sign in [-1.0, 1.0] {
+        let node = Node {
+            tangent: &node.tangent * sign,
+            ..node.clone()
+        };
+        let mut follower = Follower::new(system.clone(), event, node, settings)?;
+        if first.is_none() {
+            let mut point = follower.point(&follower.node);
+            point.kind = Some(event.to_string());
+            point.what = "the event on the branch".into();
+            // the values of the problem where polishing moved them by rounding only
+            for (value, given) in point.parameters.iter_mut().zip(system.values(start)) {
+                if (*value - given).abs() <= 1e-13 * given.abs().max(1e-3) {
+                    *value = given;
+                }
+            }
+            first = Some(point);
+        }
+        let (points, end, failure) = follower.run();
+        failed |= failure;
+        let closed = end == CLOSES;
+        halves.push(points);
+        ends.push(end);
+        if closed {
+            // the second half would be the first one backwards
+            ends.push(CLOSES.into());
+            halves.push(Vec::new());
+            break;
+        }
+    }
+    let second = halves.pop().unwrap_or_default();
+    let mut points = halves.pop().unwrap_or_default();
+    points.reverse();
+    let start = points.len();
+    points.extend(first.map(|point| (point, system.clone(), node.point.clone())));
+    points.extend(second);
+    let regions = middles(&points)
+        .into_iter()
+        .map(|place| {
+            let (_, there, at) = &points[place];
+            (place, regions(there, at, settings.steps.tolerance))
+        })
+        .collect();
+    let mut ends = ends.into_iter();
+    Ok(Curve {
+        event,
+        sector: match system.condition {
+            Condition::Hopf { sector } => Some(sector),
+            _ => None,
+        },
+        parameters: system.parameters(),
+        points: points.into_iter().map(|(point, _, _)| point).collect(),
+        start,
+        ends: [
+            ends.next().unwrap_or_default(),
+            ends.next().unwrap_or_default(),
+        ],
+        failed,
+        regions,
+    })
+}
+
+/// The end of a closed curve.
+const CLOSES: &str = "the curve closes on its start";
+
+type Entry = (Point, EventSystem, Vector);
+
+/// Part of the whole length that a stretch needs for its regions to be named.
+const NAMED: f64 = 0.12;
+
+/// The points where regions are named: the middle, by arclength in the plane, of every stretch with
+/// the same waves.
+fn middles(points: &[Entry]) -> Vec<usize> {
+    let scaled = |entry: &Entry| {
+        let widths = entry.1.widths();
+        let [one, other] = entry.0.parameters;
+        [one / widths[0], other / widths[1]]
+    };
+    // way from the first point to each
+    let mut way = vec![0.0];
+    for pair in points.windows(2) {
+        let (one, other) = (scaled(&pair[0]), scaled(&pair[1]));
+        let so_far = way.last().copied().unwrap_or(0.0);
+        way.push(so_far + (one[0] - other[0]).hypot(one[1] - other[1]));
+    }
+    let whole = way.last().copied().unwrap_or(0.0);
+    let mut places = Vec::new();
+    let mut from = 0;
+    while from < points.len() {
+        let to = (from..points.len())
+            .take_while(|index| points[*index].0.before == points[from].0.before)
+            .last()
+            .unwrap_or(from);
+        // the ends of a stretch belong to two events at once
+        if to > from + 2 && way[to] - way[from] >= NAMED * whole {
+            let half = 0.5 * (way[from] + way[to]);
+            let place = (from..to).find(|index| way[*index] >= half).unwrap_or(from);
+            places.push(place.clamp(from + 1, to - 1));
+        }
+        from = to + 1;
+    }
+    places
+}
+
+/// The start with its unit tangent, the null vector of the Jacobian.
+fn first_node(system: &EventSystem, start: &Vector, tolerance: f64) -> Result<Node, String> {
+    let tangent = |point: &Vector| {
+        let (matrix, residual) =
+            newton::jacobian(system, point).map_err(|error| error.to_string())?;
+        let kernel = linalg::kernel(&matrix).ok_or("the event has no tangent")?;
+        Ok::<_, String>((kernel.null_vector, residual))
+    };
+    let (normal, _) = tangent(start)?;
+    let mut plane = Plane {
+        normal: &normal,
+        through: start,
+    };
+    let settings = newton::Settings {
+        tolerance,
+        most_iterations: 20,
+        halvings: 4,
+        polish: 1,
+    };
+    let solution = newton::solve(system, &mut plane, start, &settings)
+        .map_err(|error| format!("the event of the branch is no solution: {error}"))?;
+    let (mut null, residual) = tangent(&solution.point)?;
+    // towards larger values of the first parameter, the second where that is stationary
+    let count = null.len();
+    let heading = if null[count - 2].abs() > 1e-9 {
+        null[count - 2]
+    } else {
+        null[count - 1]
+    };
+    if heading < 0.0 {
+        null.neg_mut();
+    }
+    Ok(Node {
+        point: solution.point,
+        tangent: null,
+        newton: solution.iterations,
+        residual,
+    })
+}
+
+impl Follower {
+    fn new(
+        system: EventSystem,
+        event: EventType,
+        node: Node,
+        settings: Settings,
+    ) -> Result<Follower, String> {
+        let (wave, own) = system.wave(&node.point, 0);
+        let examination = examine(&wave, &own).map_err(|error| error.to_string())?;
+        let vanish = examination
+            .margins
+            .iter()
+            .filter(|margin| margin.jet.value.abs() < OWN)
+            .map(|margin| (margin.watch, margin.zone))
+            .collect();
+        let (_, by) = system
+            .wave_equations(&node.point)
+            .map_err(|error| error.to_string())?;
+        let square = by.columns(0, system.wave_unknowns()).clone_owned();
+        let regular =
+            linalg::least(&square).is_some_and(|least| least.value > SINGULAR * least.largest);
+        let mut follower = Follower {
+            with_fold: regular && system.condition != Condition::Fold,
+            tests: Tests {
+                examination,
+                fold: None,
+                cusp: None,
+            },
+            own: vanish,
+            origin: node.clone(),
+            node,
+            travelled: 0.0,
+            ds: settings.steps.ds,
+            system,
+            event,
+            settings,
+        };
+        follower.tests = follower
+            .tests(&follower.node)
+            .map_err(|refusal| match refusal {
+                Refusal::Numerical(reason) | Refusal::Event(reason) => reason,
+            })?;
+        Ok(follower)
+    }
+
+    /// Steps to the end. Returns the points, the end in words, and whether it is a failure.
+    fn run(&mut self) -> (Vec<Entry>, String, bool) {
+        let limits = self.settings.steps;
+        let mut points: Vec<Entry> = Vec::new();
+        loop {
+            if points.len() >= self.settings.most_points {
+                return (points, "as many points as were asked for".into(), false);
+            }
+            let mut ds = self.ds.clamp(limits.ds_min, limits.ds_max);
+            let end = loop {
+                match self.attempt(ds, &mut points) {
+                    Ok(end) => break end,
+                    Err(refusal) => {
+                        if ds <= limits.ds_min {
+                            let (reason, failed) = match refusal {
+                                Refusal::Numerical(reason) => (
+                                    format!(
+                                        "no step of at least ds_min = {:e} succeeds: {reason}",
+                                        limits.ds_min
+                                    ),
+                                    true,
+                                ),
+                                Refusal::Event(reason) => (reason, false),
+                            };
+                            if let Some((last, _, _)) = points.last_mut() {
+                                last.kind.get_or_insert_with(|| {
+                                    if failed { "MX" } else { "EP" }.to_owned()
+                                });
+                                if last.what.is_empty() {
+                                    last.what.clone_from(&reason);
+                                }
+                            }
+                            return (points, reason, failed);
+                        }
+                        ds = (0.5 * ds).max(limits.ds_min);
+                    }
+                }
+            };
+            if let Some(end) = end {
+                return (points, end, false);
+            }
+        }
+    }
+
+    /// One step; `Some` is the end of the curve.
+    fn attempt(&mut self, ds: f64, points: &mut Vec<Entry>) -> Result<Option<String>, Refusal> {
+        let tolerance = self.settings.steps.tolerance;
+        let step = continuation::advance(&self.system, &self.node, ds, tolerance)
+            .map_err(|refusal| Refusal::Numerical(refusal.to_string()))?;
+        let to = step.node;
+        let tests = self.tests(&to)?;
+        let mut located = self.edges(&to)?;
+        self.margins(&tests, ds, &mut located)?;
+        self.signs(&to, &tests, ds, &mut located)?;
+        located.sort_by(|one, other| one.0.s.total_cmp(&other.0.s));
+        // one event is seen by several margins: a zone without length says most about what comes next
+        let near = AT_ONCE * ds.max(1e-3);
+        let seen: Vec<(f64, Margin)> = located
+            .iter()
+            .filter_map(|(place, what)| match what {
+                What::Margin(margin) => Some((place.s, *margin)),
+                _ => None,
+            })
+            .collect();
+        for (place, what) in located {
+            let mut point = self.point(&place.node);
+            let mut entered = None;
+            let (kind, text, ends) = match what {
+                What::Edge(index, value) => {
+                    // exactly the value that was asked for
+                    point.parameters[index] = value;
+                    let name = self.system.parameters()[index].column();
+                    let text = format!("edge of the range, {name} = {value}");
+                    ("EP".to_owned(), text, true)
+                }
+                What::Margin(_) => {
+                    let mut together: Vec<Margin> = seen
+                        .iter()
+                        .filter(|(s, _)| (s - place.s).abs() <= near)
+                        .map(|(_, margin)| *margin)
+                        .collect();
+                    together.sort_by_key(|margin| margin.watch != Watch::Duration);
+                    let (kind, mut text) = self.second_event(&place.node.point, &together[0]);
+                    entered = together
+                        .iter()
+                        .find_map(|margin| self.enter(&place.node, margin));
+                    if let Some(next) = &entered {
+                        let name = next.system.signature();
+                        text = format!("{text}; the curve goes on in {name}");
+                    } else if matches!(self.system.condition, Condition::Margin(_)) {
+                        text.push_str("; no curve of this event goes on from here");
+                    }
+                    let ends = entered.is_none();
+                    (format!("{}+{kind}", self.event), text, ends)
+                }
+                What::Fold => {
+                    let text = "the wave has a fold here too".to_owned();
+                    (format!("{}+LP", self.event), text, false)
+                }
+                What::Cusp => (
+                    "CP".to_owned(),
+                    "cusp: two folds meet and vanish".to_owned(),
+                    false,
+                ),
+                What::ZeroOmega => (
+                    "BT".to_owned(),
+                    "ω → 0: the pair meets on the real axis, and with it a fold".to_owned(),
+                    true,
+                ),
+            };
+            point.kind = Some(kind);
+            point.what.clone_from(&text);
+            points.push((point, self.system.clone(), place.node.point));
+            if ends {
+                return Ok(Some(text));
+            }
+            if let Some(next) = entered {
+                *self = Follower {
+                    travelled: self.travelled + place.s,
+                    ..next
+                };
+                return Ok(None);
+            }
+        }
+        let closed = self.closes(&to, ds);
+        self.travelled += ds;
+        self.node = to;
+        self.tests = tests;
+        self.ds = step.next;
+        self.system.settle(&self.node.point);
+        points.push((
+            self.point(&self.node),
+            self.system.clone(),
+            self.node.point.clone(),
+        ));
+        Ok(closed.then(|| CLOSES.to_owned()))
+    }
+
+    /// Test functions at a node. Refused where the event is none any more.
+    fn tests(&self, node: &Node) -> Result<Tests, Refusal> {
+        let numerical = |error: crate::flow::FlowError| Refusal::Numerical(error.to_string());
+        let (wave, own) = self.system.wave(&node.point, 0);
+        let examination = examine(&wave, &own).map_err(numerical)?;
+        for (watch, zone) in &self.own {
+            let regime = wave.signature.zone(*zone).regime.name();
+            let itself = match self.system.condition {
+                Condition::Margin(margin) => (margin.watch, margin.zone) == (*watch, *zone),
+                _ => false,
+            };
+            let reason = match examination.find(*watch, *zone) {
+                Some(margin) if margin.jet.value >= -OWN => continue,
+                Some(_) if itself => {
+                    format!("another minimum inside the {regime} zone falls below zero first")
+                }
+                None if itself => format!(
+                    "the minimum inside the {regime} zone reaches an end of the zone: no \
+                     inequality fails there any more"
+                ),
+                _ => format!(
+                    "an inequality of the {regime} zone that vanishes along with the event fails"
+                ),
+            };
+            return Err(Refusal::Event(reason));
+        }
+        let (mut fold, mut cusp) = (None, None);
+        if self.with_fold || self.system.condition == Condition::Fold {
+            let count = self.system.wave_unknowns();
+            let (_, by) = self.system.wave_equations(&node.point).map_err(numerical)?;
+            let square = by.columns(0, count).clone_owned();
+            if self.with_fold {
+                fold = Some(square.determinant());
+            } else if let Some(least) = linalg::least(&square) {
+                let mut left = least.left;
+                if let Some((_, before)) = &self.tests.cusp
+                    && before.dot(&left) < 0.0
+                {
+                    left.neg_mut();
+                }
+                let last = node.tangent.len() - 2;
+                let factor = -node.tangent[last] * left.dot(&by.column(count + 1))
+                    + node.tangent[last + 1] * left.dot(&by.column(count));
+                cusp = Some((factor, left));
+            }
+        }
+        Ok(Tests {
+            examination,
+            fold,
+            cusp,
+        })
+    }
+
+    /// Edges of the ranges within the step.
+    fn edges(&self, to: &Node) -> Result<Vec<(Place, What)>, Refusal> {
+        let mut located = Vec::new();
+        let first = to.point.len() - 2;
+        for (index, (low, high)) in self.settings.ranges.into_iter().enumerate() {
+            let column = first + index;
+            for value in [low, high] {
+                let scaled = value / self.system.widths()[index];
+                let (p0, p1) = (self.node.point[column] - scaled, to.point[column] - scaled);
+                let outwards = if value == low { p1 < 0.0 } else { p1 > 0.0 };
+                // a start on the edge may go inwards
+                if !outwards || p0 == p1 {
+                    continue;
+                }
+                let share = (p0 / (p0 - p1)).clamp(0.0, 1.0);
+                let guess = &self.node.point + (&to.point - &self.node.point) * share;
+                let mut fixed = Fixed {
+                    index: column,
+                    value: scaled,
+                };
+                let place = self.solve(&mut fixed, &guess)?;
+                located.push((place, What::Edge(index, value)));
+            }
+        }
+        Ok(located)
+    }
+
+    /// Margins that vanish within the step.
+    fn margins(
+        &self,
+        to: &Tests,
+        ds: f64,
+        located: &mut Vec<(Place, What)>,
+    ) -> Result<(), Refusal> {
+        for margin in &to.examination.margins {
+            let own = self.own.contains(&(margin.watch, margin.zone));
+            if own || margin.jet.value > 0.0 {
+                continue;
+            }
+            let before = self
+                .tests
+                .examination
+                .find(margin.watch, margin.zone)
+                .map(|before| before.jet.value)
+                .filter(|value| *value > 0.0)
+                .ok_or_else(|| {
+                    Refusal::Numerical("an inequality fails as soon as it is posed".into())
+                })?;
+            let mut at = AtZero { margin: *margin };
+            let place = self.zero((0.0, before), (ds, margin.jet.value), |_, point| {
+                let (wave, own) = self.system.wave(point, 0);
+                at.margin_at(&wave, &own)
+                    .ok()
+                    .map(|margin| margin.jet.value)
+            })?;
+            located.push((place, What::Margin(*margin)));
+        }
+        Ok(())
+    }
+
+    /// Smooth test functions that change sign within the step.
+    fn signs(
+        &self,
+        to: &Node,
+        tests: &Tests,
+        ds: f64,
+        located: &mut Vec<(Place, What)>,
+    ) -> Result<(), Refusal> {
+        if let (Some(before), Some(after)) = (self.tests.fold, tests.fold)
+            && before * after < 0.0
+        {
+            let place = self.zero((0.0, before), (ds, after), |follower, point| {
+                let (_, by) = follower.system.wave_equations(point).ok()?;
+                let count = follower.system.wave_unknowns();
+                Some(by.columns(0, count).clone_owned().determinant())
+            })?;
+            located.push((place, What::Fold));
+        }
+        if let (Some((before, _)), Some((after, _))) = (&self.tests.cusp, &tests.cusp)
+            && before * after < 0.0
+        {
+            let place = self.zero_of_node((0.0, *before), (ds, *after), |follower, node| {
+                Some(follower.tests(node).ok()?.cusp?.0)
+            })?;
+            located.push((place, What::Cusp));
+        }
+        if let Condition::Hopf { sector } = self.system.condition {
+            let count = self.system.wave_unknowns();
+            let (wave, _) = self.system.wave(&to.point, 0);
+            let symmetric = sector == 0 || 2 * sector == wave.mode as usize;
+            let sign = self.node.point[count].signum();
+            let least = |point: &Vector| sign * point[count] - LEAST_OMEGA;
+            let (before, after) = (least(&self.node.point), least(&to.point));
+            if symmetric && before > 0.0 && after <= 0.0 {
+                let place = self.zero((0.0, before), (ds, after), |_, point| Some(least(point)))?;
+                located.push((place, What::ZeroOmega));
+            }
+        }
+        Ok(())
+    }
+
+    /// The zero of a function of the point along the step.
+    fn zero(
+        &self,
+        low: (f64, f64),
+        high: (f64, f64),
+        mut test: impl FnMut(&Follower, &Vector) -> Option<f64>,
+    ) -> Result<Place, Refusal> {
+        self.zero_of_node(low, high, |follower, node| test(follower, &node.point))
+    }
+
+    /// The zero of a function of point and tangent along the step, by the Illinois variant of the
+    /// secant rule.
+    fn zero_of_node(
+        &self,
+        low: (f64, f64),
+        high: (f64, f64),
+        mut test: impl FnMut(&Follower, &Node) -> Option<f64>,
+    ) -> Result<Place, Refusal> {
+        /// Relative width of the bracket, or value, at which the place is known to rounding.
+        const EXACT: f64 = 1e-14;
+        let lost = || Refusal::Numerical("a point of codimension two was not located".into());
+        let (mut low, mut high) = (low, high);
+        let size = low.1.abs().max(high.1.abs());
+        let width = high.0;
+        let mut side = 0;
+        let mut found = None;
+        for _ in 0..80 {
+            let s = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+            let node = self.node_at(s).ok_or_else(lost)?;
+            let value = test(self, &node).ok_or_else(lost)?;
+            found = Some(Place { s, node });
+            if value.abs() <= EXACT * size || (high.0 - low.0).abs() <= EXACT * width {
+                break;
+            }
+            if (value > 0.0) == (low.1 > 0.0) {
+                low = (s, value);
+                if side == -1 {
+                    high.1 *= 0.5;
+                }
+                side = -1;
+            } else {
+                high = (s, value);
+                if side == 1 {
+                    low.1 *= 0.5;
+                }
+                side = 1;
+            }
+        }
+        found.ok_or_else(lost)
+    }
+
+    /// The node at arclength s along the step.
+    fn node_at(&self, s: f64) -> Option<Node> {
+        let predicted = &self.node.point + &self.node.tangent * s;
+        let mut plane = Plane {
+            normal: &self.node.tangent,
+            through: &predicted,
+        };
+        let settings = self.newton();
+        continuation::correct(
+            &self.system,
+            &mut plane,
+            &predicted,
+            &self.node.tangent,
+            &settings,
+        )
+        .ok()
+        .map(|(node, _)| node)
+    }
+
+    fn newton(&self) -> newton::Settings {
+        newton::Settings {
+            tolerance: self.settings.steps.tolerance,
+            most_iterations: 12,
+            halvings: 0,
+            polish: 1,
+        }
+    }
+
+    /// Solves the event together with a constraint.
+    fn solve(
+        &self,
+        constraint: &mut impl Constraint<EventSystem>,
+        guess: &Vector,
+    ) -> Result<Place, Refusal> {
+        let settings = self.newton();
+        let tangent = &self.node.tangent;
+        let (node, _) = continuation::correct(&self.system, constraint, guess, tangent, &settings)
+            .map_err(|failure| Refusal::Numerical(failure.to_string()))?;
+        Ok(Place {
+            s: tangent.dot(&(&node.point - &self.node.point)),
+            node,
+        })
+    }
+
+    /// The same event of the wave beyond a change of regime, a step into it being admissible.
+    fn enter(&self, node: &Node, second: &Margin) -> Option<Follower> {
+        let Condition::Margin(first) = self.system.condition else {
+            return None;
+        };
+        let tolerance = self.settings.steps.tolerance;
+        let (wave, own) = self.system.wave(&node.point, 0);
+        let regime = wave.signature.zone(first.zone).regime;
+        let here = AtZero { margin: *second }.margin_at(&wave, &own).ok()?;
+        for candidate in candidates(&wave, &own, &here).ok()? {
+            let Ok(examination) = examine(&candidate.wave, &candidate.point) else {
+                continue;
+            };
+            let vanish: Vec<Margin> = examination
+                .margins
+                .iter()
+                .copied()
+                .filter(|margin| margin.jet.value.abs() < AT_SECOND)
+                .collect();
+            for margin in vanish.iter().filter(|margin| {
+                margin.watch == first.watch
+                    && candidate.wave.signature.zone(margin.zone).regime == regime
+                    && !(margin.watch == Watch::Duration
+                        && candidate.nascent.contains(&margin.zone))
+            }) {
+                let system = self
+                    .system
+                    .of(candidate.wave.signature.clone(), Condition::Margin(*margin));
+                let count = system.wave_unknowns();
+                let parameters = node.point.len() - 2;
+                let point = Vector::from_fn(count + 2, |row, _| match row {
+                    row if row < count => candidate.point[row],
+                    row => node.point[parameters + row - count],
+                });
+                let Ok((matrix, residual)) = newton::jacobian(&system, &point) else {
+                    continue;
+                };
+                let Some(kernel) = linalg::kernel(&matrix) else {
+                    continue;
+                };
+                if residual.is_nan() || residual > AT_SECOND {
+                    continue;
+                }
+                let mut ds = self.ds.min(self.settings.steps.ds);
+                for _ in 0..TRIES {
+                    for sign in [1.0, -1.0] {
+                        let from = Node {
+                            point: point.clone(),
+                            tangent: &kernel.null_vector * sign,
+                            newton: 0,
+                            residual,
+                        };
+                        let into = self.into(&system, &from, &vanish, ds, tolerance);
+                        // the event itself goes on, alone as before, and new zones do grow
+                        if let Some(own) = into.filter(|own| {
+                            own.contains(&(margin.watch, margin.zone))
+                                && own.len() <= self.own.len()
+                                && !candidate
+                                    .nascent
+                                    .iter()
+                                    .any(|zone| own.contains(&(Watch::Duration, *zone)))
+                        }) {
+                            let mut next =
+                                Follower::new(system.clone(), self.event, from, self.settings)
+                                    .ok()?;
+                            next.own = own;
+                            next.ds = ds;
+                            next.origin = self.origin.clone();
+                            return Some(next);
+                        }
+                    }
+                    ds *= 0.25;
+                }
+            }
+        }
+        None
+    }
+
+    /// The margins that vanish at both ends of a step into a candidate; `None` where that is not
+    /// admissible.
+    fn into(
+        &self,
+        system: &EventSystem,
+        from: &Node,
+        vanish: &[Margin],
+        ds: f64,
+        tolerance: f64,
+    ) -> Option<Vec<(Watch, usize)>> {
+        let to = continuation::advance(system, from, ds, tolerance)
+            .ok()?
+            .node;
+        let (wave, own) = system.wave(&to.point, 0);
+        let examination = examine(&wave, &own).ok()?;
+        let mut along = Vec::new();
+        for one in &examination.margins {
+            let began = vanish
+                .iter()
+                .any(|known| known.watch == one.watch && known.zone == one.zone);
+            if began && one.jet.value.abs() < OWN {
+                along.push((one.watch, one.zone));
+            } else if one.jet.value.is_nan() || one.jet.value <= 0.0 {
+                return None;
+            }
+        }
+        Some(along)
+    }
+
+    /// Type and words of a second event at a point.
+    fn second_event(&self, point: &Vector, margin: &Margin) -> (EventType, String) {
+        let (wave, own) = self.system.wave(point, 0);
+        let tolerance = self.settings.steps.tolerance;
+        let mut at = AtZero { margin: *margin };
+        let here = at.margin_at(&wave, &own).unwrap_or(*margin);
+        let after = successor(&wave, &own, &here, tolerance);
+        let kind = events::classify(&wave.signature, after.as_ref(), &here);
+        let text = describe(kind, &wave.signature, after.as_ref(), &here);
+        (kind, format!("another inequality fails: {text} ({kind})"))
+    }
+
+    /// A node as a point of the curve.
+    fn point(&self, node: &Node) -> Point {
+        let (wave, own) = self.system.wave(&node.point, 0);
+        let before = wave.signature.to_string();
+        let after = match self.system.condition {
+            Condition::Margin(margin) => {
+                let here = AtZero { margin }.margin_at(&wave, &own).unwrap_or(margin);
+                successor(&wave, &own, &here, self.settings.steps.tolerance)
+                    .map_or_else(String::new, |after| after.to_string())
+            }
+            _ => before.clone(),
+        };
+        Point {
+            parameters: self.system.values(&node.point),
+            speed: wave.speed_at(&own),
+            excess: wave.excess_at(&own),
+            before,
+            after,
+            omega: self.system.omega(&node.point),
+            kind: None,
+            what: String::new(),
+            newton: node.newton,
+            residual: newton::jacobian(&self.system, &node.point)
+                .map_or(node.residual, |(_, residual)| residual),
+        }
+    }
+
+    /// Whether the step to a node passes the start again.
+    fn closes(&self, to: &Node, ds: f64) -> bool {
+        // another signature has other unknowns
+        if self.travelled < 4.0 * ds || self.origin.point.len() != to.point.len() {
+            return false;
+        }
+        let side = |point: &Vector| self.origin.tangent.dot(&(point - &self.origin.point));
+        side(&self.node.point) < 0.0
+            && side(&to.point) >= 0.0
+            && (&to.point - &self.origin.point).norm() <= CLOSED * ds
+            && to.tangent.dot(&self.origin.tangent) > 0.9
+    }
+}
+
+/// Margins and residuals of a candidate below this vanish at the point where two events meet: it is
+/// known to 1e-12 or better, and reduced switching functions of nascent zones amplify that.
+const AT_SECOND: f64 = 1e-8;
+
+/// Steps tried into a candidate: from the given one down by factors of 4.
+const TRIES: usize = 8;
+
+/// A point located within a step.
+struct Place {
+    s: f64,
+    node: Node,
+}
+
+/// First step into a wave beyond an event, as on a branch.
+const INTO: f64 = 1e-3;
+
+/// The signature beyond a change of regime.
+fn successor(wave: &Wave, point: &Vector, margin: &Margin, tolerance: f64) -> Option<Signature> {
+    events::beyond(wave, point, margin, INTO, tolerance)
+        .beyond
+        .map(|beyond| beyond.wave.signature)
+}
+
+/// What lies on either side of the curve at a point.
+fn regions(system: &EventSystem, point: &Vector, tolerance: f64) -> Vec<Region> {
+    let (wave, own) = system.wave(point, 0);
+    let last = own.len() - 1;
+    let mut found = Vec::with_capacity(2);
+    let mut along = Vector::zeros(last + 1);
+    along[last] = 1.0;
+    let direction = |from: &Vector, to: &Vector| (to[to.len() - 1] - from[from.len() - 1]).signum();
+    match system.condition {
+        Condition::Margin(margin) => {
+            let here = AtZero { margin }.margin_at(&wave, &own).unwrap_or(margin);
+            if let Some(mut node) = events::retangent(&wave, &own, &along, 0) {
+                if here.slope(wave.zones(), &node.tangent) < 0.0 {
+                    node.tangent.neg_mut();
+                }
+                if let Ok(step) = continuation::advance(&wave, &node, INTO, tolerance) {
+                    found.push(Region {
+                        direction: direction(&own, &step.node.point),
+                        name: wave.signature.to_string(),
+                    });
+                }
+            }
+            let search = events::beyond(&wave, &own, &here, INTO, tolerance);
+            if let Some(beyond) = search.beyond
+                && let Ok(step) =
+                    continuation::advance(&beyond.wave, &beyond.node, beyond.ds, tolerance)
+            {
+                found.push(Region {
+                    direction: direction(&beyond.node.point, &step.node.point),
+                    name: beyond.wave.signature.to_string(),
+                });
+            }
+        }
+        Condition::Fold => {
+            let null = point.rows(last, last).clone_owned();
+            let tangent =
+                Vector::from_fn(last + 1, |row, _| if row < last { null[row] } else { 0.0 });
+            let node = Node {
+                point: own.clone(),
+                tangent,
+                newton: 0,
+                residual: 0.0,
+            };
+            if let Ok(step) = continuation::advance(&wave, &node, INTO, tolerance) {
+                let direction = direction(&own, &step.node.point);
+                found.push(Region {
+                    direction,
+                    name: format!("two waves {}", wave.signature),
+                });
+                found.push(Region {
+                    direction: -direction,
+                    name: "none of them".into(),
+                });
+            }
+        }
+        Condition::Hopf { sector } => {
+            let Some(node) = events::retangent(&wave, &own, &along, 0) else {
+                return found;
+            };
+            let omega = system.omega(point).unwrap_or(0.0);
+            let growth = |step: f64| -> Option<(f64, f64)> {
+                let there = continuation::advance(&wave, &node, step, tolerance)
+                    .ok()?
+                    .node;
+                let characteristic = Characteristic::new(&wave, &there.point).ok()?;
+                let z = characteristic.multiplier(sector);
+                let mut lambda = Complex::new(0.0, omega);
+                for _ in 0..20 {
+                    let (value, by) = characteristic.evaluate(lambda).sector(z);
+                    let step = value / by;
+                    lambda -= step;
+                    if step.norm() < 1e-12 {
+                        break;
+                    }
+                }
+                Some((direction(&own, &there.point), lambda.re))
+            };
+            for step in [INTO, -INTO] {
+                if let Some((direction, rate)) = growth(step) {
+                    let name = if rate > 0.0 {
+                        "the pair grows"
+                    } else {
+                        "the pair decays"
+                    };
+                    found.push(Region {
+                        direction,
+                        name: name.into(),
+                    });
+                }
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,183 @@
+//! The event that a curve begins with, found on a branch.
+
+use crate::branch::EventType;
+use crate::linalg::{self, Vector};
+use crate::newton;
+use crate::problem::{self, Continuation, Problem, Sectors, StabilitySection};
+use crate::run::{Branch, End, Item, RunError, SavedWave};
+use crate::wave::admissibility::{Margin, Watch, examine};
+
+use super::Settings;
+use super::system::{Condition, EventSystem};
+
+/// Why there is no curve.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoCurve {
+    /// The branch does not begin.
+    #[error("{0}")]
+    Run(#[from] RunError),
+    /// The branch has no such event.
+    #[error(
+        "the branch has {found} events of the kind asked for, {wanted}, and not number {index}{end}"
+    )]
+    NotFound {
+        /// Kind asked for.
+        wanted: String,
+        /// Number asked for.
+        index: usize,
+        /// How many there are.
+        found: usize,
+        /// Why the branch went no further.
+        end: String,
+    },
+    /// The event lies outside the ranges of the curve.
+    #[error(
+        "the event lies at {name} = {value}, outside the range from {low} to {high} of the curve; \
+         widen it"
+    )]
+    Outside {
+        /// Parameter.
+        name: &'static str,
+        /// Its value at the event.
+        value: f64,
+        /// Lower end.
+        low: f64,
+        /// Upper end.
+        high: f64,
+    },
+    /// The equations of the event cannot be posed or solved.
+    #[error("the curve cannot begin: {0}")]
+    Singular(String),
+}
+
+/// An event ready to be followed.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// Its type.
+    pub event: EventType,
+    /// Its equations.
+    pub system: EventSystem,
+    /// Their solution on the branch.
+    pub point: Vector,
+    /// How far to follow.
+    pub settings: Settings,
+}
+
+/// A scaled margin below this vanishes at a located event.
+const VANISHED: f64 = 1e-9;
+
+/// Follows the branch of a problem to the event that its curve begins with.
+///
+/// # Errors
+/// When the branch does not begin or does not have the event, when that lies outside the ranges,
+/// or when its equations are singular.
+pub fn find(
+    problem: &Problem,
+    continuation: &Continuation,
+    restart: Option<&SavedWave>,
+    curve: &problem::Curve,
+) -> Result<Start, NoCurve> {
+    let mut plain = problem.clone();
+    plain.output.profiles = 0;
+    plain.output.conditioning = false;
+    // spectra are wanted for the sake of Hopf points only, in their sector only
+    let of_sector = StabilitySection {
+        sectors: Sectors::Only(vec![curve.sector]),
+        ..problem.stability.clone().unwrap_or_default()
+    };
+    plain.stability = (curve.event == EventType::HB).then_some(of_sector);
+    let mut branch = Branch::begin(&plain, continuation, restart)?;
+    let mut found = 0;
+    while branch.progress().end.is_none() {
+        for item in branch.step() {
+            if item.point.kind == Some(curve.event) {
+                found += 1;
+                if found == curve.index {
+                    return pose(&item, curve);
+                }
+            }
+        }
+    }
+    let mut wanted = curve.event.to_string();
+    if curve.event == EventType::HB {
+        wanted.push_str(&format!(" of sector {}", curve.sector));
+    }
+    Err(NoCurve::NotFound {
+        wanted,
+        index: curve.index,
+        found,
+        end: match &branch.progress().end {
+            Some(End::Failed(reason)) => format!("; it ended before its range: {reason}"),
+            _ => String::new(),
+        },
+    })
+}
+
+/// The equations of an event of a branch.
+fn pose(item: &Item, curve: &problem::Curve) -> Result<Start, NoCurve> {
+    let (wave, point) = item.wave();
+    let parameters = [curve.parameters.0, curve.parameters.1];
+    let ranges = [curve.range.0, curve.range.1];
+    let widths = ranges.map(|(low, high)| high - low);
+    let model = wave.model_at(point);
+    for (parameter, (low, high)) in parameters.into_iter().zip(ranges) {
+        let value = model.value(parameter).unwrap_or(f64::NAN);
+        if !(value >= low && value <= high) {
+            return Err(NoCurve::Outside {
+                name: parameter.column(),
+                value,
+                low,
+                high,
+            });
+        }
+    }
+    let singular = |error: &dyn std::fmt::Display| NoCurve::Singular(error.to_string());
+    let posed = |condition| EventSystem::new(wave, point, parameters, widths, condition);
+    let (system, further) = match curve.event {
+        EventType::LP => {
+            let (matrix, _) = newton::jacobian(wave, point).map_err(|error| singular(&error))?;
+            let count = matrix.nrows();
+            let least = linalg::least(&matrix.columns(0, count).clone_owned())
+                .ok_or_else(|| NoCurve::Singular("the fold has no null vector".into()))?;
+            (posed(Condition::Fold), least.right.as_slice().to_vec())
+        }
+        EventType::HB => {
+            let system = posed(Condition::Hopf {
+                sector: curve.sector,
+            });
+            let omega = item.event.as_ref().and_then(|event| event.omega);
+            let scaled = omega.unwrap_or(f64::NAN) / system.frequency();
+            (system, vec![scaled])
+        }
+        _ => {
+            let examination = examine(wave, point).map_err(|error| singular(&error))?;
+            let mut margins: Vec<Margin> = examination
+                .margins
+                .into_iter()
+                .filter(|margin| margin.jet.value.abs() < VANISHED)
+                .collect();
+            // a zone without length says most, as on the branch
+            margins.sort_by_key(|margin| margin.watch != Watch::Duration);
+            let margin = *margins
+                .first()
+                .ok_or_else(|| NoCurve::Singular("no margin vanishes at the event".into()))?;
+            (posed(Condition::Margin(margin)), Vec::new())
+        }
+    };
+    let point = system.pack(point, &further);
+    Ok(Start {
+        event: curve.event,
+        system,
+        point,
+        settings: Settings {
+            ranges,
+            steps: crate::continuation::Settings {
+                ds: curve.ds,
+                ds_min: curve.ds_min,
+                ds_max: curve.ds_max,
+                tolerance: curve.tolerance,
+            },
+            most_points: curve.max_points,
+        },
+    })
+}

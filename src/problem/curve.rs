@@ -1,0 +1,66 @@
+//! The curve of an event in two parameters.
+
+use serde::{Deserialize, Serialize};
+
+use super::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE, Parameter};
+use crate::branch::EventType;
+
+/// Largest number of points of a curve where none is given.
+pub const DEFAULT_CURVE_POINTS: usize = 10_000;
+
+/// The curve along which an event of the branch of `continuation` moves in two parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Curve {
+    /// Type of the event: LP, GR, RV, CO, ST or HB.
+    pub event: EventType,
+    /// Which of its type along the branch, from 1.
+    #[serde(default = "one")]
+    pub index: usize,
+    /// Bloch sector of an HB, at most half the mode.
+    #[serde(default)]
+    pub sector: usize,
+    /// The two parameters, different.
+    pub parameters: (Parameter, Parameter),
+    /// Lower and upper end of each.
+    pub range: ((f64, f64), (f64, f64)),
+    /// First step, in dimensionless scaled arclength.
+    #[serde(default = "ds")]
+    pub ds: f64,
+    /// Smallest step before the curve is given up.
+    #[serde(default = "ds_min")]
+    pub ds_min: f64,
+    /// Largest step.
+    #[serde(default = "ds_max")]
+    pub ds_max: f64,
+    /// Largest number of points in either direction, at least 1.
+    #[serde(default = "max_points")]
+    pub max_points: usize,
+    /// Size of the last Newton correction at which a point is accepted.
+    #[serde(default = "tolerance")]
+    pub tolerance: f64,
+}
+
+fn one() -> usize {
+    1
+}
+
+fn ds() -> f64 {
+    DEFAULT_DS
+}
+
+fn ds_min() -> f64 {
+    DEFAULT_DS_MIN
+}
+
+fn ds_max() -> f64 {
+    DEFAULT_DS_MAX
+}
+
+fn max_points() -> usize {
+    DEFAULT_CURVE_POINTS
+}
+
+fn tolerance() -> f64 {
+    DEFAULT_TOLERANCE
+}

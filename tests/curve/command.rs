@@ -1,0 +1,97 @@
+//! `brakewave curve` on the command line.
+
+use std::fs;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_brakewave"))
+        .arg("curve")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn problem(name: &str) -> String {
+    format!("{}/problems/{name}.ron", env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn table_and_picture_of_a_curve() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("curve");
+    let text = out.to_str().unwrap();
+    let file = problem("mode4_curve");
+    let first = run(&[&file, "--out", text]);
+    assert!(first.status.success(), "{first:?}");
+    let table = fs::read(out.join("curve.csv")).unwrap();
+    let picture = fs::read_to_string(out.join("curve.svg")).unwrap();
+    assert!(picture.contains("<svg") && picture.contains("sl-rev-st"));
+    let mut reader = csv::Reader::from_reader(table.as_slice());
+    let header: Vec<String> = reader
+        .headers()
+        .unwrap()
+        .iter()
+        .map(str::to_owned)
+        .collect();
+    assert_eq!(
+        header[..5],
+        ["point", "type", "mismatch", "friction", "speed"]
+    );
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    assert!(rows.len() > 50);
+    let residual = header.iter().position(|name| name == "residual").unwrap();
+    for (index, row) in rows.iter().enumerate() {
+        assert_eq!(row[0], (index + 1).to_string());
+        assert!(row[residual].parse::<f64>().unwrap() < 1e-11);
+    }
+    // both ends say why
+    let what = header.iter().position(|name| name == "what").unwrap();
+    for row in [&rows[0], &rows[rows.len() - 1]] {
+        assert!(!row[what].is_empty());
+    }
+    // an earlier curve is kept unless told otherwise; the same bytes come again
+    let refused = run(&[&file, "--out", text]);
+    assert_eq!(refused.status.code(), Some(2));
+    let again = run(&[&file, "--out", text, "--force", "--quiet"]);
+    assert!(again.status.success() && again.stdout.is_empty());
+    assert_eq!(fs::read(out.join("curve.csv")).unwrap(), table);
+    assert_eq!(fs::read_to_string(out.join("curve.svg")).unwrap(), picture);
+}
+
+#[test]
+fn what_cannot_be_followed_is_refused() {
+    let none = run(&[&problem("mode4_friction")]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&none.stderr).contains("missing field `curve`"));
+    let folder = TempDir::new().unwrap();
+    let text = fs::read_to_string(problem("mode4_curve")).unwrap();
+    for (from, to, said) in [
+        ("event: GR", "event: UZ", "`curve.event` is UZ"),
+        ("event: GR", "event: GR, sector: 1", "has none"),
+        ("event: GR", "event: GR, index: 0", "`curve.index` is 0"),
+        (
+            "(Mismatch, Friction)",
+            "(Friction, Friction)",
+            "must be different",
+        ),
+        (
+            "(Mismatch, Friction)",
+            "(Mismatch, Smoothing)",
+            "cannot be followed in `smoothing`",
+        ),
+        ("event: GR", "event: GR, ds_max: 0.001", "`ds_max` is 0.001"),
+    ] {
+        assert!(text.contains(from));
+        let file = folder.path().join("p.ron");
+        // the last one: comments and `expect` may hold the word too
+        let at = text.find("curve: (").unwrap();
+        let (head, tail) = text.split_at(at);
+        fs::write(&file, format!("{head}{}", tail.replacen(from, to, 1))).unwrap();
+        let output = run(&[file.to_str().unwrap(), "--out", "nowhere"]);
+        assert_eq!(output.status.code(), Some(2), "{to}");
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(error.contains(said), "{to}: {error}");
+    }
+}

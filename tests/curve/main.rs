@@ -1,0 +1,39 @@
+//! Claims about curves of events in two parameters: closed forms of slip-stick waves, Hopf points
+//! found again by the tracker of a branch, curves that meet, derivatives, the command line.
+
+mod closed_form;
+mod command;
+mod equations;
+mod hopf;
+mod meeting;
+
+use brakewave::curve::start::{NoCurve, Start, find};
+use brakewave::curve::{Curve, follow};
+use brakewave::problem::{Problem, parse};
+
+/// Shows the worst error of a claim.
+fn observed(claim: &str, error: f64) {
+    println!("observed: {claim}: {error:.1e}");
+}
+
+/// Mode 4 of the tube ν = 0.3, ξ = 1.5 with further sections.
+fn tube(friction: f64, mismatch: f64, damping: f64, sections: &str) -> Problem {
+    let text = format!(
+        "(model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: {friction}, \
+         mismatch: {mismatch}, damping: (mass: {damping})), wave: (mode: 4, start: Fast), \
+         {sections})"
+    );
+    parse(&text, "test").unwrap()
+}
+
+fn start(problem: &Problem) -> Result<Start, NoCurve> {
+    let (Some(continuation), Some(curve)) = (&problem.continuation, &problem.curve) else {
+        panic!("the problem has no curve");
+    };
+    find(problem, continuation, None, curve)
+}
+
+fn curve(problem: &Problem) -> Curve {
+    let start = start(problem).unwrap();
+    follow(&start.system, start.event, &start.point, start.settings).unwrap()
+}
