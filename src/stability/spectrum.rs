@@ -678,7 +678,8 @@ pub fn spectrum(
             listed < request.eigenvalues + 1
         });
         result = Some((found, complete, window));
-        if !few || lefts == DEEPENINGS || cut < 1.0 {
+        let deep = window.left * characteristic.period < -DEEPEST;
+        if !few || lefts == DEEPENINGS || cut < 1.0 || deep {
             break;
         }
         lefts += 1;
@@ -734,8 +735,11 @@ pub fn spectrum(
     spectrum
 }
 
-/// How often the window is deepened to find as many eigenvalues as were asked for.
+/// How often the window is deepened to find as many eigenvalues as were asked for, and how deep in
+/// units of 1/T: what decays by e⁶ within a period is of no interest, and from point to point of a
+/// branch the window would grow without end where a sector has fewer eigenvalues.
 const DEEPENINGS: usize = 8;
+const DEEPEST: f64 = 6.0;
 
 /// Zeros of a neighbouring wave as starts, half by half, the translation mode with them.
 fn starts(search: &Search, seeds: &Spectrum) -> Vec<Vec<C64>> {

@@ -70,9 +70,16 @@ const REAL: f64 = 1e-7;
 /// event itself a nascent zone has no length and its jump is 0/0.
 const BEYOND: f64 = 1e-3;
 
-/// Eigenvalues farther from the imaginary axis than this are not followed: none crosses it in a
-/// step without coming near first, which the count would show.
-const NEAR: f64 = 0.35;
+/// Most spectra of one step: an interval whose counts do not agree at any depth is given up.
+const MOST_SPECTRA: usize = 120;
+
+/// Eigenvalues with Re λ below minus this over the period are not followed: none crosses the
+/// imaginary axis in a step without coming near first, which the count would show.
+const NEAR: f64 = 0.44;
+
+/// Eigenvalues are accounted for down to this fraction of that depth, or of the window's: those
+/// below may have passed its left edge.
+const ACCOUNTED: f64 = 0.5;
 
 /// One end of an interval.
 #[derive(Clone, Debug)]
@@ -151,13 +158,14 @@ impl Tracker {
                     spectrum: after,
                 };
                 let mut lost = false;
+                let mut spectra = MOST_SPECTRA;
                 self.between(
                     wave,
                     from,
                     &one,
                     &other,
                     folds,
-                    0,
+                    (0, &mut spectra),
                     &mut tracked.crossings,
                     &mut lost,
                 );
@@ -248,7 +256,7 @@ impl Tracker {
         one: &End,
         other: &End,
         folds: usize,
-        depth: u32,
+        (depth, left): (u32, &mut usize),
         crossings: &mut Vec<Crossing>,
         lost: &mut bool,
     ) {
@@ -271,7 +279,7 @@ impl Tracker {
             }
         }
         let middle = 0.5 * (one.s + other.s);
-        let half = (depth < DEEPEST)
+        let half = (depth < DEEPEST && *left > 0)
             .then(|| node_at(wave, from, middle))
             .flatten()
             .and_then(|node| {
@@ -282,12 +290,32 @@ impl Tracker {
                     spectrum,
                 })
             });
+        *left = left.saturating_sub(1);
         let Some(half) = half else {
             *lost = true;
             return;
         };
-        self.between(wave, from, one, &half, folds, depth + 1, crossings, lost);
-        self.between(wave, from, &half, other, folds, depth + 1, crossings, lost);
+        let deeper = depth + 1;
+        self.between(
+            wave,
+            from,
+            one,
+            &half,
+            folds,
+            (deeper, left),
+            crossings,
+            lost,
+        );
+        self.between(
+            wave,
+            from,
+            &half,
+            other,
+            folds,
+            (deeper, left),
+            crossings,
+            lost,
+        );
     }
 
     /// The eigenvalues that change the sign of their real part between two ends; `None` where
@@ -295,10 +323,12 @@ impl Tracker {
     fn changes(&self, wave: &Wave, one: &End, other: &End, folds: usize) -> Option<Vec<Change>> {
         let characteristic = Characteristic::new(wave, &other.node.point).ok()?;
         let mut changes = Vec::new();
+        let depth = (one.spectrum.left.max(other.spectrum.left)).max(-NEAR / characteristic.period);
+        let accounted = ACCOUNTED * depth;
         for (before, after) in one.spectrum.sectors.iter().zip(&other.spectrum.sectors) {
             let symmetric = one.spectrum.symmetric(before.sector);
             let z = characteristic.multiplier(before.sector);
-            let relevant = |eigenvalue: &&Eigenvalue| eigenvalue.re.abs() < NEAR;
+            let relevant = |eigenvalue: &&Eigenvalue| eigenvalue.re > depth;
             let mut taken = vec![false; after.eigenvalues.len()];
             let mut gone = 0;
             for start in before.eigenvalues.iter().filter(relevant) {
@@ -327,7 +357,7 @@ impl Tracker {
                     }
                     // it may have left through the upper edge
                     _ if at_edge => {}
-                    _ => gone += usize::from(start.re > -0.5 * NEAR),
+                    _ => gone += usize::from(start.re > accounted),
                 }
             }
             // unstable eigenvalues that nothing has led to must have come in through the edge
@@ -337,7 +367,7 @@ impl Tracker {
                 .zip(&taken)
                 .filter(|(eigenvalue, taken)| {
                     !**taken
-                        && eigenvalue.re > -0.5 * NEAR
+                        && eigenvalue.re > accounted
                         && eigenvalue.im.abs() < self.request.max_frequency + 0.5 * MARGIN
                 })
                 .count();
