@@ -9,9 +9,8 @@ use std::ops::Range;
 use std::path::Path;
 use std::time::Instant;
 
+use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Model, Source};
-use brakewave::problem::{FrictionLaw, Impact};
 use brakewave::stability::discretised::{SemiDiscreteWave, Settings, solve};
 use faer::c64;
 use plotters::coord::Shift;
@@ -35,19 +34,15 @@ const HIGHEST: f64 = 12.0;
 /// Repetitions of a time taken.
 const REPETITIONS: usize = 7;
 
-const MODEL: Model = Model {
-    source: Source::Geometry(Geometry {
+const MODEL: Model = Model::tube(
+    Geometry {
         nu: 0.3,
         xi: 1.5,
         gamma: 1.0,
-    }),
-    friction: 0.5,
-    mismatch: 0.2,
-    mass_damping: 0.0,
-    stiffness_damping: 0.0,
-    impact: Impact::Frictionless,
-    law: FrictionLaw::Coulomb,
-};
+    },
+    0.5,
+    0.2,
+);
 
 /// What was found for one n and ε.
 struct Row {

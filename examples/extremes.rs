@@ -10,10 +10,10 @@ use brakewave::begin::first_wave;
 use brakewave::conditioning::conditioning;
 use brakewave::continuation::{Node, Settings};
 use brakewave::linalg::Vector;
+use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Model, Source};
 use brakewave::newton::{self, Fixed, System};
-use brakewave::problem::{FrictionLaw, Impact, Method, Parameter};
+use brakewave::problem::{FrictionLaw, Method, Parameter};
 use brakewave::wave::start::{self, Which, fold_in_friction, least_mismatch, slip_stick};
 use brakewave::wave::{Wave, precise};
 
@@ -25,15 +25,7 @@ const STEPS: Settings = Settings {
 };
 
 fn tube(nu: f64, xi: f64, gamma: f64, friction: f64) -> Model {
-    Model {
-        source: Source::Geometry(Geometry { nu, xi, gamma }),
-        friction,
-        mismatch: 1.0,
-        mass_damping: 0.0,
-        stiffness_damping: 0.0,
-        impact: Impact::Frictionless,
-        law: FrictionLaw::Coulomb,
-    }
+    Model::tube(Geometry { nu, xi, gamma }, friction, 1.0)
 }
 
 /// A mismatch at which the wave is slip-stick.

@@ -8,9 +8,9 @@ use std::time::Instant;
 use brakewave::begin::first_wave;
 use brakewave::continuation::Settings as Steps;
 use brakewave::follow::{Follower, Settings, Status};
+use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Model, Source};
-use brakewave::problem::{FrictionLaw, Impact, Parameter};
+use brakewave::problem::Parameter;
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::discretised;
 use brakewave::stability::spectrum::{Request, spectrum};
@@ -19,19 +19,15 @@ use brakewave::wave::start::{Which, slip_stick};
 const MODE: u32 = 4;
 
 fn model() -> Model {
-    Model {
-        source: Source::Geometry(Geometry {
+    Model::tube(
+        Geometry {
             nu: 0.3,
             xi: 1.5,
             gamma: 1.0,
-        }),
-        friction: 0.5,
-        mismatch: 0.2,
-        mass_damping: 0.0,
-        stiffness_damping: 0.0,
-        impact: Impact::Frictionless,
-        law: FrictionLaw::Coulomb,
-    }
+        },
+        0.5,
+        0.2,
+    )
 }
 
 /// A branch to follow: the work whose time is taken.

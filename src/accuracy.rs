@@ -9,6 +9,7 @@
 //! The discretised ring has no branch and no switching points: it is solved at each of those
 //! waves that has no separation, and compared in speed and eigenvalues.
 
+use std::cell::OnceCell;
 use std::time::Instant;
 
 use nalgebra::Complex;
@@ -111,8 +112,15 @@ struct Compared {
     speed: f64,
     switches: Vec<f64>,
     signature: String,
-    /// Leading eigenvalues, sector by sector.
-    leading: Option<Vec<Vec<Complex<f64>>>>,
+    /// Leading eigenvalues, sector by sector, made when first asked for.
+    leading: OnceCell<Option<Vec<Vec<Complex<f64>>>>>,
+}
+
+impl Compared {
+    fn leading(&self) -> Option<&Vec<Vec<Complex<f64>>>> {
+        let made = || leading(&self.wave, &self.point);
+        self.leading.get_or_init(made).as_ref()
+    }
 }
 
 /// A branch followed by one method.
@@ -189,7 +197,6 @@ pub fn follow(
     problem: &Problem,
     continuation: &Continuation,
     method: Method,
-    eigenvalues: bool,
 ) -> Result<Followed, RunError> {
     let mut problem = problem.clone();
     problem.method = Some(method);
@@ -215,7 +222,7 @@ pub fn follow(
                     speed: wave.speed_at(point),
                     switches: profile::switches(wave, point),
                     signature: wave.signature.to_string(),
-                    leading: eigenvalues.then(|| leading(wave, point)).flatten(),
+                    leading: OnceCell::new(),
                     wave: wave.clone(),
                     point: point.clone(),
                 });
@@ -326,9 +333,8 @@ fn flow_row(
     repeats: Repeats,
 ) -> Row {
     let rung = Rung::Flow(method);
-    let (seconds, found) = timed(repeats, || follow(problem, continuation, method, false));
-    // the eigenvalues are no part of the time
-    let found = match found.and_then(|_| follow(problem, continuation, method, true)) {
+    let (seconds, found) = timed(repeats, || follow(problem, continuation, method));
+    let found = match found {
         Ok(found) => found,
         Err(error) => return empty(rung, reference, error.to_string()),
     };
@@ -364,9 +370,9 @@ fn flow_row(
     } else if row.failure.is_none() {
         row.failure = Some("not the events of the reference".into());
     }
-    row.eigenvalue_error = worst(pairs().filter_map(|(one, other)| {
-        eigenvalue_error(one.leading.as_ref()?, other.leading.as_ref()?)
-    }));
+    row.eigenvalue_error = worst(
+        pairs().filter_map(|(one, other)| eigenvalue_error(one.leading()?, other.leading()?)),
+    );
     row
 }
 
@@ -422,7 +428,7 @@ fn ring_row(points: usize, epsilon: f64, reference: &Followed, repeats: Repeats)
     };
     let pairs = || waves.iter().zip(&rings);
     let eigenvalues = pairs().filter_map(|(compared, ring)| {
-        let exact = compared.leading.as_ref()?;
+        let exact = compared.leading()?;
         let found: Option<Vec<Vec<Complex<f64>>>> = (0..exact.len())
             .map(|sector| {
                 let values = ring

@@ -655,7 +655,7 @@ impl Branch {
         spectrum: Option<&Spectrum>,
         crossing: Option<(usize, Option<f64>)>,
     ) -> Item {
-        let wave = &found.wave.clone();
+        let wave = &found.wave;
         let parameter = wave.parameter;
         let model = self.model.with(parameter, found.parameter);
         let values = model.values();

@@ -11,8 +11,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::run::{Prepared, prepare};
 use super::{Failure, FormatArgument, default_folder, print, warn};
 use crate::accuracy::{self, Repeats, Row};
-use crate::output::plots::accuracy::{Series, compose};
-use crate::output::plots::{Format, PlotError, Settings, convert};
+use crate::output::plots::accuracy::Series;
+use crate::output::plots::{Format, PlotError, Settings, draw_accuracy};
 use crate::output::tables::number;
 
 #[derive(Debug, Args)]
@@ -73,7 +73,7 @@ pub fn accuracy(arguments: &AccuracyArguments) -> Result<u8, Failure> {
     let law = problem.model.friction_law;
     let (stripped, continuation) = accuracy::stripped(&problem, &continuation);
     let method = accuracy::reference_method(law);
-    let reference = accuracy::follow(&stripped, &continuation, method, true)?;
+    let reference = accuracy::follow(&stripped, &continuation, method)?;
     let ladder = accuracy::ladder(law);
     let bar = (!arguments.quiet && stderr().is_terminal()).then(|| {
         let bar = ProgressBar::new(ladder.len() as u64);
@@ -108,14 +108,16 @@ pub fn accuracy(arguments: &AccuracyArguments) -> Result<u8, Failure> {
     if let Some(bar) = &bar {
         bar.finish_and_clear();
     }
-    write(&out, "accuracy.csv", table(&rows).as_bytes())?;
+    let path = out.join("accuracy.csv");
+    fs::write(&path, table(&rows))
+        .map_err(|source| Failure::Plot(PlotError::Write { path, source }))?;
     let settings = Settings {
         parameter: continuation.parameter.column().into(),
         title: problem.title.clone(),
     };
     let format = Format::from(arguments.format);
-    let picture = convert(compose(&series(&rows), &settings)?, format)?;
-    write(&out, &format!("accuracy.{}", format.extension()), &picture)?;
+    let picture = out.join(format!("accuracy.{}", format.extension()));
+    draw_accuracy(&picture, format, &series(&rows), &settings)?;
     if !arguments.quiet {
         print(&text(&rows, law.piecewise_linear()))?;
         print(&format!("results in {}\n", out.display()))?;
@@ -138,11 +140,6 @@ fn prepare_folder(out: &Path, force: bool) -> Result<(), Failure> {
     }
     fs::create_dir_all(out)
         .map_err(|error| Failure::Usage(format!("cannot create {}: {error}", out.display())))
-}
-
-fn write(out: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> {
-    let path = out.join(name);
-    fs::write(&path, bytes).map_err(|source| Failure::Plot(PlotError::Write { path, source }))
 }
 
 fn optional(value: Option<f64>) -> String {

@@ -64,6 +64,19 @@ pub struct Model {
 }
 
 impl Model {
+    /// An undamped tube with frictionless impact under Coulomb's law.
+    pub const fn tube(geometry: Geometry, friction: f64, mismatch: f64) -> Model {
+        Model {
+            source: Source::Geometry(geometry),
+            friction,
+            mismatch,
+            mass_damping: 0.0,
+            stiffness_damping: 0.0,
+            impact: Impact::Frictionless,
+            law: FrictionLaw::Coulomb,
+        }
+    }
+
     /// The numbers of the equations at these parameters.
     pub fn parameters(&self) -> Parameters {
         Parameters {

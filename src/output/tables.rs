@@ -77,14 +77,9 @@ fn verdict(stable: Stability) -> &'static str {
     }
 }
 
-/// A row of `branch.csv`.
-pub fn branch_row(point: &BranchPoint, leg: usize) -> String {
-    let mut fields = vec![
-        point.point.to_string(),
-        optional(point.label),
-        optional(point.kind),
-        point.regimes.clone(),
-    ];
+/// The columns from `regimes` to `lead_sector`: a wave and its stability.
+fn wave(point: &BranchPoint) -> Vec<String> {
+    let mut fields = vec![point.regimes.clone()];
     fields.extend(parameters(&point.parameters));
     fields.extend([
         number(point.speed),
@@ -97,6 +92,19 @@ pub fn branch_row(point: &BranchPoint, leg: usize) -> String {
         point.lead.map_or_else(String::new, |lead| number(lead.re)),
         point.lead.map_or_else(String::new, |lead| number(lead.im)),
         optional(point.lead.map(|lead| lead.sector)),
+    ]);
+    fields
+}
+
+/// A row of `branch.csv`.
+pub fn branch_row(point: &BranchPoint, leg: usize) -> String {
+    let mut fields = vec![
+        point.point.to_string(),
+        optional(point.label),
+        optional(point.kind),
+    ];
+    fields.extend(wave(point));
+    fields.extend([
         point.newton.to_string(),
         number(point.residual),
         leg.to_string(),
@@ -122,21 +130,8 @@ pub fn map_row(cell: &Cell) -> String {
     ];
     match &cell.found {
         CellPoint::Wave(point) => {
-            fields.push(point.regimes.clone());
-            fields.extend(parameters(&point.parameters));
-            fields.extend([
-                number(point.speed),
-                switches(point),
-                number(point.min_pressure),
-                number(point.max_gap),
-                number(point.amplitude),
-                point.stable.map_or("", verdict).to_string(),
-                optional(point.unstable),
-                point.lead.map_or_else(String::new, |lead| number(lead.re)),
-                point.lead.map_or_else(String::new, |lead| number(lead.im)),
-                optional(point.lead.map(|lead| lead.sector)),
-                String::new(),
-            ]);
+            fields.extend(wave(point));
+            fields.push(String::new());
         }
         CellPoint::Nothing {
             parameters: values,

@@ -119,9 +119,7 @@ impl Problem {
             ProblemError::in_text(name, text, flaw)
         })
     }
-}
 
-impl Problem {
     /// The `map` section, or an error that says how to write one.
     ///
     /// `text` and `name` are the source of the problem and the name of its file, for the message.
@@ -136,9 +134,7 @@ impl Problem {
             ProblemError::in_text(name, text, flaw)
         })
     }
-}
 
-impl Problem {
     /// The `curve` section, or an error that says how to write one.
     ///
     /// `text` and `name` are the source of the problem and the name of its file, for the message.

@@ -1272,22 +1272,17 @@ mod tests {
     use super::*;
     use crate::model::Source;
     use crate::model::coefficients::Geometry;
-    use crate::problem::{FrictionLaw, Impact};
 
     fn model(mismatch: f64) -> Model {
-        Model {
-            source: Source::Geometry(Geometry {
+        Model::tube(
+            Geometry {
                 nu: 0.3,
                 xi: 1.5,
                 gamma: 1.0,
-            }),
-            friction: 0.5,
+            },
+            0.5,
             mismatch,
-            mass_damping: 0.0,
-            stiffness_damping: 0.0,
-            impact: Impact::Frictionless,
-            law: FrictionLaw::Coulomb,
-        }
+        )
     }
 
     fn wave(points: usize, epsilon: f64) -> SemiDiscreteWave {

@@ -116,24 +116,21 @@ pub fn slip_stick(model: &Model, mode: u32, near: &SlipStick) -> Option<Precise>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Source;
     use crate::model::coefficients::Geometry;
-    use crate::problem::{FrictionLaw, Impact};
     use crate::wave::start::{self, Which};
 
     fn model(friction: f64, damping: f64) -> Model {
         Model {
-            source: Source::Geometry(Geometry {
-                nu: 0.3,
-                xi: 1.5,
-                gamma: 1.0,
-            }),
-            friction,
-            mismatch: 0.2,
             mass_damping: damping,
-            stiffness_damping: 0.0,
-            impact: Impact::Frictionless,
-            law: FrictionLaw::Coulomb,
+            ..Model::tube(
+                Geometry {
+                    nu: 0.3,
+                    xi: 1.5,
+                    gamma: 1.0,
+                },
+                friction,
+                0.2,
+            )
         }
     }
 

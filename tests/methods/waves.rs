@@ -3,9 +3,9 @@
 use brakewave::begin::{first_wave, polish};
 use brakewave::continuation::Settings;
 use brakewave::linalg::Vector;
+use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Model, Source};
-use brakewave::problem::{FrictionLaw, Impact, Method, Parameter};
+use brakewave::problem::{FrictionLaw, Method, Parameter};
 use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 
@@ -20,17 +20,16 @@ pub const STEPS: Settings = Settings {
 /// The tube of the mode-4 branches under a friction law.
 pub fn tube(friction: f64, mismatch: f64, law: FrictionLaw) -> Model {
     Model {
-        source: Source::Geometry(Geometry {
-            nu: 0.3,
-            xi: 1.5,
-            gamma: 1.0,
-        }),
-        friction,
-        mismatch,
-        mass_damping: 0.0,
-        stiffness_damping: 0.0,
-        impact: Impact::Frictionless,
         law,
+        ..Model::tube(
+            Geometry {
+                nu: 0.3,
+                xi: 1.5,
+                gamma: 1.0,
+            },
+            friction,
+            mismatch,
+        )
     }
 }
 

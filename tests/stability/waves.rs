@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use brakewave::begin::first_wave;
 use brakewave::continuation;
 use brakewave::linalg::Vector;
+use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Model, Source};
-use brakewave::problem::{self, FrictionLaw, Impact, Parameter, Problem};
+use brakewave::problem::{self, Parameter, Problem};
 use brakewave::run::{Branch, End, Item};
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::spectrum::{Request, Spectrum, spectrum};
@@ -27,15 +27,7 @@ pub const STEPS: continuation::Settings = continuation::Settings {
 
 /// An undamped tube with γ = 1 and frictionless impact.
 pub fn tube(nu: f64, xi: f64, friction: f64, mismatch: f64) -> Model {
-    Model {
-        source: Source::Geometry(Geometry { nu, xi, gamma: 1.0 }),
-        friction,
-        mismatch,
-        mass_damping: 0.0,
-        stiffness_damping: 0.0,
-        impact: Impact::Frictionless,
-        law: FrictionLaw::Coulomb,
-    }
+    Model::tube(Geometry { nu, xi, gamma: 1.0 }, friction, mismatch)
 }
 
 /// The tube of the mode-4 branches.

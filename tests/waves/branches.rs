@@ -9,9 +9,9 @@ use brakewave::flow::SlidingFlow;
 use brakewave::flow::contact::ContactFlow;
 use brakewave::follow::{Follower, Found, Settings, Status};
 use brakewave::linalg::Vector;
+use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Model, Source};
-use brakewave::problem::{FrictionLaw, Impact, Parameter};
+use brakewave::problem::{Impact, Parameter};
 use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 
@@ -25,15 +25,7 @@ pub const STEPS: continuation::Settings = continuation::Settings {
 
 /// An undamped tube with γ = 1 and frictionless impact.
 pub fn tube(nu: f64, xi: f64, friction: f64, mismatch: f64) -> Model {
-    Model {
-        source: Source::Geometry(Geometry { nu, xi, gamma: 1.0 }),
-        friction,
-        mismatch,
-        mass_damping: 0.0,
-        stiffness_damping: 0.0,
-        impact: Impact::Frictionless,
-        law: FrictionLaw::Coulomb,
-    }
+    Model::tube(Geometry { nu, xi, gamma: 1.0 }, friction, mismatch)
 }
 
 /// The tube of the mode-4 branches.

@@ -144,11 +144,7 @@ pub fn draw_steady(
     title: Option<&str>,
     modes: &[Mode],
 ) -> Result<(), PlotError> {
-    let bytes = convert(steady::compose(modes, title)?, format)?;
-    fs::write(path, bytes).map_err(|source| PlotError::Write {
-        path: path.to_owned(),
-        source,
-    })
+    save(path, steady::compose(modes, title)?, format)
 }
 
 /// Draws the regions of a map from the `map.csv` of its folder.
@@ -164,11 +160,7 @@ pub fn draw_map(
     title: Option<&str>,
 ) -> Result<(), PlotError> {
     let table = folder.join(super::map_folder::TABLE);
-    let bytes = convert(map::compose(&table, section, title)?, format)?;
-    fs::write(path, bytes).map_err(|source| PlotError::Write {
-        path: path.to_owned(),
-        source,
-    })
+    save(path, map::compose(&table, section, title)?, format)
 }
 
 /// Draws the curve of an event in the plane of its parameters, `ranges` wide.
@@ -183,8 +175,26 @@ pub fn draw_curve(
     ranges: [(f64, f64); 2],
     title: Option<&str>,
 ) -> Result<(), PlotError> {
-    let bytes = convert(curve::compose(curve, ranges, title)?, format)?;
-    fs::write(path, bytes).map_err(|source| PlotError::Write {
+    save(path, curve::compose(curve, ranges, title)?, format)
+}
+
+/// Draws error against run time of several methods.
+///
+/// # Errors
+///
+/// When the format is not compiled in or the file cannot be written.
+pub fn draw_accuracy(
+    path: &Path,
+    format: Format,
+    series: &[accuracy::Series],
+    settings: &Settings,
+) -> Result<(), PlotError> {
+    save(path, accuracy::compose(series, settings)?, format)
+}
+
+/// Writes a composed picture.
+fn save(path: &Path, svg: String, format: Format) -> Result<(), PlotError> {
+    fs::write(path, convert(svg, format)?).map_err(|source| PlotError::Write {
         path: path.to_owned(),
         source,
     })
@@ -225,12 +235,8 @@ pub fn draw(
     let mut written = Vec::with_capacity(pictures.len());
     for picture in pictures {
         let svg = compose(picture, &tables, &profiles, settings)?;
-        let bytes = convert(svg, format)?;
         let path = folder.join(format!("{}.{}", stem(picture), format.extension()));
-        fs::write(&path, bytes).map_err(|source| PlotError::Write {
-            path: path.clone(),
-            source,
-        })?;
+        save(&path, svg, format)?;
         written.push(path);
     }
     Ok(written)
@@ -257,11 +263,8 @@ fn compose(
 }
 
 /// The bytes of the picture's file.
-///
-/// # Errors
-/// The format is not compiled in, or the conversion fails.
 #[cfg(feature = "raster")]
-pub fn convert(svg: String, format: Format) -> Result<Vec<u8>, PlotError> {
+fn convert(svg: String, format: Format) -> Result<Vec<u8>, PlotError> {
     match format {
         Format::Svg => Ok(svg.into_bytes()),
         Format::Png => raster::png(&svg),
@@ -270,11 +273,8 @@ pub fn convert(svg: String, format: Format) -> Result<Vec<u8>, PlotError> {
 }
 
 /// The bytes of the picture's file.
-///
-/// # Errors
-/// The format is not compiled in, or the conversion fails.
 #[cfg(not(feature = "raster"))]
-pub fn convert(svg: String, format: Format) -> Result<Vec<u8>, PlotError> {
+fn convert(svg: String, format: Format) -> Result<Vec<u8>, PlotError> {
     match format {
         Format::Svg => Ok(svg.into_bytes()),
         Format::Png | Format::Pdf => Err(PlotError::FormatMissing(format.extension())),

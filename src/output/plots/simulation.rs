@@ -13,7 +13,7 @@ use super::profile::evenly;
 use super::quantity::Quantity;
 use super::sheet::{Panel, Sheet, usual_length};
 use super::tables::Table;
-use super::{Format, convert};
+use super::{Format, save};
 use crate::output::npy;
 use crate::output::simulation::{END, MEASURES, PICTURES, REGIMES, SERIES, START};
 use crate::simulation::line::Regime;
@@ -47,11 +47,7 @@ pub fn draw(folder: &Path, title: Option<&str>, format: Format) -> Result<Vec<Pa
     let mut written = Vec::with_capacity(pictures.len());
     for (name, svg) in PICTURES.into_iter().zip(pictures) {
         let path = folder.join(format!("{name}.{}", format.extension()));
-        let bytes = convert(svg, format)?;
-        fs::write(&path, bytes).map_err(|source| PlotError::Write {
-            path: path.clone(),
-            source,
-        })?;
+        save(&path, svg, format)?;
         written.push(path);
     }
     Ok(written)
