@@ -41,6 +41,7 @@ fn ring(order: Order, watched: bool) -> f64 {
         friction: 0.5,
         mismatch: 0.2,
         mass_damping: 0.0,
+        stiffness_damping: 0.0,
         smoothing: 0.0,
     };
     let angle = std::f64::consts::TAU;

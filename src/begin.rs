@@ -11,7 +11,8 @@ use crate::newton::{self, Fixed, System};
 use crate::problem::{FrictionLaw, Parameter};
 use crate::wave::admissibility::examine;
 use crate::wave::start::{self, NoWave, Which};
-use crate::wave::{RATE_UNITS, Scales, Wave};
+use crate::wave::hopf::{Family, NoHopf, family};
+use crate::wave::{RATE_UNITS, Scales, Wave, ZoneUnknowns};
 
 /// Why there is no first wave.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -22,6 +23,14 @@ pub enum NoStart {
     /// The equations could not be evaluated.
     #[error("{0}")]
     Flow(#[from] FlowError),
+    /// No wave was found at this material damping.
+    #[error("no slip-stick wave is reached at β = {beta}: {reason}")]
+    Damped {
+        /// β asked for.
+        beta: f64,
+        /// How the search ended.
+        reason: String,
+    },
     /// Newton's method failed on the closed form.
     #[error("Newton's method fails at the start: {0}")]
     Newton(String),
@@ -64,6 +73,9 @@ pub fn first_wave(
     width: f64,
     continuation: crate::continuation::Settings,
 ) -> Result<(Wave, Vector), NoStart> {
+    if model.stiffness_damping > 0.0 {
+        return material_wave(model, parameter, mode, which, width, continuation);
+    }
     let coulomb = Model {
         law: FrictionLaw::Coulomb,
         ..*model
@@ -95,44 +107,202 @@ pub fn first_wave(
         }
         above *= 2.0;
     };
+    let scales = scales(model, mode, closed.excess, closed.least_rate, width);
+    lowered(
+        model,
+        parameter,
+        (wave, point),
+        above,
+        least,
+        scales,
+        continuation,
+    )
+}
+
+/// Follows a wave posed in the mismatch from `above` down to that of the model, and poses it in
+/// `parameter` there.
+fn lowered(
+    model: &Model,
+    parameter: Parameter,
+    (wave, point): (Wave, Vector),
+    above: f64,
+    least: f64,
+    scales: Scales,
+    continuation: crate::continuation::Settings,
+) -> Result<(Wave, Vector), NoStart> {
+    let range = (model.mismatch, above * (1.0 + 1e-9));
+    let (wave, point) =
+        followed(wave, &point, range, model.mismatch, continuation).map_err(|reason| {
+            NoStart::Unreached {
+                mismatch: model.mismatch,
+                least,
+                reason,
+            }
+        })?;
+    posed(&wave, &point, model, parameter, scales)
+}
+
+/// A solved wave posed in another parameter and in other units.
+fn posed(
+    wave: &Wave,
+    point: &Vector,
+    model: &Model,
+    parameter: Parameter,
+    scales: Scales,
+) -> Result<(Wave, Vector), NoStart> {
+    let signature = wave.signature.clone();
+    let moved = Wave::new(*model, parameter, wave.mode, signature, scales);
+    let value = model.value(parameter).unwrap_or(f64::NAN);
+    let guess = moved.pack(&wave.unpack(point), wave.excess_at(point), value);
+    let point = polish(&moved, &guess)?;
+    Ok((moved, point))
+}
+
+/// Follows a branch from one edge of a range of its parameter to the other, `target`.
+fn followed(
+    wave: Wave,
+    point: &Vector,
+    range: (f64, f64),
+    target: f64,
+    continuation: crate::continuation::Settings,
+) -> Result<(Wave, Vector), String> {
     let settings = Settings {
-        range: (model.mismatch, above * (1.0 + 1e-9)),
+        range,
         stop_at: Vec::new(),
         continuation,
     };
-    let unreached = |reason: String| NoStart::Unreached {
-        mismatch: model.mismatch,
-        least,
-        reason,
-    };
-    let mut follower = Follower::new(wave, &point, false, settings).map_err(unreached)?;
+    let upward = target == range.1;
+    let mut follower = Follower::new(wave, point, upward, settings)?;
     loop {
         let (found, status) = follower.step();
         match status {
             Status::Going => {}
-            Status::Failed(reason) => return Err(unreached(reason)),
+            Status::Failed(reason) => return Err(reason),
             Status::Finished => {
-                let end = found.last().ok_or_else(|| unreached("no point".into()))?;
+                let end = found.last().ok_or("no point")?;
                 let reached = end.wave.parameter_at(&end.node.point);
-                if (reached / model.mismatch - 1.0).abs() > 1e-9 {
-                    return Err(unreached(format!("it turns back to δ = {reached}")));
+                if (reached - target).abs() > 1e-9 * target.abs() {
+                    let column = end.wave.parameter.column();
+                    return Err(format!("it turns back to {column} = {reached}"));
                 }
-                let excess = end.wave.excess_at(&end.node.point);
-                let wave = Wave::new(
-                    *model,
-                    parameter,
-                    mode,
-                    end.wave.signature.clone(),
-                    scales(model, mode, excess, closed.least_rate, width),
-                );
-                let zones = end.wave.unpack(&end.node.point);
-                let value = model.value(parameter).unwrap_or(f64::NAN);
-                let guess = wave.pack(&zones, excess, value);
-                let point = polish(&wave, &guess)?;
-                return Ok((wave, point));
+                return Ok((end.wave.as_ref().clone(), end.node.point.clone()));
             }
         }
     }
+}
+
+/// The wave of a model with material damping. Slip-stick waves are followed from β = 0, where they
+/// are known in closed form, at a mismatch at which they stay in contact; the fast wave, where the
+/// undamped one does not exist, from the Hopf point of steady sliding in f.
+fn material_wave(
+    model: &Model,
+    parameter: Parameter,
+    mode: u32,
+    which: Which,
+    width: f64,
+    continuation: crate::continuation::Settings,
+) -> Result<(Wave, Vector), NoStart> {
+    let beta = model.stiffness_damping;
+    let (wave, point) = match from_undamped(model, mode, which, continuation) {
+        Ok(found) => found,
+        Err(reason) => match (which, from_hopf(model, mode, continuation)) {
+            (Which::Fast, Ok(found)) => found,
+            (Which::Fast, Err(other)) => {
+                return Err(NoStart::Damped {
+                    beta,
+                    reason: format!("{reason}; from the Hopf point of steady sliding: {other}"),
+                });
+            }
+            (Which::Slow, _) => return Err(NoStart::Damped { beta, reason }),
+        },
+    };
+    let examination = examine(&wave, &point)?;
+    // in units that do not depend on where the search came from
+    let excess = wave.excess_at(&point);
+    let above = wave.model_at(&point).mismatch;
+    let largest = (above * wave.model.parameters().coefficients.g - examination.least_pressure)
+        / wave.scales.pressure;
+    let scales = scales(model, mode, excess, largest, width);
+    let here = model.with(Parameter::Mismatch, above);
+    if above == model.mismatch {
+        return posed(&wave, &point, model, parameter, scales);
+    }
+    let unit = Scales {
+        parameter: above - model.mismatch,
+        ..scales
+    };
+    let start = posed(&wave, &point, &here, Parameter::Mismatch, unit)?;
+    // slip-stick waves do not depend on δ: that of the model may be one too
+    let direct = posed(&start.0, &start.1, model, parameter, scales)?;
+    if examine(&direct.0, &direct.1)?.verdict == Verdict::Positive {
+        return Ok(direct);
+    }
+    let least = model.mismatch;
+    lowered(model, parameter, start, above, least, scales, continuation)
+}
+
+/// Mismatches at which slip-stick waves with material damping are looked for, in units of the least
+/// one of the undamped wave.
+const ABOVE_UNDAMPED: f64 = 8.0;
+
+/// The slip-stick wave at β > 0 from that at β = 0, posed in β.
+fn from_undamped(
+    model: &Model,
+    mode: u32,
+    which: Which,
+    continuation: crate::continuation::Settings,
+) -> Result<(Wave, Vector), String> {
+    let beta = model.stiffness_damping;
+    let undamped = model.with(Parameter::StiffnessDamping, 0.0);
+    let closed = start::slip_stick(&undamped, mode, which).map_err(|error| error.to_string())?;
+    let least = start::least_mismatch(&undamped, &closed);
+    let above = model.mismatch.max(ABOVE_UNDAMPED * least);
+    let from = undamped.with(Parameter::Mismatch, above);
+    let (wave, point) = slip_stick_wave(&from, Parameter::StiffnessDamping, mode, &closed, beta)
+        .map_err(|error| error.to_string())?;
+    followed(wave, &point, (0.0, beta), beta, continuation)
+}
+
+/// The slip-stick wave at this friction from the Hopf point of steady sliding, posed in f.
+fn from_hopf(
+    model: &Model,
+    mode: u32,
+    continuation: crate::continuation::Settings,
+) -> Result<(Wave, Vector), String> {
+    let found = family(model, Parameter::Friction, mode, model.friction, 2).or_else(|error| {
+        let NoHopf::Separation { least, .. } = error else {
+            return Err(error.to_string());
+        };
+        let above = model.with(Parameter::Mismatch, ABOVE_UNDAMPED * least);
+        family(&above, Parameter::Friction, mode, model.friction, 2)
+            .map_err(|error| error.to_string())
+    })?;
+    let (wave, point) = beyond_hopf(&found, continuation)?;
+    let at = wave.parameter_at(&point);
+    let range = (at.min(model.friction), at.max(model.friction));
+    followed(wave, &point, range, model.friction, continuation)
+}
+
+/// Arclength of the first step from a Hopf point into the slip-stick branch: its stick zone is there
+/// like the square root of the distance in the parameter.
+const BEYOND_HOPF: f64 = 1e-4;
+
+/// The slip-stick wave just beyond the vertical family at a Hopf point.
+///
+/// # Errors
+/// No admissible wave with a short stick zone exists.
+pub fn beyond_hopf(
+    family: &Family,
+    continuation: crate::continuation::Settings,
+) -> Result<(Wave, Vector), String> {
+    let candidate = family.opening();
+    let tolerance = continuation.tolerance;
+    let beyond = events::enter(&candidate, BEYOND_HOPF, tolerance).map_err(|reason| {
+        reason.unwrap_or_else(|| "the equations do not hold at the Hopf point".into())
+    })?;
+    let step = crate::continuation::advance(&beyond.wave, &beyond.node, beyond.ds, tolerance)
+        .map_err(|error| error.to_string())?;
+    Ok((beyond.wave, step.node.point))
 }
 
 /// The mismatch is raised at most by this factor above that of the Coulomb wave in search of a
@@ -162,14 +332,17 @@ fn slip_stick_wave(
         )
     };
     let wave = posed(FrictionLaw::Coulomb);
-    let guess = wave.pack(
-        &[
-            [closed.release, 1.0, closed.slip],
-            [closed.release - closed.stick, 1.0, closed.stick],
-        ],
-        closed.excess,
-        value,
-    );
+    let mut zones = [
+        [closed.release, 1.0, closed.slip, 0.0],
+        [closed.release - closed.stick, 1.0, closed.stick, 0.0],
+    ];
+    if wave.material {
+        // at β = 0 the layer takes V̈ to 0 at the end of slip
+        let at = wave.pack(&zones, closed.excess, value);
+        let end = wave.zone_end(&wave.flows(&at)?, &at, 0)?;
+        zones[0][3] = -end.acceleration.value;
+    }
+    let guess = wave.pack(&zones, closed.excess, value);
     let mut point = polish(&wave, &guess)?;
     if model.law == FrictionLaw::Coulomb {
         return Ok((wave, point));
@@ -210,10 +383,10 @@ fn smooth_wave(
 ) -> Result<(Wave, Vector), NoStart> {
     let flows = sharp.flows(at)?;
     let slip = flows.contact(Regime::Slip);
-    let (entry, duration) = (sharp.entry_at(at, 0), sharp.duration_at(at, 0));
-    let crossings = slip.extremes(entry, duration)?;
-    let rising = crossings.last().copied().unwrap_or(0.5 * duration);
-    let [y, _] = slip.state(entry, rising)?;
+    let slide = sharp.slide_at(at, 0);
+    let crossings = slip.extremes(&slide)?;
+    let rising = crossings.last().copied().unwrap_or(0.5 * slide.duration);
+    let [y, _] = slip.state(&slide, rising)?;
     let period: f64 = sharp.unpack(at).iter().map(|zone| zone[2]).sum();
     let posed = |epsilon: f64| {
         let law = FrictionLaw::Regularised { epsilon };
@@ -229,11 +402,11 @@ fn smooth_wave(
             sharp.scales,
         )
     };
-    let guess = |wave: &Wave, zones: &[[f64; 3]], excess: f64| {
+    let guess = |wave: &Wave, zones: &[ZoneUnknowns], excess: f64| {
         let value = wave.model.value(parameter).unwrap_or(f64::NAN);
         wave.pack(zones, excess, value)
     };
-    let first = [[y, 0.0, period]];
+    let first = [[y, 0.0, period, 0.0]];
     let wave = posed(epsilon);
     if let Ok(point) = polish(&wave, &guess(&wave, &first, sharp.excess_at(at))) {
         return Ok((wave, point));

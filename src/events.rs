@@ -242,7 +242,6 @@ pub fn may_hide_a_pair(
     to: (&Node, &Examination),
     ds: f64,
 ) -> bool {
-    let zones = wave.zones();
     from.1.margins.iter().any(|before| {
         let Some(after) = to.1.find(before.watch, before.zone) else {
             return false;
@@ -252,8 +251,8 @@ pub fn may_hide_a_pair(
         if m0 <= AT_ZERO || m1 <= 0.0 {
             return false;
         }
-        let d0 = ds * before.slope(zones, &from.0.tangent);
-        let d1 = ds * after.slope(zones, &to.0.tangent);
+        let d0 = ds * before.slope(wave, &from.0.tangent);
+        let d1 = ds * after.slope(wave, &to.0.tangent);
         // a dip needs a fall at the beginning and a rise at the end
         if d0 >= 0.0 || d1 <= 0.0 {
             return false;
@@ -334,7 +333,9 @@ pub fn beyond(wave: &Wave, point: &Vector, margin: &Margin, ds: f64, tolerance: 
     search
 }
 
-fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, Option<String>> {
+/// The first admissible step into a candidate. `Err(None)` where the event does not solve its
+/// equations.
+pub fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, Option<String>> {
     let wave = &candidate.wave;
     let (matrix, residual) =
         newton::jacobian(wave, &candidate.point).map_err(|_: FlowError| None)?;
@@ -350,7 +351,7 @@ fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, Optio
                 .margins
                 .iter()
                 .filter(|margin| margin.jet.value.abs() < 1e-6)
-                .map(|margin| margin.slope(wave.zones(), &tangent))
+                .map(|margin| margin.slope(wave, &tangent))
                 .sum(),
             Err(_) => 0.0,
         }
@@ -358,7 +359,7 @@ fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, Optio
         candidate
             .nascent
             .iter()
-            .map(|zone| tangent[3 * zone + 2])
+            .map(|zone| tangent[wave.width() * zone + 2])
             .sum()
     };
     if growth < 0.0 {
@@ -417,6 +418,7 @@ pub fn refusal(wave: &Wave, examination: &Examination) -> String {
                 Watch::Tension => "would stay in contact",
                 Watch::LowerForce | Watch::UpperForce => "would violate the friction law",
                 Watch::Impulse => "would land with too small an impulse",
+                Watch::Release => "would be released into reverse slip",
             };
             format!("the {regime} zone {what} ({:.1e})", margin.jet.value)
         }

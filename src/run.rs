@@ -24,7 +24,7 @@ use crate::stability::track::{Crossing, Tracked, Tracker};
 use crate::wave::admissibility::examine;
 use crate::wave::hopf::{Family, NoHopf, family};
 use crate::wave::start::Which;
-use crate::wave::{Scales, Wave, profile};
+use crate::wave::{Scales, Wave, ZoneUnknowns, profile};
 
 /// Why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -51,8 +51,33 @@ pub struct SavedWave {
     pub signature: Signature,
     /// (Y, W, T) of each zone: Y = V − fgδ/h and W = V̇ at its entry, duration T.
     pub zones: Vec<[f64; 3]>,
+    /// Layer G at the end of each zone; none without material damping.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<f64>,
     /// Excess speed e = |c|/√a − 1.
     pub excess: f64,
+}
+
+impl SavedWave {
+    fn new(label: usize, model: Model, wave: &Wave, point: &Vector) -> SavedWave {
+        let zones = wave.unpack(point);
+        let layers = zones.iter().map(|zone| zone[3]);
+        SavedWave {
+            label,
+            model,
+            signature: wave.signature.clone(),
+            zones: zones.iter().map(|[y, w, t, _]| [*y, *w, *t]).collect(),
+            layers: layers.take(if wave.material { zones.len() } else { 0 }).collect(),
+            excess: wave.excess_at(point),
+        }
+    }
+
+    /// (Y, W, T, G) of each zone.
+    pub fn unknowns(&self) -> Vec<ZoneUnknowns> {
+        let layers = self.layers.iter().copied().chain(std::iter::repeat(0.0));
+        let zones = self.zones.iter().zip(layers);
+        zones.map(|([y, w, t], layer)| [*y, *w, *t, layer]).collect()
+    }
 }
 
 /// How a run ended.
@@ -255,15 +280,9 @@ impl Branch {
     ) -> Result<Branch, RunError> {
         let parameter = continuation.parameter;
         let mut model = model(&problem.model);
-        if model.stiffness_damping != 0.0 || parameter == Parameter::StiffnessDamping {
-            return Err(RunError::Input(
-                "stiffness-proportional damping β > 0 is not supported in this version; \
-                 take damping: (stiffness: 0)"
-                    .into(),
-            ));
-        }
         let width = continuation.range.1 - continuation.range.0;
         let mode = problem.wave.mode;
+        let mut opened = None;
         let family = match problem.wave.start {
             Start::Hopf => {
                 let found = family(&model, parameter, mode, width, FAMILY)?;
@@ -276,16 +295,26 @@ impl Branch {
                         found.critical
                     )));
                 }
-                let beyond = match parameter {
-                    Parameter::MassDamping => 1.0 - BEYOND_HOPF,
-                    _ => 1.0 + BEYOND_HOPF,
-                };
-                model = model.with(parameter, found.critical * beyond);
+                let material =
+                    model.stiffness_damping > 0.0 || parameter == Parameter::StiffnessDamping;
+                if material {
+                    let (wave, point) = begin::beyond_hopf(&found, step_settings(continuation))
+                        .map_err(NoStart::Newton)?;
+                    model = wave.model_at(&point);
+                    opened = Some((wave, point));
+                } else {
+                    let beyond = match parameter {
+                        Parameter::MassDamping => 1.0 - BEYOND_HOPF,
+                        _ => 1.0 + BEYOND_HOPF,
+                    };
+                    model = model.with(parameter, found.critical * beyond);
+                }
                 Some(found)
             }
             _ => None,
         };
         let (wave, point) = match (which(&problem.wave.start), restart) {
+            _ if opened.is_some() => opened.unwrap_or_else(|| unreachable!("just seen")),
             (Some(which), _) => begin::first_wave(
                 &model,
                 parameter,
@@ -307,10 +336,10 @@ impl Branch {
                         parameter.column()
                     )));
                 }
-                let largest = saved
-                    .zones
+                let zones = saved.unknowns();
+                let largest = zones
                     .iter()
-                    .fold(1.0_f64, |size, [_, w, _]| size.max(w.abs()));
+                    .fold(1.0_f64, |size, [_, w, ..]| size.max(w.abs()));
                 let wave = Wave::new(
                     model,
                     parameter,
@@ -318,7 +347,7 @@ impl Branch {
                     saved.signature.clone(),
                     begin::scales(&model, mode, saved.excess, largest, width),
                 );
-                let guess = wave.pack(&saved.zones, saved.excess, value);
+                let guess = wave.pack(&zones, saved.excess, value);
                 // a saved wave solves its equations already; at a fold polishing it at a fixed
                 // parameter would fail
                 let solved = newton::jacobian(&wave, &guess)
@@ -722,13 +751,7 @@ impl Branch {
             residual: found.node.residual,
             conditioning: self.known_to(wave, &found.node),
         };
-        let saved = label.map(|label| SavedWave {
-            label,
-            model,
-            signature: wave.signature.clone(),
-            zones: wave.unpack(&found.node.point),
-            excess: wave.excess_at(&found.node.point),
-        });
+        let saved = label.map(|label| SavedWave::new(label, model, wave, &found.node.point));
         let eigenvalues = match (label, spectrum, &self.stability) {
             (Some(_), Some(spectrum), Some(request)) => spectrum
                 .sectors

@@ -953,7 +953,7 @@ fn regions(system: &EventSystem, point: &Vector, tolerance: f64) -> Vec<Region> 
         Condition::Margin(margin) => {
             let here = AtZero { margin }.margin_at(&wave, &own).unwrap_or(margin);
             if let Some(mut node) = events::retangent(&wave, &own, &along, 0) {
-                if here.slope(wave.zones(), &node.tangent) < 0.0 {
+                if here.slope(&wave, &node.tangent) < 0.0 {
                     node.tangent.neg_mut();
                 }
                 if let Ok(step) = continuation::advance(&wave, &node, INTO, tolerance) {

@@ -107,7 +107,14 @@ impl EventSystem {
 
     /// Number of unknowns of the wave, its parameter left out.
     pub fn wave_unknowns(&self) -> usize {
-        3 * self.signature.len() + 1
+        let width = if self.model.stiffness_damping > 0.0
+            || self.parameters.contains(&Parameter::StiffnessDamping)
+        {
+            4
+        } else {
+            3
+        };
+        width * self.signature.len() + 1
     }
 
     /// Both parameters at a point, in physical units.

@@ -54,14 +54,23 @@ impl ContactFlow {
     pub fn new(frame: &Frame, sliding: f64) -> ContactFlow {
         let at = &frame.at;
         let s = sliding * at.friction * at.kappa - at.damping;
-        let p = 0.5 * s / at.ma;
-        let q = at.h / at.ma;
+        let by = frame.by.map(|by| {
+            let s_by = sliding * (by.friction * at.kappa + at.friction * by.kappa) - by.damping;
+            [by.ma, s_by]
+        });
+        ContactFlow::of(frame, sliding, [at.ma, s], by)
+    }
+
+    /// The equation mÿ − sẏ + hy = 0 from (m, s) and their derivatives in the frame.
+    pub fn of(frame: &Frame, sliding: f64, [m, s]: [f64; 2], by: [[f64; 2]; 2]) -> ContactFlow {
+        let h = frame.at.h;
+        let p = 0.5 * s / m;
+        let q = h / m;
         let mut p_by = [0.0; 2];
         let mut q_by = [0.0; 2];
-        for (index, by) in frame.by.iter().enumerate() {
-            let s_by = sliding * (by.friction * at.kappa + at.friction * by.kappa) - by.damping;
-            p_by[index] = (0.5 * s_by - p * by.ma) / at.ma;
-            q_by[index] = (by.h - q * by.ma) / at.ma;
+        for (index, [m_by, s_by]) in by.into_iter().enumerate() {
+            p_by[index] = (0.5 * s_by - p * m_by) / m;
+            q_by[index] = (frame.by[index].h - q * m_by) / m;
         }
         ContactFlow {
             p,
@@ -74,6 +83,20 @@ impl ContactFlow {
             p_by,
             q_by,
         }
+    }
+
+    /// 2p and q as jets of the frame.
+    pub(super) fn coefficients(&self) -> [Jet; 2] {
+        [
+            Jet::of_frame(2.0 * self.p, [2.0 * self.p_by[0], 2.0 * self.p_by[1]]),
+            Jet::of_frame(self.q, self.q_by),
+        ]
+    }
+
+    /// (x, ẋ) after a time t of a solution of ẍ − 2pẋ + qx = 0.
+    pub(super) fn solution(&self, [value, slope]: [f64; 2], t: f64) -> [f64; 2] {
+        let [[m00, m01], [m10, m11]] = self.propagator(t).matrix;
+        [m00 * value + m01 * slope, m10 * value + m11 * slope]
     }
 
     fn propagator(&self, t: f64) -> Propagator {
@@ -193,11 +216,11 @@ impl ContactFlow {
         }
         let mut y_jet = Jet {
             value: y - self.shift.value,
-            by: [m00, m01, w, 0.0, 0.0],
+            by: [m00, m01, w, 0.0, 0.0, 0.0],
         };
         let mut w_jet = Jet {
             value: w,
-            by: [m10, m11, 2.0 * p * w - q * y, 0.0, 0.0],
+            by: [m10, m11, 2.0 * p * w - q * y, 0.0, 0.0, 0.0],
         };
         for index in 0..2 {
             let (p_by, q_by) = (self.p_by[index], self.q_by[index]);
@@ -241,8 +264,7 @@ impl ContactFlow {
             ..Jet::default()
         };
         w.by[ENTRY_W] = 1.0;
-        let p_jet = Jet::of_frame(2.0 * p, [2.0 * self.p_by[0], 2.0 * self.p_by[1]]);
-        let q_jet = Jet::of_frame(q, self.q_by);
+        let [p_jet, q_jet] = self.coefficients();
         let (mut before, mut current) = (y, w);
         let mut sum = Jet::default();
         // t^{j−m}/j! of the term j, and its derivative in t
@@ -292,6 +314,7 @@ mod tests {
             friction,
             mismatch: 0.1,
             mass_damping: damping,
+            stiffness_damping: 0.0,
             smoothing: 0.0,
         };
         let derivative = Parameters {

@@ -1,7 +1,7 @@
 //! Exact flow of one regime along a material point, with exact derivatives.
 //!
 //! A wave of speed c depends on θ = φ − ct alone. Following one material point forward in time s,
-//! ∂/∂φ = −(1/c) d/ds turns (M) (β = 0) into linear equations with constant coefficients,
+//! ∂/∂φ = −(1/c) d/ds turns (M) into linear equations with constant coefficients; for β = 0
 //!
 //! ```text
 //! slip, reverse (σ = ±1):  m_a V̈ − (σfκ − α)V̇ + hV = σfgδ,     P = gδ + κV̇,  Q = σfP
@@ -12,11 +12,13 @@
 //!
 //! The tangential displacement is measured from that of steady sliding, Y = V − fgδ/h: slip-stick
 //! waves then do not depend on δ at all, and no digits are lost where δ is large.
-//! W stands for V̇ throughout.
+//! W stands for V̇ throughout. Material damping β > 0 raises the order of the sliding equations:
+//! [`material`].
 
 pub mod collocation;
 pub mod contact;
 pub mod equations;
+pub mod material;
 pub mod numerical;
 pub mod separation;
 pub mod shooting;
@@ -25,6 +27,7 @@ pub mod sign;
 use crate::model::Parameters;
 use crate::problem::FrictionLaw;
 use contact::ContactFlow;
+use material::MaterialFlow;
 use numerical::{NumericalContact, NumericalSeparation};
 use separation::SeparationFlow;
 
@@ -53,14 +56,14 @@ pub enum FlowError {
     },
 }
 
-/// A number with its derivatives in the five quantities a zone depends on, in the order of
-/// [`ENTRY_Y`], [`ENTRY_W`], [`DURATION`], [`EXCESS`], [`PARAMETER`].
+/// A number with its derivatives in the six quantities a zone depends on, in the order of
+/// [`ENTRY_Y`], [`ENTRY_W`], [`DURATION`], [`EXCESS`], [`PARAMETER`], [`LAYER`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jet {
     /// The number.
     pub value: f64,
     /// Its derivatives.
-    pub by: [f64; 5],
+    pub by: [f64; SOURCES],
 }
 
 /// Index of Y at the entry of the zone.
@@ -73,6 +76,10 @@ pub const DURATION: usize = 2;
 pub const EXCESS: usize = 3;
 /// Index of the continuation parameter.
 pub const PARAMETER: usize = 4;
+/// Index of the amplitude of the boundary layer at the end of the zone (β > 0 only).
+pub const LAYER: usize = 5;
+/// Number of quantities a zone depends on.
+pub const SOURCES: usize = 6;
 
 impl Jet {
     /// scale·self + offset, the factors being constant.
@@ -95,7 +102,7 @@ impl Jet {
 
     /// self·other.
     pub fn times(self, other: Jet) -> Jet {
-        let mut by = [0.0; 5];
+        let mut by = [0.0; SOURCES];
         for (index, derivative) in by.iter_mut().enumerate() {
             *derivative = self.by[index] * other.value + self.value * other.by[index];
         }
@@ -109,7 +116,7 @@ impl Jet {
     pub fn of_frame(value: f64, by: [f64; 2]) -> Jet {
         Jet {
             value,
-            by: [0.0, 0.0, 0.0, by[0], by[1]],
+            by: [0.0, 0.0, 0.0, by[0], by[1], 0.0],
         }
     }
 }
@@ -133,6 +140,10 @@ pub struct Quantities {
     pub mismatch: f64,
     /// α.
     pub damping: f64,
+    /// β.
+    pub material: f64,
+    /// ã = a/c² = 1 − m_a, without the cancellation.
+    pub stress: f64,
     /// ε of the regularised friction law; zero for every other.
     pub smoothing: f64,
 }
@@ -183,6 +194,8 @@ impl Frame {
                 friction: parameters.friction,
                 mismatch: parameters.mismatch,
                 damping: parameters.mass_damping,
+                material: parameters.stiffness_damping,
+                stress: square,
                 smoothing: parameters.smoothing,
             },
             by: [
@@ -190,6 +203,7 @@ impl Frame {
                     ma: 2.0 * excess * square * inverse,
                     mb: 2.0 * ratio * excess * square * inverse,
                     kappa: -kappa * excess * inverse,
+                    stress: -2.0 * excess * square * inverse,
                     ..Quantities::default()
                 },
                 Quantities {
@@ -201,6 +215,8 @@ impl Frame {
                     friction: derivative.friction,
                     mismatch: derivative.mismatch,
                     damping: derivative.mass_damping,
+                    material: derivative.stiffness_damping,
+                    stress: 0.0,
                     smoothing: derivative.smoothing,
                 },
             ],
@@ -238,8 +254,8 @@ impl Frame {
         })
     }
 
-    /// Y at release, where Q = rfP with r the static by the kinetic coefficient:
-    /// hY = rfκ + (r − 1)fgδ − α.
+    /// Y at which Q = rfP in stick, r being the static by the kinetic coefficient:
+    /// hY = rfκ + (r − 1)fgδ − α − βh. Without material damping release happens there.
     pub fn release(&self, law: FrictionLaw) -> Jet {
         let at = &self.at;
         let r = law.static_ratio();
@@ -253,16 +269,33 @@ impl Frame {
                 - value * by.h)
                 / at.h
         })
+        .plus(-1.0, self.material())
     }
 
-    /// Pressure in contact P = gδ + κW for a jet of W.
+    /// β as a jet.
+    pub fn material(&self) -> Jet {
+        self.jet(self.at.material, |by| by.material)
+    }
+
+    /// Pressure in contact P = gδ + κW for a jet of W; with material damping of W + βV̈.
     pub fn pressure(&self, w: Jet) -> Jet {
         self.weight().plus(1.0, self.kappa().times(w))
     }
 }
 
-/// End of a zone: state and the function whose zero ends the zone.
+/// A sliding zone: where it begins, how long it lasts and, with material damping, how it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slide {
+    /// (Y, W) at the entry.
+    pub entry: [f64; 2],
+    /// Duration.
+    pub duration: f64,
+    /// Amplitude G of the boundary layer at the end, see [`material`]; 0 without material damping.
+    pub layer: f64,
+}
+
+/// End of a zone: state and the function whose zero ends the zone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ZoneEnd {
     /// Y at the end.
     pub y: Jet,
@@ -270,6 +303,8 @@ pub struct ZoneEnd {
     pub w: Jet,
     /// U̇ at the end; zero in contact.
     pub radial_rate: Jet,
+    /// V̈ at the end of sliding; only with material damping, where it is continuous.
+    pub acceleration: Jet,
     /// The switching function, divided by duration^m where it has an m-fold zero at the entry.
     pub switching: Jet,
 }
@@ -279,70 +314,95 @@ pub struct ZoneEnd {
 pub enum SlidingFlow {
     /// In closed form.
     Exact(ContactFlow),
+    /// In closed form, with material damping.
+    Material(Box<MaterialFlow>),
     /// By integration.
     Numerical(NumericalContact),
 }
 
 impl SlidingFlow {
-    /// (Y, W) after a time t from the entry (Y, W).
-    pub fn state(&self, entry: [f64; 2], t: f64) -> Result<[f64; 2], FlowError> {
+    /// (Y, W) after a time t from the entry.
+    pub fn state(&self, slide: &Slide, t: f64) -> Result<[f64; 2], FlowError> {
         match self {
-            SlidingFlow::Exact(flow) => Ok(flow.state(entry, t)),
-            SlidingFlow::Numerical(flow) => flow.state(entry, t),
+            SlidingFlow::Exact(flow) => Ok(flow.state(slide.entry, t)),
+            SlidingFlow::Material(flow) => Ok(flow.motion(slide, t).state),
+            SlidingFlow::Numerical(flow) => flow.state(slide.entry, t),
         }
     }
 
     /// (Y, W) at increasing times within a zone.
-    pub fn states(
-        &self,
-        entry: [f64; 2],
-        duration: f64,
-        times: &[f64],
-    ) -> Result<Vec<[f64; 2]>, FlowError> {
+    pub fn states(&self, slide: &Slide, times: &[f64]) -> Result<Vec<[f64; 2]>, FlowError> {
         match self {
-            SlidingFlow::Exact(flow) => {
-                Ok(times.iter().map(|time| flow.state(entry, *time)).collect())
+            SlidingFlow::Numerical(flow) => flow.states(slide.entry, slide.duration, times),
+            _ => times.iter().map(|time| self.state(slide, *time)).collect(),
+        }
+    }
+
+    /// W and P at a fixed time t inside the zone, with all derivatives.
+    pub fn inside(&self, frame: &Frame, slide: &Slide, t: f64) -> Result<[Jet; 2], FlowError> {
+        let mut w = match self {
+            SlidingFlow::Exact(flow) => flow.advance(slide.entry, t)?[1],
+            SlidingFlow::Material(flow) => {
+                let [_, w, acceleration] = flow.inside(slide, t)?;
+                let drive = w.plus(1.0, frame.material().times(acceleration));
+                return Ok([w, frame.pressure(drive)]);
             }
-            SlidingFlow::Numerical(flow) => flow.states(entry, duration, times),
-        }
+            SlidingFlow::Numerical(flow) => flow.zone(slide.entry, t, 0)?[1],
+        };
+        w.by[DURATION] = 0.0;
+        Ok([w, frame.pressure(w)])
     }
 
-    /// (Y, W) after a time t with all derivatives.
-    pub fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 2], FlowError> {
-        match self {
-            SlidingFlow::Exact(flow) => flow.advance(entry, t),
-            SlidingFlow::Numerical(flow) => flow.zone(entry, t, 0).map(|[y, w, _]| [y, w]),
-        }
-    }
-
-    /// (Y, W) at the end of a zone and (W − 1)/t^m there, m being the order of the zero of W − 1 at
-    /// the entry; for m = 0 W − 1.
-    pub fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<[Jet; 3], FlowError> {
-        match self {
+    /// The end of a zone. Its switching function is (W − 1)/t^m, m being the order of the zero of
+    /// W − 1 at the entry; for m = 0 W − 1. With material damping: [`MaterialFlow::zone`];
+    /// `arrested` says that the zone ends in stick.
+    pub fn zone(&self, slide: &Slide, m: usize, arrested: bool) -> Result<ZoneEnd, FlowError> {
+        let Slide {
+            entry, duration: t, ..
+        } = *slide;
+        let [y, w, switching] = match self {
             SlidingFlow::Exact(flow) => {
                 let [y, w] = flow.advance(entry, t)?;
                 let reduced = match m {
                     0 => w.affine(1.0, -1.0),
                     m => flow.reduced_rate(entry, t, m, w),
                 };
-                Ok([y, w, reduced])
+                [y, w, reduced]
             }
-            SlidingFlow::Numerical(flow) => flow.zone(entry, t, m),
-        }
+            SlidingFlow::Material(flow) => return flow.zone(slide, m, arrested),
+            SlidingFlow::Numerical(flow) => flow.zone(entry, t, m)?,
+        };
+        Ok(ZoneEnd {
+            y,
+            w,
+            switching,
+            ..ZoneEnd::default()
+        })
     }
 
-    /// V̈ at a state.
-    pub fn acceleration(&self, state: [f64; 2]) -> f64 {
+    /// V̈ at a time t, where the state is `state`.
+    pub fn acceleration(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
         match self {
             SlidingFlow::Exact(flow) => flow.acceleration(state),
+            SlidingFlow::Material(flow) => flow.motion(slide, t).acceleration,
             SlidingFlow::Numerical(flow) => flow.acceleration(state),
         }
     }
 
-    /// The third derivative of V at a state.
-    pub fn jerk(&self, state: [f64; 2]) -> f64 {
+    /// V̈ at a state as it is without the layer of material damping.
+    pub fn outer_acceleration(&self, state: [f64; 2]) -> f64 {
+        match self {
+            SlidingFlow::Exact(flow) => flow.acceleration(state),
+            SlidingFlow::Material(flow) => flow.slow.acceleration(state),
+            SlidingFlow::Numerical(flow) => flow.acceleration(state),
+        }
+    }
+
+    /// The third derivative of V at a time t, where the state is `state`.
+    pub fn jerk(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
         match self {
             SlidingFlow::Exact(flow) => 2.0 * flow.p * flow.acceleration(state) - flow.q * state[1],
+            SlidingFlow::Material(flow) => flow.motion(slide, t).jerk,
             SlidingFlow::Numerical(flow) => flow.jerk(state),
         }
     }
@@ -350,14 +410,10 @@ impl SlidingFlow {
     /// Times in (0, duration) at which V̈ vanishes, the beginning left out where it vanishes there
     /// (`at_rest`: W − 1 has a double zero at the entry). In closed form all of them; by a numerical
     /// method those that its samples show.
-    pub fn turning_points(
-        &self,
-        entry: [f64; 2],
-        duration: f64,
-        at_rest: bool,
-    ) -> Result<Vec<f64>, FlowError> {
+    pub fn turning_points(&self, slide: &Slide, at_rest: bool) -> Result<Vec<f64>, FlowError> {
         /// A zero of V̈ closer to a release than this, in radians, is the release itself.
         const AT_RELEASE: f64 = 1e-6;
+        let Slide { entry, duration, .. } = *slide;
         match self {
             SlidingFlow::Exact(flow) => {
                 let acceleration = flow.acceleration(entry);
@@ -372,16 +428,19 @@ impl SlidingFlow {
                 times.retain(|time| *time > near);
                 Ok(times)
             }
+            SlidingFlow::Material(flow) => Ok(flow.turning_points(slide, at_rest)),
             SlidingFlow::Numerical(flow) => flow.turning_points(entry, duration, at_rest),
         }
     }
 
     /// Times in (0, duration) at which W vanishes: extremes of V.
-    pub fn extremes(&self, entry: [f64; 2], duration: f64) -> Result<Vec<f64>, FlowError> {
+    pub fn extremes(&self, slide: &Slide) -> Result<Vec<f64>, FlowError> {
+        let Slide { entry, duration, .. } = *slide;
         match self {
             SlidingFlow::Exact(flow) => {
                 Ok(flow.zeros(entry[1], flow.acceleration(entry), duration))
             }
+            SlidingFlow::Material(flow) => Ok(flow.extremes(slide)),
             SlidingFlow::Numerical(flow) => flow.extremes(entry, duration),
         }
     }

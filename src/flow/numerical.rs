@@ -303,6 +303,7 @@ impl NumericalSeparation {
             w,
             radial_rate,
             switching,
+            ..ZoneEnd::default()
         })
     }
 }
@@ -335,6 +336,7 @@ mod tests {
             friction: 0.5 + 0.2 * at,
             mismatch: 0.05 + 0.3 * at,
             mass_damping: 0.1 + 0.1 * at,
+            stiffness_damping: 0.0,
             smoothing: 0.3 + 0.5 * at,
         };
         let derivative = Parameters {
@@ -342,6 +344,7 @@ mod tests {
             friction: 0.2,
             mismatch: 0.3,
             mass_damping: 0.1,
+            stiffness_damping: 0.0,
             smoothing: 0.5,
         };
         Frame::new(&parameters, &derivative, excess).unwrap()

@@ -201,6 +201,7 @@ impl SeparationFlow {
                 rate[row] / self.scale[row],
                 by[0][row] / self.scale[row],
                 by[1][row] / self.scale[row],
+                0.0,
             ],
         };
         let y = jet(2).plus(-1.0, self.steady);
@@ -224,6 +225,7 @@ impl SeparationFlow {
             w,
             radial_rate,
             switching,
+            ..ZoneEnd::default()
         })
     }
 
@@ -280,6 +282,7 @@ mod tests {
             friction: 0.5,
             mismatch: 0.05,
             mass_damping: damping,
+            stiffness_damping: 0.0,
             smoothing: 0.0,
         };
         let derivative = Parameters {
@@ -287,6 +290,7 @@ mod tests {
             mismatch: 0.3,
             friction: 0.2,
             mass_damping: 0.1,
+            stiffness_damping: 0.0,
             smoothing: 0.0,
         };
         Frame::new(&parameters, &derivative, excess).unwrap()

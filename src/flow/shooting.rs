@@ -6,7 +6,7 @@
 use differential_equations::prelude::{ExplicitRungeKutta, IVP};
 
 use super::equations::Field;
-use super::{FlowError, Jet};
+use super::{FlowError, Jet, LAYER};
 
 /// Most steps of one zone: beyond, the equations are stiff for an explicit method.
 const MOST_STEPS: usize = 200_000;
@@ -64,14 +64,21 @@ pub fn jets<const D: usize, const S: usize>(
     let unflatten = |x: &[f64; S]| -> [Jet; D] {
         std::array::from_fn(|row| Jet {
             value: x[6 * row],
-            by: std::array::from_fn(|index| x[6 * row + 1 + index]),
+            // there is no layer to differentiate in
+            by: std::array::from_fn(|index| {
+                if index < LAYER {
+                    x[6 * row + 1 + index]
+                } else {
+                    0.0
+                }
+            }),
         })
     };
     let end = solve::<S>(
         |x, by| {
             for (row, jet) in field.rate(&unflatten(x)).into_iter().enumerate() {
                 by[6 * row] = jet.value;
-                by[6 * row + 1..6 * row + 6].copy_from_slice(&jet.by);
+                by[6 * row + 1..6 * row + 6].copy_from_slice(&jet.by[..LAYER]);
             }
         },
         steps,

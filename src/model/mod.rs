@@ -39,6 +39,8 @@ pub struct Parameters {
     pub mismatch: f64,
     /// Mass-proportional damping α.
     pub mass_damping: f64,
+    /// Stiffness-proportional damping β.
+    pub stiffness_damping: f64,
     /// ε of the regularised friction law; zero for every other.
     pub smoothing: f64,
 }
@@ -87,6 +89,7 @@ impl Model {
             friction: self.friction,
             mismatch: self.mismatch,
             mass_damping: self.mass_damping,
+            stiffness_damping: self.stiffness_damping,
             smoothing: self.value(Parameter::Smoothing).unwrap_or(0.0),
         }
     }
@@ -150,7 +153,8 @@ impl Model {
             (Parameter::Xi, Source::Geometry(geometry)) => {
                 derivative.coefficients = geometry.derivative_in_xi();
             }
-            (Parameter::StiffnessDamping, _) | (_, Source::Given(_)) => {}
+            (Parameter::StiffnessDamping, _) => derivative.stiffness_damping = 1.0,
+            (_, Source::Given(_)) => {}
         }
         derivative
     }

@@ -11,6 +11,10 @@
 //! becomes a sum of exponentials Σ a_p e^{−λτ_p} over the paths through the branches, and lim sup
 //! Re λ is the root ρ of Σ |a_p| e^{−ρτ_p} = 1: attained where the delays are rationally independent,
 //! a bound always.
+//!
+//! Material damping β > 0 takes both branches away: r = λ ± √(λ/(ãβ)) + … and r = −1/β + …, so that
+//! |N| → e^{−T_s/β}, T_s being the time of sliding, and Re λ → −T_s/(βT). What is left of the branches
+//! below is their delays, which hold for |λ| ≪ 1/√(βT).
 
 use nalgebra::Complex;
 
@@ -32,6 +36,8 @@ pub struct HighFrequency {
     trace: Vec<(f64, f64)>,
     /// (a, τ) of d.
     determinant: Option<(f64, f64)>,
+    /// (T_s/β, T) with material damping.
+    damped: Option<(f64, f64)>,
     /// A release from static friction multiplies η′ by λ² while a zone divides it by λ: N grows
     /// like λ, and Re λ without bound, like ln|λ| over the delay.
     unbounded: bool,
@@ -137,6 +143,12 @@ impl HighFrequency {
         HighFrequency {
             trace,
             determinant: (!characteristic.stick).then_some(determinant),
+            damped: (characteristic.beta > 0.0).then(|| {
+                let zones = characteristic.zones.iter();
+                let sliding = zones.filter(|zone| zone.regime.sliding().is_some());
+                let time: f64 = sliding.map(|zone| zone.duration).sum();
+                (time / characteristic.beta, period)
+            }),
             unbounded: characteristic
                 .zones
                 .iter()
@@ -150,6 +162,9 @@ impl HighFrequency {
 
     /// Σ |a_p| e^{−ρτ_p}: below 1, no zero at high frequency lies to the right of ρ.
     pub fn size(&self, rho: f64) -> f64 {
+        if let Some((decay, period)) = self.damped {
+            return (-decay - rho * period).exp();
+        }
         self.terms()
             .map(|(factor, delay)| factor.abs() * (-rho * delay).exp())
             .sum()
@@ -173,6 +188,9 @@ impl HighFrequency {
     pub fn limit(&self) -> f64 {
         if self.unbounded {
             return f64::INFINITY;
+        }
+        if let Some((decay, period)) = self.damped {
+            return -decay / period;
         }
         if !self
             .terms()

@@ -40,10 +40,10 @@ use crate::model::signature::{Entry, Regime};
 use crate::problem::Impact;
 use crate::wave::Wave;
 
-type C64 = Complex<f64>;
+pub(super) type C64 = Complex<f64>;
 
-const ZERO: C64 = C64::new(0.0, 0.0);
-const ONE: C64 = C64::new(1.0, 0.0);
+pub(super) const ZERO: C64 = C64::new(0.0, 0.0);
+pub(super) const ONE: C64 = C64::new(1.0, 0.0);
 
 /// Why a wave has no characteristic function here.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -61,6 +61,12 @@ pub enum NotLinearised {
     /// m_a and m_b; the first-order theory above does not cover it.
     #[error("the perturbation of a Coulomb impact is not known: stability is undecided")]
     CoulombImpact,
+    /// Material damping without a stick zone.
+    #[error(
+        "with material damping the eigenfunction problem is posed for waves that stick: stability is \
+         undecided"
+    )]
+    MaterialDamping,
 }
 
 /// A complex number v·e^{exponent} with its derivative in λ: exponents of both signs beyond the
@@ -76,7 +82,7 @@ pub struct Scaled {
 }
 
 impl Scaled {
-    fn times(self, other: Scaled) -> Scaled {
+    pub(super) fn times(self, other: Scaled) -> Scaled {
         Scaled {
             value: self.value * other.value,
             derivative: self.derivative * other.value + self.value * other.derivative,
@@ -85,7 +91,7 @@ impl Scaled {
     }
 
     /// Multiplication by e^{−λT}.
-    fn delayed(self, lambda: C64, period: f64) -> Scaled {
+    pub(super) fn delayed(self, lambda: C64, period: f64) -> Scaled {
         let turn = C64::from_polar(1.0, -lambda.im * period);
         Scaled {
             value: self.value * turn,
@@ -100,34 +106,47 @@ impl Scaled {
     }
 }
 
-/// t(λ) and d(λ).
+/// t(λ) and d(λ), and what stands in the place of 1 where they have a common denominator.
 #[derive(Clone, Copy, Debug)]
 pub struct Value {
+    /// 1, or g(λ) with material damping.
+    pub unit: Scaled,
     /// tr M e^{−λT}, or N e^{−λT}.
     pub trace: Scaled,
     /// det M e^{−2λT}, or 0.
     pub determinant: Scaled,
+    /// An exponent common to the three.
+    pub offset: f64,
 }
 
 impl Value {
     /// F_j and its derivative, both divided by the same positive number, so that |F_j| stays of
     /// order one wherever λ lies.
     pub fn sector(&self, z: C64) -> (C64, C64) {
-        let top = self.trace.exponent.max(self.determinant.exponent).max(0.0);
+        let top = self.top();
         let inverse = z.conj();
-        let one = (-top).exp();
+        let one = (self.unit.exponent - top).exp();
         let trace = inverse * (self.trace.exponent - top).exp();
         let determinant = inverse * inverse * (self.determinant.exponent - top).exp();
         (
-            one - self.trace.value * trace + self.determinant.value * determinant,
-            -self.trace.derivative * trace + self.determinant.derivative * determinant,
+            self.unit.value * one - self.trace.value * trace
+                + self.determinant.value * determinant,
+            self.unit.derivative * one - self.trace.derivative * trace
+                + self.determinant.derivative * determinant,
         )
     }
 
-    /// |t| + |d|: below 1 there is no zero in any sector.
+    /// The exponent that [`Value::sector`] takes out, besides the offset.
+    pub fn top(&self) -> f64 {
+        let unit = self.unit.exponent;
+        unit.max(self.trace.exponent).max(self.determinant.exponent)
+    }
+
+    /// |t| + |d| in units of what stands for 1: below 1 there is no zero in any sector.
     pub fn size(&self) -> f64 {
-        let part = |scaled: &Scaled| scaled.value.norm() * scaled.exponent.exp();
-        part(&self.trace) + part(&self.determinant)
+        let unit = self.unit;
+        let part = |scaled: &Scaled| scaled.value.norm() * (scaled.exponent - unit.exponent).exp();
+        (part(&self.trace) + part(&self.determinant)) / unit.value.norm()
     }
 }
 
@@ -142,6 +161,8 @@ pub(super) enum Jump {
     Arrest,
     /// η′ := ratio·η′.
     Reversal(f64),
+    /// η″ := η″ + factor·η′: reversal with material damping.
+    Bend(f64),
     /// u := u′ := 0.
     TakeOff,
     /// η′ := η′ + factor·u, then u := u′ := 0.
@@ -182,6 +203,10 @@ pub struct Characteristic {
     /// Friction coefficient in stick.
     pub(super) static_friction: f64,
     pub(super) damping: f64,
+    /// β.
+    pub(super) beta: f64,
+    /// Turning of g at λ = 0 that is taken out of it.
+    pub(super) turn: f64,
 }
 
 /// Perturbations (u, u′, η, η′) with their derivatives in λ, up to two of them, times e^{exponent}.
@@ -223,14 +248,23 @@ impl Characteristic {
             let next = wave.signature.zone(index + 1);
             let end = wave.zone_end(&flows, point, index)?;
             let (y, w, radial) = (end.y.value, end.w.value, end.radial_rate.value);
-            let sliding = |regime: Regime| flows.contact(regime).acceleration([y, w]);
+            let sliding = |regime: Regime| flows.contact(regime).outer_acceleration([y, w]);
             let jump = match next.entry {
                 Entry::Release if law.jumps_at_release() => {
-                    Jump::StaticRelease(flows.contact(Regime::Slip).acceleration([y, 1.0]) / at.h)
+                    Jump::StaticRelease(flows.contact(Regime::Slip).outer_acceleration([y, 1.0]) / at.h)
                 }
                 Entry::Release | Entry::Section => Jump::None,
                 Entry::Arrest => Jump::Arrest,
                 Entry::TakeOff => Jump::TakeOff,
+                Entry::Reversal if at.material > 0.0 => {
+                    let (slide, after) =
+                        (wave.slide_at(point, index), wave.slide_at(point, index + 1));
+                    let leaving = flows.contact(zone.regime);
+                    let t = slide.duration;
+                    let jerk = flows.contact(next.regime).jerk(&after, 0.0, after.entry)
+                        - leaving.jerk(&slide, t, [y, w]);
+                    Jump::Bend(jerk / leaving.acceleration(&slide, t, [y, w]))
+                }
                 Entry::Reversal => Jump::Reversal(sliding(next.regime) / sliding(zone.regime)),
                 Entry::Landing | Entry::ArrestedLanding | Entry::Touch
                     if impact == Impact::Coulomb =>
@@ -255,6 +289,9 @@ impl Characteristic {
         }
         // begin behind a release, or else with a contact zone
         let release = (0..count).find(|&index| wave.signature.zone(index).entry == Entry::Release);
+        if at.material > 0.0 && release.is_none() {
+            return Err(NotLinearised::MaterialDamping);
+        }
         let contact =
             (0..count).find(|&index| wave.signature.zone(index).regime.sliding().is_some());
         zones.rotate_left(release.or(contact).unwrap_or(0));
@@ -262,7 +299,7 @@ impl Characteristic {
         let excess = wave.excess_at(point);
         // a/c² = 1/(1 + e)²
         let a = (1.0 + excess).powi(-2);
-        Ok(Characteristic {
+        let mut characteristic = Characteristic {
             period: zones.iter().map(|zone| zone.duration).sum(),
             stick: release.is_some(),
             zones,
@@ -278,7 +315,13 @@ impl Characteristic {
             friction: at.friction,
             static_friction: law.static_ratio() * at.friction,
             damping: at.damping,
-        })
+            beta: at.material,
+            turn: 0.0,
+        };
+        if characteristic.beta > 0.0 {
+            characteristic.turn = characteristic.material_turn();
+        }
+        Ok(characteristic)
     }
 
     /// z_j = e^{2πij/k}.
@@ -289,6 +332,14 @@ impl Characteristic {
 
     /// t(λ) and d(λ) with derivatives.
     pub fn evaluate(&self, lambda: C64) -> Value {
+        if self.beta > 0.0 {
+            return self.evaluate_material(lambda);
+        }
+        let one = Scaled {
+            value: ONE,
+            derivative: ZERO,
+            exponent: 0.0,
+        };
         let start = |row: usize| {
             let mut column = Vector4::repeat(ZERO);
             column[row] = ONE;
@@ -315,16 +366,14 @@ impl Characteristic {
                 exponent: state.exponent,
             };
             return Value {
+                unit: one,
                 trace: trace.delayed(lambda, self.period),
                 determinant: none,
+                offset: 0.0,
             };
         }
         // the determinant factor by factor: as a difference of products it would cancel
-        let mut determinant = Scaled {
-            value: ONE,
-            derivative: ZERO,
-            exponent: 0.0,
-        };
+        let mut determinant = one;
         let mut index = 0;
         while index < self.zones.len() {
             let mut part = State {
@@ -362,6 +411,8 @@ impl Characteristic {
             exponent: state.exponent,
         };
         Value {
+            unit: one,
+            offset: 0.0,
             trace: trace.delayed(lambda, self.period),
             determinant: determinant.delayed(lambda, 2.0 * self.period),
         }
@@ -451,7 +502,7 @@ impl Characteristic {
             for vector in [&mut state.columns[column], &mut state.by[column]] {
                 let u = vector[0];
                 match jump {
-                    Jump::None | Jump::StaticRelease(_) => {}
+                    Jump::None | Jump::StaticRelease(_) | Jump::Bend(_) => {}
                     Jump::Arrest => vector[3] = ZERO,
                     Jump::Reversal(ratio) => vector[3] *= ratio,
                     Jump::TakeOff => {
@@ -487,51 +538,7 @@ impl Characteristic {
             + (0.25 * force * force - self.ma * self.h))
             / (self.ma * self.ma);
         let delta_by = (lambda * (2.0 * self.a) - linear) / (self.ma * self.ma);
-        let root = delta.sqrt();
-        let (matrix, sh, slope, exponent);
-        if root.norm() * s.abs() <= SERIES_LIMIT {
-            let x = delta * (s * s);
-            let (mut even, mut odd, mut third) = (ZERO, ZERO, ZERO);
-            for j in (0..SERIES_TERMS).rev() {
-                let n = 2.0 * j as f64;
-                even = ONE + even * x / ((n + 1.0) * (n + 2.0));
-                odd = ONE + odd * x / ((n + 2.0) * (n + 3.0));
-                third = ONE + third * x / ((n + 2.0) * (n + 5.0));
-            }
-            exponent = p.re * s;
-            let turn = C64::from_polar(1.0, p.im * s);
-            let c = turn * even;
-            sh = turn * odd * s;
-            slope = turn * third * (s * s * s / 6.0);
-            matrix = [[c - p * sh, sh], [-q * sh, c + p * sh]];
-        } else {
-            // r2 is the root of larger modulus: r1 = q/r2 does not cancel, nor do e^{r1 s} − r1 S and
-            // e^{r2 s} + r1 S, as c² → a
-            let aligned = p.re * root.re + p.im * root.im >= 0.0;
-            let r2 = if aligned { p + root } else { p - root };
-            let r1 = q / r2;
-            let (e1, e2) = (r1 * s, r2 * s);
-            exponent = e1.re.max(e2.re);
-            let (x1, x2) = ((e1 - exponent).exp(), (e2 - exponent).exp());
-            let c = (x1 + x2) * 0.5;
-            sh = (x1 - x2) / (r1 - r2);
-            slope = (c * s - sh) / (delta * 2.0);
-            matrix = [[x1 - r1 * sh, sh], [-q * sh, x2 + r1 * sh]];
-        }
-        let c_by = sh * delta_by * (0.5 * s);
-        let s_by = slope * delta_by;
-        let grow = s * p_by;
-        let by = [
-            [
-                matrix[0][0] * grow + c_by - p * s_by - sh * p_by,
-                matrix[0][1] * grow + s_by,
-            ],
-            [
-                matrix[1][0] * grow - q * s_by - q_by * sh,
-                matrix[1][1] * grow + c_by + p * s_by + sh * p_by,
-            ],
-        ];
-        (matrix, by, exponent)
+        oscillator([p, q, delta], [C64::from(p_by), q_by, delta_by], s)
     }
 
     /// exp(As) of a separation zone on (u, u′, η, η′).
@@ -584,6 +591,61 @@ impl Characteristic {
             exponent: transfer.exponent,
         }
     }
+}
+
+/// exp(As) of ẍ − 2pẋ + qx = 0 with its derivative in λ and the exponent of both, from p, q,
+/// Δ = p² − q and their derivatives.
+#[allow(clippy::type_complexity)]
+pub(super) fn oscillator(
+    [p, q, delta]: [C64; 3],
+    [p_by, q_by, delta_by]: [C64; 3],
+    s: f64,
+) -> ([[C64; 2]; 2], [[C64; 2]; 2], f64) {
+    let root = delta.sqrt();
+    let (matrix, sh, slope, exponent);
+    if root.norm() * s.abs() <= SERIES_LIMIT {
+        let x = delta * (s * s);
+        let (mut even, mut odd, mut third) = (ZERO, ZERO, ZERO);
+        for j in (0..SERIES_TERMS).rev() {
+            let n = 2.0 * j as f64;
+            even = ONE + even * x / ((n + 1.0) * (n + 2.0));
+            odd = ONE + odd * x / ((n + 2.0) * (n + 3.0));
+            third = ONE + third * x / ((n + 2.0) * (n + 5.0));
+        }
+        exponent = p.re * s;
+        let turn = C64::from_polar(1.0, p.im * s);
+        let c = turn * even;
+        sh = turn * odd * s;
+        slope = turn * third * (s * s * s / 6.0);
+        matrix = [[c - p * sh, sh], [-q * sh, c + p * sh]];
+    } else {
+        // r2 is the root of larger modulus: r1 = q/r2 does not cancel, nor do e^{r1 s} − r1 S and
+        // e^{r2 s} + r1 S, as c² → a
+        let aligned = p.re * root.re + p.im * root.im >= 0.0;
+        let r2 = if aligned { p + root } else { p - root };
+        let r1 = q / r2;
+        let (e1, e2) = (r1 * s, r2 * s);
+        exponent = e1.re.max(e2.re);
+        let (x1, x2) = ((e1 - exponent).exp(), (e2 - exponent).exp());
+        let c = (x1 + x2) * 0.5;
+        sh = (x1 - x2) / (r1 - r2);
+        slope = (c * s - sh) / (delta * 2.0);
+        matrix = [[x1 - r1 * sh, sh], [-q * sh, x2 + r1 * sh]];
+    }
+    let c_by = sh * delta_by * (0.5 * s);
+    let s_by = slope * delta_by;
+    let grow = p_by * s;
+    let by = [
+        [
+            matrix[0][0] * grow + c_by - p * s_by - sh * p_by,
+            matrix[0][1] * grow + s_by,
+        ],
+        [
+            matrix[1][0] * grow - q * s_by - q_by * sh,
+            matrix[1][1] * grow + c_by + p * s_by + sh * p_by,
+        ],
+    ];
+    (matrix, by, exponent)
 }
 
 /// A product of 4 × 4 matrices, unrolled: the general one of the library takes twice as long.

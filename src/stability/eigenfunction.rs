@@ -7,7 +7,7 @@
 
 use nalgebra::{Complex, Vector4};
 
-use super::characteristic::{Characteristic, State};
+use super::characteristic::{Characteristic, LinearZone, State};
 use crate::model::signature::Regime;
 
 type C64 = Complex<f64>;
@@ -93,22 +93,77 @@ fn single(column: Vector4<C64>) -> State {
     }
 }
 
+/// The sampled times of a zone.
+fn sampled(zone: &LinearZone, period: f64, resolution: usize) -> Vec<f64> {
+    let share = zone.duration / period * resolution as f64;
+    let intervals = share.ceil().max(1.0) as usize;
+    (0..=intervals)
+        .map(|index| zone.duration * index as f64 / intervals as f64)
+        .collect()
+}
+
+/// With material damping: the boundary-value problem is solved zone by zone.
+fn material_trace(characteristic: &Characteristic, lambda: C64, resolution: usize) -> Trace {
+    let period = characteristic.period;
+    let (sampled_states, end) = characteristic
+        .material_states(lambda, |zone| sampled(zone, period, resolution));
+    let mut times = Vec::with_capacity(resolution + 8);
+    let mut states = Vec::with_capacity(resolution + 8);
+    let mut start = 0.0;
+    for (zone, here) in characteristic.zones.iter().zip(&sampled_states) {
+        for (time, state) in sampled(zone, period, resolution).iter().zip(here) {
+            times.push(start + time);
+            states.push(Vector4::new(ZERO, ZERO, state[0], state[1]));
+        }
+        start += zone.duration;
+    }
+    // η‴ from η″ by central differences of sixth order, away from the layer's own scale
+    let h = |zone: &LinearZone| 1e-2 * zone.duration.min(1.0 / (1.0 + lambda.norm()));
+    const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
+    let (stencils, _) = characteristic.material_states(lambda, |zone| {
+        let offsets = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
+        let around = |share: f64| offsets.map(|offset| share * zone.duration + offset * h(zone));
+        PLACES.into_iter().flat_map(around).collect()
+    });
+    let mut equation_residual = 0.0_f64;
+    for (zone, stencil) in characteristic.zones.iter().zip(&stencils) {
+        let Some(sigma) = zone.regime.sliding() else {
+            continue;
+        };
+        for seven in stencil.chunks_exact(7) {
+            let row = |index: usize| seven[index][2];
+            let third = ((row(4) - row(2)) * 45.0 - (row(5) - row(1)) * 9.0 + (row(6) - row(0)))
+                / (60.0 * h(zone));
+            let [eta, rate, second] = seven[3].data.0[0];
+            let (terms, size) =
+                characteristic.material_terms(lambda, sigma, [eta, rate, second, third]);
+            equation_residual = equation_residual.max(terms.norm() / size.max(1e-300));
+        }
+    }
+    Trace {
+        times,
+        states,
+        end: Vector4::new(ZERO, ZERO, end, ZERO),
+        equation_residual,
+    }
+}
+
 fn trace(characteristic: &Characteristic, lambda: C64, z: C64, resolution: usize) -> Trace {
+    if characteristic.beta > 0.0 {
+        return material_trace(characteristic, lambda, resolution);
+    }
     let mut column = beginning(characteristic, lambda, z);
     let mut times = Vec::with_capacity(resolution + 8);
     let mut states = Vec::with_capacity(resolution + 8);
     let mut start = 0.0;
     let mut equation_residual = 0.0_f64;
     for zone in &characteristic.zones {
-        let share = zone.duration / characteristic.period * resolution as f64;
-        let intervals = share.ceil().max(1.0) as usize;
         let at = |time: f64| {
             let mut state = single(column);
             characteristic.flow(zone, lambda, time, &mut state, 1);
             state.columns[0] * C64::from(state.exponent.exp())
         };
-        for index in 0..=intervals {
-            let time = zone.duration * index as f64 / intervals as f64;
+        for time in sampled(zone, characteristic.period, resolution) {
             times.push(start + time);
             states.push(at(time));
         }

@@ -9,5 +9,6 @@ pub mod asymptotic;
 pub mod characteristic;
 pub mod discretised;
 pub mod eigenfunction;
+mod material;
 pub mod spectrum;
 pub mod track;

@@ -219,14 +219,9 @@ struct Search<'a> {
 impl Search<'_> {
     fn row(&self, lambda: C64) -> Row {
         let value = self.characteristic.evaluate(lambda);
-        let top = value
-            .trace
-            .exponent
-            .max(value.determinant.exponent)
-            .max(0.0);
         Row {
             lambda,
-            top,
+            top: value.top() + value.offset,
             samples: self.samples(&value),
         }
     }
@@ -887,6 +882,9 @@ fn settled(characteristic: &Characteristic, high: &HighFrequency, top: f64) -> b
     /// The error is estimated over the upper third of the window; twice that is allowed for.
     const SAFETY: f64 = 2.0;
     const SAMPLES: usize = 200;
+    if characteristic.beta > 0.0 {
+        return quiet(characteristic, high, top);
+    }
     let error = (0..=SAMPLES)
         .map(|index| {
             let lambda = C64::new(0.0, top * (2.0 + index as f64 / SAMPLES as f64) / 3.0);
@@ -895,4 +893,33 @@ fn settled(characteristic: &Characteristic, high: &HighFrequency, top: f64) -> b
         })
         .fold(0.0, f64::max);
     high.size(0.0) + SAFETY * error < 1.0
+}
+
+/// With material damping: whether |N| stays below 1 on the imaginary axis beyond a frequency. It falls
+/// there, once the damping of a period, which grows like βω², has won; samples follow its oscillation
+/// from the top of the window to twice that, and its fall from there to where the limit is reached.
+fn quiet(characteristic: &Characteristic, high: &HighFrequency, top: f64) -> bool {
+    /// Samples to a radian of the longest delay.
+    const DENSITY: f64 = 4.0;
+    /// Ratio of sampled frequencies in the fall.
+    const RATIO: f64 = 1.01;
+    /// In units of 1/β: there the exponents are within a per cent of their limits.
+    const REACHED: f64 = 1e4;
+    let below = |omega: f64| {
+        let size = characteristic.evaluate(C64::new(0.0, omega)).size();
+        size < EDGE * EDGE
+    };
+    let count = (top * high.longest_delay() * DENSITY).ceil().max(200.0) as usize;
+    if !(0..=count).all(|index| below(top * (1.0 + index as f64 / count as f64))) {
+        return false;
+    }
+    let mut omega = 2.0 * top;
+    let end = REACHED / characteristic.beta;
+    while omega < end {
+        if !below(omega) {
+            return false;
+        }
+        omega *= RATIO;
+    }
+    high.size(0.0) < EDGE * EDGE
 }

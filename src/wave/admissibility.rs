@@ -11,10 +11,10 @@
 //! that reaches zero first names the event.
 
 use crate::flow::sign::{Bernstein, COEFFICIENTS, DEGREE, REMAINDER, Verdict};
-use crate::flow::{DURATION, ENTRY_W, ENTRY_Y, FlowError, Jet};
+use crate::flow::{DURATION, ENTRY_W, ENTRY_Y, FlowError, Jet, Slide, SlidingFlow};
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime};
-use crate::newton::{Constraint, System};
+use crate::newton::Constraint;
 use crate::problem::Impact;
 
 use super::{Flows, Wave, jet_units};
@@ -44,6 +44,8 @@ pub enum Watch {
     LowerForce,
     /// fP − Q where slip passes into stick after an arrest that does not imply it.
     UpperForce,
+    /// −V⃛ just after a release with material damping: Q ≤ fP at the end of stick.
+    Release,
 }
 
 /// A margin: positive while the signature holds. Scaled to order one.
@@ -61,11 +63,8 @@ pub struct Margin {
 
 impl Margin {
     /// Derivative along a direction in the scaled unknowns.
-    pub fn slope(&self, zones: usize, direction: &Vector) -> f64 {
-        let first = 3 * self.zone;
-        let columns = [first, first + 1, first + 2, 3 * zones, 3 * zones + 1];
-        columns
-            .into_iter()
+    pub fn slope(&self, wave: &Wave, direction: &Vector) -> f64 {
+        wave.columns(self.zone)
             .zip(self.jet.by)
             .map(|(column, by)| by * direction[column])
             .sum()
@@ -177,7 +176,7 @@ pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
                 collector.visit(entry[0] + duration + flows.frame.steady().value);
             }
             Regime::Slip | Regime::Reverse | Regime::Contact => {
-                contact_zone(&mut collector, &flows, index, entry, duration)?;
+                contact_zone(&mut collector, &flows, index, &wave.slide_at(point, index))?;
             }
             Regime::Separation => {
                 separation_zone(&mut collector, &flows, index, entry, duration)?;
@@ -212,6 +211,9 @@ fn edge_margins(
     }
     if zone.regime == Regime::Stick {
         margins.push((Watch::LowerForce, watched(Watch::LowerForce)?));
+    }
+    if wave.material && zone.entry == Entry::Release {
+        margins.push((Watch::Release, watched(Watch::Release)?));
     }
     if zone.regime == Regime::Reverse && next.entry == Entry::Reversal {
         margins.push((Watch::UpperForce, watched(Watch::UpperForce)?));
@@ -288,6 +290,12 @@ fn edge_margin(
                 .affine(-1.0, 0.0)
                 .plus(sign, end.w.affine(1.0, -1.0))
         }
+        Watch::Release => match flows.contact(zone.regime) {
+            // in units of V̈ per unit of time
+            SlidingFlow::Material(flow) => flow.entry_rates(&wave.slide_at(point, index))[1]
+                .affine(-scales.time / scales.layer(), 0.0),
+            _ => Jet::default(),
+        },
         Watch::Pressure | Watch::Rate | Watch::Gap => {
             unreachable!("a margin inside a zone is not at its end")
         }
@@ -302,10 +310,12 @@ fn contact_zone(
     collector: &mut Collector,
     flows: &Flows,
     index: usize,
-    entry: [f64; 2],
-    duration: f64,
+    slide: &Slide,
 ) -> Result<(), FlowError> {
     let wave = collector.wave;
+    let Slide {
+        entry, duration, ..
+    } = *slide;
     let zone = wave.signature.zone(index);
     let takes_off = wave.signature.zone(index + 1).entry == Entry::TakeOff;
     let flow = flows.contact(zone.regime);
@@ -316,21 +326,24 @@ fn contact_zone(
     };
     let weight = flows.frame.weight().value;
     let kappa = flows.frame.at.kappa;
+    let beta = flows.frame.at.material;
     let steady = flows.frame.steady().value;
     let order = wave.order_at_entry(zone.entry);
     let mut least_pressure = f64::INFINITY;
     // a smooth law has no direction of sliding to keep
     let mut decided = zone.regime == Regime::Contact;
-    let mut judge = |collector: &mut Collector, at_start: bool, at_end: bool, w: f64| {
-        let pressure = weight + kappa * w;
-        if !(at_end && takes_off) {
-            least_pressure = least_pressure.min(pressure);
-            if pressure.is_nan() || pressure <= 0.0 {
-                collector.judge(Verdict::Negative);
-            }
-        } else {
+    let mut press = |collector: &mut Collector, at_end: bool, drive: f64| {
+        if at_end && takes_off {
             least_pressure = least_pressure.min(0.0);
+            return;
         }
+        let pressure = weight + kappa * drive;
+        least_pressure = least_pressure.min(pressure);
+        if pressure.is_nan() || pressure <= 0.0 {
+            collector.judge(Verdict::Negative);
+        }
+    };
+    let mut slide_on = |collector: &mut Collector, at_start: bool, at_end: bool, w: f64| {
         let known = at_start && order > 0 || at_end && !takes_off;
         if !known && zone.regime != Regime::Contact {
             decided = true;
@@ -340,20 +353,45 @@ fn contact_zone(
             }
         }
     };
-    judge(collector, true, false, entry[1]);
-    for time in flow.turning_points(entry, duration, order == 2)? {
-        let state = flow.state(entry, time)?;
-        judge(collector, false, false, state[1]);
-        let maximum = flow.jerk(state) < 0.0;
-        if zone.regime != Regime::Contact && maximum == (sigma > 0.0) {
-            interior(collector, flows, Watch::Rate, index, entry, time)?;
+    // W + βV̈, which drives the pressure
+    let drive = |time: f64, state: [f64; 2]| match flow {
+        SlidingFlow::Material(_) => state[1] + beta * flow.acceleration(slide, time, state),
+        _ => state[1],
+    };
+    press(collector, false, drive(0.0, entry));
+    slide_on(collector, true, false, entry[1]);
+    let turning_points = flow.turning_points(slide, order == 2)?;
+    // with one extreme between two ends at W = 1 its sign is that of V̈ at the entry, also where W − 1
+    // is below rounding: with material damping a reverse zone opens like T³
+    let single = wave.material && order == 1 && !takes_off && turning_points.len() == 1;
+    for time in turning_points {
+        let state = flow.state(slide, time)?;
+        if single {
+            let rise = flow.acceleration(slide, 0.0, entry);
+            slide_on(collector, false, false, 1.0 + rise.signum());
+        } else {
+            slide_on(collector, false, false, state[1]);
         }
-        if !maximum && zone.regime != Regime::Reverse {
-            interior(collector, flows, Watch::Pressure, index, entry, time)?;
+        press(collector, false, drive(time, state));
+        let maximum = flow.jerk(slide, time, state) < 0.0;
+        if zone.regime != Regime::Contact && maximum == (sigma > 0.0) {
+            interior(collector, flows, Watch::Rate, index, slide, time)?;
+        }
+        if !maximum && zone.regime != Regime::Reverse && !wave.material {
+            interior(collector, flows, Watch::Pressure, index, slide, time)?;
         }
     }
-    let end = flow.state(entry, duration)?;
-    judge(collector, false, true, end[1]);
+    if let SlidingFlow::Material(material) = flow {
+        for time in material.pressure_extremes(slide) {
+            press(collector, false, drive(time, flow.state(slide, time)?));
+            if material.pressure_bends_up(slide, time) {
+                interior(collector, flows, Watch::Pressure, index, slide, time)?;
+            }
+        }
+    }
+    let end = flow.state(slide, duration)?;
+    press(collector, true, drive(duration, end));
+    slide_on(collector, false, true, end[1]);
     if !decided {
         // both ends at W = 1 and nothing between them: the zone has no room
         collector.judge(Verdict::Undecided);
@@ -361,8 +399,8 @@ fn contact_zone(
     let known = collector.examination.least_pressure;
     collector.examination.least_pressure = known.min(least_pressure);
     collector.visit(entry[0] + steady);
-    for time in flow.extremes(entry, duration)? {
-        collector.visit(flow.state(entry, time)?[0] + steady);
+    for time in flow.extremes(slide)? {
+        collector.visit(flow.state(slide, time)?[0] + steady);
     }
     collector.visit(end[0] + steady);
     Ok(())
@@ -452,7 +490,11 @@ fn separation_zone(
                 flows,
                 Watch::Gap,
                 index,
-                entry,
+                &Slide {
+                    entry,
+                    duration,
+                    layer: 0.0,
+                },
                 start + place * h,
             )?;
         }
@@ -503,10 +545,10 @@ fn interior(
     flows: &Flows,
     watch: Watch,
     index: usize,
-    entry: [f64; 2],
+    slide: &Slide,
     time: f64,
 ) -> Result<(), FlowError> {
-    let jet = interior_margin(collector.wave, flows, watch, index, entry, time)?;
+    let jet = interior_margin(collector.wave, flows, watch, index, slide, time)?;
     collector.margin(watch, index, time, jet);
     Ok(())
 }
@@ -516,33 +558,30 @@ fn interior_margin(
     flows: &Flows,
     watch: Watch,
     index: usize,
-    entry: [f64; 2],
+    slide: &Slide,
     time: f64,
 ) -> Result<Jet, FlowError> {
     let regime = wave.signature.zone(index).regime;
-    let mut jet = match watch {
+    Ok(match watch {
         Watch::Gap => {
             let frame = &flows.frame;
             let mismatch = frame.jet(frame.at.mismatch, |by| by.mismatch);
-            flows.separation().advance(entry, time)?[0]
+            let mut gap = flows.separation().advance(slide.entry, time)?[0]
                 .plus(-1.0, mismatch)
-                .affine(1.0 / wave.scales.time, 0.0)
+                .affine(1.0 / wave.scales.time, 0.0);
+            gap.by[DURATION] = 0.0;
+            gap
         }
         Watch::Pressure => {
-            let w = flows.contact(regime).advance(entry, time)?[1];
-            flows
-                .frame
-                .pressure(w)
-                .affine(1.0 / wave.scales.pressure, 0.0)
+            let [_, pressure] = flows.contact(regime).inside(&flows.frame, slide, time)?;
+            pressure.affine(1.0 / wave.scales.pressure, 0.0)
         }
         _ => {
-            let w = flows.contact(regime).advance(entry, time)?[1];
+            let [w, _] = flows.contact(regime).inside(&flows.frame, slide, time)?;
             let sigma = if regime == Regime::Reverse { 1.0 } else { -1.0 };
             w.affine(sigma, -sigma)
         }
-    };
-    jet.by[DURATION] = 0.0;
-    Ok(jet)
+    })
 }
 
 /// A margin as the constraint of an event: margin = 0. The place of a local minimum is followed
@@ -560,10 +599,10 @@ impl AtZero {
         let Margin { watch, zone, .. } = self.margin;
         let mut jet = match watch {
             Watch::Pressure | Watch::Rate | Watch::Gap => {
-                let entry = wave.entry_at(point, zone);
-                let time = self.stationary(wave, &flows, entry)?;
+                let slide = wave.slide_at(point, zone);
+                let time = self.stationary(wave, &flows, &slide)?;
                 self.margin.time = time;
-                interior_margin(wave, &flows, watch, zone, entry, time)?
+                interior_margin(wave, &flows, watch, zone, &slide, time)?
             }
             _ => edge_margin(wave, &flows, point, zone, watch)?,
         };
@@ -575,19 +614,26 @@ impl AtZero {
     }
 
     /// The stationary place next to the last one, by Newton's method.
-    fn stationary(&self, wave: &Wave, flows: &Flows, entry: [f64; 2]) -> Result<f64, FlowError> {
+    fn stationary(&self, wave: &Wave, flows: &Flows, slide: &Slide) -> Result<f64, FlowError> {
         let mut time = self.margin.time;
         let regime = wave.signature.zone(self.margin.zone).regime;
         for _ in 0..8 {
             let step = if self.margin.watch == Watch::Gap {
                 let at = &flows.frame.at;
-                let [u, rate, _, w] = flows.separation().state(entry, time)?;
+                let [u, rate, _, w] = flows.separation().state(slide.entry, time)?;
                 let acceleration = -(at.damping * rate + at.g * u + at.kappa * w) / at.mb;
                 rate / acceleration
             } else {
                 let flow = flows.contact(regime);
-                let state = flow.state(entry, time)?;
-                flow.acceleration(state) / flow.jerk(state)
+                match flow {
+                    SlidingFlow::Material(flow) if self.margin.watch == Watch::Pressure => {
+                        flow.pressure_step(slide, time)
+                    }
+                    _ => {
+                        let state = flow.state(slide, time)?;
+                        flow.acceleration(slide, time, state) / flow.jerk(slide, time, state)
+                    }
+                }
             };
             if !step.is_finite() {
                 return Err(FlowError::Overflow { duration: time });
@@ -610,12 +656,7 @@ impl Constraint<Wave> for AtZero {
         gradient: &mut [f64],
     ) -> Result<f64, FlowError> {
         let margin = self.margin_at(wave, point)?;
-        let first = 3 * margin.zone;
-        let last = wave.unknowns() - 2;
-        for (column, by) in [first, first + 1, first + 2, last, last + 1]
-            .into_iter()
-            .zip(margin.jet.by)
-        {
+        for (column, by) in wave.columns(margin.zone).zip(margin.jet.by) {
             gradient[column] = by;
         }
         Ok(margin.jet.value)

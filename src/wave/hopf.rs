@@ -1,15 +1,21 @@
 //! The waves at the Hopf point of steady sliding.
 //!
-//! Without material damping the perturbation of steady sliding of mode k that travels with the growing
-//! wave neither grows nor decays where α√K = kf|D|, K = ak² + h: there F = fκ − α = 0 at |c| = √K/k, and
+//! The perturbation of steady sliding of mode k that travels with the growing wave neither grows nor
+//! decays where, with K = ak² + h, S = kf|D| and X = α + βK,
 //!
 //! ```text
-//! V = fgδ/h − A cos √K s,   V̇ = A√K sin √K s
+//! KX² = S²(1 − βX),   ω = S/X = √(K + βS²/X),   |c| = ω/k;      β = 0:  α√K = S,  ω = √K.
+//! ```
+//!
+//! There
+//!
+//! ```text
+//! V = fgδ/h − A cos ωs,   V̇ = Aω sin ωs
 //! ```
 //!
 //! is a wave of any amplitude A as long as it slips everywhere: a vertical family, all at the same
-//! value of the parameter, up to A√K = 1. There V̇ touches 1 and a stick zone opens: the slip-stick wave
-//! of the closed form begins with T2 = 0.
+//! value of the parameter, up to Aω = 1. There V̇ touches 1 and a stick zone opens: the slip-stick wave
+//! begins with T2 = 0.
 
 use crate::begin::scales;
 use crate::linalg::Vector;
@@ -18,23 +24,36 @@ use crate::model::signature::{Entry, Regime, Signature, Zone};
 use crate::problem::Parameter;
 
 use super::Wave;
+use super::successor::Candidate;
 
 /// Why there is no branch from a Hopf point.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoHopf {
     /// The parameter does not pass the Hopf point in closed form.
     #[error(
-        "`start: Hopf` looks for the Hopf point in Friction or MassDamping; continue in one of them"
+        "`start: Hopf` looks for the Hopf point in Friction, MassDamping or StiffnessDamping; continue \
+         in one of them"
     )]
     Parameter,
     /// No damping, or no friction: the Hopf point lies at zero.
     #[error(
-        "steady sliding has its Hopf point where α√(ak² + h) = kf|D|; with {missing} = 0 there is none \
-         but at zero"
+        "steady sliding has its Hopf point where K(α + βK)² = k²f²D²(1 − αβ − β²K), K = ak² + h; with \
+         {missing} = 0 there is none but at zero"
     )]
     Zero {
         /// What is zero.
         missing: &'static str,
+    },
+    /// Damping beyond what any friction overcomes, or friction below what the other damping needs.
+    #[error(
+        "steady sliding is stable in mode {mode} whatever the {parameter}: K(α + βK)² = \
+         k²f²D²(1 − αβ − β²K), K = ak² + h, has no root"
+    )]
+    Stable {
+        /// Mode.
+        mode: u32,
+        /// Column of the parameter.
+        parameter: &'static str,
     },
     /// The pressure of the family vanishes before a stick zone opens.
     #[error(
@@ -62,6 +81,23 @@ pub struct Family {
     pub points: Vec<Vector>,
 }
 
+impl Family {
+    /// The wave at the end of the family as a slip-stick wave whose stick zone has no length yet.
+    pub fn opening(&self) -> Candidate {
+        let wave = self.wave.with_signature(Signature::slip_stick());
+        let last = &self.points[self.points.len() - 1];
+        let excess = self.wave.excess_at(last);
+        let period = self.wave.duration_at(last, 0);
+        let zones = [[0.0, 1.0, period, 0.0], [0.0, 1.0, 0.0, 0.0]];
+        let point = wave.pack(&zones, excess, self.critical);
+        Candidate {
+            wave,
+            point,
+            nascent: vec![1],
+        }
+    }
+}
+
 /// The family of mode k in `count` ≥ 2 equal steps of the amplitude; `width` is the unit of the
 /// parameter.
 ///
@@ -76,21 +112,52 @@ pub fn family(
 ) -> Result<Family, NoHopf> {
     let coefficients = model.parameters().coefficients;
     let k = f64::from(mode);
-    let frequency = (coefficients.a * k * k + coefficients.h).sqrt();
+    let stiffness = coefficients.a * k * k + coefficients.h;
     let drive = k * coefficients.coupling.abs();
     let missing = |missing| Err(NoHopf::Zero { missing });
+    let (alpha, beta) = (model.mass_damping, model.stiffness_damping);
+    let force = model.friction * drive;
     let critical = match parameter {
-        Parameter::Friction if model.mass_damping > 0.0 => model.mass_damping * frequency / drive,
-        Parameter::Friction => return missing("α"),
-        Parameter::MassDamping if model.friction > 0.0 => model.friction * drive / frequency,
-        Parameter::MassDamping => return missing("f"),
+        Parameter::Friction if alpha > 0.0 || beta > 0.0 => {
+            let x = alpha + beta * stiffness;
+            x * (stiffness / (1.0 - beta * x)).sqrt() / drive
+        }
+        Parameter::Friction => return missing("α = β"),
+        Parameter::MassDamping if force > 0.0 => {
+            // KX² + βS²X − S² = 0
+            let root = (beta * beta * force * force + 4.0 * stiffness).sqrt();
+            2.0 * force / (beta * force + root) - beta * stiffness
+        }
+        Parameter::StiffnessDamping if force > 0.0 => {
+            // (K + S²/K)X² − (αS²/K)X − S² = 0
+            let square = force * force;
+            let first = stiffness + square / stiffness;
+            let second = alpha * square / stiffness;
+            let x = (second + (second * second + 4.0 * first * square).sqrt()) / (2.0 * first);
+            (x - alpha) / stiffness
+        }
+        Parameter::MassDamping | Parameter::StiffnessDamping => return missing("f"),
         _ => return Err(NoHopf::Parameter),
     };
+    // written so that NaN is refused too
+    if !(critical >= 0.0 && critical.is_finite()) {
+        return Err(NoHopf::Stable {
+            mode,
+            parameter: parameter.column(),
+        });
+    }
     let model = model.with(parameter, critical);
-    // |c| = √K/k, so that e = √(1 + x) − 1 with x = h/(ak²)
-    let x = coefficients.h / (coefficients.a * k * k);
+    let force = model.friction * drive;
+    let beta = model.stiffness_damping;
+    let moved = beta * force * force / (model.mass_damping + beta * stiffness);
+    // X = 0 with β = 0 only
+    let moved = if beta == 0.0 { 0.0 } else { moved };
+    let frequency = (stiffness + moved).sqrt();
+    // |c| = ω/k, so that e = √(1 + x) − 1 with x = (ω²/k² − a)/a
+    let x = (coefficients.h + moved) / (coefficients.a * k * k);
     let excess = x / (1.0 + (1.0 + x).sqrt());
-    let least = coefficients.coupling.abs() * k / (frequency * coefficients.g);
+    let least = coefficients.coupling.abs() * k / (frequency * coefficients.g)
+        * (1.0 + (beta * frequency).powi(2)).sqrt();
     if model.mismatch <= least {
         return Err(NoHopf::Separation {
             mismatch: model.mismatch,
@@ -111,7 +178,7 @@ pub fn family(
     let points = (0..count)
         .map(|index| {
             let amplitude = index as f64 / (count - 1).max(1) as f64 / frequency;
-            wave.pack(&[[-amplitude, 0.0, period]], excess, critical)
+            wave.pack(&[[-amplitude, 0.0, period, 0.0]], excess, critical)
         })
         .collect();
     Ok(Family {

@@ -16,6 +16,10 @@
 //! | section | W = 0 | 0 |
 //! | touch | (U − δ)/T^m = 0 | W |
 //!
+//! With material damping β > 0 ([`crate::flow::material`]) every zone has a fourth unknown, the layer
+//! G_i at its end, and a fourth equation, the matching of V̈ with the next entry: V̈ = 0 at both ends
+//! of stick, of which the one at release takes the place of Q = fP. In stick G = 0.
+//!
 //! m is the order of the zero at the entry of the zone. Of W − 1: 2 after a release (V̈ = 0 there),
 //! 1 after a reversal, an arrested landing or a release from
 //! static friction. Of U − δ: 3 after take-off, 2 after a touch. Divided out, the zone may shrink to nothing and
@@ -33,11 +37,12 @@ use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use crate::flow::contact::ContactFlow;
+use crate::flow::material::MaterialFlow;
 use crate::flow::numerical::{Integrator, NumericalContact, NumericalSeparation};
 use crate::flow::separation::SeparationFlow;
 use crate::flow::{
-    DURATION, ENTRY_W, ENTRY_Y, EXCESS, FlowError, Frame, FreeFlow, Jet, PARAMETER, SlidingFlow,
-    ZoneEnd,
+    DURATION, ENTRY_W, ENTRY_Y, EXCESS, FlowError, Frame, FreeFlow, Jet, LAYER, PARAMETER, SOURCES,
+    Slide, SlidingFlow, ZoneEnd,
 };
 use crate::linalg::{Matrix, Vector};
 use crate::model::signature::{Entry, Regime, Signature};
@@ -64,8 +69,18 @@ pub struct Scales {
     pub pressure: f64,
 }
 
+impl Scales {
+    /// Unit of V̈ and of the layer G.
+    pub fn layer(&self) -> f64 {
+        self.rate / self.time
+    }
+}
+
 /// See [`Scales::rate`].
 pub const RATE_UNITS: f64 = 4.0;
+
+/// (Y, W, T, G) of a zone: see [`Wave::unpack`].
+pub type ZoneUnknowns = [f64; 4];
 
 /// The boundary-value problem of one signature.
 #[derive(Clone, Debug)]
@@ -82,6 +97,8 @@ pub struct Wave {
     pub scales: Scales,
     /// How the equations of a zone are solved.
     pub method: Method,
+    /// Whether material damping enters, be it at β = 0 where β is the continuation parameter.
+    pub material: bool,
     /// Numbers of the model at its own parameter values: valid wherever the continuation
     /// parameter does not enter a, b, D, g, h.
     fixed: Parameters,
@@ -93,6 +110,7 @@ pub struct Flows {
     /// Frame.
     pub frame: Frame,
     law: FrictionLaw,
+    material: bool,
     integrator: Option<Integrator>,
     slip: OnceCell<SlidingFlow>,
     reverse: OnceCell<SlidingFlow>,
@@ -100,10 +118,11 @@ pub struct Flows {
 }
 
 impl Flows {
-    fn new(frame: Frame, law: FrictionLaw, method: Method) -> Flows {
+    fn new(frame: Frame, law: FrictionLaw, method: Method, material: bool) -> Flows {
         Flows {
             frame,
             law,
+            material,
             integrator: Integrator::of(method, law),
             slip: OnceCell::new(),
             reverse: OnceCell::new(),
@@ -113,6 +132,9 @@ impl Flows {
 
     fn sliding(&self, sigma: f64) -> SlidingFlow {
         match self.integrator {
+            None if self.material => {
+                SlidingFlow::Material(Box::new(MaterialFlow::new(&self.frame, sigma)))
+            }
             None => SlidingFlow::Exact(ContactFlow::new(&self.frame, sigma)),
             Some(integrator) => SlidingFlow::Numerical(NumericalContact::new(
                 &self.frame,
@@ -163,6 +185,7 @@ impl Wave {
             signature,
             scales,
             method: model.law.default_method(),
+            material: model.stiffness_damping > 0.0 || parameter == Parameter::StiffnessDamping,
             fixed: model.parameters(),
             derivative: model.derivative(parameter),
         }
@@ -187,14 +210,29 @@ impl Wave {
         self.signature.len()
     }
 
+    /// Unknowns of a zone: Y, W, T, and G with material damping.
+    pub fn width(&self) -> usize {
+        if self.material { 4 } else { 3 }
+    }
+
+    /// Columns of the derivatives of a jet of a zone, in the order of the jet.
+    pub fn columns(&self, zone: usize) -> impl Iterator<Item = usize> + use<> {
+        let width = self.width();
+        let first = width * (zone % self.zones());
+        let last = width * self.zones();
+        [first, first + 1, first + 2, last, last + 1, first + 3]
+            .into_iter()
+            .take(width + 2)
+    }
+
     /// Value of the continuation parameter at a point.
     pub fn parameter_at(&self, point: &Vector) -> f64 {
-        point[3 * self.zones() + 1] * self.scales.parameter
+        point[self.width() * self.zones() + 1] * self.scales.parameter
     }
 
     /// Excess speed e = |c|/√a − 1 at a point.
     pub fn excess_at(&self, point: &Vector) -> f64 {
-        self.scales.excess * point[3 * self.zones()].exp()
+        self.scales.excess * point[self.width() * self.zones()].exp()
     }
 
     /// Speed c = ±√a(1 + e) at a point, with the sign of D.
@@ -204,16 +242,35 @@ impl Wave {
 
     /// Entry state (Y, W) of a zone.
     pub fn entry_at(&self, point: &Vector, zone: usize) -> [f64; 2] {
-        let zone = zone % self.zones();
+        let first = self.width() * (zone % self.zones());
         [
-            point[3 * zone] * self.scales.time,
-            point[3 * zone + 1] * self.scales.rate,
+            point[first] * self.scales.time,
+            point[first + 1] * self.scales.rate,
         ]
+    }
+
+    /// Layer G at the end of a zone: the part of V̈ there that grows by e^{T/ρ} over it; 0 without
+    /// material damping.
+    pub fn layer_at(&self, point: &Vector, zone: usize) -> f64 {
+        if self.material {
+            point[4 * (zone % self.zones()) + 3] * self.scales.layer()
+        } else {
+            0.0
+        }
+    }
+
+    /// A sliding zone as its flow takes it.
+    pub fn slide_at(&self, point: &Vector, zone: usize) -> Slide {
+        Slide {
+            entry: self.entry_at(point, zone),
+            duration: self.duration_at(point, zone),
+            layer: self.layer_at(point, zone),
+        }
     }
 
     /// Duration of a zone.
     pub fn duration_at(&self, point: &Vector, zone: usize) -> f64 {
-        point[3 * (zone % self.zones()) + 2] * self.scales.time
+        point[self.width() * (zone % self.zones()) + 2] * self.scales.time
     }
 
     /// The model at the parameter value of a point.
@@ -221,12 +278,16 @@ impl Wave {
         self.model.with(self.parameter, self.parameter_at(point))
     }
 
-    /// Scaled unknowns from physical ones: (Y, W, T) for each zone, e, parameter.
-    pub fn pack(&self, zones: &[[f64; 3]], excess: f64, parameter: f64) -> Vector {
+    /// Scaled unknowns from physical ones: (Y, W, T, G) for each zone, e, parameter. G counts with
+    /// material damping only.
+    pub fn pack(&self, zones: &[ZoneUnknowns], excess: f64, parameter: f64) -> Vector {
         let time = self.scales.time;
-        let mut point = Vec::with_capacity(3 * zones.len() + 2);
-        for [y, w, duration] in zones {
+        let mut point = Vec::with_capacity(4 * zones.len() + 2);
+        for [y, w, duration, layer] in zones {
             point.extend([y / time, w / self.scales.rate, duration / time]);
+            if self.material {
+                point.push(layer / self.scales.layer());
+            }
         }
         point.extend([
             (excess / self.scales.excess).ln(),
@@ -235,12 +296,16 @@ impl Wave {
         Vector::from_vec(point)
     }
 
-    /// Physical (Y, W, T) of each zone.
-    pub fn unpack(&self, point: &Vector) -> Vec<[f64; 3]> {
+    /// Physical (Y, W, T, G) of each zone.
+    pub fn unpack(&self, point: &Vector) -> Vec<ZoneUnknowns> {
         (0..self.zones())
             .map(|zone| {
-                let [y, w] = self.entry_at(point, zone);
-                [y, w, self.duration_at(point, zone)]
+                let Slide {
+                    entry: [y, w],
+                    duration,
+                    layer,
+                } = self.slide_at(point, zone);
+                [y, w, duration, layer]
             })
             .collect()
     }
@@ -253,6 +318,7 @@ impl Wave {
             Parameter::Mismatch => parameters.mismatch = value,
             Parameter::Friction => parameters.friction = value,
             Parameter::MassDamping => parameters.mass_damping = value,
+            Parameter::StiffnessDamping => parameters.stiffness_damping = value,
             _ => {
                 let model = self.model.with(self.parameter, value);
                 return (model.parameters(), model.derivative(self.parameter));
@@ -269,7 +335,7 @@ impl Wave {
     }
 
     fn flows_of(&self, frame: Frame) -> Flows {
-        Flows::new(frame, self.model.law, self.method)
+        Flows::new(frame, self.model.law, self.method, self.material)
     }
 
     /// Order of the zero just after an entry: of W − 1 in sliding, of U − δ in separation.
@@ -299,25 +365,38 @@ impl Wave {
             Regime::Stick => {
                 let y = Jet {
                     value: entry[0] + duration,
-                    by: [1.0, 0.0, 1.0, 0.0, 0.0],
+                    by: [1.0, 0.0, 1.0, 0.0, 0.0, 0.0],
                 };
                 let mut w = Jet {
                     value: entry[1],
                     ..Jet::default()
                 };
                 w.by[ENTRY_W] = 1.0;
+                let switching = if self.material {
+                    // there is no layer in stick; V̈ = 0 at release is the matching of V̈
+                    let mut layer = Jet {
+                        value: self.layer_at(point, index) / self.scales.layer(),
+                        ..Jet::default()
+                    };
+                    layer.by[LAYER] = 1.0 / self.scales.layer();
+                    layer
+                } else {
+                    y.plus(-1.0, flows.frame.release(self.model.law))
+                        .affine(1.0 / time, 0.0)
+                };
                 Ok(ZoneEnd {
                     y,
                     w,
-                    radial_rate: Jet::default(),
-                    switching: y
-                        .plus(-1.0, flows.frame.release(self.model.law))
-                        .affine(1.0 / time, 0.0),
+                    switching,
+                    ..ZoneEnd::default()
                 })
             }
             Regime::Slip | Regime::Reverse | Regime::Contact => {
                 let order = self.order_at_entry(zone.entry);
-                let [y, w, reduced] = flows.contact(zone.regime).zone(entry, duration, order)?;
+                let slide = self.slide_at(point, index);
+                let arrested = next == Entry::Arrest;
+                let end = flows.contact(zone.regime).zone(&slide, order, arrested)?;
+                let w = end.w;
                 let switching = if next == Entry::TakeOff {
                     flows
                         .frame
@@ -325,15 +404,14 @@ impl Wave {
                         .affine(1.0 / self.scales.pressure, 0.0)
                 } else if next == Entry::Section {
                     w
+                } else if self.material {
+                    // 1, 1/T or 1/T²: see MaterialFlow::zone
+                    let power = if order == 1 { 1 + i32::from(arrested) } else { 0 };
+                    end.switching.affine(time.powi(power), 0.0)
                 } else {
-                    reduced.affine(time.powi(order as i32), 0.0)
+                    end.switching.affine(time.powi(order as i32), 0.0)
                 };
-                Ok(ZoneEnd {
-                    y,
-                    w,
-                    radial_rate: Jet::default(),
-                    switching,
-                })
+                Ok(ZoneEnd { switching, ..end })
             }
             Regime::Separation => {
                 let mut end =
@@ -346,6 +424,24 @@ impl Wave {
                     .affine(time.powi(self.order_at_entry(zone.entry) as i32 - 1), 0.0);
                 Ok(end)
             }
+        }
+    }
+
+    /// Whether a regime exists under the model: with material damping there is no theory of landing
+    /// yet, and branches end where separation opens.
+    pub fn has(&self, regime: Regime) -> bool {
+        self.model.law.has(regime) && !(self.material && regime == Regime::Separation)
+    }
+
+    /// V̈ just after the entry of a zone, with material damping.
+    pub(crate) fn entry_acceleration(&self, flows: &Flows, point: &Vector, index: usize) -> Jet {
+        let index = index % self.zones();
+        let regime = self.signature.zone(index).regime;
+        match (regime, flows.contact(regime)) {
+            (Regime::Slip | Regime::Reverse, SlidingFlow::Material(flow)) => {
+                flow.entry_rates(&self.slide_at(point, index))[0]
+            }
+            _ => Jet::default(),
         }
     }
 
@@ -387,7 +483,7 @@ impl System for Wave {
     type Failure = FlowError;
 
     fn unknowns(&self) -> usize {
-        3 * self.zones() + 2
+        self.width() * self.zones() + 2
     }
 
     fn evaluate(
@@ -400,14 +496,14 @@ impl System for Wave {
         let excess = self.excess_at(point);
         let flows = self.flows_of(Frame::new(&parameters, &derivative, excess)?);
         let n = self.zones();
+        let width = self.width();
         let Scales { time, rate, .. } = self.scales;
         let units = jet_units(&self.scales);
         for zone in 0..n {
             let end = self.zone_end(&flows, point, zone)?;
             let after = self.rate_after_switch(&flows, &end, zone);
-            let next = 3 * ((zone + 1) % n);
-            let columns = [3 * zone, 3 * zone + 1, 3 * zone + 2, 3 * n, 3 * n + 1];
-            let row = 3 * zone;
+            let next = width * ((zone + 1) % n);
+            let row = width * zone;
             for (offset, jet) in [
                 end.y.affine(1.0 / time, 0.0),
                 after.affine(1.0 / rate, 0.0),
@@ -417,8 +513,18 @@ impl System for Wave {
             .enumerate()
             {
                 residual[row + offset] = jet.value;
-                for (index, column) in columns.into_iter().enumerate() {
+                for (index, column) in self.columns(zone).enumerate() {
                     jacobian[(row + offset, column)] += jet.by[index] * units[index];
+                }
+            }
+            if self.material {
+                let entered = self.entry_acceleration(&flows, point, zone + 1);
+                for (at, sign, jet) in [(zone, 1.0, end.acceleration), (zone + 1, -1.0, entered)] {
+                    let jet = jet.affine(sign / self.scales.layer(), 0.0);
+                    residual[row + 3] += jet.value;
+                    for (index, column) in self.columns(at).enumerate() {
+                        jacobian[(row + 3, column)] += jet.by[index] * units[index];
+                    }
                 }
             }
             residual[row] -= point[next];
@@ -427,29 +533,30 @@ impl System for Wave {
             jacobian[(row + 1, next + 1)] -= 1.0;
         }
         // Σ T|c| k/2π = 1, |c| = √a(1 + e)
-        let durations: f64 = (0..n).map(|zone| point[3 * zone + 2]).sum();
+        let durations: f64 = (0..n).map(|zone| point[width * zone + 2]).sum();
         let a = parameters.coefficients.a;
         let unit = time * a.sqrt() * f64::from(self.mode) / TAU;
         let factor = unit * (1.0 + excess);
-        let row = 3 * n;
+        let row = width * n;
         residual[row] = durations * factor - 1.0;
         for zone in 0..n {
-            jacobian[(row, 3 * zone + 2)] = factor;
+            jacobian[(row, width * zone + 2)] = factor;
         }
-        jacobian[(row, 3 * n)] = durations * unit * excess;
-        jacobian[(row, 3 * n + 1)] =
+        jacobian[(row, row)] = durations * unit * excess;
+        jacobian[(row, row + 1)] =
             durations * factor * 0.5 * derivative.coefficients.a / a * self.scales.parameter;
         Ok(())
     }
 }
 
 /// Units of the derivatives of a jet in the scaled unknowns.
-pub fn jet_units(scales: &Scales) -> [f64; 5] {
-    let mut units = [0.0; 5];
+pub fn jet_units(scales: &Scales) -> [f64; SOURCES] {
+    let mut units = [0.0; SOURCES];
     units[ENTRY_Y] = scales.time;
     units[ENTRY_W] = scales.rate;
     units[DURATION] = scales.time;
     units[EXCESS] = 1.0;
     units[PARAMETER] = scales.parameter;
+    units[LAYER] = scales.layer();
     units
 }

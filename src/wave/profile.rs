@@ -1,7 +1,7 @@
 //! Samples of a wave over one wavelength.
 
 use crate::branch::ProfileSample;
-use crate::flow::FlowError;
+use crate::flow::{FlowError, Slide, SlidingFlow};
 use crate::flow::equations::multiplier;
 use crate::linalg::Vector;
 use crate::model::signature::Regime;
@@ -37,8 +37,10 @@ pub fn sample(
     let mut theta = 0.0;
     for zone in 0..wave.zones() {
         let regime = wave.signature.zone(zone).regime;
-        let entry = wave.entry_at(point, zone);
-        let duration = wave.duration_at(point, zone);
+        let slide = wave.slide_at(point, zone);
+        let Slide {
+            entry, duration, ..
+        } = slide;
         let share = duration * speed / wavelength * resolution as f64;
         let intervals = share.ceil().clamp(1.0, resolution.max(1) as f64) as usize;
         let times: Vec<f64> = (0..=intervals)
@@ -46,7 +48,7 @@ pub fn sample(
             .collect();
         let sliding = match regime {
             Regime::Stick | Regime::Separation => Vec::new(),
-            _ => flows.contact(regime).states(entry, duration, &times)?,
+            _ => flows.contact(regime).states(&slide, &times)?,
         };
         for (index, time) in times.into_iter().enumerate() {
             let (radial, radial_rate, [y, w]) = match regime {
@@ -57,13 +59,19 @@ pub fn sample(
                 }
                 _ => (at.mismatch, 0.0, sliding[index]),
             };
-            let pressure = if regime == Regime::Separation {
-                0.0
-            } else {
-                weight + at.kappa * w
+            let pressure = match regime {
+                Regime::Separation => 0.0,
+                Regime::Stick => weight + at.kappa * w,
+                _ => match flows.contact(regime) {
+                    SlidingFlow::Material(flow) => {
+                        let acceleration = flow.motion(&slide, time).acceleration;
+                        weight + at.kappa * (w + at.material * acceleration)
+                    }
+                    _ => weight + at.kappa * w,
+                },
             };
             let shear = match regime {
-                Regime::Stick => at.h * (y + steady) + at.damping,
+                Regime::Stick => at.h * (y + steady + at.material) + at.damping,
                 Regime::Separation => 0.0,
                 sliding => {
                     let sigma = sliding.sliding().unwrap_or(1.0);

@@ -7,13 +7,13 @@
 //! its equations at the event, and whether it is admissible a step further on, decides; there is
 //! no list of known sequences.
 
-use crate::flow::FlowError;
+use crate::flow::{FlowError, Slide, SlidingFlow};
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime, Signature, Zone, paths};
 use crate::newton::System;
 
 use super::admissibility::{Margin, Watch};
-use super::{Flows, Wave};
+use super::{Flows, Wave, ZoneUnknowns};
 
 /// New zones tried at one event: two suffice for every codimension-one event of the table, since
 /// one instant can pass at most through reverse and stick on its way between two others.
@@ -33,10 +33,12 @@ pub struct Candidate {
 /// A wave cut open at one instant: zones in order from just after the instant to just before it.
 struct Opened {
     zones: Vec<Zone>,
-    /// (Y, W, T) of each.
-    states: Vec<[f64; 3]>,
+    /// (Y, W, T, G) of each.
+    states: Vec<ZoneUnknowns>,
     /// (Y, W) at the instant.
     instant: [f64; 2],
+    /// V̈ there, with material damping.
+    acceleration: f64,
     /// The zones on both sides are two parts of one: nothing new needs no switch.
     joined: bool,
 }
@@ -54,7 +56,7 @@ pub fn candidates(
     let parameter = wave.parameter_at(point);
     let flows = wave.flows(point)?;
     let mut found = Vec::new();
-    let mut add = |zones: Vec<Zone>, states: Vec<[f64; 3]>, nascent: Vec<usize>| {
+    let mut add = |zones: Vec<Zone>, states: Vec<ZoneUnknowns>, nascent: Vec<usize>| {
         let (zones, states, nascent) = match sectioned(wave, &flows, zones, states, nascent) {
             Some(cut) => cut,
             // one zone alone has no switch that could fix its phase
@@ -83,6 +85,7 @@ pub fn candidates(
         let mut states = opened.states[1..].to_vec();
         let merged = states.len() - 1;
         states[merged][2] += opened.states[0][2];
+        states[merged][3] = opened.states[0][3];
         // the merged zone closes the cycle
         zones.rotate_right(1);
         states.rotate_right(1);
@@ -93,17 +96,34 @@ pub fn candidates(
         add(opened.zones.clone(), opened.states.clone(), Vec::new());
     }
     for chain in paths(last.regime, first.regime, LONGEST_CHAIN, wave.model.impact) {
-        if !chain.iter().all(|zone| wave.model.law.has(zone.regime)) {
+        if !chain.iter().all(|zone| wave.has(zone.regime)) {
             continue;
         }
         let inserted = chain.len() - 1;
+        let [y, w] = opened.instant;
+        let mut states: Vec<ZoneUnknowns> = chain[..inserted]
+            .iter()
+            .map(|zone| {
+                let layer = nascent_layer(&flows, zone.regime, [y, w], opened.acceleration);
+                [y, w, 0.0, layer]
+            })
+            .collect();
         let mut zones = chain;
-        let mut states = vec![[opened.instant[0], opened.instant[1], 0.0]; inserted];
         zones.extend_from_slice(&opened.zones[1..]);
         states.extend_from_slice(&opened.states);
         add(zones, states, (0..inserted).collect());
     }
     Ok(found)
+}
+
+/// G of a zone that has no length yet and is entered with this V̈.
+fn nascent_layer(flows: &Flows, regime: Regime, instant: [f64; 2], acceleration: f64) -> f64 {
+    match (regime, flows.contact(regime)) {
+        (Regime::Slip | Regime::Reverse, SlidingFlow::Material(flow)) => {
+            flow.layer_of(instant, acceleration)
+        }
+        _ => 0.0,
+    }
 }
 
 /// A cycle that can be posed: one contact zone alone is cut at V̇ = 0, and a wave with switches of
@@ -113,24 +133,30 @@ fn sectioned(
     wave: &Wave,
     flows: &Flows,
     mut zones: Vec<Zone>,
-    mut states: Vec<[f64; 3]>,
+    mut states: Vec<ZoneUnknowns>,
     mut nascent: Vec<usize>,
-) -> Option<(Vec<Zone>, Vec<[f64; 3]>, Vec<usize>)> {
+) -> Option<(Vec<Zone>, Vec<ZoneUnknowns>, Vec<usize>)> {
     if zones.len() == 1 {
         if !wave.model.law.has(zones[0].regime) || zones[0].regime != Regime::Contact {
             return None;
         }
         let flow = flows.contact(Regime::Contact);
-        let [y, w, duration] = states[0];
+        let [y, w, duration, layer] = states[0];
+        let slide = Slide {
+            entry: [y, w],
+            duration,
+            layer,
+        };
         let rising = flow
-            .extremes([y, w], duration)
+            .extremes(&slide)
             .ok()?
             .into_iter()
-            .filter_map(|time| flow.state([y, w], time).ok())
-            .find(|state| flow.acceleration(*state) > 0.0)?;
+            .filter_map(|time| Some((time, flow.state(&slide, time).ok()?)))
+            .find(|(time, state)| flow.acceleration(&slide, *time, *state) > 0.0)?
+            .1;
         return Some((
             Signature::contact().0,
-            vec![[rising[0], 0.0, duration]],
+            vec![[rising[0], 0.0, duration, 0.0]],
             Vec::new(),
         ));
     }
@@ -153,9 +179,9 @@ fn sectioned(
 /// Rotates a cycle so that it begins at a release, if there is one.
 fn from_release(
     mut zones: Vec<Zone>,
-    mut states: Vec<[f64; 3]>,
+    mut states: Vec<ZoneUnknowns>,
     nascent: Vec<usize>,
-) -> (Vec<Zone>, Vec<[f64; 3]>, Vec<usize>) {
+) -> (Vec<Zone>, Vec<ZoneUnknowns>, Vec<usize>) {
     let count = zones.len();
     // among several releases the one before the longest zones keeps the origin steady
     let start = (0..count)
@@ -177,7 +203,9 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
     let zones = &wave.signature.0;
     let mut states = wave.unpack(point);
     let index = margin.zone;
-    let rotated = |start: usize, zones: &[Zone], states: &[[f64; 3]]| {
+    let flows = wave.flows(point)?;
+    let entered = |index: usize| wave.entry_acceleration(&flows, point, index).value;
+    let rotated = |start: usize, zones: &[Zone], states: &[ZoneUnknowns]| {
         let mut zones = zones.to_vec();
         let mut states = states.to_vec();
         let length = zones.len();
@@ -192,44 +220,58 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
             }
             let (mut zones, mut states) = rotated(index, zones, &states);
             zones.remove(0);
-            let [y, w, _] = states.remove(0);
+            let [y, w, ..] = states.remove(0);
             Opened {
                 zones,
                 states,
                 instant: [y, w],
+                acceleration: entered(index),
                 joined: false,
             }
         }
         Watch::Pressure | Watch::Rate | Watch::Gap => {
             // split: the second part keeps the regime, the first keeps the entry
             let zone = zones[index];
-            let [y, w, duration] = states[index];
-            let flows = wave.flows(point)?;
-            let instant = match zone.regime {
+            let slide = wave.slide_at(point, index);
+            let (instant, acceleration) = match zone.regime {
                 Regime::Separation => {
-                    let [_, _, y, w] = flows.separation().state([y, w], margin.time)?;
-                    [y, w]
+                    let [_, _, y, w] = flows.separation().state(slide.entry, margin.time)?;
+                    ([y, w], 0.0)
                 }
-                regime => flows.contact(regime).state([y, w], margin.time)?,
+                regime => {
+                    let flow = flows.contact(regime);
+                    let state = flow.state(&slide, margin.time)?;
+                    (state, flow.acceleration(&slide, margin.time, state))
+                }
             };
+            let rest = slide.duration - margin.time;
             states[index][2] = margin.time;
+            if let (true, SlidingFlow::Material(flow)) = (wave.material, flows.contact(zone.regime)) {
+                states[index][3] = slide.layer * (-rest / flow.rho).exp();
+            }
             let (mut zones, mut states) = rotated(index + 1, zones, &states);
             zones.insert(0, zone);
-            states.insert(0, [instant[0], instant[1], duration - margin.time]);
+            states.insert(0, [instant[0], instant[1], rest, slide.layer]);
             Opened {
                 zones,
                 states,
                 instant,
+                acceleration,
                 joined: true,
             }
         }
-        Watch::LandingPressure | Watch::Tension | Watch::LandingRate | Watch::LowerForce => {
+        Watch::LandingPressure
+        | Watch::Tension
+        | Watch::LandingRate
+        | Watch::LowerForce
+        | Watch::Release => {
             let (zones, states) = rotated(index, zones, &states);
             let instant = [states[0][0], states[0][1]];
             Opened {
                 zones,
                 states,
                 instant,
+                acceleration: entered(index),
                 joined: false,
             }
         }
@@ -240,6 +282,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
                 zones,
                 states,
                 instant,
+                acceleration: entered(index + 1),
                 joined: false,
             }
         }

@@ -13,10 +13,11 @@ use crate::waves::{fast, tube};
 fn error(integrator: Integrator) -> f64 {
     let (wave, point) = fast(&tube(0.5, 0.2, FrictionLaw::Coulomb));
     let flows = wave.flows(&point).expect("a frame");
-    let (entry, duration) = (wave.entry_at(&point, 0), wave.duration_at(&point, 0));
+    let slide = wave.slide_at(&point, 0);
+    let (entry, duration) = (slide.entry, slide.duration);
     let exact = flows
         .contact(Regime::Slip)
-        .state(entry, duration)
+        .state(&slide, duration)
         .expect("a state");
     let flow = NumericalContact::new(&flows.frame, FrictionLaw::Coulomb, 1.0, integrator);
     let found = flow.state(entry, duration).expect("a state");

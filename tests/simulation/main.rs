@@ -31,6 +31,7 @@ pub fn parameters(mismatch: f64, mass_damping: f64) -> Parameters {
         friction: 0.5,
         mismatch,
         mass_damping,
+        stiffness_damping: 0.0,
         smoothing: 0.0,
     }
 }

@@ -1,0 +1,490 @@
+//! The eigenfunction problem with material damping β > 0.
+//!
+//! With ∂/∂φ → −(1/c)(d/ds − λ) on η = e^{λs}ψ(−cs) and V̂ = V + βV̇,
+//!
+//! ```text
+//! slip, reverse:  η″ + αη′ + [h − σfκ(d − λ) − ã(d − λ)²](η + βη′) = 0,   d = d/ds,  ã = a/c²,
+//! ```
+//!
+//! of third order, −βã η‴ + … . V, V̇ and V̈ are continuous, so that a front moves by τ with
+//!
+//! | switch | condition on the perturbation |
+//! |---|---|
+//! | arrest, release | η continuous, η′ = 0 (V̈ = 0); η″ = −V⃛τ is free |
+//! | reversal | η and η′ continuous, τ = −η′/V̈, η″ := η″ + (V⃛⁺ − V⃛⁻)η′/V̈ |
+//!
+//! From release to arrest this is a boundary-value problem: η(0) = 1, η′(0) = 0, η′(T) = 0. Let v be the
+//! solution with v = v′ = 0, v″ = 1 at release and w that with w = 1, w′ = w″ = 0. Then
+//!
+//! ```text
+//! N(λ) = η(T) = n/g,   g = v′(T),   n = w v′ − w′v,
+//! ```
+//!
+//! a quotient of entire functions: N has poles, and eigenvalues of sector j are the zeros of
+//! g − n e^{−λT}/z_j (products over the slip phases where a wave sticks more than once). v is one
+//! solution, on its way forward dominated by the growing layer, as it should be; n is the area spanned
+//! by two, carried by the compound flow det(Φ)·Φ⁻ᵀ: neither is a difference of large numbers, for any β.
+//! (Compound matrices: Ng & Reid, J. Comput. Phys. 30 (1979).) The factor e^{rT} of the layer is taken
+//! out of g and n before either is formed.
+
+use nalgebra::{Complex, DMatrix, DVector, Matrix3, RowVector3, Vector3};
+
+use super::characteristic::{
+    C64, Characteristic, Jump, LinearZone, ONE, Scaled, Value, ZERO, oscillator,
+};
+use crate::model::signature::Regime;
+
+/// The cubic −βã r³ + m₂r² + m₁r + m₀ of a sliding zone at one λ, split into one exponent and a pair.
+#[derive(Clone, Copy, Debug)]
+struct Split {
+    /// Exponent that stands apart from the other two.
+    r: C64,
+    r_by: C64,
+    /// The pair solves r² − 2pr + q = 0.
+    p: C64,
+    p_by: C64,
+    q: C64,
+    q_by: C64,
+}
+
+/// exp(As) on (η, η′, η″) and its derivative in λ, both times e^{−reference·s}.
+#[derive(Clone, Copy, Debug)]
+struct Flow {
+    at: Matrix3<C64>,
+    by: Matrix3<C64>,
+}
+
+/// The three roots of Σ c_j r^j, by Aberth's method from the moduli that the coefficients suggest.
+fn roots(c: [C64; 4]) -> [C64; 3] {
+    let sizes = c.map(|x| x.norm());
+    // radii of the Newton polygon would do; the largest exponent is far from the others or none is
+    let large = sizes[2] / sizes[3] + (sizes[1] / sizes[3]).sqrt() + (sizes[0] / sizes[3]).cbrt();
+    let rest = (sizes[0] / (sizes[3] * large)).sqrt().max(1e-3 * large.min(1.0));
+    let mut z = [
+        C64::from_polar(large, 0.3),
+        C64::from_polar(rest, 1.7),
+        C64::from_polar(rest, -1.2),
+    ];
+    for _ in 0..100 {
+        let mut moved = 0.0_f64;
+        for index in 0..3 {
+            let x = z[index];
+            let value = ((c[3] * x + c[2]) * x + c[1]) * x + c[0];
+            let slope = (c[3] * x * 3.0 + c[2] * 2.0) * x + c[1];
+            let newton = value / slope;
+            let repulsion: C64 = (0..3)
+                .filter(|&other| other != index)
+                .map(|other| (x - z[other]).inv())
+                .sum();
+            let step = newton / (ONE - newton * repulsion);
+            if step.is_finite() {
+                z[index] -= step;
+                moved = moved.max(step.norm() / x.norm().max(f64::MIN_POSITIVE));
+            }
+        }
+        if moved < 1e-15 {
+            break;
+        }
+    }
+    z
+}
+
+impl Characteristic {
+    /// The exponents of a sliding zone.
+    fn split(&self, lambda: C64, sigma: f64) -> Split {
+        let drive = sigma * self.friction * self.kappa;
+        let (a, beta) = (self.a, self.beta);
+        let l1 = lambda * (2.0 * a) - drive;
+        let l0 = lambda * drive - lambda * lambda * a + self.h;
+        let (l1_by, l0_by) = (C64::from(2.0 * a), -lambda * (2.0 * a) + drive);
+        let m2 = l1 * beta + self.ma;
+        let m1 = l1 + l0 * beta + self.damping;
+        let (m2_by, m1_by) = (l1_by * beta, l1_by + l0_by * beta);
+        let d = beta * a;
+        let found = roots([l0, m1, m2, C64::from(-d)]);
+        // the exponent farthest from the other two leaves a pair that may even coincide
+        let apart = |index: usize| {
+            let [x, y, z] = [0, 1, 2].map(|shift| found[(index + shift) % 3]);
+            (x - y).norm().min((x - z).norm())
+        };
+        let index = (0..3)
+            .max_by(|&one, &other| apart(one).total_cmp(&apart(other)))
+            .unwrap_or(0);
+        let mut r = found[index];
+        let largest = found.iter().all(|other| other.norm() <= r.norm());
+        let slope = |r: C64| (m2 * 2.0 - r * (3.0 * d)) * r + m1;
+        let r_by;
+        let (a2, a1, a0, a2_by, a1_by, a0_by);
+        if largest {
+            // from below, which is stable for the largest root: with ρ = 1/r the quadratic factor is
+            // (m₂ + ρa₁)r² + a₁r + m₀, a₁ = m₁ + ρm₀
+            let mut rho = r.inv();
+            for _ in 0..2 {
+                let value = ((l0 * rho + m1) * rho + m2) * rho - d;
+                let by = (l0 * rho * 3.0 + m1 * 2.0) * rho + m2;
+                rho -= value / by;
+            }
+            r = rho.inv();
+            let by = (l0 * rho * 3.0 + m1 * 2.0) * rho + m2;
+            let rho_by = -((l0_by * rho + m1_by) * rho + m2_by) * rho / by;
+            r_by = -rho_by * r * r;
+            a0 = l0;
+            a0_by = l0_by;
+            a1 = m1 + rho * l0;
+            a1_by = m1_by + rho_by * l0 + rho * l0_by;
+            a2 = m2 + rho * a1;
+            a2_by = m2_by + rho_by * a1 + rho * a1_by;
+        } else {
+            for _ in 0..2 {
+                let value = ((m2 - r * d) * r + m1) * r + l0;
+                r -= value / slope(r);
+            }
+            r_by = -((m2_by * r + m1_by) * r + l0_by) / slope(r);
+            a2 = C64::from(-d);
+            a2_by = ZERO;
+            a1 = m2 - r * d;
+            a1_by = m2_by - r_by * d;
+            a0 = m1 + a1 * r;
+            a0_by = m1_by + a1_by * r + a1 * r_by;
+        }
+        let p = -a1 / (a2 * 2.0);
+        let q = a0 / a2;
+        Split {
+            r,
+            r_by,
+            p,
+            p_by: -(a1_by * 0.5 + p * a2_by) / a2,
+            q,
+            q_by: (a0_by - q * a2_by) / a2,
+        }
+    }
+
+    /// Σ over the sliding zones of ∂r/∂λ·T at λ = 0: the turning of g that is taken out of it.
+    pub(super) fn material_turn(&self) -> f64 {
+        self.zones
+            .iter()
+            .filter_map(|zone| Some((zone.regime.sliding()?, zone.duration)))
+            .map(|(sigma, duration)| self.split(ZERO, sigma).r_by.re * duration)
+            .sum()
+    }
+
+    /// g, n e^{−λT} and derivatives.
+    pub(super) fn evaluate_material(&self, lambda: C64) -> Value {
+        let one = Scaled {
+            value: ONE,
+            derivative: ZERO,
+            exponent: 0.0,
+        };
+        let (mut unit, mut trace) = (one, one);
+        // what is common to both: Σ reference·T
+        let (mut common, mut common_by) = (-lambda * self.turn, C64::from(-self.turn));
+        let start = || {
+            (
+                [Vector3::new(ZERO, ZERO, ONE), Vector3::zeros()],
+                [RowVector3::new(ZERO, -ONE, ZERO), RowVector3::zeros()],
+            )
+        };
+        let (mut v, mut area) = start();
+        for zone in &self.zones {
+            let Some(sigma) = zone.regime.sliding() else {
+                continue;
+            };
+            let s = zone.duration;
+            let split = self.split(lambda, sigma);
+            let (reference, reference_by) = split.reference();
+            common += reference * s;
+            common_by += reference_by * s;
+            let forward = split.flow(s, reference, reference_by);
+            v = [forward.at * v[0], forward.at * v[1] + forward.by * v[0]];
+            // det Φ·Φ⁻¹ = e^{(r + 2p)s} exp(−As), less e^{reference·s}
+            let sum = split.r - reference + split.p * 2.0;
+            let sum_by = split.r_by - reference_by + split.p_by * 2.0;
+            let back = split.flow(-s, sum, sum_by);
+            area = [area[0] * back.at, area[1] * back.at + area[0] * back.by];
+            match zone.jump {
+                Jump::Bend(factor) => {
+                    for v in &mut v {
+                        let moved = v[1] * factor;
+                        v[2] += moved;
+                    }
+                    for area in &mut area {
+                        let moved = area[2] * factor;
+                        area[1] -= moved;
+                    }
+                }
+                Jump::Arrest => {
+                    unit = unit.times(normalised(v[0][1], v[1][1]));
+                    trace = trace.times(normalised(area[0][2], area[1][2]));
+                    (v, area) = start();
+                }
+                _ => {}
+            }
+        }
+        let turn = C64::from_polar(1.0, common.im);
+        let turned = |scaled: Scaled| Scaled {
+            value: scaled.value * turn,
+            derivative: (scaled.derivative + scaled.value * common_by) * turn,
+            exponent: scaled.exponent,
+        };
+        Value {
+            unit: turned(unit),
+            trace: turned(trace).delayed(lambda, self.period),
+            determinant: Scaled {
+                value: ZERO,
+                derivative: ZERO,
+                exponent: f64::NEG_INFINITY,
+            },
+            offset: common.re,
+        }
+    }
+
+    /// (η, η′, η″) at chosen times of every zone, for η = 1 at the first release: the solution of the
+    /// boundary-value problem, zone by zone as an oscillator from the entry and a layer from the end (or
+    /// the entry, if it decays). Also η at the end of the period.
+    pub(super) fn material_states(
+        &self,
+        lambda: C64,
+        times: impl Fn(&LinearZone) -> Vec<f64>,
+    ) -> (Vec<Vec<Vector3<C64>>>, C64) {
+        let mut states = Vec::with_capacity(self.zones.len());
+        let mut eta = ONE;
+        let mut index = 0;
+        while index < self.zones.len() {
+            if self.zones[index].regime == Regime::Stick {
+                let held = Vector3::new(eta, ZERO, ZERO);
+                states.push(vec![held; times(&self.zones[index]).len()]);
+                index += 1;
+                continue;
+            }
+            let last = (index..self.zones.len())
+                .find(|&zone| self.zones[zone].jump == Jump::Arrest)
+                .unwrap_or(self.zones.len() - 1);
+            let phase: Vec<(LinearZone, Split)> = self.zones[index..=last]
+                .iter()
+                .map(|zone| {
+                    let sigma = zone.regime.sliding().unwrap_or(1.0);
+                    (*zone, self.split(lambda, sigma))
+                })
+                .collect();
+            let count = phase.len();
+            let mut matrix = DMatrix::<C64>::zeros(3 * count, 3 * count);
+            let mut right = DVector::<C64>::zeros(3 * count);
+            let basis = |zone: usize, t: f64| phase[zone].1.basis(t, phase[zone].0.duration);
+            // η and η′ at release, η′ at arrest
+            right[0] = eta;
+            for column in 0..3 {
+                matrix[(0, column)] = basis(0, 0.0)[(0, column)];
+                matrix[(1, column)] = basis(0, 0.0)[(1, column)];
+                let duration = phase[count - 1].0.duration;
+                matrix[(2, 3 * (count - 1) + column)] = basis(count - 1, duration)[(1, column)];
+            }
+            for zone in 0..count - 1 {
+                let (linear, _) = &phase[zone];
+                let mut before = basis(zone, linear.duration);
+                if let Jump::Bend(factor) = linear.jump {
+                    for column in 0..3 {
+                        let moved = before[(1, column)] * factor;
+                        before[(2, column)] += moved;
+                    }
+                }
+                let after = basis(zone + 1, 0.0);
+                for row in 0..3 {
+                    for column in 0..3 {
+                        matrix[(3 + 3 * zone + row, 3 * zone + column)] = before[(row, column)];
+                        matrix[(3 + 3 * zone + row, 3 * zone + 3 + column)] = -after[(row, column)];
+                    }
+                }
+            }
+            let solution = matrix
+                .full_piv_lu()
+                .solve(&right)
+                .unwrap_or_else(|| DVector::repeat(3 * count, C64::from(f64::NAN)));
+            for (zone, (linear, _)) in phase.iter().enumerate() {
+                let part = Vector3::from_fn(|row, _| solution[3 * zone + row]);
+                let here = times(linear).into_iter();
+                states.push(here.map(|t| basis(zone, t) * part).collect());
+            }
+            let end = basis(count - 1, phase[count - 1].0.duration)
+                * Vector3::from_fn(|row, _| solution[3 * (count - 1) + row]);
+            eta = end[0];
+            index = last + 1;
+        }
+        (states, eta)
+    }
+
+    /// Sum and largest of the terms of the sliding equation with material damping.
+    pub(super) fn material_terms(
+        &self,
+        lambda: C64,
+        sigma: f64,
+        [eta, rate, second, third]: [C64; 4],
+    ) -> (C64, f64) {
+        let drive = sigma * self.friction * self.kappa;
+        let (a, beta) = (self.a, self.beta);
+        // (h + σfκλ − ãλ²) + (2ãλ − σfκ)d − ãd² on η + βη′
+        let hat = [eta + rate * beta, rate + second * beta, second + third * beta];
+        let terms = [
+            second,
+            rate * self.damping,
+            hat[0] * (lambda * drive - lambda * lambda * a + self.h),
+            hat[1] * (lambda * (2.0 * a) - drive),
+            -hat[2] * a,
+        ];
+        let size = terms.iter().fold(0.0_f64, |size, term| size.max(term.norm()));
+        (terms.into_iter().sum(), size)
+    }
+}
+
+/// A complex number with its derivative on the scale of the number.
+fn normalised(value: C64, derivative: C64) -> Scaled {
+    let size = value.norm();
+    if !(size > 0.0 && size.is_finite()) {
+        return Scaled {
+            value,
+            derivative,
+            exponent: 0.0,
+        };
+    }
+    Scaled {
+        value: value / size,
+        derivative: derivative / size,
+        exponent: size.ln(),
+    }
+}
+
+impl Split {
+    /// The exponent of largest real part, with its derivative.
+    fn reference(&self) -> (C64, C64) {
+        let root = (self.p * self.p - self.q).sqrt();
+        // ∂r/∂λ of a member of the pair: 2r r′ − 2p′r − 2pr′ + q′ = 0
+        let member = |r: C64| {
+            let by = (self.p_by * r * 2.0 - self.q_by) / ((r - self.p) * 2.0);
+            (r, if by.is_finite() { by } else { self.p_by })
+        };
+        [
+            (self.r, self.r_by),
+            member(self.p + root),
+            member(self.p - root),
+        ]
+        .into_iter()
+        .max_by(|one, other| one.0.re.total_cmp(&other.0.re))
+        .unwrap_or((self.r, self.r_by))
+    }
+
+    /// exp(As) e^{shift·|s|}, the shift being −reference for s > 0 and the one given for s < 0.
+    fn flow(&self, s: f64, shift: C64, shift_by: C64) -> Flow {
+        let sign = if s > 0.0 { -1.0 } else { 1.0 };
+        let (move_by, moved) = (shift_by * (sign * s.abs()), shift * (sign * s.abs()));
+        let delta = self.p * self.p - self.q;
+        let delta_by = self.p * self.p_by * 2.0 - self.q_by;
+        let (slow, slow_by, exponent) = oscillator(
+            [self.p, self.q, delta],
+            [self.p_by, self.q_by, delta_by],
+            s,
+        );
+        let factor = {
+            let size = exponent + moved.re;
+            C64::from_polar(size.exp(), moved.im)
+        };
+        let m = slow.map(|row| row.map(|x| x * factor));
+        let m_by: [[C64; 2]; 2] = std::array::from_fn(|i| {
+            std::array::from_fn(|j| (slow_by[i][j] + slow[i][j] * move_by) * factor)
+        });
+        let (r, r_by) = (self.r, self.r_by);
+        let e = (r * s + moved).exp();
+        let e_by = e * (r_by * s + move_by);
+        let (p, q) = (self.p, self.q);
+        let (p_by, q_by) = (self.p_by, self.q_by);
+        let apart = r * r - p * r * 2.0 + q;
+        let apart_by = r * r_by * 2.0 - (p_by * r + p * r_by) * 2.0 + q_by;
+        // the response to v″ = 1, and its slope
+        let response = |e: C64, e_by: C64, row: usize| {
+            let value = (e - m[row][0] - r * m[row][1]) / apart;
+            let by = (e_by - m_by[row][0] - r_by * m[row][1] - r * m_by[row][1] - value * apart_by)
+                / apart;
+            (value, by)
+        };
+        let (k0, k0_by) = response(e, e_by, 0);
+        let (k1, k1_by) = response(r * e, r_by * e + r * e_by, 1);
+        let row = |k: C64, m: [C64; 2]| [m[0] + q * k, m[1] - p * k * 2.0, k];
+        let row_by = |k: C64, k_by: C64, m_by: [C64; 2]| {
+            [
+                m_by[0] + q_by * k + q * k_by,
+                m_by[1] - (p_by * k + p * k_by) * 2.0,
+                k_by,
+            ]
+        };
+        let (first, second) = (row(k0, m[0]), row(k1, m[1]));
+        let (first_by, second_by) = (row_by(k0, k0_by, m_by[0]), row_by(k1, k1_by, m_by[1]));
+        let z = [q, -p * 2.0, ONE];
+        let z_by = [q_by, -p_by * 2.0, ZERO];
+        let at = Matrix3::from_fn(|i, j| match i {
+            0 => first[j],
+            1 => second[j],
+            _ => p * second[j] * 2.0 - q * first[j] + e * z[j],
+        });
+        let by = Matrix3::from_fn(|i, j| match i {
+            0 => first_by[j],
+            1 => second_by[j],
+            _ => {
+                (p_by * second[j] + p * second_by[j]) * 2.0 - q_by * first[j] - q * first_by[j]
+                    + e_by * z[j]
+                    + e * z_by[j]
+            }
+        });
+        Flow { at, by }
+    }
+
+    /// (η, η′, η″) at a time t of a zone of duration T for unit values of (η, η′) of the oscillator at
+    /// the entry and of the layer's η″ where it is largest.
+    fn basis(&self, t: f64, duration: f64) -> Matrix3<C64> {
+        let (p, q, r) = (self.p, self.q, self.r);
+        let (slow, _, exponent) =
+            oscillator([p, q, p * p - q], [ZERO; 3], t);
+        let factor = exponent.exp();
+        let [[a, b], [c, d]] = slow.map(|row| row.map(|x| x * factor));
+        let place = if r.re > 0.0 { t - duration } else { t };
+        let layer: Complex<f64> = (r * place).exp();
+        Matrix3::new(
+            a,
+            b,
+            layer / (r * r),
+            c,
+            d,
+            layer / r,
+            p * c * 2.0 - q * a,
+            p * d * 2.0 - q * b,
+            layer,
+        )
+    }
+}
+
+#[cfg(test)]
+mod debug {
+    use super::*;
+    use crate::begin::first_wave;
+    use crate::model::Model;
+    use crate::model::coefficients::Geometry;
+    use crate::problem::Parameter;
+    use crate::wave::start::Which;
+    #[test]
+    fn look() {
+        for beta in [1e-8, 1e-4, 5e-3] {
+            let model = Model {
+                stiffness_damping: beta,
+                ..Model::tube(Geometry { nu: 0.3, xi: 1.5, gamma: 1.0 }, 0.5, 0.4)
+            };
+            let settings = crate::continuation::Settings { ds: 0.01, ds_min: 1e-9, ds_max: 0.1, tolerance: 1e-10 };
+            let (wave, point) = first_wave(&model, Parameter::Mismatch, 4, Which::Fast, 0.4, settings).unwrap();
+            let c = Characteristic::new(&wave, &point).unwrap();
+            let z = c.multiplier(0);
+            for l in [C64::new(0.0, 0.0), C64::new(0.0496, 2.5415), C64::new(0.0497, 2.5415)] {
+                let v = c.evaluate(l);
+                let h = 1e-4;
+                let num = |x: C64| { let v=c.evaluate(x); v.trace.value/v.unit.value*(v.trace.exponent-v.unit.exponent).exp() };
+                let d=(num(l+h)-num(l-h))/(2.0*h);
+                println!("{beta:e} {l} N-1 {:e} f {:?} dN {d} \n {v:?}", num(l)-ONE, v.sector(z));
+            }
+        }
+    }
+}
