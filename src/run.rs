@@ -18,7 +18,7 @@ use crate::model::coefficients::{Coefficients, Geometry};
 use crate::model::signature::Signature;
 use crate::model::{Model, Source};
 use crate::newton;
-use crate::problem::{self, Continuation, Method, Parameter, Problem, Sectors, Start, Toward};
+use crate::problem::{self, Continuation, FrictionLaw, Method, Parameter, Problem, Sectors, Start, Toward};
 use crate::stability::spectrum::{Request, Spectrum};
 use crate::stability::track::{Crossing, Tracked, Tracker};
 use crate::wave::admissibility::examine;
@@ -70,6 +70,16 @@ impl SavedWave {
             layers: layers.take(if wave.material { zones.len() } else { 0 }).collect(),
             excess: wave.excess_at(point),
         }
+    }
+
+    /// The wave as a boundary-value problem in `parameter`, of which `width` is the unit.
+    pub fn wave(&self, parameter: Parameter, mode: u32, width: f64) -> Wave {
+        let largest = self
+            .zones
+            .iter()
+            .fold(1.0_f64, |size, [_, w, _]| size.max(w.abs()));
+        let scales = begin::scales(&self.model, mode, self.excess, largest, width);
+        Wave::new(self.model, parameter, mode, self.signature.clone(), scales)
     }
 
     /// (Y, W, T, G) of each zone.
@@ -280,6 +290,22 @@ impl Branch {
     ) -> Result<Branch, RunError> {
         let parameter = continuation.parameter;
         let mut model = model(&problem.model);
+        let material =
+            model.stiffness_damping > 0.0 || parameter == Parameter::StiffnessDamping;
+        if material && model.law != FrictionLaw::Coulomb {
+            return Err(RunError::Input(
+                "material damping β > 0 is posed for Coulomb's law; leave out `friction_law`, or \
+                 take `damping: (stiffness: 0)`"
+                    .into(),
+            ));
+        }
+        if material && problem.method.is_some_and(|method| method != Method::Exact) {
+            return Err(RunError::Input(
+                "with material damping β > 0 the waves are solved in closed form; take \
+                 `method: Exact`"
+                    .into(),
+            ));
+        }
         let width = continuation.range.1 - continuation.range.0;
         let mode = problem.wave.mode;
         let mut opened = None;
@@ -295,8 +321,6 @@ impl Branch {
                         found.critical
                     )));
                 }
-                let material =
-                    model.stiffness_damping > 0.0 || parameter == Parameter::StiffnessDamping;
                 if material {
                     let (wave, point) = begin::beyond_hopf(&found, step_settings(continuation))
                         .map_err(NoStart::Newton)?;
@@ -336,18 +360,12 @@ impl Branch {
                         parameter.column()
                     )));
                 }
-                let zones = saved.unknowns();
-                let largest = zones
-                    .iter()
-                    .fold(1.0_f64, |size, [_, w, ..]| size.max(w.abs()));
-                let wave = Wave::new(
+                let wave = SavedWave {
                     model,
-                    parameter,
-                    mode,
-                    saved.signature.clone(),
-                    begin::scales(&model, mode, saved.excess, largest, width),
-                );
-                let guess = wave.pack(&zones, saved.excess, value);
+                    ..saved.clone()
+                }
+                .wave(parameter, mode, width);
+                let guess = wave.pack(&saved.unknowns(), saved.excess, value);
                 // a saved wave solves its equations already; at a fold polishing it at a fixed
                 // parameter would fail
                 let solved = newton::jacobian(&wave, &guess)

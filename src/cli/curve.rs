@@ -4,16 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::run::{Prepared, prepare};
+use super::run::{Prepared, of_mode, prepare};
 use super::{Failure, FormatArgument, NUMERICAL, default_folder, print, warn};
 use crate::curve;
 use crate::curve::start::{self, NoCurve};
 use crate::output::curve_folder;
-use crate::problem;
+use crate::output::folder::{self, Restart};
+use crate::problem::{self, CurveEvent};
 
 #[derive(Debug, Args)]
 pub struct CurveArguments {
-    /// Problem file with sections `continuation` and `curve`
+    /// Problem file with a section `curve`, and `continuation` unless the event is a label
     problem: PathBuf,
     /// Folder of the curve [default: results/<name of the problem file>_curve]
     #[arg(long, value_name = "DIR")]
@@ -32,18 +33,28 @@ pub struct CurveArguments {
 pub fn curve(arguments: &CurveArguments) -> Result<u8, Failure> {
     let (problem, text) = problem::read(&arguments.problem)?;
     let section = problem.curve(&text, &arguments.problem.display().to_string())?;
-    let Prepared {
-        continuation,
-        restart,
-        ..
-    } = prepare(&arguments.problem)?;
     let out = arguments.out.clone().unwrap_or_else(|| {
         let mut name = default_folder(&arguments.problem).into_os_string();
         name.push("_curve");
         PathBuf::from(name)
     });
     curve_folder::admit(&out, arguments.force)?;
-    let start = start::find(&problem, &continuation, restart.as_ref(), section)?;
+    let start = match &section.event {
+        CurveEvent::Label { dir, label } => {
+            let earlier = Restart::read(dir)?;
+            of_mode(&earlier, dir, problem.wave.mode)?;
+            let event = folder::labelled(dir, *label)?;
+            start::labelled(&problem, earlier.wave(dir, *label)?, event, section)?
+        }
+        _ => {
+            let Prepared {
+                continuation,
+                restart,
+                ..
+            } = prepare(&arguments.problem)?;
+            start::find(&problem, &continuation, restart.as_ref(), section)?
+        }
+    };
     let found = curve::follow(&start.system, start.event, &start.point, start.settings)
         .map_err(NoCurve::Singular)?;
     let title = problem.title.as_deref();

@@ -50,15 +50,7 @@ pub fn prepare(path: &Path) -> Result<Prepared, Failure> {
     let restart = match &problem.wave.start {
         Start::Restart { dir, label } => {
             let earlier = Restart::read(dir)?;
-            let modes = (earlier.problem.wave.mode, problem.wave.mode);
-            if modes.0 != modes.1 {
-                return Err(Failure::Usage(format!(
-                    "{} holds waves of mode {}, not of mode {}",
-                    dir.display(),
-                    modes.0,
-                    modes.1
-                )));
-            }
+            of_mode(&earlier, dir, problem.wave.mode)?;
             Some(earlier.wave(dir, *label)?.clone())
         }
         Start::Fast | Start::Slow | Start::Hopf => None,
@@ -85,6 +77,18 @@ pub fn prepare(path: &Path) -> Result<Prepared, Failure> {
         continuation,
         restart,
     })
+}
+
+/// Refuses an earlier run of another mode.
+pub fn of_mode(earlier: &Restart, dir: &Path, mode: u32) -> Result<(), Failure> {
+    let known = earlier.problem.wave.mode;
+    if known == mode {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "{} holds waves of mode {known}, not of mode {mode}",
+        dir.display()
+    )))
 }
 
 /// The ways a branch can go from its first point: at an end of the range there is but one.

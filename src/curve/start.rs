@@ -5,6 +5,7 @@ use crate::linalg::{self, Vector};
 use crate::newton;
 use crate::problem::{self, Continuation, Problem, Sectors, StabilitySection};
 use crate::run::{Branch, End, Item, RunError, SavedWave};
+use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch, examine};
 
 use super::Settings;
@@ -29,6 +30,14 @@ pub enum NoCurve {
         found: usize,
         /// Why the branch went no further.
         end: String,
+    },
+    /// The label is no event that has a curve.
+    #[error("label {label} is of type {kind}; curves follow LP, GR, RV, CO, ST and HB")]
+    Kind {
+        /// Label.
+        label: usize,
+        /// Its type.
+        kind: EventType,
     },
     /// The event lies outside the ranges of the curve.
     #[error(
@@ -85,21 +94,22 @@ pub fn find(
         sectors: Sectors::Only(vec![curve.sector]),
         ..problem.stability.clone().unwrap_or_default()
     };
-    plain.stability = (curve.event == EventType::HB).then_some(of_sector);
+    let event = curve.event.kind();
+    plain.stability = (event == Some(EventType::HB)).then_some(of_sector);
     let mut branch = Branch::begin(&plain, continuation, restart)?;
     let mut found = 0;
     while branch.progress().end.is_none() {
         for item in branch.step() {
-            if item.point.kind == Some(curve.event) {
+            if event.is_some() && item.point.kind == event {
                 found += 1;
                 if found == curve.index {
-                    return pose(&item, curve);
+                    return of_branch(&item, curve);
                 }
             }
         }
     }
-    let mut wanted = curve.event.to_string();
-    if curve.event == EventType::HB {
+    let mut wanted = event.map_or_else(String::new, |event| event.to_string());
+    if event == Some(EventType::HB) {
         wanted.push_str(&format!(" of sector {}", curve.sector));
     }
     Err(NoCurve::NotFound {
@@ -113,9 +123,74 @@ pub fn find(
     })
 }
 
-/// The equations of an event of a branch.
-fn pose(item: &Item, curve: &problem::Curve) -> Result<Start, NoCurve> {
+/// An event as a result folder tells it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Labelled {
+    /// Type.
+    pub kind: EventType,
+    /// Bloch sector of an HB.
+    pub sector: usize,
+    /// Im λ of an HB.
+    pub omega: Option<f64>,
+}
+
+/// The event of a branch.
+fn of_branch(item: &Item, curve: &problem::Curve) -> Result<Start, NoCurve> {
     let (wave, point) = item.wave();
+    let event = item.event.as_ref();
+    let labelled = Labelled {
+        kind: item.point.kind.unwrap_or(EventType::EP),
+        sector: curve.sector,
+        omega: event.and_then(|event| event.omega),
+    };
+    pose(wave, point, labelled, curve)
+}
+
+/// The event that an earlier run labelled, with its saved wave.
+///
+/// # Errors
+/// When the label is no event that can be followed, when it lies outside the ranges, or when its
+/// equations are singular.
+pub fn labelled(
+    problem: &Problem,
+    saved: &SavedWave,
+    event: Labelled,
+    curve: &problem::Curve,
+) -> Result<Start, NoCurve> {
+    if !FOLLOWED.contains(&event.kind) {
+        return Err(NoCurve::Kind {
+            label: saved.label,
+            kind: event.kind,
+        });
+    }
+    let (low, high) = curve.range.0;
+    let wave = saved.wave(curve.parameters.0, problem.wave.mode, high - low);
+    let wave = match problem.method {
+        Some(method) => wave.with_method(method),
+        None => wave,
+    };
+    let value = saved.model.value(curve.parameters.0).unwrap_or(f64::NAN);
+    let point = wave.pack(&saved.unknowns(), saved.excess, value);
+    pose(&wave, &point, event, curve)
+}
+
+/// Events that have a curve.
+const FOLLOWED: [EventType; 6] = [
+    EventType::LP,
+    EventType::GR,
+    EventType::RV,
+    EventType::CO,
+    EventType::ST,
+    EventType::HB,
+];
+
+/// The equations of an event.
+fn pose(
+    wave: &Wave,
+    point: &Vector,
+    event: Labelled,
+    curve: &problem::Curve,
+) -> Result<Start, NoCurve> {
     let parameters = [curve.parameters.0, curve.parameters.1];
     let ranges = [curve.range.0, curve.range.1];
     let widths = ranges.map(|(low, high)| high - low);
@@ -133,7 +208,7 @@ fn pose(item: &Item, curve: &problem::Curve) -> Result<Start, NoCurve> {
     }
     let singular = |error: &dyn std::fmt::Display| NoCurve::Singular(error.to_string());
     let posed = |condition| EventSystem::new(wave, point, parameters, widths, condition);
-    let (system, further) = match curve.event {
+    let (system, further) = match event.kind {
         EventType::LP => {
             let (matrix, _) = newton::jacobian(wave, point).map_err(|error| singular(&error))?;
             let count = matrix.nrows();
@@ -143,10 +218,9 @@ fn pose(item: &Item, curve: &problem::Curve) -> Result<Start, NoCurve> {
         }
         EventType::HB => {
             let system = posed(Condition::Hopf {
-                sector: curve.sector,
+                sector: event.sector,
             });
-            let omega = item.event.as_ref().and_then(|event| event.omega);
-            let scaled = omega.unwrap_or(f64::NAN) / system.frequency();
+            let scaled = event.omega.unwrap_or(f64::NAN) / system.frequency();
             (system, vec![scaled])
         }
         _ => {
@@ -166,7 +240,7 @@ fn pose(item: &Item, curve: &problem::Curve) -> Result<Start, NoCurve> {
     };
     let point = system.pack(point, &further);
     Ok(Start {
-        event: curve.event,
+        event: event.kind,
         system,
         point,
         settings: Settings {

@@ -66,6 +66,7 @@ pub struct EventSystem {
     signature: Signature,
     scales: Scales,
     method: Method,
+    material: bool,
     /// The condition; the place of an interior margin follows the curve.
     pub condition: Condition,
 }
@@ -87,6 +88,7 @@ impl EventSystem {
             signature: wave.signature.clone(),
             scales: wave.scales,
             method: wave.method,
+            material: wave.material || parameters.contains(&Parameter::StiffnessDamping),
             condition,
         }
     }
@@ -107,13 +109,7 @@ impl EventSystem {
 
     /// Number of unknowns of the wave, its parameter left out.
     pub fn wave_unknowns(&self) -> usize {
-        let width = if self.model.stiffness_damping > 0.0
-            || self.parameters.contains(&Parameter::StiffnessDamping)
-        {
-            4
-        } else {
-            3
-        };
+        let width = if self.material { 4 } else { 3 };
         width * self.signature.len() + 1
     }
 
@@ -167,7 +163,8 @@ impl EventSystem {
             self.signature.clone(),
             scales,
         )
-        .with_method(self.method);
+        .with_method(self.method)
+        .with_material(self.material);
         let mut own = point.rows(0, self.wave_unknowns() + 1).clone_owned();
         own[self.wave_unknowns()] = point[point.len() - 2 + index];
         (wave, own)

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::{plots, tables};
+use crate::curve::start::Labelled;
 use crate::problem::Problem;
 use crate::run::{Branch, Item, Progress, SavedWave};
 
@@ -87,6 +88,45 @@ impl Restart {
                 ),
             })
     }
+}
+
+/// The event of a label, from `events.csv`.
+///
+/// # Errors
+/// The file is missing or damaged, or has no such label.
+pub fn labelled(folder: &Path, label: usize) -> Result<Labelled, FolderError> {
+    let path = folder.join(EVENTS);
+    let text = fs::read(&path).map_err(io_error(&path))?;
+    let mut reader = csv::Reader::from_reader(text.as_slice());
+    let damaged = |reason: String| FolderError::Restart {
+        path: path.clone(),
+        reason,
+    };
+    let header = reader
+        .headers()
+        .map_err(|error| damaged(error.to_string()))?
+        .clone();
+    let records = reader.records().filter_map(Result::ok);
+    let rows: Vec<csv::StringRecord> = records.collect();
+    let field = |row: &csv::StringRecord, name: &str| {
+        let column = header.iter().position(|known| known == name)?;
+        row.get(column).map(str::to_owned)
+    };
+    let wanted = label.to_string();
+    let row = rows
+        .iter()
+        .find(|row| field(row, "label").as_ref() == Some(&wanted))
+        .ok_or_else(|| damaged(format!("no label {label}; there are {}", rows.len())))?;
+    let parsed = |name: &str| field(row, name).and_then(|text| text.parse().ok());
+    Ok(Labelled {
+        kind: field(row, "type")
+            .and_then(|text| text.parse().ok())
+            .ok_or_else(|| damaged(format!("label {label} has no type")))?,
+        sector: field(row, "sector")
+            .and_then(|text| text.parse().ok())
+            .unwrap_or(0),
+        omega: parsed("omega"),
+    })
 }
 
 /// Name of the restart file.

@@ -1,5 +1,7 @@
 //! The curve of an event in two parameters.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 use super::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE, Parameter};
@@ -8,12 +10,53 @@ use crate::branch::EventType;
 /// Largest number of points of a curve where none is given.
 pub const DEFAULT_CURVE_POINTS: usize = 10_000;
 
+/// The event a curve begins with: the first of its type along the branch of `continuation`, or the
+/// one that an earlier run labelled.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum CurveEvent {
+    /// Fold.
+    LP,
+    /// Take-off at zero pressure.
+    GR,
+    /// Reverse slip opens or closes at stick.
+    RV,
+    /// Two switching points coalesce.
+    CO,
+    /// The stick zone vanishes.
+    ST,
+    /// A complex pair crosses the imaginary axis.
+    HB,
+    /// An event of an earlier run, whatever its type.
+    Label {
+        /// Result folder.
+        dir: PathBuf,
+        /// Label in it.
+        label: usize,
+    },
+}
+
+impl CurveEvent {
+    /// Its type; that of a label is known to the result folder.
+    pub fn kind(&self) -> Option<EventType> {
+        match self {
+            CurveEvent::LP => Some(EventType::LP),
+            CurveEvent::GR => Some(EventType::GR),
+            CurveEvent::RV => Some(EventType::RV),
+            CurveEvent::CO => Some(EventType::CO),
+            CurveEvent::ST => Some(EventType::ST),
+            CurveEvent::HB => Some(EventType::HB),
+            CurveEvent::Label { .. } => None,
+        }
+    }
+}
+
 /// The curve along which an event of the branch of `continuation` moves in two parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curve {
-    /// Type of the event: LP, GR, RV, CO, ST or HB.
-    pub event: EventType,
+    /// LP, GR, RV, CO, ST or HB, or a label of a result folder.
+    pub event: CurveEvent,
     /// Which of its type along the branch, from 1.
     #[serde(default = "one")]
     pub index: usize,

@@ -28,7 +28,7 @@ pub use continuation::{
     Continuation, DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_MAX_POINTS,
     DEFAULT_TOLERANCE, StopAfter, Toward,
 };
-pub use curve::{Curve, DEFAULT_CURVE_POINTS};
+pub use curve::{Curve, CurveEvent, DEFAULT_CURVE_POINTS};
 pub use error::ProblemError;
 pub use expectation::Expectation;
 pub use map::{MAX_GRID, MAX_MAP_POINTS, Map, MapAxis, MapPoints};

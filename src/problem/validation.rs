@@ -9,11 +9,11 @@ use super::simulation::{
     MIN_GROWTH_POINTS, MIN_SIMULATION_POINTS, RingFriction, Simulation, SimulationStart,
 };
 use super::{
-    Coefficients, Continuation, Curve, Expectation, FrictionLaw, Impact, MAX_DEGREE, MAX_GRID,
+    Coefficients, Continuation, Curve, CurveEvent, Expectation, FrictionLaw, Impact, MAX_DEGREE, MAX_GRID,
     MAX_INTERVALS, MAX_MAP_POINTS, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Map, MapPoints, Method,
     Model, Output, Parameter, Plot, Problem, Sectors, StabilitySection, Start, Toward, Wave,
 };
-use crate::branch::{BRANCH_HEADER, EventType, WORD_COLUMNS};
+use crate::branch::{BRANCH_HEADER, WORD_COLUMNS};
 
 /// Something wrong with the value at a path; see [`Outline::locate`].
 pub(super) struct Complaint {
@@ -291,36 +291,33 @@ fn step_lengths(section: &str, [ds, ds_min, ds_max]: [f64; 3], tolerance: f64) -
 }
 
 fn curve(section: &Curve, model: &Model, mode: u32) -> Check {
-    let event = section.event;
-    let known = [
-        EventType::LP,
-        EventType::GR,
-        EventType::RV,
-        EventType::CO,
-        EventType::ST,
-        EventType::HB,
-    ];
-    let rule = "a curve follows LP, GR, RV, CO, ST or HB";
-    admit("curve.event", event, known.contains(&event), rule)?;
     let rule = "`index: 1` is the first event of this type along the branch";
     admit("curve.index", section.index, section.index >= 1, rule)?;
     sector("curve.sector", section.sector, mode)?;
-    if section.sector > 0 && event != EventType::HB {
+    let is_hopf = section.event == CurveEvent::HB;
+    if section.sector > 0 && !is_hopf {
         return refuse(
             "curve.sector",
-            format!("`curve.sector` is given for {event}, which has none"),
+            "`curve.sector` is given for an event that has none, or whose label says it",
             "leave it out, or follow an HB",
+        );
+    }
+    if section.index > 1 && section.event.kind().is_none() {
+        return refuse(
+            "curve.index",
+            "`curve.index` is given beside a label",
+            "leave it out: the label names one event",
         );
     }
     let (first, second) = section.parameters;
     let sides = [(first, section.range.0), (second, section.range.1)];
     for (side, (parameter, range)) in sides.into_iter().enumerate() {
         let column = parameter.column();
-        if model.value(parameter).is_none() || parameter == Parameter::StiffnessDamping {
+        if model.value(parameter).is_none() {
             return refuse(
                 &format!("curve.parameters.{side}"),
                 format!("an event of this model cannot be followed in `{column}`"),
-                "use Mismatch, Friction or MassDamping; Gamma, Nu and Xi need \
+                "use Mismatch, Friction, MassDamping or StiffnessDamping; Gamma, Nu and Xi need \
                  `coefficients: Geometry(nu: .., xi: .., gamma: ..)`",
             );
         }

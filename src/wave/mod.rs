@@ -197,6 +197,12 @@ impl Wave {
         self
     }
 
+    /// The same problem in the unknowns of material damping, or not.
+    pub fn with_material(mut self, material: bool) -> Wave {
+        self.material = material;
+        self
+    }
+
     /// The same wave under another signature.
     pub fn with_signature(&self, signature: Signature) -> Wave {
         Wave {

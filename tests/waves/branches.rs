@@ -118,6 +118,19 @@ pub fn with_coulomb_impact() -> Case {
     }
 }
 
+/// Mode 4 as above with material damping β.
+pub fn with_material_damping(beta: f64) -> Case {
+    let case = fast_in_mismatch();
+    Case {
+        model: Model {
+            stiffness_damping: beta,
+            ..case.model
+        },
+        range: (0.03, 0.2),
+        ..case
+    }
+}
+
 impl Case {
     /// A follower at the first wave.
     pub fn follower(&self, steps: continuation::Settings, stop_at: &[f64]) -> Follower {

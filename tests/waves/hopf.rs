@@ -48,7 +48,7 @@ fn what_has_no_hopf_point_is_refused() {
     let refused = |model, parameter| family(model, parameter, 4, 1.0, 9).err();
     assert_eq!(
         refused(&model, Parameter::Friction),
-        Some(NoHopf::Zero { missing: "α" })
+        Some(NoHopf::Zero { missing: "α = β" })
     );
     assert_eq!(
         refused(&model, Parameter::Mismatch),
