@@ -18,7 +18,9 @@ use crate::model::coefficients::{Coefficients, Geometry};
 use crate::model::signature::Signature;
 use crate::model::{Model, Source};
 use crate::newton;
-use crate::problem::{self, Continuation, FrictionLaw, Method, Parameter, Problem, Sectors, Start, Toward};
+use crate::problem::{
+    self, Continuation, FrictionLaw, Method, Parameter, Problem, Sectors, Start, Toward,
+};
 use crate::stability::spectrum::{Request, Spectrum};
 use crate::stability::track::{Crossing, Tracked, Tracker};
 use crate::wave::admissibility::examine;
@@ -67,7 +69,9 @@ impl SavedWave {
             model,
             signature: wave.signature.clone(),
             zones: zones.iter().map(|[y, w, t, _]| [*y, *w, *t]).collect(),
-            layers: layers.take(if wave.material { zones.len() } else { 0 }).collect(),
+            layers: layers
+                .take(if wave.material { zones.len() } else { 0 })
+                .collect(),
             excess: wave.excess_at(point),
         }
     }
@@ -86,7 +90,9 @@ impl SavedWave {
     pub fn unknowns(&self) -> Vec<ZoneUnknowns> {
         let layers = self.layers.iter().copied().chain(std::iter::repeat(0.0));
         let zones = self.zones.iter().zip(layers);
-        zones.map(|([y, w, t], layer)| [*y, *w, *t, layer]).collect()
+        zones
+            .map(|([y, w, t], layer)| [*y, *w, *t, layer])
+            .collect()
     }
 }
 
@@ -290,8 +296,7 @@ impl Branch {
     ) -> Result<Branch, RunError> {
         let parameter = continuation.parameter;
         let mut model = model(&problem.model);
-        let material =
-            model.stiffness_damping > 0.0 || parameter == Parameter::StiffnessDamping;
+        let material = model.stiffness_damping > 0.0 || parameter == Parameter::StiffnessDamping;
         if material && model.law != FrictionLaw::Coulomb {
             return Err(RunError::Input(
                 "material damping β > 0 is posed for Coulomb's law; leave out `friction_law`, or \

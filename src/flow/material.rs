@@ -70,7 +70,11 @@ fn layer_time(d: f64, m: f64, s: f64, h: f64) -> Option<f64> {
         return None;
     }
     // Newton's method kept inside the bracket
-    let mut x = if m > 0.0 { (d / m).clamp(low, high) } else { high };
+    let mut x = if m > 0.0 {
+        (d / m).clamp(low, high)
+    } else {
+        high
+    };
     for _ in 0..200 {
         let value = at(x);
         if value > 0.0 {
@@ -92,6 +96,11 @@ fn layer_time(d: f64, m: f64, s: f64, h: f64) -> Option<f64> {
 
 /// A zero of V̈ closer to a switch than this fraction of the shortest time scale is the switch.
 const AT_SWITCH: f64 = 1e-6;
+
+/// A layer thinner than this fraction of the time scale of the oscillator, and the number of layers
+/// in which it decays below rounding.
+const THIN: f64 = 1e-12;
+const LAYERS: f64 = 50.0;
 
 /// The sliding equation of one direction in one frame.
 #[derive(Clone, Debug)]
@@ -283,8 +292,7 @@ impl MaterialFlow {
     /// V̈ of the oscillator as a jet.
     fn slow_acceleration(&self, [y, w]: [Jet; 2]) -> Jet {
         let [p, q] = self.slow.coefficients();
-        p.times(w)
-            .plus(-1.0, q.times(y.plus(1.0, self.slow.shift)))
+        p.times(w).plus(-1.0, q.times(y.plus(1.0, self.slow.shift)))
     }
 
     /// (Y, W) of the oscillator at a time t as jets; `moving` if t is the duration.
@@ -537,8 +545,7 @@ impl MaterialFlow {
         let [acceleration, jerk] = self.slow_rates(state);
         let snap = 2.0 * self.slow.p * jerk - self.slow.q * acceleration;
         let fast = slide.layer * decayed(ratio(slide.duration - t, self.rho));
-        let [mut slope, mut curvature] =
-            [acceleration + self.beta * jerk, jerk + self.beta * snap];
+        let [mut slope, mut curvature] = [acceleration + self.beta * jerk, jerk + self.beta * snap];
         if fast != 0.0 && self.rho > 0.0 {
             let moved = fast * (1.0 + self.beta / self.rho);
             slope += moved;
@@ -565,18 +572,25 @@ impl MaterialFlow {
         let (p, q) = (self.slow.p, self.slow.q);
         let [value, slope] = initial;
         let curvature = 2.0 * p * slope - q * value;
-        let mut places = vec![0.0];
-        places.extend(self.slow.zeros(
-            self.rho * slope - value,
-            self.rho * curvature - slope,
-            duration,
-        ));
-        places.push(duration);
-        let at = |t: f64| {
-            self.slow.solution(initial, t)[0] + g * decayed(ratio(duration - t, self.rho))
-        };
         let unit = 1.0 / q.sqrt();
         let mut zeros = Vec::new();
+        let mut places = Vec::new();
+        if self.rho < THIN * unit {
+            // the layer does not reach this far, and the zeros of the slope would be those of the sum
+            let before = duration - LAYERS * self.rho;
+            zeros = self.slow.zeros(value, slope, before);
+            places.push(before.max(0.0));
+        } else {
+            places.push(0.0);
+            places.extend(self.slow.zeros(
+                self.rho * slope - value,
+                self.rho * curvature - slope,
+                duration,
+            ));
+        }
+        places.push(duration);
+        let at =
+            |t: f64| self.slow.solution(initial, t)[0] + g * decayed(ratio(duration - t, self.rho));
         for pair in places.windows(2) {
             let (mut low, mut high) = (pair[0], pair[1]);
             let (at_low, at_high) = (at(low), at(high));

@@ -9,9 +9,10 @@ use super::simulation::{
     MIN_GROWTH_POINTS, MIN_SIMULATION_POINTS, RingFriction, Simulation, SimulationStart,
 };
 use super::{
-    Coefficients, Continuation, Curve, CurveEvent, Expectation, FrictionLaw, Impact, MAX_DEGREE, MAX_GRID,
-    MAX_INTERVALS, MAX_MAP_POINTS, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Map, MapPoints, Method,
-    Model, Output, Parameter, Plot, Problem, Sectors, StabilitySection, Start, Toward, Wave,
+    Coefficients, Continuation, Curve, CurveEvent, Expectation, FrictionLaw, Impact, MAX_DEGREE,
+    MAX_GRID, MAX_INTERVALS, MAX_MAP_POINTS, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Map, MapPoints,
+    Method, Model, Output, Parameter, Plot, Problem, Sectors, StabilitySection, Start, Toward,
+    Wave,
 };
 use crate::branch::{BRANCH_HEADER, WORD_COLUMNS};
 

@@ -302,6 +302,10 @@ fn edge_margin(
     })
 }
 
+/// A zero of V̈ closer to an arrest than this, in units of the period, is the arrest itself if W − 1
+/// is of the order of its square there.
+const AT_ARREST: f64 = 1e-5;
+
 /// A contact zone. W is monotone between the zeros of V̈, which are known in closed form (by a
 /// numerical method, as far as its samples show them): its values there and at the ends decide
 /// every inequality. Where W = 1 or P = 0 by the switching
@@ -318,6 +322,7 @@ fn contact_zone(
     } = *slide;
     let zone = wave.signature.zone(index);
     let takes_off = wave.signature.zone(index + 1).entry == Entry::TakeOff;
+    let arrested = wave.signature.zone(index + 1).entry == Entry::Arrest;
     let flow = flows.contact(zone.regime);
     let sigma = if zone.regime == Regime::Reverse {
         -1.0
@@ -366,6 +371,11 @@ fn contact_zone(
     let single = wave.material && order == 1 && !takes_off && turning_points.len() == 1;
     for time in turning_points {
         let state = flow.state(slide, time)?;
+        // where the stick zone has no length V̈ vanishes at the end too, but for rounding
+        let at_end = duration - time < AT_ARREST * wave.scales.time;
+        if order == 2 && arrested && at_end && (state[1] - 1.0).abs() < AT_ARREST * AT_ARREST {
+            continue;
+        }
         if single {
             let rise = flow.acceleration(slide, 0.0, entry);
             slide_on(collector, false, false, 1.0 + rise.signum());

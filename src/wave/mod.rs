@@ -412,7 +412,11 @@ impl Wave {
                     w
                 } else if self.material {
                     // 1, 1/T or 1/T²: see MaterialFlow::zone
-                    let power = if order == 1 { 1 + i32::from(arrested) } else { 0 };
+                    let power = if order == 1 {
+                        1 + i32::from(arrested)
+                    } else {
+                        0
+                    };
                     end.switching.affine(time.powi(power), 0.0)
                 } else {
                     end.switching.affine(time.powi(order as i32), 0.0)
@@ -525,6 +529,7 @@ impl System for Wave {
             }
             if self.material {
                 let entered = self.entry_acceleration(&flows, point, zone + 1);
+                residual[row + 3] = 0.0;
                 for (at, sign, jet) in [(zone, 1.0, end.acceleration), (zone + 1, -1.0, entered)] {
                     let jet = jet.affine(sign / self.scales.layer(), 0.0);
                     residual[row + 3] += jet.value;

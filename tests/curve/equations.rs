@@ -1,8 +1,10 @@
 //! The Jacobian of every kind of event against central differences.
 
+use brakewave::curve::start::Start;
 use brakewave::curve::system::EventSystem;
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::newton::System;
+use brakewave::problem::parse;
 
 use crate::{observed, start, tube};
 
@@ -14,6 +16,56 @@ fn evaluate(system: &EventSystem, point: &Vector) -> (Vector, Matrix) {
         .evaluate(point, residual.as_mut_slice(), &mut jacobian)
         .unwrap();
     (residual, jacobian)
+}
+
+fn worst(start: &Start) -> f64 {
+    let (residual, jacobian) = evaluate(&start.system, &start.point);
+    // the branch locates its events to 1e-10 or better
+    assert!(residual.amax() < 1e-8, "{:e}", residual.amax());
+    let step = 1e-6;
+    let mut worst = 0.0_f64;
+    for column in 0..start.point.len() {
+        let mut there = start.point.clone();
+        there[column] += step;
+        let (above, _) = evaluate(&start.system, &there);
+        there[column] -= 2.0 * step;
+        let (below, _) = evaluate(&start.system, &there);
+        for row in 0..residual.len() {
+            let slope = (above[row] - below[row]) / (2.0 * step);
+            let size = 1.0 + jacobian.row(row).amax();
+            worst = worst.max((slope - jacobian[(row, column)]).abs() / size);
+        }
+    }
+    worst
+}
+
+#[test]
+fn jacobians_are_derivatives_with_material_damping() {
+    for (event, along, parameters, ranges) in [
+        (
+            "ST",
+            "(parameter: StiffnessDamping, range: (0, 0.1), toward: Up)",
+            "(StiffnessDamping, Friction)",
+            "((0.0001, 0.02), (0.1, 1.2))",
+        ),
+        (
+            "RV",
+            "(parameter: Mismatch, range: (0.02, 0.3), toward: Down)",
+            "(Mismatch, StiffnessDamping)",
+            "((0.02, 0.3), (0.0001, 0.02))",
+        ),
+    ] {
+        let beta = if event == "ST" { "0.0001" } else { "0.002" };
+        let text = format!(
+            "(model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.5, \
+             mismatch: 0.2, damping: (stiffness: {beta})), wave: (mode: 4, start: Fast), \
+             continuation: {along}, \
+             curve: (event: {event}, parameters: {parameters}, range: {ranges}))"
+        );
+        let worst = worst(&start(&parse(&text, "test").unwrap()).unwrap());
+        observed(&format!("Jacobian of {event} with material damping"), worst);
+        assert!(worst < 1e-8, "{event}: {worst:e}");
+    }
 }
 
 #[test]
@@ -41,23 +93,7 @@ fn jacobians_are_derivatives() {
             ),
         );
         let start = start(&problem).unwrap();
-        let (residual, jacobian) = evaluate(&start.system, &start.point);
-        // the branch locates its events to 1e-10 or better
-        assert!(residual.amax() < 1e-8, "{event}: {:e}", residual.amax());
-        let step = 1e-6;
-        let mut worst = 0.0_f64;
-        for column in 0..start.point.len() {
-            let mut there = start.point.clone();
-            there[column] += step;
-            let (above, _) = evaluate(&start.system, &there);
-            there[column] -= 2.0 * step;
-            let (below, _) = evaluate(&start.system, &there);
-            for row in 0..residual.len() {
-                let slope = (above[row] - below[row]) / (2.0 * step);
-                let size = 1.0 + jacobian.row(row).amax();
-                worst = worst.max((slope - jacobian[(row, column)]).abs() / size);
-            }
-        }
+        let worst = worst(&start);
         observed(&format!("Jacobian of {event}"), worst);
         assert!(worst < bound, "{event}: {worst:e}");
     }

@@ -204,3 +204,15 @@ fn derivatives_equal_differences_with_material_damping() {
         assert_eq!(beta == 1e-3, seen.contains("Reverse by Reversal"));
     }
 }
+
+/// Towards the Hopf point of steady sliding, where the stick zone has no length.
+#[test]
+fn derivatives_equal_differences_where_stick_vanishes() {
+    let case = Case {
+        parameter: Parameter::StiffnessDamping,
+        range: (1e-3, 1.0),
+        up: true,
+        ..with_material_damping(1e-3)
+    };
+    check("β up to ST", &case, MOST_ALLOWED);
+}

@@ -12,6 +12,7 @@ mod hopf;
 mod impact;
 mod integration;
 mod jacobian;
+mod material;
 mod opening;
 mod reference;
 mod refusals;
