@@ -135,6 +135,13 @@ impl Value {
         )
     }
 
+    /// t and d in units of what stands for 1.
+    pub fn numbers(&self) -> [C64; 2] {
+        let unit = self.unit;
+        [self.trace, self.determinant]
+            .map(|scaled| scaled.value / unit.value * (scaled.exponent - unit.exponent).exp())
+    }
+
     /// The exponent that [`Value::sector`] takes out, besides the offset.
     pub fn top(&self) -> f64 {
         let unit = self.unit.exponent;

@@ -43,7 +43,7 @@ fn zero_is_an_eigenvalue_of_every_wave() {
             let (wave, point) = item.wave();
             let characteristic = Characteristic::new(wave, point).expect("no Coulomb impact here");
             let value = characteristic.evaluate(C64::new(0.0, 0.0));
-            let (trace, determinant) = (value.trace.number(), value.determinant.number());
+            let [trace, determinant] = value.numbers();
             let mut defect = (1.0 - trace + determinant).norm();
             if name == STIFF {
                 let (f, by) = value.sector(C64::new(1.0, 0.0));
