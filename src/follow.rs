@@ -488,7 +488,7 @@ impl Follower {
             what,
         };
         let Some(beyond) = beyond else {
-            let reason = ending(&before, &margin, &refused);
+            let reason = ending(&self.wave, &margin, &refused);
             found.what.push_str(&format!("; {reason}"));
             let failure = Found {
                 kind: Some(EventType::MX),
@@ -597,8 +597,13 @@ pub(crate) fn describe(
 }
 
 /// Why a branch ends at an event.
-fn ending(before: &Signature, margin: &Margin, refused: &[String]) -> String {
-    if margin.watch == Watch::Duration && before.len() == 2 {
+fn ending(before: &Wave, margin: &Margin, refused: &[String]) -> String {
+    if before.material && margin.watch == Watch::Pressure {
+        return "separation is not covered with material damping; take `damping: (stiffness: 0)` to \
+                follow the wave through it"
+            .into();
+    }
+    if margin.watch == Watch::Duration && before.zones() == 2 {
         return "what is left is one zone of slip around the whole circumference: a linear wave \
                 on steady sliding, of arbitrary amplitude, at its Hopf point; no wave with \
                 switches continues"
