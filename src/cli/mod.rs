@@ -113,7 +113,9 @@ impl Failure {
             Failure::Run(RunError::NoStart(_) | RunError::NoHopf(_)) | Failure::Radial(_) => {
                 NUMERICAL
             }
-            Failure::Curve(NoCurve::Run(RunError::Input(_)) | NoCurve::Outside { .. }) => BAD_INPUT,
+            Failure::Curve(
+                NoCurve::Run(RunError::Input(_)) | NoCurve::Outside { .. } | NoCurve::Kind { .. },
+            ) => BAD_INPUT,
             Failure::Curve(_) => NUMERICAL,
             _ => BAD_INPUT,
         }

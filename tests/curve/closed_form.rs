@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use brakewave::curve::{Curve, Point};
 use brakewave::model::{Model, Parameters};
-use brakewave::problem::Parameter;
+use brakewave::problem::{Parameter, parse};
 use brakewave::run::model;
 use brakewave::wave::start::{SlipStick, Which, fold_in_friction, slip_stick};
 
@@ -233,4 +233,49 @@ fn folds_of_damped_waves_do_not() {
         .fold(0.0, f64::max);
     observed("LP in (f, α) against the least length", worst);
     assert!(worst < 1e-10);
+}
+
+/// Stick vanishes on the Hopf line of steady sliding, K(α + βK)² = k²f²D²(1 − αβ − β²K), K = ak² + h, from
+/// edge to edge of the plane, with either damping.
+#[test]
+fn stick_vanishes_on_the_hopf_line() {
+    let mut worst = 0.0_f64;
+    for (name, range, fixed) in [
+        ("MassDamping", "(0.001, 0.5)", ""),
+        (
+            "StiffnessDamping",
+            "(0.0001, 0.02)",
+            "damping: (mass: 0.05), ",
+        ),
+    ] {
+        let text = format!(
+            "(model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.5, {fixed}\
+             mismatch: 0.4), wave: (mode: 4, start: Fast), \
+             continuation: (parameter: {name}, range: (0.0, 1.0), toward: Up), \
+             curve: (event: ST, parameters: ({name}, Friction), range: ({range}, (0.1, 1.2))))"
+        );
+        let problem = parse(&text, "test").unwrap();
+        let curve = curve(&problem);
+        let base = model(&problem.model);
+        let c = base.parameters().coefficients;
+        let stiffness = 16.0 * c.a + c.h;
+        for point in &curve.points {
+            let at = at(&base, &curve, point);
+            let (alpha, beta) = (at.mass_damping, at.stiffness_damping);
+            let damping = alpha + beta * stiffness;
+            let drive = (4.0 * at.friction * c.coupling).powi(2);
+            let ratio = stiffness * damping * damping / (drive * (1.0 - beta * damping));
+            worst = worst.max((ratio - 1.0).abs());
+        }
+        for end in [&curve.points[0], &curve.points[curve.points.len() - 1]] {
+            assert!(
+                end.what.contains("edge of the range"),
+                "{name}: {}",
+                end.what
+            );
+        }
+    }
+    observed("ST on the Hopf line", worst);
+    // T2 = 0 to rounding of the wave, 1e-15, where T2² measures the distance from the line
+    assert!(worst < 1e-12, "{worst:e}");
 }

@@ -68,7 +68,17 @@ fn what_cannot_be_followed_is_refused() {
     let folder = TempDir::new().unwrap();
     let text = fs::read_to_string(problem("mode4_curve")).unwrap();
     for (from, to, said) in [
-        ("event: GR", "event: UZ", "`curve.event` is UZ"),
+        ("event: GR", "event: UZ", "unknown choice `UZ`"),
+        (
+            "event: GR",
+            "event: Label(dir: \"nowhere\", label: 3)",
+            "nowhere",
+        ),
+        (
+            "event: GR",
+            "event: Label(dir: \"nowhere\", label: 3), index: 2",
+            "beside a label",
+        ),
         ("event: GR", "event: GR, sector: 1", "has none"),
         ("event: GR", "event: GR, index: 0", "`curve.index` is 0"),
         (
@@ -94,4 +104,61 @@ fn what_cannot_be_followed_is_refused() {
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(error.contains(said), "{to}: {error}");
     }
+}
+
+/// A label of a result folder begins the same curve as the event found anew, and only events do.
+#[test]
+fn a_label_begins_the_same_curve() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let text = fs::read_to_string(problem("mode4_curve")).unwrap();
+    let done = Command::new(env!("CARGO_BIN_EXE_brakewave"))
+        .args([
+            "run",
+            &problem("mode4_curve"),
+            "--out",
+            &path("run"),
+            "--quiet",
+        ])
+        .output()
+        .unwrap();
+    assert!(done.status.success());
+    let events = fs::read_to_string(folder.path().join("run/events.csv")).unwrap();
+    let label = |kind: &str| {
+        let row = events
+            .lines()
+            .find(|row| row.contains(&format!(",{kind},")));
+        row.unwrap().split(',').next().unwrap().to_owned()
+    };
+    let curve = |name: &str, event: &str| {
+        let file = path(&format!("{name}.ron"));
+        fs::write(&file, text.replacen("event: GR", event, 1)).unwrap();
+        run(&[&file, "--out", &path(name)])
+    };
+    assert!(curve("anew", "event: GR").status.success());
+    let labelled = format!(
+        "event: Label(dir: {:?}, label: {})",
+        path("run"),
+        label("GR")
+    );
+    let output = curve("labelled", &labelled);
+    assert!(output.status.success(), "{output:?}");
+    let ends = |name: &str| -> Vec<Vec<f64>> {
+        let table = fs::read(folder.path().join(name).join("curve.csv")).unwrap();
+        let mut reader = csv::Reader::from_reader(table.as_slice());
+        let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+        [&rows[0], &rows[rows.len() - 1]]
+            .map(|row| (2..5).map(|column| row[column].parse().unwrap()).collect())
+            .to_vec()
+    };
+    for (one, other) in ends("anew").into_iter().zip(ends("labelled")) {
+        for (one, other) in one.into_iter().zip(other) {
+            // ends of the ranges, met to rounding
+            assert!((one / other - 1.0).abs() < 1e-10, "{one} {other}");
+        }
+    }
+    let start = format!("event: Label(dir: {:?}, label: 1)", path("run"));
+    let refused = curve("start", &start);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("label 1 is of type EP"));
 }

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use brakewave::branch::EventType;
-use brakewave::stability::characteristic::Characteristic;
+use brakewave::stability::characteristic::{Characteristic, NotLinearised};
 
 use crate::observed;
 use crate::waves::{C64, follow, problem, problems};
@@ -41,7 +41,12 @@ fn zero_is_an_eigenvalue_of_every_wave() {
         }
         for item in follow(&problem, &text).items {
             let (wave, point) = item.wave();
-            let characteristic = Characteristic::new(wave, point).expect("no Coulomb impact here");
+            let characteristic = match Characteristic::new(wave, point) {
+                Ok(characteristic) => characteristic,
+                // slip-only waves at a Hopf point
+                Err(NotLinearised::MaterialDamping) => continue,
+                Err(error) => panic!("{error}"),
+            };
             let value = characteristic.evaluate(C64::new(0.0, 0.0));
             let [trace, determinant] = value.numbers();
             let mut defect = (1.0 - trace + determinant).norm();
