@@ -331,18 +331,15 @@ fn slip_stick_wave(
             scales(model, mode, closed.excess, closed.least_rate, width),
         )
     };
-    let wave = posed(FrictionLaw::Coulomb);
-    let mut zones = [
+    let mut wave = posed(FrictionLaw::Coulomb);
+    let zones = [
         [closed.release, 1.0, closed.slip, 0.0],
         [closed.release - closed.stick, 1.0, closed.stick, 0.0],
     ];
+    let mut guess = wave.pack(&zones, closed.excess, value);
     if wave.material {
-        // at β = 0 the layer takes V̈ to 0 at the end of slip
-        let at = wave.pack(&zones, closed.excess, value);
-        let end = wave.zone_end(&wave.flows(&at)?, &at, 0)?;
-        zones[0][3] = -end.acceleration.value;
+        (wave, guess) = wave.with_layers(&guess)?;
     }
-    let guess = wave.pack(&zones, closed.excess, value);
     let mut point = polish(&wave, &guess)?;
     if model.law == FrictionLaw::Coulomb {
         return Ok((wave, point));

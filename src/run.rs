@@ -15,7 +15,7 @@ use crate::flow::FlowError;
 use crate::follow::{Follower, Found, Settings, State, Status};
 use crate::linalg::Vector;
 use crate::model::coefficients::{Coefficients, Geometry};
-use crate::model::signature::Signature;
+use crate::model::signature::{Regime, Signature};
 use crate::model::{Model, Source};
 use crate::newton;
 use crate::problem::{
@@ -370,7 +370,17 @@ impl Branch {
                     ..saved.clone()
                 }
                 .wave(parameter, mode, width);
-                let guess = wave.pack(&saved.unknowns(), saved.excess, value);
+                let mut wave = wave;
+                let mut guess = wave.pack(&saved.unknowns(), saved.excess, value);
+                if material && wave.signature.has(Regime::Separation) {
+                    return Err(RunError::Input(format!(
+                        "label {} is a wave with separation, which is not covered with material damping",
+                        saved.label
+                    )));
+                }
+                if material && saved.layers.is_empty() {
+                    (wave, guess) = wave.with_layers(&guess).map_err(NoStart::Flow)?;
+                }
                 // a saved wave solves its equations already; at a fold polishing it at a fixed
                 // parameter would fail
                 let solved = newton::jacobian(&wave, &guess)

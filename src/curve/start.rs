@@ -2,8 +2,9 @@
 
 use crate::branch::EventType;
 use crate::linalg::{self, Vector};
+use crate::model::signature::Regime;
 use crate::newton;
-use crate::problem::{self, Continuation, Problem, Sectors, StabilitySection};
+use crate::problem::{self, Continuation, Parameter, Problem, Sectors, StabilitySection};
 use crate::run::{Branch, End, Item, RunError, SavedWave};
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch, examine};
@@ -192,6 +193,21 @@ fn pose(
     curve: &problem::Curve,
 ) -> Result<Start, NoCurve> {
     let parameters = [curve.parameters.0, curve.parameters.1];
+    let material = wave.material || parameters.contains(&Parameter::StiffnessDamping);
+    if material && wave.signature.has(Regime::Separation) {
+        return Err(NoCurve::Singular(
+            "separation is not covered with material damping".into(),
+        ));
+    }
+    let layered;
+    let (wave, point) = if material && !wave.material {
+        layered = wave
+            .with_layers(point)
+            .map_err(|error| NoCurve::Singular(error.to_string()))?;
+        (&layered.0, &layered.1)
+    } else {
+        (wave, point)
+    };
     let ranges = [curve.range.0, curve.range.1];
     let widths = ranges.map(|(low, high)| high - low);
     let model = wave.model_at(point);

@@ -303,12 +303,20 @@ impl System for EventSystem {
                 residual[count] = value.re;
                 residual[count + 1] = value.im;
                 for column in 0..self.unknowns() {
-                    let moved = |sign: f64| {
+                    let moved = |step: f64| {
                         let mut there = point.clone();
-                        there[column] += sign * DIFFERENCE;
+                        there[column] += step;
                         self.characteristic(&there, sector)
                     };
-                    let slope = (moved(1.0)? - moved(-1.0)?) / (2.0 * DIFFERENCE);
+                    // β has no values below zero: there the difference is one-sided
+                    let is_beta = column >= last
+                        && self.parameters[column - last] == Parameter::StiffnessDamping;
+                    let down = if is_beta && point[column] < DIFFERENCE {
+                        0.0
+                    } else {
+                        DIFFERENCE
+                    };
+                    let slope = (moved(DIFFERENCE)? - moved(-down)?) / (DIFFERENCE + down);
                     jacobian[(count, column)] = slope.re;
                     jacobian[(count + 1, column)] = slope.im;
                 }

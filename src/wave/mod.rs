@@ -203,6 +203,28 @@ impl Wave {
         self
     }
 
+    /// An undamped wave in the unknowns of material damping: the layers take V̈ at the end of each zone
+    /// to its value at the next entry.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated.
+    pub fn with_layers(&self, point: &Vector) -> Result<(Wave, Vector), FlowError> {
+        let wave = self.clone().with_material(true);
+        let (excess, parameter) = (self.excess_at(point), self.parameter_at(point));
+        let mut zones = self.unpack(point);
+        let bare = wave.pack(&zones, excess, parameter);
+        let flows = wave.flows(&bare)?;
+        for (index, zone) in zones.iter_mut().enumerate() {
+            if self.signature.zone(index).regime.sliding().is_some() {
+                let end = wave.zone_end(&flows, &bare, index)?.acceleration;
+                let next = wave.entry_acceleration(&flows, &bare, index + 1);
+                zone[3] = next.value - end.value;
+            }
+        }
+        let point = wave.pack(&zones, excess, parameter);
+        Ok((wave, point))
+    }
+
     /// The same wave under another signature.
     pub fn with_signature(&self, signature: Signature) -> Wave {
         Wave {

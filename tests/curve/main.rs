@@ -3,6 +3,7 @@
 
 mod closed_form;
 mod command;
+mod cusp;
 mod equations;
 mod hopf;
 mod meeting;
