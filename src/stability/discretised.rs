@@ -928,8 +928,8 @@ impl Ring {
                 fractions = self.fractions(&state, period, tolerance)?;
             }
             let flow = self.flow(&state, period, &fractions)?;
-            let band =
-                Band::new(self, &flow.steps, points, self.reach(period)).ok_or(Failure::Stages { step: period })?;
+            let band = Band::new(self, &flow.steps, points, self.reach(period))
+                .ok_or(Failure::Stages { step: period })?;
             if correction <= (CLOSE * self.epsilon).max(FLOOR) {
                 return Ok(Found {
                     state,
@@ -1290,7 +1290,10 @@ impl Band {
         let points = self.points as isize;
         for (index, response) in self.values.iter().enumerate() {
             let width = 2 * self.reach + 1;
-            let (point, offset) = (index / width, (index % width) as isize - self.reach as isize);
+            let (point, offset) = (
+                index / width,
+                (index % width) as isize - self.reach as isize,
+            );
             let row = point as isize + offset + shift;
             let cell = row.div_euclid(points);
             let row = row.rem_euclid(points) as usize;
