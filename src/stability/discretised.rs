@@ -1325,12 +1325,21 @@ mod tests {
     }
 
     fn wave(points: usize, epsilon: f64) -> SemiDiscreteWave {
+        damped(0.0, points, epsilon)
+    }
+
+    /// With material damping.
+    fn damped(beta: f64, points: usize, epsilon: f64) -> SemiDiscreteWave {
         let settings = Settings {
             points,
             epsilon,
             ..Settings::default()
         };
-        solve(&model(0.2), 4, &settings).unwrap()
+        let model = Model {
+            stiffness_damping: beta,
+            ..model(0.2)
+        };
+        solve(&model, 4, &settings).unwrap()
     }
 
     fn nearest(values: &[c64], to: c64) -> f64 {
@@ -1362,8 +1371,8 @@ mod tests {
     /// Y maps ẏ(0) to ẏ(T) = Sẏ(0): one multiplier is 1, up to the error of the time steps.
     #[test]
     fn translation_is_neutral_in_sector_zero() {
-        for epsilon in [0.1, 0.02] {
-            let wave = wave(32, epsilon);
+        for (beta, epsilon) in [(0.0, 0.1), (0.0, 0.02), (0.005, 0.1), (0.005, 0.02)] {
+            let wave = damped(beta, 32, epsilon);
             let distance = nearest(&wave.multipliers(0).unwrap(), c64::new(1.0, 0.0));
             assert!(distance < 1e-8, "{distance:e}");
         }
@@ -1398,17 +1407,22 @@ mod tests {
     fn fundamental_matrix_is_the_derivative_of_the_map() {
         const STEP: f64 = 1e-5;
         const BOUND: f64 = 1e-7;
-        let wave = wave(16, 0.05);
+        for beta in [0.0, 0.01] {
+            derivatives_agree(&damped(beta, 16, 0.05), STEP, BOUND);
+        }
+    }
+
+    fn derivatives_agree(wave: &SemiDiscreteWave, by: f64, bound: f64) {
         let (ring, period) = (wave.ring, wave.period());
         let fractions: Vec<f64> = wave.steps.iter().map(|step| step.step / period).collect();
         let map = |state: &State, period| ring.flow(state, period, &fractions).unwrap();
         let derivative = |moved: &dyn Fn(f64) -> State| -> State {
-            let ends = [-2.0, -1.0, 1.0, 2.0].map(|steps| moved(steps * STEP));
+            let ends = [-2.0, -1.0, 1.0, 2.0].map(|steps| moved(steps * by));
             (0..16)
                 .map(|index| {
                     [0, 1].map(|component| {
                         let [a, b, c, d] = [0, 1, 2, 3].map(|end| ends[end][index][component]);
-                        (a - 8.0 * b + 8.0 * c - d) / (12.0 * STEP)
+                        (a - 8.0 * b + 8.0 * c - d) / (12.0 * by)
                     })
                 })
                 .collect()
@@ -1417,22 +1431,22 @@ mod tests {
         wave.band
             .shifted(0, |row, column, _, value| matrix[row][column] += value);
         for column in 0..32 {
-            let differences = derivative(&|by| {
+            let differences = derivative(&|shift| {
                 let mut state = wave.values.clone();
-                state[column / 2][column % 2] += by;
+                state[column / 2][column % 2] += shift;
                 map(&state, period).end
             });
             for (row, entries) in matrix.iter().enumerate() {
                 let error = (entries[column] - differences[row / 2][row % 2]).abs();
-                assert!(error < BOUND, "{row} {column}: {error:e}");
+                assert!(error < bound, "{row} {column}: {error:e}");
             }
         }
-        let differences = derivative(&|by| map(&wave.values, period + by).end);
+        let differences = derivative(&|shift| map(&wave.values, period + shift).end);
         let flow = map(&wave.values, period);
         for (value, difference) in flow.by_period.iter().zip(&differences) {
             for (value, difference) in value.iter().zip(difference) {
                 let error = (value - difference).abs();
-                assert!(error < BOUND, "{error:e}");
+                assert!(error < bound, "{error:e}");
             }
         }
     }
@@ -1452,7 +1466,12 @@ mod tests {
     /// The whole ring is computed without windows and without phases: this tests both.
     #[test]
     fn the_whole_ring_is_the_union_of_its_sectors() {
-        let wave = wave(16, 0.1);
+        for beta in [0.0, 0.01] {
+            union_of_sectors(&damped(beta, 16, 0.1));
+        }
+    }
+
+    fn union_of_sectors(wave: &SemiDiscreteWave) {
         let whole = wave.whole_ring_multipliers().unwrap();
         assert_eq!(whole.len(), 128);
         let union: Vec<c64> = (0..4)
@@ -1462,6 +1481,48 @@ mod tests {
         let (whole, union) = (resolved(whole), resolved(union));
         assert!(whole.len() > 40);
         assert_same(&whole, &union, 1e-10);
+    }
+
+    /// A window ten points longer on either side sees nothing more: neither beyond the reach nor, through
+    /// the ends of the window, within it. Diffusion numbers βaT/Δφ² of 0, 0.3 and 2.7.
+    #[test]
+    fn nothing_is_felt_beyond_the_reach() {
+        let nearly_incompressible = Model {
+            source: Source::Geometry(Geometry {
+                nu: 0.45,
+                xi: 1.25,
+                gamma: 1.0,
+            }),
+            stiffness_damping: 0.045,
+            ..model(0.4)
+        };
+        let settings = Settings {
+            points: 170,
+            epsilon: 0.1,
+            ..Settings::default()
+        };
+        for wave in [
+            damped(0.0, 24, 0.1),
+            damped(0.01, 50, 0.1),
+            solve(&nearly_incompressible, 2, &settings).unwrap(),
+        ] {
+            let reach = wave.band.reach;
+            let longer = Band::new(&wave.ring, &wave.steps, wave.values.len(), reach + 10).unwrap();
+            let (width, wider) = (2 * reach + 1, 2 * reach + 21);
+            for (index, response) in longer.values.iter().enumerate() {
+                let (point, offset) = (index / wider, index % wider);
+                let inside = offset
+                    .checked_sub(10)
+                    .filter(|offset| *offset < width)
+                    .map(|offset| wave.band.values[point * width + offset]);
+                let known = inside.unwrap_or_default();
+                for (one, other) in response.iter().flatten().zip(known.iter().flatten()) {
+                    // V̇ answers V by 1/T
+                    let error = (one - other).abs() * wave.period();
+                    assert!(error < 1e-15, "{point} {offset}: {error:e}");
+                }
+            }
+        }
     }
 
     /// φ → −φ with D → −D is a symmetry of the model: c changes its sign, and the condition

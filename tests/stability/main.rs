@@ -10,6 +10,7 @@ mod derivative;
 mod eigenfunctions;
 mod extremes;
 mod high_frequency;
+mod material_ring;
 mod reference;
 mod seeds;
 mod translation;
