@@ -122,6 +122,9 @@ pub const LEAST_POINTS: usize = 8;
 /// ε at which a wave is first sought, unless a larger one is asked for.
 pub const FIRST_EPSILON: f64 = 0.2;
 
+/// Least ε at which the exact wave is close enough to start from, if larger ones fail.
+const LAST_FIRST_EPSILON: f64 = 0.0125;
+
 /// Number of spacings beyond which nothing is felt within T without material damping (see the text of
 /// the module).
 const LEAST_REACH: usize = 12;
@@ -142,6 +145,9 @@ const CLOSE: f64 = 1e-6;
 const FLOOR: f64 = 1e-10;
 /// Corrections (in units of ε) beyond which the time steps are chosen anew.
 const NEW_STEPS: f64 = 0.1;
+/// Part of the range of V̇ that a wave keeps at least from where the iteration starts. Steady sliding,
+/// V̇ = 0, satisfies all equations of a wave for every T, and draws the iteration where a wave is small.
+const KEPT: f64 = 0.25;
 /// Corrections of V̇ beyond which Newton's method is given up.
 const TOO_LARGE: f64 = 30.0;
 
@@ -224,6 +230,12 @@ pub enum Failure {
         /// Step.
         step: f64,
     },
+    /// The iteration ended in steady sliding.
+    #[error("Newton's method ends in steady sliding (V̇ has a range of {range:e})")]
+    SteadySliding {
+        /// Largest less least V̇.
+        range: f64,
+    },
     /// The iteration does not converge.
     #[error("Newton's method does not converge (last correction {correction:e})")]
     Divergence {
@@ -302,21 +314,31 @@ pub fn solve_from(
             signature: wave.signature.to_string(),
         });
     }
-    let first = settings.epsilon.max(FIRST_EPSILON);
-    let ring = Ring::new(&model, wave.mode, settings.points, first);
+    let mut first = settings.epsilon.max(FIRST_EPSILON);
+    let mut ring = Ring::new(&model, wave.mode, settings.points, first);
     let speed = wave.speed_at(point);
     let guess = Guess {
         state: sampled(wave, point, settings.points)?,
         period: ring.spacing / speed.abs(),
     };
-    let start = ring
-        .correct(&guess, speed, settings.tolerance)
-        .map_err(|failure| Error::Unreached {
-            points: settings.points,
-            wanted: settings.epsilon,
-            failed: first,
-            failure,
-        })?;
+    let start = loop {
+        match ring.correct(&guess, speed, settings.tolerance) {
+            Ok(start) => break start,
+            // close to the Hopf point of steady sliding a wave does not live with so large an ε
+            Err(failure) if first <= settings.epsilon.max(LAST_FIRST_EPSILON) => {
+                return Err(Error::Unreached {
+                    points: settings.points,
+                    wanted: settings.epsilon,
+                    failed: first,
+                    failure,
+                });
+            }
+            Err(_) => {
+                first = (0.5 * first).max(settings.epsilon);
+                ring.epsilon = first;
+            }
+        }
+    };
     SemiDiscreteWave {
         model,
         mode: wave.mode,
@@ -923,6 +945,7 @@ impl Ring {
         let mut period = guess.period;
         let mut fractions = Vec::new();
         let mut correction = f64::INFINITY;
+        let range_before = range(&state);
         for iterations in 1..=MOST_ITERATIONS {
             if correction > NEW_STEPS * self.epsilon {
                 fractions = self.fractions(&state, period, tolerance)?;
@@ -931,6 +954,10 @@ impl Ring {
             let band = Band::new(self, &flow.steps, points, self.reach(period))
                 .ok_or(Failure::Stages { step: period })?;
             if correction <= (CLOSE * self.epsilon).max(FLOOR) {
+                let range = range(&state);
+                if range < KEPT * range_before {
+                    return Err(Failure::SteadySliding { range });
+                }
                 return Ok(Found {
                     state,
                     period,
@@ -971,6 +998,12 @@ impl Ring {
         }
         Err(Failure::Divergence { correction })
     }
+}
+
+/// Largest less least V̇.
+fn range(state: &State) -> f64 {
+    let rates = || state.iter().map(|&[_, rate]| rate);
+    rates().fold(f64::NEG_INFINITY, f64::max) - rates().fold(f64::INFINITY, f64::min)
 }
 
 /// Largest magnitude; infinite if something is not a number.
