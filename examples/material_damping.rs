@@ -33,7 +33,7 @@ const MODEL: Model = Model {
 };
 const MODE: u32 = 4;
 /// Of the boundary-value problem and the eigenfunction problem: `brakewave spectrum`.
-const SPEED: f64 = -1.2612542027689491;
+const SPEED: f64 = -1.261_254_202_768_949;
 const EXACT: [(u32, c64); 4] = [
     (0, c64::new(-0.13443754360655616, 2.5264162621025754)),
     (1, c64::new(0.01795743841199849, -0.4043702749985958)),
@@ -56,6 +56,8 @@ const POINTS: [usize; 3] = [48, 96, 192];
 const PAIRS: usize = 40;
 const INSTANTS: usize = 2;
 const LISTED: usize = 4;
+/// Scatter below which an eigenvalue is listed, and |Im λ| below which it is real.
+const RESOLVED: f64 = 1e-3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     discretised()?;
@@ -122,7 +124,7 @@ fn row(name: &str, speed: f64, found: &[c64]) {
 }
 
 fn simulated(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
-    println!("\n| β | sector | points | λ | scatter |\n|---|---|---|---|---|");
+    println!("\n| label | β | sector | points | λ | scatter |\n|---|---|---|---|---|---|");
     for saved in Restart::read(folder)?.waves {
         let parameters = saved.model.parameters();
         let path = folder.join("profiles").join(format!("{}.csv", saved.label));
@@ -153,13 +155,19 @@ fn simulated(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
                 };
                 let found = growth::averaged(&parameters, &setup, &profile, &request, INSTANTS)?;
                 let real = sector == 0 || 2 * sector == mode;
-                let listed = found
-                    .iter()
-                    .filter(|value| value.im.abs() < HIGHEST && !(real && value.im < 0.0));
+                let listed = found.iter().filter(|value| {
+                    value.scatter < RESOLVED
+                        && value.im.abs() < HIGHEST
+                        && !(real && value.im < -RESOLVED)
+                });
                 for value in listed.take(LISTED) {
                     println!(
-                        "| {} | {sector} | {points} | {:+.6} {:+.6}i | {:.0e} |",
-                        parameters.stiffness_damping, value.re, value.im, value.scatter
+                        "| {} | {} | {sector} | {points} | {:+.6} {:+.6}i | {:.0e} |",
+                        saved.label,
+                        parameters.stiffness_damping,
+                        value.re,
+                        value.im,
+                        value.scatter
                     );
                 }
             }

@@ -327,15 +327,14 @@ fn the_wave_travels_at_its_speed_and_keeps_its_shape() {
             assert!((1.5..2.4).contains(&order), "{second:?}");
         }
     }
-    let fourth = errors(384, Order::Fourth);
-    assert!(
-        fourth[0] < 0.1 * second[3][0] && fourth[0] < 1e-6,
-        "{fourth:?}"
-    );
-    assert!(
-        fourth[1] < 0.2 * second[3][1] && fourth[1] < 3e-6,
-        "{fourth:?}"
-    );
+    let fourth = [48, 96, 192, 384].map(|points| errors(points, Order::Fourth));
+    for ([speed2, v2], [speed4, v4]) in second.iter().zip(&fourth) {
+        println!("observed: {speed2:.1e} {v2:.1e}, order 4 {speed4:.1e} {v4:.1e}");
+    }
+    // across fronts there is no order 4, but far less error
+    let (speed, v) = (fourth[3][0], fourth[3][1]);
+    assert!(speed < 0.1 * second[3][0] && speed < 1e-6, "{fourth:?}");
+    assert!(v < 0.2 * second[3][1] && v < 3e-6, "{fourth:?}");
 }
 
 fn eigenvalues(
@@ -468,12 +467,13 @@ fn the_stable_wave_forgets_a_perturbation_on_the_whole_circle() {
     // the largest of a half-period of the beat, decades apart
     let largest = |from: usize| sizes[from..from + 17].iter().copied().fold(0.0, f64::max);
     let measured = (largest(1100) / largest(300)).ln() / 80.0;
+    let end = largest(1100);
     println!(
-        "observed: {found:?}, {measured}, {start:e} to {:e}",
-        largest(1100)
+        "observed: {:?}, {measured}, {start:e} to {end:e}",
+        &found[0]
     );
     assert!((measured - rate).abs() < 1e-3, "{measured}");
-    assert!(largest(1100) < 1e-3 * start);
+    assert!(end < 1e-3 * start);
 }
 
 /// A pressure below zero ends what is simulated, and is not forgotten.

@@ -63,7 +63,7 @@ fn a_wave_against_the_shaft() {
     let waves = [50, 100].map(|points| semi_discrete((0.3, 1.5), 4, 0.005, points));
     extrapolates(
         [&waves[0], &waves[1]],
-        -1.2612542027689491,
+        -1.261_254_202_768_949,
         &[
             (0, [-0.1344375436, 2.5264162621]),
             (1, [0.0179574384, -0.4043702750]),
