@@ -10,8 +10,8 @@ use crate::model::signature::{Regime, Signature};
 use crate::newton::{self, Fixed, System};
 use crate::problem::{FrictionLaw, Parameter};
 use crate::wave::admissibility::examine;
-use crate::wave::hopf::{Family, NoHopf, family};
 use crate::wave::start::{self, NoWave, Which};
+use crate::wave::hopf::{Family, NoHopf, family};
 use crate::wave::{RATE_UNITS, Scales, Wave, ZoneUnknowns};
 
 /// Why there is no first wave.

@@ -67,9 +67,7 @@ impl SavedWave {
             model,
             signature: wave.signature.clone(),
             zones: zones.iter().map(|[y, w, t, _]| [*y, *w, *t]).collect(),
-            layers: layers
-                .take(if wave.material { zones.len() } else { 0 })
-                .collect(),
+            layers: layers.take(if wave.material { zones.len() } else { 0 }).collect(),
             excess: wave.excess_at(point),
         }
     }
@@ -78,9 +76,7 @@ impl SavedWave {
     pub fn unknowns(&self) -> Vec<ZoneUnknowns> {
         let layers = self.layers.iter().copied().chain(std::iter::repeat(0.0));
         let zones = self.zones.iter().zip(layers);
-        zones
-            .map(|([y, w, t], layer)| [*y, *w, *t, layer])
-            .collect()
+        zones.map(|([y, w, t], layer)| [*y, *w, *t, layer]).collect()
     }
 }
 

@@ -70,11 +70,7 @@ fn layer_time(d: f64, m: f64, s: f64, h: f64) -> Option<f64> {
         return None;
     }
     // Newton's method kept inside the bracket
-    let mut x = if m > 0.0 {
-        (d / m).clamp(low, high)
-    } else {
-        high
-    };
+    let mut x = if m > 0.0 { (d / m).clamp(low, high) } else { high };
     for _ in 0..200 {
         let value = at(x);
         if value > 0.0 {
@@ -287,7 +283,8 @@ impl MaterialFlow {
     /// V̈ of the oscillator as a jet.
     fn slow_acceleration(&self, [y, w]: [Jet; 2]) -> Jet {
         let [p, q] = self.slow.coefficients();
-        p.times(w).plus(-1.0, q.times(y.plus(1.0, self.slow.shift)))
+        p.times(w)
+            .plus(-1.0, q.times(y.plus(1.0, self.slow.shift)))
     }
 
     /// (Y, W) of the oscillator at a time t as jets; `moving` if t is the duration.
@@ -540,7 +537,8 @@ impl MaterialFlow {
         let [acceleration, jerk] = self.slow_rates(state);
         let snap = 2.0 * self.slow.p * jerk - self.slow.q * acceleration;
         let fast = slide.layer * decayed(ratio(slide.duration - t, self.rho));
-        let [mut slope, mut curvature] = [acceleration + self.beta * jerk, jerk + self.beta * snap];
+        let [mut slope, mut curvature] =
+            [acceleration + self.beta * jerk, jerk + self.beta * snap];
         if fast != 0.0 && self.rho > 0.0 {
             let moved = fast * (1.0 + self.beta / self.rho);
             slope += moved;
@@ -574,8 +572,9 @@ impl MaterialFlow {
             duration,
         ));
         places.push(duration);
-        let at =
-            |t: f64| self.slow.solution(initial, t)[0] + g * decayed(ratio(duration - t, self.rho));
+        let at = |t: f64| {
+            self.slow.solution(initial, t)[0] + g * decayed(ratio(duration - t, self.rho))
+        };
         let unit = 1.0 / q.sqrt();
         let mut zeros = Vec::new();
         for pair in places.windows(2) {

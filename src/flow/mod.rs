@@ -413,9 +413,7 @@ impl SlidingFlow {
     pub fn turning_points(&self, slide: &Slide, at_rest: bool) -> Result<Vec<f64>, FlowError> {
         /// A zero of V̈ closer to a release than this, in radians, is the release itself.
         const AT_RELEASE: f64 = 1e-6;
-        let Slide {
-            entry, duration, ..
-        } = *slide;
+        let Slide { entry, duration, .. } = *slide;
         match self {
             SlidingFlow::Exact(flow) => {
                 let acceleration = flow.acceleration(entry);
@@ -437,9 +435,7 @@ impl SlidingFlow {
 
     /// Times in (0, duration) at which W vanishes: extremes of V.
     pub fn extremes(&self, slide: &Slide) -> Result<Vec<f64>, FlowError> {
-        let Slide {
-            entry, duration, ..
-        } = *slide;
+        let Slide { entry, duration, .. } = *slide;
         match self {
             SlidingFlow::Exact(flow) => {
                 Ok(flow.zeros(entry[1], flow.acceleration(entry), duration))

@@ -129,7 +129,8 @@ impl Value {
         let trace = inverse * (self.trace.exponent - top).exp();
         let determinant = inverse * inverse * (self.determinant.exponent - top).exp();
         (
-            self.unit.value * one - self.trace.value * trace + self.determinant.value * determinant,
+            self.unit.value * one - self.trace.value * trace
+                + self.determinant.value * determinant,
             self.unit.derivative * one - self.trace.derivative * trace
                 + self.determinant.derivative * determinant,
         )
@@ -249,9 +250,9 @@ impl Characteristic {
             let (y, w, radial) = (end.y.value, end.w.value, end.radial_rate.value);
             let sliding = |regime: Regime| flows.contact(regime).outer_acceleration([y, w]);
             let jump = match next.entry {
-                Entry::Release if law.jumps_at_release() => Jump::StaticRelease(
-                    flows.contact(Regime::Slip).outer_acceleration([y, 1.0]) / at.h,
-                ),
+                Entry::Release if law.jumps_at_release() => {
+                    Jump::StaticRelease(flows.contact(Regime::Slip).outer_acceleration([y, 1.0]) / at.h)
+                }
                 Entry::Release | Entry::Section => Jump::None,
                 Entry::Arrest => Jump::Arrest,
                 Entry::TakeOff => Jump::TakeOff,

@@ -105,8 +105,8 @@ fn sampled(zone: &LinearZone, period: f64, resolution: usize) -> Vec<f64> {
 /// With material damping: the boundary-value problem is solved zone by zone.
 fn material_trace(characteristic: &Characteristic, lambda: C64, resolution: usize) -> Trace {
     let period = characteristic.period;
-    let (sampled_states, end) =
-        characteristic.material_states(lambda, |zone| sampled(zone, period, resolution));
+    let (sampled_states, end) = characteristic
+        .material_states(lambda, |zone| sampled(zone, period, resolution));
     let mut times = Vec::with_capacity(resolution + 8);
     let mut states = Vec::with_capacity(resolution + 8);
     let mut start = 0.0;

@@ -59,9 +59,7 @@ fn roots(c: [C64; 4]) -> [C64; 3] {
     let sizes = c.map(|x| x.norm());
     // radii of the Newton polygon would do; the largest exponent is far from the others or none is
     let large = sizes[2] / sizes[3] + (sizes[1] / sizes[3]).sqrt() + (sizes[0] / sizes[3]).cbrt();
-    let rest = (sizes[0] / (sizes[3] * large))
-        .sqrt()
-        .max(1e-3 * large.min(1.0));
+    let rest = (sizes[0] / (sizes[3] * large)).sqrt().max(1e-3 * large.min(1.0));
     let mut z = [
         C64::from_polar(large, 0.3),
         C64::from_polar(rest, 1.7),
@@ -324,11 +322,7 @@ impl Characteristic {
         let drive = sigma * self.friction * self.kappa;
         let (a, beta) = (self.a, self.beta);
         // (h + σfκλ − ãλ²) + (2ãλ − σfκ)d − ãd² on η + βη′
-        let hat = [
-            eta + rate * beta,
-            rate + second * beta,
-            second + third * beta,
-        ];
+        let hat = [eta + rate * beta, rate + second * beta, second + third * beta];
         let terms = [
             second,
             rate * self.damping,
@@ -336,9 +330,7 @@ impl Characteristic {
             hat[1] * (lambda * (2.0 * a) - drive),
             -hat[2] * a,
         ];
-        let size = terms
-            .iter()
-            .fold(0.0_f64, |size, term| size.max(term.norm()));
+        let size = terms.iter().fold(0.0_f64, |size, term| size.max(term.norm()));
         (terms.into_iter().sum(), size)
     }
 }
@@ -385,8 +377,11 @@ impl Split {
         let (move_by, moved) = (shift_by * (sign * s.abs()), shift * (sign * s.abs()));
         let delta = self.p * self.p - self.q;
         let delta_by = self.p * self.p_by * 2.0 - self.q_by;
-        let (slow, slow_by, exponent) =
-            oscillator([self.p, self.q, delta], [self.p_by, self.q_by, delta_by], s);
+        let (slow, slow_by, exponent) = oscillator(
+            [self.p, self.q, delta],
+            [self.p_by, self.q_by, delta_by],
+            s,
+        );
         let factor = {
             let size = exponent + moved.re;
             C64::from_polar(size.exp(), moved.im)
@@ -444,7 +439,8 @@ impl Split {
     /// the entry and of the layer's η″ where it is largest.
     fn basis(&self, t: f64, duration: f64) -> Matrix3<C64> {
         let (p, q, r) = (self.p, self.q, self.r);
-        let (slow, _, exponent) = oscillator([p, q, p * p - q], [ZERO; 3], t);
+        let (slow, _, exponent) =
+            oscillator([p, q, p * p - q], [ZERO; 3], t);
         let factor = exponent.exp();
         let [[a, b], [c, d]] = slow.map(|row| row.map(|x| x * factor));
         let place = if r.re > 0.0 { t - duration } else { t };
@@ -476,43 +472,18 @@ mod debug {
         for beta in [1e-8, 1e-4, 5e-3] {
             let model = Model {
                 stiffness_damping: beta,
-                ..Model::tube(
-                    Geometry {
-                        nu: 0.3,
-                        xi: 1.5,
-                        gamma: 1.0,
-                    },
-                    0.5,
-                    0.4,
-                )
+                ..Model::tube(Geometry { nu: 0.3, xi: 1.5, gamma: 1.0 }, 0.5, 0.4)
             };
-            let settings = crate::continuation::Settings {
-                ds: 0.01,
-                ds_min: 1e-9,
-                ds_max: 0.1,
-                tolerance: 1e-10,
-            };
-            let (wave, point) =
-                first_wave(&model, Parameter::Mismatch, 4, Which::Fast, 0.4, settings).unwrap();
+            let settings = crate::continuation::Settings { ds: 0.01, ds_min: 1e-9, ds_max: 0.1, tolerance: 1e-10 };
+            let (wave, point) = first_wave(&model, Parameter::Mismatch, 4, Which::Fast, 0.4, settings).unwrap();
             let c = Characteristic::new(&wave, &point).unwrap();
             let z = c.multiplier(0);
-            for l in [
-                C64::new(0.0, 0.0),
-                C64::new(0.0496, 2.5415),
-                C64::new(0.0497, 2.5415),
-            ] {
+            for l in [C64::new(0.0, 0.0), C64::new(0.0496, 2.5415), C64::new(0.0497, 2.5415)] {
                 let v = c.evaluate(l);
                 let h = 1e-4;
-                let num = |x: C64| {
-                    let v = c.evaluate(x);
-                    v.trace.value / v.unit.value * (v.trace.exponent - v.unit.exponent).exp()
-                };
-                let d = (num(l + h) - num(l - h)) / (2.0 * h);
-                println!(
-                    "{beta:e} {l} N-1 {:e} f {:?} dN {d} \n {v:?}",
-                    num(l) - ONE,
-                    v.sector(z)
-                );
+                let num = |x: C64| { let v=c.evaluate(x); v.trace.value/v.unit.value*(v.trace.exponent-v.unit.exponent).exp() };
+                let d=(num(l+h)-num(l-h))/(2.0*h);
+                println!("{beta:e} {l} N-1 {:e} f {:?} dN {d} \n {v:?}", num(l)-ONE, v.sector(z));
             }
         }
     }

@@ -406,11 +406,7 @@ impl Wave {
                     w
                 } else if self.material {
                     // 1, 1/T or 1/T²: see MaterialFlow::zone
-                    let power = if order == 1 {
-                        1 + i32::from(arrested)
-                    } else {
-                        0
-                    };
+                    let power = if order == 1 { 1 + i32::from(arrested) } else { 0 };
                     end.switching.affine(time.powi(power), 0.0)
                 } else {
                     end.switching.affine(time.powi(order as i32), 0.0)

@@ -1,8 +1,8 @@
 //! Samples of a wave over one wavelength.
 
 use crate::branch::ProfileSample;
-use crate::flow::equations::multiplier;
 use crate::flow::{FlowError, Slide, SlidingFlow};
+use crate::flow::equations::multiplier;
 use crate::linalg::Vector;
 use crate::model::signature::Regime;
 

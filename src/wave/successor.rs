@@ -246,8 +246,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
             };
             let rest = slide.duration - margin.time;
             states[index][2] = margin.time;
-            if let (true, SlidingFlow::Material(flow)) = (wave.material, flows.contact(zone.regime))
-            {
+            if let (true, SlidingFlow::Material(flow)) = (wave.material, flows.contact(zone.regime)) {
                 states[index][3] = slide.layer * (-rest / flow.rho).exp();
             }
             let (mut zones, mut states) = rotated(index + 1, zones, &states);

@@ -252,8 +252,6 @@ pub fn specimens(case: &Case, steps: continuation::Settings) -> Vec<(Arc<Wave>, 
 pub fn exact(flow: &SlidingFlow) -> &ContactFlow {
     match flow {
         SlidingFlow::Exact(flow) => flow,
-        SlidingFlow::Numerical(_) | SlidingFlow::Material(_) => {
-            panic!("Coulomb's law has a closed form")
-        }
+        SlidingFlow::Numerical(_) | SlidingFlow::Material(_) => panic!("Coulomb's law has a closed form"),
     }
 }
