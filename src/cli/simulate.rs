@@ -69,8 +69,9 @@ fn beginning(problem: &Problem, section: &Simulation) -> Result<Beginning, Failu
     let (found, wanted) = (saved.model.parameters(), model.parameters());
     if found != wanted {
         warn(&format!(
-            "the wave brings its own parameters: mismatch {}, friction {}, mass damping {}",
-            found.mismatch, found.friction, found.mass_damping
+            "the wave brings its own parameters: mismatch {}, friction {}, mass damping {}, \
+             stiffness damping {}",
+            found.mismatch, found.friction, found.mass_damping, found.stiffness_damping
         ));
     }
     let path = dir.join("profiles").join(format!("{label}.csv"));
@@ -155,6 +156,14 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
     let before = motion.steps();
     while folder.samples() <= count {
         motion.advance(per_sample);
+        if !motion.holds() {
+            warn(&format!(
+                "a point left the shaft before t = {}: with stiffness damping only contact is \
+                 simulated; take a larger mismatch",
+                motion.time()
+            ));
+            return Ok(super::NUMERICAL);
+        }
         let sample = Sample::of(&motion, watched, waves, parameters.mismatch, start);
         folder.sample(&sample, &motion.line())?;
         samples.push(sample);

@@ -44,7 +44,7 @@ pub struct Simulation {
     pub perturbation: Option<Perturbation>,
     /// Time simulated, in units of 1/Ω.
     pub duration: f64,
-    /// Largest Courant number.
+    /// Largest Courant number; with stiffness damping the part of √(4β² + Δφ²/a) − 2β that a step takes.
     #[serde(default = "default_courant")]
     pub courant: f64,
     /// Time between samples, in units of 1/Ω.

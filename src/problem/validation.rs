@@ -560,9 +560,9 @@ fn simulation(section: &Simulation, problem: &Problem) -> Check {
         let holds = amplitude > 0.0 && amplitude <= 0.1;
         number("simulation.growth.amplitude", amplitude, holds, rule)?;
     }
-    if problem.model.damping.stiffness != 0.0 {
-        let rule =
-            "a simulation has no stiffness-proportional damping; leave it out, or use `mass`";
+    if problem.model.damping.stiffness != 0.0 && matches!(section.body, Body::Annulus { .. }) {
+        let rule = "an annulus has no stiffness-proportional damping; leave it out, use `mass`, or \
+                    simulate a `Ring`";
         return admit(
             "model.damping.stiffness",
             problem.model.damping.stiffness,

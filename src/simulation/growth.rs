@@ -75,6 +75,21 @@ pub enum GrowthError {
     /// There is no such sector.
     #[error("there is no sector {0} on a ring of {1} waves")]
     Sector(usize, usize),
+    /// β > 0 and a point has left the shaft.
+    #[error(
+        "with stiffness damping β = {0} only contact is simulated, but a point left the shaft; take a \
+         larger mismatch"
+    )]
+    Separation(f64),
+}
+
+/// That the ring is still one whose equations hold.
+fn checked(ring: &Ring) -> Result<(), GrowthError> {
+    if ring.in_contact() {
+        Ok(())
+    } else {
+        Err(GrowthError::Separation(ring.parameters().stiffness_damping))
+    }
 }
 
 /// Puts a wave on the ring, as many times as it fits.
@@ -127,6 +142,7 @@ pub fn eigenvalues(
     )?;
     place(&mut ring, profile);
     ring.advance((request.settling / ring.setup().time_step).round() as u64);
+    checked(&ring)?;
     let map = Map {
         points,
         waves,
@@ -137,7 +153,7 @@ pub fn eigenvalues(
         amplitude: request.amplitude,
         ring,
     };
-    let (matrix, basis, last) = arnoldi(&map, request.pairs);
+    let (matrix, basis, last) = arnoldi(&map, request.pairs)?;
     let size = matrix.nrows();
     let decomposition = matrix.eigen().map_err(|_| GrowthError::Eigenvalues(size))?;
     let (values, shapes) = (decomposition.S().column_vector(), decomposition.U());
@@ -310,6 +326,7 @@ impl Map {
         let mut nodes = ring.nodes().clone();
         let steps = ring.steps();
         let mismatch = ring.parameters().mismatch;
+        let beta = ring.parameters().stiffness_damping;
         for (field, values) in fields(&mut nodes).into_iter().enumerate() {
             for wave in 0..self.waves {
                 let (sine, cosine) = (self.phase * wave as f64).sin_cos();
@@ -323,21 +340,29 @@ impl Map {
         for value in &mut nodes.radial {
             *value = value.max(mismatch);
         }
+        // V̂ moves with V and V̇
+        let before = self.ring.nodes();
+        for (point, value) in nodes.effective.iter_mut().enumerate() {
+            *value += nodes.tangential[point] - before.tangential[point]
+                + beta * (nodes.tangential_rate[point] - before.tangential_rate[point]);
+        }
         // the number of nodes is the same
         let _ = ring.resume(nodes, steps);
         ring
     }
 
     /// Mψ.
-    fn apply(&self, shape: &[c64]) -> Vec<c64> {
+    fn apply(&self, shape: &[c64]) -> Result<Vec<c64>, GrowthError> {
         let largest = shape.iter().map(|value| value.norm()).fold(0.0, f64::max);
         let factor = self.amplitude / largest.max(f64::MIN_POSITIVE);
-        let run = |factor: f64| {
+        let run = |factor: f64| -> Result<Nodes, GrowthError> {
             let mut ring = self.perturbed(shape, factor);
             ring.advance(self.steps);
-            ring.nodes().clone()
+            checked(&ring)?;
+            Ok(ring.nodes().clone())
         };
-        let (mut plus, mut minus) = rayon::join(|| run(factor), || run(-factor));
+        let (plus, minus) = rayon::join(|| run(factor), || run(-factor));
+        let (mut plus, mut minus) = (plus?, minus?);
         // where one run has landed and the other not, the difference of U̇ is no derivative
         let apart: Vec<bool> = plus
             .share
@@ -348,7 +373,7 @@ impl Map {
         let (plus, minus) = (fields(&mut plus), fields(&mut minus));
         let count = self.points as isize;
         let share = if self.real { 1.0 } else { 2.0 } / self.waves as f64;
-        (0..self.size())
+        let image = (0..self.size())
             .map(|entry| {
                 if !self.free(entry) {
                     return c64::new(0.0, 0.0);
@@ -374,7 +399,8 @@ impl Map {
                     turned
                 }
             })
-            .collect()
+            .collect();
+        Ok(image)
     }
 }
 
@@ -420,7 +446,10 @@ const EXHAUSTED: f64 = 1e-12;
 
 /// The matrix of the map between orthonormal shapes, these shapes, and the length of what it leaves
 /// out.
-fn arnoldi(map: &Map, pairs: usize) -> (Mat<c64>, Vec<Vec<c64>>, f64) {
+type Arnoldi = (Mat<c64>, Vec<Vec<c64>>, f64);
+
+/// See [`Arnoldi`]; a wave that leaves the shaft has none where β > 0.
+fn arnoldi(map: &Map, pairs: usize) -> Result<Arnoldi, GrowthError> {
     let length = |shape: &[c64]| {
         shape
             .iter()
@@ -435,7 +464,7 @@ fn arnoldi(map: &Map, pairs: usize) -> (Mat<c64>, Vec<Vec<c64>>, f64) {
     let mut columns: Vec<Vec<c64>> = Vec::new();
     let mut last = 0.0;
     while columns.len() < pairs.min(map.size()) {
-        let mut image = map.apply(&shapes[shapes.len() - 1]);
+        let mut image = map.apply(&shapes[shapes.len() - 1])?;
         let whole = length(&image);
         let mut column = vec![c64::new(0.0, 0.0); shapes.len()];
         // twice is enough
@@ -468,5 +497,5 @@ fn arnoldi(map: &Map, pairs: usize) -> (Mat<c64>, Vec<Vec<c64>>, f64) {
             .copied()
             .unwrap_or(c64::new(0.0, 0.0))
     });
-    (matrix, shapes, last)
+    Ok((matrix, shapes, last))
 }

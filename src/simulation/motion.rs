@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use faer::c64;
 use serde::{Deserialize, Serialize};
 
 use super::annulus::{self, Annulus, State};
@@ -73,20 +74,15 @@ pub fn angle(section: &Simulation, mode: u32) -> f64 {
 }
 
 /// λ of the growing travelling wave of steady sliding of the reduced model (M):
-/// λ² + αλ + (ak² + h) + ikfD = 0, the root with the larger real part.
+/// λ² + αλ + (1 + βλ)(ak² + h + ikfD) = 0, the root with the larger real part.
 pub fn steady_growth(parameters: &Parameters, mode: u32) -> [f64; 2] {
     let c = parameters.coefficients;
     let k = f64::from(mode);
-    let alpha = parameters.mass_damping;
-    // √(α²/4 − K − iS)
-    let (re, im) = (
-        0.25 * alpha * alpha - c.a * k * k - c.h,
-        -k * parameters.friction * c.coupling,
-    );
-    let size = re.hypot(im);
-    let root_re = (0.5 * (size + re)).max(0.0).sqrt();
-    let root_im = (0.5 * (size - re)).max(0.0).sqrt().copysign(im);
-    [root_re - 0.5 * alpha, root_im]
+    let stiffness = c64::new(c.a * k * k + c.h, k * parameters.friction * c.coupling);
+    // λ² + 2dλ + K + iS = 0; the principal root has Re ≥ 0
+    let half = 0.5 * (parameters.mass_damping + parameters.stiffness_damping * stiffness);
+    let growth = (half * half - stiffness).sqrt() - half;
+    [growth.re, growth.im]
 }
 
 impl Motion {
@@ -165,17 +161,12 @@ impl Motion {
         match self {
             Motion::Annulus(annulus) => annulus.perturb(mode, amplitude, lambda),
             Motion::Ring(ring) => {
-                let mut nodes = ring.nodes().clone();
                 let width = ring.spacing();
-                for point in 0..nodes.len() {
+                for point in 0..ring.setup().points {
                     let (sine, cosine) = (f64::from(mode) * width * point as f64).sin_cos();
-                    nodes.tangential[point] += amplitude * cosine;
-                    nodes.tangential_rate[point] +=
-                        amplitude * (lambda[0] * cosine - lambda[1] * sine);
+                    let rate = amplitude * (lambda[0] * cosine - lambda[1] * sine);
+                    ring.push(point, amplitude * cosine, rate);
                 }
-                let steps = ring.steps();
-                // as many nodes as before
-                let _ = ring.resume(nodes, steps);
             }
         }
     }
@@ -185,6 +176,15 @@ impl Motion {
         match self {
             Motion::Ring(ring) => ring.advance(steps),
             Motion::Annulus(annulus) => annulus.advance(steps),
+        }
+    }
+
+    /// Whether the motion is still one whose equations hold: a ring with β > 0 must not leave the
+    /// shaft.
+    pub fn holds(&self) -> bool {
+        match self {
+            Motion::Ring(ring) => ring.in_contact(),
+            Motion::Annulus(_) => true,
         }
     }
 

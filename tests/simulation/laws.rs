@@ -256,5 +256,5 @@ fn what_cannot_be_is_refused() {
         assert!(Ring::new(&parameters, wrong).is_err());
     }
     let mut ring = Ring::new(&parameters, setup).expect("a ring");
-    assert!(ring.resume(Nodes::new(63, false), 0).is_err());
+    assert!(ring.resume(Nodes::new(63, false, false), 0).is_err());
 }

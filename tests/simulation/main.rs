@@ -3,6 +3,7 @@
 
 mod annulus;
 mod laws;
+mod material;
 mod steady;
 mod verb;
 mod waves;

@@ -298,8 +298,15 @@ fn what_makes_no_sense_is_refused_with_its_place() {
         ("mode: 4, amplitude", "mode: 90, amplitude", "modes 0 to 24"),
         ("snapshots: 3", "snapshots: 30000", "at most 1000 snapshots"),
         (
-            "mismatch: 0.1,",
-            "mismatch: 0.1, damping: (stiffness: 0.1),",
+            "    ),
+    wave: (mode: 4, start: Fast),
+    simulation: (
+        body: Ring(points: 96),",
+            "        damping: (stiffness: 0.1),
+    ),
+    wave: (mode: 4, start: Fast),
+    simulation: (
+        body: Annulus(around: 66, across: 4),",
             "stiffness",
         ),
         (
@@ -323,4 +330,19 @@ fn what_makes_no_sense_is_refused_with_its_place() {
     let bench = Bench::new(&without);
     let text = bench.run(&["simulate", "p.ron"], 2);
     assert!(text.contains("missing field `simulation`"), "{text}");
+}
+
+/// With β > 0 the ring is simulated while it stays on the shaft.
+#[test]
+fn material_damping_demands_contact() {
+    let problem = |mismatch: &str| {
+        let damped = format!("mismatch: {mismatch}, damping: (stiffness: 0.001),");
+        let text = SMALL
+            .replace("BODY", RING)
+            .replace("mismatch: 0.1,", &damped);
+        Bench::new(&text.replace("duration: 30.0", "duration: 12.0"))
+    };
+    problem("0.4").run(&["simulate", "p.ron", "--quiet"], 0);
+    let text = problem("0.01").run(&["simulate", "p.ron"], 3);
+    assert!(text.contains("left the shaft"), "{text}");
 }

@@ -11,6 +11,7 @@ mod eigenfunctions;
 mod extremes;
 mod high_frequency;
 mod material;
+mod material_ring;
 mod reference;
 mod seeds;
 mod translation;

@@ -55,6 +55,8 @@ pub struct Constants {
     pub keep: f64,
     /// 1/(1 + αΔt/2).
     pub gain: f64,
+    /// Material damping β.
+    pub material: f64,
 }
 
 /// Nodes side by side, one array per quantity.
@@ -64,6 +66,9 @@ pub struct Nodes {
     pub radial: Vec<f64>,
     /// V at n.
     pub tangential: Vec<f64>,
+    /// V̂ = V + βV̇ at n; empty for β = 0.
+    #[serde(default)]
+    pub effective: Vec<f64>,
     /// U̇ at n − ½.
     pub radial_rate: Vec<f64>,
     /// V̇ at n − ½.
@@ -74,18 +79,19 @@ pub struct Nodes {
     pub friction_work: Vec<f64>,
     /// Work of contact, which is what landings dissipate; empty when not watched.
     pub contact_work: Vec<f64>,
-    /// Work of mass damping; empty when not watched.
+    /// Work of mass and material damping; empty when not watched.
     pub damping_work: Vec<f64>,
 }
 
 impl Nodes {
-    /// Zeros.
-    pub fn new(count: usize, watched: bool) -> Nodes {
+    /// Zeros, for β > 0 or not.
+    pub fn new(count: usize, watched: bool, material: bool) -> Nodes {
         let zeros = || vec![0.0; count];
         let ledger = || vec![0.0; if watched { count } else { 0 }];
         Nodes {
             radial: zeros(),
             tangential: zeros(),
+            effective: vec![0.0; if material { count } else { 0 }],
             radial_rate: zeros(),
             tangential_rate: zeros(),
             share: zeros(),

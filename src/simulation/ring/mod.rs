@@ -1,7 +1,8 @@
 //! The ring: system (M) on N points of one wavelength or of the whole circle.
 //!
-//! [`kernel`] has the equations of a step, [`friction`] the law of a node. This file has the grid,
-//! the limit of the time step, the balance of energy, and the way a long ring is cut up.
+//! [`kernel`] has the equations of a step, [`material`] those for β > 0, [`friction`] the law of a node.
+//! This file has the grid, the limit of the time step, the balance of energy, and the way a long ring is
+//! cut up.
 //!
 //! **Energy.** Per unit of mass of the ring, with Δφ the spacing and K the symmetric matrix of the
 //! differences,
@@ -23,6 +24,7 @@
 
 pub mod friction;
 pub mod kernel;
+pub mod material;
 
 use rayon::prelude::*;
 
@@ -155,8 +157,8 @@ fn spacing(points: usize, angle: f64) -> f64 {
     angle / points as f64
 }
 
-/// The largest stable time step: 2/ω of the fastest motion of the grid, bounded by the largest sum
-/// of absolute values in a row of the stiffness.
+/// The largest stable time step: √(4β² + 4/ω²) − 2β for the fastest motion of the grid (see [`material`]),
+/// 2/ω for β = 0; ω² is bounded by the largest sum of absolute values in a row of the stiffness.
 pub fn stable_step(parameters: &Parameters, points: usize, angle: f64, order: Order) -> f64 {
     let c = parameters.coefficients;
     let width = spacing(points, angle);
@@ -170,12 +172,26 @@ pub fn stable_step(parameters: &Parameters, points: usize, angle: f64, order: Or
     let coupling = c.coupling.abs() * first / width;
     let radial = c.b * second / (width * width) + c.g + coupling;
     let tangential = c.a * second / (width * width) + c.h + coupling;
+    let beta = parameters.stiffness_damping;
+    if beta > 0.0 {
+        // U rests in contact; friction joins neighbours through the pressure
+        let joined = tangential + coupling.abs() * (parameters.friction - 1.0).max(0.0);
+        return with_diffusion(2.0 / joined.sqrt(), beta);
+    }
     2.0 / radial.max(tangential).sqrt()
 }
 
-/// The time step of a Courant number √a Δt/Δφ.
+/// √(4β² + s²) − 2β, without cancellation: what β makes of a step s.
+fn with_diffusion(step: f64, beta: f64) -> f64 {
+    let ratio = 2.0 * beta / step;
+    step / (1.0_f64.hypot(ratio) + ratio)
+}
+
+/// The time step of a Courant number: this part of √(4β² + Δφ²/a) − 2β, where order 2 becomes
+/// unstable. That is √a Δt/Δφ for β = 0, and 4βaΔt/Δφ² where diffusion sets the limit.
 pub fn courant_step(parameters: &Parameters, points: usize, angle: f64, courant: f64) -> f64 {
-    courant * spacing(points, angle) / parameters.coefficients.a.sqrt()
+    let free = spacing(points, angle) / parameters.coefficients.a.sqrt();
+    courant * with_diffusion(free, parameters.stiffness_damping)
 }
 
 impl Ring {
@@ -213,13 +229,18 @@ impl Ring {
             dt,
             keep: 1.0 - half,
             gain: 1.0 / (1.0 + half),
+            material: parameters.stiffness_damping,
         };
-        let mut nodes = Nodes::new(setup.points, setup.watched);
+        let material = parameters.stiffness_damping > 0.0;
+        let mut nodes = Nodes::new(setup.points, setup.watched, material);
         nodes.radial.fill(parameters.mismatch);
         nodes
             .tangential
             .fill(parameters.mismatch * parameters.friction * c.g / c.h);
         nodes.share.fill(1.0);
+        nodes
+            .effective
+            .fill(parameters.mismatch * parameters.friction * c.g / c.h);
         let count = setup.points.div_ceil(STRETCH);
         let depth = DEPTH.min(setup.points / count / 12).max(1);
         let margin = depth * setup.order.reach();
@@ -231,7 +252,7 @@ impl Ring {
                 Stretch {
                     from,
                     to,
-                    nodes: Nodes::new(size, setup.watched),
+                    nodes: Nodes::new(size, setup.watched, material),
                     next: (vec![0.0; size], vec![0.0; size]),
                 }
             })
@@ -281,6 +302,7 @@ impl Ring {
     pub fn resume(&mut self, nodes: Nodes, steps: u64) -> Result<(), SetupError> {
         if nodes.len() != self.setup.points
             || nodes.friction_work.len() != self.nodes.friction_work.len()
+            || nodes.effective.len() != self.nodes.effective.len()
         {
             return Err(SetupError::Points(nodes.len()));
         }
@@ -298,6 +320,34 @@ impl Ring {
         self.nodes.radial_rate[point] = if contact { 0.0 } else { u_rate };
         self.nodes.tangential_rate[point] = v_rate;
         self.nodes.share[point] = if contact { 1.0 } else { 0.0 };
+        // half a step of V̈ is lost, for one step: an error of second order
+        if let Some(effective) = self.nodes.effective.get_mut(point) {
+            *effective = v + self.constants.material * v_rate;
+        }
+    }
+
+    /// Adds to V and V̇ of a point.
+    pub fn push(&mut self, point: usize, v: f64, v_rate: f64) {
+        self.nodes.tangential[point] += v;
+        self.nodes.tangential_rate[point] += v_rate;
+        if let Some(effective) = self.nodes.effective.get_mut(point) {
+            *effective += v + self.constants.material * v_rate;
+        }
+    }
+
+    /// Whether β = 0 or no point has left the shaft since the start: what the equations for β > 0
+    /// demand.
+    pub fn in_contact(&self) -> bool {
+        self.nodes.effective.is_empty() || self.nodes.share.iter().all(|share| *share != 0.0)
+    }
+
+    /// V̂ of the points.
+    fn effective(&self) -> &[f64] {
+        if self.nodes.effective.is_empty() {
+            &self.nodes.tangential
+        } else {
+            &self.nodes.effective
+        }
     }
 
     /// Takes a number of steps.
@@ -373,7 +423,7 @@ impl Ring {
         energy * self.spacing()
     }
 
-    /// Work since the start of friction, contact and mass damping, where account is kept.
+    /// Work since the start of friction, contact and damping, where account is kept.
     pub fn work(&self) -> [f64; 3] {
         let sum = |ledger: &[f64]| ledger.iter().sum::<f64>() * self.spacing();
         [
@@ -383,32 +433,32 @@ impl Ring {
         ]
     }
 
-    /// Shear that keeps V̈ = 0 at V̇ = 1: Q = α − a∂²V + D∂U + hV.
+    /// Shear that keeps V̈ = 0 at V̇ = 1: Q = α − a∂²V̂ + D∂U + hV̂.
     pub fn holding_shear(&self, point: usize) -> f64 {
-        let nodes = &self.nodes;
+        let (nodes, effective) = (&self.nodes, self.effective());
         let count = nodes.len();
         let c = &self.constants;
-        let mut shear = self.parameters.mass_damping + (c.h - c.a[0]) * nodes.tangential[point];
+        let mut shear = self.parameters.mass_damping + (c.h - c.a[0]) * effective[point];
         for k in 1..=self.setup.order.reach() {
             let (left, right) = ((point + count - k) % count, (point + k) % count);
             shear += c.coupling[k - 1] * (nodes.radial[right] - nodes.radial[left])
-                - c.a[k] * (nodes.tangential[left] + nodes.tangential[right]);
+                - c.a[k] * (effective[left] + effective[right]);
         }
         shear
     }
 
-    /// Contact pressure P = gδ − D∂V of a point; zero in the air.
+    /// Contact pressure P = gδ − D∂V̂ of a point; zero in the air.
     pub fn pressure(&self, point: usize) -> f64 {
-        let nodes = &self.nodes;
-        if nodes.share[point] == 0.0 {
+        if self.nodes.share[point] == 0.0 {
             return 0.0;
         }
-        let count = nodes.len();
+        let effective = self.effective();
+        let count = effective.len();
         let c = &self.constants;
         let slope: f64 = (1..=self.setup.order.reach())
             .map(|k| {
                 let (left, right) = ((point + count - k) % count, (point + k) % count);
-                c.coupling[k - 1] * (nodes.tangential[right] - nodes.tangential[left])
+                c.coupling[k - 1] * (effective[right] - effective[left])
             })
             .sum();
         // what would be tension ends the contact with the next step
@@ -436,6 +486,9 @@ impl Stretch {
         copy(&mut self.nodes.radial_rate, &ring.radial_rate);
         copy(&mut self.nodes.tangential_rate, &ring.tangential_rate);
         copy(&mut self.nodes.share, &ring.share);
+        if !ring.effective.is_empty() {
+            copy(&mut self.nodes.effective, &ring.effective);
+        }
         // account is kept of the core alone
         let ledgers = [
             (&mut self.nodes.friction_work, &ring.friction_work),
@@ -460,15 +513,15 @@ impl Stretch {
         let size = self.to - self.from + 2 * R * steps;
         for done in 1..=steps {
             let next = (&mut self.next.0[..], &mut self.next.1[..]);
-            step::<R, WATCHED, F>(
-                constants,
-                law,
-                &mut self.nodes,
-                next,
-                R * done,
-                size - R * done,
-            );
-            std::mem::swap(&mut self.nodes.radial, &mut self.next.0);
+            let nodes = &mut self.nodes;
+            let (from, to) = (R * done, size - R * done);
+            if nodes.effective.is_empty() {
+                step::<R, WATCHED, F>(constants, law, nodes, next, from, to);
+                std::mem::swap(&mut self.nodes.radial, &mut self.next.0);
+            } else {
+                material::step::<R, WATCHED, F>(constants, law, nodes, next, from, to);
+                std::mem::swap(&mut self.nodes.effective, &mut self.next.0);
+            }
             std::mem::swap(&mut self.nodes.tangential, &mut self.next.1);
         }
     }
@@ -483,6 +536,7 @@ impl Stretch {
             (&mut ring.radial_rate, &self.nodes.radial_rate),
             (&mut ring.tangential_rate, &self.nodes.tangential_rate),
             (&mut ring.share, &self.nodes.share),
+            (&mut ring.effective, &self.nodes.effective),
             (&mut ring.friction_work, &self.nodes.friction_work),
             (&mut ring.contact_work, &self.nodes.contact_work),
             (&mut ring.damping_work, &self.nodes.damping_work),
