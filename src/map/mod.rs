@@ -13,7 +13,7 @@
 
 mod cell;
 mod plane;
-mod row;
+pub mod row;
 
 pub use cell::{Cell, CellPoint};
 pub use plane::Plane;
