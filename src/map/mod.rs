@@ -13,7 +13,7 @@
 
 mod cell;
 mod plane;
-pub mod row;
+mod row;
 
 pub use cell::{Cell, CellPoint};
 pub use plane::Plane;

@@ -150,8 +150,7 @@ impl Value {
         let trace = inverse * (self.trace.exponent - top).exp();
         let determinant = inverse * inverse * (self.determinant.exponent - top).exp();
         (
-            self.unit.value * one - self.trace.value * trace
-                + self.determinant.value * determinant,
+            self.unit.value * one - self.trace.value * trace + self.determinant.value * determinant,
             self.unit.derivative * one - self.trace.derivative * trace
                 + self.determinant.derivative * determinant,
         )
@@ -166,15 +165,20 @@ impl Value {
     /// |t| + |d| in units of what stands for 1: below 1 there is no zero in any sector.
     pub fn size(&self) -> f64 {
         let unit = self.unit;
-        let part = |scaled: &Scaled| modulus(scaled.value) * (scaled.exponent - unit.exponent).exp();
+        let part =
+            |scaled: &Scaled| modulus(scaled.value) * (scaled.exponent - unit.exponent).exp();
         (part(&self.trace) + part(&self.determinant)) / modulus(unit.value)
     }
 
-    /// |t| + |d|, divided by what [`Value::sector`] divides by.
-    pub(super) fn scaled_size(&self) -> f64 {
+    /// |t| + |d|, or (|t′| + |d′|)/τ if that is more, divided by what [`Value::sector`] divides by.
+    pub(super) fn scaled_size(&self, delay: f64) -> f64 {
         let top = self.top();
-        let part = |scaled: &Scaled| modulus(scaled.value) * (scaled.exponent - top).exp();
-        part(&self.trace) + part(&self.determinant)
+        let (trace, determinant) = (&self.trace, &self.determinant);
+        let scales = [trace, determinant].map(|scaled| (scaled.exponent - top).exp());
+        let size = modulus(trace.value) * scales[0] + modulus(determinant.value) * scales[1];
+        let slope =
+            modulus(trace.derivative) * scales[0] + modulus(determinant.derivative) * scales[1];
+        size.max(slope / delay)
     }
 
     /// |t′| + |d′|.
@@ -295,9 +299,9 @@ impl Characteristic {
             let (y, w, radial) = (end.y.value, end.w.value, end.radial_rate.value);
             let sliding = |regime: Regime| flows.contact(regime).outer_acceleration([y, w]);
             let jump = match next.entry {
-                Entry::Release if law.jumps_at_release() => {
-                    Jump::StaticRelease(flows.contact(Regime::Slip).outer_acceleration([y, 1.0]) / at.h)
-                }
+                Entry::Release if law.jumps_at_release() => Jump::StaticRelease(
+                    flows.contact(Regime::Slip).outer_acceleration([y, 1.0]) / at.h,
+                ),
                 Entry::Release | Entry::Section => Jump::None,
                 Entry::Arrest => Jump::Arrest,
                 Entry::TakeOff => Jump::TakeOff,
