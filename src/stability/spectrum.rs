@@ -661,9 +661,9 @@ impl Search<'_> {
                 return (best, true);
             }
             // of what is complete nothing more is looked for
-            for half in 0..self.halves.len() {
+            for (half, wanted) in wanted.iter_mut().enumerate() {
                 let conjugate = self.index(self.conjugate(self.halves[half]));
-                wanted[half] = halves.iter().enumerate().any(|(index, of)| {
+                *wanted = halves.iter().enumerate().any(|(index, of)| {
                     (*of == half || *of == conjugate) && !whole(&best[index], counts[index])
                 });
             }
