@@ -170,6 +170,16 @@ impl HighFrequency {
             .sum()
     }
 
+    /// Σ |a_p| τ_p e^{−ρτ_p}, which bounds |t′| + |d′| in the limit; 0 with material damping.
+    pub(super) fn slope(&self, rho: f64) -> f64 {
+        if self.damped.is_some() {
+            return 0.0;
+        }
+        self.terms()
+            .map(|(factor, delay)| factor.abs() * delay * (-rho * delay).exp())
+            .sum()
+    }
+
     /// The longest delay: zeros follow one another in Im λ at 2π over it, or farther apart.
     pub fn longest_delay(&self) -> f64 {
         self.terms().map(|(_, delay)| delay).fold(0.0, f64::max)

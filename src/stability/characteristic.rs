@@ -32,8 +32,9 @@
 //!
 //! with d = 0 where there is stick. F_j tends to 1 as Re λ → ∞.
 
-use nalgebra::{Complex, Matrix4, Vector4};
+use nalgebra::{Complex, Vector4};
 
+use super::separation::Separation;
 use crate::flow::FlowError;
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime};
@@ -44,6 +45,26 @@ pub(super) type C64 = Complex<f64>;
 
 pub(super) const ZERO: C64 = C64::new(0.0, 0.0);
 pub(super) const ONE: C64 = C64::new(1.0, 0.0);
+
+/// |z|, for numbers far from the limits of double precision: a library's modulus takes a multiple of
+/// the time to serve those.
+pub(super) fn modulus(z: C64) -> f64 {
+    z.norm_sqr().sqrt()
+}
+
+/// √z with Re √z ≥ 0, likewise, without going through the argument.
+pub(super) fn square_root(z: C64) -> C64 {
+    let large = (0.5 * (modulus(z) + z.re.abs())).sqrt();
+    if large == 0.0 {
+        return ZERO;
+    }
+    let small = 0.5 * z.im / large;
+    if z.re >= 0.0 {
+        C64::new(large, small)
+    } else {
+        C64::new(small.abs(), large.copysign(z.im))
+    }
+}
 
 /// Why a wave has no characteristic function here.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -151,8 +172,26 @@ impl Value {
     /// |t| + |d| in units of what stands for 1: below 1 there is no zero in any sector.
     pub fn size(&self) -> f64 {
         let unit = self.unit;
-        let part = |scaled: &Scaled| scaled.value.norm() * (scaled.exponent - unit.exponent).exp();
-        (part(&self.trace) + part(&self.determinant)) / unit.value.norm()
+        let part =
+            |scaled: &Scaled| modulus(scaled.value) * (scaled.exponent - unit.exponent).exp();
+        (part(&self.trace) + part(&self.determinant)) / modulus(unit.value)
+    }
+
+    /// |t| + |d|, or (|t′| + |d′|)/τ if that is more, divided by what [`Value::sector`] divides by.
+    pub(super) fn scaled_size(&self, delay: f64) -> f64 {
+        let top = self.top();
+        let (trace, determinant) = (&self.trace, &self.determinant);
+        let scales = [trace, determinant].map(|scaled| (scaled.exponent - top).exp());
+        let size = modulus(trace.value) * scales[0] + modulus(determinant.value) * scales[1];
+        let slope =
+            modulus(trace.derivative) * scales[0] + modulus(determinant.derivative) * scales[1];
+        size.max(slope / delay)
+    }
+
+    /// |t′| + |d′|.
+    pub(super) fn slope(&self) -> f64 {
+        let part = |scaled: &Scaled| modulus(scaled.derivative) * scaled.exponent.exp();
+        part(&self.trace) + part(&self.determinant)
     }
 }
 
@@ -223,12 +262,23 @@ pub(super) struct State {
     pub(super) exponent: f64,
 }
 
-/// A matrix that depends on λ, times e^{exponent}.
-#[derive(Clone, Copy)]
-struct Transfer {
-    at: Matrix4<C64>,
-    by: Matrix4<C64>,
-    exponent: f64,
+impl State {
+    /// Keeps the mantissas near one.
+    fn normalise(&mut self, count: usize) {
+        let size = self.columns[..count]
+            .iter()
+            .flat_map(|column| column.iter())
+            .fold(0.0_f64, |size, x| size.max(x.norm_sqr()));
+        if size > 1e100 || size < 1e-100 && size > 0.0 {
+            let shift = 0.5 * size.ln();
+            let factor = (-shift).exp();
+            for column in 0..count {
+                self.columns[column] *= C64::from(factor);
+                self.by[column] *= C64::from(factor);
+            }
+            self.exponent += shift;
+        }
+    }
 }
 
 /// Up to this |√Δ s| the power series of C, S and ∂S/∂Δ are used.
@@ -378,7 +428,8 @@ impl Characteristic {
                 offset: 0.0,
             };
         }
-        // the determinant factor by factor: as a difference of products it would cancel
+        // from contact to contact, a chain of separation zones being one factor; the determinant
+        // factor by factor: as a difference of products it would cancel
         let mut determinant = one;
         let mut index = 0;
         while index < self.zones.len() {
@@ -387,11 +438,8 @@ impl Characteristic {
                 by: [Vector4::repeat(ZERO); 2],
                 exponent: 0.0,
             };
-            // from contact to contact: a chain of separation zones is one factor
             loop {
-                let zone = &self.zones[index];
-                self.cross(zone, lambda, &mut state, 2);
-                self.cross(zone, lambda, &mut part, 2);
+                self.cross(&self.zones[index], lambda, &mut part, 2);
                 index += 1;
                 let separated = self
                     .zones
@@ -410,6 +458,16 @@ impl Characteristic {
                     - one[3] * other_by[2],
                 exponent: 2.0 * part.exponent,
             });
+            for (column, by) in state.columns.iter_mut().zip(&mut state.by) {
+                let (y, w, y_by, w_by) = (column[2], column[3], by[2], by[3]);
+                for row in 2..4 {
+                    column[row] = one[row] * y + other[row] * w;
+                    by[row] =
+                        one_by[row] * y + one[row] * y_by + other_by[row] * w + other[row] * w_by;
+                }
+            }
+            state.exponent += part.exponent;
+            state.normalise(2);
         }
         let trace = Scaled {
             value: state.columns[0][2] + state.columns[1][3],
@@ -466,29 +524,10 @@ impl Characteristic {
                 state.exponent += exponent;
             }
             Regime::Separation => {
-                let transfer = self.separation(lambda, duration);
-                for column in 0..count {
-                    state.by[column] =
-                        transfer.at * state.by[column] + transfer.by * state.columns[column];
-                    state.columns[column] = transfer.at * state.columns[column];
-                }
-                state.exponent += transfer.exponent;
+                self.separation().flow(lambda, duration, state, count);
             }
         }
-        // keep the mantissas near one
-        let size = state.columns[..count]
-            .iter()
-            .flat_map(|column| column.iter())
-            .fold(0.0_f64, |size, x| size.max(x.norm_sqr()));
-        if size > 1e100 || size < 1e-100 && size > 0.0 {
-            let shift = 0.5 * size.ln();
-            let factor = (-shift).exp();
-            for column in 0..count {
-                state.columns[column] *= C64::from(factor);
-                state.by[column] *= C64::from(factor);
-            }
-            state.exponent += shift;
-        }
+        state.normalise(count);
     }
 
     fn jump(&self, jump: Jump, lambda: C64, state: &mut State, count: usize) {
@@ -547,54 +586,16 @@ impl Characteristic {
         oscillator([p, q, delta], [C64::from(p_by), q_by, delta_by], s)
     }
 
-    /// exp(As) of a separation zone on (u, u′, η, η′).
-    fn separation(&self, lambda: C64, s: f64) -> Transfer {
-        let square = lambda * lambda;
-        let (mb, ma) = (1.0 / self.mb, 1.0 / self.ma);
-        let (ub, ua) = (
-            -(lambda * (2.0 * self.b) + self.damping) * mb,
-            -(lambda * (2.0 * self.a) + self.damping) * ma,
-        );
-        let kb = self.kappa * mb;
-        let ka = self.kappa * ma;
-        // half of the trace of each oscillator, averaged: what is left has small real parts
-        let shift = (ub + ua) * 0.25;
-        // scales that make the matrix nearly skew, at the frequency |λ|
-        let size = lambda.norm_sqr();
-        let scale = [
-            (self.g + self.b * size).sqrt(),
-            self.mb.sqrt(),
-            (self.h + self.a * size).sqrt(),
-            self.ma.sqrt(),
-        ];
-        let real = |x: f64| C64::new(x, 0.0);
-        #[rustfmt::skip]
-        let at = Matrix4::new(
-            -shift, ONE, ZERO, ZERO,
-            (square * self.b - self.g) * mb, ub - shift, lambda * kb, real(-kb),
-            ZERO, ZERO, -shift, ONE,
-            -lambda * ka, real(ka), (square * self.a - self.h) * ma, ua - shift,
-        );
-        let shift_by = real(-0.5 * (self.b * mb + self.a * ma));
-        #[rustfmt::skip]
-        let by = Matrix4::new(
-            -shift_by, ZERO, ZERO, ZERO,
-            lambda * (2.0 * self.b * mb), real(-2.0 * self.b * mb) - shift_by, real(kb), ZERO,
-            ZERO, ZERO, -shift_by, ZERO,
-            real(-ka), ZERO, lambda * (2.0 * self.a * ma), real(-2.0 * self.a * ma) - shift_by,
-        );
-        let weigh = |matrix: Matrix4<C64>, power: f64| {
-            Matrix4::from_fn(|i, j| matrix[(i, j)] * (scale[i] / scale[j]).powf(power))
-        };
-        let (at, by) = (weigh(at, 1.0), weigh(by, 1.0));
-        let mut transfer = exponential(&at, &by, s);
-        let turn = C64::from_polar(1.0, shift.im * s);
-        transfer.exponent += shift.re * s;
-        let matrix = weigh(transfer.at, -1.0) * turn;
-        Transfer {
-            at: matrix,
-            by: weigh(transfer.by, -1.0) * turn + matrix * (shift_by * s),
-            exponent: transfer.exponent,
+    pub(super) fn separation(&self) -> Separation {
+        Separation {
+            ma: self.ma,
+            mb: self.mb,
+            a: self.a,
+            b: self.b,
+            kappa: self.kappa,
+            g: self.g,
+            h: self.h,
+            damping: self.damping,
         }
     }
 }
@@ -607,9 +608,9 @@ pub(super) fn oscillator(
     [p_by, q_by, delta_by]: [C64; 3],
     s: f64,
 ) -> ([[C64; 2]; 2], [[C64; 2]; 2], f64) {
-    let root = delta.sqrt();
+    let root = square_root(delta);
     let (matrix, sh, slope, exponent);
-    if root.norm() * s.abs() <= SERIES_LIMIT {
+    if modulus(root) * s.abs() <= SERIES_LIMIT {
         let x = delta * (s * s);
         let (mut even, mut odd, mut third) = (ZERO, ZERO, ZERO);
         for j in (0..SERIES_TERMS).rev() {
@@ -652,95 +653,4 @@ pub(super) fn oscillator(
         ],
     ];
     (matrix, by, exponent)
-}
-
-/// A product of 4 × 4 matrices, unrolled: the general one of the library takes twice as long.
-fn times(x: &Matrix4<C64>, y: &Matrix4<C64>) -> Matrix4<C64> {
-    let mut out = Matrix4::repeat(ZERO);
-    for j in 0..4 {
-        let mut re = [0.0_f64; 4];
-        let mut im = [0.0_f64; 4];
-        for k in 0..4 {
-            let f = y[(k, j)];
-            for i in 0..4 {
-                let e = x[(i, k)];
-                re[i] += e.re * f.re - e.im * f.im;
-                im[i] += e.re * f.im + e.im * f.re;
-            }
-        }
-        for i in 0..4 {
-            out[(i, j)] = C64::new(re[i], im[i]);
-        }
-    }
-    out
-}
-
-/// exp(As) and its derivative along `by`, by scaling and squaring; after every squaring the scale
-/// is taken out, so that nothing overflows.
-fn exponential(at: &Matrix4<C64>, by: &Matrix4<C64>, s: f64) -> Transfer {
-    /// ‖B‖ ≤ 1: the remainder of degree 18 is 1/19! ≈ 8e-18.
-    const DEGREE: u32 = 18;
-    let norm = (0..4)
-        .map(|j| at.column(j).iter().map(|x| x.norm()).sum::<f64>())
-        .fold(0.0, f64::max)
-        * s.abs();
-    let halvings = if norm > 1.0 { norm.log2().ceil() } else { 0.0 };
-    let scale = C64::from(s * (-halvings).exp2());
-    let (b, d) = (at * scale, by * scale);
-    let product = |(x, dx): (&Matrix4<C64>, &Matrix4<C64>),
-                   (y, dy): (&Matrix4<C64>, &Matrix4<C64>)| {
-        (times(x, y), times(dx, y) + times(x, dy))
-    };
-    let inverse_factorial = |j: u32| C64::from(1.0 / (1..=j).map(f64::from).product::<f64>());
-    let (b2, d2) = product((&b, &d), (&b, &d));
-    let (b3, d3) = product((&b2, &d2), (&b, &d));
-    let (b4, d4) = product((&b2, &d2), (&b2, &d2));
-    let (b5, d5) = product((&b4, &d4), (&b, &d));
-    let mut result = (Matrix4::repeat(ZERO), Matrix4::repeat(ZERO));
-    for block in (0..=DEGREE / 5).rev() {
-        let first = 5 * block;
-        let mut sum = (
-            Matrix4::from_diagonal_element(inverse_factorial(first)),
-            Matrix4::repeat(ZERO),
-        );
-        for (offset, (power, slope)) in [
-            (1, (&b, &d)),
-            (2, (&b2, &d2)),
-            (3, (&b3, &d3)),
-            (4, (&b4, &d4)),
-        ] {
-            if first + offset <= DEGREE {
-                let factor = inverse_factorial(first + offset);
-                sum.0 += power * factor;
-                sum.1 += slope * factor;
-            }
-        }
-        if block < DEGREE / 5 {
-            let (x, dx) = product((&b5, &d5), (&result.0, &result.1));
-            sum.0 += x;
-            sum.1 += dx;
-        }
-        result = sum;
-    }
-    let mut exponent = 0.0;
-    for _ in 0..halvings as u32 {
-        result = product((&result.0, &result.1), (&result.0, &result.1));
-        exponent *= 2.0;
-        let size = result
-            .0
-            .iter()
-            .fold(0.0_f64, |size, x| size.max(x.norm_sqr()));
-        if size > 1e60 || size < 1e-60 && size > 0.0 {
-            let shift = 0.5 * size.ln();
-            let factor = C64::from((-shift).exp());
-            result.0 *= factor;
-            result.1 *= factor;
-            exponent += shift;
-        }
-    }
-    Transfer {
-        at: result.0,
-        by: result.1,
-        exponent,
-    }
 }

@@ -10,5 +10,6 @@ pub mod characteristic;
 pub mod discretised;
 pub mod eigenfunction;
 mod material;
+mod separation;
 pub mod spectrum;
 pub mod track;

@@ -2,10 +2,13 @@
 //!
 //! The number of zeros of F_j in a box is the number of turns of F_j along its edge. One walk along
 //! the upper half of the edge serves all sectors, since t and d do not depend on the sector and
-//! F_j(λ̄) is the conjugate of F_{k−j}(λ). The walk is refined until, for every sector, F moves by
-//! less than its own size from sample to sample and as its derivative predicts. Zeros are then
-//! found by Newton's method from a grid or from the zeros of a neighbouring wave, until as many are
-//! found as were counted.
+//! F_j(λ̄) is the conjugate of F_{k−j}(λ). The walk is refined until, for every sector, the cubic
+//! through the values and derivatives of F at two samples keeps away from zero by more than F may
+//! differ from it. t and d are entire functions of exponential type τ, the longest delay, which
+//! bounds their fourth derivative by τ⁴ of their size and the difference by (hτ)⁴/384 (Bernstein).
+//! On the right edge |t| + |d| < 1, and F turns by what its ends say. Zeros are then found by
+//! Newton's method from a grid or from the zeros of a neighbouring wave, until as many are found as
+//! were counted.
 
 use std::f64::consts::TAU;
 
@@ -201,6 +204,8 @@ struct Sample {
 struct Row {
     lambda: C64,
     top: f64,
+    /// |t| + |d|, or (|t′| + |d′|)/τ if that is more, on the scale of the samples.
+    size: f64,
     samples: Vec<Sample>,
 }
 
@@ -214,7 +219,24 @@ struct Search<'a> {
     /// Sectors whose upper halves are needed: those asked for and their conjugates.
     halves: Vec<usize>,
     multipliers: Vec<C64>,
+    /// The line on which |t| + |d| < 1 is known, if any.
+    edge: Option<Edge>,
 }
+
+/// The line Re λ = right, |Im λ| ≤ top.
+#[derive(Clone, Copy)]
+struct Edge {
+    right: f64,
+    top: f64,
+}
+
+/// Between samples F may differ from the cubic by this fraction of what the trapezoidal rule
+/// misses, h³F‴/12: the estimate from F itself, for h⁴F⁗/384 ≤ (hτ/32)·h³F‴/12.
+const MISSED: f64 = 0.25;
+
+/// The a-priori bound (hτ)⁴/384 of the size of t and d is taken with their size at the samples, times
+/// this: paths that interfere there need not do so between.
+const INTERFERENCE: f64 = 2.0;
 
 impl Search<'_> {
     fn row(&self, lambda: C64) -> Row {
@@ -222,6 +244,7 @@ impl Search<'_> {
         Row {
             lambda,
             top: value.top() + value.offset,
+            size: value.scaled_size(self.delay),
             samples: self.samples(&value),
         }
     }
@@ -241,12 +264,31 @@ impl Search<'_> {
         let h = other.lambda - one.lambda;
         // on the scale of `one`
         let factor = (other.top - one.top).exp();
+        if self.characteristic.beta > 0.0 {
+            // not of exponential type: F moves by less than its own size and as predicted
+            return one.samples.iter().zip(&other.samples).all(|(a, b)| {
+                let (fa, fb) = (a.f, b.f * factor);
+                let least = fa.norm().min(fb.norm());
+                let moved = (fb - fa).norm();
+                let predicted = (a.by + b.by * factor) * h * 0.5;
+                moved <= 0.8 * least && (fa + predicted - fb).norm() <= 0.2 * least
+            });
+        }
+        let square = h.norm_sqr() * self.delay * self.delay;
+        let size = one.size.max(other.size * factor);
+        let bound = square * square / 384.0 * INTERFERENCE * size;
         one.samples.iter().zip(&other.samples).all(|(a, b)| {
             let (fa, fb) = (a.f, b.f * factor);
-            let least = fa.norm().min(fb.norm());
-            let moved = (fb - fa).norm();
-            let predicted = (a.by + b.by * factor) * h * 0.5;
-            moved <= 0.8 * least && (fa + predicted - fb).norm() <= 0.2 * least
+            let (da, db) = (a.by * h, b.by * h * factor);
+            let missed = (fa + (da + db) * 0.5 - fb).norm_sqr().sqrt();
+            // control points of the cubic on the bisector of its ends: it lies in their hull
+            let middle = fa * fb.norm_sqr().sqrt() + fb * fa.norm_sqr().sqrt();
+            let along = |x: C64| x.re * middle.re + x.im * middle.im;
+            let least = along(fa)
+                .min(along(fb))
+                .min(along(fa + da / 3.0))
+                .min(along(fb - db / 3.0));
+            least > (MISSED * missed + bound) * middle.norm_sqr().sqrt()
         })
     }
 
@@ -267,7 +309,22 @@ impl Search<'_> {
         let first = self.spacing;
         let mut last = self.row(corners[0]);
         let mut used = 0;
+        if let Some(edge) = self.edge
+            && edge.right == window.right
+            && window.bottom < edge.top
+        {
+            // |F − 1| < 1 so far
+            let next = self.row(C64::new(edge.right, edge.top.min(window.top)));
+            for (turn, (a, b)) in turns.iter_mut().zip(last.samples.iter().zip(&next.samples)) {
+                *turn += (b.f / a.f).arg();
+            }
+            corners[0] = next.lambda;
+            last = next;
+        }
         for pair in corners.windows(2) {
+            if pair[0] == pair[1] {
+                continue;
+            }
             let length = (pair[1] - pair[0]).norm();
             let pieces = (length / first).ceil().max(1.0) as usize;
             let mut waiting: Vec<Row> = Vec::new();
@@ -323,6 +380,7 @@ impl Search<'_> {
         let z = self.multipliers[half];
         let longest = self.spacing;
         let mut lambda = seed;
+        let mut before = f64::INFINITY;
         for _ in 0..20 {
             let (f, by) = self.characteristic.evaluate(lambda).sector(z);
             let mut step = f / by;
@@ -334,28 +392,46 @@ impl Search<'_> {
                 step *= longest / size;
             }
             lambda -= step;
-            if size <= 1e-13 * (1.0 + lambda.norm()) || size < 1e-9 {
-                // quadratic: the next correction is below rounding
-                let (f, by) = self.characteristic.evaluate(lambda).sector(z);
-                let rounding = f64::EPSILON * (4.0 + lambda.norm() * self.delay);
-                let error = (f.norm() + rounding) / by.norm();
-                lambda -= f / by;
-                return Some(Eigenvalue {
-                    re: lambda.re,
-                    im: lambda.im,
-                    error,
-                    multiplicity: 1,
-                });
+            if (lambda - seed).norm_sqr() > (FARTHEST * longest).powi(2) {
+                return None;
             }
+            let quadratic = size < NEARLY * longest && size < CONTRACTION * before;
+            if quadratic || size <= 1e-13 * (1.0 + lambda.norm()) || size < 1e-9 {
+                let (f, by) = self.characteristic.evaluate(lambda).sector(z);
+                let last = f / by;
+                let correction = last.norm();
+                // the correction after the last one: size, correction, correction³/size²
+                let next = correction * (correction / size).powi(2);
+                let rounding = f64::EPSILON * (4.0 + lambda.norm() * self.delay) / by.norm();
+                if !quadratic || size < 1e-9 || correction < CONTRACTION * size {
+                    lambda -= last;
+                    return Some(Eigenvalue {
+                        re: lambda.re,
+                        im: lambda.im,
+                        error: rounding + if quadratic { next } else { correction },
+                        multiplicity: 1,
+                    });
+                }
+            }
+            before = size;
         }
         None
     }
 
-    /// Zeros of every half near the grid with this spacing, or near the seeds.
-    fn find(&self, window: &Window, spacing: f64, seeds: &[Vec<C64>]) -> Vec<Vec<Eigenvalue>> {
+    /// Adds the zeros of the halves wanted that lie near the seeds, or with a spacing > 0 near the
+    /// grid.
+    fn find(
+        &self,
+        window: &Window,
+        spacing: f64,
+        seeds: &[Vec<C64>],
+        wanted: &[bool],
+        found: &mut [Vec<Eigenvalue>],
+    ) {
         let mut starts: Vec<Vec<C64>> = seeds.to_vec();
         starts.resize(self.halves.len(), Vec::new());
         if spacing > 0.0 {
+            let near = SAME_START * spacing.max(0.25 * self.spacing);
             let columns = ((window.right - window.left) / spacing).ceil() as usize;
             let rows = ((window.top - window.bottom) / spacing).ceil() as usize;
             for row in 0..=rows {
@@ -368,12 +444,12 @@ impl Search<'_> {
                     for (half, sample) in at.samples.iter().enumerate() {
                         let step = sample.f / sample.by;
                         let guess = lambda - step;
-                        let near = SAME_START * spacing.max(0.25 * self.spacing);
-                        if starts[half].len() < MOST_STARTS
-                            && step.norm() < 1.6 * spacing
-                            && !starts[half]
-                                .iter()
-                                .any(|known| (known - guess).norm() < near)
+                        let taken = |known: C64| (known - guess).norm_sqr() < near * near;
+                        if wanted[half]
+                            && starts[half].len() < MOST_STARTS
+                            && step.norm_sqr() < (1.6 * spacing).powi(2)
+                            && !starts[half].iter().any(|known| taken(*known))
+                            && !found[half].iter().any(|known| taken(known.value()))
                         {
                             starts[half].push(guess);
                         }
@@ -382,26 +458,23 @@ impl Search<'_> {
             }
         }
         let same = SAME_ZERO * self.spacing;
-        starts
-            .iter()
-            .enumerate()
-            .map(|(half, guesses)| {
-                let mut zeros: Vec<Eigenvalue> = Vec::new();
-                for guess in guesses {
-                    let Some(zero) = self.polish(half, *guess) else {
-                        continue;
-                    };
-                    if window.contains(&zero)
-                        && !zeros
-                            .iter()
-                            .any(|known| (known.value() - zero.value()).norm() < same)
-                    {
-                        zeros.push(zero);
-                    }
+        for (half, guesses) in starts.iter().enumerate() {
+            if !wanted[half] {
+                continue;
+            }
+            for guess in guesses {
+                let Some(zero) = self.polish(half, *guess) else {
+                    continue;
+                };
+                if window.contains(&zero)
+                    && !found[half]
+                        .iter()
+                        .any(|known| (known.value() - zero.value()).norm() < same)
+                {
+                    found[half].push(zero);
                 }
-                zeros
-            })
-            .collect()
+            }
+        }
     }
 
     /// The zeros of F_j in the whole box, from the halves.
@@ -556,15 +629,21 @@ impl Search<'_> {
         set: impl Fn(&[Vec<Eigenvalue>], usize) -> Vec<Eigenvalue>,
     ) -> (Vec<Vec<Eigenvalue>>, bool) {
         let mut spacing = if seeds.is_empty() { self.spacing } else { 0.0 };
-        let mut known: Vec<Vec<C64>> = seeds.to_vec();
-        let mut best = Vec::new();
+        let mut seeds = seeds;
+        let mut found = vec![Vec::new(); self.halves.len()];
+        let mut wanted = vec![true; self.halves.len()];
+        let mut best: Vec<Vec<Eigenvalue>> = Vec::new();
+        let whole = |zeros: &[Eigenvalue], count: usize| {
+            zeros.iter().map(|zero| zero.multiplicity).sum::<usize>() == count
+        };
         for _ in 0..GRIDS {
-            let found = self.find(window, spacing, &known);
+            self.find(window, spacing, seeds, &wanted, &mut found);
+            seeds = &[];
             best = halves.iter().map(|half| set(&found, *half)).collect();
             let missing = |sets: &[Vec<Eigenvalue>]| {
-                sets.iter().zip(counts).any(|(zeros, count)| {
-                    zeros.iter().map(|zero| zero.multiplicity).sum::<usize>() != *count
-                })
+                sets.iter()
+                    .zip(counts)
+                    .any(|(zeros, count)| !whole(zeros, *count))
             };
             if !missing(&best) {
                 return (best, true);
@@ -581,10 +660,13 @@ impl Search<'_> {
             if !missing(&best) {
                 return (best, true);
             }
-            known = found
-                .iter()
-                .map(|zeros| zeros.iter().map(Eigenvalue::value).collect())
-                .collect();
+            // of what is complete nothing more is looked for
+            for (half, wanted) in wanted.iter_mut().enumerate() {
+                let conjugate = self.index(self.conjugate(self.halves[half]));
+                *wanted = halves.iter().enumerate().any(|(index, of)| {
+                    (*of == half || *of == conjugate) && !whole(&best[index], counts[index])
+                });
+            }
             spacing = if spacing == 0.0 {
                 self.spacing
             } else {
@@ -594,6 +676,15 @@ impl Search<'_> {
         (best, false)
     }
 }
+
+/// Newton's method has arrived with a step below this fraction of the grid which is below
+/// `CONTRACTION` of the step before: corrections that fall like squares are then 1e-5, 1e-10, 1e-20.
+const NEARLY: f64 = 1e-5;
+const CONTRACTION: f64 = 1e-2;
+
+/// A start that moves away by more than this many spacings of the grid is not near a zero, or near
+/// one that other starts lead to.
+const FARTHEST: f64 = 2.0;
 
 /// Turns as a number of zeros; `None` if they are not whole.
 fn whole(turn: f64) -> Option<usize> {
@@ -632,7 +723,7 @@ pub fn spectrum(
     // about two grid points from zero to zero, also where c² → a makes one delay long
     let delay = high.longest_delay().max(characteristic.period);
     let spacing = (0.6 / characteristic.period).min(3.0 / delay);
-    let search = Search {
+    let mut search = Search {
         characteristic,
         delay,
         spacing,
@@ -641,12 +732,19 @@ pub fn spectrum(
             .map(|sector| characteristic.multiplier(*sector))
             .collect(),
         halves,
+        edge: None,
     };
     let limit = high.limit();
     let wanted = request.max_frequency + MARGIN;
     let expected = wanted * delay / std::f64::consts::PI * request.sectors.len() as f64;
     let cut = (MOST_ZEROS / expected).min(1.0);
-    let right = right_edge(&search, &high, cut * wanted);
+    let (right, clear) = right_edge(&search, &high, cut * wanted);
+    if clear && characteristic.beta == 0.0 {
+        search.edge = Some(Edge {
+            right,
+            top: cut * wanted,
+        });
+    }
     let mut window = Window::symmetric(
         seeds.map_or(-search.spacing, |seeds| seeds.left),
         right,
@@ -800,27 +898,70 @@ fn remove_translation(
     Some(defect)
 }
 
-/// A right edge beyond which |t| + |d| < 1: no zero lies there.
-fn right_edge(search: &Search, high: &HighFrequency, top: f64) -> f64 {
+/// A right edge beyond which |t| + |d| < 1: no zero lies there. False if it was not found.
+fn right_edge(search: &Search, high: &HighFrequency, top: f64) -> (f64, bool) {
     let characteristic = search.characteristic;
-    // six samples for a turn of the longest delay
-    let samples = (top * search.delay).ceil().max(8.0) as usize;
+    // in the limit, room for samples at about twice 1/τ
+    let room = 1.5 / search.delay;
+    let beyond = |rho: f64| high.size(rho) + room * high.slope(rho) < EDGE;
     let mut right = 0.4 / characteristic.period;
-    while right > 0.5 * search.spacing && high.size(right / 1.5) < EDGE {
+    while right > 0.5 * search.spacing && beyond(right / 1.5) {
         right /= 1.5;
     }
     for _ in 0..60 {
-        let clear = high.size(right) < EDGE
-            && (0..=samples).all(|index| {
-                let im = top * index as f64 / samples as f64;
-                characteristic.evaluate(C64::new(right, im)).size() < EDGE
-            });
+        let clear = beyond(right)
+            && if characteristic.beta > 0.0 {
+                // six samples for a turn of the longest delay
+                let samples = (top * search.delay).ceil().max(8.0) as usize;
+                (0..=samples).all(|index| {
+                    let im = top * index as f64 / samples as f64;
+                    characteristic.evaluate(C64::new(right, im)).size() < EDGE
+                })
+            } else {
+                clear_line(search, right, top)
+            };
         if clear {
-            break;
+            return (right, true);
         }
         right *= 1.5;
     }
-    right
+    (right, false)
+}
+
+/// Whether |t| + |d| stays below 1 on the line Re λ = right up to a height: every sample says so for
+/// as far as |t′| + |d′| and the second derivatives cannot bring it to `EDGE`, and these reaches cover
+/// the line. Of functions of exponential type τ that stay below 1, the latter are below τ²
+/// (Bernstein).
+fn clear_line(search: &Search, right: f64, top: f64) -> bool {
+    /// A line whose samples reach less far than this fraction of 1/τ is given up.
+    const LEAST: f64 = 0.02;
+    let delay = search.delay;
+    let reach = |im: f64| {
+        let value = search.characteristic.evaluate(C64::new(right, im));
+        // of |t| + |d| + (|t′| + |d′|)r + (τr)²/2 = EDGE
+        let slope = value.slope() / delay;
+        ((slope * slope + 2.0 * (EDGE - value.size())).sqrt() - slope) / delay
+    };
+    let enough = |reach: f64| reach > LEAST / delay;
+    let mut covered = reach(0.0);
+    if !enough(covered) {
+        return false;
+    }
+    let mut step = covered;
+    while covered < top {
+        let at = (covered + step).min(top);
+        let here = reach(at);
+        if !enough(here) {
+            return false;
+        }
+        if at - here <= covered {
+            covered = at + here;
+            step = here.min(2.0 / delay);
+        } else {
+            step *= 0.5;
+        }
+    }
+    true
 }
 
 /// |t| + |d| stays below this on the right edge.
