@@ -317,7 +317,7 @@ pub enum SlidingFlow {
     /// In closed form, with material damping.
     Material(Box<MaterialFlow>),
     /// By integration.
-    Numerical(NumericalContact),
+    Numerical(Box<NumericalContact>),
 }
 
 impl SlidingFlow {

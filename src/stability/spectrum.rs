@@ -755,12 +755,22 @@ pub fn spectrum(
     let mut lefts = 0;
     for attempt in 0..24 {
         let guesses: &[Vec<C64>] = if attempt == 0 { &guesses } else { &[] };
-        let Some((found, complete)) = search.zeros(&window, &request.sectors, guesses) else {
+        let Some((mut found, complete)) = search.zeros(&window, &request.sectors, guesses) else {
             // a zero sits on the edge
             window.left *= 1.037;
             window.top *= 1.0 + 1.3e-4;
             continue;
         };
+        // in a sector that is its own conjugate a zero that is one with its mirror image is real
+        let axis = SAME_ZERO * search.spacing;
+        for (zeros, sector) in found.iter_mut().zip(&request.sectors) {
+            let symmetric = *sector == 0 || 2 * sector == mode;
+            for zero in zeros.iter_mut().filter(|_| symmetric) {
+                if zero.im.abs() < axis {
+                    zero.im = 0.0;
+                }
+            }
+        }
         let few = found.iter().zip(&request.sectors).any(|(zeros, sector)| {
             let symmetric = *sector == 0 || 2 * sector == mode;
             let listed = zeros

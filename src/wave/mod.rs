@@ -136,12 +136,12 @@ impl Flows {
                 SlidingFlow::Material(Box::new(MaterialFlow::new(&self.frame, sigma)))
             }
             None => SlidingFlow::Exact(ContactFlow::new(&self.frame, sigma)),
-            Some(integrator) => SlidingFlow::Numerical(NumericalContact::new(
+            Some(integrator) => SlidingFlow::Numerical(Box::new(NumericalContact::new(
                 &self.frame,
                 self.law,
                 sigma,
                 integrator,
-            )),
+            ))),
         }
     }
 

@@ -251,3 +251,25 @@ fn a_wave_is_stable_on_the_full_circle() {
     let unstable = at(0.26);
     assert_eq!((unstable.stable, unstable.unstable()), (Stability::No, 2));
 }
+
+/// Real eigenvalues of a sector that is its own conjugate are listed, on whichever side of the axis
+/// rounding puts them: here λ = −2.957945006031965 of sector 1, known from 60 digits.
+#[test]
+fn real_eigenvalues_are_listed() {
+    let model = Model {
+        stiffness_damping: 0.045,
+        ..tube(0.45, 1.25, 0.5, 0.4)
+    };
+    let (wave, point) = wave(&model, 2, Which::Fast);
+    let spectrum = window(&Characteristic::new(&wave, &point).expect("Coulomb's law"));
+    assert_eq!(spectrum.stable, Stability::Yes);
+    let sector = &spectrum.sectors[1];
+    let real = spectrum.listed(sector).find(|value| value.im == 0.0);
+    let error = real.expect("a real eigenvalue").re + 2.957_945_006_031_965;
+    assert!(error.abs() < 1e-12, "{error:e}");
+    // every other zero of the sector has its conjugate
+    let listed = spectrum.listed(sector);
+    let all: usize = listed.map(|value| 1 + usize::from(value.im > 0.0)).sum();
+    let inside = sector.eigenvalues.iter();
+    assert_eq!(all, inside.filter(|value| value.im.abs() <= 12.0).count());
+}
