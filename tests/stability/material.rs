@@ -146,7 +146,7 @@ fn differentiation(n: usize, duration: f64) -> DMatrix<C64> {
         .collect();
     let weight = |j: usize| {
         let end = if j == 0 || j == n { 2.0 } else { 1.0 };
-        if j % 2 == 0 { end } else { -end }
+        if j.is_multiple_of(2) { end } else { -end }
     };
     let mut matrix = DMatrix::<f64>::zeros(n + 1, n + 1);
     for i in 0..=n {
