@@ -1,5 +1,6 @@
 //! The first wave of a branch.
 
+use crate::branch::EventType;
 use crate::events;
 use crate::flow::FlowError;
 use crate::flow::sign::Verdict;
@@ -53,12 +54,17 @@ pub enum NoStart {
 /// The units of a branch that begins with a wave of this excess speed and this largest |V̇|.
 pub fn scales(model: &Model, mode: u32, excess: f64, largest_rate: f64, width: f64) -> Scales {
     let speed = model.speed(excess);
+    let coefficients = model.parameters().coefficients;
+    let rate = RATE_UNITS * largest_rate.abs().max(1.0);
+    // m_a = e(2 + e)/(1 + e)²
+    let mass = excess * (2.0 + excess) / (1.0 + excess).powi(2);
     Scales {
-        rate: RATE_UNITS * largest_rate.abs().max(1.0),
+        rate,
+        layer: rate * (coefficients.h / mass).sqrt(),
         time: std::f64::consts::TAU / (f64::from(mode) * speed.abs()),
         excess,
         parameter: width,
-        pressure: (model.parameters().coefficients.coupling / speed).abs(),
+        pressure: (coefficients.coupling / speed).abs(),
     }
 }
 
@@ -132,7 +138,7 @@ fn lowered(
 ) -> Result<(Wave, Vector), NoStart> {
     let range = (model.mismatch, above * (1.0 + 1e-9));
     let (wave, point) =
-        followed(wave, &point, range, model.mismatch, continuation).map_err(|reason| {
+        followed(wave, &point, range, model.mismatch, true, continuation).map_err(|reason| {
             NoStart::Unreached {
                 mismatch: model.mismatch,
                 least,
@@ -158,12 +164,14 @@ fn posed(
     Ok((moved, point))
 }
 
-/// Follows a branch from one edge of a range of its parameter to the other, `target`.
+/// Follows a branch from one edge of a range of its parameter to the other, `target`, round folds or
+/// not.
 fn followed(
     wave: Wave,
     point: &Vector,
     range: (f64, f64),
     target: f64,
+    round_folds: bool,
     continuation: crate::continuation::Settings,
 ) -> Result<(Wave, Vector), String> {
     let settings = Settings {
@@ -173,8 +181,16 @@ fn followed(
     };
     let upward = target == range.1;
     let mut follower = Follower::new(wave, point, upward, settings)?;
-    loop {
+    for _ in 0..MOST_STEPS {
         let (found, status) = follower.step();
+        let fold = found.iter().find(|found| found.kind == Some(EventType::LP));
+        if let (Some(fold), false) = (fold, round_folds) {
+            let column = fold.wave.parameter.column();
+            return Err(format!(
+                "the branch folds at {column} = {:e}",
+                fold.parameter
+            ));
+        }
         match status {
             Status::Going => {}
             Status::Failed(reason) => return Err(reason),
@@ -189,7 +205,11 @@ fn followed(
             }
         }
     }
+    Err(format!("it is not reached in {MOST_STEPS} steps"))
 }
+
+/// Most steps of a search for a first wave.
+const MOST_STEPS: usize = 100_000;
 
 /// The wave of a model with material damping. Slip-stick waves are followed from β = 0, where they
 /// are known in closed form, at a mismatch at which they stay in contact; the fast wave, where the
@@ -223,27 +243,37 @@ fn material_wave(
     let largest = (above * wave.model.parameters().coefficients.g - examination.least_pressure)
         / wave.scales.pressure;
     let scales = scales(model, mode, excess, largest, width);
-    let here = model.with(Parameter::Mismatch, above);
-    if above == model.mismatch {
-        return posed(&wave, &point, model, parameter, scales);
-    }
-    let unit = Scales {
-        parameter: above - model.mismatch,
-        ..scales
-    };
-    let start = posed(&wave, &point, &here, Parameter::Mismatch, unit)?;
     // slip-stick waves do not depend on δ: that of the model may be one too
-    let direct = posed(&start.0, &start.1, model, parameter, scales)?;
+    let direct = posed(&wave, &point, model, parameter, scales)?;
     if examine(&direct.0, &direct.1)?.verdict == Verdict::Positive {
         return Ok(direct);
     }
+    // if not, it is followed down from where it is one, within a factor of two
+    let at = |mismatch: f64| {
+        let unit = Scales {
+            parameter: mismatch - model.mismatch,
+            ..scales
+        };
+        let here = model.with(Parameter::Mismatch, mismatch);
+        posed(&wave, &point, &here, Parameter::Mismatch, unit)
+    };
+    let mut from = (above, at(above)?);
+    while from.0 > 2.0 * model.mismatch {
+        let lower = 0.5 * from.0;
+        let (wave, point) = at(lower)?;
+        if examine(&wave, &point)?.verdict != Verdict::Positive {
+            break;
+        }
+        from = (lower, (wave, point));
+    }
+    let (above, start) = from;
     let least = model.mismatch;
     lowered(model, parameter, start, above, least, scales, continuation)
 }
 
 /// Mismatches at which slip-stick waves with material damping are looked for, in units of the least
-/// one of the undamped wave.
-const ABOVE_UNDAMPED: f64 = 8.0;
+/// one of the undamped wave: they stay in contact on any way between.
+const ABOVE_UNDAMPED: f64 = 1e4;
 
 /// The slip-stick wave at β > 0 from that at β = 0, posed in β.
 fn from_undamped(
@@ -260,7 +290,7 @@ fn from_undamped(
     let from = undamped.with(Parameter::Mismatch, above);
     let (wave, point) = slip_stick_wave(&from, Parameter::StiffnessDamping, mode, &closed, beta)
         .map_err(|error| error.to_string())?;
-    followed(wave, &point, (0.0, beta), beta, continuation)
+    followed(wave, &point, (0.0, beta), beta, false, continuation)
 }
 
 /// The slip-stick wave at this friction from the Hopf point of steady sliding, posed in f.
@@ -280,7 +310,7 @@ fn from_hopf(
     let (wave, point) = beyond_hopf(&found, continuation)?;
     let at = wave.parameter_at(&point);
     let range = (at.min(model.friction), at.max(model.friction));
-    followed(wave, &point, range, model.friction, continuation)
+    followed(wave, &point, range, model.friction, true, continuation)
 }
 
 /// Arclength of the first step from a Hopf point into the slip-stick branch: its stick zone is there

@@ -124,8 +124,8 @@ pub struct Progress {
     pub passed: Vec<bool>,
     /// First wave of the run.
     pub first: (Signature, Vec<f64>),
-    /// Units of the unknowns: [time, rate, excess, parameter, pressure].
-    pub scales: [f64; 5],
+    /// Units of the unknowns: [time, rate, excess, parameter, pressure, layer].
+    pub scales: [f64; 6],
     /// State of the branch; `None` before the first step of a leg.
     pub state: Option<State>,
     /// Spectrum at the point the branch has reached, where stability is asked for.
@@ -248,23 +248,25 @@ fn step_settings(continuation: &Continuation) -> continuation::Settings {
     }
 }
 
-fn pack_scales(scales: &Scales) -> [f64; 5] {
+fn pack_scales(scales: &Scales) -> [f64; 6] {
     [
         scales.time,
         scales.rate,
         scales.excess,
         scales.parameter,
         scales.pressure,
+        scales.layer,
     ]
 }
 
-fn unpack_scales([time, rate, excess, parameter, pressure]: [f64; 5]) -> Scales {
+fn unpack_scales([time, rate, excess, parameter, pressure, layer]: [f64; 6]) -> Scales {
     Scales {
         time,
         rate,
         excess,
         parameter,
         pressure,
+        layer,
     }
 }
 

@@ -293,7 +293,7 @@ fn edge_margin(
         Watch::Release => match flows.contact(zone.regime) {
             // in units of V̈ per unit of time
             SlidingFlow::Material(flow) => flow.entry_rates(&wave.slide_at(point, index))[1]
-                .affine(-scales.time / scales.layer(), 0.0),
+                .affine(-scales.time / scales.layer, 0.0),
             _ => Jet::default(),
         },
         Watch::Pressure | Watch::Rate | Watch::Gap => {

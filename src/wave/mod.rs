@@ -67,13 +67,8 @@ pub struct Scales {
     pub parameter: f64,
     /// κ = D/c of the first wave: unit of pressures.
     pub pressure: f64,
-}
-
-impl Scales {
-    /// Unit of V̈ and of the layer G.
-    pub fn layer(&self) -> f64 {
-        self.rate / self.time
-    }
+    /// Unit of V̈ and of the layer G: that of W times √(h/m_a), the frequency of slip.
+    pub layer: f64,
 }
 
 /// See [`Scales::rate`].
@@ -281,7 +276,7 @@ impl Wave {
     /// material damping.
     pub fn layer_at(&self, point: &Vector, zone: usize) -> f64 {
         if self.material {
-            point[4 * (zone % self.zones()) + 3] * self.scales.layer()
+            point[4 * (zone % self.zones()) + 3] * self.scales.layer
         } else {
             0.0
         }
@@ -314,7 +309,7 @@ impl Wave {
         for [y, w, duration, layer] in zones {
             point.extend([y / time, w / self.scales.rate, duration / time]);
             if self.material {
-                point.push(layer / self.scales.layer());
+                point.push(layer / self.scales.layer);
             }
         }
         point.extend([
@@ -403,10 +398,10 @@ impl Wave {
                 let switching = if self.material {
                     // there is no layer in stick; V̈ = 0 at release is the matching of V̈
                     let mut layer = Jet {
-                        value: self.layer_at(point, index) / self.scales.layer(),
+                        value: self.layer_at(point, index) / self.scales.layer,
                         ..Jet::default()
                     };
-                    layer.by[LAYER] = 1.0 / self.scales.layer();
+                    layer.by[LAYER] = 1.0 / self.scales.layer;
                     layer
                 } else {
                     y.plus(-1.0, flows.frame.release(self.model.law))
@@ -553,7 +548,7 @@ impl System for Wave {
                 let entered = self.entry_acceleration(&flows, point, zone + 1);
                 residual[row + 3] = 0.0;
                 for (at, sign, jet) in [(zone, 1.0, end.acceleration), (zone + 1, -1.0, entered)] {
-                    let jet = jet.affine(sign / self.scales.layer(), 0.0);
+                    let jet = jet.affine(sign / self.scales.layer, 0.0);
                     residual[row + 3] += jet.value;
                     for (index, column) in self.columns(at).enumerate() {
                         jacobian[(row + 3, column)] += jet.by[index] * units[index];
@@ -590,6 +585,6 @@ pub fn jet_units(scales: &Scales) -> [f64; SOURCES] {
     units[DURATION] = scales.time;
     units[EXCESS] = 1.0;
     units[PARAMETER] = scales.parameter;
-    units[LAYER] = scales.layer();
+    units[LAYER] = scales.layer;
     units
 }
