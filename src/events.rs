@@ -2,6 +2,7 @@
 //!
 //! A step goes from u₀ with tangent t₀ to u₁; s = t₀·(u − u₀) orders what lies between them.
 
+use crate::bracket::Bracket;
 use crate::branch::EventType;
 use crate::continuation::{self, Node};
 use crate::flow::FlowError;
@@ -149,34 +150,18 @@ pub fn fold(
     tolerance: f64,
 ) -> Option<Located> {
     let last = wave.unknowns() - 1;
-    let (mut low, mut high) = (beginning.0, ds);
-    let (mut at_low, mut at_high) = (beginning.1, to.tangent[last]);
-    let mut side = 0;
+    let mut bracket = Bracket::new(beginning, (ds, to.tangent[last]));
     let mut node = None;
     for _ in 0..60 {
-        let s = (low * at_high - high * at_low) / (at_high - at_low);
+        let s = bracket.secant();
         let next = node_at(wave, from, s, tolerance)?;
         let slope = next.tangent[last];
         node = Some((s, next));
         // |slope| is the error of s times the curvature: the parameter is then exact to rounding
-        if slope.abs() < FOLD_SLOPE || high - low < 4.0 * f64::EPSILON * ds {
+        if slope.abs() < FOLD_SLOPE || bracket.width() < 4.0 * f64::EPSILON * ds {
             break;
         }
-        if (slope > 0.0) == (at_low > 0.0) {
-            low = s;
-            at_low = slope;
-            if side == -1 {
-                at_high *= 0.5;
-            }
-            side = -1;
-        } else {
-            high = s;
-            at_high = slope;
-            if side == 1 {
-                at_low *= 0.5;
-            }
-            side = 1;
-        }
+        bracket.shrink(s, slope);
     }
     let (s, node) = node?;
     let slope = node.tangent[last].abs();

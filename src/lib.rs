@@ -21,7 +21,7 @@
 //! - [`flow`] is the exact flow of one regime with its derivatives, and proofs of sign;
 //! - [`wave`] poses a wave as a boundary-value problem for one signature, starts it from the
 //!   closed form ([`begin`]), examines it, and finds candidates for its successor;
-//! - [`newton`] and [`continuation`] know nothing of waves; [`linalg`] serves them;
+//! - [`newton`] and [`continuation`] know nothing of waves; [`linalg`] and [`bracket`] serve them;
 //! - [`events`] locates what happens within a step, [`follow`] takes the steps;
 //! - [`conditioning`] says how well a point is known;
 //! - [`run`] turns a problem into labelled points and events, in the vocabulary of [`branch`];
@@ -34,6 +34,7 @@
 
 pub mod accuracy;
 pub mod begin;
+pub mod bracket;
 pub mod branch;
 pub mod cli;
 pub mod conditioning;

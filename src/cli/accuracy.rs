@@ -189,9 +189,16 @@ fn text(rows: &[Row], exact: bool) -> String {
         Some(value) => format!("{value:.1e}"),
         None => "–".into(),
     };
+    let measured = |value: f64, text: String| {
+        if value.is_finite() {
+            text
+        } else {
+            "–".into()
+        }
+    };
     for row in rows {
         text.push_str(&format!(
-            "{:<11} {:<26} {:>6} {:>6} {:>9} {:>9} {:>9} {:>11} {:>10.2e} {:>10.0}",
+            "{:<11} {:<26} {:>6} {:>6} {:>9} {:>9} {:>9} {:>11} {:>10} {:>10}",
             row.rung.method(),
             row.rung.setting(),
             row.points,
@@ -200,8 +207,8 @@ fn text(rows: &[Row], exact: bool) -> String {
             error(row.switch_error),
             error(row.event_error),
             error(row.eigenvalue_error),
-            row.seconds,
-            row.rate(),
+            measured(row.seconds, format!("{:.2e}", row.seconds)),
+            measured(row.rate(), format!("{:.0}", row.rate())),
         ));
         if let Some(failure) = &row.failure {
             text.push_str(&format!("  {failure}"));

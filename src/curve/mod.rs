@@ -25,6 +25,7 @@ pub mod system;
 
 use nalgebra::Complex;
 
+use crate::bracket::Bracket;
 use crate::branch::EventType;
 use crate::continuation::{self, Node};
 use crate::events;
@@ -684,32 +685,19 @@ impl Follower {
         /// Relative width of the bracket, or value, at which the place is known to rounding.
         const EXACT: f64 = 1e-14;
         let lost = || Refusal::Numerical("a point of codimension two was not located".into());
-        let (mut low, mut high) = (low, high);
         let size = low.1.abs().max(high.1.abs());
         let width = high.0;
-        let mut side = 0;
+        let mut bracket = Bracket::new(low, high);
         let mut found = None;
         for _ in 0..80 {
-            let s = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+            let s = bracket.secant();
             let node = self.node_at(s).ok_or_else(lost)?;
             let value = test(self, &node).ok_or_else(lost)?;
             found = Some(Place { s, node });
-            if value.abs() <= EXACT * size || (high.0 - low.0).abs() <= EXACT * width {
+            if value.abs() <= EXACT * size || bracket.width().abs() <= EXACT * width {
                 break;
             }
-            if (value > 0.0) == (low.1 > 0.0) {
-                low = (s, value);
-                if side == -1 {
-                    high.1 *= 0.5;
-                }
-                side = -1;
-            } else {
-                high = (s, value);
-                if side == 1 {
-                    low.1 *= 0.5;
-                }
-                side = 1;
-            }
+            bracket.shrink(s, value);
         }
         found.ok_or_else(lost)
     }

@@ -8,6 +8,8 @@
 //! them aside: p(t) = tᵐ·r(t) and the remaining coefficients are those of r, but for positive
 //! factors.
 
+use crate::bracket::Bracket;
+
 /// Degree of the Taylor polynomials. For pieces of one radian the remainder is 1/17! ≈ 3e-15 of
 /// the amplitude.
 pub const DEGREE: usize = 16;
@@ -221,8 +223,8 @@ impl Bernstein {
 
     /// The one zero of the derivative, by bisection safeguarding the secant (Illinois).
     fn stationary(&self) -> f64 {
-        let (mut low, mut high) = (0.0, 1.0);
-        let (mut at_low, mut at_high) = (self.slope(low), self.slope(high));
+        let (mut low, high) = (0.0, 1.0);
+        let (mut at_low, at_high) = (self.slope(low), self.slope(high));
         if at_low == 0.0 {
             // stationary already at the entry, as U̇ = 0 is at take-off: look beyond
             for exponent in 1..=40 {
@@ -240,30 +242,17 @@ impl Bernstein {
         if at_high <= 0.0 {
             return high;
         }
-        let mut side = 0;
+        let mut bracket = Bracket::new((low, at_low), (high, at_high));
         for _ in 0..60 {
-            let middle = (low * at_high - high * at_low) / (at_high - at_low);
+            let middle = bracket.secant();
             let slope = self.slope(middle);
-            if slope < 0.0 {
-                low = middle;
-                at_low = slope;
-                if side == -1 {
-                    at_high *= 0.5;
-                }
-                side = -1;
-            } else {
-                high = middle;
-                at_high = slope;
-                if side == 1 {
-                    at_low *= 0.5;
-                }
-                side = 1;
-            }
-            if high - low < 4.0 * f64::EPSILON || slope == 0.0 {
+            bracket.shrink(middle, slope);
+            if bracket.width() < 4.0 * f64::EPSILON || slope == 0.0 {
                 break;
             }
         }
-        if at_high < -at_low { high } else { low }
+        let Bracket { low, high, .. } = bracket;
+        if high.1 < -low.1 { high.0 } else { low.0 }
     }
 
     /// Derivative at t, up to the factor 16.

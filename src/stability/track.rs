@@ -10,6 +10,7 @@ use nalgebra::Complex;
 
 use super::characteristic::Characteristic;
 use super::spectrum::{Eigenvalue, MARGIN, Request, Spectrum, UNSTABLE, spectrum};
+use crate::bracket::Bracket;
 use crate::branch::EventType;
 use crate::continuation::Node;
 use crate::events;
@@ -397,19 +398,14 @@ impl Tracker {
         other: &End,
         change: &Change,
     ) -> Option<Crossing> {
-        let (mut low, mut high) = (one.s, other.s);
         let (mut at_low, mut at_high) = (change.from, change.to);
-        let (mut weight_low, mut weight_high) = (at_low.re, at_high.re);
-        let mut side = 0;
+        let mut bracket = Bracket::new((one.s, at_low.re), (other.s, at_high.re));
         let mut best = None;
         // width of the last bracket tells the error
         for _ in 0..60 {
-            let s = (low * weight_high - high * weight_low) / (weight_high - weight_low);
-            let share = if high > low {
-                (s - low) / (high - low)
-            } else {
-                0.0
-            };
+            let s = bracket.secant();
+            let (low, width) = (bracket.low.0, bracket.width());
+            let share = if width > 0.0 { (s - low) / width } else { 0.0 };
             let guess = at_low + (at_high - at_low) * share;
             let node = node_at(wave, from, s)?;
             let characteristic = Characteristic::new(wave, &node.point).ok()?;
@@ -419,29 +415,17 @@ impl Tracker {
             if (value - guess).norm() > 0.5 * (at_high - at_low).norm() + 1e-9 {
                 return None;
             }
-            let rate = (at_high.re - at_low.re) / (high - low);
+            let rate = (at_high.re - at_low.re) / width;
             best = Some((s, node, value, rate));
             if value.re.abs() <= 4.0 * f64::EPSILON * (1.0 + value.norm())
-                || high - low <= 1e-15 * other.s
+                || width <= 1e-15 * other.s
             {
                 break;
             }
-            if (value.re > 0.0) == (at_low.re > 0.0) {
-                low = s;
+            if bracket.shrink(s, value.re) {
                 at_low = value;
-                weight_low = value.re;
-                if side == -1 {
-                    weight_high *= 0.5;
-                }
-                side = -1;
             } else {
-                high = s;
                 at_high = value;
-                weight_high = value.re;
-                if side == 1 {
-                    weight_low *= 0.5;
-                }
-                side = 1;
             }
         }
         let (s, node, value, rate) = best?;
