@@ -81,10 +81,11 @@ fn roots(c: [C64; 4]) -> [C64; 3] {
             let step = newton / (ONE - newton * repulsion);
             if step.is_finite() {
                 z[index] -= step;
-                moved = moved.max(step.norm() / x.norm().max(f64::MIN_POSITIVE));
+                moved = moved.max(step.norm_sqr() / x.norm_sqr().max(f64::MIN_POSITIVE));
             }
         }
-        if moved < 1e-15 {
+        // quadratic or better: the next correction is below rounding
+        if moved < 1e-16 {
             break;
         }
     }
@@ -107,13 +108,13 @@ impl Characteristic {
         // the exponent farthest from the other two leaves a pair that may even coincide
         let apart = |index: usize| {
             let [x, y, z] = [0, 1, 2].map(|shift| found[(index + shift) % 3]);
-            (x - y).norm().min((x - z).norm())
+            (x - y).norm_sqr().min((x - z).norm_sqr())
         };
         let index = (0..3)
             .max_by(|&one, &other| apart(one).total_cmp(&apart(other)))
             .unwrap_or(0);
         let mut r = found[index];
-        let largest = found.iter().all(|other| other.norm() <= r.norm());
+        let largest = found.iter().all(|other| other.norm_sqr() <= r.norm_sqr());
         let slope = |r: C64| (m2 * 2.0 - r * (3.0 * d)) * r + m1;
         let r_by;
         let (a2, a1, a0, a2_by, a1_by, a0_by);

@@ -74,6 +74,10 @@ const BEYOND: f64 = 1e-3;
 /// Most spectra of one step: an interval whose counts do not agree at any depth is given up.
 const MOST_SPECTRA: usize = 120;
 
+/// Real eigenvalues of sector 0 closer to λ = 0 than this, in units of 1/T, may be taken for the
+/// translation mode: at a fold one passes through it.
+const NEXT_TO_TRANSLATION: f64 = 0.1;
+
 /// Eigenvalues with Re λ below minus this over the period are not followed: none crosses the
 /// imaginary axis in a step without coming near first, which the count would show.
 const NEAR: f64 = 0.44;
@@ -332,6 +336,15 @@ impl Tracker {
             let relevant = |eigenvalue: &&Eigenvalue| eigenvalue.re > depth;
             let mut taken = vec![false; after.eigenvalues.len()];
             let mut gone = 0;
+            let mut astray = Vec::new();
+            // next to the translation mode, which is not in the list, Newton's method may find that
+            let near = NEXT_TO_TRANSLATION / characteristic.period;
+            let beside = |eigenvalue: &Eigenvalue| {
+                before.sector == 0
+                    && eigenvalue.im.abs() < REAL
+                    && eigenvalue.re.abs() < near
+                    && eigenvalue.multiplicity == 1
+            };
             for start in before.eigenvalues.iter().filter(relevant) {
                 let reached = follow(&characteristic, z, start.value());
                 let index = reached.and_then(|value| {
@@ -358,8 +371,25 @@ impl Tracker {
                     }
                     // it may have left through the upper edge
                     _ if at_edge => {}
+                    _ if beside(start) => astray.push(start),
                     _ => gone += usize::from(start.re > accounted),
                 }
+            }
+            // one real eigenvalue beside it before and one after are the same
+            let free = |index: &usize| !taken[*index] && beside(&after.eigenvalues[*index]);
+            let waiting: Vec<usize> = (0..taken.len()).filter(free).collect();
+            if let ([start], [index]) = (astray.as_slice(), waiting.as_slice()) {
+                let end = &after.eigenvalues[*index];
+                taken[*index] = true;
+                if (start.re > UNSTABLE) != (end.re > UNSTABLE) {
+                    changes.push(Change {
+                        sector: before.sector,
+                        from: start.value(),
+                        to: end.value(),
+                    });
+                }
+            } else {
+                gone += astray.iter().filter(|start| start.re > accounted).count();
             }
             // unstable eigenvalues that nothing has led to must have come in through the edge
             let strangers = after

@@ -198,3 +198,23 @@ fn in_the_friction() {
     let (_, entries) = check("mode4_friction_stability.ron");
     assert!(entries > 0, "pairs enter through the edge near the fold");
 }
+
+/// At a fold one real eigenvalue of sector 0 passes through zero, next to the translation mode: it is
+/// followed, and nothing is lost.
+#[test]
+fn folds_lose_no_eigenvalue() {
+    for beta in ["0.0", "0.001"] {
+        let text = format!(
+            "(model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 1.1, \
+             mismatch: 5, damping: (mass: 0.05, stiffness: {beta})), \
+             wave: (mode: 4, start: Fast), continuation: (parameter: Friction, \
+             range: (1.1, 1.3), toward: Up, max_points: 150), \
+             stability: (sectors: Only([0]), eigenvalues: 3, max_frequency: 12.0))"
+        );
+        let problem = brakewave::problem::parse(&text, "fold").expect("a problem");
+        let rows = follow(&problem, &text);
+        let mut kinds = rows.items.iter().map(|item| item.point.kind);
+        assert!(kinds.any(|kind| kind == Some(EventType::LP)));
+        assert!(rows.notes.is_empty(), "β = {beta}: {:?}", rows.notes);
+    }
+}
