@@ -223,19 +223,12 @@ fn material_wave(
     continuation: crate::continuation::Settings,
 ) -> Result<(Wave, Vector), NoStart> {
     let beta = model.stiffness_damping;
-    let (wave, point) = match from_undamped(model, mode, which, continuation) {
-        Ok(found) => found,
-        Err(reason) => match (which, from_hopf(model, mode, continuation)) {
-            (Which::Fast, Ok(found)) => found,
-            (Which::Fast, Err(other)) => {
-                return Err(NoStart::Damped {
-                    beta,
-                    reason: format!("{reason}; from the Hopf point of steady sliding: {other}"),
-                });
-            }
-            (Which::Slow, _) => return Err(NoStart::Damped { beta, reason }),
-        },
-    };
+    let found = from_undamped(model, mode, which, continuation).or_else(|reason| match which {
+        Which::Fast => from_hopf(model, mode, continuation)
+            .map_err(|other| format!("{reason}; from the Hopf point of steady sliding: {other}")),
+        Which::Slow => Err(reason),
+    });
+    let (wave, point) = found.map_err(|reason| NoStart::Damped { beta, reason })?;
     let examination = examine(&wave, &point)?;
     // in units that do not depend on where the search came from
     let excess = wave.excess_at(&point);

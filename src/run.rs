@@ -298,7 +298,7 @@ impl Branch {
     ) -> Result<Branch, RunError> {
         let parameter = continuation.parameter;
         let mut model = model(&problem.model);
-        let material = model.stiffness_damping > 0.0 || parameter == Parameter::StiffnessDamping;
+        let material = model.has_material_damping(parameter);
         if material && model.law != FrictionLaw::Coulomb {
             return Err(RunError::Input(
                 "material damping β > 0 is posed for Coulomb's law; leave out `friction_law`, or \
@@ -344,9 +344,9 @@ impl Branch {
             }
             _ => None,
         };
-        let (wave, point) = match (which(&problem.wave.start), restart) {
-            _ if opened.is_some() => opened.unwrap_or_else(|| unreachable!("just seen")),
-            (Some(which), _) => begin::first_wave(
+        let (wave, point) = match (opened, which(&problem.wave.start), restart) {
+            (Some(found), ..) => found,
+            (None, Some(which), _) => begin::first_wave(
                 &model,
                 parameter,
                 mode,
@@ -354,7 +354,7 @@ impl Branch {
                 width,
                 step_settings(continuation),
             )?,
-            (None, Some(saved)) => {
+            (None, None, Some(saved)) => {
                 let impact = model.impact;
                 model = saved.model;
                 model.impact = impact;
@@ -367,20 +367,19 @@ impl Branch {
                         parameter.column()
                     )));
                 }
-                let wave = SavedWave {
+                let saved = SavedWave {
                     model,
                     ..saved.clone()
-                }
-                .wave(parameter, mode, width);
-                let mut wave = wave;
+                };
+                let mut wave = saved.wave(parameter, mode, width);
                 let mut guess = wave.pack(&saved.unknowns(), saved.excess, value);
-                if material && wave.signature.has(Regime::Separation) {
+                if wave.material && wave.signature.has(Regime::Separation) {
                     return Err(RunError::Input(format!(
                         "label {} is a wave with separation, which is not covered with material damping",
                         saved.label
                     )));
                 }
-                if material && saved.layers.is_empty() {
+                if wave.material && saved.layers.is_empty() {
                     (wave, guess) = wave.with_layers(&guess).map_err(NoStart::Flow)?;
                 }
                 // a saved wave solves its equations already; at a fold polishing it at a fixed
@@ -394,7 +393,7 @@ impl Branch {
                 };
                 (wave, point)
             }
-            (None, None) => {
+            (None, None, None) => {
                 return Err(RunError::Input(
                     "the wave to restart from is missing".into(),
                 ));

@@ -14,7 +14,7 @@ use crate::run::{Branch, End, Item, stability};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::discretised;
 use crate::stability::eigenfunction::eigenfunction;
-use crate::stability::spectrum::{Request, spectrum as compute};
+use crate::stability::spectrum::{Request, spectrum as compute, symmetric};
 use crate::wave::Wave;
 
 #[derive(Debug, Args)]
@@ -227,7 +227,7 @@ fn ring(
     point.speed = ring.speed;
     let mut text = format!("{HEADER}\n");
     for &sector in &request.sectors {
-        let symmetric = sector == 0 || 2 * sector == wave.mode as usize;
+        let symmetric = symmetric(sector, wave.mode);
         let all = ring.eigenvalues(sector as u32, request.max_frequency, usize::MAX)?;
         // the translation mode is the one nearest to zero
         let translation = (sector == 0).then(|| {

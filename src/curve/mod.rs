@@ -35,6 +35,7 @@ use crate::model::signature::Signature;
 use crate::newton::{self, Constraint, Fixed, Plane};
 use crate::problem::Parameter;
 use crate::stability::characteristic::Characteristic;
+use crate::stability::spectrum::symmetric;
 use crate::wave::Wave;
 use crate::wave::admissibility::{AtZero, Examination, Margin, Watch, examine};
 use crate::wave::successor::candidates;
@@ -652,7 +653,7 @@ impl Follower {
         if let Condition::Hopf { sector } = self.system.condition {
             let count = self.system.wave_unknowns();
             let (wave, _) = self.system.wave(&to.point, 0);
-            let symmetric = sector == 0 || 2 * sector == wave.mode as usize;
+            let symmetric = symmetric(sector, wave.mode);
             let sign = self.node.point[count].signum();
             let least = |point: &Vector| sign * point[count] - LEAST_OMEGA;
             let (before, after) = (least(&self.node.point), least(&to.point));

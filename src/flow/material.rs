@@ -111,7 +111,7 @@ pub struct MaterialFlow {
     pub rho: f64,
     rho_by: [f64; 2],
     /// β.
-    beta: f64,
+    pub beta: f64,
 }
 
 /// V and its derivatives at one instant.
@@ -510,20 +510,27 @@ impl MaterialFlow {
         times
     }
 
+    /// Ṗ/κ = V̈ + βV⃛ and P̈/κ of the oscillator at a state.
+    fn slow_pressure_rates(&self, state: [f64; 2]) -> [f64; 2] {
+        let [acceleration, jerk] = self.slow_rates(state);
+        let snap = 2.0 * self.slow.p * jerk - self.slow.q * acceleration;
+        [acceleration + self.beta * jerk, jerk + self.beta * snap]
+    }
+
+    /// 1 + β/ρ: Ṗ/κ by V̈ of the layer; β/ρ → m_a/ã as β → 0, where the layer has no thickness.
+    fn layer_pressure(&self) -> f64 {
+        if self.rho > 0.0 {
+            1.0 + self.beta / self.rho
+        } else {
+            1.0
+        }
+    }
+
     /// Times in (0, T) at which Ṗ = κ(V̈ + βV⃛) vanishes.
     pub fn pressure_extremes(&self, slide: &Slide) -> Vec<f64> {
-        let entry = self.slow_entry(slide);
-        let [acceleration, jerk] = self.slow_rates(entry);
-        let snap = 2.0 * self.slow.p * jerk - self.slow.q * acceleration;
-        // β/ρ → m_a/ã as β → 0
-        let share = if self.rho > 0.0 {
-            self.beta / self.rho
-        } else {
-            0.0
-        };
         self.zeros(
-            [acceleration + self.beta * jerk, jerk + self.beta * snap],
-            slide.layer * (1.0 + share),
+            self.slow_pressure_rates(self.slow_entry(slide)),
+            slide.layer * self.layer_pressure(),
             slide.duration,
         )
     }
@@ -542,12 +549,10 @@ impl MaterialFlow {
     /// Ṗ/κ and P̈/κ.
     fn pressure_rates(&self, slide: &Slide, t: f64) -> [f64; 2] {
         let state = self.slow.state(self.slow_entry(slide), t);
-        let [acceleration, jerk] = self.slow_rates(state);
-        let snap = 2.0 * self.slow.p * jerk - self.slow.q * acceleration;
         let fast = slide.layer * decayed(ratio(slide.duration - t, self.rho));
-        let [mut slope, mut curvature] = [acceleration + self.beta * jerk, jerk + self.beta * snap];
+        let [mut slope, mut curvature] = self.slow_pressure_rates(state);
         if fast != 0.0 && self.rho > 0.0 {
-            let moved = fast * (1.0 + self.beta / self.rho);
+            let moved = fast * self.layer_pressure();
             slope += moved;
             curvature += moved / self.rho;
         }

@@ -389,6 +389,16 @@ impl SlidingFlow {
         }
     }
 
+    /// W + βV̈ at a time t, where the state is `state`: P = gδ + κ(W + βV̈).
+    pub fn drive(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
+        match self {
+            SlidingFlow::Material(flow) => {
+                state[1] + flow.beta * flow.motion(slide, t).acceleration
+            }
+            _ => state[1],
+        }
+    }
+
     /// V̈ at a state as it is without the layer of material damping.
     pub fn outer_acceleration(&self, state: [f64; 2]) -> f64 {
         match self {

@@ -136,6 +136,12 @@ impl Model {
         self
     }
 
+    /// Whether material damping enters a wave posed in a parameter, be it at β = 0 where β is that
+    /// parameter.
+    pub fn has_material_damping(&self, parameter: Parameter) -> bool {
+        self.stiffness_damping > 0.0 || parameter == Parameter::StiffnessDamping
+    }
+
     /// Derivative of [`Model::parameters`] with respect to one parameter.
     pub fn derivative(&self, parameter: Parameter) -> Parameters {
         let mut derivative = Parameters::default();

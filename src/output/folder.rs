@@ -8,7 +8,9 @@
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
+use csv::StringRecord;
 use serde::{Deserialize, Serialize};
 
 use super::{plots, tables};
@@ -107,26 +109,23 @@ pub fn labelled(folder: &Path, label: usize) -> Result<Labelled, FolderError> {
         .map_err(|error| damaged(error.to_string()))?
         .clone();
     let records = reader.records().filter_map(Result::ok);
-    let rows: Vec<csv::StringRecord> = records.collect();
-    let field = |row: &csv::StringRecord, name: &str| {
-        let column = header.iter().position(|known| known == name)?;
-        row.get(column).map(str::to_owned)
-    };
-    let wanted = label.to_string();
+    let rows: Vec<StringRecord> = records.collect();
     let row = rows
         .iter()
-        .find(|row| field(row, "label").as_ref() == Some(&wanted))
+        .find(|row| field(&header, row, "label") == Some(label))
         .ok_or_else(|| damaged(format!("no label {label}; there are {}", rows.len())))?;
-    let parsed = |name: &str| field(row, name).and_then(|text| text.parse().ok());
     Ok(Labelled {
-        kind: field(row, "type")
-            .and_then(|text| text.parse().ok())
+        kind: field(&header, row, "type")
             .ok_or_else(|| damaged(format!("label {label} has no type")))?,
-        sector: field(row, "sector")
-            .and_then(|text| text.parse().ok())
-            .unwrap_or(0),
-        omega: parsed("omega"),
+        sector: field(&header, row, "sector").unwrap_or(0),
+        omega: field(&header, row, "omega"),
     })
+}
+
+/// A field of a table by the name of its column.
+fn field<T: FromStr>(header: &StringRecord, row: &StringRecord, name: &str) -> Option<T> {
+    let column = header.iter().position(|known| known == name)?;
+    row.get(column)?.parse().ok()
 }
 
 /// Name of the restart file.

@@ -103,6 +103,11 @@ const MOST_SAMPLES: usize = 200_000;
 /// Two zeros closer than this fraction of the grid are one.
 const SAME_ZERO: f64 = 1.5e-7;
 
+/// Whether a sector of a wave of mode k is its own conjugate: 0 and k/2.
+pub fn symmetric(sector: usize, mode: u32) -> bool {
+    sector == 0 || 2 * sector == mode as usize
+}
+
 impl Spectrum {
     /// Unstable eigenvalues of one sector with |Im λ| up to the largest frequency that counts.
     pub fn unstable_in(&self, sector: &Sector) -> usize {
@@ -127,9 +132,9 @@ impl Spectrum {
             .sum()
     }
 
-    /// Whether a sector is its own conjugate: 0 and k/2.
+    /// See [`symmetric`].
     pub fn symmetric(&self, sector: usize) -> bool {
-        sector == 0 || 2 * sector == self.mode as usize
+        symmetric(sector, self.mode)
     }
 
     /// The eigenvalues of a sector as tables list them: up to the largest frequency that counts,
@@ -764,7 +769,7 @@ pub fn spectrum(
         // in a sector that is its own conjugate a zero that is one with its mirror image is real
         let axis = SAME_ZERO * search.spacing;
         for (zeros, sector) in found.iter_mut().zip(&request.sectors) {
-            let symmetric = *sector == 0 || 2 * sector == mode;
+            let symmetric = symmetric(*sector, characteristic.mode);
             for zero in zeros.iter_mut().filter(|_| symmetric) {
                 if zero.im.abs() < axis {
                     zero.im = 0.0;
@@ -772,7 +777,7 @@ pub fn spectrum(
             }
         }
         let few = found.iter().zip(&request.sectors).any(|(zeros, sector)| {
-            let symmetric = *sector == 0 || 2 * sector == mode;
+            let symmetric = symmetric(*sector, characteristic.mode);
             let listed = zeros
                 .iter()
                 .filter(|zero| !symmetric || zero.im >= 0.0)

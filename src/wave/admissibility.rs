@@ -331,7 +331,6 @@ fn contact_zone(
     };
     let weight = flows.frame.weight().value;
     let kappa = flows.frame.at.kappa;
-    let beta = flows.frame.at.material;
     let steady = flows.frame.steady().value;
     let order = wave.order_at_entry(zone.entry);
     let mut least_pressure = f64::INFINITY;
@@ -358,11 +357,7 @@ fn contact_zone(
             }
         }
     };
-    // W + βV̈, which drives the pressure
-    let drive = |time: f64, state: [f64; 2]| match flow {
-        SlidingFlow::Material(_) => state[1] + beta * flow.acceleration(slide, time, state),
-        _ => state[1],
-    };
+    let drive = |time: f64, state: [f64; 2]| flow.drive(slide, time, state);
     press(collector, false, drive(0.0, entry));
     slide_on(collector, true, false, entry[1]);
     let turning_points = flow.turning_points(slide, order == 2)?;

@@ -180,7 +180,7 @@ impl Wave {
             signature,
             scales,
             method: model.law.default_method(),
-            material: model.stiffness_damping > 0.0 || parameter == Parameter::StiffnessDamping,
+            material: model.has_material_damping(parameter),
             fixed: model.parameters(),
             derivative: model.derivative(parameter),
         }

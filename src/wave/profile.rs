@@ -2,7 +2,7 @@
 
 use crate::branch::ProfileSample;
 use crate::flow::equations::multiplier;
-use crate::flow::{FlowError, Slide, SlidingFlow};
+use crate::flow::{FlowError, Slide};
 use crate::linalg::Vector;
 use crate::model::signature::Regime;
 
@@ -62,13 +62,7 @@ pub fn sample(
             let pressure = match regime {
                 Regime::Separation => 0.0,
                 Regime::Stick => weight + at.kappa * w,
-                _ => match flows.contact(regime) {
-                    SlidingFlow::Material(flow) => {
-                        let acceleration = flow.motion(&slide, time).acceleration;
-                        weight + at.kappa * (w + at.material * acceleration)
-                    }
-                    _ => weight + at.kappa * w,
-                },
+                _ => weight + at.kappa * flows.contact(regime).drive(&slide, time, [y, w]),
             };
             let shear = match regime {
                 Regime::Stick => at.h * (y + steady + at.material) + at.damping,

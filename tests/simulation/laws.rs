@@ -172,22 +172,9 @@ fn energy_is_balanced() {
 /// One ring of three stretches, on one thread and on two, in blocks and step by step: the same bits.
 #[test]
 fn cutting_and_threads_change_nothing() {
-    let run = |threads: usize, parts: &[u64]| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("threads");
-        pool.install(|| {
-            let mut ring = rough(2500, Order::Fourth, Law::Coulomb, 0.0, 0.4);
-            for steps in parts {
-                ring.advance(*steps);
-            }
-            ring.nodes().clone()
-        })
-    };
-    let one = run(1, &[160]);
-    assert!(one == run(2, &[160]));
-    assert!(one == run(2, &[1, 2, 3, 50, 1, 48, 49, 6]));
+    crate::cutting_and_threads_change_nothing(|| {
+        rough(2500, Order::Fourth, Law::Coulomb, 0.0, 0.4)
+    });
 }
 
 /// As ε falls, tanh approaches the set-valued law: the difference after a time in which everything

@@ -16,6 +16,7 @@ use std::sync::OnceLock;
 use brakewave::model::Parameters;
 use brakewave::model::coefficients::Geometry;
 use brakewave::simulation::profile::Profile;
+use brakewave::simulation::ring::{Law, Order, Ring, Setup};
 use tempfile::TempDir;
 
 /// The tube of all tests here.
@@ -35,6 +36,38 @@ pub fn parameters(mismatch: f64, mass_damping: f64) -> Parameters {
         stiffness_damping: 0.0,
         smoothing: 0.0,
     }
+}
+
+/// A ring under Coulomb's law, without an account of work.
+fn setup(points: usize, angle: f64, order: Order, time_step: f64) -> Setup {
+    Setup {
+        points,
+        angle,
+        order,
+        time_step,
+        law: Law::Coulomb,
+        watched: false,
+    }
+}
+
+/// One ring of three stretches, on one thread and on two, in blocks and step by step: the same bits.
+fn cutting_and_threads_change_nothing(ring: impl Fn() -> Ring + Sync) {
+    let run = |threads: usize, parts: &[u64]| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("threads");
+        pool.install(|| {
+            let mut ring = ring();
+            for steps in parts {
+                ring.advance(*steps);
+            }
+            ring.nodes().clone()
+        })
+    };
+    let one = run(1, &[160]);
+    assert!(one == run(2, &[160]));
+    assert!(one == run(2, &[1, 2, 3, 50, 1, 48, 49, 6]));
 }
 
 /// Runs a problem with the binary, once for all tests; the folder of its results.

@@ -13,11 +13,11 @@ use brakewave::simulation::growth::{self, Eigenvalue, GrowthError, Request, plac
 use brakewave::simulation::motion::steady_growth;
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{
-    LARGEST_PART, Law, Order, Ring, Setup, SetupError, courant_step, stable_step,
+    LARGEST_PART, Order, Ring, Setup, SetupError, courant_step, stable_step,
 };
 use tempfile::TempDir;
 
-use crate::{GEOMETRY, results, scramble, wave_at};
+use crate::{GEOMETRY, results, scramble, setup, wave_at};
 
 const MISMATCH: f64 = 0.4;
 
@@ -66,17 +66,6 @@ fn mode2() -> Profile {
         &CELL,
     );
     wave_at(folder, "mismatch", MISMATCH).0
-}
-
-fn setup(points: usize, angle: f64, order: Order, time_step: f64) -> Setup {
-    Setup {
-        points,
-        angle,
-        order,
-        time_step,
-        law: Law::Coulomb,
-        watched: false,
-    }
 }
 
 /// A ring in contact, thrown into motion with stick, slip and reverse slip in it.
@@ -178,22 +167,7 @@ fn energy_is_balanced() {
 /// Three stretches, on one thread and on two, in blocks and step by step: the same bits.
 #[test]
 fn cutting_and_threads_change_nothing() {
-    let run = |threads: usize, parts: &[u64]| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("threads");
-        pool.install(|| {
-            let mut ring = rough(2500, Order::Fourth, 0.002, 0.4);
-            for steps in parts {
-                ring.advance(*steps);
-            }
-            ring.nodes().clone()
-        })
-    };
-    let one = run(1, &[160]);
-    assert!(one == run(2, &[160]));
-    assert!(one == run(2, &[1, 2, 3, 50, 1, 48, 49, 6]));
+    crate::cutting_and_threads_change_nothing(|| rough(2500, Order::Fourth, 0.002, 0.4));
 }
 
 /// The largest step is a sharp bound: at order 2 a zigzag has ω² = 4a/Δφ² + h, and its pressure does not

@@ -3,20 +3,9 @@
 //! computed by an independent program.
 
 use brakewave::simulation::growth::{self, Eigenvalue, Request, SETTLING, place};
-use brakewave::simulation::ring::{Law, Order, Ring, Setup, courant_step};
+use brakewave::simulation::ring::{Order, Ring, courant_step};
 
-use crate::{parameters, wave};
-
-fn setup(points: usize, angle: f64, order: Order, time_step: f64) -> Setup {
-    Setup {
-        points,
-        angle,
-        order,
-        time_step,
-        law: Law::Coulomb,
-        watched: false,
-    }
-}
+use crate::{parameters, setup, wave};
 
 /// Phase speed of the fundamental over the second of two times that the wave takes for its length.
 fn speed(points: usize, order: Order) -> f64 {

@@ -3,6 +3,9 @@
 //!
 //! Every module is one claim. `cargo test --test stability -- --nocapture` shows the errors observed.
 
+#[path = "../chebyshev/mod.rs"]
+mod chebyshev;
+
 mod completeness;
 mod conjugates;
 mod crossings;

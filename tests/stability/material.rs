@@ -12,6 +12,7 @@ use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 use nalgebra::{DMatrix, DVector};
 
+use crate::chebyshev::differentiation;
 use crate::observed;
 use crate::waves::{C64, mode4, tube, wave, window};
 
@@ -139,26 +140,6 @@ fn derivatives_equal_differences() {
     observed("dF/dλ with material damping", worst);
 }
 
-/// Chebyshev's matrix of differentiation on n + 1 points of \[0, duration\], falling.
-fn differentiation(n: usize, duration: f64) -> DMatrix<C64> {
-    let x: Vec<f64> = (0..=n)
-        .map(|j| (std::f64::consts::PI * j as f64 / n as f64).cos())
-        .collect();
-    let weight = |j: usize| {
-        let end = if j == 0 || j == n { 2.0 } else { 1.0 };
-        if j.is_multiple_of(2) { end } else { -end }
-    };
-    let mut matrix = DMatrix::<f64>::zeros(n + 1, n + 1);
-    for i in 0..=n {
-        for j in (0..=n).filter(|j| *j != i) {
-            let entry = weight(i) / weight(j) / (x[i] - x[j]);
-            matrix[(i, j)] = entry;
-            matrix[(i, i)] -= entry;
-        }
-    }
-    matrix.map(|entry| C64::from(entry * 2.0 / duration))
-}
-
 /// N(λ) of slip-stick waves by spectral collocation of the third-order equation with η = 1, η′ = 0 at
 /// release and η′ = 0 at arrest.
 #[test]
@@ -172,7 +153,7 @@ fn collocation_finds_the_same_function() {
         let slip = wave.duration_at(&point, 0);
         let ratio = c.a / (speed * speed);
         let drive = wave.model.friction * c.coupling / speed;
-        let d = differentiation(n, slip);
+        let d = differentiation(n, slip).map(C64::from);
         let identity = DMatrix::<C64>::identity(n + 1, n + 1);
         for lambda in [
             C64::new(0.0, 0.0),

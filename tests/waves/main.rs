@@ -3,6 +3,9 @@
 //!
 //! Every module is one claim. `cargo test --test waves -- --nocapture` shows the errors observed.
 
+#[path = "../chebyshev/mod.rs"]
+mod chebyshev;
+
 mod admissibility;
 mod branches;
 mod closed_form;

@@ -15,6 +15,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::branches::{
     Case, Run, STEPS, fast_in_mismatch, lengths, mode4, speed, to_the_end, with_material_damping,
 };
+use crate::chebyshev::differentiation;
 use crate::observed;
 
 fn event(run: &Run, kind: EventType) -> &Found {
@@ -119,29 +120,6 @@ fn the_undamped_limit_is_regular() {
             );
         }
     }
-}
-
-/// Chebyshev's matrix of differentiation on n + 1 points of \[0, duration\], falling.
-fn differentiation(n: usize, duration: f64) -> DMatrix<f64> {
-    let x: Vec<f64> = (0..=n)
-        .map(|j| (std::f64::consts::PI * j as f64 / n as f64).cos())
-        .collect();
-    let weight = |j: usize| {
-        let end = if j == 0 || j == n { 2.0 } else { 1.0 };
-        if j.is_multiple_of(2) { end } else { -end }
-    };
-    let mut matrix = DMatrix::zeros(n + 1, n + 1);
-    for i in 0..=n {
-        let mut sum = 0.0;
-        for j in 0..=n {
-            if i != j {
-                matrix[(i, j)] = weight(i) / weight(j) / (x[i] - x[j]);
-                sum += matrix[(i, j)];
-            }
-        }
-        matrix[(i, i)] = -sum;
-    }
-    matrix * (2.0 / duration)
 }
 
 /// The slip zone by spectral collocation of −βãV⃛ + (m_a − βfκ)V̈ + (α + βh − fκ)V̇ + hY = 0 with

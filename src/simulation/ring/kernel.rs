@@ -112,6 +112,17 @@ impl Nodes {
     }
 }
 
+/// The values at the nodes `from..to` and at their neighbours −R … R, window k being that of
+/// neighbour k − R: slices of one length each, so that no access is checked within a loop over them.
+#[inline(always)]
+pub(super) fn windows<const R: usize>(values: &[f64], from: usize, to: usize) -> [&[f64]; 7] {
+    let values = &values[from - R..to + R];
+    std::array::from_fn(|k| {
+        let k = k.min(2 * R);
+        &values[k..k + (to - from)]
+    })
+}
+
 /// Takes the nodes `from..to` of a stretch through one step. U and V of the next instant go to
 /// `next`; the nodes within `R` of the range are read. `WATCHED` keeps account of work.
 #[inline(always)]
@@ -125,17 +136,8 @@ pub fn step<const R: usize, const WATCHED: bool, F: Friction>(
 ) {
     let c = *constants;
     let count = to - from;
-    // slices of one length each, so that no access is checked within the loop
-    let radial = &nodes.radial[from - R..to + R];
-    let tangential = &nodes.tangential[from - R..to + R];
-    let u: [&[f64]; 7] = std::array::from_fn(|k| {
-        let k = k.min(2 * R);
-        &radial[k..k + count]
-    });
-    let v: [&[f64]; 7] = std::array::from_fn(|k| {
-        let k = k.min(2 * R);
-        &tangential[k..k + count]
-    });
+    let u = windows::<R>(&nodes.radial, from, to);
+    let v = windows::<R>(&nodes.tangential, from, to);
     let radial_rate = &mut nodes.radial_rate[from..to];
     let tangential_rate = &mut nodes.tangential_rate[from..to];
     let share = &mut nodes.share[from..to];

@@ -28,7 +28,7 @@
 //! Crossings of V̇ = 1 within a step are those of [`super::friction`].
 
 use super::friction::Friction;
-use super::kernel::{Constants, Nodes};
+use super::kernel::{Constants, Nodes, windows};
 
 /// Takes the nodes `from..to` of a stretch through one step. V̂ and V of the next instant go to
 /// `next`; V̂ of the nodes within `R` of the range is read, and V if account is kept.
@@ -43,17 +43,8 @@ pub fn step<const R: usize, const WATCHED: bool, F: Friction>(
 ) {
     let c = *constants;
     let count = to - from;
-    // slices of one length each, so that no access is checked within the loop
-    let effective = &nodes.effective[from - R..to + R];
-    let hat: [&[f64]; 7] = std::array::from_fn(|k| {
-        let k = k.min(2 * R);
-        &effective[k..k + count]
-    });
-    let tangential = &nodes.tangential[from - R..to + R];
-    let v: [&[f64]; 7] = std::array::from_fn(|k| {
-        let k = k.min(2 * R);
-        &tangential[k..k + count]
-    });
+    let hat = windows::<R>(&nodes.effective, from, to);
+    let v = windows::<R>(&nodes.tangential, from, to);
     let tangential_rate = &mut nodes.tangential_rate[from..to];
     let share = &mut nodes.share[from..to];
     let effective_next = &mut next.0[from..to];
