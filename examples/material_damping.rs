@@ -153,7 +153,14 @@ fn simulated(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
                     pairs: PAIRS,
                     settling: SETTLING,
                 };
-                let found = growth::averaged(&parameters, &setup, &profile, &request, INSTANTS)?;
+                let found = growth::averaged(
+                    &parameters,
+                    &setup,
+                    &profile,
+                    &request,
+                    INSTANTS,
+                    &mut || (),
+                )?;
                 let real = sector == 0 || 2 * sector == mode;
                 let listed = found.iter().filter(|value| {
                     value.scatter < RESOLVED

@@ -67,7 +67,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     settling: SETTLING,
                 };
                 let parameters = saved.model.parameters();
-                let found = growth::averaged(&parameters, &setup, &profile, &request, INSTANTS)?;
+                let found = growth::averaged(
+                    &parameters,
+                    &setup,
+                    &profile,
+                    &request,
+                    INSTANTS,
+                    &mut || (),
+                )?;
                 let real = sector == 0 || 2 * sector == MODE;
                 let listed = found.iter().filter(|value| {
                     value.residual.max(value.scatter) < RESOLVED

@@ -5,6 +5,7 @@ mod check;
 mod curve;
 mod map;
 mod plot;
+mod progress;
 mod report;
 mod run;
 mod simulate;

@@ -1,16 +1,15 @@
 //! `brakewave simulate`.
 
 use std::fmt::Write;
-use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
+use super::progress::{self, Progress};
 use super::{Failure, default_folder, print, warn};
-use crate::model::{Model, Source};
-use crate::output::folder::Restart;
+use crate::model::{Model, Parameters, Source};
+use crate::output::folder::{RESTART, Restart};
 use crate::output::plots::{self, Format};
 use crate::output::simulation::{CHECKPOINT, Checkpoint, END, START, SimulationFolder};
 use crate::problem::{self, Body, Circle, Problem, Sectors, Simulation, SimulationStart};
@@ -36,13 +35,22 @@ pub struct SimulateArguments {
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
-    /// Threads [default: all cores]; the results do not depend on it
+    /// Threads, at most one for every core [default: all cores]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
 }
 
 /// A part of a simulation that ends with a checkpoint.
 const PARTS: usize = 50;
+
+/// Most steps of nodes: four months at 1e8 a second, which one core takes.
+const MOST_WORK: f64 = 1e15;
+
+/// Steps of nodes in a second, for a first guess.
+const USUAL_PACE: f64 = 1e8;
+
+/// Steps of nodes between two looks at the clock.
+const STRIDE: u64 = 10_000_000;
 
 /// Where the motion begins: the model, and the wave if there is one.
 struct Beginning {
@@ -64,6 +72,13 @@ fn beginning(problem: &Problem, section: &Simulation) -> Result<Beginning, Failu
         }
         SimulationStart::Wave { dir, label } => (dir, label),
     };
+    if !dir.join(RESTART).exists() {
+        return Err(Failure::Usage(format!(
+            "{} holds no waves to begin with: follow them first with `brakewave run` and `output: \
+             (profiles: 9)`, or name the folder of such a run in `simulation: (start: Wave(dir: ..))`",
+            dir.display()
+        )));
+    }
     let restart = Restart::read(dir)?;
     let saved = restart.wave(dir, *label)?;
     let (found, wanted) = (saved.model.parameters(), model.parameters());
@@ -75,11 +90,15 @@ fn beginning(problem: &Problem, section: &Simulation) -> Result<Beginning, Failu
         ));
     }
     let path = dir.join("profiles").join(format!("{label}.csv"));
-    let wave = Profile::read(&path, saved.model.speed(saved.excess)).map_err(|error| {
-        Failure::Usage(format!(
-            "{error}; `output: (profiles: 9)` in the problem of the run has profiles written"
-        ))
-    })?;
+    if !path.exists() {
+        return Err(Failure::Usage(format!(
+            "label {label} of {} has no profile; `output: (profiles: 9)` in the problem of the run \
+             has profiles written",
+            dir.display()
+        )));
+    }
+    let wave = Profile::read(&path, saved.model.speed(saved.excess))
+        .map_err(|error| Failure::Usage(error.to_string()))?;
     Ok(Beginning {
         model: saved.model,
         wave: Some(wave),
@@ -87,8 +106,10 @@ fn beginning(problem: &Problem, section: &Simulation) -> Result<Beginning, Failu
 }
 
 pub fn simulate(arguments: &SimulateArguments) -> Result<u8, Failure> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let asked = arguments.threads.map_or(cores, usize::from);
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.map_or(0, usize::from))
+        .num_threads(asked.min(cores))
         .build()
         .map_err(|error| Failure::Usage(format!("no threads: {error}")))?;
     pool.install(|| simulate_with(arguments))
@@ -122,8 +143,13 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
     let mut motion = Motion::begin(section, &parameters, geometry, mode, wave.as_ref())
         .map_err(|error| usage(&error))?;
     let points = motion.line().radial.len();
+    let (whole, rest) = section.intervals();
+    let count = whole + usize::from(rest > 0.0);
+    let growth = growth_requests(&problem, section, &parameters, wave.as_ref())?;
+    let steps = section.duration / motion.time_step();
+    let work = steps * motion.size() as f64 + growth.iter().map(|one| one.work).sum::<f64>();
+    admit_work(&name, &motion, steps, work)?;
     let per_sample = (section.every / motion.time_step()).round() as u64;
-    let count = (section.duration / section.every).round() as usize;
 
     let resumes = arguments.resume && out.join(CHECKPOINT).exists();
     let (mut folder, mut samples, start) = if resumes {
@@ -151,11 +177,25 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
         (folder, vec![sample], start)
     };
 
-    let bar = (!arguments.quiet && stderr().is_terminal()).then(|| progress_bar(count));
+    let mut progress = Progress::new(arguments.quiet);
+    let size = motion.size() as u64;
     let clock = Instant::now();
     let before = motion.steps();
     while folder.samples() <= count {
-        motion.advance(per_sample);
+        let last = folder.samples() == count;
+        let mut left = match last && rest > 0.0 {
+            true => motion.shorten(rest),
+            false => per_sample,
+        };
+        while left > 0 {
+            let some = left.min(STRIDE.div_ceil(size));
+            motion.advance(some);
+            left -= some;
+            let done = motion.steps();
+            progress.show((done * size) as f64 / work, || {
+                format!("step {done} of {steps:.0}, t = {:.4}", motion.time())
+            });
+        }
         if !motion.holds() {
             warn(&format!(
                 "a point left the shaft before t = {}: with stiffness damping only contact is \
@@ -164,18 +204,15 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
             ));
             return Ok(super::NUMERICAL);
         }
-        let sample = Sample::of(&motion, watched, waves, parameters.mismatch, start);
+        let mut sample = Sample::of(&motion, watched, waves, parameters.mismatch, start);
+        if last && rest > 0.0 {
+            sample.time = section.duration;
+        }
         folder.sample(&sample, &motion.line())?;
         samples.push(sample);
         let done = folder.samples() - 1;
         while folder.snapshots() < done * section.snapshots / count {
             folder.snapshot(&motion)?;
-        }
-        if done * PARTS / count > (done - 1) * PARTS / count || done == count {
-            folder.checkpoint(&problem, start, &motion)?;
-        }
-        if let Some(bar) = &bar {
-            bar.set_position(done as u64);
         }
         if !sample.energy.is_finite() {
             warn(&format!(
@@ -184,30 +221,54 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
             ));
             return Ok(super::NUMERICAL);
         }
+        if done * PARTS / count > (done - 1) * PARTS / count || done == count {
+            folder.checkpoint(&problem, start, &motion)?;
+        }
     }
     let seconds = clock.elapsed().as_secs_f64();
-    let steps = motion.steps() - before;
-    if let Some(bar) = &bar {
-        bar.finish_and_clear();
-    }
+    let taken = motion.steps() - before;
     folder.line(END, &motion.line())?;
-    let mut measures = measure::linear_growth(&samples);
-    measures.extend(measure::steady_state(&samples, watched));
+    // samples at equal intervals: a last one that is shorter is left out
+    let even = &samples[..=whole];
+    let mut measures = measure::linear_growth(even);
+    measures.extend(measure::steady_state(even, watched));
     folder.measures(&measures)?;
     let mut eigenvalues = Vec::new();
     if let Some(wave) = &wave {
-        eigenvalues = wave_growth(&problem, section, &model, wave)?;
+        let mut done = steps * size as f64;
+        for one in &growth {
+            match one.eigenvalues(&parameters, wave, &mut |part| {
+                done += part;
+                progress.show(done / work, || {
+                    format!("perturbations of sector {}", one.fine.sector)
+                });
+            }) {
+                Ok(found) => eigenvalues.extend(found),
+                Err(error) => {
+                    warn(&error.to_string());
+                    return Ok(super::NUMERICAL);
+                }
+            }
+        }
         if section.growth.is_some() {
             folder.growth(&eigenvalues)?;
         }
     }
+    drop(progress);
     plots::draw_simulation(&out, problem.title.as_deref(), Format::Svg)?;
     if !arguments.quiet {
-        let rate = motion.size() as f64 * steps as f64 / seconds.max(f64::MIN_POSITIVE);
+        let rate = motion.size() as f64 * taken as f64 / seconds.max(f64::MIN_POSITIVE);
         print(&report(&problem, &measures, &eigenvalues, &samples))?;
-        if steps > 0 {
+        if rest > 0.0 {
             print(&format!(
-                "\n{} nodes, {steps} steps of {:.3e}, {:.2e} node-steps per second\n",
+                "the last sample is at the end, t = {}, {rest:.3e} after the one before; measures \
+                 leave it out\n",
+                section.duration
+            ))?;
+        }
+        if taken > 0 {
+            print(&format!(
+                "\n{} nodes, {taken} steps of {:.3e}, {:.2e} node-steps per second\n",
                 motion.size(),
                 motion.time_step(),
                 rate
@@ -230,14 +291,41 @@ const LISTED: usize = problem::DEFAULT_EIGENVALUES;
 /// Largest residual and scatter of an eigenvalue that is listed, in units of Ω.
 const RESOLVED: f64 = 1e-2;
 
-/// Growth of perturbations of the wave, with the difference from a ring of half as many points.
-fn wave_growth(
+/// Refuses what no machine ends.
+fn admit_work(name: &str, motion: &Motion, steps: f64, work: f64) -> Result<(), Failure> {
+    if work <= MOST_WORK {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "{name}: {steps:.1e} steps of {:.1e} of {} nodes and what `growth` adds are {work:.1e} steps of a \
+         node, {} at {USUAL_PACE:.0e} a second; at most {MOST_WORK:.0e} are admitted: take fewer points, \
+         a larger `courant` or a shorter `duration`",
+        motion.time_step(),
+        motion.size(),
+        progress::duration(work / USUAL_PACE)
+    )))
+}
+
+/// The perturbations of one sector, on the ring and on one of half as many points.
+struct Sector {
+    setup: ring::Setup,
+    fine: growth::Request,
+    coarse: growth::Request,
+    real: bool,
+    /// Steps of nodes.
+    work: f64,
+}
+
+/// What `growth` asks for, with every ring known to be one.
+fn growth_requests(
     problem: &Problem,
     section: &Simulation,
-    model: &Model,
-    wave: &Profile,
-) -> Result<Vec<(usize, Eigenvalue, f64)>, Failure> {
-    let (Some(growth), Body::Ring { points, .. }) = (&section.growth, section.body) else {
+    parameters: &Parameters,
+    wave: Option<&Profile>,
+) -> Result<Vec<Sector>, Failure> {
+    let (Some(growth), Body::Ring { points, .. }, Some(wave)) =
+        (&section.growth, section.body, wave)
+    else {
         return Ok(Vec::new());
     };
     let mode = problem.wave.mode as usize;
@@ -249,10 +337,9 @@ fn wave_growth(
         Sectors::All => (0..=mode / 2).collect(),
         Sectors::Only(list) => list.clone(),
     };
-    let parameters = model.parameters();
-    let failed = |error: growth::GrowthError| Failure::Usage(error.to_string());
-    let Motion::Ring(ring) = Motion::begin(section, &parameters, None, mode as u32, None)
-        .map_err(|error| Failure::Usage(error.to_string()))?
+    let failed = |error: &dyn std::fmt::Display| Failure::Usage(error.to_string());
+    let Motion::Ring(ring) = Motion::begin(section, parameters, None, mode as u32, None)
+        .map_err(|error| failed(&error))?
     else {
         return Ok(Vec::new());
     };
@@ -260,44 +347,70 @@ fn wave_growth(
         angle: angle(section, mode as u32),
         ..*ring.setup()
     };
-    let mut rows = Vec::new();
-    for sector in sectors {
-        let request = |points: usize| growth::Request {
-            points,
-            waves: if sector == 0 { 1 } else { mode },
-            sector,
-            shift: points,
-            courant: section.courant,
-            amplitude: growth.amplitude,
-            pairs: growth.pairs,
-            settling: growth::SETTLING,
+    sectors
+        .into_iter()
+        .map(|sector| {
+            let request = |points: usize| growth::Request {
+                points,
+                waves: if sector == 0 { 1 } else { mode },
+                sector,
+                shift: points,
+                courant: section.courant,
+                amplitude: growth.amplitude,
+                pairs: growth.pairs,
+                settling: growth::SETTLING,
+            };
+            let (fine, coarse) = (request(points), request(points / 2));
+            let work = |request| growth::work(parameters, &setup, wave, request, growth::INSTANTS);
+            let work = work(&fine).and_then(|one| Ok(one + work(&coarse)?));
+            Ok(Sector {
+                work: work.map_err(|error| failed(&error))?,
+                real: sector == 0 || 2 * sector == mode,
+                setup,
+                fine,
+                coarse,
+            })
+        })
+        .collect()
+}
+
+impl Sector {
+    /// Growth of perturbations of the wave, with the difference from a ring of half as many points.
+    /// `tick` is told the work of every pair of runs.
+    fn eigenvalues(
+        &self,
+        parameters: &Parameters,
+        wave: &Profile,
+        tick: &mut dyn FnMut(f64),
+    ) -> Result<Vec<(usize, Eigenvalue, f64)>, growth::GrowthError> {
+        let count = (self.fine.pairs * growth::INSTANTS) as f64;
+        let mut of = |request: &growth::Request| {
+            // half the points take a quarter of the steps of nodes
+            let share = if request.points == self.fine.points {
+                0.8
+            } else {
+                0.2
+            };
+            let mut tick = || tick(share * self.work / count);
+            let instants = growth::INSTANTS;
+            growth::averaged(parameters, &self.setup, wave, request, instants, &mut tick)
         };
-        let of = |points: usize| {
-            growth::averaged(
-                &parameters,
-                &setup,
-                wave,
-                &request(points),
-                growth::INSTANTS,
-            )
-            .map_err(failed)
-        };
-        let (fine, coarse) = (of(points)?, of(points / 2)?);
-        let real = sector == 0 || 2 * sector == mode;
+        let (fine, coarse) = (of(&self.fine)?, of(&self.coarse)?);
         let listed = fine.into_iter().filter(|value| {
             value.residual.max(value.scatter) <= RESOLVED
                 && value.im.abs() <= HIGHEST
-                && !(real && value.im < -REAL)
+                && !(self.real && value.im < -REAL)
         });
+        let mut rows = Vec::new();
         for value in listed.take(LISTED) {
             let nearest = coarse
                 .iter()
                 .map(|other| (other.re - value.re).hypot(other.im - value.im))
                 .fold(f64::INFINITY, f64::min);
-            rows.push((sector, value, nearest));
+            rows.push((self.fine.sector, value, nearest));
         }
+        Ok(rows)
     }
-    Ok(rows)
 }
 
 fn report(
@@ -348,15 +461,4 @@ fn report(
         largest / scale.max(f64::MIN_POSITIVE)
     );
     text
-}
-
-fn progress_bar(samples: usize) -> ProgressBar {
-    let bar = ProgressBar::new(samples as u64);
-    // the template is constant and valid
-    if let Ok(style) =
-        ProgressStyle::with_template("{spinner} [{bar:40}] {percent}% ({elapsed}, {eta} left)")
-    {
-        bar.set_style(style.progress_chars("=> "));
-    }
-    bar
 }

@@ -24,6 +24,7 @@ pub mod start;
 pub mod system;
 
 use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
 
 use crate::bracket::Bracket;
 use crate::branch::EventType;
@@ -43,7 +44,7 @@ use crate::wave::successor::candidates;
 use system::{Condition, EventSystem};
 
 /// How far to follow, and how.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// Range of each parameter.
     pub ranges: [(f64, f64); 2],
@@ -54,7 +55,7 @@ pub struct Settings {
 }
 
 /// A point of the curve.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Both parameters.
     pub parameters: [f64; 2],
@@ -152,6 +153,77 @@ enum What {
     ZeroOmega,
 }
 
+/// What a curve begins with: the same for all its steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Head {
+    /// Type of the event.
+    pub event: EventType,
+    /// Its equations.
+    pub system: EventSystem,
+    /// How far to follow.
+    pub settings: Settings,
+    /// The event on the branch.
+    pub point: Point,
+    /// Its unknowns.
+    pub unknowns: Vec<f64>,
+    /// Unit tangent there.
+    pub tangent: Vec<f64>,
+}
+
+/// A point with the equations that it solves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    /// The point.
+    pub point: Point,
+    signature: Signature,
+    condition: Condition,
+    unknowns: Vec<f64>,
+}
+
+/// All that the next step depends on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    signature: Signature,
+    condition: Condition,
+    unknowns: Vec<f64>,
+    tangent: Vec<f64>,
+    own: Vec<(Watch, usize)>,
+    with_fold: bool,
+    /// The left null vector behind the factor that vanishes at a cusp, for its sign.
+    left: Option<Vec<f64>>,
+    travelled: f64,
+    ds: f64,
+}
+
+/// The end of the curve in one direction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct End {
+    /// Why, in words.
+    pub reason: String,
+    /// Whether it is one of Newton's method or of `max_points` and not of the curve.
+    pub failed: bool,
+    /// Type of the last point unless it has one.
+    kind: Option<String>,
+}
+
+/// A step in either direction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    /// Points found, in order.
+    pub found: Vec<Found>,
+    /// What comes next.
+    pub next: Next,
+}
+
+/// What comes after a step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Next {
+    /// The next step.
+    Going(State),
+    /// The end in this direction.
+    Ended(End),
+}
+
 /// A curve being followed in one direction.
 struct Follower {
     system: EventSystem,
@@ -167,6 +239,15 @@ struct Follower {
     ds: f64,
 }
 
+/// A curve being followed from its event, first one way and then the other.
+pub struct Run {
+    head: Head,
+    /// Points on either side, away from the event.
+    halves: [Vec<Entry>; 2],
+    ends: Vec<End>,
+    follower: Follower,
+}
+
 /// Follows an event both ways from a solution of its equations.
 ///
 /// # Errors
@@ -177,73 +258,220 @@ pub fn follow(
     start: &Vector,
     settings: Settings,
 ) -> Result<Curve, String> {
-    let mut system = system.clone();
-    let node = first_node(&system, start, settings.steps.tolerance)?;
-    system.settle(&node.point);
-    let mut halves = Vec::with_capacity(2);
-    let mut ends = Vec::with_capacity(2);
-    let mut failed = false;
-    let mut first = None;
-    for sign in [-1.0, 1.0] {
-        let node = Node {
-            tangent: &node.tangent * sign,
-            ..node.clone()
-        };
-        let mut follower = Follower::new(system.clone(), event, node, settings)?;
-        if first.is_none() {
-            let mut point = follower.point(&follower.node);
-            point.kind = Some(event.to_string());
-            point.what = "the event on the branch".into();
-            // the values of the problem where polishing moved them by rounding only
-            for (value, given) in point.parameters.iter_mut().zip(system.values(start)) {
-                if (*value - given).abs() <= 1e-13 * given.abs().max(1e-3) {
-                    *value = given;
-                }
+    let mut run = Run::begin(system, event, start, settings)?;
+    while run.step()?.is_some() {}
+    Ok(run.curve())
+}
+
+impl Run {
+    /// Begins at a solution of the equations.
+    ///
+    /// # Errors
+    /// When it is none, or has no tangent.
+    pub fn begin(
+        system: &EventSystem,
+        event: EventType,
+        start: &Vector,
+        settings: Settings,
+    ) -> Result<Run, String> {
+        let mut system = system.clone();
+        let node = first_node(&system, start, settings.steps.tolerance)?;
+        system.settle(&node.point);
+        let follower = Follower::new(system, event, backwards(&node), settings)?;
+        let mut point = follower.point(&follower.node);
+        point.kind = Some(event.to_string());
+        point.what = "the event on the branch".into();
+        // the values of the problem where polishing moved them by rounding only
+        let given = follower.system.values(start);
+        for (value, given) in point.parameters.iter_mut().zip(given) {
+            if (*value - given).abs() <= 1e-13 * given.abs().max(1e-3) {
+                *value = given;
             }
-            first = Some(point);
         }
-        let (points, end, failure) = follower.run();
-        failed |= failure;
-        let closed = end == CLOSES;
-        halves.push(points);
-        ends.push(end);
-        if closed {
+        let head = Head {
+            event,
+            system: follower.system.clone(),
+            settings,
+            point,
+            unknowns: node.point.as_slice().to_vec(),
+            tangent: node.tangent.as_slice().to_vec(),
+        };
+        Ok(Run {
+            head,
+            halves: [Vec::new(), Vec::new()],
+            ends: Vec::new(),
+            follower,
+        })
+    }
+
+    /// Goes on after the steps of an earlier run.
+    ///
+    /// # Errors
+    /// When they do not fit.
+    pub fn resume(head: Head, steps: Vec<Step>) -> Result<Run, String> {
+        let mut run = Run {
+            follower: head.follower(0)?,
+            head,
+            halves: [Vec::new(), Vec::new()],
+            ends: Vec::new(),
+        };
+        let count = steps.len();
+        for (index, step) in steps.into_iter().enumerate() {
+            if run.ended() {
+                return Err("there are steps beyond the end".into());
+            }
+            let found = step.found.into_iter().map(|found| {
+                let system = run.head.system.of(found.signature, found.condition);
+                let unknowns = Vector::from_vec(found.unknowns);
+                match system.fits(&unknowns) {
+                    true => Ok((found.point, system, unknowns)),
+                    false => Err("a point does not fit its equations".to_owned()),
+                }
+            });
+            let found = found.collect::<Result<Vec<Entry>, String>>()?;
+            run.halves[run.ends.len()].extend(found);
+            match step.next {
+                Next::Ended(end) => run.end(end)?,
+                Next::Going(state) if index + 1 == count => run.follower.set(&run.head, state)?,
+                Next::Going(_) => {}
+            }
+        }
+        Ok(run)
+    }
+
+    /// What the curve begins with.
+    pub fn head(&self) -> &Head {
+        &self.head
+    }
+
+    /// Points so far, that of the event included.
+    pub fn points(&self) -> usize {
+        1 + self.halves[0].len() + self.halves[1].len()
+    }
+
+    /// Whether both ends are reached.
+    fn ended(&self) -> bool {
+        self.ends.len() == 2
+    }
+
+    /// Takes a step; `None` when both ends are reached.
+    ///
+    /// # Errors
+    /// When the curve does not begin the other way.
+    pub fn step(&mut self) -> Result<Option<Step>, String> {
+        if self.ended() {
+            return Ok(None);
+        }
+        let half = &mut self.halves[self.ends.len()];
+        let before = half.len();
+        let end = self.follower.step(half);
+        let found = half[before..]
+            .iter()
+            .map(|(point, system, unknowns)| Found {
+                point: point.clone(),
+                signature: system.signature().clone(),
+                condition: system.condition,
+                unknowns: unknowns.as_slice().to_vec(),
+            });
+        let found = found.collect();
+        let next = match end {
+            Some(end) => {
+                self.end(end.clone())?;
+                Next::Ended(end)
+            }
+            None => Next::Going(self.follower.state()),
+        };
+        Ok(Some(Step { found, next }))
+    }
+
+    /// Ends one direction and turns to the other.
+    fn end(&mut self, end: End) -> Result<(), String> {
+        if let Some((last, _, _)) = self.halves[self.ends.len()].last_mut()
+            && let Some(kind) = &end.kind
+        {
+            last.kind.get_or_insert_with(|| kind.clone());
+            if last.what.is_empty() {
+                last.what.clone_from(&end.reason);
+            }
+        }
+        let closed = end.reason == CLOSES;
+        self.ends.push(end.clone());
+        if closed && !self.ended() {
             // the second half would be the first one backwards
-            ends.push(CLOSES.into());
-            halves.push(Vec::new());
-            break;
+            self.ends.push(end);
+        } else if !self.ended() {
+            self.follower = self.head.follower(1)?;
+        }
+        Ok(())
+    }
+
+    /// The curve from one end to the other, with what lies beside it.
+    pub fn curve(self) -> Curve {
+        let Run {
+            head, halves, ends, ..
+        } = self;
+        let [mut points, second] = halves;
+        points.reverse();
+        let start = points.len();
+        points.push((
+            head.point,
+            head.system.clone(),
+            Vector::from_vec(head.unknowns),
+        ));
+        points.extend(second);
+        let regions = middles(&points)
+            .into_iter()
+            .map(|place| {
+                let (_, there, at) = &points[place];
+                (place, regions(there, at, head.settings.steps.tolerance))
+            })
+            .collect();
+        let failed = ends.iter().any(|end| end.failed);
+        let mut reasons = ends.into_iter().map(|end| end.reason);
+        Curve {
+            event: head.event,
+            sector: match head.system.condition {
+                Condition::Hopf { sector } => Some(sector),
+                _ => None,
+            },
+            parameters: head.system.parameters(),
+            points: points.into_iter().map(|(point, _, _)| point).collect(),
+            start,
+            ends: [
+                reasons.next().unwrap_or_default(),
+                reasons.next().unwrap_or_default(),
+            ],
+            failed,
+            regions,
         }
     }
-    let second = halves.pop().unwrap_or_default();
-    let mut points = halves.pop().unwrap_or_default();
-    points.reverse();
-    let start = points.len();
-    points.extend(first.map(|point| (point, system.clone(), node.point.clone())));
-    points.extend(second);
-    let regions = middles(&points)
-        .into_iter()
-        .map(|place| {
-            let (_, there, at) = &points[place];
-            (place, regions(there, at, settings.steps.tolerance))
-        })
-        .collect();
-    let mut ends = ends.into_iter();
-    Ok(Curve {
-        event,
-        sector: match system.condition {
-            Condition::Hopf { sector } => Some(sector),
-            _ => None,
-        },
-        parameters: system.parameters(),
-        points: points.into_iter().map(|(point, _, _)| point).collect(),
-        start,
-        ends: [
-            ends.next().unwrap_or_default(),
-            ends.next().unwrap_or_default(),
-        ],
-        failed,
-        regions,
-    })
+}
+
+impl Head {
+    /// The follower in the first direction (0) or the second (1).
+    fn follower(&self, half: usize) -> Result<Follower, String> {
+        let point = Vector::from_column_slice(&self.unknowns);
+        let tangent = Vector::from_column_slice(&self.tangent);
+        if !(self.system.fits(&point) && self.system.fits(&tangent)) {
+            return Err("the event does not fit its equations".into());
+        }
+        let node = Node {
+            point,
+            tangent,
+            newton: self.point.newton,
+            residual: self.point.residual,
+        };
+        let node = if half == 0 { backwards(&node) } else { node };
+        Follower::new(self.system.clone(), self.event, node, self.settings)
+    }
+}
+
+/// A node seen the other way.
+fn backwards(node: &Node) -> Node {
+    Node {
+        tangent: -&node.tangent,
+        ..node.clone()
+    }
 }
 
 /// The end of a closed curve.
@@ -373,48 +601,83 @@ impl Follower {
         Ok(follower)
     }
 
-    /// Steps to the end. Returns the points, the end in words, and whether it is a failure.
-    fn run(&mut self) -> (Vec<Entry>, String, bool) {
+    /// One step, shorter if need be, appended to the points of its direction; `Some` is the end.
+    fn step(&mut self, points: &mut Vec<Entry>) -> Option<End> {
         let limits = self.settings.steps;
-        let mut points: Vec<Entry> = Vec::new();
+        let end = |reason, failed, kind: Option<&str>| {
+            Some(End {
+                reason,
+                failed,
+                kind: kind.map(str::to_owned),
+            })
+        };
+        let most = self.settings.most_points;
+        if points.len() >= most {
+            let reason = format!("`max_points`, {most} in either direction, are reached");
+            return end(reason, true, Some("MX"));
+        }
+        let mut ds = self.ds.clamp(limits.ds_min, limits.ds_max);
         loop {
-            if points.len() >= self.settings.most_points {
-                return (points, "as many points as were asked for".into(), false);
-            }
-            let mut ds = self.ds.clamp(limits.ds_min, limits.ds_max);
-            let end = loop {
-                match self.attempt(ds, &mut points) {
-                    Ok(end) => break end,
-                    Err(refusal) => {
-                        if ds <= limits.ds_min {
-                            let (reason, failed) = match refusal {
-                                Refusal::Numerical(reason) => (
-                                    format!(
-                                        "no step of at least ds_min = {:e} succeeds: {reason}",
-                                        limits.ds_min
-                                    ),
-                                    true,
-                                ),
-                                Refusal::Event(reason) => (reason, false),
-                            };
-                            if let Some((last, _, _)) = points.last_mut() {
-                                last.kind.get_or_insert_with(|| {
-                                    if failed { "MX" } else { "EP" }.to_owned()
-                                });
-                                if last.what.is_empty() {
-                                    last.what.clone_from(&reason);
-                                }
-                            }
-                            return (points, reason, failed);
-                        }
-                        ds = (0.5 * ds).max(limits.ds_min);
-                    }
+            match self.attempt(ds, points) {
+                Ok(reason) => return reason.and_then(|reason| end(reason, false, None)),
+                Err(_) if ds > limits.ds_min => ds = (0.5 * ds).max(limits.ds_min),
+                Err(Refusal::Event(reason)) => return end(reason, false, Some("EP")),
+                Err(Refusal::Numerical(reason)) => {
+                    let reason = format!(
+                        "no step of at least ds_min = {:e} succeeds: {reason}",
+                        limits.ds_min
+                    );
+                    return end(reason, true, Some("MX"));
                 }
-            };
-            if let Some(end) = end {
-                return (points, end, false);
             }
         }
+    }
+
+    /// All that the next step depends on.
+    fn state(&self) -> State {
+        State {
+            signature: self.system.signature().clone(),
+            condition: self.system.condition,
+            unknowns: self.node.point.as_slice().to_vec(),
+            tangent: self.node.tangent.as_slice().to_vec(),
+            own: self.own.clone(),
+            with_fold: self.with_fold,
+            left: (self.tests.cusp.as_ref()).map(|(_, left)| left.as_slice().to_vec()),
+            travelled: self.travelled,
+            ds: self.ds,
+        }
+    }
+
+    /// Goes to a state.
+    fn set(&mut self, head: &Head, state: State) -> Result<(), String> {
+        self.system = head.system.of(state.signature, state.condition);
+        let zones = self.system.signature().len();
+        let left = state.left.map(Vector::from_vec);
+        let node = Node {
+            point: Vector::from_vec(state.unknowns),
+            tangent: Vector::from_vec(state.tangent),
+            newton: 0,
+            residual: 0.0,
+        };
+        let fits = self.system.fits(&node.point)
+            && self.system.fits(&node.tangent)
+            && left
+                .as_ref()
+                .is_none_or(|left| left.len() == self.system.wave_unknowns())
+            && state.own.iter().all(|(_, zone)| *zone < zones);
+        if !fits {
+            return Err("the saved state does not fit its equations".into());
+        }
+        self.node = node;
+        self.own = state.own;
+        self.with_fold = state.with_fold;
+        self.travelled = state.travelled;
+        self.ds = state.ds;
+        self.tests.cusp = left.map(|left| (0.0, left));
+        self.tests = self.tests(&self.node).map_err(|refusal| match refusal {
+            Refusal::Numerical(reason) | Refusal::Event(reason) => reason,
+        })?;
+        Ok(())
     }
 
     /// One step; `Some` is the end of the curve.

@@ -15,6 +15,7 @@
 //! they bend the way of Newton's iterates and not the equations, which are exact.
 
 use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
 
 use crate::flow::FlowError;
 use crate::linalg::{Matrix, Vector};
@@ -31,7 +32,7 @@ use crate::wave::{Scales, Wave};
 const DIFFERENCE: f64 = 1e-5;
 
 /// What makes the wave special.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Condition {
     /// A margin vanishes.
     Margin(Margin),
@@ -57,7 +58,7 @@ pub enum NotEvaluated {
 
 /// The equations of an event in two parameters. Unknowns: the wave's without its parameter, those of
 /// the condition, both parameters.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EventSystem {
     model: Model,
     parameters: [Parameter; 2],
@@ -111,6 +112,17 @@ impl EventSystem {
     pub fn wave_unknowns(&self) -> usize {
         let width = if self.material { 4 } else { 3 };
         width * self.signature.len() + 1
+    }
+
+    /// Whether these can be unknowns of the event.
+    pub fn fits(&self, point: &Vector) -> bool {
+        let zone = match self.condition {
+            Condition::Margin(margin) => margin.zone,
+            _ => 0,
+        };
+        zone < self.signature.len()
+            && point.len() == self.unknowns()
+            && point.iter().all(|value| value.is_finite())
     }
 
     /// Both parameters at a point, in physical units.

@@ -24,6 +24,8 @@ pub mod separation;
 pub mod shooting;
 pub mod sign;
 
+use serde::{Deserialize, Serialize};
+
 use crate::model::Parameters;
 use crate::problem::FrictionLaw;
 use contact::ContactFlow;
@@ -58,7 +60,7 @@ pub enum FlowError {
 
 /// A number with its derivatives in the six quantities a zone depends on, in the order of
 /// [`ENTRY_Y`], [`ENTRY_W`], [`DURATION`], [`EXCESS`], [`PARAMETER`], [`LAYER`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Jet {
     /// The number.
     pub value: f64,

@@ -47,7 +47,7 @@ pub struct Simulation {
     /// Largest Courant number; with stiffness damping the part of √(4β² + Δφ²/a) − 2β that a step takes.
     #[serde(default = "default_courant")]
     pub courant: f64,
-    /// Time between samples, in units of 1/Ω.
+    /// Time between samples, in units of 1/Ω; the last one is at the end of the duration.
     #[serde(default = "default_every")]
     pub every: f64,
     /// Number of snapshots, evenly spread over the duration, the last at its end.
@@ -56,6 +56,18 @@ pub struct Simulation {
     /// Growth of perturbations of the wave at the beginning.
     #[serde(default)]
     pub growth: Option<Growth>,
+}
+
+impl Simulation {
+    /// Whole intervals between samples, and the time that they leave of the duration, 0 for none.
+    pub fn intervals(&self) -> (usize, f64) {
+        let ratio = self.duration / self.every;
+        // both were rounded once, and so was their ratio: two units of it
+        if (ratio - ratio.round()).abs() <= 2.0 * f64::EPSILON * ratio {
+            return (ratio.round() as usize, 0.0);
+        }
+        (ratio as usize, self.duration - ratio.floor() * self.every)
+    }
 }
 
 /// What moves.

@@ -109,25 +109,20 @@ pub fn place(ring: &mut Ring, profile: &Profile) {
     }
 }
 
-/// Eigenvalues of the perturbations of a wave, by falling growth rate.
-pub fn eigenvalues(
+/// The ring of a request with the wave on it, the time T, and the steps that it takes.
+fn begin(
     parameters: &Parameters,
     setup: &Setup,
     profile: &Profile,
     request: &Request,
-) -> Result<Vec<Eigenvalue>, GrowthError> {
-    let Request {
-        points,
-        waves,
-        sector,
-        shift,
-        ..
-    } = *request;
-    if sector >= waves.max(1) {
-        return Err(GrowthError::Sector(sector, waves));
+) -> Result<(Ring, f64, f64), GrowthError> {
+    let Request { points, waves, .. } = *request;
+    if request.sector >= waves.max(1) {
+        return Err(GrowthError::Sector(request.sector, waves));
     }
     let angle = profile.wavelength() * waves as f64;
-    let interval = shift as f64 * profile.wavelength() / points as f64 / profile.speed().abs();
+    let interval =
+        request.shift as f64 * profile.wavelength() / points as f64 / profile.speed().abs();
     let longest = super::ring::courant_step(parameters, points * waves, angle, request.courant);
     let steps = (interval / longest).ceil().max(1.0);
     let mut ring = Ring::new(
@@ -141,6 +136,43 @@ pub fn eigenvalues(
         },
     )?;
     place(&mut ring, profile);
+    Ok((ring, interval, steps))
+}
+
+/// Steps of nodes that [`averaged`] takes.
+///
+/// # Errors
+/// When the ring cannot be set up.
+pub fn work(
+    parameters: &Parameters,
+    setup: &Setup,
+    profile: &Profile,
+    request: &Request,
+    instants: usize,
+) -> Result<f64, GrowthError> {
+    let (ring, _, steps) = begin(parameters, setup, profile, request)?;
+    let settling = request.settling / ring.setup().time_step;
+    let pairs = request.pairs.min(FIELDS * request.points) as f64;
+    Ok((settling + 2.0 * pairs * steps) * ring.setup().points as f64 * instants.max(2) as f64)
+}
+
+/// Eigenvalues of the perturbations of a wave, by falling growth rate. `tick` is called after every
+/// pair of runs.
+pub fn eigenvalues(
+    parameters: &Parameters,
+    setup: &Setup,
+    profile: &Profile,
+    request: &Request,
+    tick: &mut dyn FnMut(),
+) -> Result<Vec<Eigenvalue>, GrowthError> {
+    let Request {
+        points,
+        waves,
+        sector,
+        shift,
+        ..
+    } = *request;
+    let (mut ring, interval, steps) = begin(parameters, setup, profile, request)?;
     ring.advance((request.settling / ring.setup().time_step).round() as u64);
     checked(&ring)?;
     let map = Map {
@@ -153,7 +185,7 @@ pub fn eigenvalues(
         amplitude: request.amplitude,
         ring,
     };
-    let (matrix, basis, last) = arnoldi(&map, request.pairs)?;
+    let (matrix, basis, last) = arnoldi(&map, request.pairs, tick)?;
     let size = matrix.nrows();
     let decomposition = matrix.eigen().map_err(|_| GrowthError::Eigenvalues(size))?;
     let (values, shapes) = (decomposition.S().column_vector(), decomposition.U());
@@ -197,6 +229,7 @@ pub fn averaged(
     profile: &Profile,
     request: &Request,
     instants: usize,
+    tick: &mut dyn FnMut(),
 ) -> Result<Vec<Eigenvalue>, GrowthError> {
     let instants = instants.max(2);
     let mut sets = Vec::with_capacity(instants);
@@ -205,7 +238,7 @@ pub fn averaged(
             settling: request.settling + APART * instant as f64,
             ..*request
         };
-        sets.push(eigenvalues(parameters, setup, profile, &later)?);
+        sets.push(eigenvalues(parameters, setup, profile, &later, tick)?);
     }
     let count = instants as f64;
     let mut means: Vec<Eigenvalue> = sets[0]
@@ -449,7 +482,7 @@ const EXHAUSTED: f64 = 1e-12;
 type Arnoldi = (Mat<c64>, Vec<Vec<c64>>, f64);
 
 /// See [`Arnoldi`]; a wave that leaves the shaft has none where β > 0.
-fn arnoldi(map: &Map, pairs: usize) -> Result<Arnoldi, GrowthError> {
+fn arnoldi(map: &Map, pairs: usize, tick: &mut dyn FnMut()) -> Result<Arnoldi, GrowthError> {
     let length = |shape: &[c64]| {
         shape
             .iter()
@@ -465,6 +498,7 @@ fn arnoldi(map: &Map, pairs: usize) -> Result<Arnoldi, GrowthError> {
     let mut last = 0.0;
     while columns.len() < pairs.min(map.size()) {
         let mut image = map.apply(&shapes[shapes.len() - 1])?;
+        tick();
         let whole = length(&image);
         let mut column = vec![c64::new(0.0, 0.0); shapes.len()];
         // twice is enough

@@ -179,6 +179,17 @@ impl Motion {
         }
     }
 
+    /// Goes on with steps, none longer than before, that a time is a whole number of; takes the first
+    /// and returns how many are left.
+    pub fn shorten(&mut self, time: f64) -> u64 {
+        let steps = (time / self.time_step()).ceil().max(1.0);
+        match self {
+            Motion::Ring(ring) => ring.shorten(time / steps),
+            Motion::Annulus(annulus) => annulus.shorten(time / steps),
+        }
+        steps as u64 - 1
+    }
+
     /// Whether the motion is still one whose equations hold: a ring with β > 0 must not leave the
     /// shaft.
     pub fn holds(&self) -> bool {

@@ -10,6 +10,8 @@
 //! durations, the least values just named, and the conditions of the switching table. The margin
 //! that reaches zero first names the event.
 
+use serde::{Deserialize, Serialize};
+
 use crate::flow::sign::{Bernstein, COEFFICIENTS, DEGREE, REMAINDER, Verdict};
 use crate::flow::{DURATION, ENTRY_W, ENTRY_Y, FlowError, Jet, Slide, SlidingFlow};
 use crate::linalg::Vector;
@@ -20,7 +22,7 @@ use crate::problem::Impact;
 use super::{Flows, Wave, jet_units};
 
 /// What a margin measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Watch {
     /// Duration of the zone.
     Duration,
@@ -49,7 +51,7 @@ pub enum Watch {
 }
 
 /// A margin: positive while the signature holds. Scaled to order one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Margin {
     /// What it measures.
     pub watch: Watch,

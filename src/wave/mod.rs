@@ -36,6 +36,8 @@ pub mod successor;
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
+use serde::{Deserialize, Serialize};
+
 use crate::flow::contact::ContactFlow;
 use crate::flow::material::MaterialFlow;
 use crate::flow::numerical::{Integrator, NumericalContact, NumericalSeparation};
@@ -52,7 +54,7 @@ use crate::problem::{FrictionLaw, Method, Parameter};
 
 /// Units of the unknowns, constant along a branch: they make every scaled unknown of order one,
 /// and they follow the exact scaling (γ, δ, c) → (s²γ, sδ, c/s) of the model.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scales {
     /// Period 2π/(k|c|) of the first wave: unit of Y and of durations.
     pub time: f64,

@@ -328,7 +328,7 @@ fn eigenvalues(
         settling: 1.0,
     };
     let setup = setup(points, profile.wavelength(), Order::Fourth, 1.0);
-    growth::averaged(parameters, &setup, profile, &request, 2)
+    growth::averaged(parameters, &setup, profile, &request, 2, &mut || ())
 }
 
 /// Compares with the eigenfunction problem. Where errors fall at least like the spacing, that of the finer

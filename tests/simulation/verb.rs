@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -203,7 +204,11 @@ fn a_wave_is_taken_from_a_result_folder() {
         );
     let bench = Bench::new(&problem);
     // the wave is not there yet
-    bench.run(&["simulate", "p.ron"], 2);
+    let text = bench.run(&["simulate", "p.ron"], 2);
+    assert!(
+        text.contains("`brakewave run`") && !text.contains("os error"),
+        "{text}"
+    );
     // and growth is refused before anything is simulated where the grid is too coarse for it
     let coarse = problem.replace("points: 192", "points: 48");
     fs::write(bench.path("c.ron"), coarse).expect("a file");
@@ -345,4 +350,123 @@ fn material_damping_demands_contact() {
     problem("0.4").run(&["simulate", "p.ron", "--quiet"], 0);
     let text = problem("0.01").run(&["simulate", "p.ron"], 3);
     assert!(text.contains("left the shaft"), "{text}");
+}
+
+/// Rows of the time series of a simulation, as numbers.
+fn series(bench: &Bench, folder: &str) -> Vec<Vec<f64>> {
+    let path = bench.path(folder).join("series.csv");
+    let text = fs::read_to_string(path).expect("a series");
+    let number = |cell: &str| cell.parse().expect("a number");
+    (text.lines().skip(1))
+        .map(|row| row.split(',').map(number).collect())
+        .collect()
+}
+
+/// Samples come every `every`, and the last one at the end of the duration, however long that is.
+#[test]
+fn a_simulation_ends_at_its_duration() {
+    for body in [RING, ANNULUS] {
+        for (duration, every, times) in [
+            (1.0, 0.7, &[0.0, 0.7, 1.0][..]),
+            (1.0, 0.4, &[0.0, 0.4, 0.8, 1.0]),
+            (1.2, 0.4, &[0.0, 0.4, 0.8, 1.2]),
+            (0.7001, 0.7, &[0.0, 0.7, 0.7001]),
+        ] {
+            let span = format!("duration: {duration:?}, every: {every:?}");
+            let problem = SMALL.replace("BODY", body).replace("duration: 30.0", &span);
+            let bench = Bench::new(&problem);
+            let text = bench.run(&["simulate", "p.ron", "--out", "s"], 0);
+            let found: Vec<f64> = series(&bench, "s").iter().map(|row| row[0]).collect();
+            assert_eq!(found.len(), times.len(), "{span}: {found:?}");
+            for (one, other) in found.iter().zip(times) {
+                // a sum of steps, each rounded relative to the time
+                assert!((one - other).abs() <= 1e-13, "{span}: {found:?}");
+            }
+            let uneven = times[times.len() - 1] - times[times.len() - 2] < 0.99 * every;
+            assert!(!uneven || found.last() == Some(&duration), "{found:?}");
+            assert_eq!(
+                text.contains("the last sample is at the end"),
+                uneven,
+                "{text}"
+            );
+            let snapshots = files(&bench.path("s/snapshots"));
+            assert_eq!(snapshots.len(), 3, "{:?}", snapshots.keys());
+        }
+    }
+}
+
+/// Where all slips energy is balanced to rounding while the step is the same. Where it changes from Δ to
+/// Δ′ the balance is left by ¼(Δ − Δ′)F·(V̇′ − V̇), of second order: two halvings are a factor of 16, of
+/// first order they would be one of 4.
+#[test]
+fn a_shorter_last_interval_is_of_second_order() {
+    for body in [RING, ANNULUS] {
+        let left = [0.4, 0.1].map(|courant| {
+            let span = format!("duration: 0.803, every: 0.4, courant: {courant}");
+            let problem = SMALL.replace("BODY", body).replace("duration: 30.0", &span);
+            let bench = Bench::new(&problem);
+            bench.run(&["simulate", "p.ron", "--out", "s", "--quiet"], 0);
+            let rows = series(&bench, "s");
+            let [.., before, last] = &rows[..] else {
+                panic!("{rows:?}")
+            };
+            assert!(before[4] == 1.0 && last[4] == 1.0, "all slips");
+            assert!(before[2].abs() < 1e-11 * before[1].abs(), "{before:?}");
+            last[2].abs()
+        });
+        assert!(left[1] > 0.0 && left[0] > 10.0 * left[1], "{left:?}");
+    }
+}
+
+/// What no machine ends is refused before anything is written, and any number of threads is taken.
+#[test]
+fn absurd_sizes_are_refused_and_threads_are_not() {
+    for absurd in [
+        "Ring(points: 1000000)\n, courant: 1e-9",
+        "Ring(points: 96)\n, courant: 1e-300",
+        "Annulus(around: 1000, across: 1000)\n, courant: 1e-9",
+    ] {
+        let (body, courant) = absurd.split_once('\n').expect("two parts");
+        let more = format!("duration: 30.0{courant}");
+        let problem = SMALL.replace("BODY", body).replace("duration: 30.0", &more);
+        let bench = Bench::new(&problem);
+        let text = bench.run(&["simulate", "p.ron", "--out", "s"], 2);
+        assert!(text.contains("at most 1e15 are admitted"), "{text}");
+        assert!(!bench.path("s").exists());
+    }
+    let brief = SMALL.replace("BODY", RING).replace("30.0", "2.0");
+    let bench = Bench::new(&brief);
+    let run = |threads: &str| {
+        bench.run(
+            &["simulate", "p.ron", "--out", threads, "--threads", threads],
+            0,
+        );
+    };
+    run("1");
+    run("65535");
+    same(&bench.path("1"), &bench.path("65535"));
+}
+
+/// A long simulation says how long it takes, also off a terminal.
+#[test]
+fn a_long_simulation_says_so() {
+    let problem = SMALL
+        .replace("BODY", "Ring(points: 4096)")
+        .replace("30.0", "30000.0");
+    let bench = Bench::new(&problem);
+    let mut child = bench
+        .command(&["simulate", "p.ron", "--threads", "1"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the binary runs");
+    let mut line = String::new();
+    let error = child.stderr.take().expect("standard error");
+    BufReader::new(error).read_line(&mut line).expect("a line");
+    child.kill().expect("it can be killed");
+    child.wait().expect("it ends");
+    assert!(line.starts_with("0 %: step "), "{line}");
+    assert!(
+        line.contains(" of ") && line.trim_end().ends_with("left"),
+        "{line}"
+    );
 }

@@ -67,8 +67,15 @@ fn eigenvalues(mismatch: f64, points: usize, sector: usize, pairs: usize) -> Vec
         settling: SETTLING,
     };
     let setup = setup(points, profile.wavelength(), Order::Fourth, 1.0);
-    growth::averaged(&parameters(mismatch, 0.0), &setup, &profile, &request, 2)
-        .expect("eigenvalues")
+    growth::averaged(
+        &parameters(mismatch, 0.0),
+        &setup,
+        &profile,
+        &request,
+        2,
+        &mut || (),
+    )
+    .expect("eigenvalues")
 }
 
 /// Compares eigenvalues of two grids with references. With errors that fall at least in proportion
@@ -160,5 +167,14 @@ fn there_is_no_sector_beyond_the_waves() {
         settling: 0.0,
     };
     let setup = setup(48, profile.wavelength(), Order::Second, 1.0);
-    assert!(growth::eigenvalues(&parameters(0.2, 0.0), &setup, &profile, &request).is_err());
+    assert!(
+        growth::eigenvalues(
+            &parameters(0.2, 0.0),
+            &setup,
+            &profile,
+            &request,
+            &mut || ()
+        )
+        .is_err()
+    );
 }

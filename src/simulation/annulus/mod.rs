@@ -107,7 +107,12 @@ pub struct Annulus {
     state: State,
     /// Rates before contact, one pair of rows per circle.
     force: (Vec<f64>, Vec<f64>),
+    /// Time from the rates before a step to those after it: Δt, and where the step changes the mean
+    /// of both.
+    kick: f64,
     steps: u64,
+    /// Steps and time when the time step was changed last.
+    since: (u64, f64),
 }
 
 /// Nodes from which on circles are worked on by several threads.
@@ -191,7 +196,9 @@ impl Annulus {
             force: (vec![0.0; count], vec![0.0; count]),
             setup,
             circles,
+            kick: dt,
             steps: 0,
+            since: (0, 0.0),
         };
         let rest = annulus.sums(0, [&u, &v]);
         let width = annulus.width();
@@ -227,7 +234,18 @@ impl Annulus {
 
     /// Time since the start.
     pub fn time(&self) -> f64 {
-        self.steps as f64 * self.setup.time_step
+        let (steps, time) = self.since;
+        time + (self.steps - steps) as f64 * self.setup.time_step
+    }
+
+    /// Goes on with a shorter time step, and takes the first one: the rates stand half an old step
+    /// before the instant, so that the mean of both steps brings them half a new one beyond it.
+    pub fn shorten(&mut self, time_step: f64) {
+        self.since = (self.steps, self.time());
+        self.kick = 0.5 * (self.setup.time_step + time_step);
+        self.setup.time_step = time_step;
+        self.advance(1);
+        self.kick = time_step;
     }
 
     /// Goes on from a state after `steps` steps.
@@ -323,7 +341,8 @@ impl Annulus {
             ..
         } = self.setup;
         let width = self.width();
-        let half = 0.5 * mass_damping * dt;
+        let kick = self.kick;
+        let half = 0.5 * mass_damping * kick;
         let (keep, gain) = (1.0 - half, 1.0 / (1.0 + half));
         let state = &mut self.state;
         let mut work = [0.0; 3];
@@ -332,8 +351,8 @@ impl Annulus {
             for point in 0..around {
                 let node = circle * around + point;
                 let (old_u, old_v) = (state.radial_rate[node], state.tangential_rate[node]);
-                let alone_u = gain * (keep * old_u + dt * self.force.0[node]);
-                let alone_v = gain * (keep * old_v + dt * self.force.1[node]);
+                let alone_u = gain * (keep * old_u + kick * self.force.0[node]);
+                let alone_v = gain * (keep * old_v + kick * self.force.1[node]);
                 let (mut u, mut v) = (alone_u, alone_v);
                 let mut radial = state.radial[node] + dt * alone_u;
                 if circle == 0 {
@@ -347,7 +366,7 @@ impl Annulus {
                         v = 1.0 + slid;
                         shear = v - alone_v;
                     }
-                    let per_area = mass / (gain * dt * width);
+                    let per_area = mass / (gain * kick * width);
                     state.pressure[point] = normal * per_area;
                     state.shear[point] = shear * per_area;
                     work[0] += mass / gain * shear * 0.5 * (old_v + v);
@@ -355,7 +374,7 @@ impl Annulus {
                 }
                 if mass_damping != 0.0 {
                     let (mean_u, mean_v) = (0.5 * (old_u + u), 0.5 * (old_v + v));
-                    work[2] -= mass * mass_damping * dt * (mean_u * mean_u + mean_v * mean_v);
+                    work[2] -= mass * mass_damping * kick * (mean_u * mean_u + mean_v * mean_v);
                 }
                 state.radial_rate[node] = u;
                 state.tangential_rate[node] = v;

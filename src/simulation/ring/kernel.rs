@@ -51,9 +51,12 @@ pub struct Constants {
     pub friction: f64,
     /// Time step.
     pub dt: f64,
-    /// 1 − αΔt/2.
+    /// Time from the rates before a step to those after it: Δt, and where the step changes the mean
+    /// of both.
+    pub kick: f64,
+    /// 1 − α/2 times `kick`.
     pub keep: f64,
-    /// 1/(1 + αΔt/2).
+    /// 1/(1 + α/2 times `kick`).
     pub gain: f64,
     /// Material damping β.
     pub material: f64,
@@ -173,7 +176,7 @@ pub fn step<const R: usize, const WATCHED: bool, F: Friction>(
 
         // an impact has left a node that touches without velocity, whatever its last step was
         let before = if touches { 0.0 } else { radial_rate[i] };
-        let free_rate = c.gain * (c.keep * before + c.dt * (bend_u + slope_v - c.g * u0));
+        let free_rate = c.gain * (c.keep * before + c.kick * (bend_u + slope_v - c.g * u0));
         let moved = c.dt * free_rate;
         let free = u0 + moved;
         let lands = !holds & (free < c.mismatch);
@@ -196,9 +199,9 @@ pub fn step<const R: usize, const WATCHED: bool, F: Friction>(
         };
 
         let old = tangential_rate[i];
-        let change = c.gain * (c.keep * old + c.dt * (bend_v - slope_u - c.h * v0)) - old;
+        let change = c.gain * (c.keep * old + c.kick * (bend_v - slope_u - c.h * v0)) - old;
         let most = if holds {
-            c.gain * c.dt * touched * c.friction * pressure
+            c.gain * c.kick * touched * c.friction * pressure
         } else {
             0.0
         };
@@ -220,7 +223,7 @@ pub fn step<const R: usize, const WATCHED: bool, F: Friction>(
             friction_work[i] += (new - old - change) / c.gain * mean - c.dt * bent * elastic;
             let was = radial_rate[i];
             let mean_rate = 0.5 * (was + rate);
-            let alone = c.gain * (c.keep * was + c.dt * (bend_u + slope_v - c.g * u0));
+            let alone = c.gain * (c.keep * was + c.kick * (bend_u + slope_v - c.g * u0));
             contact_work[i] += (rate - alone) / c.gain * mean_rate;
             // αΔt = 1/gain − keep
             let alpha = 1.0 / c.gain - c.keep;

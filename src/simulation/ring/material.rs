@@ -71,9 +71,9 @@ pub fn step<const R: usize, const WATCHED: bool, F: Friction>(
         share[i] = if holds { 1.0 } else { 0.0 };
 
         let old = tangential_rate[i];
-        let change = c.gain * (c.keep * old + c.dt * force) - old;
+        let change = c.gain * (c.keep * old + c.kick * force) - old;
         let most = if holds {
-            c.gain * c.dt * c.friction * pressure
+            c.gain * c.kick * c.friction * pressure
         } else {
             0.0
         };
@@ -95,7 +95,7 @@ pub fn step<const R: usize, const WATCHED: bool, F: Friction>(
             friction_work[i] += (new - old - change) / c.gain * mean - c.dt * kink * elastic;
             // αΔt = 1/gain − keep
             let alpha = 1.0 / c.gain - c.keep;
-            damping_work[i] += (c.dt * (force - elastic) - alpha * mean) * mean;
+            damping_work[i] += (c.kick * (force - elastic) - alpha * mean) * mean;
         }
     }
 }

@@ -132,6 +132,8 @@ pub struct Ring {
     constants: Constants,
     nodes: Nodes,
     steps: u64,
+    /// Steps and time when the time step was changed last.
+    since: (u64, f64),
     stretches: Vec<Stretch>,
     depth: usize,
 }
@@ -194,6 +196,32 @@ pub fn courant_step(parameters: &Parameters, points: usize, angle: f64, courant:
     courant * with_diffusion(free, parameters.stiffness_damping)
 }
 
+/// Numbers of a step whose rates are `kick` apart.
+fn constants(parameters: &Parameters, setup: &Setup, kick: f64) -> Constants {
+    let c = parameters.coefficients;
+    let width = spacing(setup.points, setup.angle);
+    let half = 0.5 * parameters.mass_damping * kick;
+    let second = setup.order.second();
+    Constants {
+        b: second.map(|weight| c.b * weight / (width * width)),
+        a: second.map(|weight| c.a * weight / (width * width)),
+        coupling: setup
+            .order
+            .first()
+            .map(|weight| c.coupling * weight / width),
+        g: c.g,
+        h: c.h,
+        rest: c.g * parameters.mismatch,
+        mismatch: parameters.mismatch,
+        friction: parameters.friction,
+        dt: setup.time_step,
+        kick,
+        keep: 1.0 - half,
+        gain: 1.0 / (1.0 + half),
+        material: parameters.stiffness_damping,
+    }
+}
+
 impl Ring {
     /// A ring at rest in steady sliding: U = δ, V = δfg/h, V̇ = 0.
     pub fn new(parameters: &Parameters, setup: Setup) -> Result<Ring, SetupError> {
@@ -206,31 +234,7 @@ impl Ring {
             return Err(SetupError::Step { step: dt, limit });
         }
         let c = parameters.coefficients;
-        let width = spacing(setup.points, setup.angle);
-        let half = 0.5 * parameters.mass_damping * dt;
-        let constants = Constants {
-            b: setup
-                .order
-                .second()
-                .map(|weight| c.b * weight / (width * width)),
-            a: setup
-                .order
-                .second()
-                .map(|weight| c.a * weight / (width * width)),
-            coupling: setup
-                .order
-                .first()
-                .map(|weight| c.coupling * weight / width),
-            g: c.g,
-            h: c.h,
-            rest: c.g * parameters.mismatch,
-            mismatch: parameters.mismatch,
-            friction: parameters.friction,
-            dt,
-            keep: 1.0 - half,
-            gain: 1.0 / (1.0 + half),
-            material: parameters.stiffness_damping,
-        };
+        let constants = constants(parameters, &setup, dt);
         let material = parameters.stiffness_damping > 0.0;
         let mut nodes = Nodes::new(setup.points, setup.watched, material);
         nodes.radial.fill(parameters.mismatch);
@@ -263,6 +267,7 @@ impl Ring {
             constants,
             nodes,
             steps: 0,
+            since: (0, 0.0),
             stretches,
             depth,
         })
@@ -290,7 +295,19 @@ impl Ring {
 
     /// Time since the start.
     pub fn time(&self) -> f64 {
-        self.steps as f64 * self.setup.time_step
+        let (steps, time) = self.since;
+        time + (self.steps - steps) as f64 * self.setup.time_step
+    }
+
+    /// Goes on with a shorter time step, and takes the first one: the rates stand half an old step
+    /// before the instant, so that the mean of both steps brings them half a new one beyond it.
+    pub fn shorten(&mut self, time_step: f64) {
+        self.since = (self.steps, self.time());
+        let mean = 0.5 * (self.setup.time_step + time_step);
+        self.setup.time_step = time_step;
+        self.constants = constants(&self.parameters, &self.setup, mean);
+        self.advance(1);
+        self.constants = constants(&self.parameters, &self.setup, time_step);
     }
 
     /// U and V at the time of the ring; rates half a step earlier.
