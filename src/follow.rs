@@ -128,10 +128,22 @@ impl Follower {
 
     /// Goes on from a saved state. `wave` gives model, mode and scales.
     pub fn resume(wave: &Wave, state: State, settings: Settings) -> Result<Self, String> {
-        let wave = wave.with_signature(state.signature);
-        if state.point.len() != wave.unknowns() || state.tangent.len() != wave.unknowns() {
+        let (signature, point, tangent) = state.origin;
+        let fits = |signature: &Signature, lists: [&Vec<f64>; 2]| {
+            let unknowns = wave.with_signature(signature.clone()).unknowns();
+            !signature.is_empty()
+                && lists.iter().all(|list| {
+                    list.len() == unknowns && list.iter().all(|number| number.is_finite())
+                })
+        };
+        let numbers = [state.ds, state.heading, state.travelled];
+        if !fits(&state.signature, [&state.point, &state.tangent])
+            || !fits(&signature, [&point, &tangent])
+            || !numbers.iter().all(|number| number.is_finite())
+        {
             return Err("the saved state does not fit its signature".into());
         }
+        let wave = wave.with_signature(state.signature);
         let node = Node {
             point: Vector::from_vec(state.point),
             tangent: Vector::from_vec(state.tangent),
@@ -139,7 +151,6 @@ impl Follower {
             residual: 0.0,
         };
         let examination = examine(&wave, &node.point).map_err(|error| error.to_string())?;
-        let (signature, point, tangent) = state.origin;
         Ok(Follower {
             wave: Arc::new(wave),
             node,

@@ -17,7 +17,7 @@ use crate::linalg::Vector;
 use crate::model::coefficients::{Coefficients, Geometry};
 use crate::model::signature::{Regime, Signature};
 use crate::model::{Model, Source};
-use crate::newton;
+use crate::newton::{self, System};
 use crate::problem::{
     self, Continuation, FrictionLaw, Method, Parameter, Problem, Sectors, Start, Toward,
 };
@@ -76,6 +76,25 @@ impl SavedWave {
         }
     }
 
+    /// Whether every zone has its numbers and all of them are finite: a damaged file may say otherwise.
+    pub fn is_whole(&self) -> bool {
+        let model = self.model.values();
+        let parameters = [
+            model.mismatch,
+            model.friction,
+            model.mass_damping,
+            model.stiffness_damping,
+        ];
+        let zones = self.signature.len();
+        zones > 0
+            && self.zones.len() == zones
+            && (self.layers.is_empty() || self.layers.len() == zones)
+            && finite(self.zones.as_flattened())
+            && finite(&self.layers)
+            && finite(&parameters)
+            && self.excess.is_finite()
+    }
+
     /// The wave as a boundary-value problem in `parameter`, of which `width` is the unit.
     pub fn wave(&self, parameter: Parameter, mode: u32, width: f64) -> Wave {
         let largest = self
@@ -94,6 +113,10 @@ impl SavedWave {
             .map(|([y, w, t], layer)| [*y, *w, *t, layer])
             .collect()
     }
+}
+
+fn finite(numbers: &[f64]) -> bool {
+    numbers.iter().all(|number| number.is_finite())
 }
 
 /// How a run ended.
@@ -440,15 +463,30 @@ impl Branch {
     }
 
     /// Goes on from saved progress.
+    ///
+    /// # Errors
+    /// When the progress is not one that a run of this problem leaves.
     pub fn resume(
         problem: &Problem,
         continuation: &Continuation,
         saved: &SavedWave,
         progress: Progress,
-    ) -> Result<Branch, RunError> {
+    ) -> Result<Branch, String> {
         let model = saved.model;
         let (signature, point) = progress.first.clone();
         let method = problem.method.unwrap_or(model.law.default_method());
+        let up = progress
+            .leg
+            .checked_sub(1)
+            .and_then(|leg| legs(continuation.toward).get(leg));
+        let fits = progress.met.len() == continuation.stop_after.len()
+            && progress.passed.len() == problem.output.profiles
+            && !signature.is_empty()
+            && finite(&progress.scales)
+            && finite(&point);
+        let (Some(up), true) = (up, fits) else {
+            return Err("the saved progress does not fit its problem".into());
+        };
         let first = Wave::new(
             model,
             continuation.parameter,
@@ -457,16 +495,13 @@ impl Branch {
             unpack_scales(progress.scales),
         )
         .with_method(method);
+        if point.len() != first.unknowns() {
+            return Err("the first wave does not fit its signature".into());
+        }
         let follower = match &progress.state {
             Some(state) => Follower::resume(&first, state.clone(), settings(continuation)),
-            None => Follower::new(
-                first,
-                &Vector::from_vec(point),
-                legs(continuation.toward)[progress.leg - 1],
-                settings(continuation),
-            ),
-        }
-        .map_err(RunError::Input)?;
+            None => Follower::new(first, &Vector::from_vec(point), *up, settings(continuation)),
+        }?;
         Ok(Branch {
             model,
             mode: problem.wave.mode,

@@ -1,14 +1,16 @@
 //! `brakewave check`: does the branch still have the events it is expected to have?
 
 use std::fmt::Write;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use quick_junit::{NonSuccessKind, Report as JunitReport, TestCase, TestCaseStatus, TestSuite};
 
 use super::run::{Prepared, prepare};
-use super::{BAD_INPUT, Failure, NUMERICAL, UNMET, print};
+use super::{BAD_INPUT, Failure, INPUT_OUTPUT, NUMERICAL, UNMET, print, spare};
 use crate::branch::Event;
+use crate::output::store::io_error;
 use crate::problem::{self, Expectation, Parameter, Problem};
 use crate::run::{Branch, End};
 
@@ -40,6 +42,16 @@ struct Outcome {
 }
 
 pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
+    if let Some(path) = &arguments.junit {
+        spare(path, &arguments.problems)?;
+        let folder = path
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder {
+            // noticed before the computation
+            fs::read_dir(folder).map_err(io_error("write into it", folder))?;
+        }
+    }
     let mut outcomes = Vec::with_capacity(arguments.problems.len());
     for file in &arguments.problems {
         let outcome = match check_file(file) {
@@ -62,9 +74,9 @@ pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     if let Some(path) = &arguments.junit {
         write_junit(path, &outcomes)?;
     }
-    // bad input outranks a numerical failure, which outranks an expectation not met
+    // bad input outranks damaged input, then a numerical failure, then an expectation not met
     let codes = |code: u8| outcomes.iter().any(|outcome| outcome.code == code);
-    Ok([BAD_INPUT, NUMERICAL, UNMET]
+    Ok([BAD_INPUT, INPUT_OUTPUT, NUMERICAL, UNMET]
         .into_iter()
         .find(|code| codes(*code))
         .unwrap_or(0))
@@ -302,6 +314,5 @@ fn write_junit(path: &Path, outcomes: &[Outcome]) -> Result<(), Failure> {
     let xml = report
         .to_string()
         .map_err(|error| Failure::Usage(format!("JUnit report: {error}")))?;
-    std::fs::write(path, xml)
-        .map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))
+    Ok(fs::write(path, xml).map_err(io_error("write it", path))?)
 }

@@ -1,5 +1,6 @@
 //! `brakewave map` and `brakewave map merge`.
 
+use std::fs;
 use std::io::{IsTerminal, Write, stderr};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -10,10 +11,11 @@ use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
-use super::{Failure, default_folder, print};
+use super::{Failure, default_folder, inputs, print, spare};
 use crate::map;
 use crate::output::map_folder::{Description, MapFolder};
 use crate::output::plots::{self, Format};
+use crate::output::store::{Existing, Kind};
 use crate::problem::{self, Problem};
 
 #[derive(Debug, Args)]
@@ -106,9 +108,18 @@ fn run(arguments: &MapArguments, path: &Path) -> Result<u8, Failure> {
     let (problem, text) = problem::read(path)?;
     let section = problem.map(&text, &path.display().to_string())?;
     let out = folder(arguments, path);
-    let description = Description::new(&problem);
-    let folder = MapFolder::open(&out, &description, arguments.resume, arguments.force)?;
+    let inputs = inputs(path, &problem);
+    if let Some((picture, _)) = picture {
+        spare(picture, &inputs)?;
+    }
     let shard = arguments.shard.unwrap_or(Shard { number: 1, of: 1 });
+    let kind = match shard.of {
+        1 => Kind::Map,
+        _ => Kind::MapShard,
+    };
+    let existing = Existing::of(arguments.resume, arguments.force);
+    let description = Description::new(&problem);
+    let folder = MapFolder::open(&out, description.clone(), kind, existing, &inputs)?;
     let finished = folder.finished()?;
     let rows: Vec<usize> = (shard.number - 1..description.rows())
         .step_by(shard.of)
@@ -122,16 +133,19 @@ fn run(arguments: &MapArguments, path: &Path) -> Result<u8, Failure> {
     threads.install(|| {
         rows.par_iter().try_for_each(|&row| -> Result<(), Failure> {
             let cells = map::row(&problem, section, row)?;
+            // the first row that is there replaces an earlier map
+            folder.begin(&rows)?;
             folder.write(row, &cells)?;
             meter.tick();
             Ok(())
         })
     })?;
     meter.finish();
-    if arguments.shard.is_some_and(|shard| shard.of > 1) {
+    folder.begin(&rows)?;
+    if shard.of > 1 {
         return summary(arguments.quiet, &format!("shard in {}\n", out.display()));
     }
-    tables(&folder, &description, std::slice::from_ref(&out))?;
+    folder.join(std::slice::from_ref(&out))?;
     draw(picture, &out, &problem)?;
     summary(arguments.quiet, &format!("map in {}\n", out.display()))
 }
@@ -155,11 +169,14 @@ fn merge(arguments: &MergeArguments) -> Result<u8, Failure> {
     let Some((description, _)) = description else {
         return Err(Failure::Usage("name the folders of the shards".into()));
     };
-    let own = arguments.shards.contains(&arguments.out);
-    // a shard may be joined in its own folder, which is not cleared then
-    let folder = MapFolder::open(&arguments.out, &description, own, arguments.force)?;
-    tables(&folder, &description, &arguments.shards)?;
-    draw(picture, &arguments.out, &description.problem)?;
+    let canonical = |path: &PathBuf| fs::canonicalize(path).ok();
+    let out = canonical(&arguments.out);
+    let own = out.is_some() && arguments.shards.iter().any(|shard| canonical(shard) == out);
+    // a shard may be joined in its own folder, whose rows stay then
+    let existing = Existing::of(own, arguments.force);
+    let folder = MapFolder::open(&arguments.out, description, Kind::Map, existing, &[])?;
+    folder.join(&arguments.shards)?;
+    draw(picture, &arguments.out, folder.problem())?;
     let text = format!("map in {}\n", arguments.out.display());
     summary(arguments.quiet, &text)
 }
@@ -185,34 +202,13 @@ fn folder(arguments: &MapArguments, problem: &Path) -> PathBuf {
     }
 }
 
-/// The joined tables.
-fn tables(folder: &MapFolder, description: &Description, from: &[PathBuf]) -> Result<(), Failure> {
-    let table = folder.join(description, from)?;
-    #[cfg(feature = "parquet")]
-    {
-        use crate::output::map_folder::PARQUET;
-        use crate::output::parquet::{Kind, convert};
-        let kind = |name: &str| match name {
-            "row" | "column" | "passage" | "unstable" | "lead_sector" => Kind::Integer,
-            "start" | "regimes" | "switches" | "stable" | "why" => Kind::Text,
-            _ => Kind::Number,
-        };
-        let parquet = folder.path().join(PARQUET);
-        convert(&table, &parquet, kind)
-            .map_err(|error| Failure::Usage(format!("{}: {error}", parquet.display())))?;
-    }
-    #[cfg(not(feature = "parquet"))]
-    let _ = table;
-    Ok(())
-}
-
 /// File and format of the picture asked for.
 fn picture(path: Option<&Path>) -> Result<Option<(&Path, Format)>, Failure> {
     let Some(path) = path else {
         return Ok(None);
     };
     match Format::of(path) {
-        Some(format) => Ok(Some((path, format))),
+        Some(format) => Ok(Some((path, format.available()?))),
         None => Err(Failure::Usage(format!(
             "{}: give the picture a name that ends in .svg, .png or .pdf",
             path.display()

@@ -12,18 +12,18 @@ mod simulate;
 mod spectrum;
 mod steady;
 
+use std::fs;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::curve::start::NoCurve;
 use crate::output::curve_folder::CurveFolderError;
-use crate::output::folder::FolderError;
-use crate::output::map_folder::MapFolderError;
 use crate::output::plots::{Format, PlotError};
-use crate::problem::{self, ProblemError};
+use crate::output::store::StoreError;
+use crate::problem::{self, CurveEvent, Problem, ProblemError, SimulationStart, Start};
 use crate::run::RunError;
 use crate::steady::radial;
 use crate::wave::hopf::NoHopf;
@@ -37,7 +37,8 @@ struct Arguments {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 an expectation of `check` is not met; 2 bad input \
-or usage; 3 numerical failure (no start, or the branch ended before its range)";
+or usage; 3 numerical failure (no start, or the branch ended before its range); 4 input or output failed \
+(full disk, no permission, damaged folder)";
 
 #[derive(Debug, Subcommand)]
 enum Verb {
@@ -88,9 +89,7 @@ enum Failure {
     #[error("{0}")]
     Problem(#[from] ProblemError),
     #[error("{0}")]
-    Folder(#[from] FolderError),
-    #[error("{0}")]
-    MapFolder(#[from] MapFolderError),
+    Store(#[from] StoreError),
     #[error("{0}")]
     Plot(#[from] PlotError),
     #[error("{0}")]
@@ -118,6 +117,21 @@ impl Failure {
                 NoCurve::Run(RunError::Input(_)) | NoCurve::Outside { .. } | NoCurve::Kind { .. },
             ) => BAD_INPUT,
             Failure::Curve(_) => NUMERICAL,
+            Failure::Store(error) | Failure::Plot(PlotError::Store(error)) => {
+                if error.is_usage() {
+                    BAD_INPUT
+                } else {
+                    INPUT_OUTPUT
+                }
+            }
+            Failure::Plot(
+                PlotError::Read { .. }
+                | PlotError::Table { .. }
+                | PlotError::Empty { .. }
+                | PlotError::MissingColumn { .. }
+                | PlotError::Write { .. },
+            )
+            | Failure::Output(_) => INPUT_OUTPUT,
             _ => BAD_INPUT,
         }
     }
@@ -126,6 +140,7 @@ impl Failure {
 const UNMET: u8 = 1;
 const BAD_INPUT: u8 = 2;
 const NUMERICAL: u8 = 3;
+const INPUT_OUTPUT: u8 = 4;
 
 /// Runs the command line of this process and returns its exit code.
 pub fn main() -> ExitCode {
@@ -167,9 +182,39 @@ fn warn(text: &str) {
 }
 
 /// Where results go by default: `results/` and the name of the problem file.
-fn default_folder(problem: &std::path::Path) -> PathBuf {
+fn default_folder(problem: &Path) -> PathBuf {
     let stem = problem
         .file_stem()
         .map_or_else(|| "problem".into(), |stem| stem.to_owned());
     PathBuf::from("results").join(stem)
+}
+
+/// What the results of a problem file are computed from: itself, and what it names.
+fn inputs(path: &Path, problem: &Problem) -> Vec<PathBuf> {
+    let mut inputs = vec![path.to_path_buf()];
+    if let Start::Restart { dir, .. } = &problem.wave.start {
+        inputs.push(dir.clone());
+    }
+    if let Some(CurveEvent::Label { dir, .. }) = problem.curve.as_ref().map(|curve| &curve.event) {
+        inputs.push(dir.clone());
+    }
+    match problem.simulation.as_ref().map(|section| &section.start) {
+        Some(SimulationStart::Wave { dir, .. }) => inputs.push(dir.clone()),
+        Some(SimulationStart::Profile { file, .. }) => inputs.push(file.clone()),
+        _ => {}
+    }
+    inputs
+}
+
+/// Refuses to write over what was read.
+fn spare(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+    let canonical = |path: &Path| fs::canonicalize(path).ok();
+    let there = canonical(path);
+    if there.is_some() && inputs.iter().any(|input| canonical(input) == there) {
+        return Err(Failure::Usage(format!(
+            "{}: it would be replaced, and is read as well; take another name",
+            path.display()
+        )));
+    }
+    Ok(())
 }

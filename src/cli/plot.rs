@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::{Failure, FormatArgument, print};
 use crate::output::folder::Restart;
+use crate::output::store::Store;
 use crate::output::{plots, simulation};
 use crate::problem::Plot;
 
@@ -40,12 +41,11 @@ pub fn plot(arguments: &PlotArguments) -> Result<u8, Failure> {
         parameter: continuation.parameter.column().to_string(),
         title: problem.title.clone(),
     };
-    let written = plots::draw(
-        &arguments.folder,
-        &pictures,
-        arguments.format.into(),
-        &settings,
-    )?;
+    let format = arguments.format.into();
+    let names = pictures.iter();
+    Store::visit(&arguments.folder)?
+        .claim(names.map(|picture| plots::file_name(picture, format)))?;
+    let written = plots::draw(&arguments.folder, &pictures, format, &settings)?;
     for path in written {
         print(&format!("{}\n", path.display()))?;
     }

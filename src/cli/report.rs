@@ -1,20 +1,12 @@
 //! Text for people: the table of labelled points and the list of events.
 
 use std::fmt::Write;
+use std::path::Path;
 
-use crate::branch::{Event, EventType};
+use crate::branch::EventType;
+use crate::output::folder::{BRANCH, EVENTS, Table};
+use crate::output::store::StoreError;
 use crate::problem::Parameter;
-use crate::run::Item;
-
-/// Collects what the report needs while a branch grows.
-#[derive(Debug)]
-pub struct Report {
-    parameter: Parameter,
-    table: String,
-    events: String,
-    points: usize,
-    found: usize,
-}
 
 /// A number for a table: 12 significant digits, in a width of 18.
 fn figure(value: f64) -> String {
@@ -30,76 +22,60 @@ fn figure(value: f64) -> String {
     }
 }
 
-impl Report {
-    /// An empty report of a branch in a parameter.
-    pub fn new(parameter: Parameter) -> Report {
-        let mut table = String::new();
-        let _ = writeln!(
-            table,
-            "{:>6} {:>5} {:<4} {:>18} {:>18}  {:<}",
-            "point",
-            "label",
-            "type",
-            parameter.column(),
-            "speed",
-            "regimes"
-        );
-        Report {
-            parameter,
-            table,
-            events: String::new(),
-            points: 0,
-            found: 0,
-        }
-    }
-
-    /// Takes note of a point.
-    pub fn add(&mut self, item: &Item) {
-        self.points += 1;
-        let point = &item.point;
-        let Some(label) = point.label else { return };
-        let kind = point.kind.map_or_else(String::new, |kind| kind.to_string());
-        let value = item
-            .saved
-            .as_ref()
-            .and_then(|saved| saved.model.value(self.parameter))
-            .unwrap_or(f64::NAN);
-        let _ = writeln!(
-            self.table,
-            "{:>6} {label:>5} {kind:<4} {} {}  {}",
-            point.point,
-            figure(value),
-            figure(point.speed),
-            point.regimes
-        );
-        if let Some(event) = &item.event
-            && !matches!(event.kind, EventType::EP)
-        {
-            self.found += 1;
-            let _ = writeln!(self.events, "{}", event_line(event, self.parameter, value));
-        }
-    }
-
-    /// The report as text.
-    pub fn text(&self) -> String {
-        let mut text = self.table.clone();
-        let _ = writeln!(text, "\n{} points, {} events", self.points, self.found);
-        text.push_str(&self.events);
-        text
-    }
-}
-
-fn event_line(event: &Event, parameter: Parameter, value: f64) -> String {
-    let mut line = format!(
-        "  {} at {} = {value:.15} ± {:.0e}, c = {:.15}",
-        event.kind,
-        parameter.symbol(),
-        event.uncertainty,
-        event.speed
+/// The report of a result folder, from its tables: a run that was resumed is reported as a whole.
+pub fn report(folder: &Path, parameter: Parameter) -> Result<String, StoreError> {
+    let branch = Table::read(&folder.join(BRANCH))?;
+    let events = Table::read(&folder.join(EVENTS))?;
+    let number =
+        |table: &Table, row: usize, column: &str| table.field(row, column).unwrap_or(f64::NAN);
+    let text = |table: &Table, row: usize, column: &str| -> String {
+        table.field(row, column).unwrap_or_default()
+    };
+    let mut report = String::new();
+    // writing to a string does not fail
+    let _ = writeln!(
+        report,
+        "{:>6} {:>5} {:<4} {:>18} {:>18}  {:<}",
+        "point",
+        "label",
+        "type",
+        parameter.column(),
+        "speed",
+        "regimes"
     );
-    if event.regimes_before != event.regimes_after {
-        let _ = write!(line, ": {} → {}", event.regimes_before, event.regimes_after);
+    for row in 0..branch.len() {
+        let label = text(&branch, row, "label");
+        if !label.is_empty() {
+            let _ = writeln!(
+                report,
+                "{:>6} {label:>5} {:<4} {} {}  {}",
+                text(&branch, row, "point"),
+                text(&branch, row, "type"),
+                figure(number(&branch, row, parameter.column())),
+                figure(number(&branch, row, "speed")),
+                text(&branch, row, "regimes")
+            );
+        }
     }
-    let _ = write!(line, "; {}", event.what);
-    line
+    let found = |row: &usize| events.field(*row, "type") != Some(EventType::EP);
+    let found: Vec<usize> = (0..events.len()).filter(found).collect();
+    let _ = writeln!(report, "\n{} points, {} events", branch.len(), found.len());
+    for row in found {
+        let _ = write!(
+            report,
+            "  {} at {} = {:.15} ± {:.0e}, c = {:.15}",
+            text(&events, row, "type"),
+            parameter.symbol(),
+            number(&events, row, parameter.column()),
+            number(&events, row, "uncertainty"),
+            number(&events, row, "speed")
+        );
+        let [before, after] =
+            ["regimes_before", "regimes_after"].map(|column| text(&events, row, column));
+        if before != after {
+            let _ = write!(report, ": {before} → {after}");
+        }
+        let _ = writeln!(report, "; {}", text(&events, row, "what"));
+    }
+    Ok(report)
 }

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::report::Report;
-use super::{Failure, NUMERICAL, default_folder, print, warn};
+use super::report::report;
+use super::{Failure, NUMERICAL, default_folder, inputs, print, warn};
 use crate::output::folder::{self, Folder, Restart};
 use crate::output::plots::{self, Format};
+use crate::output::store::{Existing, Kind, Store, damaged};
 use crate::problem::{self, Continuation, Parameter, Problem, Start, Toward};
 use crate::run::{Branch, End, SavedWave};
 
@@ -122,47 +123,45 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         .out
         .clone()
         .unwrap_or_else(|| default_folder(&arguments.problem));
-    let interrupted = if arguments.resume && out.join(folder::RESTART).exists() {
-        Some(Restart::read(&out)?)
-    } else {
-        None
-    };
-    let (mut branch, mut folder) = match interrupted {
+    let store = Store::open(
+        &out,
+        Kind::Run,
+        &problem,
+        Existing::of(arguments.resume, arguments.force),
+        &inputs(&arguments.problem, &problem),
+    )?;
+    let (mut branch, mut folder) = match folder::interrupted(&store)? {
         Some(saved) => {
-            if saved.problem != problem {
-                return Err(Failure::Usage(format!(
-                    "{} was written for another problem than {}; --force starts it anew",
-                    out.display(),
-                    arguments.problem.display()
-                )));
-            }
             let first = saved.wave(&out, 1)?;
-            let branch = Branch::resume(&problem, &continuation, first, saved.progress.clone())?;
-            (branch, Folder::reopen(&out, saved)?)
+            let progress = saved.progress.clone();
+            let branch = Branch::resume(&problem, &continuation, first, progress)
+                .map_err(|reason| damaged(&out.join(folder::RESTART), reason))?;
+            (branch, Folder::reopen(store, saved)?)
         }
         None => {
-            let branch = Branch::begin(&problem, &continuation, restart.as_ref())?;
-            // what a kill left before its first label is no result
-            let force = arguments.force || arguments.resume && folder::barely_begun(&out);
-            let folder = Folder::create(&out, &problem, &branch, force)?;
+            let begun = Branch::begin(&problem, &continuation, restart.as_ref());
+            if begun.is_err() && store.holds_results() {
+                warn(&format!(
+                    "nothing was computed; {} keeps the results of the earlier run",
+                    out.display()
+                ));
+            }
+            let branch = begun?;
+            let folder = Folder::create(store, &problem, &branch)?;
             (branch, folder)
         }
     };
+    let finished = branch.progress().end.is_some();
     let bar = (!arguments.quiet && stderr().is_terminal()).then(progress_bar);
-    let mut report = Report::new(continuation.parameter);
-    let mut events = 0;
     while branch.progress().end.is_none() {
         let items = branch.step();
         folder.write(&items, &branch)?;
-        for item in &items {
-            report.add(item);
-        }
         if let Some(bar) = &bar {
-            events += items.iter().filter(|item| item.event.is_some()).count();
+            let progress = branch.progress();
             bar.set_position((1000.0 * branch.position()).clamp(0.0, 1000.0) as u64);
             bar.set_message(format!(
-                "{} points, {events} events",
-                branch.progress().points
+                "{} points, {} events",
+                progress.points, progress.events
             ));
         }
     }
@@ -174,13 +173,17 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             parameter: continuation.parameter.column().to_string(),
             title: problem.title.clone(),
         };
-        plots::draw(&out, &problem.output.plots, Format::Svg, &settings)?;
+        let pictures = &problem.output.plots;
+        plots::draw(folder.store().path(), pictures, Format::Svg, &settings)?;
     }
     if !arguments.quiet {
         if let Some(title) = &problem.title {
             print(&format!("{title}\n\n"))?;
         }
-        print(&report.text())?;
+        print(&report(&out, continuation.parameter)?)?;
+        if finished {
+            print("the run was finished already: nothing was left to compute\n")?;
+        }
         print(&format!("results in {}\n", out.display()))?;
     }
     for note in branch.notes() {

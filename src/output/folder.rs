@@ -1,57 +1,25 @@
 //! The result folder: written as the branch grows, readable after a kill, resumable.
 //!
 //! Rows are appended one by one. `branch.ron` holds every labelled wave and the progress of the
-//! run; it is replaced as a whole at every label, by writing beside it and renaming, so that it is
-//! never seen half written. A resumed run cuts the tables back to the last progress saved and goes
-//! on from there, through the same steps as an uninterrupted one.
+//! run; it is there before the first row, and is replaced as a whole about once a second and at the
+//! end. A resumed run cuts the tables back to the last progress saved and goes on from there,
+//! through the same steps as an uninterrupted one.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::Path;
 use std::str::FromStr;
+use std::time::{Duration, Instant};
 
 use csv::StringRecord;
 use serde::{Deserialize, Serialize};
 
-use super::{plots, tables};
+use super::plots::{self, Format};
+use super::store::{READ, Store, StoreError, VERSION, damaged, io_error, read};
+use super::tables;
 use crate::curve::start::Labelled;
 use crate::problem::Problem;
 use crate::run::{Branch, Item, Progress, SavedWave};
-
-/// What is wrong with a folder.
-#[derive(Debug, thiserror::Error)]
-pub enum FolderError {
-    /// The operating system refused.
-    #[error("{}: {error}", path.display())]
-    Io {
-        /// File or folder.
-        path: PathBuf,
-        /// What the system said.
-        error: io::Error,
-    },
-    /// There are results already.
-    #[error(
-        "{} holds results already; --force replaces them, --resume goes on, --out DIR takes \
-         another folder",
-        .0.display()
-    )]
-    Exists(PathBuf),
-    /// `branch.ron` is missing or damaged.
-    #[error("{}: {reason}", path.display())]
-    Restart {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        reason: String,
-    },
-}
-
-fn io_error(path: &Path) -> impl FnOnce(io::Error) -> FolderError + '_ {
-    move |error| FolderError::Io {
-        path: path.to_path_buf(),
-        error,
-    }
-}
 
 /// Content of `branch.ron`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,21 +36,35 @@ pub struct Restart {
 
 impl Restart {
     /// Reads the restart file of a folder.
-    pub fn read(folder: &Path) -> Result<Restart, FolderError> {
+    ///
+    /// # Errors
+    /// When it cannot be read, or is damaged.
+    pub fn read(folder: &Path) -> Result<Restart, StoreError> {
         let path = folder.join(RESTART);
-        let text = fs::read_to_string(&path).map_err(io_error(&path))?;
-        ron::from_str(&text).map_err(|error| FolderError::Restart {
-            path,
-            reason: format!("not a restart file of this version: {error}"),
-        })
+        let restart: Restart = ron::from_str(&read(&path)?).map_err(|error| {
+            let reason = format!("no restart file of version {VERSION}: {error}");
+            damaged(&path, reason)
+        })?;
+        for (index, wave) in restart.waves.iter().enumerate() {
+            if wave.label != index + 1 || !wave.is_whole() {
+                return Err(damaged(
+                    &path,
+                    format!("the wave in place {} is not whole", index + 1),
+                ));
+            }
+        }
+        Ok(restart)
     }
 
     /// The wave of a label.
-    pub fn wave(&self, folder: &Path, label: usize) -> Result<&SavedWave, FolderError> {
+    ///
+    /// # Errors
+    /// When there is no such label.
+    pub fn wave(&self, folder: &Path, label: usize) -> Result<&SavedWave, StoreError> {
         self.waves
             .iter()
             .find(|wave| wave.label == label)
-            .ok_or_else(|| FolderError::Restart {
+            .ok_or_else(|| StoreError::Refused {
                 path: folder.join(RESTART),
                 reason: format!(
                     "no label {label}; labels run from 1 to {}",
@@ -92,208 +74,279 @@ impl Restart {
     }
 }
 
+/// A table of a folder, read back.
+#[derive(Debug)]
+pub struct Table {
+    header: StringRecord,
+    rows: Vec<StringRecord>,
+}
+
+impl Table {
+    /// Reads a table; a last row that was cut short is left out.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn read(path: &Path) -> Result<Table, StoreError> {
+        let text = fs::read(path).map_err(io_error(READ, path))?;
+        let mut reader = csv::Reader::from_reader(text.as_slice());
+        let header = reader.headers();
+        Ok(Table {
+            header: header
+                .map_err(|error| damaged(path, error.to_string()))?
+                .clone(),
+            rows: reader.records().filter_map(Result::ok).collect(),
+        })
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// A field by the name of its column.
+    pub fn field<T: FromStr>(&self, row: usize, name: &str) -> Option<T> {
+        let column = self.header.iter().position(|known| known == name)?;
+        self.rows.get(row)?.get(column)?.parse().ok()
+    }
+
+    /// The row with this label.
+    pub fn labelled(&self, label: usize) -> Option<usize> {
+        (0..self.len()).find(|row| self.field(*row, "label") == Some(label))
+    }
+}
+
 /// The event of a label, from `events.csv`.
 ///
 /// # Errors
 /// The file is missing or damaged, or has no such label.
-pub fn labelled(folder: &Path, label: usize) -> Result<Labelled, FolderError> {
+pub fn labelled(folder: &Path, label: usize) -> Result<Labelled, StoreError> {
     let path = folder.join(EVENTS);
-    let text = fs::read(&path).map_err(io_error(&path))?;
-    let mut reader = csv::Reader::from_reader(text.as_slice());
-    let damaged = |reason: String| FolderError::Restart {
+    let table = Table::read(&path)?;
+    let row = table.labelled(label).ok_or_else(|| StoreError::Refused {
         path: path.clone(),
-        reason,
-    };
-    let header = reader
-        .headers()
-        .map_err(|error| damaged(error.to_string()))?
-        .clone();
-    let records = reader.records().filter_map(Result::ok);
-    let rows: Vec<StringRecord> = records.collect();
-    let row = rows
-        .iter()
-        .find(|row| field(&header, row, "label") == Some(label))
-        .ok_or_else(|| damaged(format!("no label {label}; there are {}", rows.len())))?;
+        reason: format!("no label {label}; there are {}", table.len()),
+    })?;
     Ok(Labelled {
-        kind: field(&header, row, "type")
-            .ok_or_else(|| damaged(format!("label {label} has no type")))?,
-        sector: field(&header, row, "sector").unwrap_or(0),
-        omega: field(&header, row, "omega"),
+        kind: table
+            .field(row, "type")
+            .ok_or_else(|| damaged(&path, format!("label {label} has no type")))?,
+        sector: table.field(row, "sector").unwrap_or(0),
+        omega: table.field(row, "omega"),
     })
-}
-
-/// A field of a table by the name of its column.
-fn field<T: FromStr>(header: &StringRecord, row: &StringRecord, name: &str) -> Option<T> {
-    let column = header.iter().position(|known| known == name)?;
-    row.get(column)?.parse().ok()
 }
 
 /// Name of the restart file.
 pub const RESTART: &str = "branch.ron";
-const BRANCH: &str = "branch.csv";
-const EVENTS: &str = "events.csv";
+/// Name of the table of points.
+pub const BRANCH: &str = "branch.csv";
+/// Name of the table of events.
+pub const EVENTS: &str = "events.csv";
 const SPECTRUM: &str = "spectrum.csv";
 const PROFILES: &str = "profiles";
 
 /// Intervals of a profile over one wavelength.
 const PROFILE_RESOLUTION: usize = 360;
 
+/// How often the state of a run is saved: what a kill costs at most, far more than saving takes.
+const SAVED_EVERY: Duration = Duration::from_secs(1);
+
 /// A result folder being written.
 #[derive(Debug)]
 pub struct Folder {
-    path: PathBuf,
+    store: Store,
     branch: File,
     events: File,
     /// With a `stability` section only.
     spectrum: Option<File>,
+    /// Written since the state was saved.
+    profiles: Vec<File>,
     with_profiles: bool,
     restart: Restart,
+    /// When the state was saved.
+    saved: Option<Instant>,
+}
+
+/// What an interrupted run left, if it left anything that would be missed.
+///
+/// # Errors
+/// When that is damaged.
+pub fn interrupted(store: &Store) -> Result<Option<Restart>, StoreError> {
+    let path = store.path().join(RESTART);
+    if !store.resumes() {
+        return Ok(None);
+    }
+    if path.exists() {
+        let restart = Restart::read(store.path())?;
+        return Ok(Some(restart).filter(|restart| restart.progress.points > 0));
+    }
+    // it is there before the first row is
+    let branch = fs::read(store.path().join(BRANCH)).unwrap_or_default();
+    if line_ends(&branch).count() > 1 {
+        return Err(damaged(&path, "it is missing"));
+    }
+    Ok(None)
 }
 
 impl Folder {
-    /// Creates the folder for a run that begins. An existing one is refused unless `force`, which
-    /// removes the files of an earlier run and no others.
-    pub fn create(
-        path: &Path,
-        problem: &Problem,
-        branch: &Branch,
-        force: bool,
-    ) -> Result<Folder, FolderError> {
-        if path.exists() {
-            let occupied =
-                !path.is_dir() || fs::read_dir(path).map_err(io_error(path))?.next().is_some();
-            if occupied && !force {
-                return Err(FolderError::Exists(path.to_path_buf()));
-            }
-            clear(path)?;
-        }
-        fs::create_dir_all(path).map_err(io_error(path))?;
-        let with_profiles = problem.output.profiles > 0;
-        if with_profiles {
-            let profiles = path.join(PROFILES);
-            fs::create_dir_all(&profiles).map_err(io_error(&profiles))?;
-        }
-        let table = |name: &str, header: &str| -> Result<File, FolderError> {
-            let path = path.join(name);
-            let mut file = File::create(&path).map_err(io_error(&path))?;
-            writeln!(file, "{header}").map_err(io_error(&path))?;
-            Ok(file)
-        };
-        let folder = Folder {
-            branch: table(BRANCH, tables::BRANCH_HEADER)?,
-            events: table(EVENTS, &tables::events_header(problem.model.friction_law))?,
-            spectrum: if branch.with_stability() {
-                Some(table(SPECTRUM, tables::SPECTRUM_HEADER)?)
-            } else {
-                None
-            },
-            path: path.to_path_buf(),
-            with_profiles,
+    /// Begins a folder; what an earlier run left there is replaced.
+    ///
+    /// # Errors
+    /// When something else is in the way, or the system refuses.
+    pub fn create(store: Store, problem: &Problem, branch: &Branch) -> Result<Folder, StoreError> {
+        let header = |text: &str| format!("{text}\n").into_bytes();
+        let events = tables::events_header(problem.model.friction_law);
+        let spectrum = branch.with_stability().then_some(SPECTRUM);
+        let pictures = problem.output.plots.iter();
+        let pictures = pictures.map(|picture| plots::file_name(picture, Format::Svg));
+        let fixed = [BRANCH, EVENTS, RESTART].into_iter().chain(spectrum);
+        store.begin(fixed.map(str::to_owned).chain(pictures), PROFILES)?;
+        let mut folder = Folder {
+            branch: store.create(BRANCH, &header(tables::BRANCH_HEADER))?,
+            events: store.create(EVENTS, &header(&events))?,
+            spectrum: spectrum
+                .map(|name| store.create(name, &header(tables::SPECTRUM_HEADER)))
+                .transpose()?,
+            store,
+            profiles: Vec::new(),
+            with_profiles: problem.output.profiles > 0,
             restart: Restart {
-                version: env!("CARGO_PKG_VERSION").to_string(),
+                version: VERSION.to_owned(),
                 problem: problem.clone(),
                 progress: branch.progress().clone(),
                 waves: Vec::new(),
             },
+            saved: None,
         };
+        // no row without it
+        folder.save()?;
+        folder.saved = None;
         Ok(folder)
     }
 
     /// Opens the folder of an interrupted run: tables are cut back to the saved progress.
-    pub fn reopen(path: &Path, restart: Restart) -> Result<Folder, FolderError> {
-        let table = |name: &str, rows: usize| -> Result<File, FolderError> {
-            let path = path.join(name);
+    ///
+    /// # Errors
+    /// When there is less than was saved, or the system refuses.
+    pub fn reopen(store: Store, restart: Restart) -> Result<Folder, StoreError> {
+        let table = |name: &str, rows: usize| -> Result<File, StoreError> {
+            let path = store.path().join(name);
             // bytes, for a row cut short may end within a character
-            let text = fs::read(&path).map_err(io_error(&path))?;
-            let Some(length) = line_ends(&text).nth(rows) else {
-                return Err(FolderError::Restart {
-                    path,
-                    reason: format!("fewer than the {rows} rows that were saved"),
-                });
-            };
-            let file = OpenOptions::new()
-                .append(true)
-                .open(&path)
-                .map_err(io_error(&path))?;
-            file.set_len(length as u64).map_err(io_error(&path))?;
-            Ok(file)
+            let text = fs::read(&path).map_err(|_| damaged(&path, "it cannot be read"))?;
+            let length = line_ends(&text).nth(rows).ok_or_else(|| {
+                damaged(&path, format!("it has fewer than the {rows} rows saved"))
+            })?;
+            store.cut(name, length)
         };
-        let branch = table(BRANCH, restart.progress.points)?;
-        let events = table(EVENTS, restart.progress.events)?;
-        let spectrum = if restart.problem.stability.is_some() {
-            Some(table(SPECTRUM, restart.progress.eigenvalues)?)
-        } else {
-            None
+        let Progress {
+            points,
+            events,
+            eigenvalues,
+            labels,
+            ..
+        } = restart.progress;
+        let branch = table(BRANCH, points)?;
+        let events = table(EVENTS, events)?;
+        let spectrum = match restart.problem.stability {
+            Some(_) => Some(table(SPECTRUM, eigenvalues)?),
+            None => None,
         };
-        remove_profiles(&path.join(PROFILES), restart.progress.labels)?;
+        store.retain(|name| match Path::new(name).strip_prefix(PROFILES) {
+            Ok(profile) => label(profile).is_some_and(|label| label <= labels),
+            Err(_) => true,
+        })?;
+        store.guard(PROFILES)?;
         Ok(Folder {
-            path: path.to_path_buf(),
+            store,
             branch,
             events,
             spectrum,
+            profiles: Vec::new(),
             with_profiles: restart.problem.output.profiles > 0,
             restart,
+            saved: None,
         })
     }
 
-    /// Writes what one step found, and the progress after it if it holds a label or the end.
-    pub fn write(&mut self, items: &[Item], branch: &Branch) -> Result<(), FolderError> {
+    /// The folder as such.
+    pub fn store(&self) -> &Store {
+        &self.store
+    }
+
+    /// Writes what one step found and, now and then and at the end, the progress after it.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn write(&mut self, items: &[Item], branch: &Branch) -> Result<(), StoreError> {
         for item in items {
-            let path = self.path.join(BRANCH);
-            self.branch
-                .write_all(tables::branch_row(&item.point, item.leg).as_bytes())
-                .map_err(io_error(&path))?;
-            if let Some(event) = &item.event {
-                let path = self.path.join(EVENTS);
-                self.events
-                    .write_all(tables::event_row(event).as_bytes())
-                    .map_err(io_error(&path))?;
-            }
-            if let (Some(file), Some(label)) = (&mut self.spectrum, item.point.label) {
-                let path = self.path.join(SPECTRUM);
-                for (sector, numbers) in &item.eigenvalues {
-                    file.write_all(tables::spectrum_row(Some(label), *sector, *numbers).as_bytes())
-                        .map_err(io_error(&path))?;
-                }
-            }
-            if let Some(saved) = &item.saved {
-                self.restart.waves.push(saved.clone());
-                if self.with_profiles {
-                    let path = self
-                        .path
-                        .join(PROFILES)
-                        .join(format!("{}.csv", saved.label));
-                    // a profile that overflows is left out: the point itself has been solved
-                    if let Ok(samples) = item.profile(PROFILE_RESOLUTION) {
-                        fs::write(&path, tables::profile(&samples)).map_err(io_error(&path))?;
-                    }
-                }
-            }
+            self.append(item)?;
         }
-        let labelled = items.iter().any(|item| item.saved.is_some());
-        if labelled || branch.progress().end.is_some() {
+        let due = self.saved.is_none_or(|then| then.elapsed() >= SAVED_EVERY);
+        if due || branch.progress().end.is_some() {
             self.restart.progress = branch.progress().clone();
             self.save()?;
         }
         Ok(())
     }
 
-    fn save(&self) -> Result<(), FolderError> {
-        let path = self.path.join(RESTART);
-        let beside = self.path.join("branch.ron.new");
-        let text = ron::ser::to_string(&self.restart).map_err(|error| FolderError::Restart {
-            path: path.clone(),
-            reason: error.to_string(),
-        })?;
-        fs::write(&beside, text).map_err(io_error(&beside))?;
-        fs::rename(&beside, &path).map_err(io_error(&path))
+    fn append(&mut self, item: &Item) -> Result<(), StoreError> {
+        let row = |mut file: &File, name: &str, row: String| {
+            let path = self.store.path().join(name);
+            file.write_all(row.as_bytes())
+                .map_err(io_error("write to it", &path))
+        };
+        row(
+            &self.branch,
+            BRANCH,
+            tables::branch_row(&item.point, item.leg),
+        )?;
+        if let Some(event) = &item.event {
+            row(&self.events, EVENTS, tables::event_row(event))?;
+        }
+        if let (Some(file), Some(label)) = (&self.spectrum, item.point.label) {
+            for (sector, numbers) in &item.eigenvalues {
+                let text = tables::spectrum_row(Some(label), *sector, *numbers);
+                row(file, SPECTRUM, text)?;
+            }
+        }
+        let Some(saved) = &item.saved else {
+            return Ok(());
+        };
+        self.restart.waves.push(saved.clone());
+        // a profile that overflows is left out: the point itself has been solved
+        if self.with_profiles
+            && let Ok(samples) = item.profile(PROFILE_RESOLUTION)
+        {
+            let name = format!("{PROFILES}/{}.csv", saved.label);
+            let text = tables::profile(&samples);
+            self.profiles
+                .push(self.store.create(&name, text.as_bytes())?);
+        }
+        Ok(())
+    }
+
+    /// Saves the state, after all that it speaks of has come to the disk.
+    fn save(&mut self) -> Result<(), StoreError> {
+        let tables = [&self.branch, &self.events].into_iter();
+        for file in tables.chain(&self.spectrum).chain(&self.profiles) {
+            file.sync_all()
+                .map_err(io_error("write a table in it", self.store.path()))?;
+        }
+        self.profiles.clear();
+        self.store.sync()?;
+        self.store.replace_ron(RESTART, &self.restart)?;
+        self.saved = Some(Instant::now());
+        Ok(())
     }
 }
 
-/// Whether a folder has no more of a branch than a run killed before its first label leaves
-/// behind: nothing that would be missed.
-pub fn barely_begun(path: &Path) -> bool {
-    fs::read(path.join(BRANCH)).map_or(true, |text| line_ends(&text).count() <= 2)
+/// The label that a profile belongs to.
+fn label(profile: &Path) -> Option<usize> {
+    profile.file_stem()?.to_str()?.parse().ok()
 }
 
 /// Where the lines of a text end, each past its newline.
@@ -302,43 +355,4 @@ fn line_ends(text: &[u8]) -> impl Iterator<Item = usize> {
         .enumerate()
         .filter(|(_, byte)| **byte == b'\n')
         .map(|(index, _)| index + 1)
-}
-
-/// Removes what an earlier run wrote, and nothing else.
-fn clear(path: &Path) -> Result<(), FolderError> {
-    for entry in fs::read_dir(path).map_err(io_error(path))?.flatten() {
-        let file = entry.path();
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        let table = [BRANCH, EVENTS, SPECTRUM, RESTART, "branch.ron.new"]
-            .iter()
-            .any(|known| name == *known);
-        if file.is_file() && (table || plots::is_picture(&name)) {
-            fs::remove_file(&file).map_err(io_error(&file))?;
-        }
-    }
-    let profiles = path.join(PROFILES);
-    remove_profiles(&profiles, 0)?;
-    // stays where it is not empty
-    let _ = fs::remove_dir(&profiles);
-    Ok(())
-}
-
-/// Removes the profiles of all labels beyond `last`.
-fn remove_profiles(profiles: &Path, last: usize) -> Result<(), FolderError> {
-    let Ok(entries) = fs::read_dir(profiles) else {
-        return Ok(());
-    };
-    for entry in entries.flatten() {
-        let label: Option<usize> = entry
-            .file_name()
-            .to_str()
-            .and_then(|name| name.strip_suffix(".csv"))
-            .and_then(|label| label.parse().ok());
-        if label.is_some_and(|label| label > last) {
-            let path = entry.path();
-            fs::remove_file(&path).map_err(io_error(&path))?;
-        }
-    }
-    Ok(())
 }

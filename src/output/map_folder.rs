@@ -2,17 +2,23 @@
 //!
 //! `map.ron` holds the problem. `rows/` has a file for every row that is finished, put there by
 //! renaming, so that none is ever seen half written: a killed map has lost no finished row, and
-//! shards of a map on several machines are folders with some of its rows. Once all rows are there
-//! they are joined in order to `map.csv`, which therefore does not depend on who computed them.
+//! shards of a map on several machines are folders with some of its rows. The first line of a row
+//! says which row of which map it is, and carries a checksum. Once all rows are there they are joined
+//! in order to `map.csv`, which therefore does not depend on who computed them.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use super::tables::{MAP_HEADER, map_row};
+use super::store::{
+    Existing, Kind, READ, Store, StoreError, VERSION, damaged, encode, hash, io_error, read,
+    replace,
+};
+use super::tables::{MAP_HEADER, map_row, number};
 use crate::map::{Cell, Plane};
 use crate::problem::Problem;
 
@@ -22,68 +28,6 @@ pub const TABLE: &str = "map.csv";
 pub const PARQUET: &str = "map.parquet";
 const DESCRIPTION: &str = "map.ron";
 const ROWS: &str = "rows";
-
-/// What is wrong with the folder of a map.
-#[derive(Debug, thiserror::Error)]
-pub enum MapFolderError {
-    /// The operating system refused.
-    #[error("{}: {error}", path.display())]
-    Io {
-        /// File or folder.
-        path: PathBuf,
-        /// What the system said.
-        error: io::Error,
-    },
-    /// There is something already.
-    #[error(
-        "{} holds a map already; --force replaces it, --resume goes on, --out DIR takes another \
-         folder",
-        .0.display()
-    )]
-    Exists(PathBuf),
-    /// `map.ron` is missing or damaged, or belongs to another map.
-    #[error("{}: {reason}", path.display())]
-    Description {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        reason: String,
-    },
-    /// Rows are missing.
-    #[error(
-        "{missing} of {all} rows are missing, the first of them row {first}: finish all shards, or \
-         name all their folders"
-    )]
-    Missing {
-        /// How many.
-        missing: usize,
-        /// Of how many.
-        all: usize,
-        /// The first of them.
-        first: usize,
-    },
-    /// Two shards disagree.
-    #[error(
-        "{} and {} hold different results for row {row}: they were computed by different programs",
-        one.display(),
-        other.display()
-    )]
-    Disagree {
-        /// Row.
-        row: usize,
-        /// A file.
-        one: PathBuf,
-        /// Another one.
-        other: PathBuf,
-    },
-}
-
-fn io_error(path: &Path) -> impl FnOnce(io::Error) -> MapFolderError + '_ {
-    move |error| MapFolderError::Io {
-        path: path.to_path_buf(),
-        error,
-    }
-}
 
 /// Content of `map.ron`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -98,7 +42,7 @@ impl Description {
     /// The description of a problem by this version.
     pub fn new(problem: &Problem) -> Description {
         Description {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            version: VERSION.to_owned(),
             problem: problem.clone(),
         }
     }
@@ -106,22 +50,20 @@ impl Description {
     /// Reads `map.ron`.
     ///
     /// # Errors
-    /// When it is missing, or not a description by this version.
-    pub fn read(folder: &Path) -> Result<Description, MapFolderError> {
+    /// When it is missing, damaged, or of another version.
+    pub fn read(folder: &Path) -> Result<Description, StoreError> {
         let path = folder.join(DESCRIPTION);
-        let text = fs::read_to_string(&path).map_err(io_error(&path))?;
-        let found: Description =
-            ron::from_str(&text).map_err(|error| MapFolderError::Description {
-                path: path.clone(),
-                reason: format!("not the description of a map by this version: {error}"),
-            })?;
-        if found.version != env!("CARGO_PKG_VERSION") {
-            return Err(MapFolderError::Description {
+        let found: Description = ron::from_str(&read(&path)?).map_err(|error| {
+            let reason = format!("no description of a map by version {VERSION}: {error}");
+            damaged(&path, reason)
+        })?;
+        if found.version != VERSION {
+            return Err(StoreError::Refused {
                 path,
                 reason: format!(
-                    "written by version {}, this is {}",
-                    found.version,
-                    env!("CARGO_PKG_VERSION")
+                    "written by version {}, this is {VERSION}; join shards of one version by that \
+                     version",
+                    found.version
                 ),
             });
         }
@@ -130,171 +72,230 @@ impl Description {
 
     /// Number of rows of the map; zero without a `map` section.
     pub fn rows(&self) -> usize {
-        self.problem
-            .map
-            .as_ref()
-            .map_or(0, |map| Plane::new(map).rows())
+        self.plane().map_or(0, |plane| plane.rows())
+    }
+
+    fn plane(&self) -> Option<Plane> {
+        self.problem.map.as_ref().map(Plane::new)
     }
 }
 
 /// The folder of a map, or of a shard of it.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct MapFolder {
-    path: PathBuf,
+    store: Store,
+    description: Description,
+    /// Hash of the description: which map this is.
+    identity: u64,
+    begun: Mutex<bool>,
 }
 
 impl MapFolder {
-    /// Creates the folder or, with `resume`, opens what an earlier run of the same problem left.
+    /// Takes hold of a folder.
     ///
     /// # Errors
-    /// When there is a map already and neither `resume` nor `force`, or one of another problem; when
-    /// the system refuses.
+    /// As [`Store::open`].
     pub fn open(
         path: &Path,
-        description: &Description,
-        resume: bool,
-        force: bool,
-    ) -> Result<MapFolder, MapFolderError> {
-        let folder = MapFolder {
-            path: path.to_path_buf(),
-        };
-        if path.exists() {
-            let empty =
-                path.is_dir() && fs::read_dir(path).map_err(io_error(path))?.next().is_none();
-            let begun = path.join(DESCRIPTION).exists();
-            if resume && begun {
-                if Description::read(path)? != *description {
-                    return Err(MapFolderError::Description {
-                        path: path.join(DESCRIPTION),
-                        reason: "written for another problem; --force starts anew".into(),
-                    });
-                }
-                return Ok(folder);
-            }
-            if !empty && !force {
-                return Err(MapFolderError::Exists(path.to_path_buf()));
-            }
-            folder.clear()?;
-        }
-        let rows = path.join(ROWS);
-        fs::create_dir_all(&rows).map_err(io_error(&rows))?;
-        folder.describe(description)?;
-        Ok(folder)
+        description: Description,
+        kind: Kind,
+        existing: Existing,
+        inputs: &[PathBuf],
+    ) -> Result<MapFolder, StoreError> {
+        let store = Store::open(path, kind, &description.problem, existing, inputs)?;
+        let text = encode(&path.join(DESCRIPTION), &description)?;
+        Ok(MapFolder {
+            begun: Mutex::new(false),
+            identity: hash(text.as_bytes()),
+            description,
+            store,
+        })
     }
 
-    fn describe(&self, description: &Description) -> Result<(), MapFolderError> {
-        let file = self.path.join(DESCRIPTION);
-        let text = ron::to_string(description).map_err(|error| MapFolderError::Description {
-            path: file.clone(),
-            reason: error.to_string(),
-        })?;
-        replace(&file, text.as_bytes())
-    }
-
-    /// Removes what an earlier map left, and nothing else.
-    fn clear(&self) -> Result<(), MapFolderError> {
-        for name in [DESCRIPTION, TABLE, PARQUET] {
-            let file = self.path.join(name);
-            if file.exists() {
-                fs::remove_file(&file).map_err(io_error(&file))?;
-            }
+    /// Begins the folder or goes on with it, once: when there is something to write.
+    ///
+    /// # Errors
+    /// When something else is in the way, or the system refuses.
+    pub fn begin(&self, rows: &[usize]) -> Result<(), StoreError> {
+        let mut begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
+        if *begun {
+            return Ok(());
         }
-        for file in row_files(&self.path)?.into_values() {
-            fs::remove_file(&file).map_err(io_error(&file))?;
+        let fixed = [DESCRIPTION, TABLE].map(str::to_owned).into_iter();
+        let parquet = cfg!(feature = "parquet").then(|| PARQUET.to_owned());
+        let rows = rows.iter().map(|row| row_name(*row));
+        let names = fixed.chain(parquet).chain(rows);
+        if self.store.resumes() {
+            self.store.retain(|_| true)?;
+            self.store.claim(names)?;
+        } else {
+            self.store.begin(names, ROWS)?;
         }
+        self.store.replace_ron(DESCRIPTION, &self.description)?;
+        *begun = true;
         Ok(())
     }
 
-    /// Rows that are finished.
+    /// Rows that are finished; one that is damaged is not.
     ///
     /// # Errors
     /// When the folder cannot be read.
-    pub fn finished(&self) -> Result<Vec<usize>, MapFolderError> {
-        Ok(row_files(&self.path)?.into_keys().collect())
+    pub fn finished(&self) -> Result<Vec<usize>, StoreError> {
+        if !self.store.resumes() {
+            return Ok(Vec::new());
+        }
+        let mut rows = Vec::new();
+        for (row, file) in row_files(self.path())? {
+            if self.cells(row, &file).is_ok() {
+                rows.push(row);
+            }
+        }
+        Ok(rows)
     }
 
     /// Keeps a finished row.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn write(&self, row: usize, cells: &[Cell]) -> Result<(), MapFolderError> {
-        let text: String = cells.iter().map(map_row).collect();
-        let file = self.path.join(ROWS).join(format!("{row:09}.csv"));
-        replace(&file, text.as_bytes())
+    pub fn write(&self, row: usize, cells: &[Cell]) -> Result<(), StoreError> {
+        let cells: String = cells.iter().map(map_row).collect();
+        let text = self.head(row, &cells) + &cells;
+        self.store.replace(&row_name(row), text.as_bytes())
     }
 
-    /// Joins the rows of these folders to a table in this one.
+    /// The first line of a row with these cells: which row it is, and their checksum.
+    fn head(&self, row: usize, cells: &str) -> String {
+        format!(
+            "{} {} cells, checksum {:016x}\n",
+            self.place(row),
+            cells.lines().count(),
+            hash(cells.as_bytes())
+        )
+    }
+
+    fn place(&self, row: usize) -> String {
+        let first = self.description.plane().and_then(|plane| {
+            let point = plane.row(row).first().copied()?;
+            Some(number(point[0]))
+        });
+        format!(
+            "# brakewave map {:016x}, row {row} of {}, first parameter {},",
+            self.identity,
+            self.description.rows(),
+            first.unwrap_or_default()
+        )
+    }
+
+    /// The cells of a row as they were written.
+    fn cells(&self, row: usize, file: &Path) -> Result<String, StoreError> {
+        let mut text = read(file)?;
+        if !text.starts_with(&self.place(row)) {
+            return Err(damaged(file, format!("it is not row {row} of this map")));
+        }
+        let cells = text.split_off(text.find('\n').map_or(text.len(), |end| end + 1));
+        if text != self.head(row, &cells) {
+            return Err(damaged(
+                file,
+                "it is cut short or changed: its checksum is not that of its cells",
+            ));
+        }
+        Ok(cells)
+    }
+
+    /// Joins the rows of these folders to a table in this one, after all have been looked at.
     ///
     /// # Errors
-    /// When a row is missing, when folders disagree, or when the system refuses.
-    pub fn join(
-        &self,
-        description: &Description,
-        from: &[PathBuf],
-    ) -> Result<PathBuf, MapFolderError> {
+    /// When a row is missing or damaged, when folders disagree, or when the system refuses.
+    pub fn join(&self, from: &[PathBuf]) -> Result<(), StoreError> {
         let mut rows: BTreeMap<usize, PathBuf> = BTreeMap::new();
+        let all = self.description.rows();
         for folder in from {
             for (row, file) in row_files(folder)? {
-                if let Some(other) = rows.get(&row) {
-                    let read = |path: &PathBuf| fs::read(path).map_err(io_error(path));
-                    if read(other)? != read(&file)? {
-                        return Err(MapFolderError::Disagree {
-                            row,
-                            one: other.clone(),
-                            other: file,
-                        });
-                    }
+                let cells = self.cells(row, &file)?;
+                if let Some(other) = rows.get(&row)
+                    && self.cells(row, other)? != cells
+                {
+                    return Err(StoreError::Refused {
+                        path: file,
+                        reason: format!(
+                            "row {row} is another one than in {}: they were computed by different \
+                             programs",
+                            other.display()
+                        ),
+                    });
                 }
                 rows.insert(row, file);
             }
         }
-        let all = description.rows();
-        let missing: Vec<usize> = (0..all).filter(|row| !rows.contains_key(row)).collect();
-        if let Some(&first) = missing.first() {
-            return Err(MapFolderError::Missing {
-                missing: missing.len(),
-                all,
-                first,
+        let mut missing = (0..all).filter(|row| !rows.contains_key(row));
+        if let Some(first) = missing.next() {
+            return Err(StoreError::Refused {
+                path: self.path().to_path_buf(),
+                reason: format!(
+                    "{} of {all} rows are missing, the first of them row {first}: finish all \
+                     shards, or name all their folders",
+                    missing.count() + 1
+                ),
             });
         }
-        let table = self.path.join(TABLE);
-        let beside = self.path.join("map.csv.new");
-        let file = File::create(&beside).map_err(io_error(&beside))?;
-        let mut out = BufWriter::new(file);
-        writeln!(out, "{MAP_HEADER}").map_err(io_error(&beside))?;
-        for path in rows.range(..all).map(|(_, path)| path) {
-            let text = fs::read(path).map_err(io_error(path))?;
-            out.write_all(&text).map_err(io_error(&beside))?;
-        }
-        out.flush().map_err(io_error(&beside))?;
-        fs::rename(&beside, &table).map_err(io_error(&table))?;
-        Ok(table)
+        self.begin(&[])?;
+        let table = self.path().join(TABLE);
+        replace(&table, |out| {
+            writeln!(out, "{MAP_HEADER}").map_err(io_error("write it", &table))?;
+            for (row, file) in &rows {
+                let cells = self.cells(*row, file)?;
+                out.write_all(cells.as_bytes())
+                    .map_err(io_error("write it", &table))?;
+            }
+            Ok(())
+        })?;
+        #[cfg(feature = "parquet")]
+        self.convert(&table)?;
+        Ok(())
+    }
+
+    /// The table as Parquet.
+    #[cfg(feature = "parquet")]
+    fn convert(&self, table: &Path) -> Result<(), StoreError> {
+        use super::parquet::{Kind, convert};
+        let kind = |name: &str| match name {
+            "row" | "column" | "passage" | "unstable" | "lead_sector" => Kind::Integer,
+            "start" | "regimes" | "switches" | "stable" | "why" => Kind::Text,
+            _ => Kind::Number,
+        };
+        let parquet = self.path().join(PARQUET);
+        replace(&parquet, |out| {
+            convert(table, out, kind)
+                .map_err(|error| io_error("write it", &parquet)(io::Error::other(error)))
+        })
+    }
+
+    /// The problem of the map.
+    pub fn problem(&self) -> &Problem {
+        &self.description.problem
     }
 
     /// The folder.
     pub fn path(&self) -> &Path {
-        &self.path
+        self.store.path()
     }
 }
 
-/// Writes beside and renames.
-fn replace(file: &Path, bytes: &[u8]) -> Result<(), MapFolderError> {
-    let beside = file.with_extension("new");
-    fs::write(&beside, bytes).map_err(io_error(&beside))?;
-    fs::rename(&beside, file).map_err(io_error(file))
+fn row_name(row: usize) -> String {
+    format!("{ROWS}/{row:09}.csv")
 }
 
 /// Files of the finished rows of a folder.
-fn row_files(folder: &Path) -> Result<BTreeMap<usize, PathBuf>, MapFolderError> {
+fn row_files(folder: &Path) -> Result<BTreeMap<usize, PathBuf>, StoreError> {
     let rows = folder.join(ROWS);
     let entries = match fs::read_dir(&rows) {
         Ok(entries) => entries,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(BTreeMap::new()),
-        Err(error) => return Err(io_error(&rows)(error)),
+        Err(error) => return Err(io_error(READ, &rows)(error)),
     };
     let mut files = BTreeMap::new();
     for entry in entries {
-        let path = entry.map_err(io_error(&rows))?.path();
+        let path = entry.map_err(io_error(READ, &rows))?.path();
         let number = path
             .file_name()
             .and_then(|name| name.to_str())

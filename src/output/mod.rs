@@ -8,5 +8,6 @@ pub mod npy;
 pub mod parquet;
 pub mod plots;
 pub mod simulation;
+pub mod store;
 pub mod tables;
 pub mod vtk;

@@ -1,7 +1,6 @@
 //! A table as Parquet: the same columns and numbers as its CSV, with types.
 
-use std::fs::File;
-use std::io;
+use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -29,9 +28,6 @@ pub enum Kind {
 /// A table could not be converted.
 #[derive(Debug, thiserror::Error)]
 pub enum ConvertError {
-    /// The operating system refused.
-    #[error("{0}")]
-    Io(#[from] io::Error),
     /// The table is no CSV.
     #[error("{0}")]
     Csv(#[from] csv::Error),
@@ -54,10 +50,10 @@ pub enum ConvertError {
 /// become null.
 ///
 /// # Errors
-/// When the table cannot be read, a field does not fit its type, or the file cannot be written.
+/// When the table cannot be read, a field does not fit its type, or `out` cannot be written.
 pub fn convert(
     table: &Path,
-    parquet: &Path,
+    out: &mut (impl Write + Send),
     kind: impl Fn(&str) -> Kind,
 ) -> Result<(), ConvertError> {
     let mut reader = csv::Reader::from_path(table)?;
@@ -86,12 +82,7 @@ pub fn convert(
     let properties = WriterProperties::builder()
         .set_created_by(created_by)
         .build();
-    let beside = parquet.with_extension("parquet.new");
-    let mut writer = SerializedFileWriter::new(
-        File::create(&beside)?,
-        Arc::new(schema),
-        Arc::new(properties),
-    )?;
+    let mut writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties))?;
     let mut records = reader.records();
     let mut line = 1;
     loop {
@@ -153,6 +144,5 @@ pub fn convert(
         line += group.len();
     }
     writer.close()?;
-    std::fs::rename(&beside, parquet)?;
     Ok(())
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::folder::FolderError;
+use super::store::{StoreError, damaged, encode, io_error};
 use super::{npy, tables, vtk};
 use crate::problem::Problem;
 use crate::simulation::growth::Eigenvalue;
@@ -57,21 +57,16 @@ pub struct Checkpoint {
 
 impl Checkpoint {
     /// Reads the checkpoint of a folder.
-    pub fn read(folder: &Path) -> Result<Checkpoint, FolderError> {
+    pub fn read(folder: &Path) -> Result<Checkpoint, StoreError> {
         let path = folder.join(CHECKPOINT);
         let text = fs::read_to_string(&path).map_err(refused(&path))?;
-        ron::from_str(&text).map_err(|error| FolderError::Restart {
-            path,
-            reason: format!("not a checkpoint of this version: {error}"),
-        })
+        ron::from_str(&text)
+            .map_err(|error| damaged(&path, format!("not a checkpoint of this version: {error}")))
     }
 }
 
-fn refused(path: &Path) -> impl FnOnce(io::Error) -> FolderError + '_ {
-    move |error| FolderError::Io {
-        path: path.to_path_buf(),
-        error,
-    }
+fn refused(path: &Path) -> impl FnOnce(io::Error) -> StoreError + '_ {
+    io_error("read or write it", path)
 }
 
 /// The folder of a simulation being written.
@@ -93,22 +88,24 @@ fn stride(points: usize) -> usize {
 impl SimulationFolder {
     /// Creates the folder. An existing one with results is refused unless `force`, which removes the
     /// files of an earlier simulation and no others.
-    pub fn create(
-        path: &Path,
-        points: usize,
-        force: bool,
-    ) -> Result<SimulationFolder, FolderError> {
+    pub fn create(path: &Path, points: usize, force: bool) -> Result<SimulationFolder, StoreError> {
         if path.exists() {
             let occupied =
                 !path.is_dir() || fs::read_dir(path).map_err(refused(path))?.next().is_some();
             if occupied && !force {
-                return Err(FolderError::Exists(path.to_path_buf()));
+                return Err(StoreError::Refused {
+                    path: path.to_path_buf(),
+                    reason:
+                        "holds results already; --force replaces them, --resume goes on, --out \
+                             DIR takes another folder"
+                            .to_owned(),
+                });
             }
             clear(path)?;
         }
         let snapshots = path.join(SNAPSHOTS);
         fs::create_dir_all(&snapshots).map_err(refused(&snapshots))?;
-        let create = |name: &str, content: &[u8]| -> Result<File, FolderError> {
+        let create = |name: &str, content: &[u8]| -> Result<File, StoreError> {
             let path = path.join(name);
             let mut file = File::create(&path).map_err(refused(&path))?;
             file.write_all(content).map_err(refused(&path))?;
@@ -132,9 +129,9 @@ impl SimulationFolder {
         path: &Path,
         points: usize,
         checkpoint: &Checkpoint,
-    ) -> Result<(SimulationFolder, Vec<Sample>), FolderError> {
+    ) -> Result<(SimulationFolder, Vec<Sample>), StoreError> {
         let columns = points.div_ceil(stride(points));
-        let open = |name: &str, length: usize| -> Result<File, FolderError> {
+        let open = |name: &str, length: usize| -> Result<File, StoreError> {
             let path = path.join(name);
             let mut file = OpenOptions::new()
                 .read(true)
@@ -143,10 +140,7 @@ impl SimulationFolder {
                 .map_err(refused(&path))?;
             let found = file.metadata().map_err(refused(&path))?.len();
             if found < length as u64 {
-                return Err(FolderError::Restart {
-                    path,
-                    reason: "shorter than the checkpoint says".to_owned(),
-                });
+                return Err(damaged(&path, "shorter than the checkpoint says"));
             }
             file.set_len(length as u64).map_err(refused(&path))?;
             file.seek(SeekFrom::End(0)).map_err(refused(&path))?;
@@ -176,7 +170,7 @@ impl SimulationFolder {
     }
 
     /// Appends a sample.
-    pub fn sample(&mut self, sample: &Sample, line: &Line) -> Result<(), FolderError> {
+    pub fn sample(&mut self, sample: &Sample, line: &Line) -> Result<(), StoreError> {
         let row: Vec<String> = sample
             .numbers()
             .iter()
@@ -197,7 +191,7 @@ impl SimulationFolder {
     }
 
     /// Writes the contact line as a table.
-    pub fn line(&self, name: &str, line: &Line) -> Result<(), FolderError> {
+    pub fn line(&self, name: &str, line: &Line) -> Result<(), StoreError> {
         use std::fmt::Write;
         let mut text = String::from("phi,U,V,U_dot,V_dot,P,Q,regime\n");
         for point in 0..line.radial.len() {
@@ -221,7 +215,7 @@ impl SimulationFolder {
     }
 
     /// Writes a snapshot: an array of φ, U, V, U̇, V̇, P, Q for a ring, the mesh for an annulus.
-    pub fn snapshot(&mut self, motion: &Motion) -> Result<(), FolderError> {
+    pub fn snapshot(&mut self, motion: &Motion) -> Result<(), StoreError> {
         let number = self.snapshots + 1;
         let (extension, content) = match motion {
             Motion::Ring(_) => {
@@ -260,7 +254,7 @@ impl SimulationFolder {
         problem: &Problem,
         energy: f64,
         motion: &Motion,
-    ) -> Result<(), FolderError> {
+    ) -> Result<(), StoreError> {
         let path = self.path.join(REGIMES);
         let header = npy::header(npy::Kind::Byte, self.samples, self.columns);
         self.regimes
@@ -279,16 +273,13 @@ impl SimulationFolder {
         };
         let path = self.path.join(CHECKPOINT);
         let beside = self.path.join("checkpoint.ron.new");
-        let text = ron::ser::to_string(&checkpoint).map_err(|error| FolderError::Restart {
-            path: path.clone(),
-            reason: error.to_string(),
-        })?;
+        let text = encode(&path, &checkpoint)?;
         fs::write(&beside, text).map_err(refused(&beside))?;
         fs::rename(&beside, &path).map_err(refused(&path))
     }
 
     /// Writes what was measured.
-    pub fn measures(&self, measures: &[Measure]) -> Result<(), FolderError> {
+    pub fn measures(&self, measures: &[Measure]) -> Result<(), StoreError> {
         let mut text = String::from("name,value,error,from,to\n");
         for measure in measures {
             text.push_str(&format!(
@@ -305,7 +296,7 @@ impl SimulationFolder {
     }
 
     /// Writes eigenvalues by sector, each with its residual and its difference from a coarser grid.
-    pub fn growth(&self, rows: &[(usize, Eigenvalue, f64)]) -> Result<(), FolderError> {
+    pub fn growth(&self, rows: &[(usize, Eigenvalue, f64)]) -> Result<(), StoreError> {
         let mut text = String::from("sector,re,im,residual,scatter,grid\n");
         for (sector, value, grid) in rows {
             text.push_str(&format!(
@@ -323,11 +314,8 @@ impl SimulationFolder {
 }
 
 /// The first rows of a time series, and the bytes they take with the header.
-pub fn read_series(path: &Path, rows: usize) -> Result<(Vec<Sample>, usize), FolderError> {
-    let damaged = |reason: &str| FolderError::Restart {
-        path: path.to_owned(),
-        reason: reason.to_owned(),
-    };
+pub fn read_series(path: &Path, rows: usize) -> Result<(Vec<Sample>, usize), StoreError> {
+    let damaged = |reason: &str| damaged(path, reason);
     let text = fs::read_to_string(path).map_err(refused(path))?;
     let mut length = 0;
     let mut samples = Vec::new();
@@ -363,7 +351,7 @@ const FORMATS: [&str; 3] = ["svg", "png", "pdf"];
 pub const PICTURES: [&str; 3] = ["space_time", "phase_plane", "profiles"];
 
 /// Removes what an earlier simulation wrote, and nothing else.
-fn clear(path: &Path) -> Result<(), FolderError> {
+fn clear(path: &Path) -> Result<(), StoreError> {
     let known = [
         CHECKPOINT,
         "checkpoint.ron.new",
@@ -389,7 +377,7 @@ fn clear(path: &Path) -> Result<(), FolderError> {
 }
 
 /// Removes snapshots beyond the last.
-fn remove_snapshots(folder: &Path, last: usize) -> Result<(), FolderError> {
+fn remove_snapshots(folder: &Path, last: usize) -> Result<(), StoreError> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Ok(());
     };

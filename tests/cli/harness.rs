@@ -11,6 +11,9 @@ use tempfile::TempDir;
 /// The problem files of the repository.
 pub const PROBLEMS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/problems");
 
+/// The file that lists what the program wrote in a folder.
+pub const MANIFEST: &str = "brakewave.manifest";
+
 /// A small problem: slip-stick all along, done in milliseconds.
 pub const SMALL: &str = r#"(
     model: (

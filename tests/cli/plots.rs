@@ -97,7 +97,7 @@ fn branches_of_few_points_are_drawn() {
     assert_pictures(&bench, "svg", &PICTURES);
     // without the branch there is nothing to draw
     fs::remove_file(bench.path("out/branch.csv")).expect("the branch");
-    let stderr = bench.run(&["plot", "out"]).expect(2).stderr;
+    let stderr = bench.run(&["plot", "out"]).expect(4).stderr;
     assert!(stderr.contains("branch.csv"), "{stderr}");
 }
 

@@ -7,7 +7,9 @@ use std::process::Stdio;
 use std::thread;
 use std::time::Duration;
 
-use crate::harness::{Bench, SMALL, Snapshot, Table, assert_same, changed, problem, snapshot};
+use crate::harness::{
+    Bench, MANIFEST, SMALL, Snapshot, Table, assert_same, changed, problem, snapshot,
+};
 
 /// Two legs through changes of regime, with small steps, many labels, profiles and pictures.
 fn long() -> String {
@@ -103,15 +105,20 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
     }
 
     // killed twice, and what a power failure may add: rows torn within a character, a restart
-    // file half written, a profile of a label that is not saved
+    // file half written, a profile of a label that is not saved, a name cut short
     fs::remove_dir_all(&out).expect("a fresh start");
     assert!(kill_at(&bench, &RUN, &reaches("branch.csv", length / 5)));
     kill_at(&bench, &RESUME, &reaches("branch.csv", length / 2));
+    let manifest = fs::read_to_string(out.join(MANIFEST)).expect("the manifest");
+    let profiles = manifest.matches("profiles/").count();
+    let next = format!("profiles/{}.csv", profiles + 1);
+    let named = format!("{next}\nprofiles/99");
     for (name, torn) in [
         ("branch.csv", &b"99,,,slip-sti"[..]),
         ("events.csv", &b"99,RV,1.0,\xce"[..]),
         ("branch.ron.new", &b"(version:\"0"[..]),
-        ("profiles/9999.csv", &b"theta,U"[..]),
+        (&next, &b"theta,U"[..]),
+        (MANIFEST, named.as_bytes()),
     ] {
         let path = out.join(name);
         let mut bytes = fs::read(&path).unwrap_or_default();
@@ -182,17 +189,18 @@ fn existing_results_are_guarded() {
     let restart = fs::read(out.join("branch.ron")).expect("the restart file");
     fs::write(out.join("branch.ron"), &restart[..restart.len() / 2]).expect("damaged");
     let damaged = snapshot(&out);
-    run("problem.ron", &["--resume"], 2);
+    let stderr = run("problem.ron", &["--resume"], 4);
+    assert!(stderr.contains("branch.ron: damaged: "), "{stderr}");
     assert_same(&snapshot(&out), &damaged, "damaged");
     fs::remove_file(out.join("branch.ron")).expect("lost");
     let lost = snapshot(&out);
-    run("problem.ron", &["--resume"], 2);
+    run("problem.ron", &["--resume"], 4);
     assert_same(&snapshot(&out), &lost, "lost");
     // tables shorter than what is saved cannot be gone on with
     fs::write(out.join("branch.ron"), &restart).expect("restored");
     let rows = fs::read(out.join("branch.csv")).expect("the table");
     fs::write(out.join("branch.csv"), &rows[..rows.len() / 2]).expect("shortened");
-    run("problem.ron", &["--resume"], 2);
+    run("problem.ron", &["--resume"], 4);
 }
 
 #[test]

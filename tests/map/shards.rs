@@ -111,7 +111,7 @@ fn a_killed_map_resumes_to_the_same_files() {
     for row in [0, 4, 7] {
         fs::remove_file(path.join(format!("m/rows/{row:09}.csv"))).unwrap();
     }
-    fs::write(path.join("m/rows/000000004.new"), "4,0,fast,1,sl").unwrap();
+    fs::write(path.join("m/rows/000000004.csv.new"), "4,0,fast,1,sl").unwrap();
     let refused = run(path, &["map", "p.ron", "--out", "m"]);
     assert_eq!(refused.status.code(), Some(2));
     succeed(path, &["map", "p.ron", "--out", "m", "--resume"]);

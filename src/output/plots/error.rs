@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::output::store::StoreError;
+
 /// Failure to draw a picture.
 #[derive(Debug, Error)]
 pub enum PlotError {
@@ -68,4 +70,7 @@ pub enum PlotError {
         /// Why.
         source: io::Error,
     },
+    /// A picture could not be put into its folder.
+    #[error("{0}")]
+    Store(#[from] StoreError),
 }

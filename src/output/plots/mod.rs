@@ -33,6 +33,7 @@ mod tables;
 mod tests;
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 pub use error::PlotError;
@@ -41,6 +42,7 @@ pub use simulation::draw as draw_simulation;
 use profile::Profiles;
 use tables::Tables;
 
+use super::store;
 use crate::curve::Curve;
 use crate::problem::Map;
 pub use crate::problem::Plot as Picture;
@@ -73,24 +75,9 @@ fn stem(picture: &Picture) -> String {
     }
 }
 
-/// Whether a file has the name of a picture that [`draw`] writes.
-pub fn is_picture(name: &str) -> bool {
-    let Some((stem, extension)) = name.rsplit_once('.') else {
-        return false;
-    };
-    let known = [
-        "diagram",
-        "pressure",
-        "displacement",
-        "phase_plane",
-        "friction",
-        "spectrum",
-        "multipliers",
-    ];
-    (known.contains(&stem) || stem.starts_with("column_"))
-        && [Format::Svg, Format::Png, Format::Pdf]
-            .iter()
-            .any(|format| format.extension() == extension)
+/// Name of a picture's file.
+pub fn file_name(picture: &Picture, format: Format) -> String {
+    format!("{}.{}", stem(picture), format.extension())
 }
 
 /// Whether a picture is made from the files in `profiles`.
@@ -124,6 +111,17 @@ impl Format {
 }
 
 impl Format {
+    /// The format itself, if this build can write it.
+    ///
+    /// # Errors
+    /// When it was left out.
+    pub fn available(self) -> Result<Format, PlotError> {
+        if self != Format::Svg && cfg!(not(feature = "raster")) {
+            return Err(PlotError::FormatMissing(self.extension()));
+        }
+        Ok(self)
+    }
+
     /// The format of a file by its extension.
     pub fn of(path: &Path) -> Option<Format> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
@@ -200,6 +198,15 @@ fn save(path: &Path, svg: String, format: Format) -> Result<(), PlotError> {
     })
 }
 
+/// Writes a composed picture into a result folder.
+fn replace(path: &Path, svg: String, format: Format) -> Result<(), PlotError> {
+    let bytes = convert(svg, format)?;
+    Ok(store::replace(path, |out| {
+        out.write_all(&bytes)
+            .map_err(store::io_error("write it", path))
+    })?)
+}
+
 /// What the pictures have in common.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Settings {
@@ -222,9 +229,7 @@ pub fn draw(
     format: Format,
     settings: &Settings,
 ) -> Result<Vec<PathBuf>, PlotError> {
-    if format != Format::Svg && cfg!(not(feature = "raster")) {
-        return Err(PlotError::FormatMissing(format.extension()));
-    }
+    let format = format.available()?;
     let tables = Tables::read(folder)?;
     tables.check_parameter(&settings.parameter)?;
     let profiles = if pictures.iter().any(needs_profiles) {
@@ -235,8 +240,8 @@ pub fn draw(
     let mut written = Vec::with_capacity(pictures.len());
     for picture in pictures {
         let svg = compose(picture, &tables, &profiles, settings)?;
-        let path = folder.join(format!("{}.{}", stem(picture), format.extension()));
-        save(&path, svg, format)?;
+        let path = folder.join(file_name(picture, format));
+        replace(&path, svg, format)?;
         written.push(path);
     }
     Ok(written)
