@@ -55,6 +55,11 @@ impl EventType {
         EventType::CO,
         EventType::ST,
     ];
+
+    /// Whether events of this type are found in the spectrum: they have a sector and an Im λ.
+    pub fn of_spectrum(self) -> bool {
+        matches!(self, EventType::HB | EventType::BP)
+    }
 }
 
 impl fmt::Display for EventType {

@@ -25,7 +25,7 @@ use crate::stability::spectrum::{Request, Spectrum};
 use crate::stability::track::{Crossing, Tracked, Tracker};
 use crate::wave::admissibility::examine;
 use crate::wave::hopf::{Family, NoHopf, family};
-use crate::wave::start::Which;
+use crate::wave::start::{NoWave, Which};
 use crate::wave::{Scales, Wave, ZoneUnknowns, profile};
 
 /// Why a run cannot begin.
@@ -34,12 +34,65 @@ pub enum RunError {
     /// Something the problem asks for that this version does not do, or a bad restart.
     #[error("{0}")]
     Input(String),
+    /// The same, said of a field of the problem.
+    #[error("{message}")]
+    Asked {
+        /// Path of the field.
+        path: &'static str,
+        /// What is wrong.
+        message: String,
+        /// What would be right.
+        help: &'static str,
+    },
     /// There is no first wave.
     #[error("no start: {0}")]
     NoStart(#[from] NoStart),
     /// There is no Hopf point to start from.
     #[error("no start: {0}")]
     NoHopf(#[from] NoHopf),
+}
+
+impl RunError {
+    /// The path of the field of the problem that this is about, and what would be right there.
+    pub fn about(&self) -> Option<(&'static str, &'static str)> {
+        let friction = "model.friction";
+        let mass = "model.damping.mass";
+        let stiffness = "model.damping.stiffness";
+        let mismatch = "model.mismatch";
+        let elsewhere = "begin at other values of the model, or restart from a wave near these";
+        Some(match self {
+            RunError::Input(_) => return None,
+            RunError::Asked { path, help, .. } => (*path, *help),
+            RunError::NoStart(NoStart::NoWave(reason)) => match reason {
+                NoWave::Uncoupled => ("model.coefficients", "take coefficients with D ≠ 0"),
+                NoWave::Frictionless => (friction, "write for example `friction: 0.5`"),
+                NoWave::BeyondFold { .. } => (friction, "take a smaller friction coefficient"),
+                NoWave::BeyondHopf { .. } => (mass, "take less damping, or more friction"),
+            },
+            RunError::NoStart(NoStart::Damped { .. }) => (
+                stiffness,
+                "take less damping, or follow the branch to it in StiffnessDamping from 0",
+            ),
+            RunError::NoStart(NoStart::Unreached { .. }) => (
+                mismatch,
+                "take a larger mismatch, or follow the branch to it in Mismatch",
+            ),
+            RunError::NoStart(NoStart::Flow(_) | NoStart::Newton(_)) => ("wave.start", elsewhere),
+            RunError::NoHopf(reason) => match reason {
+                NoHopf::Parameter => (
+                    "continuation.parameter",
+                    "write for example `parameter: MassDamping`",
+                ),
+                NoHopf::Zero { missing: "f" } => (friction, "write for example `friction: 0.5`"),
+                NoHopf::Zero { .. } => (
+                    "model.damping",
+                    "give damping, for example `damping: (mass: 0.1)`, or continue in MassDamping",
+                ),
+                NoHopf::Stable { .. } => ("wave.start", "take less damping, or more friction"),
+                NoHopf::Separation { .. } => (mismatch, "take a mismatch above that value"),
+            },
+        })
+    }
 }
 
 /// A wave in physical numbers: what a restart needs.
@@ -323,18 +376,22 @@ impl Branch {
         let mut model = model(&problem.model);
         let material = model.has_material_damping(parameter);
         if material && model.law != FrictionLaw::Coulomb {
-            return Err(RunError::Input(
-                "material damping β > 0 is posed for Coulomb's law; leave out `friction_law`, or \
-                 take `damping: (stiffness: 0)`"
-                    .into(),
-            ));
+            return Err(RunError::Asked {
+                path: "model.friction_law",
+                message:
+                    "material damping β > 0 is posed for Coulomb's law, also as the parameter \
+                          of a branch"
+                        .into(),
+                help: "leave out `friction_law`, or take `damping: (stiffness: 0)` and another \
+                       parameter",
+            });
         }
         if material && problem.method.is_some_and(|method| method != Method::Exact) {
-            return Err(RunError::Input(
-                "with material damping β > 0 the waves are solved in closed form; take \
-                 `method: Exact`"
-                    .into(),
-            ));
+            return Err(RunError::Asked {
+                path: "method",
+                message: "with material damping β > 0 the waves are solved in closed form".into(),
+                help: "write `method: Exact`, or leave it out",
+            });
         }
         let width = continuation.range.1 - continuation.range.0;
         let mode = problem.wave.mode;
@@ -344,12 +401,16 @@ impl Branch {
                 let found = family(&model, parameter, mode, width, FAMILY)?;
                 let (low, high) = continuation.range;
                 if !(low..=high).contains(&found.critical) {
-                    return Err(RunError::Input(format!(
-                        "the Hopf point of mode {mode} lies at {} = {:.15}, outside the range ({low}, \
-                         {high})",
-                        parameter.column(),
-                        found.critical
-                    )));
+                    return Err(RunError::Asked {
+                        path: "continuation.range",
+                        message: format!(
+                            "the Hopf point of mode {mode} lies at {} = {:.15}, outside the range \
+                             ({low}, {high})",
+                            parameter.column(),
+                            found.critical
+                        ),
+                        help: "widen the range to contain the Hopf point",
+                    });
                 }
                 if material {
                     let (wave, point) = begin::beyond_hopf(&found, step_settings(continuation))
@@ -384,11 +445,15 @@ impl Branch {
                 let value = model.value(parameter).unwrap_or(f64::NAN);
                 let (low, high) = continuation.range;
                 if !(value >= low && value <= high) {
-                    return Err(RunError::Input(format!(
-                        "label {} has {} = {value}, outside the range ({low}, {high})",
-                        saved.label,
-                        parameter.column()
-                    )));
+                    return Err(RunError::Asked {
+                        path: "continuation.range",
+                        message: format!(
+                            "label {} has {} = {value}, outside the range ({low}, {high})",
+                            saved.label,
+                            parameter.column()
+                        ),
+                        help: "widen the range to contain the point to restart from",
+                    });
                 }
                 let saved = SavedWave {
                     model,
@@ -397,10 +462,15 @@ impl Branch {
                 let mut wave = saved.wave(parameter, mode, width);
                 let mut guess = wave.pack(&saved.unknowns(), saved.excess, value);
                 if wave.material && wave.signature.has(Regime::Separation) {
-                    return Err(RunError::Input(format!(
-                        "label {} is a wave with separation, which is not covered with material damping",
-                        saved.label
-                    )));
+                    return Err(RunError::Asked {
+                        path: "wave.start.label",
+                        message: format!(
+                            "label {} is a wave with separation, which is not covered with material \
+                             damping",
+                            saved.label
+                        ),
+                        help: "restart from a wave in contact all round",
+                    });
                 }
                 if wave.material && saved.layers.is_empty() {
                     (wave, guess) = wave.with_layers(&guess).map_err(NoStart::Flow)?;

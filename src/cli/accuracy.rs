@@ -55,6 +55,7 @@ pub fn accuracy(arguments: &AccuracyArguments) -> Result<u8, Failure> {
         problem,
         continuation,
         restart,
+        source,
     } = prepare(&arguments.problem)?;
     if restart.is_some() {
         return Err(Failure::Usage(
@@ -73,7 +74,8 @@ pub fn accuracy(arguments: &AccuracyArguments) -> Result<u8, Failure> {
     let law = problem.model.friction_law;
     let (stripped, continuation) = accuracy::stripped(&problem, &continuation);
     let method = accuracy::reference_method(law);
-    let reference = accuracy::follow(&stripped, &continuation, method)?;
+    let reference =
+        accuracy::follow(&stripped, &continuation, method).map_err(|error| source.place(error))?;
     let ladder = accuracy::ladder(law);
     let bar = (!arguments.quiet && stderr().is_terminal()).then(|| {
         let bar = ProgressBar::new(ladder.len() as u64);

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use quick_junit::{NonSuccessKind, Report as JunitReport, TestCase, TestCaseStatus, TestSuite};
 
-use super::run::{Prepared, prepare};
-use super::{BAD_INPUT, Failure, INPUT_OUTPUT, NUMERICAL, UNMET, print, spare};
+use super::run::{Prepared, ready};
+use super::{BAD_INPUT, Failure, INPUT_OUTPUT, NUMERICAL, UNMET, print, spare, warn};
 use crate::branch::Event;
 use crate::output::store::io_error;
 use crate::problem::{self, Expectation, Parameter, Problem};
@@ -41,6 +41,15 @@ struct Outcome {
     trouble: Option<String>,
 }
 
+impl Outcome {
+    /// Whether nothing was compared, and nothing went wrong: this is no success.
+    fn skipped(&self) -> bool {
+        self.comparisons.is_empty() && self.trouble.is_none()
+    }
+}
+
+const SKIPPED: &str = "nothing expected: the list `expect` is empty";
+
 pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     if let Some(path) = &arguments.junit {
         spare(path, &arguments.problems)?;
@@ -66,11 +75,18 @@ pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
         print(&text(&outcome))?;
         outcomes.push(outcome);
     }
-    let passed = outcomes.iter().filter(|outcome| outcome.code == 0).count();
+    let skipped = outcomes.iter().filter(|outcome| outcome.skipped()).count();
+    let passed = outcomes.iter().filter(|outcome| outcome.code == 0).count() - skipped;
+    let compared = outcomes.len() - skipped;
     print(&format!(
-        "{passed} of {} problem files as expected\n",
-        outcomes.len()
+        "{passed} of {compared} problem files as expected\n"
     ))?;
+    if skipped > 0 {
+        warn(&format!(
+            "{skipped} of {} problem files expect nothing: no figure of theirs was compared",
+            outcomes.len()
+        ));
+    }
     if let Some(path) = &arguments.junit {
         write_junit(path, &outcomes)?;
     }
@@ -88,7 +104,8 @@ fn simulates_only(problem: &Problem) -> bool {
 }
 
 fn check_file(file: &Path) -> Result<Outcome, Failure> {
-    if simulates_only(&problem::read(file)?.0) {
+    let (problem, text) = problem::read(file)?;
+    if simulates_only(&problem) {
         return Ok(Outcome {
             file: file.to_path_buf(),
             comparisons: Vec::new(),
@@ -100,8 +117,10 @@ fn check_file(file: &Path) -> Result<Outcome, Failure> {
         problem,
         continuation,
         restart,
-    } = prepare(file)?;
-    let mut branch = Branch::begin(&problem, &continuation, restart.as_ref())?;
+        source,
+    } = ready(problem, text, file)?;
+    let mut branch = Branch::begin(&problem, &continuation, restart.as_ref())
+        .map_err(|error| source.place(error))?;
     let mut events = Vec::new();
     while branch.progress().end.is_none() {
         events.extend(branch.step().into_iter().filter_map(|item| item.event));
@@ -152,91 +171,153 @@ fn difference(expected: f64, found: f64) -> f64 {
     }
 }
 
-/// Every expectation with the event that fits it best; no event serves two expectations.
+/// How an event fits an expectation: its worst difference, in units of the tolerance.
+struct Fit {
+    event: usize,
+    met: bool,
+    distance: f64,
+}
+
+/// The events that an expectation may mean, the nearest first.
+fn fits(expectation: &Expectation, events: &[Event]) -> Vec<Fit> {
+    let mut fits: Vec<Fit> = events
+        .iter()
+        .enumerate()
+        .filter(|(_, event)| {
+            event.kind == expectation.event
+                && expectation
+                    .sector
+                    .is_none_or(|sector| event.sector == Some(sector))
+                && expectation.label.is_none_or(|label| event.label == label)
+        })
+        .map(|(index, event)| {
+            let numbers = compared(expectation, Some(event));
+            let off = |one: &Comparison| {
+                one.found
+                    .map_or(f64::INFINITY, |found| difference(one.expected, found))
+            };
+            Fit {
+                event: index,
+                met: numbers.iter().all(|one| one.met) && regimes(expectation, event).is_none(),
+                distance: numbers.iter().map(off).fold(0.0, f64::max),
+            }
+        })
+        .collect();
+    fits.sort_by(|one, other| one.distance.total_cmp(&other.distance));
+    fits
+}
+
+/// Which event each expectation is compared with; no event serves two.
+///
+/// As many expectations as possible are met: an expectation gives way to another one if it finds an
+/// event elsewhere (augmenting paths in a bipartite graph). Those that are left are shown with the
+/// nearest event that is left.
+fn assign(fits: &[Vec<Fit>], events: usize) -> Vec<Option<usize>> {
+    /// Finds an event for an expectation, moving others if need be.
+    fn augment(
+        one: usize,
+        fits: &[Vec<Fit>],
+        seen: &mut [bool],
+        taken: &mut [Option<usize>],
+    ) -> bool {
+        for fit in fits[one].iter().filter(|fit| fit.met) {
+            if std::mem::replace(&mut seen[fit.event], true) {
+                continue;
+            }
+            if taken[fit.event].is_none_or(|other| augment(other, fits, seen, taken)) {
+                taken[fit.event] = Some(one);
+                return true;
+            }
+        }
+        false
+    }
+    let mut taken: Vec<Option<usize>> = vec![None; events];
+    for one in 0..fits.len() {
+        augment(one, fits, &mut vec![false; events], &mut taken);
+    }
+    let mut assigned = vec![None; fits.len()];
+    for (event, one) in taken.iter().enumerate() {
+        if let Some(one) = *one {
+            assigned[one] = Some(event);
+        }
+    }
+    let mut rest: Vec<(usize, &Fit)> = (0..fits.len())
+        .filter(|one| assigned[*one].is_none())
+        .flat_map(|one| fits[one].iter().map(move |fit| (one, fit)))
+        .collect();
+    rest.sort_by(|(_, one), (_, other)| one.distance.total_cmp(&other.distance));
+    for (one, fit) in rest {
+        if assigned[one].is_none() && taken[fit.event].is_none() {
+            assigned[one] = Some(fit.event);
+            taken[fit.event] = Some(one);
+        }
+    }
+    assigned
+}
+
+/// The numbers of an expectation beside those of an event.
+fn compared(expectation: &Expectation, event: Option<&Event>) -> Vec<Comparison> {
+    let tolerance = expectation.tolerance;
+    expectation
+        .numbers()
+        .into_iter()
+        .map(|(name, expected)| {
+            let found = event.and_then(|event| column(event, name));
+            Comparison {
+                name: name.to_string(),
+                expected,
+                found,
+                tolerance,
+                met: found.is_some_and(|found| difference(expected, found) <= tolerance),
+            }
+        })
+        .collect()
+}
+
+/// The regimes that are not as expected, in words.
+fn regimes(expectation: &Expectation, event: &Event) -> Option<String> {
+    [
+        (&expectation.regimes_before, &event.regimes_before, "before"),
+        (&expectation.regimes_after, &event.regimes_after, "after"),
+    ]
+    .into_iter()
+    .find_map(|(expected, found, side)| {
+        let expected = expected.as_ref()?;
+        (expected != found).then(|| format!("regimes {side}: expected {expected}, found {found}"))
+    })
+}
+
+/// Every expectation with the event it is compared with.
 fn compare(
     expectations: &[Expectation],
     events: &[Event],
     parameter: Parameter,
 ) -> Vec<(String, Vec<Comparison>, Option<String>)> {
-    let mut taken = vec![false; events.len()];
-    let distance = |expectation: &Expectation, event: &Event| -> f64 {
-        expectation
-            .numbers()
-            .into_iter()
-            .map(|(name, expected)| {
-                column(event, name).map_or(f64::INFINITY, |found| difference(expected, found))
-            })
-            .fold(0.0, f64::max)
-    };
+    let all: Vec<Vec<Fit>> = expectations.iter().map(|one| fits(one, events)).collect();
+    let assigned = assign(&all, events.len());
     expectations
         .iter()
-        .map(|expectation| {
-            let fits = |event: &Event| {
-                event.kind == expectation.event
-                    && expectation
-                        .sector
-                        .is_none_or(|sector| event.sector == Some(sector))
-                    && expectation.label.is_none_or(|label| event.label == label)
-            };
-            let best = (0..events.len())
-                .filter(|&index| !taken[index] && fits(&events[index]))
-                .min_by(|&one, &other| {
-                    distance(expectation, &events[one])
-                        .total_cmp(&distance(expectation, &events[other]))
-                });
+        .zip(assigned)
+        .map(|(expectation, index)| {
             let mut title = expectation.event.to_string();
             if let Some(sector) = expectation.sector {
                 let _ = write!(title, " sector {sector}");
             }
-            let Some(index) = best else {
-                let numbers = expectation
-                    .numbers()
-                    .into_iter()
-                    .map(|(name, expected)| Comparison {
-                        name: name.to_string(),
-                        expected,
-                        found: None,
-                        tolerance: expectation.tolerance,
-                        met: false,
-                    })
-                    .collect();
+            let Some(event) = index.map(|index| &events[index]) else {
                 let missing = format!("no {title} was found on the branch that is not matched");
-                return (title, numbers, Some(missing));
+                return (title, compared(expectation, None), Some(missing));
             };
-            taken[index] = true;
-            let event = &events[index];
-            let numbers = expectation
-                .numbers()
-                .into_iter()
-                .map(|(name, expected)| {
-                    let found = column(event, name);
-                    Comparison {
-                        name: name.to_string(),
-                        expected,
-                        found,
-                        tolerance: expectation.tolerance,
-                        met: found.is_some_and(|found| {
-                            difference(expected, found) <= expectation.tolerance
-                        }),
-                    }
-                })
-                .collect();
-            let regimes = [
-                (&expectation.regimes_before, &event.regimes_before, "before"),
-                (&expectation.regimes_after, &event.regimes_after, "after"),
-            ];
-            let wrong = regimes.into_iter().find_map(|(expected, found, side)| {
-                let expected = expected.as_ref()?;
-                (expected != found)
-                    .then(|| format!("regimes {side}: expected {expected}, found {found}"))
-            });
             let _ = write!(
                 title,
                 " at {} = {:.12}",
                 parameter.column(),
                 column(event, parameter.column()).unwrap_or(f64::NAN)
             );
-            (title, numbers, wrong)
+            (
+                title,
+                compared(expectation, Some(event)),
+                regimes(expectation, event),
+            )
         })
         .collect()
 }
@@ -270,8 +351,8 @@ fn text(outcome: &Outcome) -> String {
             let _ = writeln!(text, "    FAIL {wrong}");
         }
     }
-    if outcome.comparisons.is_empty() && outcome.trouble.is_none() {
-        text.push_str("  nothing expected\n");
+    if outcome.skipped() {
+        let _ = writeln!(text, "  {SKIPPED}");
     }
     if let Some(trouble) = &outcome.trouble {
         let _ = writeln!(text, "  FAIL {trouble}");
@@ -299,6 +380,13 @@ fn write_junit(path: &Path, outcomes: &[Outcome]) -> Result<(), Failure> {
                 TestCaseStatus::success()
             };
             let mut case = TestCase::new(title, status);
+            case.set_classname(&name);
+            suite.add_test_case(case);
+        }
+        if outcome.skipped() {
+            let mut status = TestCaseStatus::skipped();
+            status.set_message(SKIPPED);
+            let mut case = TestCase::new("expect", status);
             case.set_classname(&name);
             suite.add_test_case(case);
         }

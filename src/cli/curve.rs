@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::run::{Prepared, of_mode, prepare};
+use super::run::{Prepared, of_mode, ready};
 use super::{Failure, FormatArgument, NUMERICAL, default_folder, print, warn};
 use crate::curve;
 use crate::curve::start::{self, NoCurve};
@@ -42,7 +42,10 @@ pub fn curve(arguments: &CurveArguments) -> Result<u8, Failure> {
     let start = match &section.event {
         CurveEvent::Label { dir, label } => {
             let earlier = Restart::read(dir)?;
-            of_mode(&earlier, dir, problem.wave.mode)?;
+            of_mode(&earlier, dir, problem.wave.mode).map_err(|(message, help)| {
+                let name = arguments.problem.display().to_string();
+                problem::refuse_at(&text, &name, "wave.mode", message, help)
+            })?;
             let event = folder::labelled(dir, *label)?;
             start::labelled(&problem, earlier.wave(dir, *label)?, event, section)?
         }
@@ -50,9 +53,15 @@ pub fn curve(arguments: &CurveArguments) -> Result<u8, Failure> {
             let Prepared {
                 continuation,
                 restart,
+                source,
                 ..
-            } = prepare(&arguments.problem)?;
-            start::find(&problem, &continuation, restart.as_ref(), section)?
+            } = ready(problem.clone(), text, &arguments.problem)?;
+            start::find(&problem, &continuation, restart.as_ref(), section).map_err(|error| {
+                match error {
+                    NoCurve::Run(error) => source.place(error),
+                    error => error.into(),
+                }
+            })?
         }
     };
     let found = curve::follow(&start.system, start.event, &start.point, start.settings)

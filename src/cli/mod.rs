@@ -88,6 +88,9 @@ impl From<FormatArgument> for Format {
 enum Failure {
     #[error("{0}")]
     Problem(#[from] ProblemError),
+    /// What cannot be computed, with the line of the problem file it is about, and the exit code.
+    #[error("{0}")]
+    Placed(ProblemError, u8),
     #[error("{0}")]
     Store(#[from] StoreError),
     #[error("{0}")]
@@ -109,12 +112,15 @@ enum Failure {
 impl Failure {
     fn code(&self) -> u8 {
         match self {
+            Failure::Placed(_, code) => *code,
             Failure::Run(RunError::NoHopf(NoHopf::Parameter)) => BAD_INPUT,
             Failure::Run(RunError::NoStart(_) | RunError::NoHopf(_)) | Failure::Radial(_) => {
                 NUMERICAL
             }
             Failure::Curve(
-                NoCurve::Run(RunError::Input(_)) | NoCurve::Outside { .. } | NoCurve::Kind { .. },
+                NoCurve::Run(RunError::Input(_) | RunError::Asked { .. })
+                | NoCurve::Outside { .. }
+                | NoCurve::Kind { .. },
             ) => BAD_INPUT,
             Failure::Curve(_) => NUMERICAL,
             Failure::Store(error) | Failure::Plot(PlotError::Store(error)) => {

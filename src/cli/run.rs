@@ -11,8 +11,8 @@ use super::{Failure, NUMERICAL, default_folder, inputs, print, warn};
 use crate::output::folder::{self, Folder, Restart};
 use crate::output::plots::{self, Format};
 use crate::output::store::{Existing, Kind, Store, damaged};
-use crate::problem::{self, Continuation, Parameter, Problem, Start, Toward};
-use crate::run::{Branch, End, SavedWave};
+use crate::problem::{self, Continuation, Problem, Start, Toward};
+use crate::run::{Branch, End, RunError, SavedWave};
 
 #[derive(Debug, Args)]
 pub struct RunArguments {
@@ -40,60 +40,97 @@ pub struct Prepared {
     pub problem: Problem,
     pub continuation: Continuation,
     pub restart: Option<SavedWave>,
+    pub source: Source,
+}
+
+/// The file of a problem, for messages that point into it.
+pub struct Source {
+    name: String,
+    text: String,
+}
+
+impl Source {
+    /// A refusal of what stands at a path.
+    fn refuse(&self, path: &str, message: String, help: &str) -> Failure {
+        problem::refuse_at(&self.text, &self.name, path, message, help).into()
+    }
+
+    /// What ends a run before it begins, with the line it is about if there is one.
+    pub fn place(&self, error: RunError) -> Failure {
+        match error.about() {
+            None => error.into(),
+            Some((path, help)) => {
+                let message = error.to_string();
+                let place = problem::refuse_at(&self.text, &self.name, path, message, help);
+                Failure::Placed(place, Failure::Run(error).code())
+            }
+        }
+    }
 }
 
 /// Reads a problem file, and the wave it restarts from if it does.
 pub fn prepare(path: &Path) -> Result<Prepared, Failure> {
     let (problem, text) = problem::read(path)?;
-    let mut continuation = problem
-        .continuation(&text, &path.display().to_string())?
-        .clone();
+    ready(problem, text, path)
+}
+
+/// The branch of a problem that was read, and the wave it restarts from if it does.
+pub fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepared, Failure> {
+    let name = path.display().to_string();
+    let mut continuation = problem.continuation(&text, &name)?.clone();
+    let source = Source { name, text };
     let restart = match &problem.wave.start {
         Start::Restart { dir, label } => {
             let earlier = Restart::read(dir)?;
-            of_mode(&earlier, dir, problem.wave.mode)?;
+            of_mode(&earlier, dir, problem.wave.mode)
+                .map_err(|(message, help)| source.refuse("wave.mode", message, &help))?;
             Some(earlier.wave(dir, *label)?.clone())
         }
         Start::Fast | Start::Slow | Start::Hopf => None,
     };
     if problem.wave.start == Start::Hopf {
         // there are waves on one side of it only
-        continuation.toward = match continuation.parameter {
-            Parameter::MassDamping => Toward::Down,
-            _ => Toward::Up,
-        };
+        continuation.toward = continuation.parameter.beyond_hopf();
         return Ok(Prepared {
             problem,
             continuation,
             restart,
+            source,
         });
     }
     let first = match &restart {
         Some(wave) => wave.model.value(continuation.parameter),
         None => problem.model.value(continuation.parameter),
     };
-    continuation.toward = ways(&continuation, first.unwrap_or(f64::NAN))?;
+    continuation.toward = ways(&continuation, first.unwrap_or(f64::NAN)).map_err(|message| {
+        let help = "go the other way, or widen the range";
+        source.refuse("continuation.toward", message, help)
+    })?;
     Ok(Prepared {
         problem,
         continuation,
         restart,
+        source,
     })
 }
 
-/// Refuses an earlier run of another mode.
-pub fn of_mode(earlier: &Restart, dir: &Path, mode: u32) -> Result<(), Failure> {
+/// Refuses an earlier run of another mode: a message, and what would be right.
+pub fn of_mode(earlier: &Restart, dir: &Path, mode: u32) -> Result<(), (String, String)> {
     let known = earlier.problem.wave.mode;
     if known == mode {
         return Ok(());
     }
-    Err(Failure::Usage(format!(
-        "{} holds waves of mode {known}, not of mode {mode}",
-        dir.display()
-    )))
+    Err((
+        format!(
+            "{} holds waves of mode {known}, not of mode {mode}",
+            dir.display()
+        ),
+        format!("write `mode: {known}`, or name another folder"),
+    ))
 }
 
 /// The ways a branch can go from its first point: at an end of the range there is but one.
-fn ways(continuation: &Continuation, first: f64) -> Result<Toward, Failure> {
+fn ways(continuation: &Continuation, first: f64) -> Result<Toward, String> {
     let (low, high) = continuation.range;
     match continuation.toward {
         Toward::Both if first == low => Ok(Toward::Up),
@@ -103,11 +140,11 @@ fn ways(continuation: &Continuation, first: f64) -> Result<Toward, Failure> {
             if (toward == Toward::Down && first == low)
                 || (toward == Toward::Up && first == high) =>
         {
-            Err(Failure::Usage(format!(
+            Err(format!(
                 "the branch starts at {} = {first:?}, an end of the range from {low:?} to \
-                 {high:?} with nothing beyond; go the other way, or widen the range",
+                 {high:?} with nothing beyond",
                 continuation.parameter.column()
-            )))
+            ))
         }
         toward => Ok(toward),
     }
@@ -118,6 +155,7 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         problem,
         continuation,
         restart,
+        source,
     } = prepare(&arguments.problem)?;
     let out = arguments
         .out
@@ -139,7 +177,8 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             (branch, Folder::reopen(store, saved)?)
         }
         None => {
-            let begun = Branch::begin(&problem, &continuation, restart.as_ref());
+            let begun = Branch::begin(&problem, &continuation, restart.as_ref())
+                .map_err(|error| source.place(error));
             if begun.is_err() && store.holds_results() {
                 warn(&format!(
                     "nothing was computed; {} keeps the results of the earlier run",

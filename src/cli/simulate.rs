@@ -140,8 +140,11 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
         PathBuf::from(folder)
     });
     let usage = |error: &dyn std::fmt::Display| Failure::Usage(error.to_string());
-    let mut motion = Motion::begin(section, &parameters, geometry, mode, wave.as_ref())
-        .map_err(|error| usage(&error))?;
+    let mut motion =
+        Motion::begin(section, &parameters, geometry, mode, wave.as_ref()).map_err(|error| {
+            let (path, help) = error.about();
+            problem::refuse_at(&text, &name, path, error.to_string(), help)
+        })?;
     let points = motion.line().radial.len();
     let (whole, rest) = section.intervals();
     let count = whole + usize::from(rest > 0.0);

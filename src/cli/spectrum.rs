@@ -79,6 +79,7 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
         mut problem,
         mut continuation,
         restart,
+        source,
     } = prepare(&arguments.problem)?;
     let mode = problem.wave.mode as usize;
     if let Some(sector) = arguments.sector
@@ -125,7 +126,18 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
             });
         }
     }
-    let mut branch = Branch::begin(&problem, &continuation, restart.as_ref())?;
+    // a value of the command line is on no line of the file
+    let of_file = arguments
+        .at
+        .iter()
+        .all(|(one, _)| *one == continuation.parameter);
+    let mut branch = Branch::begin(&problem, &continuation, restart.as_ref()).map_err(|error| {
+        if of_file {
+            source.place(error)
+        } else {
+            error.into()
+        }
+    })?;
     let column = continuation.parameter;
     let mut passages = 0;
     let mut reached: Option<Item> = None;

@@ -153,5 +153,11 @@ pub(super) fn excerpt(text: &str) -> String {
 
 /// The characters with blanks for those that would move the caret, or worse.
 fn printable(text: &str) -> impl Iterator<Item = char> {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c })
+    text.chars().map(|c| {
+        if c.is_control() || !super::is_text(c) {
+            ' '
+        } else {
+            c
+        }
+    })
 }

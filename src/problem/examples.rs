@@ -9,11 +9,12 @@ pub(super) fn examples() -> Vec<(String, String)> {
     Outline::of(EXAMPLES).fields().collect()
 }
 
-/// The field of a section in use.
+/// The field of a section in use, in one line.
 pub(super) fn example(section: &str, field: &str) -> Option<String> {
     let mut examples = examples().into_iter();
     let found = examples.find(|(home, example)| home == section && is_of(example, field))?;
-    Some(found.1)
+    let words: Vec<&str> = found.1.split_whitespace().collect();
+    Some(words.join(" ").replace("( ", "(").replace(", )", ")"))
 }
 
 /// The section that a field belongs to, when there is only one.

@@ -4,6 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::branch::EventType;
 
+/// Most expectations of a problem.
+pub const MAX_EXPECTATIONS: usize = 1000;
+/// Coarsest tolerance of an expectation: a figure a tenth off is another figure.
+pub const MAX_EXPECTED_TOLERANCE: f64 = 0.1;
+
 /// An event that must be found, with the numbers it must have.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -43,6 +48,15 @@ pub struct Expectation {
 }
 
 impl Expectation {
+    /// Least and greatest value that passes for the expected one.
+    pub fn admitted(&self, expected: f64) -> [f64; 2] {
+        let width = match expected {
+            0.0 => self.tolerance,
+            _ => self.tolerance * expected.abs(),
+        };
+        [expected - width, expected + width]
+    }
+
     /// The numbers to compare, each with the name of its column.
     pub fn numbers(&self) -> Vec<(&'static str, f64)> {
         [

@@ -93,10 +93,19 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
         Error::IntegerOutOfBounds => "a whole number from 0 up, but not too large",
         // What is read of a value may end within it, where a comma would have to follow.
         Error::ExpectedComma if node.is_some_and(|node| outline.splits(node, offset)) => {
-            match found.as_str() {
-                "(" => "a name without parentheses",
-                _ => "a whole number from 0 up",
+            let digits = node.is_some_and(|node| {
+                outline
+                    .source(node)
+                    .starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
+            });
+            match (digits, written_with_point(&path)) {
+                (false, _) if found == "(" => "a name without parentheses",
+                (_, true) => "a number",
+                (_, false) => "a whole number from 0 up",
             }
+        }
+        Error::UnexpectedChar(found) => {
+            return unexpected(outline, offset, *found, before.or(around));
         }
         Error::ExpectedString => "a text in double quotes",
         Error::ExpectedArray => "a list in square brackets",
@@ -148,6 +157,12 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
         let help = "write `name: value`; numbers have a decimal point, no comma";
         return Flaw::new(at, message, help);
     }
+    let is_inside = outline.head(node).end <= offset;
+    if is_inside && !length && !matches!(code, Error::InvalidValueForType { .. }) {
+        // what stands there has become part of a key
+        let message = format!("{wanted} should stand here, found `{found}`");
+        return Flaw::new(token, message, write_as(&path));
+    }
     let entry = if outline.is_entry(node) {
         "an entry of "
     } else {
@@ -162,6 +177,25 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
         quoted(&path)
     );
     Flaw::new(span, message, help)
+}
+
+/// The words for a character that nothing begins with; a slash is read as that of a comment.
+fn unexpected(outline: &Outline, offset: usize, found: char, before: Option<usize>) -> Flaw {
+    let token = outline.token(offset);
+    let path = before.map_or(String::new(), |node| outline.path(node));
+    if !outline.text[offset..].starts_with('/') {
+        return Flaw::new(
+            token,
+            format!("`{found}` makes no sense here"),
+            write_as(&path),
+        );
+    }
+    let message = "there is no arithmetic, and a single `/` begins no comment";
+    let help = format!(
+        "{}; 1/5 is 0.2, and a comment begins with `//`",
+        write_as(&path)
+    );
+    Flaw::new(token, message, help)
 }
 
 /// The words for a mark that should stand between the value before and the token.
@@ -190,11 +224,20 @@ fn quoted(path: &str) -> String {
 
 /// How the field with this path is written.
 fn write_as(path: &str) -> String {
-    let (section, field) = path.rsplit_once('.').unwrap_or(("", path));
-    match example(section, field) {
+    match example_of(path) {
         Some(example) => format!("write it as in `{example}`"),
         None => "`brakewave new` prints a complete example".to_owned(),
     }
+}
+
+fn example_of(path: &str) -> Option<String> {
+    let (section, field) = path.rsplit_once('.').unwrap_or(("", path));
+    example(section, field)
+}
+
+/// Whether the numbers of a field have a decimal point.
+fn written_with_point(path: &str) -> bool {
+    example_of(path).is_some_and(|example| example.contains('.') || example.contains("e-"))
 }
 
 fn help_for_unknown(section: &str, found: &str, expected: &[&str]) -> String {

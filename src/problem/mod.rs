@@ -48,6 +48,10 @@ pub const MAX_BYTES: usize = 4 << 20;
 pub const MAX_MODE: u32 = 4096;
 /// Largest number of profiles that can be asked for.
 pub const MAX_PROFILES: usize = 1000;
+/// Most values of [`Continuation::stop_at`].
+pub const MAX_USER_POINTS: usize = 10_000;
+/// Longest title or path, in characters.
+pub const MAX_WORDS: usize = 4096;
 /// Coarsest accepted [`Continuation::tolerance`].
 pub const MAX_TOLERANCE: f64 = 1e-4;
 
@@ -96,12 +100,13 @@ impl Problem {
     /// `text` and `name` are the source of the problem and the name of its file, for the message.
     pub fn continuation(&self, text: &str, name: &str) -> Result<&Continuation, ProblemError> {
         self.continuation.as_ref().ok_or_else(|| {
-            let flaw = Flaw::new(
-                Outline::of(text).locate("continuation"),
+            refuse_at(
+                text,
+                name,
+                "continuation",
                 "missing field `continuation` in the problem: there is no branch to follow",
                 "add `continuation: (parameter: Mismatch, range: (0.004, 0.2)),`",
-            );
-            ProblemError::in_text(name, text, flaw)
+            )
         })
     }
 
@@ -110,13 +115,14 @@ impl Problem {
     /// `text` and `name` are the source of the problem and the name of its file, for the message.
     pub fn simulation(&self, text: &str, name: &str) -> Result<&Simulation, ProblemError> {
         self.simulation.as_ref().ok_or_else(|| {
-            let flaw = Flaw::new(
-                Outline::of(text).locate("simulation"),
+            refuse_at(
+                text,
+                name,
+                "simulation",
                 "missing field `simulation` in the problem: there is nothing to simulate",
                 "add `simulation: (body: Ring(points: 384), start: SteadySliding, \
                  perturbation: (mode: 4, amplitude: 1e-3), duration: 40.0),`",
-            );
-            ProblemError::in_text(name, text, flaw)
+            )
         })
     }
 
@@ -125,13 +131,14 @@ impl Problem {
     /// `text` and `name` are the source of the problem and the name of its file, for the message.
     pub fn map(&self, text: &str, name: &str) -> Result<&Map, ProblemError> {
         self.map.as_ref().ok_or_else(|| {
-            let flaw = Flaw::new(
-                Outline::of(text).locate("map"),
+            refuse_at(
+                text,
+                name,
+                "map",
                 "missing field `map` in the problem: there is no plane to map",
                 "add `map: (first: (parameter: Friction, range: (0.1, 1.0)), second: (parameter: \
                  Mismatch, range: (0.004, 0.2)), points: Grid(rows: 100, columns: 100)),`",
-            );
-            ProblemError::in_text(name, text, flaw)
+            )
         })
     }
 
@@ -140,13 +147,14 @@ impl Problem {
     /// `text` and `name` are the source of the problem and the name of its file, for the message.
     pub fn curve(&self, text: &str, name: &str) -> Result<&Curve, ProblemError> {
         self.curve.as_ref().ok_or_else(|| {
-            let flaw = Flaw::new(
-                Outline::of(text).locate("curve"),
+            refuse_at(
+                text,
+                name,
+                "curve",
                 "missing field `curve` in the problem: there is no event to follow",
                 "add `curve: (event: GR, parameters: (Mismatch, Friction), range: ((0.01, 0.3), \
                  (0.1, 1.0))),`",
-            );
-            ProblemError::in_text(name, text, flaw)
+            )
         })
     }
 }
@@ -412,21 +420,32 @@ pub enum Plot {
 }
 
 /// Reads and checks a problem file; returns its text as well.
+///
+/// Only regular files are read: a pipe or a device may have no end, and a pipe can be read but once.
 pub fn read(path: &Path) -> Result<(Problem, String), ProblemError> {
     let name = path.display().to_string();
-    let refuse = |error: std::io::Error| {
+    let refuse = |reason: &str| {
         ProblemError::in_file(
             &name,
-            format!("cannot read the problem file: {error}"),
+            format!("cannot read the problem file: {reason}"),
             "give the path of a problem file that exists and may be read; \
              `brakewave new` prints one to start from",
         )
     };
+    let failed = |error: std::io::Error| refuse(&error.to_string());
+    // asked before it is opened, which waits for ever at a pipe without a writer
+    let about = std::fs::metadata(path).map_err(failed)?;
+    if about.is_dir() {
+        return Err(refuse("it is a folder"));
+    }
+    if !about.is_file() {
+        return Err(refuse("it is a pipe or a device, not a file"));
+    }
     let mut bytes = Vec::new();
-    // Pipes and devices have no length to ask for, hence the limit on what is read.
+    // files that the system makes up tell no length, hence the limit on what is read
     File::open(path)
         .and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes))
-        .map_err(refuse)?;
+        .map_err(failed)?;
     if bytes.len() > MAX_BYTES {
         return Err(too_large(&name));
     }
@@ -451,18 +470,44 @@ pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
         return Err(too_large(name));
     }
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
+    let refuse = |flaw| ProblemError::in_text(name, text, flaw);
+    if let Some((at, found)) = text.char_indices().find(|(_, c)| !is_text(*c)) {
+        let message = format!(
+            "the control character U+{:04X} is no text",
+            u32::from(found)
+        );
+        let help = "remove it; is the file a problem file in the encoding UTF-8?";
+        return Err(refuse(Flaw::new(at..at + found.len_utf8(), message, help)));
+    }
     let problem: Problem = options()
         .from_str(text)
-        .map_err(|error| ProblemError::in_text(name, text, explanation::explain(text, &error)))?;
+        .map_err(|error| refuse(explanation::explain(text, &error)))?;
     let outline = Outline::of(text);
     match validation::check(&problem, &outline) {
         Ok(()) => Ok(problem),
         Err(complaint) => {
             let at = outline.locate(&complaint.path);
-            let flaw = Flaw::new(at, complaint.message, complaint.help);
-            Err(ProblemError::in_text(name, text, flaw))
+            Err(refuse(Flaw::new(at, complaint.message, complaint.help)))
         }
     }
+}
+
+/// Whether a character is text, as tables, pictures and reports in XML can hold it.
+fn is_text(c: char) -> bool {
+    matches!(c, '\t' | '\n' | '\r') || !(c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}'))
+}
+
+/// A refusal of what the text of a problem says at a path, for reasons that only show later.
+pub fn refuse_at(
+    text: &str,
+    name: &str,
+    path: &str,
+    message: impl Into<String>,
+    help: impl Into<String>,
+) -> ProblemError {
+    let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
+    let at = Outline::of(text).locate(path);
+    ProblemError::in_text(name, text, Flaw::new(at, message, help))
 }
 
 fn too_large(name: &str) -> ProblemError {

@@ -228,6 +228,11 @@ impl<'a> Outline<'a> {
         self.span(node)
     }
 
+    /// Whether the value with this path is written.
+    pub fn has(&self, path: &str) -> bool {
+        self.at(path).is_some()
+    }
+
     /// The beginning of a value, up to its bracket.
     pub fn head(&self, node: usize) -> Range<usize> {
         self.span(node).start..self.bracket(node).end
@@ -235,17 +240,19 @@ impl<'a> Outline<'a> {
 
     /// The entries of the list with this path, each with the name of its first field.
     pub fn entries(&self, path: &str) -> impl Iterator<Item = Option<&'a str>> {
-        let list = self.root().and_then(|root| {
-            path.split('.')
-                .try_fold(root, |node, step| self.child(node, step))
-        });
-        list.into_iter()
+        self.at(path)
+            .into_iter()
             .flat_map(|list| self.children(list))
             .map(|entry| {
                 self.children(entry)
                     .next()
                     .and_then(|field| self.key(field))
             })
+    }
+
+    fn at(&self, path: &str) -> Option<usize> {
+        path.split('.')
+            .try_fold(self.root()?, |node, step| self.child(node, step))
     }
 
     /// The whole problem; attributes may stand before it.

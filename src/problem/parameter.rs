@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Toward;
+
 /// A parameter that a branch can be followed in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Parameter {
@@ -69,6 +71,15 @@ impl Parameter {
         Parameter::ALL
             .into_iter()
             .find(|parameter| parameter.column() == column)
+    }
+
+    /// The way a branch leaves a Hopf point of steady sliding: damping ends the waves that friction
+    /// drives.
+    pub fn beyond_hopf(self) -> Toward {
+        match self {
+            Parameter::MassDamping | Parameter::StiffnessDamping => Toward::Down,
+            _ => Toward::Up,
+        }
     }
 
     /// The path of the value of this parameter in a problem file.

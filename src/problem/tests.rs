@@ -428,6 +428,14 @@ fn structure_errors_point_and_explain() {
         ("wave: (mode: 4, start: Fast)", "wave: {mode: 4}", "{mode: 4}", "a section of fields", "wave: (mode"),
         ("title: \"", "title: 'x', a: \"", "'x'", "a text in double quotes", "title: \"Mode 4\""),
         ("damping: (mass: 0.01, stiffness: 0.02)", "damping: None", "None", "a section of fields", "damping: ("),
+        ("        friction: 0.5,\n", "friction: 0.24Some(1),\n", "0.24Some(1)", "must be a number, found `0.24Some(1)`", "friction: 0.5"),
+        ("        friction: 0.5,\n", "friction: 24Some(1),\n", "24Some(1)", "must be a number, found `24Some(1)`", "friction: 0.5"),
+        ("        friction: 0.5,\n", "friction: 0.5$x,\n", "0.5$x", "must be a number", "friction: 0.5"),
+        ("        friction: 0.5,\n", "friction: 1/5,\n", "/", "there is no arithmetic", "`friction: 0.5`; 1/5 is 0.2"),
+        ("        friction: 0.5,\n", "friction: ½,\n", "½", "must be a number, found `½`", "friction: 0.5"),
+        ("stop_at: [0.08,", "stop_at: [∞,", "∞", "`∞` makes no sense here", "stop_at: ["),
+        ("mode: 4,", "mode: 4(1,2),", "4(1,2)", "a whole number from 0 up", "mode: 4"),
+        ("first: (parameter: Friction, range: (0.1, 0.9)),", "first: 'a'parameter: Friction,", "'a'parameter", "should stand here", "map: (first: (parameter"),
     ];
     for (from, to, place, message, help) in cases {
         refused(&edited(from, to), place, message, help);
@@ -553,6 +561,29 @@ fn values_are_checked() {
         ("profiles: 9", "profiles: 1001", "1001", "1001", "at most 1000"),
         ("Column(\"amplitude\")", "Column(\"\")", "Column(\"\")", "output.plots` is", "amplitude"),
         ("speed: -1.2, tolerance: 1e-9", "speed: -1.2, tolerance: 0.0", "0.0", "expect.tolerance", "greater than 0"),
+        ("speed: -1.2, tolerance: 1e-9", "speed: -1.2, tolerance: 0.2", "0.2", "expect.tolerance", "at most 0.1"),
+        ("mismatch: 0.05, speed: -1.2, tolerance: 1e-9", "mismatch: 0.11, tolerance: 0.99", "0.99", "expect.tolerance", "at most 0.1"),
+        ("(event: GR, mismatch: 0.05, speed: -1.2", "(event: GR, sector: 0, mismatch: 0.05, speed: -1.2", "0", "`sector` is expected of a GR", "HB"),
+        ("(event: GR, mismatch: 0.05, speed: -1.2", "(event: GR, omega: 0.05, speed: -1.2", "0.05", "`omega` is expected of a GR", "HB"),
+        ("(event: GR, mismatch: 0.05, speed: -1.2, tolerance: 1e-9)", "(event: GR, friction: 0.5, tolerance: 1e-9)", "(event: GR, friction: 0.5, tolerance: 1e-9)", "keeps them", "`mismatch` or `speed`"),
+        ("(event: HB, sector: 0,", "(event: HB, sector: 1,", "HB", "leaves out sector 1", "`All`"),
+        ("label: 7", "label: 0", "0", "`expect.label` is 0", "from 1"),
+        ("stop_at: [0.08,", "stop_at: [0.08, 0.08,", "0.08", "0.08 is listed twice", "once"),
+        ("(event: HB, count: 1)", "(event: HB, count: 1), (event: HB, count: 2)", "HB", "HB is listed twice", "once"),
+        ("PhasePlane, Friction]", "PhasePlane, PhasePlane]", "PhasePlane", "PhasePlane is listed twice", "once"),
+        ("PhasePlane, Friction]", "Column(\"condition\")]", "Column(\"condition\")", "nothing without `conditioning`", "conditioning: true"),
+        ("PhasePlane, Friction]", "Column(\"smoothing\")]", "Column(\"smoothing\")", "this parameter", "Regularised"),
+        ("profiles: 9", "profiles: 0", "PhasePlane", "nothing without profiles", "profiles: 9"),
+        ("stability: (sectors: Only([0, 2]), eigenvalues: 8, max_frequency: 10.0),\n", "\n", "HB", "no HB is found without the section", "stability: ("),
+        ("title: \"", "title: \"\\u{1b}", "\"\\u{1b}Mode 4: (brackets] in a \\\"title\\\"\"", "`title` holds the control character U+001B", "without it"),
+        ("title: \"", "title: \"\\n", "\"\\nMode 4: (brackets] in a \\\"title\\\"\"", "U+000A", "one line"),
+        ("title: \"", "title: \"\u{1b}", " ", "the control character U+001B is no text", "remove it"),
+        ("start: Fast", "start: /* \u{fffe} */ Fast", " ", "U+FFFE", "remove it"),
+        ("start: Fast", "start: Restart(dir: \"a\\x07\", label: 1)", "\"a\\x07\"", "`wave.start.dir` holds the control character U+0007", ""),
+        ("parameter: MassDamping", "parameter: Smoothing", "Smoothing", "the friction law has no smoothing", "Regularised"),
+        ("parameter: Mismatch,", "parameter: Smoothing,", "Smoothing", "the friction law has no smoothing", "Regularised"),
+        ("speed: -1.2", "smoothing: 0.1", "0.1", "the friction law has no smoothing", "Regularised"),
+        ("start: Fast", "start: Hopf", "Down", "`continuation.toward` is Down", "`toward: Up`"),
         ("speed: -1.2", "speed: NaN", "NaN", "`expect.speed` is NaN", "finite"),
         ("sector: 0", "sector: 3", "3", "expect.sector` is 3", "from 0 to 2"),
         ("mismatch: 0.05, speed: -1.2, tolerance", "tolerance", "(event: GR, tolerance: 1e-9)", "nothing to compare this GR event", "at least one number"),
@@ -592,7 +623,7 @@ fn values_are_checked() {
     let nu = coefficients(given)
         .replace("parameter: Mismatch", "parameter: Nu")
         .replace("range: (0.004, 0.2)", "range: (0.1, 0.4)");
-    refused(&nu, "Nu", "`nu` cannot be continued", "Geometry");
+    refused(&nu, "Nu", "`nu` is unknown: the coefficients", "Geometry");
     let expected = edited("Geometry(nu: 0.3, xi: 1.5, gamma: 1.0)", given);
     refused(&expected, "1.0", "`gamma` is unknown", "Geometry");
 }

@@ -1,8 +1,10 @@
 //! Checks of the values of a problem.
 
 use std::fmt::Debug;
+use std::path::PathBuf;
 
 use super::error::excerpt;
+use super::expectation::{MAX_EXPECTATIONS, MAX_EXPECTED_TOLERANCE};
 use super::outline::Outline;
 use super::simulation::{
     Body, Circle, MAX_COURANT, MAX_SAMPLES, MAX_SIMULATION_POINTS, MAX_SNAPSHOTS,
@@ -10,11 +12,11 @@ use super::simulation::{
 };
 use super::{
     Coefficients, Continuation, Curve, CurveEvent, Expectation, FrictionLaw, Impact, MAX_DEGREE,
-    MAX_GRID, MAX_INTERVALS, MAX_MAP_POINTS, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, Map, MapPoints,
-    Method, Model, Output, Parameter, Plot, Problem, Sectors, StabilitySection, Start, Toward,
-    Wave,
+    MAX_GRID, MAX_INTERVALS, MAX_MAP_POINTS, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE,
+    MAX_USER_POINTS, MAX_WORDS, Map, MapPoints, Method, Model, Output, Parameter, Plot, Problem,
+    Sectors, StabilitySection, Start, Toward, Wave, is_text,
 };
-use crate::branch::{BRANCH_HEADER, WORD_COLUMNS};
+use crate::branch::{BRANCH_HEADER, EventType, WORD_COLUMNS};
 
 /// Something wrong with the value at a path; see [`Outline::locate`].
 pub(super) struct Complaint {
@@ -28,6 +30,7 @@ type Check = Result<(), Complaint>;
 /// Refuses the first value of the problem that makes no sense.
 pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
     let mode = problem.wave.mode;
+    words(problem)?;
     model(&problem.model)?;
     wave(&problem.wave)?;
     if let Some(chosen) = problem.method {
@@ -38,6 +41,7 @@ pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
         first_point(section, &problem.model, &problem.wave.start)?;
         user_points(section, outline)?;
         steps(section)?;
+        stops(section, problem.stability.as_ref())?;
     }
     if let Some(section) = &problem.stability {
         stability(section, mode)?;
@@ -49,11 +53,12 @@ pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
         simulation(section, problem)?;
     }
     if let Some(section) = &problem.curve {
-        curve(section, &problem.model, mode)?;
+        curve(section, &problem.model, mode, outline)?;
     }
-    output(&problem.output)?;
+    output(problem)?;
+    entries("expect", problem.expect.len(), MAX_EXPECTATIONS)?;
     for (index, event) in problem.expect.iter().enumerate() {
-        expectation(&format!("expect.{index}"), event, mode, &problem.model)?;
+        expectation(&format!("expect.{index}"), event, problem)?;
     }
     Ok(())
 }
@@ -88,6 +93,39 @@ fn number(path: &str, value: f64, holds: bool, rule: &str) -> Check {
         return admit(path, value, false, &format!("{rule}, and finite"));
     }
     admit(path, value, holds, rule)
+}
+
+/// Refuses control characters in what is shown or names a file; escapes bring them past the reader.
+fn words(problem: &Problem) -> Check {
+    let file = |path: &PathBuf| path.to_string_lossy().into_owned();
+    let mut words: Vec<(&str, String)> = Vec::new();
+    words.extend(problem.title.clone().map(|title| ("title", title)));
+    if let Start::Restart { dir, .. } = &problem.wave.start {
+        words.push(("wave.start.dir", file(dir)));
+    }
+    match problem.simulation.as_ref().map(|section| &section.start) {
+        Some(SimulationStart::Wave { dir, .. }) => words.push(("simulation.start.dir", file(dir))),
+        Some(SimulationStart::Profile { file: name, .. }) => {
+            words.push(("simulation.start.file", file(name)));
+        }
+        _ => {}
+    }
+    if let Some(CurveEvent::Label { dir, .. }) = problem.curve.as_ref().map(|curve| &curve.event) {
+        words.push(("curve.event.dir", file(dir)));
+    }
+    for (path, text) in words {
+        let refused = |c: &char| matches!(c, '\n' | '\r') || !is_text(*c);
+        if let Some(found) = text.chars().find(refused) {
+            let message = format!(
+                "`{path}` holds the control character U+{:04X}",
+                u32::from(found)
+            );
+            return refuse(path, message, "write one line of text without it");
+        }
+        let rule = format!("write at most {MAX_WORDS} characters");
+        admit(path, &text, text.chars().count() <= MAX_WORDS, &rule)?;
+    }
+    Ok(())
 }
 
 fn model(model: &Model) -> Check {
@@ -190,27 +228,42 @@ fn range(section: &Continuation) -> Check {
     admit("continuation.range", section.range, lower < upper, rule)
 }
 
+/// Refuses a parameter that the model does not have.
+fn absent(path: &str, parameter: Parameter) -> Check {
+    let column = parameter.column();
+    if parameter == Parameter::Smoothing {
+        return refuse(
+            path,
+            format!("`{column}` is unknown: the friction law has no smoothing"),
+            "use `friction_law: Regularised(epsilon: 0.02)`, or another parameter",
+        );
+    }
+    refuse(
+        path,
+        format!("`{column}` is unknown: the coefficients are `Given`"),
+        "use `coefficients: Geometry(nu: .., xi: .., gamma: ..)`, or another parameter: Mismatch, \
+         Friction, MassDamping or StiffnessDamping",
+    )
+}
+
 fn first_point(section: &Continuation, model: &Model, start: &Start) -> Check {
     let column = section.parameter.column();
     let Some(value) = model.value(section.parameter) else {
-        return refuse(
-            "continuation.parameter",
-            if section.parameter == Parameter::Smoothing {
-                format!("`{column}` cannot be continued: the friction law has no smoothing")
-            } else {
-                format!("`{column}` cannot be continued: the coefficients are `Given`")
-            },
-            if section.parameter == Parameter::Smoothing {
-                "use `friction_law: Regularised(epsilon: 0.02)`"
-            } else {
-                "use `coefficients: Geometry(nu: .., xi: .., gamma: ..)`, or continue in Mismatch, \
-                 Friction, MassDamping or StiffnessDamping"
-            },
-        );
+        return absent("continuation.parameter", section.parameter);
     };
     // A restart brings its own parameters, and so does a Hopf point.
-    if matches!(start, Start::Restart { .. } | Start::Hopf) {
-        return Ok(());
+    match start {
+        Start::Restart { .. } => return Ok(()),
+        Start::Hopf => {
+            let only = section.parameter.beyond_hopf();
+            let holds = [Toward::Both, only].contains(&section.toward);
+            let rule = format!(
+                "waves exist on one side of the Hopf point only: write `toward: {only:?}`, or leave \
+                 it out"
+            );
+            return admit("continuation.toward", section.toward, holds, &rule);
+        }
+        Start::Fast | Start::Slow => {}
     }
     let (lower, upper) = section.range;
     let begins = format!("the branch starts at {column} = {value:?}");
@@ -238,6 +291,11 @@ fn user_points(section: &Continuation, outline: &Outline) -> Check {
     let column = section.parameter.column();
     let rule = format!("user points must lie within the range from {lower:?} to {upper:?}");
     let names = outline.entries("continuation.stop_at");
+    entries(
+        "continuation.stop_at",
+        section.stop_at.len(),
+        MAX_USER_POINTS,
+    )?;
     for (index, (&value, name)) in section.stop_at.iter().zip(names).enumerate() {
         let path = format!("continuation.stop_at.{index}");
         if let Some(name) = name.filter(|name| *name != column) {
@@ -249,8 +307,27 @@ fn user_points(section: &Continuation, outline: &Outline) -> Check {
             );
         }
         number(&path, value, (lower..=upper).contains(&value), &rule)?;
+        // the list is short, and -0 is 0
+        if section.stop_at[..index].contains(&value) {
+            return twice(&path, value);
+        }
     }
     Ok(())
+}
+
+/// Refuses a list without end.
+fn entries(path: &str, count: usize, most: usize) -> Check {
+    if count <= most {
+        return Ok(());
+    }
+    let message = format!("`{path}` has {count} entries");
+    refuse(path, message, format!("write at most {most}"))
+}
+
+/// Refuses an entry that stands in its list already.
+fn twice(path: &str, entry: impl Debug) -> Check {
+    let message = format!("{} is listed twice", excerpt(&format!("{entry:?}")));
+    refuse(path, message, "list each once")
 }
 
 fn steps(section: &Continuation) -> Check {
@@ -261,13 +338,46 @@ fn steps(section: &Continuation) -> Check {
     )?;
     let points = section.max_points;
     let rule = "a branch has at least 1 point";
-    admit("continuation.max_points", points, points >= 1, rule)?;
-    for (index, stop) in section.stop_after.iter().enumerate() {
-        let path = format!("continuation.stop_after.{index}.count");
+    admit("continuation.max_points", points, points >= 1, rule)
+}
+
+fn stops(section: &Continuation, stability: Option<&StabilitySection>) -> Check {
+    let stops = &section.stop_after;
+    for (index, stop) in stops.iter().enumerate() {
+        let path = format!("continuation.stop_after.{index}");
+        looked_for(&format!("{path}.event"), stop.event, None, stability)?;
         let rule = "`count: 1` ends the branch at the first event of this type";
-        admit(&path, stop.count, stop.count >= 1, rule)?;
+        admit(&format!("{path}.count"), stop.count, stop.count >= 1, rule)?;
+        if stops[..index].iter().any(|other| other.event == stop.event) {
+            return twice(&format!("{path}.event"), stop.event);
+        }
     }
     Ok(())
+}
+
+/// Refuses events of a spectrum that is not computed.
+fn looked_for(
+    path: &str,
+    event: EventType,
+    wanted: Option<usize>,
+    stability: Option<&StabilitySection>,
+) -> Check {
+    let Some(sectors) = stability.map(|section| &section.sectors) else {
+        return if event.of_spectrum() {
+            let message = format!("no {event} is found without the section `stability`");
+            refuse(path, message, "add `stability: (sectors: All)`")
+        } else {
+            Ok(())
+        };
+    };
+    match (sectors, wanted) {
+        (Sectors::Only(list), Some(sector)) if !list.contains(&sector) => refuse(
+            path,
+            format!("`stability.sectors` leaves out sector {sector}"),
+            "add it there, or write `All`",
+        ),
+        _ => Ok(()),
+    }
 }
 
 /// Checks steps [ds, ds_min, ds_max] and tolerance of a section.
@@ -291,19 +401,19 @@ fn step_lengths(section: &str, [ds, ds_min, ds_max]: [f64; 3], tolerance: f64) -
     number(&format!("{section}.tolerance"), tolerance, holds, &rule)
 }
 
-fn curve(section: &Curve, model: &Model, mode: u32) -> Check {
+fn curve(section: &Curve, model: &Model, mode: u32, outline: &Outline) -> Check {
     let rule = "`index: 1` is the first event of this type along the branch";
     admit("curve.index", section.index, section.index >= 1, rule)?;
     sector("curve.sector", section.sector, mode)?;
     let is_hopf = section.event == CurveEvent::HB;
-    if section.sector > 0 && !is_hopf {
+    if outline.has("curve.sector") && !is_hopf {
         return refuse(
             "curve.sector",
             "`curve.sector` is given for an event that has none, or whose label says it",
             "leave it out, or follow an HB",
         );
     }
-    if section.index > 1 && section.event.kind().is_none() {
+    if outline.has("curve.index") && section.event.kind().is_none() {
         return refuse(
             "curve.index",
             "`curve.index` is given beside a label",
@@ -313,14 +423,8 @@ fn curve(section: &Curve, model: &Model, mode: u32) -> Check {
     let (first, second) = section.parameters;
     let sides = [(first, section.range.0), (second, section.range.1)];
     for (side, (parameter, range)) in sides.into_iter().enumerate() {
-        let column = parameter.column();
         if model.value(parameter).is_none() {
-            return refuse(
-                &format!("curve.parameters.{side}"),
-                format!("an event of this model cannot be followed in `{column}`"),
-                "use Mismatch, Friction, MassDamping or StiffnessDamping; Gamma, Nu and Xi need \
-                 `coefficients: Geometry(nu: .., xi: .., gamma: ..)`",
-            );
+            return absent(&format!("curve.parameters.{side}"), parameter);
         }
         for (end, value) in [range.0, range.1].into_iter().enumerate() {
             let (holds, rule) = parameter.admits(value);
@@ -353,20 +457,26 @@ fn sector(path: &str, sector: usize, mode: u32) -> Check {
     admit(path, sector, sector <= last, &rule)
 }
 
-fn stability(section: &StabilitySection, mode: u32) -> Check {
-    if let Sectors::Only(list) = &section.sectors {
-        let rule = "name at least one sector, e.g. `Only([0])`, or write `All`";
-        admit("stability.sectors", list, !list.is_empty(), rule)?;
-        // A list longer than there are sectors fails on one of its first entries.
-        for (index, &entry) in list.iter().enumerate() {
-            let path = format!("stability.sectors.0.{index}");
-            sector(&path, entry, mode)?;
-            if list[..index].contains(&entry) {
-                let message = format!("sector {entry} is listed twice");
-                return refuse(&path, message, "list each sector once");
-            }
+fn sectors(path: &str, sectors: &Sectors, mode: u32) -> Check {
+    let Sectors::Only(list) = sectors else {
+        return Ok(());
+    };
+    let rule = "name at least one sector, e.g. `Only([0])`, or write `All`";
+    admit(path, list, !list.is_empty(), rule)?;
+    // A list longer than there are sectors fails on one of its first entries.
+    for (index, &entry) in list.iter().enumerate() {
+        let path = format!("{path}.0.{index}");
+        sector(&path, entry, mode)?;
+        if list[..index].contains(&entry) {
+            let message = format!("sector {entry} is listed twice");
+            return refuse(&path, message, "list each sector once");
         }
     }
+    Ok(())
+}
+
+fn stability(section: &StabilitySection, mode: u32) -> Check {
+    sectors("stability.sectors", &section.sectors, mode)?;
     let kept = section.eigenvalues;
     let rule = "keep at least 1 eigenvalue, or leave out the section `stability`";
     admit("stability.eigenvalues", kept, kept >= 1, rule)?;
@@ -377,14 +487,8 @@ fn stability(section: &StabilitySection, mode: u32) -> Check {
 
 fn map(section: &Map, model: &Model) -> Check {
     for (side, axis) in [("first", &section.first), ("second", &section.second)] {
-        let column = axis.parameter.column();
         if model.value(axis.parameter).is_none() {
-            return refuse(
-                &format!("map.{side}.parameter"),
-                format!("`{column}` cannot be mapped: the coefficients are `Given`"),
-                "use `coefficients: Geometry(nu: .., xi: .., gamma: ..)`, or map Mismatch, Friction, \
-                 MassDamping or StiffnessDamping",
-            );
+            return absent(&format!("map.{side}.parameter"), axis.parameter);
         }
         let (lower, upper) = axis.range;
         for (end, value) in [lower, upper].into_iter().enumerate() {
@@ -547,11 +651,7 @@ fn simulation(section: &Simulation, problem: &Problem) -> Check {
         let rule = format!("growth needs at least {MIN_GROWTH_POINTS} points per wavelength");
         let holds = per_wave >= MIN_GROWTH_POINTS;
         admit("simulation.body.points", around, holds, &rule)?;
-        if let Sectors::Only(list) = &growth.sectors {
-            for (index, &entry) in list.iter().enumerate() {
-                sector(&format!("simulation.growth.sectors.0.{index}"), entry, mode)?;
-            }
-        }
+        sectors("simulation.growth.sectors", &growth.sectors, mode)?;
         let rule = "Arnoldi's method needs at least 2 pairs of runs, and 1000 are plenty";
         let path = "simulation.growth.pairs";
         admit(path, growth.pairs, (2..=1000).contains(&growth.pairs), rule)?;
@@ -587,11 +687,10 @@ fn simulation(section: &Simulation, problem: &Problem) -> Check {
     Ok(())
 }
 
-fn output(
-    Output {
+fn output(problem: &Problem) -> Check {
+    let Output {
         plots, profiles, ..
-    }: &Output,
-) -> Check {
+    } = &problem.output;
     let rule = format!("ask for at most {MAX_PROFILES} profiles");
     admit(
         "output.profiles",
@@ -604,48 +703,163 @@ fn output(
         .filter(|column| !WORD_COLUMNS.contains(column))
         .collect();
     for (index, plot) in plots.iter().enumerate() {
-        let Plot::Column(name) = plot else { continue };
-        let rule = format!(
-            "name a column of branch.csv, e.g. `Column(\"amplitude\")`; it has {}",
-            columns.join(", ")
-        );
-        let holds = columns.contains(&name.as_str());
-        admit(&format!("output.plots.{index}"), plot, holds, &rule)?;
+        let path = format!("output.plots.{index}");
+        if let Plot::Column(name) = plot {
+            let rule = format!(
+                "name a column of branch.csv, e.g. `Column(\"amplitude\")`; it has {}",
+                columns.join(", ")
+            );
+            admit(&path, plot, columns.contains(&name.as_str()), &rule)?;
+        }
+        if plots[..index].contains(plot) {
+            return twice(&path, plot);
+        }
+        if let Some((needed, help)) = lacks(plot, problem) {
+            let message = format!("the plot {plot:?} shows nothing without {needed}");
+            return refuse(&path, message, help);
+        }
     }
     Ok(())
 }
 
-fn expectation(path: &str, event: &Expectation, mode: u32, model: &Model) -> Check {
+/// What a plot shows but the problem does not ask for, and how to ask for it.
+fn lacks(plot: &Plot, problem: &Problem) -> Option<(&'static str, &'static str)> {
+    let stability = (
+        "the section `stability`",
+        "add `stability: (sectors: All)`, or leave out the plot",
+    );
+    let profiles = (
+        "profiles",
+        "add `profiles: 9` to `output`, or leave out the plot",
+    );
+    let (needed, given) = match plot {
+        Plot::Diagram => return None,
+        Plot::Spectrum | Plot::Multipliers => (stability, problem.stability.is_some()),
+        Plot::Pressure | Plot::Displacement | Plot::PhasePlane | Plot::Friction => {
+            (profiles, problem.output.profiles > 0)
+        }
+        Plot::Column(name) => match name.as_str() {
+            "unstable" | "lead_re" | "lead_im" | "lead_sector" => {
+                (stability, problem.stability.is_some())
+            }
+            "condition" | "expected_error" => (
+                (
+                    "`conditioning`",
+                    "add `conditioning: true` to `output`, or leave out the plot",
+                ),
+                problem.output.conditioning,
+            ),
+            name => {
+                // a restart brings its own model
+                let known = |parameter| problem.model.value(parameter).is_some();
+                let restarts = matches!(problem.wave.start, Start::Restart { .. });
+                (
+                    (
+                        "this parameter in the model",
+                        "use `coefficients: Geometry(..)` for gamma, nu and xi, `friction_law: \
+                         Regularised(..)` for smoothing, or leave out the plot",
+                    ),
+                    restarts || Parameter::from_column(name).is_none_or(known),
+                )
+            }
+        },
+    };
+    (!given).then_some(needed)
+}
+
+fn expectation(path: &str, event: &Expectation, problem: &Problem) -> Check {
+    let model = &problem.model;
+    let kind = event.event;
+    if let Some(entry) = event.sector {
+        sector(&format!("{path}.sector"), entry, problem.wave.mode)?;
+    }
+    looked_for(
+        &format!("{path}.event"),
+        kind,
+        event.sector,
+        problem.stability.as_ref(),
+    )?;
     let tolerance = event.tolerance;
-    let rule = "the tolerance must be greater than 0; it is relative, \
-                or absolute where the expected value is 0";
+    let rule = format!(
+        "the tolerance must be greater than 0 and at most {MAX_EXPECTED_TOLERANCE:?}; it is \
+         relative, or absolute where the expected value is 0"
+    );
     number(
         &format!("{path}.tolerance"),
         tolerance,
-        tolerance > 0.0,
-        rule,
+        tolerance > 0.0 && tolerance <= MAX_EXPECTED_TOLERANCE,
+        &rule,
     )?;
-    if let Some(entry) = event.sector {
-        sector(&format!("{path}.sector"), entry, mode)?;
+    for (name, given) in [
+        ("sector", event.sector.is_some()),
+        ("omega", event.omega.is_some()),
+    ] {
+        if given && !kind.of_spectrum() {
+            let message = format!("`{name}` is expected of a {kind}, which has none");
+            return refuse(
+                &format!("{path}.{name}"),
+                message,
+                "leave it out, or expect an HB or a BP",
+            );
+        }
+    }
+    if let Some(label) = event.label {
+        let rule = "labels run from 1";
+        admit(&format!("{path}.label"), label, label >= 1, rule)?;
     }
     let numbers = event.numbers();
     if numbers.is_empty() {
         return refuse(
             path,
-            format!("nothing to compare this {} event with", event.event),
+            format!("nothing to compare this {kind} event with"),
             "add at least one number: speed, omega, mismatch, friction, mass_damping, \
-             stiffness_damping, gamma, nu or xi",
+             stiffness_damping, gamma, nu, xi or smoothing",
         );
     }
-    for (name, value) in numbers {
+    for &(name, value) in &numbers {
         let path = format!("{path}.{name}");
         number(&path, value, true, "the expected value must be a number")?;
-        if Parameter::from_column(name).is_some_and(|known| model.value(known).is_none()) {
-            let message = format!("`{name}` is unknown when the coefficients are `Given`");
+        if let Some(known) = Parameter::from_column(name)
+            && model.value(known).is_none()
+        {
+            return absent(&path, known);
+        }
+    }
+    match &problem.continuation {
+        Some(section) => fallible(path, event, section, &problem.wave.start),
+        None => Ok(()),
+    }
+}
+
+/// Refuses an expectation that every branch of the problem meets.
+fn fallible(path: &str, event: &Expectation, section: &Continuation, start: &Start) -> Check {
+    let column = section.parameter.column();
+    let numbers = event.numbers();
+    let varies = |name: &str| name == column || Parameter::from_column(name).is_none();
+    // a restart brings values that are not in the file
+    let restarts = matches!(start, Start::Restart { .. });
+    if !restarts && !numbers.iter().any(|(name, _)| varies(name)) {
+        return refuse(
+            path,
+            format!(
+                "only values of the model are expected of this {} event, and a branch in `{column}` \
+                 keeps them",
+                event.event
+            ),
+            format!("add `{column}` or `speed`, which the branch changes"),
+        );
+    }
+    let (lower, upper) = section.range;
+    for (name, value) in numbers.into_iter().filter(|(name, _)| *name == column) {
+        let [least, most] = event.admitted(value);
+        if least <= lower && most >= upper {
             return refuse(
-                &path,
-                message,
-                "remove it, or use `coefficients: Geometry(..)`",
+                &format!("{path}.tolerance"),
+                format!(
+                    "with this tolerance `{name}` may be anything from {least:?} to {most:?}, which \
+                     is the whole range"
+                ),
+                "take a smaller tolerance",
             );
         }
     }

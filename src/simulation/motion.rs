@@ -62,6 +62,24 @@ pub enum MotionError {
     },
 }
 
+impl MotionError {
+    /// The path of the field of the problem that this is about, and what would be right there.
+    pub fn about(&self) -> (&'static str, &'static str) {
+        match self {
+            MotionError::Ring(ring::SetupError::Step { .. })
+            | MotionError::Annulus(annulus::SetupError::Step { .. }) => (
+                "simulation.courant",
+                "take a smaller Courant number, for example `courant: 0.3`",
+            ),
+            MotionError::Wavelength { .. } => (
+                "simulation.start",
+                "take a wave of this mode, or write its mode in `wave`",
+            ),
+            _ => ("simulation.body", "take another mesh"),
+        }
+    }
+}
+
 /// Relative difference of wavelengths that is still rounding of a table.
 const SAME_LENGTH: f64 = 1e-9;
 

@@ -229,6 +229,116 @@ fn files_that_cannot_be_read_are_refused() {
     assert_eq!(bench.names(), ["folder.ron"]);
 }
 
+/// Neither waits for a writer that never comes, nor reads what never ends.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused_at_once() {
+    let bench = Bench::new();
+    let made = std::process::Command::new("mkfifo")
+        .arg(bench.path("pipe"))
+        .status();
+    assert!(made.expect("mkfifo runs").success());
+    let began = Instant::now();
+    for verb in [
+        "run", "check", "curve", "map", "steady", "simulate", "spectrum", "accuracy",
+    ] {
+        for path in ["pipe", "/dev/zero", "/dev/null", "/dev/stdin"] {
+            let mut command = bench.command(&[verb, path]);
+            // a pipe with a writer that says nothing
+            command.stdin(std::process::Stdio::piped());
+            let child = command
+                .stdout(std::process::Stdio::piped())
+                .stderr(std::process::Stdio::piped())
+                .spawn()
+                .expect("the binary runs");
+            let output = child.wait_with_output().expect("the binary ends");
+            assert_eq!(output.status.code(), Some(2), "{verb} {path}");
+            let said = [output.stdout, output.stderr].concat();
+            let said = String::from_utf8(said).expect("UTF-8");
+            assert!(said.contains("a pipe or a device"), "{verb} {path}: {said}");
+            assert!(said.contains("help: "), "{verb} {path}: {said}");
+        }
+    }
+    assert!(began.elapsed() < Duration::from_secs(20));
+    assert_eq!(bench.names(), ["pipe"]);
+}
+
+/// What only the mathematics refuses is pointed to as well, whatever the exit code.
+#[test]
+fn models_without_a_wave_are_pointed_to() {
+    let cases = [
+        ("friction: 0.5", "friction: 1.5", "1.5", 3, "meet in a fold"),
+        (
+            "friction: 0.5",
+            "friction: 0.0",
+            "0.0",
+            3,
+            "nothing drives a wave",
+        ),
+        (
+            "mismatch: 0.2,\n    )",
+            "mismatch: 0.2, damping: (mass: 0.4),\n    )",
+            "0.4",
+            3,
+            "its stick zone vanishes",
+        ),
+        (
+            "mismatch: 0.2,\n    )",
+            "mismatch: 0.2, damping: (stiffness: 0.01), friction_law: Static(ratio: 1.1),\n    )",
+            "Static(ratio: 1.1)",
+            2,
+            "posed for Coulomb's law",
+        ),
+        (
+            "start: Fast",
+            "start: Hopf",
+            "Mismatch",
+            2,
+            "Friction, MassDamping or StiffnessDamping",
+        ),
+    ];
+    for (from, to, marked, code, words) in cases {
+        let text = changed(SMALL, from, to).replace("toward: Down,", "");
+        let bench = Bench::new();
+        bench.put("p.ron", &text);
+        let stderr = bench.run(&["run", "p.ron"]).expect(code).stderr;
+        assert!(stderr.contains(words), "{stderr}");
+        assert!(stderr.contains("\nhelp: "), "{stderr}");
+        let carets = stderr.lines().nth(2).expect("carets").chars();
+        let source = stderr.lines().nth(1).expect("the line").chars();
+        let under: String = source
+            .zip(carets)
+            .filter(|(_, mark)| *mark == '^')
+            .map(|(c, _)| c)
+            .collect();
+        assert_eq!(under, marked, "{stderr}");
+        assert_eq!(bench.names(), ["p.ron"]);
+    }
+    // the Hopf point lies at α = 0.3189
+    let bench = Bench::new();
+    let text = changed(SMALL, "start: Fast", "start: Hopf");
+    let text = changed(&text, "parameter: Mismatch", "parameter: MassDamping");
+    let text = changed(&text, "mismatch: 0.2", "mismatch: 0.9");
+    bench.put("p.ron", changed(&text, "[0.195]", "[]"));
+    let stderr = bench.run(&["run", "p.ron"]).expect(2).stderr;
+    assert!(
+        stderr.starts_with("error: p.ron:10:16: the Hopf point of mode 4 lies at"),
+        "{stderr}"
+    );
+    assert!(stderr.contains("help: widen the range"), "{stderr}");
+    // the scheme of order 6 is unstable at this step
+    let section = "simulation: (body: Ring(points: 64, order: Sixth), start: SteadySliding, \
+                   duration: 1.0, courant: 0.9, every: 1.0), output:";
+    bench.put("p.ron", changed(SMALL, "output:", section));
+    let stderr = bench.run(&["simulate", "p.ron"]).expect(2).stderr;
+    assert!(stderr.contains("where the scheme is stable"), "{stderr}");
+    assert!(stderr.contains("courant: 0.9, every"), "{stderr}");
+    assert!(
+        stderr.contains("help: take a smaller Courant number"),
+        "{stderr}"
+    );
+}
+
 #[test]
 fn folders_that_cannot_be_written_are_refused() {
     let bench = Bench::new();

@@ -32,7 +32,7 @@ pub const SMALL: &str = r#"(
     ),
     output: (plots: [Diagram], profiles: 2),
     expect: [
-        (event: UZ, mismatch: 0.195, tolerance: 1e-9),
+        (event: UZ, mismatch: 0.195, speed: -1.242700800630082, tolerance: 1e-9),
     ],
 )
 "#;
