@@ -89,7 +89,7 @@ fn what_cannot_be_followed_is_refused() {
         (
             "(Mismatch, Friction)",
             "(Mismatch, Smoothing)",
-            "cannot be followed in `smoothing`",
+            "`smoothing` is unknown",
         ),
         ("event: GR", "event: GR, ds_max: 0.001", "`ds_max` is 0.001"),
     ] {
