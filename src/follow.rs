@@ -130,10 +130,10 @@ impl Follower {
     pub fn resume(wave: &Wave, state: State, settings: Settings) -> Result<Self, String> {
         let (signature, point, tangent) = state.origin;
         let fits = |signature: &Signature, lists: [&Vec<f64>; 2]| {
-            let unknowns = wave.with_signature(signature.clone()).unknowns();
             !signature.is_empty()
                 && lists.iter().all(|list| {
-                    list.len() == unknowns && list.iter().all(|number| number.is_finite())
+                    list.len() == wave.with_signature(signature.clone()).unknowns()
+                        && list.iter().all(|number| number.is_finite())
                 })
         };
         let numbers = [state.ds, state.heading, state.travelled];

@@ -551,6 +551,10 @@ impl Branch {
             .and_then(|leg| legs(continuation.toward).get(leg));
         let fits = progress.met.len() == continuation.stop_after.len()
             && progress.passed.len() == problem.output.profiles
+            && progress.spectrum.iter().all(|spectrum| {
+                let found = spectrum.sectors.iter().map(|sector| sector.sector);
+                stability(problem).is_some_and(|request| found.eq(request.sectors))
+            })
             && !signature.is_empty()
             && finite(&progress.scales)
             && finite(&point);

@@ -51,6 +51,7 @@ const HEADER: &str = "method,setting,points,events_found,events_expected,speed_e
 event_error,eigenvalue_error,seconds,points_per_second,failure";
 
 pub fn accuracy(arguments: &AccuracyArguments) -> Result<u8, Failure> {
+    Format::from(arguments.format).available()?;
     let Prepared {
         problem,
         continuation,

@@ -1,16 +1,14 @@
 //! `brakewave check`: does the branch still have the events it is expected to have?
 
 use std::fmt::Write;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use quick_junit::{NonSuccessKind, Report as JunitReport, TestCase, TestCaseStatus, TestSuite};
 
 use super::run::{Prepared, ready};
-use super::{BAD_INPUT, Failure, INPUT_OUTPUT, NUMERICAL, UNMET, print, spare, warn};
+use super::{BAD_INPUT, Failure, INPUT_OUTPUT, NUMERICAL, UNMET, print, spare, warn, write};
 use crate::branch::Event;
-use crate::output::store::io_error;
 use crate::problem::{self, Expectation, Parameter, Problem};
 use crate::run::{Branch, End};
 
@@ -53,13 +51,6 @@ const SKIPPED: &str = "nothing expected: the list `expect` is empty";
 pub fn check(arguments: &CheckArguments) -> Result<u8, Failure> {
     if let Some(path) = &arguments.junit {
         spare(path, &arguments.problems)?;
-        let folder = path
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty());
-        if let Some(folder) = folder {
-            // noticed before the computation
-            fs::read_dir(folder).map_err(io_error("write into it", folder))?;
-        }
     }
     let mut outcomes = Vec::with_capacity(arguments.problems.len());
     for file in &arguments.problems {
@@ -402,5 +393,5 @@ fn write_junit(path: &Path, outcomes: &[Outcome]) -> Result<(), Failure> {
     let xml = report
         .to_string()
         .map_err(|error| Failure::Usage(format!("JUnit report: {error}")))?;
-    Ok(fs::write(path, xml).map_err(io_error("write it", path))?)
+    write(path, &xml)
 }

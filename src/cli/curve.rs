@@ -10,6 +10,7 @@ use crate::curve;
 use crate::curve::start::{self, NoCurve};
 use crate::output::curve_folder;
 use crate::output::folder::{self, Restart};
+use crate::output::plots::Format;
 use crate::problem::{self, CurveEvent};
 
 #[derive(Debug, Args)]
@@ -31,6 +32,7 @@ pub struct CurveArguments {
 }
 
 pub fn curve(arguments: &CurveArguments) -> Result<u8, Failure> {
+    Format::from(arguments.format).available()?;
     let (problem, text) = problem::read(&arguments.problem)?;
     let section = problem.curve(&text, &arguments.problem.display().to_string())?;
     let out = arguments.out.clone().unwrap_or_else(|| {

@@ -11,7 +11,7 @@ use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
-use super::{Failure, default_folder, inputs, print, spare};
+use super::{Failure, default_folder, inputs, picture, print};
 use crate::map;
 use crate::output::map_folder::{Description, MapFolder};
 use crate::output::plots::{self, Format};
@@ -104,14 +104,11 @@ pub fn map(arguments: &MapArguments) -> Result<u8, Failure> {
 }
 
 fn run(arguments: &MapArguments, path: &Path) -> Result<u8, Failure> {
-    let picture = picture(arguments.plot.as_deref())?;
     let (problem, text) = problem::read(path)?;
     let section = problem.map(&text, &path.display().to_string())?;
     let out = folder(arguments, path);
     let inputs = inputs(path, &problem);
-    if let Some((picture, _)) = picture {
-        spare(picture, &inputs)?;
-    }
+    let picture = picture(arguments.plot.as_deref(), &inputs)?;
     let shard = arguments.shard.unwrap_or(Shard { number: 1, of: 1 });
     let kind = match shard.of {
         1 => Kind::Map,
@@ -151,7 +148,7 @@ fn run(arguments: &MapArguments, path: &Path) -> Result<u8, Failure> {
 }
 
 fn merge(arguments: &MergeArguments) -> Result<u8, Failure> {
-    let picture = picture(arguments.plot.as_deref())?;
+    let picture = picture(arguments.plot.as_deref(), &[])?;
     let mut description: Option<(Description, &PathBuf)> = None;
     for shard in &arguments.shards {
         let found = Description::read(shard)?;
@@ -199,20 +196,6 @@ fn folder(arguments: &MapArguments, problem: &Path) -> PathBuf {
     match arguments.shard {
         Some(Shard { number, of }) if of > 1 => folder.join(format!("shard-{number}-of-{of}")),
         _ => folder,
-    }
-}
-
-/// File and format of the picture asked for.
-fn picture(path: Option<&Path>) -> Result<Option<(&Path, Format)>, Failure> {
-    let Some(path) = path else {
-        return Ok(None);
-    };
-    match Format::of(path) {
-        Some(format) => Ok(Some((path, format.available()?))),
-        None => Err(Failure::Usage(format!(
-            "{}: give the picture a name that ends in .svg, .png or .pdf",
-            path.display()
-        ))),
     }
 }
 

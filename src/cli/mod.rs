@@ -22,7 +22,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 use crate::curve::start::NoCurve;
 use crate::output::curve_folder::CurveFolderError;
 use crate::output::plots::{Format, PlotError};
-use crate::output::store::StoreError;
+use crate::output::store::{StoreError, io_error};
 use crate::problem::{self, CurveEvent, Problem, ProblemError, SimulationStart, Start};
 use crate::run::RunError;
 use crate::steady::radial;
@@ -212,7 +212,7 @@ fn inputs(path: &Path, problem: &Problem) -> Vec<PathBuf> {
     inputs
 }
 
-/// Refuses to write over what was read.
+/// Refuses a file for output that is read as well, or that cannot be: before the computation.
 fn spare(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let canonical = |path: &Path| fs::canonicalize(path).ok();
     let there = canonical(path);
@@ -222,5 +222,34 @@ fn spare(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
             path.display()
         )));
     }
+    if let Some(folder) = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+    {
+        fs::read_dir(folder).map_err(io_error("write into it", folder))?;
+    }
     Ok(())
+}
+
+/// Writes a file that the user has named.
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    Ok(fs::write(path, text).map_err(io_error("write it", path))?)
+}
+
+/// File and format of a picture asked for.
+fn picture<'a>(
+    path: Option<&'a Path>,
+    inputs: &[PathBuf],
+) -> Result<Option<(&'a Path, Format)>, Failure> {
+    let Some(path) = path else {
+        return Ok(None);
+    };
+    let Some(format) = Format::of(path) else {
+        return Err(Failure::Usage(format!(
+            "{}: give the picture a name that ends in .svg, .png or .pdf",
+            path.display()
+        )));
+    };
+    spare(path, inputs)?;
+    Ok(Some((path, format.available()?)))
 }

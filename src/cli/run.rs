@@ -168,7 +168,7 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         Existing::of(arguments.resume, arguments.force),
         &inputs(&arguments.problem, &problem),
     )?;
-    let (mut branch, mut folder) = match folder::interrupted(&store)? {
+    let (mut branch, mut folder) = match folder::interrupted(&store, &problem)? {
         Some(saved) => {
             let first = saved.wave(&out, 1)?;
             let progress = saved.progress.clone();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::run::{Prepared, prepare};
-use super::{Failure, NUMERICAL, print, warn};
+use super::{Failure, NUMERICAL, print, spare, warn, write};
 use crate::branch::EventType;
 use crate::linalg::Vector;
 use crate::output::tables;
@@ -81,6 +81,9 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
         restart,
         source,
     } = prepare(&arguments.problem)?;
+    if let Some(path) = &arguments.eigenfunctions {
+        spare(path, std::slice::from_ref(&arguments.problem))?;
+    }
     let mode = problem.wave.mode as usize;
     if let Some(sector) = arguments.sector
         && sector >= mode
@@ -217,8 +220,7 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
     }
     print(&text)?;
     if let Some(path) = &arguments.eigenfunctions {
-        std::fs::write(path, modes)
-            .map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
+        write(path, &modes)?;
     }
     if !spectrum.complete {
         warn("fewer eigenvalues were found than counted: the list is not complete");

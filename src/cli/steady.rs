@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::spectrum::{assignment, set};
-use super::{Failure, print, warn};
+use super::{Failure, picture, print, warn};
 use crate::model::Source;
-use crate::output::plots::{self, Format};
+use crate::output::plots;
 use crate::output::tables::number;
 use crate::problem::{self, MAX_MODE, Parameter};
 use crate::run::model;
@@ -64,18 +64,8 @@ lead_family,lead_growth,lead_omega,lead_speed,lead_direction,\
 lead_hopf_family,lead_hopf_friction,lead_hopf_omega,lead_first,radial_order,radial_error";
 
 pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
-    let format = match &arguments.plot {
-        None => None,
-        Some(path) => match Format::of(path) {
-            Some(format) => Some((path, format)),
-            None => {
-                return Err(Failure::Usage(format!(
-                    "{}: give the picture a name that ends in .svg, .png or .pdf",
-                    path.display()
-                )));
-            }
-        },
-    };
+    let inputs = [arguments.problem.clone()];
+    let picture = picture(arguments.plot.as_deref(), &inputs)?;
     let (mut problem, _) = problem::read(&arguments.problem)?;
     for (parameter, value) in &arguments.at {
         set(&mut problem, *parameter, *value)?;
@@ -110,7 +100,7 @@ pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
         text.push_str(&row(mode, reduced == Some(index), full == Some(index)));
     }
     print(&text)?;
-    if let Some((path, format)) = format {
+    if let Some((path, format)) = picture {
         plots::draw_steady(path, format, problem.title.as_deref(), &modes)?;
     }
     for (found, what) in [(reduced, "in the reduced model"), (full, "of the tube")] {

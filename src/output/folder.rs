@@ -1,11 +1,11 @@
 //! The result folder: written as the branch grows, readable after a kill, resumable.
 //!
 //! Rows are appended one by one. `branch.ron` holds every labelled wave and the progress of the
-//! run; it is there before the first row, and is replaced as a whole about once a second and at the
-//! end. A resumed run cuts the tables back to the last progress saved and goes on from there,
-//! through the same steps as an uninterrupted one.
+//! run; it is there before the first row, and is replaced as a whole now and then and at the end.
+//! A resumed run cuts the tables back to the last progress saved and goes on from there, through
+//! the same steps as an uninterrupted one.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 use std::str::FromStr;
@@ -15,7 +15,7 @@ use csv::StringRecord;
 use serde::{Deserialize, Serialize};
 
 use super::plots::{self, Format};
-use super::store::{READ, Store, StoreError, VERSION, damaged, io_error, read};
+use super::store::{Store, StoreError, VERSION, bytes, damaged, io_error, read};
 use super::tables;
 use crate::curve::start::Labelled;
 use crate::problem::Problem;
@@ -53,6 +53,9 @@ impl Restart {
                 ));
             }
         }
+        if restart.waves.len() != restart.progress.labels {
+            return Err(damaged(&path, "waves are missing"));
+        }
         Ok(restart)
     }
 
@@ -87,7 +90,7 @@ impl Table {
     /// # Errors
     /// When it cannot be read.
     pub fn read(path: &Path) -> Result<Table, StoreError> {
-        let text = fs::read(path).map_err(io_error(READ, path))?;
+        let text = bytes(path)?;
         let mut reader = csv::Reader::from_reader(text.as_slice());
         let header = reader.headers();
         Ok(Table {
@@ -152,8 +155,9 @@ const PROFILES: &str = "profiles";
 /// Intervals of a profile over one wavelength.
 const PROFILE_RESOLUTION: usize = 360;
 
-/// How often the state of a run is saved: what a kill costs at most, far more than saving takes.
-const SAVED_EVERY: Duration = Duration::from_secs(1);
+/// The state of a run is saved when this many times as long has passed as saving took: at most a
+/// twentieth of the run goes into it, however slow the disk and large the state.
+const SAVED_EVERY: u32 = 20;
 
 /// A result folder being written.
 #[derive(Debug)]
@@ -167,25 +171,28 @@ pub struct Folder {
     profiles: Vec<File>,
     with_profiles: bool,
     restart: Restart,
-    /// When the state was saved.
-    saved: Option<Instant>,
+    /// When the state was saved, and how long that took.
+    saved: (Instant, Duration),
 }
 
 /// What an interrupted run left, if it left anything that would be missed.
 ///
 /// # Errors
 /// When that is damaged.
-pub fn interrupted(store: &Store) -> Result<Option<Restart>, StoreError> {
+pub fn interrupted(store: &Store, problem: &Problem) -> Result<Option<Restart>, StoreError> {
     let path = store.path().join(RESTART);
     if !store.resumes() {
         return Ok(None);
     }
     if path.exists() {
         let restart = Restart::read(store.path())?;
+        if restart.problem != *problem {
+            return Err(damaged(&path, "it holds another problem than the manifest"));
+        }
         return Ok(Some(restart).filter(|restart| restart.progress.points > 0));
     }
     // it is there before the first row is
-    let branch = fs::read(store.path().join(BRANCH)).unwrap_or_default();
+    let branch = bytes(&store.path().join(BRANCH)).unwrap_or_default();
     if line_ends(&branch).count() > 1 {
         return Err(damaged(&path, "it is missing"));
     }
@@ -220,11 +227,10 @@ impl Folder {
                 progress: branch.progress().clone(),
                 waves: Vec::new(),
             },
-            saved: None,
+            saved: (Instant::now(), Duration::ZERO),
         };
         // no row without it
         folder.save()?;
-        folder.saved = None;
         Ok(folder)
     }
 
@@ -236,7 +242,7 @@ impl Folder {
         let table = |name: &str, rows: usize| -> Result<File, StoreError> {
             let path = store.path().join(name);
             // bytes, for a row cut short may end within a character
-            let text = fs::read(&path).map_err(|_| damaged(&path, "it cannot be read"))?;
+            let text = bytes(&path).map_err(|_| damaged(&path, "it cannot be read"))?;
             let length = line_ends(&text).nth(rows).ok_or_else(|| {
                 damaged(&path, format!("it has fewer than the {rows} rows saved"))
             })?;
@@ -268,7 +274,7 @@ impl Folder {
             profiles: Vec::new(),
             with_profiles: restart.problem.output.profiles > 0,
             restart,
-            saved: None,
+            saved: (Instant::now(), Duration::ZERO),
         })
     }
 
@@ -285,8 +291,8 @@ impl Folder {
         for item in items {
             self.append(item)?;
         }
-        let due = self.saved.is_none_or(|then| then.elapsed() >= SAVED_EVERY);
-        if due || branch.progress().end.is_some() {
+        let (then, took) = self.saved;
+        if then.elapsed() >= SAVED_EVERY * took || branch.progress().end.is_some() {
             self.restart.progress = branch.progress().clone();
             self.save()?;
         }
@@ -331,6 +337,7 @@ impl Folder {
 
     /// Saves the state, after all that it speaks of has come to the disk.
     fn save(&mut self) -> Result<(), StoreError> {
+        let begun = Instant::now();
         let tables = [&self.branch, &self.events].into_iter();
         for file in tables.chain(&self.spectrum).chain(&self.profiles) {
             file.sync_all()
@@ -339,7 +346,7 @@ impl Folder {
         self.profiles.clear();
         self.store.sync()?;
         self.store.replace_ron(RESTART, &self.restart)?;
-        self.saved = Some(Instant::now());
+        self.saved = (Instant::now(), begun.elapsed());
         Ok(())
     }
 }

@@ -116,10 +116,25 @@ pub fn damaged(path: &Path, reason: impl Into<String>) -> StoreError {
     }
 }
 
+/// The content of a file.
+///
+/// # Errors
+/// When it is missing, no file, or cannot be read.
+pub fn bytes(path: &Path) -> Result<Vec<u8>, StoreError> {
+    let found = fs::metadata(path).map_err(io_error(READ, path))?;
+    // a device or a pipe may never end
+    if !found.is_file() {
+        return Err(damaged(path, "it is no file"));
+    }
+    fs::read(path).map_err(io_error(READ, path))
+}
+
 /// The text of a file.
+///
+/// # Errors
+/// As [`bytes`], and when it is no text.
 pub fn read(path: &Path) -> Result<String, StoreError> {
-    let bytes = fs::read(path).map_err(io_error(READ, path))?;
-    String::from_utf8(bytes).map_err(|_| damaged(path, "it is no text"))
+    String::from_utf8(bytes(path)?).map_err(|_| damaged(path, "it is no text"))
 }
 
 /// A value as RON.

@@ -127,6 +127,18 @@ pub fn problem(name: &str) -> String {
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
+/// Two legs through changes of regime, with small steps, many labels, profiles and pictures.
+pub fn finest() -> String {
+    let text = problem("mode4_mismatch.ron");
+    let text = changed(&text, "range: (0.0003, 0.2)", "range: (0.0003, 0.21)");
+    // both legs have a start and an end; the count of them has to survive a kill
+    let steps = "toward: Both, ds_max: 2e-4, stop_after: [(event: EP, count: 4)]";
+    let text = changed(&text, "toward: Down", steps);
+    // the switches of so many points would make a picture of megabytes
+    let text = changed(&text, "Column(\"switches\"), ", "");
+    changed(&text, "profiles: 9", "profiles: 40")
+}
+
 /// Every file below a folder with its bytes.
 pub type Snapshot = BTreeMap<PathBuf, Vec<u8>>;
 

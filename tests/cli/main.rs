@@ -4,6 +4,7 @@ mod bad_input;
 mod branch_end;
 mod check;
 mod files;
+mod folders;
 mod harness;
 mod pipe;
 mod plots;

@@ -8,20 +8,8 @@ use std::thread;
 use std::time::Duration;
 
 use crate::harness::{
-    Bench, MANIFEST, SMALL, Snapshot, Table, assert_same, changed, problem, snapshot,
+    Bench, MANIFEST, SMALL, Snapshot, Table, assert_same, changed, finest, problem, snapshot,
 };
-
-/// Two legs through changes of regime, with small steps, many labels, profiles and pictures.
-fn long() -> String {
-    let text = problem("mode4_mismatch.ron");
-    let text = changed(&text, "range: (0.0003, 0.2)", "range: (0.0003, 0.21)");
-    // both legs have a start and an end; the count of them has to survive a kill
-    let steps = "toward: Both, ds_max: 2e-4, stop_after: [(event: EP, count: 4)]";
-    let text = changed(&text, "toward: Down", steps);
-    // the switches of so many points would make a picture of megabytes
-    let text = changed(&text, "Column(\"switches\"), ", "");
-    changed(&text, "profiles: 9", "profiles: 40")
-}
 
 /// Starts a run and kills it when `moment` has come; whether it was still running then.
 fn kill_at(bench: &Bench, arguments: &[&str], moment: &dyn Fn(&Path) -> bool) -> bool {
@@ -74,7 +62,7 @@ const RESUME: [&str; 6] = ["run", "problem.ron", "--out", "out", "--quiet", "--r
 #[test]
 fn a_killed_run_goes_on_to_the_same_bytes() {
     let bench = Bench::new();
-    bench.put("problem.ron", long());
+    bench.put("problem.ron", finest());
     let out = bench.path("out");
     bench.run(&RUN).expect(0);
     let full = snapshot(&out);
@@ -261,4 +249,141 @@ fn resuming_what_has_not_begun_begins_it() {
     bench.run(&["run", "problem.ron"]).expect(0);
     let default = snapshot(&bench.path("results/problem"));
     assert_same(&default, &snapshot(&bench.path("fresh")), "default folder");
+}
+
+/// A run from a Hopf point, whose first step hands out a whole family of waves.
+#[test]
+fn a_run_killed_in_its_first_step_goes_on() {
+    let bench = Bench::new();
+    let text = problem("mode4_hopf.ron");
+    let text = changed(&text, "profiles: 4", "profiles: 40");
+    bench.put("problem.ron", text);
+    let out = bench.path("out");
+    bench.run(&RUN).expect(0);
+    let full = snapshot(&out);
+    let header = full[Path::new("branch.csv")]
+        .iter()
+        .position(|byte| *byte == b'\n');
+    let header = header.expect("a header") + 1;
+    let moments: [&dyn Fn(&Path) -> bool; 5] = [
+        &reaches(MANIFEST, 1),
+        &reaches("branch.csv", 1),
+        &reaches("branch.csv", header + 1),
+        &reaches("events.csv", 300),
+        &reaches("profiles/2.csv", 1),
+    ];
+    for (index, moment) in moments.iter().enumerate() {
+        fs::remove_dir_all(&out)
+            .or_else(absent)
+            .expect("a fresh start");
+        kill_at(&bench, &RUN, *moment);
+        bench.run(&RESUME).expect(0);
+        assert_same(&snapshot(&out), &full, &format!("moment {index}"));
+    }
+    // the very state of such a kill: all rows of the first step, and nothing saved but the beginning
+    let restart = String::from_utf8(full[Path::new("branch.ron")].clone()).expect("text");
+    let rows = Table::parse(&full[Path::new("branch.csv")]).rows.len();
+    let begun = changed(&restart, &format!("points:{rows},"), "points:0,");
+    fs::write(out.join("branch.ron"), begun).expect("a restart file");
+    bench.run(&RESUME).expect(0);
+    assert_same(&snapshot(&out), &full, "nothing saved");
+}
+
+/// A resumed run is reported as a whole, and a finished one is said to be finished.
+#[test]
+fn the_report_is_that_of_the_whole_run() {
+    let bench = Bench::new();
+    bench.put("problem.ron", finest());
+    let out = bench.path("out");
+    let loud: Vec<&str> = RUN.into_iter().filter(|word| *word != "--quiet").collect();
+    let whole = bench.run(&loud).expect(0).stdout;
+    let length = fs::metadata(out.join("branch.csv")).expect("a table").len() as usize;
+    fs::remove_dir_all(&out).expect("a fresh start");
+    kill_at(&bench, &RUN, &reaches("branch.csv", length / 2));
+    let resume = [&loud[..], &["--resume"]].concat();
+    let resumed = bench.run(&resume).expect(0).stdout;
+    let finished = "the run was finished already: nothing was left to compute\n";
+    assert_eq!(resumed.replace(finished, ""), whole);
+    let again = bench.run(&resume).expect(0).stdout;
+    assert_eq!(
+        again,
+        changed(&whole, "results in ", &format!("{finished}results in "))
+    );
+}
+
+/// A restart file that was changed is told to be damaged; nothing is computed from it.
+#[test]
+fn a_damaged_restart_file_is_refused() {
+    let bench = Bench::new();
+    let text = changed(
+        SMALL,
+        "toward: Down",
+        "toward: Down, stop_after: [(event: UZ, count: 9)]",
+    );
+    bench.put("problem.ron", text);
+    let start = "start: Restart(dir: \"out\", label: 2)";
+    let text = changed(SMALL, "start: Fast", start);
+    bench.put("restart.ron", changed(&text, "[0.195]", "[]"));
+    bench.run(&RUN).expect(0);
+    let path = bench.path("out/branch.ron");
+    let whole = fs::read_to_string(&path).expect("a restart file");
+    // a list is emptied, or gets a number too many
+    let emptied = |name: &str| {
+        let at = whole.find(name).unwrap_or_else(|| panic!("{name}")) + name.len();
+        let close = at + whole[at..].find(']').expect("the end of a list");
+        format!("{}{}", &whole[..at], &whole[close..])
+    };
+    // the value of the first field of a name
+    let set = |name: &str, value: &str| {
+        let at = whole.find(name).unwrap_or_else(|| panic!("{name}")) + name.len();
+        let close = at + whole[at..].find([',', ')']).expect("the end of a value");
+        format!("{}{value}{}", &whole[..at], &whole[close..])
+    };
+    let longer = |name: &str, more: &str| whole.replacen(name, &format!("{name}{more},"), 1);
+    let state = whole.find("state:Some(").expect("a state");
+    let mut damages = vec![
+        ("leg 0", set("leg:", "0")),
+        ("leg 7", set("leg:", "7")),
+        ("more labels than waves", set("labels:", "5")),
+        ("no signature", emptied("signature:([")),
+        ("no zones", emptied("zones:[")),
+        ("a zone too many", longer("zones:[", "(0.1,0.2,0.3)")),
+        ("a number that is none", set("excess:", "NaN")),
+        ("met", emptied("met:[")),
+        ("passed", longer("passed:[", "true")),
+        ("labels", whole.replacen("label:2,", "label:3,", 1)),
+        ("empty", String::new()),
+        ("half", whole[..whole.len() / 2].to_owned()),
+    ];
+    for list in ["point:[", "tangent:["] {
+        let (head, tail) = whole.split_at(state);
+        let at = tail.find(list).expect("a list") + list.len();
+        let close = at + tail[at..].find(']').expect("the end of a list");
+        damages.push((list, format!("{head}{}{}", &tail[..at], &tail[close..])));
+        let more = format!("{head}{}0.5,{}", &tail[..at], &tail[at..]);
+        damages.push((list, more));
+        let first = at + tail[at..].find(',').expect("a number");
+        damages.push((list, format!("{head}{}NaN{}", &tail[..at], &tail[first..])));
+    }
+    for (name, text) in damages {
+        assert_ne!(text, whole, "{name}");
+        fs::write(&path, &text).expect("a file");
+        let before = snapshot(&bench.path("out"));
+        let stderr = bench.run(&RESUME).expect(4).stderr;
+        assert!(stderr.contains("branch.ron: damaged: "), "{name}: {stderr}");
+        assert_same(&snapshot(&bench.path("out")), &before, name);
+        // a wave of it is taken only if it is whole
+        let outcome = bench.run(&["run", "restart.ron", "--out", "new", "--force"]);
+        let code = outcome.code;
+        assert!(
+            matches!(code, Some(0 | 4)),
+            "{name}: {code:?} {}",
+            outcome.stderr
+        );
+        assert!(
+            !outcome.stderr.contains("panicked"),
+            "{name}: {}",
+            outcome.stderr
+        );
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::{files, problem, run, succeed};
+use crate::{MODEL, files, problem, run, succeed};
 
 fn small() -> String {
     problem(
@@ -155,4 +155,158 @@ fn bad_usage_is_refused() {
         assert!(!said.contains("panicked"), "{said}");
     }
     assert_eq!(fs::read_dir(path).unwrap().count(), 3);
+}
+
+/// Four shards in `path`.
+fn four(path: &std::path::Path) -> Vec<String> {
+    fs::write(path.join("p.ron"), small()).unwrap();
+    (1..=4)
+        .map(|number| {
+            let (shard, out) = (format!("{number}/4"), format!("s{number}"));
+            succeed(path, &["map", "p.ron", "--shard", &shard, "--out", &out]);
+            out
+        })
+        .collect()
+}
+
+/// A row that is empty, of another place, cut short or without a cell is told, and nothing is
+/// written.
+#[test]
+fn damaged_rows_are_not_joined() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let shards = four(path);
+    let mut merge = vec!["map", "merge", "--out", "joined"];
+    merge.extend(shards.iter().map(String::as_str));
+    let row = path.join("s1/rows/000000004.csv");
+    let whole = fs::read_to_string(&row).unwrap();
+    let other = fs::read_to_string(path.join("s1/rows/000000008.csv")).unwrap();
+    let lines: Vec<&str> = whole.lines().collect();
+    let dropped: Vec<&str> = [&lines[..5], &lines[6..]].concat();
+    let cells = whole.replacen("slip-stick", "slip", 1);
+    let damages = [
+        ("empty", String::new()),
+        ("another row", other.clone()),
+        (
+            "another row's cells",
+            format!("{}\n{}", lines[0], other.split_once('\n').unwrap().1),
+        ),
+        ("a cell dropped", dropped.join("\n") + "\n"),
+        ("truncated", whole[..whole.len() - 40].to_owned()),
+        ("changed", cells),
+        ("without its first line", lines[1..].join("\n") + "\n"),
+    ];
+    for (name, text) in damages {
+        assert!(text != whole, "{name}");
+        fs::write(&row, text).unwrap();
+        let before = files(path);
+        let output = run(path, &merge);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(4), "{name}: {said}");
+        assert!(
+            said.contains("s1/rows/000000004.csv: damaged: "),
+            "{name}: {said}"
+        );
+        assert!(files(path) == before, "{name}");
+    }
+    // the shard itself computes it once more
+    succeed(
+        path,
+        &["map", "p.ron", "--shard", "1/4", "--out", "s1", "--resume"],
+    );
+    assert_eq!(fs::read_to_string(&row).unwrap(), whole);
+    succeed(path, &merge);
+    succeed(path, &["map", "p.ron", "--out", "whole"]);
+    let table = |name: &str| fs::read(path.join(name).join("map.csv")).unwrap();
+    assert!(table("joined") == table("whole"));
+    // a row of another map with the same number
+    let q = small().replace("0.03", "0.04");
+    fs::write(path.join("q.ron"), q).unwrap();
+    succeed(path, &["map", "q.ron", "--out", "other"]);
+    fs::copy(path.join("other/rows/000000004.csv"), &row).unwrap();
+    merge.push("--force");
+    let before = files(path);
+    assert_eq!(run(path, &merge).status.code(), Some(4));
+    assert!(files(path) == before);
+}
+
+/// The folder of a shard, however it is written, keeps its rows when the map is joined there.
+#[test]
+fn a_map_joined_in_a_shard_loses_no_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    four(path);
+    let rows = files(&path.join("s1/rows"));
+    for (out, code) in [("./s1", 2), ("s2/../s1", 2)] {
+        let merge = ["map", "merge", "s1", "s2", "--out", out, "--force"];
+        assert_eq!(
+            run(path, &merge).status.code(),
+            Some(code),
+            "rows are missing"
+        );
+        assert!(files(&path.join("s1/rows")) == rows, "{out}");
+    }
+    succeed(
+        path,
+        &[
+            "map", "merge", "s1", "s2", "s3", "s4", "--out", "./s1", "--force",
+        ],
+    );
+    assert!(files(&path.join("s1/rows")) == rows);
+    succeed(path, &["map", "p.ron", "--out", "whole"]);
+    let table = |name: &str| fs::read(path.join(name).join("map.csv")).unwrap();
+    assert!(table("s1") == table("whole"));
+}
+
+/// Shards in the folder where their map goes are not in its way.
+#[test]
+fn shards_may_lie_in_the_folder_of_their_map() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("p.ron"), small()).unwrap();
+    for shard in ["1/2", "2/2"] {
+        succeed(path, &["map", "p.ron", "--shard", shard, "--quiet"]);
+    }
+    let parts = ["shard-1-of-2", "shard-2-of-2"].map(|name| format!("results/p_map/{name}"));
+    let merge = [
+        "map",
+        "merge",
+        &parts[0],
+        &parts[1],
+        "--out",
+        "results/p_map",
+    ];
+    succeed(path, &merge);
+    let shards = parts.each_ref().map(|part| files(&path.join(part)));
+    let refused = run(path, &merge);
+    assert_eq!(refused.status.code(), Some(2));
+    succeed(path, &[&merge[..], &["--force"]].concat());
+    assert!(parts.each_ref().map(|part| files(&path.join(part))) == shards);
+}
+
+/// What is found to be refused in the first row only: no folder is left, and an old map stays.
+#[test]
+fn a_map_that_is_refused_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("p.ron"), small()).unwrap();
+    let model = MODEL.replace(
+        "mismatch: 0.2)",
+        "mismatch: 0.2, damping: (stiffness: 0.01))",
+    );
+    let text = small().replace(
+        MODEL,
+        &format!("{model} method: Shooting(tolerance: 1e-9),"),
+    );
+    assert!(text.contains("Shooting") && text.contains("stiffness"));
+    fs::write(path.join("refused.ron"), text).unwrap();
+    let before = files(path);
+    let map = ["map", "refused.ron", "--out", "m/m"];
+    assert_eq!(run(path, &map).status.code(), Some(2));
+    assert!(files(path) == before && !path.join("m").exists());
+    succeed(path, &["map", "p.ron", "--out", "m/m"]);
+    let before = files(path);
+    let forced = run(path, &[&map[..], &["--force"]].concat());
+    assert_eq!(forced.status.code(), Some(2));
+    assert!(files(path) == before);
 }
