@@ -62,6 +62,15 @@ impl Rung {
     }
 }
 
+impl std::fmt::Display for Rung {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self.setting() {
+            setting if setting.is_empty() => write!(f, "{}", self.method()),
+            setting => write!(f, "{}, {setting}", self.method()),
+        }
+    }
+}
+
 /// The ladder for a friction law, from coarse to fine within each method.
 pub fn ladder(law: FrictionLaw) -> Vec<Rung> {
     let mut rungs = Vec::new();
@@ -192,12 +201,38 @@ pub fn stripped(problem: &Problem, continuation: &Continuation) -> (Problem, Con
     (problem, continuation)
 }
 
-/// Follows the branch by a method.
+/// Why a method has no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum Missed {
+    /// The branch does not begin.
+    #[error("{0}")]
+    Run(#[from] RunError),
+    /// The ring is not solved.
+    #[error("{0}")]
+    Ring(#[from] discretised::Error),
+    /// The time is over.
+    #[error("the time is over")]
+    Time,
+}
+
+/// Whether a time has come; there may be none.
+fn in_time(until: Option<Instant>) -> Result<(), Missed> {
+    match until {
+        Some(until) if Instant::now() >= until => Err(Missed::Time),
+        _ => Ok(()),
+    }
+}
+
+/// Follows the branch by a method, until its end or a time.
+///
+/// # Errors
+/// When it does not begin, or not end in time.
 pub fn follow(
     problem: &Problem,
     continuation: &Continuation,
     method: Method,
-) -> Result<Followed, RunError> {
+    until: Option<Instant>,
+) -> Result<Followed, Missed> {
     let mut problem = problem.clone();
     problem.method = Some(method);
     let mut branch = Branch::begin(&problem, continuation, None)?;
@@ -208,6 +243,7 @@ pub fn follow(
         failed: None,
     };
     while branch.progress().end.is_none() {
+        in_time(until)?;
         for item in branch.step() {
             followed.points += 1;
             let Some(kind) = item.point.kind else {
@@ -279,35 +315,44 @@ pub struct Repeats {
     pub most: usize,
     /// Seconds after which no further one begins.
     pub seconds: f64,
+    /// When no work of any kind goes on.
+    pub until: Option<Instant>,
 }
 
 /// Runs a piece of work repeatedly; the median time and the first result.
-fn timed<T>(repeats: Repeats, work: impl Fn() -> T) -> (f64, T) {
+fn timed<T>(repeats: Repeats, work: impl Fn() -> Result<T, Missed>) -> Result<(f64, T), Missed> {
     let begun = Instant::now();
     let mut times = Vec::new();
     let start = Instant::now();
-    let first = work();
+    let first = work()?;
     times.push(start.elapsed().as_secs_f64());
     while times.len() < repeats.most && begun.elapsed().as_secs_f64() < repeats.seconds {
         let start = Instant::now();
-        let _ = work();
+        if work().is_err() {
+            break;
+        }
         times.push(start.elapsed().as_secs_f64());
     }
     times.sort_by(f64::total_cmp);
-    (times[times.len() / 2], first)
+    Ok((times[times.len() / 2], first))
 }
 
-/// Measures one rung against the reference.
+/// Measures one rung against the reference; none if the time does not suffice.
 pub fn measure(
     problem: &Problem,
     continuation: &Continuation,
     rung: Rung,
     reference: &Followed,
     repeats: Repeats,
-) -> Row {
-    match rung {
+) -> Option<Row> {
+    let row = match rung {
         Rung::Flow(method) => flow_row(problem, continuation, method, reference, repeats),
         Rung::Ring { points, epsilon } => ring_row(points, epsilon, reference, repeats),
+    };
+    match row {
+        Err(Missed::Time) => None,
+        Err(error) => Some(empty(rung, reference, error.to_string())),
+        Ok(row) => Some(row),
     }
 }
 
@@ -331,13 +376,10 @@ fn flow_row(
     method: Method,
     reference: &Followed,
     repeats: Repeats,
-) -> Row {
+) -> Result<Row, Missed> {
     let rung = Rung::Flow(method);
-    let (seconds, found) = timed(repeats, || follow(problem, continuation, method));
-    let found = match found {
-        Ok(found) => found,
-        Err(error) => return empty(rung, reference, error.to_string()),
-    };
+    let work = || follow(problem, continuation, method, repeats.until);
+    let (seconds, found) = timed(repeats, work)?;
     let mut row = Row {
         points: found.points,
         events: (found.events.len(), reference.events.len()),
@@ -349,7 +391,7 @@ fn flow_row(
         let precise: Vec<(f64, f64)> = found.waves.iter().filter_map(against_closed_form).collect();
         row.speed_error = worst(precise.iter().map(|errors| errors.0));
         row.switch_error = worst(precise.iter().map(|errors| errors.1));
-        return row;
+        return Ok(row);
     }
     let pairs = || {
         let pairs = reference.waves.iter().zip(&found.waves);
@@ -370,10 +412,14 @@ fn flow_row(
     } else if row.failure.is_none() {
         row.failure = Some("not the events of the reference".into());
     }
-    row.eigenvalue_error = worst(
-        pairs().filter_map(|(one, other)| eigenvalue_error(one.leading()?, other.leading()?)),
-    );
-    row
+    let mut errors = Vec::new();
+    for (one, other) in pairs() {
+        in_time(repeats.until)?;
+        let both = one.leading().zip(other.leading());
+        errors.extend(both.and_then(|(one, other)| eigenvalue_error(one, other)));
+    }
+    row.eigenvalue_error = worst(errors.into_iter());
+    Ok(row)
 }
 
 /// Relative error of c and of the zone lengths of a slip-stick wave against the closed form in
@@ -400,7 +446,12 @@ fn against_closed_form(compared: &Compared) -> Option<(f64, f64)> {
     Some((speed, switch))
 }
 
-fn ring_row(points: usize, epsilon: f64, reference: &Followed, repeats: Repeats) -> Row {
+fn ring_row(
+    points: usize,
+    epsilon: f64,
+    reference: &Followed,
+    repeats: Repeats,
+) -> Result<Row, Missed> {
     let rung = Rung::Ring { points, epsilon };
     let waves: Vec<&Compared> = reference
         .waves
@@ -408,7 +459,7 @@ fn ring_row(points: usize, epsilon: f64, reference: &Followed, repeats: Repeats)
         .filter(|compared| !compared.signature.contains("separation"))
         .collect();
     if waves.is_empty() {
-        return empty(rung, reference, "every wave has separation".into());
+        return Ok(empty(rung, reference, "every wave has separation".into()));
     }
     let settings = discretised::Settings {
         points,
@@ -416,39 +467,41 @@ fn ring_row(points: usize, epsilon: f64, reference: &Followed, repeats: Repeats)
         which: start::Which::Fast,
         ..discretised::Settings::default()
     };
-    let solve = || -> Result<Vec<_>, discretised::Error> {
-        waves
-            .iter()
-            .map(|compared| discretised::solve_from(&compared.wave, &compared.point, &settings))
-            .collect()
+    let solve = || -> Result<Vec<_>, Missed> {
+        let solved = waves.iter().map(|compared| {
+            in_time(repeats.until)?;
+            let Compared { wave, point, .. } = compared;
+            Ok(discretised::solve_from(wave, point, &settings)?)
+        });
+        solved.collect()
     };
-    let (seconds, rings) = timed(repeats, solve);
-    let rings = match rings {
-        Ok(rings) => rings,
-        Err(error) => return empty(rung, reference, error.to_string()),
-    };
+    let (seconds, rings) = timed(repeats, solve)?;
     let pairs = || waves.iter().zip(&rings);
-    let eigenvalues = pairs().filter_map(|(compared, ring)| {
-        let exact = compared.leading()?;
-        let found: Option<Vec<Vec<Complex<f64>>>> = (0..exact.len())
-            .map(|sector| {
-                let values = ring
-                    .eigenvalues(sector as u32, 2.0 * HIGHEST, usize::MAX)
-                    .ok()?;
-                Some(values.iter().map(|v| Complex::new(v.re, v.im)).collect())
-            })
-            .collect();
-        eigenvalue_error(exact, &found?)
-    });
-    Row {
+    let mut errors = Vec::new();
+    for (compared, ring) in pairs() {
+        let Some(exact) = compared.leading() else {
+            continue;
+        };
+        let mut found: Vec<Vec<Complex<f64>>> = Vec::new();
+        for sector in 0..exact.len() {
+            in_time(repeats.until)?;
+            if let Ok(values) = ring.eigenvalues(sector as u32, 2.0 * HIGHEST, usize::MAX) {
+                found.push(values.iter().map(|v| Complex::new(v.re, v.im)).collect());
+            }
+        }
+        if found.len() == exact.len() {
+            errors.extend(eigenvalue_error(exact, &found));
+        }
+    }
+    Ok(Row {
         points: waves.len(),
         speed_error: worst(
             pairs().map(|(compared, ring)| (ring.speed / compared.speed - 1.0).abs()),
         ),
-        eigenvalue_error: worst(eigenvalues),
+        eigenvalue_error: worst(errors.into_iter()),
         seconds,
         failure: None,
         events: (0, 0),
         ..empty(rung, reference, String::new())
-    }
+    })
 }

@@ -4,14 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::progress::Progress;
 use super::run::{Prepared, of_mode, ready};
-use super::{Failure, FormatArgument, NUMERICAL, default_folder, print, warn};
-use crate::curve;
-use crate::curve::start::{self, NoCurve};
-use crate::output::curve_folder;
+use super::{Failure, FormatArgument, NUMERICAL, default_folder, inputs, print, warn};
+use crate::curve::Run;
+use crate::curve::start::{self, NoCurve, Start};
+use crate::output::curve_folder::{self, CurveFolder};
 use crate::output::folder::{self, Restart};
 use crate::output::plots::Format;
-use crate::problem::{self, CurveEvent};
+use crate::output::store::{Existing, Kind, Store};
+use crate::problem::{self, CurveEvent, Problem};
+use crate::run::Branch;
 
 #[derive(Debug, Args)]
 pub struct CurveArguments {
@@ -23,6 +26,9 @@ pub struct CurveArguments {
     /// Format of the picture
     #[arg(long, value_enum, default_value_t = FormatArgument::Svg)]
     format: FormatArgument,
+    /// Go on with an interrupted curve; its files end as if it had not been interrupted
+    #[arg(long, conflicts_with = "force")]
+    resume: bool,
     /// Replace an earlier curve
     #[arg(long)]
     force: bool,
@@ -32,7 +38,7 @@ pub struct CurveArguments {
 }
 
 pub fn curve(arguments: &CurveArguments) -> Result<u8, Failure> {
-    Format::from(arguments.format).available()?;
+    let format = Format::from(arguments.format).available()?;
     let (problem, text) = problem::read(&arguments.problem)?;
     let section = problem.curve(&text, &arguments.problem.display().to_string())?;
     let out = arguments.out.clone().unwrap_or_else(|| {
@@ -40,37 +46,31 @@ pub fn curve(arguments: &CurveArguments) -> Result<u8, Failure> {
         name.push("_curve");
         PathBuf::from(name)
     });
-    curve_folder::admit(&out, arguments.force)?;
-    let start = match &section.event {
-        CurveEvent::Label { dir, label } => {
-            let earlier = Restart::read(dir)?;
-            of_mode(&earlier, dir, problem.wave.mode).map_err(|(message, help)| {
-                let name = arguments.problem.display().to_string();
-                problem::refuse_at(&text, &name, "wave.mode", message, help)
-            })?;
-            let event = folder::labelled(dir, *label)?;
-            start::labelled(&problem, earlier.wave(dir, *label)?, event, section)?
+    let existing = Existing::of(arguments.resume, arguments.force);
+    let inputs = inputs(&arguments.problem, &problem);
+    let store = Store::open(&out, Kind::Curve, &problem, existing, &inputs)?;
+    let mut progress = Progress::new(arguments.quiet);
+    let (mut run, mut folder) = match curve_folder::interrupted(&store)? {
+        Some((run, length)) => {
+            let folder = CurveFolder::reopen(store, &run, length)?;
+            (run, folder)
         }
-        _ => {
-            let Prepared {
-                continuation,
-                restart,
-                source,
-                ..
-            } = ready(problem.clone(), text, &arguments.problem)?;
-            start::find(&problem, &continuation, restart.as_ref(), section).map_err(|error| {
-                match error {
-                    NoCurve::Run(error) => source.place(error),
-                    error => error.into(),
-                }
-            })?
+        None => {
+            let start = start(arguments, &problem, text, section, &mut progress)?;
+            let run = Run::begin(&start.system, start.event, &start.point, start.settings)
+                .map_err(NoCurve::Singular)?;
+            let folder = CurveFolder::create(store, &run, format)?;
+            (run, folder)
         }
     };
-    let found = curve::follow(&start.system, start.event, &start.point, start.settings)
-        .map_err(NoCurve::Singular)?;
-    let title = problem.title.as_deref();
-    let format = arguments.format.into();
-    curve_folder::write(&out, &found, start.settings.ranges, title, format)?;
+    while let Some(step) = run.step().map_err(NoCurve::Singular)? {
+        folder.write(&step)?;
+        progress.show(f64::NAN, || run.position());
+    }
+    drop(progress);
+    let ranges = run.head().settings.ranges;
+    let found = run.curve();
+    folder.finish(&found, ranges, problem.title.as_deref(), format)?;
     if !arguments.quiet {
         if let Some(title) = &problem.title {
             print(&format!("{title}\n\n"))?;
@@ -85,4 +85,51 @@ pub fn curve(arguments: &CurveArguments) -> Result<u8, Failure> {
         return Ok(NUMERICAL);
     }
     Ok(0)
+}
+
+/// The event that the curve begins with.
+fn start(
+    arguments: &CurveArguments,
+    problem: &Problem,
+    text: String,
+    section: &problem::Curve,
+    progress: &mut Progress,
+) -> Result<Start, Failure> {
+    if let CurveEvent::Label { dir, label } = &section.event {
+        let earlier = Restart::read(dir)?;
+        of_mode(&earlier, dir, problem.wave.mode).map_err(|(message, help)| {
+            let name = arguments.problem.display().to_string();
+            problem::refuse_at(&text, &name, "wave.mode", message, help)
+        })?;
+        let event = folder::labelled(dir, *label)?;
+        return Ok(start::labelled(
+            problem,
+            earlier.wave(dir, *label)?,
+            event,
+            section,
+        )?);
+    }
+    let Prepared {
+        continuation,
+        restart,
+        source,
+        ..
+    } = ready(problem.clone(), text, &arguments.problem)?;
+    let mut watch = |branch: &Branch| {
+        let points = branch.progress().points;
+        progress.show(f64::NAN, || {
+            format!("looking for the event: {points} points of the branch")
+        });
+    };
+    start::find(
+        problem,
+        &continuation,
+        restart.as_ref(),
+        section,
+        &mut watch,
+    )
+    .map_err(|error| match error {
+        NoCurve::Run(error) => source.place(error),
+        error => error.into(),
+    })
 }

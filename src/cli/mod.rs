@@ -20,7 +20,6 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::curve::start::NoCurve;
-use crate::output::curve_folder::CurveFolderError;
 use crate::output::plots::{Format, PlotError};
 use crate::output::store::{StoreError, io_error};
 use crate::problem::{self, CurveEvent, Problem, ProblemError, SimulationStart, Start};
@@ -99,8 +98,6 @@ enum Failure {
     Run(#[from] RunError),
     #[error("{0}")]
     Curve(#[from] NoCurve),
-    #[error("{0}")]
-    CurveFolder(#[from] CurveFolderError),
     #[error("{0}")]
     Radial(#[from] radial::Error),
     #[error("{0}")]

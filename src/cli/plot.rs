@@ -55,7 +55,9 @@ pub fn plot(arguments: &PlotArguments) -> Result<u8, Failure> {
 fn plot_simulation(arguments: &PlotArguments) -> Result<u8, Failure> {
     let checkpoint = simulation::Checkpoint::read(&arguments.folder)?;
     let title = checkpoint.problem.title.as_deref();
-    let written = plots::draw_simulation(&arguments.folder, title, arguments.format.into())?;
+    let format = arguments.format.into();
+    Store::visit(&arguments.folder)?.claim(plots::simulation_names(format))?;
+    let written = plots::draw_simulation(&arguments.folder, title, format)?;
     for path in written {
         print(&format!("{}\n", path.display()))?;
     }

@@ -2,16 +2,19 @@
 
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 
 use super::progress::{self, Progress};
-use super::{Failure, default_folder, print, warn};
+use super::{Failure, default_folder, inputs, print, warn};
 use crate::model::{Model, Parameters, Source};
 use crate::output::folder::{RESTART, Restart};
 use crate::output::plots::{self, Format};
-use crate::output::simulation::{CHECKPOINT, Checkpoint, END, START, SimulationFolder};
+use crate::output::simulation::{
+    CHECKPOINT, Checkpoint, END, SERIES, START, SimulationFolder, columns,
+};
+use crate::output::store::{Existing, Kind, Store, StoreError, damaged};
 use crate::problem::{self, Body, Circle, Problem, Sectors, Simulation, SimulationStart};
 use crate::simulation::growth::{self, Eigenvalue};
 use crate::simulation::measure::{self, Measure, Sample};
@@ -43,6 +46,9 @@ pub struct SimulateArguments {
 /// A part of a simulation that ends with a checkpoint.
 const PARTS: usize = 50;
 
+/// Longest time without a checkpoint, as far as samples allow.
+const PATIENCE: Duration = Duration::from_secs(10);
+
 /// Most steps of nodes: four months at 1e8 a second, which one core takes.
 const MOST_WORK: f64 = 1e15;
 
@@ -51,6 +57,9 @@ const USUAL_PACE: f64 = 1e8;
 
 /// Steps of nodes between two looks at the clock.
 const STRIDE: u64 = 10_000_000;
+
+/// Bytes of files that are worth a warning.
+const MUCH: f64 = 1e9;
 
 /// Where the motion begins: the model, and the wave if there is one.
 struct Beginning {
@@ -63,6 +72,13 @@ fn beginning(problem: &Problem, section: &Simulation) -> Result<Beginning, Failu
     let (dir, label) = match &section.start {
         SimulationStart::SteadySliding => return Ok(Beginning { model, wave: None }),
         SimulationStart::Profile { file, speed } => {
+            if !file.is_file() {
+                return Err(Failure::Usage(format!(
+                    "{} is no file: name a table of a run, like results/x/profiles/3.csv, in \
+                     `simulation: (start: Profile(file: .., speed: ..))`",
+                    file.display()
+                )));
+            }
             let wave =
                 Profile::read(file, *speed).map_err(|error| Failure::Usage(error.to_string()))?;
             return Ok(Beginning {
@@ -90,7 +106,7 @@ fn beginning(problem: &Problem, section: &Simulation) -> Result<Beginning, Failu
         ));
     }
     let path = dir.join("profiles").join(format!("{label}.csv"));
-    if !path.exists() {
+    if !path.is_file() {
         return Err(Failure::Usage(format!(
             "label {label} of {} has no profile; `output: (profiles: 9)` in the problem of the run \
              has profiles written",
@@ -139,7 +155,6 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
         folder.push("_simulation");
         PathBuf::from(folder)
     });
-    let usage = |error: &dyn std::fmt::Display| Failure::Usage(error.to_string());
     let mut motion =
         Motion::begin(section, &parameters, geometry, mode, wave.as_ref()).map_err(|error| {
             let (path, help) = error.about();
@@ -154,24 +169,30 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
     admit_work(&name, &motion, steps, work)?;
     let per_sample = (section.every / motion.time_step()).round() as u64;
 
-    let resumes = arguments.resume && out.join(CHECKPOINT).exists();
-    let (mut folder, mut samples, start) = if resumes {
-        let checkpoint = Checkpoint::read(&out)?;
-        if checkpoint.problem != problem {
-            return Err(Failure::Usage(format!(
-                "{} was written for another problem than {name}; --force starts it anew",
-                out.display()
-            )));
+    let existing = Existing::of(arguments.resume, arguments.force);
+    let inputs = inputs(&arguments.problem, &problem);
+    let store = Store::open(&out, Kind::Simulation, &problem, existing, &inputs)?;
+    let (mut folder, mut samples, start) = if let Some(checkpoint) = interrupted(&store)? {
+        let taken = checkpoint.samples.wrapping_sub(1);
+        let steps = taken.min(whole) as u64 * per_sample
+            + if taken > whole {
+                motion.steps_within(rest)
+            } else {
+                0
+            };
+        let snapshots = taken.min(count) * section.snapshots / count;
+        let fits = taken <= count && checkpoint.problem == problem;
+        if !fits || (checkpoint.steps, checkpoint.snapshots) != (steps, snapshots) {
+            let reason = "its problem and its numbers of samples, steps and snapshots do not belong together";
+            return Err(damaged(&out.join(CHECKPOINT), reason).into());
         }
-        let (folder, samples) = SimulationFolder::reopen(&out, points, &checkpoint)?;
+        let (folder, samples) = SimulationFolder::reopen(store, points, &checkpoint)?;
         motion
             .resume(checkpoint.state, checkpoint.steps)
-            .map_err(|error| usage(&error))?;
+            .map_err(|error| damaged(&out.join(CHECKPOINT), error.to_string()))?;
         (folder, samples, checkpoint.energy)
     } else {
-        // a folder without a checkpoint holds nothing that would be missed
-        let force = arguments.force || arguments.resume;
-        let mut folder = SimulationFolder::create(&out, points, force)?;
+        let mut folder = SimulationFolder::create(store, points)?;
         let start = motion.energy().0;
         let sample = Sample::of(&motion, watched, waves, parameters.mismatch, start);
         folder.sample(&sample, &motion.line())?;
@@ -180,9 +201,14 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
         (folder, vec![sample], start)
     };
 
+    let bytes = disk_space(&motion, count, section.snapshots);
+    if bytes > MUCH && !arguments.quiet {
+        warn(&format!("the files will take about {:.0} GB", 1e-9 * bytes));
+    }
     let mut progress = Progress::new(arguments.quiet);
     let size = motion.size() as u64;
     let clock = Instant::now();
+    let mut saved = clock;
     let before = motion.steps();
     while folder.samples() <= count {
         let last = folder.samples() == count;
@@ -224,8 +250,10 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
             ));
             return Ok(super::NUMERICAL);
         }
-        if done * PARTS / count > (done - 1) * PARTS / count || done == count {
+        let part = done * PARTS / count > (done - 1) * PARTS / count;
+        if part || done == count || saved.elapsed() > PATIENCE {
             folder.checkpoint(&problem, start, &motion)?;
+            saved = Instant::now();
         }
     }
     let seconds = clock.elapsed().as_secs_f64();
@@ -294,6 +322,23 @@ const LISTED: usize = problem::DEFAULT_EIGENVALUES;
 /// Largest residual and scatter of an eigenvalue that is listed, in units of Ω.
 const RESOLVED: f64 = 1e-2;
 
+/// The checkpoint to go on from; none where the folder has nothing that would be missed.
+fn interrupted(store: &Store) -> Result<Option<Checkpoint>, StoreError> {
+    let path = store.path().join(CHECKPOINT);
+    if !store.resumes() {
+        return Ok(None);
+    }
+    if path.exists() {
+        return Checkpoint::read(store.path()).map(Some);
+    }
+    // a kill before the first checkpoint leaves a header and the sample at the beginning
+    let series = std::fs::read(store.path().join(SERIES)).unwrap_or_default();
+    if series.iter().filter(|byte| **byte == b'\n').count() > 2 {
+        return Err(damaged(&path, "it is no longer there"));
+    }
+    Ok(None)
+}
+
 /// Refuses what no machine ends.
 fn admit_work(name: &str, motion: &Motion, steps: f64, work: f64) -> Result<(), Failure> {
     if work <= MOST_WORK {
@@ -307,6 +352,16 @@ fn admit_work(name: &str, motion: &Motion, steps: f64, work: f64) -> Result<(), 
         motion.size(),
         progress::duration(work / USUAL_PACE)
     )))
+}
+
+/// Bytes of the files, roughly: 25 for a number in words, 8 for one in an array.
+fn disk_space(motion: &Motion, count: usize, snapshots: usize) -> f64 {
+    let snapshot = match motion {
+        Motion::Ring(_) => 7 * 8,
+        Motion::Annulus(_) => 9 * 25,
+    };
+    let row = 14 * 25 + columns(motion.line().radial.len());
+    count as f64 * row as f64 + snapshots as f64 * (snapshot * motion.size()) as f64
 }
 
 /// The perturbations of one sector, on the ring and on one of half as many points.

@@ -344,9 +344,24 @@ impl Run {
         &self.head
     }
 
-    /// Points so far, that of the event included.
-    pub fn points(&self) -> usize {
-        1 + self.halves[0].len() + self.halves[1].len()
+    /// Where the curve is, in words.
+    pub fn position(&self) -> String {
+        let [first, second] = self.head.system.parameters().map(|one| one.column());
+        let half = &self.halves[self.ends.len().min(1)];
+        let point = half.last().map_or(&self.head.point, |(point, _, _)| point);
+        format!(
+            "{} points, {first} {:.6}, {second} {:.6}",
+            1 + self.halves[0].len() + self.halves[1].len(),
+            point.parameters[0],
+            point.parameters[1]
+        )
+    }
+
+    /// The points in the order in which they were found.
+    pub fn so_far(&self) -> impl Iterator<Item = &Point> {
+        let [first, second] = &self.halves;
+        let found = first.iter().chain(second).map(|(point, _, _)| point);
+        std::iter::once(&self.head.point).chain(found)
     }
 
     /// Whether both ends are reached.
@@ -410,6 +425,7 @@ impl Run {
         let Run {
             head, halves, ends, ..
         } = self;
+        let sector = head.sector();
         let [mut points, second] = halves;
         points.reverse();
         let start = points.len();
@@ -430,10 +446,7 @@ impl Run {
         let mut reasons = ends.into_iter().map(|end| end.reason);
         Curve {
             event: head.event,
-            sector: match head.system.condition {
-                Condition::Hopf { sector } => Some(sector),
-                _ => None,
-            },
+            sector,
             parameters: head.system.parameters(),
             points: points.into_iter().map(|(point, _, _)| point).collect(),
             start,
@@ -448,6 +461,14 @@ impl Run {
 }
 
 impl Head {
+    /// Bloch sector of an HB.
+    pub fn sector(&self) -> Option<usize> {
+        match self.system.condition {
+            Condition::Hopf { sector } => Some(sector),
+            _ => None,
+        }
+    }
+
     /// The follower in the first direction (0) or the second (1).
     fn follower(&self, half: usize) -> Result<Follower, String> {
         let point = Vector::from_column_slice(&self.unknowns);

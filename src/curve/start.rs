@@ -76,7 +76,8 @@ pub struct Start {
 /// A scaled margin below this vanishes at a located event.
 const VANISHED: f64 = 1e-9;
 
-/// Follows the branch of a problem to the event that its curve begins with.
+/// Follows the branch of a problem to the event that its curve begins with. `watch` sees the branch after
+/// every step.
 ///
 /// # Errors
 /// When the branch does not begin or does not have the event, when that lies outside the ranges,
@@ -86,6 +87,7 @@ pub fn find(
     continuation: &Continuation,
     restart: Option<&SavedWave>,
     curve: &problem::Curve,
+    watch: &mut dyn FnMut(&Branch),
 ) -> Result<Start, NoCurve> {
     let mut plain = problem.clone();
     plain.output.profiles = 0;
@@ -100,6 +102,7 @@ pub fn find(
     let mut branch = Branch::begin(&plain, continuation, restart)?;
     let mut found = 0;
     while branch.progress().end.is_none() {
+        watch(&branch);
         for item in branch.step() {
             if event.is_some() && item.point.kind == event {
                 found += 1;

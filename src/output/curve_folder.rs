@@ -1,106 +1,200 @@
-//! The folder of a curve: `curve.csv` and a picture, `curve.svg` unless another format is asked for.
+//! The folder of a curve: `curve.csv`, a picture, `curve.svg` unless another format is asked for, and
+//! `curve.steps` to go on from.
+//!
+//! Rows are appended as points are found, away from the event first one way and then the other; at the
+//! end the table is put in order from one end to the other. `curve.steps` has a line for what the curve
+//! begins with and one for every step: a checksum, and a value as RON. A resumed curve goes on after the
+//! last whole line, through the same steps as an uninterrupted one.
 
-use std::fmt::Write;
-use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Write;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use super::plots::{self, Format, PlotError};
+use super::store::{self, Store, StoreError, damaged, encode, hash, io_error};
 use super::tables::{line, number};
-use crate::curve::{Curve, Point};
+use crate::curve::{Curve, Head, Point, Run, Step};
+use crate::problem::Parameter;
 
 /// Name of the table.
 pub const TABLE: &str = "curve.csv";
 /// Name of the picture without extension.
 pub const PICTURE: &str = "curve";
+/// Name of the steps.
+pub const STEPS: &str = "curve.steps";
 
-/// What is wrong with a folder.
-#[derive(Debug, thiserror::Error)]
-pub enum CurveFolderError {
-    /// The operating system refused.
-    #[error("{}: {error}", path.display())]
-    Io {
-        /// File or folder.
-        path: PathBuf,
-        /// What the system said.
-        error: io::Error,
-    },
-    /// There are results already.
-    #[error("{} holds files already; --force replaces a curve, --out DIR takes another folder", .0.display())]
-    Exists(PathBuf),
-    /// The picture was not drawn.
-    #[error("{0}")]
-    Plot(#[from] PlotError),
+/// The folder of a curve being written.
+#[derive(Debug)]
+pub struct CurveFolder {
+    store: Store,
+    table: File,
+    steps: File,
+    rows: usize,
+    sector: Option<usize>,
 }
 
-fn io_error(path: &Path) -> impl FnOnce(io::Error) -> CurveFolderError + '_ {
-    move |error| CurveFolderError::Io {
-        path: path.to_path_buf(),
-        error,
-    }
-}
-
-/// Whether a curve may be written to a folder: it is new, empty, or may be replaced.
+/// The curve of an interrupted run, and the bytes of its steps.
 ///
 /// # Errors
-/// When it holds files and `force` is not given, or cannot be read.
-pub fn admit(path: &Path, force: bool) -> Result<(), CurveFolderError> {
-    if !path.exists() {
-        return Ok(());
+/// When they are damaged.
+pub fn interrupted(store: &Store) -> Result<Option<(Run, usize)>, StoreError> {
+    let path = store.path().join(STEPS);
+    // a curve killed before it began has no points
+    if !store.resumes() || !path.exists() {
+        return Ok(None);
     }
-    let occupied = !path.is_dir() || fs::read_dir(path).map_err(io_error(path))?.next().is_some();
-    if occupied && !force {
-        return Err(CurveFolderError::Exists(path.to_path_buf()));
+    let text = store::read(&path)?;
+    // a kill may have cut the last line short
+    let length = text.rfind('\n').map_or(0, |last| last + 1);
+    let mut lines = text[..length].lines().enumerate();
+    let wrong =
+        |number: usize, reason: &str| damaged(&path, format!("line {}: {reason}", number + 1));
+    fn value<T: DeserializeOwned>(line: &str) -> Result<T, String> {
+        let (sum, text) = line.split_once(' ').ok_or("it has no checksum")?;
+        if u64::from_str_radix(sum, 16) != Ok(hash(text.as_bytes())) {
+            return Err("its checksum is another one".into());
+        }
+        ron::from_str(text).map_err(|error| error.to_string())
     }
-    Ok(())
+    let Some((_, first)) = lines.next() else {
+        return Ok(None);
+    };
+    let head: Head = value(first).map_err(|reason| wrong(0, &reason))?;
+    let steps = lines
+        .map(|(number, line)| value(line).map_err(|reason| wrong(number, &reason)))
+        .collect::<Result<Vec<Step>, StoreError>>()?;
+    let run = Run::resume(head, steps).map_err(|reason| damaged(&path, reason))?;
+    Ok(Some((run, length)))
 }
 
-/// Writes table and picture.
-///
-/// # Errors
-/// When a file cannot be written.
-pub fn write(
-    path: &Path,
-    curve: &Curve,
-    ranges: [(f64, f64); 2],
-    title: Option<&str>,
-    format: Format,
-) -> Result<(), CurveFolderError> {
-    fs::create_dir_all(path).map_err(io_error(path))?;
-    let file = path.join(TABLE);
-    let beside = path.join("curve.csv.new");
-    fs::write(&beside, table(curve)).map_err(io_error(&beside))?;
-    fs::rename(&beside, &file).map_err(io_error(&file))?;
-    let picture = path.join(PICTURE).with_extension(format.extension());
-    plots::draw_curve(&picture, format, curve, ranges, title)?;
-    Ok(())
+impl CurveFolder {
+    /// Begins a curve, in place of an earlier one.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn create(store: Store, run: &Run, format: Format) -> Result<CurveFolder, StoreError> {
+        store.begin([STEPS.into(), TABLE.into(), picture(format)], None)?;
+        let steps = store.create(STEPS, b"")?;
+        let mut folder = CurveFolder::tabulate(store, run, steps)?;
+        folder.keep(run.head())?;
+        Ok(folder)
+    }
+
+    /// Goes on with a curve whose steps take these bytes.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn reopen(store: Store, run: &Run, length: usize) -> Result<CurveFolder, StoreError> {
+        let steps = store.cut(STEPS, length)?;
+        CurveFolder::tabulate(store, run, steps)
+    }
+
+    /// The table of the points so far.
+    fn tabulate(store: Store, run: &Run, steps: File) -> Result<CurveFolder, StoreError> {
+        let (mut text, mut rows) = (header(run.head().system.parameters()), 0);
+        let sector = run.head().sector();
+        for point in run.so_far() {
+            text.push_str(&row(rows, point, sector, &point.what));
+            rows += 1;
+        }
+        Ok(CurveFolder {
+            table: store.create(TABLE, text.as_bytes())?,
+            steps,
+            rows,
+            sector,
+            store,
+        })
+    }
+
+    /// What keeps the files.
+    pub fn store(&self) -> &Store {
+        &self.store
+    }
+
+    /// Appends what a step found.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn write(&mut self, step: &Step) -> Result<(), StoreError> {
+        let mut text = String::new();
+        for found in &step.found {
+            text.push_str(&row(
+                self.rows,
+                &found.point,
+                self.sector,
+                &found.point.what,
+            ));
+            self.rows += 1;
+        }
+        let path = self.store.path().join(TABLE);
+        (self.table.write_all(text.as_bytes())).map_err(io_error("write it", &path))?;
+        self.keep(step)
+    }
+
+    /// Appends a line to the steps.
+    fn keep(&mut self, value: &impl Serialize) -> Result<(), StoreError> {
+        let path = self.store.path().join(STEPS);
+        let text = encode(&path, value)?;
+        let line = format!("{:016x} {text}\n", hash(text.as_bytes()));
+        (self.steps.write_all(line.as_bytes())).map_err(io_error("write it", &path))
+    }
+
+    /// Puts the table in order and draws the picture.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn finish(
+        &self,
+        curve: &Curve,
+        ranges: [(f64, f64); 2],
+        title: Option<&str>,
+        format: Format,
+    ) -> Result<(), PlotError> {
+        self.store.replace(TABLE, table(curve).as_bytes())?;
+        let picture = picture(format);
+        self.store.claim([&picture])?;
+        let path = self.store.path().join(picture);
+        plots::draw_curve(&path, format, curve, ranges, title)
+    }
+}
+
+fn picture(format: Format) -> String {
+    format!("{PICTURE}.{}", format.extension())
+}
+
+fn header(parameters: [Parameter; 2]) -> String {
+    let [first, second] = parameters.map(|parameter| parameter.column());
+    format!(
+        "point,type,{first},{second},speed,regimes_before,regimes_after,sector,omega,newton,\
+         residual,what\n"
+    )
+}
+
+fn row(index: usize, point: &Point, sector: Option<usize>, what: &str) -> String {
+    line(&[
+        (index + 1).to_string(),
+        point.kind.clone().unwrap_or_default(),
+        number(point.parameters[0]),
+        number(point.parameters[1]),
+        number(point.speed),
+        point.before.clone(),
+        point.after.clone(),
+        sector.map_or_else(String::new, |sector| sector.to_string()),
+        point.omega.map_or_else(String::new, number),
+        point.newton.to_string(),
+        number(point.residual),
+        what.to_owned(),
+    ])
 }
 
 /// The curve as CSV, from one end to the other.
 pub fn table(curve: &Curve) -> String {
-    let [first, second] = curve.parameters.map(|parameter| parameter.column());
-    let mut text = format!(
-        "point,type,{first},{second},speed,regimes_before,regimes_after,sector,omega,newton,\
-         residual,what\n"
-    );
-    for index in 0..curve.points.len() {
-        let point = &curve.points[index];
-        text.push_str(&line(&[
-            (index + 1).to_string(),
-            point.kind.clone().unwrap_or_default(),
-            number(point.parameters[0]),
-            number(point.parameters[1]),
-            number(point.speed),
-            point.before.clone(),
-            point.after.clone(),
-            curve
-                .sector
-                .map_or_else(String::new, |sector| sector.to_string()),
-            point.omega.map_or_else(String::new, number),
-            point.newton.to_string(),
-            number(point.residual),
-            words(curve, index),
-        ]));
+    let mut text = header(curve.parameters);
+    for (index, point) in curve.points.iter().enumerate() {
+        text.push_str(&row(index, point, curve.sector, &words(curve, index)));
     }
     text
 }

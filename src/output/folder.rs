@@ -211,7 +211,7 @@ impl Folder {
         let pictures = problem.output.plots.iter();
         let pictures = pictures.map(|picture| plots::file_name(picture, Format::Svg));
         let fixed = [BRANCH, EVENTS, RESTART].into_iter().chain(spectrum);
-        store.begin(fixed.map(str::to_owned).chain(pictures), PROFILES)?;
+        store.begin(fixed.map(str::to_owned).chain(pictures), Some(PROFILES))?;
         let mut folder = Folder {
             branch: store.create(BRANCH, &header(tables::BRANCH_HEADER))?,
             events: store.create(EVENTS, &header(&events))?,

@@ -129,7 +129,7 @@ impl MapFolder {
             self.store.retain(|_| true)?;
             self.store.claim(names)?;
         } else {
-            self.store.begin(names, ROWS)?;
+            self.store.begin(names, Some(ROWS))?;
         }
         self.store.replace_ron(DESCRIPTION, &self.description)?;
         *begun = true;

@@ -4,13 +4,14 @@
 //! replaced as a whole, never seen half written. A resumed simulation cuts everything back to the
 //! last checkpoint and goes on through the same steps as an uninterrupted one, to the same bytes.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::fs::File;
+use std::io::{Seek, SeekFrom, Write};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::store::{StoreError, damaged, encode, io_error};
+use super::plots::{self, Format};
+use super::store::{self, Store, StoreError, VERSION, damaged, io_error};
 use super::{npy, tables, vtk};
 use crate::problem::Problem;
 use crate::simulation::growth::Eigenvalue;
@@ -57,22 +58,20 @@ pub struct Checkpoint {
 
 impl Checkpoint {
     /// Reads the checkpoint of a folder.
+    ///
+    /// # Errors
+    /// When it is missing or damaged.
     pub fn read(folder: &Path) -> Result<Checkpoint, StoreError> {
         let path = folder.join(CHECKPOINT);
-        let text = fs::read_to_string(&path).map_err(refused(&path))?;
-        ron::from_str(&text)
-            .map_err(|error| damaged(&path, format!("not a checkpoint of this version: {error}")))
+        ron::from_str(&store::read(&path)?)
+            .map_err(|error| damaged(&path, format!("it is no checkpoint: {error}")))
     }
-}
-
-fn refused(path: &Path) -> impl FnOnce(io::Error) -> StoreError + '_ {
-    io_error("read or write it", path)
 }
 
 /// The folder of a simulation being written.
 #[derive(Debug)]
 pub struct SimulationFolder {
-    path: PathBuf,
+    store: Store,
     series: File,
     regimes: File,
     samples: usize,
@@ -82,81 +81,72 @@ pub struct SimulationFolder {
 
 /// Every how many points one is kept in the array of regimes.
 fn stride(points: usize) -> usize {
-    points.div_ceil(COLUMNS)
+    points.div_ceil(COLUMNS).max(1)
 }
 
+/// Columns of the array of regimes.
+pub fn columns(points: usize) -> usize {
+    points.div_ceil(stride(points))
+}
+
+const WRITE: &str = "write it";
+
 impl SimulationFolder {
-    /// Creates the folder. An existing one with results is refused unless `force`, which removes the
-    /// files of an earlier simulation and no others.
-    pub fn create(path: &Path, points: usize, force: bool) -> Result<SimulationFolder, StoreError> {
-        if path.exists() {
-            let occupied =
-                !path.is_dir() || fs::read_dir(path).map_err(refused(path))?.next().is_some();
-            if occupied && !force {
-                return Err(StoreError::Refused {
-                    path: path.to_path_buf(),
-                    reason:
-                        "holds results already; --force replaces them, --resume goes on, --out \
-                             DIR takes another folder"
-                            .to_owned(),
-                });
-            }
-            clear(path)?;
-        }
-        let snapshots = path.join(SNAPSHOTS);
-        fs::create_dir_all(&snapshots).map_err(refused(&snapshots))?;
-        let create = |name: &str, content: &[u8]| -> Result<File, StoreError> {
-            let path = path.join(name);
-            let mut file = File::create(&path).map_err(refused(&path))?;
-            file.write_all(content).map_err(refused(&path))?;
-            Ok(file)
-        };
-        let columns = points.div_ceil(stride(points));
+    /// Begins a simulation, in place of an earlier one.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn create(store: Store, points: usize) -> Result<SimulationFolder, StoreError> {
+        let tables = [SERIES, REGIMES, START, CHECKPOINT, END, MEASURES];
+        let pictures = plots::simulation_names(Format::Svg);
+        let names = tables.map(str::to_owned).into_iter().chain(pictures);
+        store.begin(names, Some(SNAPSHOTS))?;
+        let columns = columns(points);
         let header = format!("{}\n", Sample::COLUMNS.join(","));
         Ok(SimulationFolder {
-            series: create(SERIES, header.as_bytes())?,
-            regimes: create(REGIMES, &npy::header(npy::Kind::Byte, 0, columns))?,
-            path: path.to_path_buf(),
+            series: store.create(SERIES, header.as_bytes())?,
+            regimes: store.create(REGIMES, &npy::header(npy::Kind::Byte, 0, columns))?,
+            store,
             samples: 0,
             snapshots: 0,
             columns,
         })
     }
 
-    /// Opens the folder of an interrupted simulation, cut back to its checkpoint; returns the samples
-    /// taken so far as well.
+    /// Goes on with an interrupted simulation, cut back to its checkpoint; returns the samples taken so
+    /// far as well.
+    ///
+    /// # Errors
+    /// When a file is damaged or cannot be written.
     pub fn reopen(
-        path: &Path,
+        store: Store,
         points: usize,
         checkpoint: &Checkpoint,
     ) -> Result<(SimulationFolder, Vec<Sample>), StoreError> {
-        let columns = points.div_ceil(stride(points));
-        let open = |name: &str, length: usize| -> Result<File, StoreError> {
-            let path = path.join(name);
-            let mut file = OpenOptions::new()
-                .read(true)
-                .write(true)
-                .open(&path)
-                .map_err(refused(&path))?;
-            let found = file.metadata().map_err(refused(&path))?.len();
-            if found < length as u64 {
-                return Err(damaged(&path, "shorter than the checkpoint says"));
-            }
-            file.set_len(length as u64).map_err(refused(&path))?;
-            file.seek(SeekFrom::End(0)).map_err(refused(&path))?;
-            Ok(file)
-        };
-        let (samples, length) = read_series(&path.join(SERIES), checkpoint.samples)?;
+        let columns = columns(points);
+        let count = checkpoint.samples;
+        let (samples, length) = read_series(&store.path().join(SERIES), count)?;
         let folder = SimulationFolder {
-            series: open(SERIES, length)?,
-            regimes: open(REGIMES, npy::HEADER + columns * checkpoint.samples)?,
-            path: path.to_path_buf(),
-            samples: checkpoint.samples,
+            series: store.cut(SERIES, length)?,
+            regimes: store.cut(REGIMES, npy::HEADER + columns * count)?,
+            samples: count,
             snapshots: checkpoint.snapshots,
             columns,
+            store,
         };
-        remove_snapshots(&path.join(SNAPSHOTS), checkpoint.snapshots)?;
+        folder.store.retain(|name| {
+            let number = name.strip_prefix(SNAPSHOTS).and_then(|name| {
+                let (number, _) = name.strip_prefix('/')?.split_once('.')?;
+                number.parse::<usize>().ok()
+            });
+            number.is_none_or(|number| number <= checkpoint.snapshots)
+        })?;
         Ok((folder, samples))
+    }
+
+    /// What keeps the files.
+    pub fn store(&self) -> &Store {
+        &self.store
     }
 
     /// Samples written.
@@ -176,16 +166,17 @@ impl SimulationFolder {
             .iter()
             .map(|x| tables::number(*x))
             .collect();
-        let path = self.path.join(SERIES);
-        writeln!(self.series, "{}", row.join(",")).map_err(refused(&path))?;
+        let path = self.store.path().join(SERIES);
+        let row = format!("{}\n", row.join(","));
+        (self.series.write_all(row.as_bytes())).map_err(io_error(WRITE, &path))?;
         let codes: Vec<u8> = line
             .regimes
             .iter()
             .step_by(stride(line.regimes.len()))
             .map(|regime| regime.code())
             .collect();
-        let path = self.path.join(REGIMES);
-        self.regimes.write_all(&codes).map_err(refused(&path))?;
+        let path = self.store.path().join(REGIMES);
+        (self.regimes.write_all(&codes)).map_err(io_error(WRITE, &path))?;
         self.samples += 1;
         Ok(())
     }
@@ -210,8 +201,7 @@ impl SimulationFolder {
             text.push_str(line.regimes[point].name());
             text.push('\n');
         }
-        let path = self.path.join(name);
-        fs::write(&path, text).map_err(refused(&path))
+        self.store.replace(name, text.as_bytes())
     }
 
     /// Writes a snapshot: an array of φ, U, V, U̇, V̇, P, Q for a ring, the mesh for an annulus.
@@ -239,11 +229,8 @@ impl SimulationFolder {
                 ("vtk", vtk::annulus(annulus, &title).into_bytes())
             }
         };
-        let path = self
-            .path
-            .join(SNAPSHOTS)
-            .join(format!("{number:04}.{extension}"));
-        fs::write(&path, content).map_err(refused(&path))?;
+        let name = format!("{SNAPSHOTS}/{number:04}.{extension}");
+        self.store.replace(&name, &content)?;
         self.snapshots = number;
         Ok(())
     }
@@ -255,15 +242,17 @@ impl SimulationFolder {
         energy: f64,
         motion: &Motion,
     ) -> Result<(), StoreError> {
-        let path = self.path.join(REGIMES);
         let header = npy::header(npy::Kind::Byte, self.samples, self.columns);
-        self.regimes
+        let regimes = &mut self.regimes;
+        regimes
             .seek(SeekFrom::Start(0))
-            .and_then(|_| self.regimes.write_all(&header))
-            .and_then(|()| self.regimes.seek(SeekFrom::End(0)))
-            .map_err(refused(&path))?;
+            .and_then(|_| regimes.write_all(&header))
+            .and_then(|()| regimes.seek(SeekFrom::End(0)))
+            .and_then(|_| regimes.sync_data())
+            .map_err(io_error(WRITE, &self.store.path().join(REGIMES)))?;
+        (self.series.sync_data()).map_err(io_error(WRITE, &self.store.path().join(SERIES)))?;
         let checkpoint = Checkpoint {
-            version: env!("CARGO_PKG_VERSION").to_string(),
+            version: VERSION.to_string(),
             problem: problem.clone(),
             samples: self.samples,
             snapshots: self.snapshots,
@@ -271,11 +260,7 @@ impl SimulationFolder {
             energy,
             state: motion.saved(),
         };
-        let path = self.path.join(CHECKPOINT);
-        let beside = self.path.join("checkpoint.ron.new");
-        let text = encode(&path, &checkpoint)?;
-        fs::write(&beside, text).map_err(refused(&beside))?;
-        fs::rename(&beside, &path).map_err(refused(&path))
+        self.store.replace_ron(CHECKPOINT, &checkpoint)
     }
 
     /// Writes what was measured.
@@ -291,8 +276,7 @@ impl SimulationFolder {
                 tables::number(measure.window[1]),
             ));
         }
-        let path = self.path.join(MEASURES);
-        fs::write(&path, text).map_err(refused(&path))
+        self.store.replace(MEASURES, text.as_bytes())
     }
 
     /// Writes eigenvalues by sector, each with its residual and its difference from a coarser grid.
@@ -308,15 +292,14 @@ impl SimulationFolder {
                 tables::number(*grid),
             ));
         }
-        let path = self.path.join(GROWTH);
-        fs::write(&path, text).map_err(refused(&path))
+        self.store.replace(GROWTH, text.as_bytes())
     }
 }
 
 /// The first rows of a time series, and the bytes they take with the header.
 pub fn read_series(path: &Path, rows: usize) -> Result<(Vec<Sample>, usize), StoreError> {
     let damaged = |reason: &str| damaged(path, reason);
-    let text = fs::read_to_string(path).map_err(refused(path))?;
+    let text = store::read(path)?;
     let mut length = 0;
     let mut samples = Vec::new();
     for (index, line) in text.split_inclusive('\n').enumerate() {
@@ -344,53 +327,5 @@ pub fn read_series(path: &Path, rows: usize) -> Result<(Vec<Sample>, usize), Sto
     Ok((samples, length))
 }
 
-/// Extensions of pictures.
-const FORMATS: [&str; 3] = ["svg", "png", "pdf"];
-
 /// Names of the pictures of a simulation, without extension.
 pub const PICTURES: [&str; 3] = ["space_time", "phase_plane", "profiles"];
-
-/// Removes what an earlier simulation wrote, and nothing else.
-fn clear(path: &Path) -> Result<(), StoreError> {
-    let known = [
-        CHECKPOINT,
-        "checkpoint.ron.new",
-        SERIES,
-        REGIMES,
-        START,
-        END,
-        MEASURES,
-        GROWTH,
-    ];
-    for entry in fs::read_dir(path).map_err(refused(path))?.flatten() {
-        let file = entry.path();
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        let picture = name
-            .split_once('.')
-            .is_some_and(|(stem, end)| PICTURES.contains(&stem) && FORMATS.contains(&end));
-        if file.is_file() && (picture || known.contains(&name.as_ref())) {
-            fs::remove_file(&file).map_err(refused(&file))?;
-        }
-    }
-    remove_snapshots(&path.join(SNAPSHOTS), 0)
-}
-
-/// Removes snapshots beyond the last.
-fn remove_snapshots(folder: &Path, last: usize) -> Result<(), StoreError> {
-    let Ok(entries) = fs::read_dir(folder) else {
-        return Ok(());
-    };
-    for entry in entries.flatten() {
-        let number: Option<usize> = entry
-            .file_name()
-            .to_str()
-            .and_then(|name| name.strip_suffix(".npy").or(name.strip_suffix(".vtk")))
-            .and_then(|number| number.parse().ok());
-        if number.is_some_and(|number| number > last) {
-            let path = entry.path();
-            fs::remove_file(&path).map_err(refused(&path))?;
-        }
-    }
-    Ok(())
-}

@@ -534,10 +534,12 @@ impl Store {
     pub fn begin(
         &self,
         names: impl IntoIterator<Item = String>,
-        numbered: &str,
+        numbered: Option<&str>,
     ) -> Result<(), StoreError> {
         let names: Vec<String> = names.into_iter().collect();
-        self.guard(numbered)?;
+        if let Some(numbered) = numbered {
+            self.guard(numbered)?;
+        }
         for name in &names {
             self.free(&self.manifest(), name)?;
         }

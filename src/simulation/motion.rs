@@ -46,7 +46,7 @@ pub enum MotionError {
     #[error("an annulus needs the geometry of the tube")]
     Geometry,
     /// The saved state is of another body.
-    #[error("the checkpoint is of another body")]
+    #[error("it is of another body")]
     Body,
     /// The wave does not fit the ring.
     #[error(
@@ -197,15 +197,19 @@ impl Motion {
         }
     }
 
-    /// Goes on with steps, none longer than before, that a time is a whole number of; takes the first
-    /// and returns how many are left.
+    /// Steps, none longer than those of the motion, that a time is a whole number of.
+    pub fn steps_within(&self, time: f64) -> u64 {
+        (time / self.time_step()).ceil().max(1.0) as u64
+    }
+
+    /// Goes on with [`Motion::steps_within`] a time; takes the first and returns how many are left.
     pub fn shorten(&mut self, time: f64) -> u64 {
-        let steps = (time / self.time_step()).ceil().max(1.0);
+        let steps = self.steps_within(time);
         match self {
-            Motion::Ring(ring) => ring.shorten(time / steps),
-            Motion::Annulus(annulus) => annulus.shorten(time / steps),
+            Motion::Ring(ring) => ring.shorten(time / steps as f64),
+            Motion::Annulus(annulus) => annulus.shorten(time / steps as f64),
         }
-        steps as u64 - 1
+        steps - 1
     }
 
     /// Whether the motion is still one whose equations hold: a ring with β > 0 must not leave the

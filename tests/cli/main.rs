@@ -1,5 +1,6 @@
 //! Black-box tests of the binary: what its users and their scripts rely on.
 
+mod accuracy;
 mod bad_input;
 mod branch_end;
 mod check;

@@ -1,7 +1,11 @@
 //! `brakewave curve` on the command line.
 
+use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::fs;
+use std::path::Path;
 use std::process::{Command, Output};
+use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
@@ -161,4 +165,123 @@ fn a_label_begins_the_same_curve() {
     let refused = curve("start", &start);
     assert_eq!(refused.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&refused.stderr).contains("label 1 is of type EP"));
+}
+
+/// Every file of a folder with its bytes.
+fn files(folder: &Path) -> BTreeMap<OsString, Vec<u8>> {
+    fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| {
+            let entry = entry.unwrap();
+            (entry.file_name(), fs::read(entry.path()).unwrap())
+        })
+        .collect()
+}
+
+/// Rows are there as they are found; a curve killed anywhere ends in the same files, byte for byte.
+#[test]
+fn a_killed_curve_resumes_to_the_same_bytes() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let text = fs::read_to_string(problem("mode4_curve")).unwrap();
+    let file = path("p.ron");
+    fs::write(
+        &file,
+        text.replace("parameters: (", "ds_max: 0.01, parameters: ("),
+    )
+    .unwrap();
+    let file = file.to_str().unwrap();
+    let run = |name: &str, more: &[&str]| {
+        let out = path(name);
+        let mut arguments = vec![file, "--out", out.to_str().unwrap(), "--quiet"];
+        arguments.extend(more);
+        run(&arguments)
+    };
+    assert!(run("whole", &[]).status.success());
+    let whole = files(&path("whole"));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_brakewave"))
+        .args(["curve", file, "--quiet", "--out"])
+        .arg(path("cut"))
+        .spawn()
+        .unwrap();
+    let table = path("cut").join("curve.csv");
+    let patience = Instant::now();
+    while fs::metadata(&table).map_or(0, |data| data.len()) < 3_000
+        && patience.elapsed() < Duration::from_secs(20)
+    {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let rows = fs::read_to_string(&table).unwrap().lines().count();
+    assert!(rows > 10, "{rows} rows were there when it was killed");
+    assert!(run("cut", &["--resume"]).status.success());
+    assert_eq!(files(&path("cut")), whole);
+
+    // cut short within a line, after the first line, and in the first one
+    let steps = path("cut").join("curve.steps");
+    let all = fs::read(&steps).unwrap();
+    let lines: Vec<usize> = (0..all.len()).filter(|at| all[*at] == b'\n').collect();
+    for length in [lines[lines.len() / 2] + 40, lines[0] + 1, lines[0] / 2] {
+        fs::write(&steps, &all[..length]).unwrap();
+        fs::write(&table, "spoilt").unwrap();
+        fs::remove_file(path("cut").join("curve.svg")).unwrap();
+        assert!(run("cut", &["--resume"]).status.success());
+        assert!(files(&path("cut")) == whole, "{length}");
+    }
+    // a finished one stays as it is
+    assert!(run("cut", &["--resume"]).status.success());
+    assert_eq!(files(&path("cut")), whole);
+
+    // a changed figure is noticed, and the folder stays as it is
+    let mut damaged = all.clone();
+    let place = lines[3]
+        + 60
+        + damaged[lines[3] + 60..]
+            .iter()
+            .position(|byte| *byte == b'.')
+            .unwrap();
+    damaged[place + 1] = if damaged[place + 1] == b'1' {
+        b'2'
+    } else {
+        b'1'
+    };
+    fs::write(&steps, &damaged).unwrap();
+    let before = files(&path("cut"));
+    let output = run("cut", &["--resume"]);
+    assert_eq!(output.status.code(), Some(4));
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    for words in ["curve.steps", "line 5", "checksum", "--force"] {
+        assert!(error.contains(words), "{error}");
+    }
+    assert!(files(&path("cut")) == before);
+    assert!(run("cut", &["--force"]).status.success());
+    assert!(files(&path("cut")) == whole);
+}
+
+/// Reaching `max_points` is an end of its own, not that of the curve.
+#[test]
+fn too_few_points_are_said_to_be() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("p.ron");
+    let text = fs::read_to_string(problem("mode4_curve")).unwrap();
+    fs::write(
+        &file,
+        text.replace("parameters: (", "max_points: 5, parameters: ("),
+    )
+    .unwrap();
+    let out = folder.path().join("few");
+    let output = run(&[file.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        error.contains("`max_points`, 5 in either direction, are reached"),
+        "{error}"
+    );
+    let table = fs::read_to_string(out.join("curve.csv")).unwrap();
+    let rows: Vec<&str> = table.lines().skip(1).collect();
+    assert_eq!(rows.len(), 11);
+    for row in [rows[0], rows[10]] {
+        assert!(row.contains(",MX,") && row.contains("max_points"), "{row}");
+    }
 }

@@ -7,6 +7,7 @@ mod cusp;
 mod equations;
 mod hopf;
 mod meeting;
+mod resume;
 
 use brakewave::curve::start::{NoCurve, Start, find};
 use brakewave::curve::{Curve, follow};
@@ -31,7 +32,7 @@ fn start(problem: &Problem) -> Result<Start, NoCurve> {
     let (Some(continuation), Some(curve)) = (&problem.continuation, &problem.curve) else {
         panic!("the problem has no curve");
     };
-    find(problem, continuation, None, curve)
+    find(problem, continuation, None, curve, &mut |_| ())
 }
 
 fn curve(problem: &Problem) -> Curve {

@@ -194,9 +194,9 @@ fn balance(order: Order, law: Law, mass_damping: f64, courant: f64) -> Balance {
             .zip(&bent)
             .map(|(one, other)| one + other)
             .collect();
-        for i in 0..v.len() {
+        for (i, zeta) in bent.iter().enumerate() {
             let [force, _] = elastic(&ring, u, &moved, i);
-            kinks -= 0.5 * dt * dt * width * bent[i] * force[1];
+            kinks -= 0.5 * dt * dt * width * zeta * force[1];
             // forces, displacements and ledgers are rounded, each relative to what is summed in it
             let [_, sizes] = elastic(&ring, &before.radial, &before.tangential, i);
             let [_, rates] = elastic(&ring, u, v, i);

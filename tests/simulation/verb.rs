@@ -470,3 +470,155 @@ fn a_long_simulation_says_so() {
         "{line}"
     );
 }
+
+/// A finished simulation of half a second of computation, and its folder.
+fn finished(body: &str) -> (Bench, PathBuf) {
+    let problem = SMALL.replace("BODY", body).replace("30.0", "3.0");
+    let bench = Bench::new(&problem);
+    bench.run(&["simulate", "p.ron", "--out", "s", "--quiet"], 0);
+    let folder = bench.path("s");
+    (bench, folder)
+}
+
+/// `--resume` and `--force` touch what the simulation wrote and nothing else.
+#[test]
+fn what_the_simulation_did_not_write_stays() {
+    let (bench, folder) = finished(RING);
+    fs::write(folder.join("notes.txt"), "mine").expect("a file");
+    let whole = files(&folder);
+    for how in ["--resume", "--force"] {
+        bench.run(&["simulate", "p.ron", "--out", "s", "--quiet", how], 0);
+        assert!(files(&folder) == whole, "{how}");
+    }
+    // finished, but its checkpoint is gone: nothing is begun anew over it
+    fs::remove_file(folder.join("checkpoint.ron")).expect("it is there");
+    let left = files(&folder);
+    let text = bench.run(&["simulate", "p.ron", "--out", "s", "--resume"], 4);
+    assert!(
+        text.contains("checkpoint.ron") && text.contains("--force"),
+        "{text}"
+    );
+    assert!(files(&folder) == left);
+    // somebody's pictures, by names that a simulation would use
+    fs::create_dir(bench.path("mine")).expect("a folder");
+    for name in ["space_time.svg", "series.csv", "diagram.svg"] {
+        fs::write(bench.path("mine").join(name), name).expect("a file");
+    }
+    let mine = files(&bench.path("mine"));
+    for how in ["--resume", "--force"] {
+        bench.run(&["simulate", "p.ron", "--out", "mine", how], 2);
+        assert!(files(&bench.path("mine")) == mine, "{how}");
+    }
+    // where there is no folder to be
+    let text = bench.run(&["simulate", "p.ron", "--out", "p.ron/below"], 4);
+    assert!(text.contains("p.ron"), "{text}");
+}
+
+/// A damaged checkpoint is told from a good one, whatever is wrong with it, and nothing is lost by that.
+#[test]
+fn a_damaged_checkpoint_is_refused() {
+    for (body, other) in [(RING, "Annulus"), (ANNULUS, "Ring")] {
+        let (bench, folder) = finished(body);
+        let path = folder.join("checkpoint.ron");
+        let good = fs::read_to_string(&path).expect("a checkpoint");
+        let list = |name: &str| {
+            let from = good.find(&format!("{name}:[")).expect(name) + name.len() + 2;
+            (from, from + good[from..].find(']').expect("its end"))
+        };
+        let with = |(from, to): (usize, usize), text: &str| {
+            format!("{}{text}{}", &good[..from], &good[to..])
+        };
+        let number = |name: &str, text: &str| {
+            // the problem before it has some of these names, too
+            let from = good.rfind(&format!("{name}:")).expect(name) + name.len() + 1;
+            with(
+                (from, from + good[from..].find(',').expect("its end")),
+                text,
+            )
+        };
+        let mut damaged = vec![
+            String::new(),
+            good[..good.len() / 2].to_owned(),
+            number("samples", "0"),
+            number("samples", "7"),
+            number("samples", "18446744073709551615"),
+            number("steps", "1"),
+            number("steps", "18446744073709551615"),
+            number("snapshots", "900"),
+            good.replacen("state:", &format!("state:{other}"), 1),
+        ];
+        for name in [
+            "radial",
+            "tangential_rate",
+            if body == RING { "share" } else { "shear" },
+        ] {
+            let (from, to) = list(name);
+            let first = from + good[from..].find(',').expect("more than one");
+            damaged.push(with((from, to), ""));
+            damaged.push(with((from, first + 1), ""));
+            damaged.push(with((from, first), "NaN"));
+        }
+        let state = good.find("state:").expect("a state");
+        damaged.push(format!("{}state:{other}(()))", &good[..state]));
+        for text in damaged {
+            fs::write(&path, &text).expect("a file");
+            let before = files(&folder);
+            let said = bench.run(&["simulate", "p.ron", "--out", "s", "--resume"], 4);
+            for words in ["checkpoint.ron", "damaged", "--force"] {
+                assert!(said.contains(words), "{said}");
+            }
+            assert!(files(&folder) == before);
+        }
+        // the tables that belong to it
+        fs::write(&path, &good).expect("a file");
+        for (name, length) in [("series.csv", 700), ("regimes.npy", 200)] {
+            let whole = fs::read(folder.join(name)).expect("a file");
+            fs::write(folder.join(name), &whole[..length]).expect("a file");
+            let said = bench.run(&["simulate", "p.ron", "--out", "s", "--resume"], 4);
+            assert!(said.contains(name), "{said}");
+            fs::write(folder.join(name), &whole).expect("a file");
+        }
+        // another version
+        let manifest = folder.join("brakewave.manifest");
+        let text = fs::read_to_string(&manifest).expect("a manifest");
+        let (_, rest) = text.split_once('\n').expect("lines");
+        fs::write(&manifest, format!("brakewave 0.0.1\n{rest}")).expect("a file");
+        let said = bench.run(&["simulate", "p.ron", "--out", "s", "--resume"], 2);
+        assert!(said.contains("version 0.0.1"), "{said}");
+    }
+}
+
+/// Of a simulation that was killed the pictures show what is there.
+#[test]
+fn a_killed_simulation_is_drawn() {
+    for body in [RING, ANNULUS] {
+        let (bench, folder) = finished(body);
+        let pictures = ["space_time.svg", "phase_plane.svg", "profiles.svg"];
+        for name in ["end.csv", "measures.csv"].iter().chain(&pictures) {
+            fs::remove_file(folder.join(name)).expect(name);
+        }
+        let cut = |name: &str, length: usize| {
+            let whole = fs::read(folder.join(name)).expect(name);
+            fs::write(folder.join(name), &whole[..length]).expect(name);
+        };
+        for (series, regimes) in [(2000, 1200), (1500, 700), (320, 90)] {
+            cut("series.csv", series);
+            cut("regimes.npy", regimes);
+            bench.run(&["plot", "s"], 0);
+            for name in pictures {
+                let text = fs::read_to_string(folder.join(name)).expect(name);
+                assert!(text.contains("<svg"), "{name}");
+            }
+        }
+        let text = fs::read_to_string(folder.join("profiles.svg")).expect("a picture");
+        assert!(text.contains("at the beginning") && !text.contains("at the end"));
+        if body == RING {
+            bench.run(
+                &["simulate", "p.ron", "--out", "s", "--force", "--quiet"],
+                0,
+            );
+            let text = fs::read_to_string(folder.join("profiles.svg")).expect("a picture");
+            assert!(text.contains("at the end"));
+        }
+    }
+}

@@ -37,7 +37,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 pub use error::PlotError;
-pub use simulation::draw as draw_simulation;
+pub use simulation::{draw as draw_simulation, names as simulation_names};
 
 use profile::Profiles;
 use tables::Tables;
@@ -173,7 +173,7 @@ pub fn draw_curve(
     ranges: [(f64, f64); 2],
     title: Option<&str>,
 ) -> Result<(), PlotError> {
-    save(path, curve::compose(curve, ranges, title)?, format)
+    replace(path, curve::compose(curve, ranges, title)?, format)
 }
 
 /// Draws error against run time of several methods.
@@ -187,7 +187,7 @@ pub fn draw_accuracy(
     series: &[accuracy::Series],
     settings: &Settings,
 ) -> Result<(), PlotError> {
-    save(path, accuracy::compose(series, settings)?, format)
+    replace(path, accuracy::compose(series, settings)?, format)
 }
 
 /// Writes a composed picture.

@@ -13,9 +13,9 @@ use super::profile::evenly;
 use super::quantity::Quantity;
 use super::sheet::{Panel, Sheet, usual_length};
 use super::tables::Table;
-use super::{Format, save};
+use super::{Format, replace};
 use crate::output::npy;
-use crate::output::simulation::{END, MEASURES, PICTURES, REGIMES, SERIES, START};
+use crate::output::simulation::{END, MEASURES, PICTURES, REGIMES, SERIES, START, columns};
 use crate::simulation::line::Regime;
 
 /// Most rows of a picture of regimes.
@@ -24,8 +24,13 @@ const ROWS: usize = 220;
 /// Time that the phase plane shows, at the end, in units of 1/Ω.
 const ORBIT: f64 = 12.0;
 
+/// Names of the files of the pictures.
+pub fn names(format: Format) -> [String; 3] {
+    PICTURES.map(|name| format!("{name}.{}", format.extension()))
+}
+
 /// Draws all pictures of a simulation from the tables of its folder and returns the files written.
-/// Without a measured speed places are those of the tube.
+/// Without a measured speed places are those of the tube; without an end there is none to draw.
 ///
 /// # Errors
 ///
@@ -38,16 +43,16 @@ pub fn draw(folder: &Path, title: Option<&str>, format: Format) -> Result<Vec<Pa
         .and_then(|row| measures.number(row, "value"))
         .unwrap_or(0.0);
     let start = Table::read(&folder.join(START))?;
-    let end = Table::read(&folder.join(END))?;
+    let end = Table::read_if_there(&folder.join(END))?;
     let pictures = [
         space_time(folder, &series, &start, title, speed)?,
         phase_plane(&series, title)?,
-        profiles(&start, &end, title)?,
+        profiles(&start, end.as_ref(), title)?,
     ];
     let mut written = Vec::with_capacity(pictures.len());
-    for (name, svg) in PICTURES.into_iter().zip(pictures) {
-        let path = folder.join(format!("{name}.{}", format.extension()));
-        save(&path, svg, format)?;
+    for (name, svg) in names(format).into_iter().zip(pictures) {
+        let path = folder.join(name);
+        replace(&path, svg, format)?;
         written.push(path);
     }
     Ok(written)
@@ -82,7 +87,11 @@ fn space_time(
     })?;
     let codes = bytes.get(npy::HEADER..).unwrap_or_default();
     let times = column(series, "time");
-    let columns = codes.len() / times.len().max(1);
+    let columns = columns(start.len());
+    // what a kill has left of the one without the other
+    let times = &times[..times
+        .len()
+        .min(codes.len().checked_div(columns).unwrap_or(0))];
     let angle = length(start);
     let last = times.last().copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
     let place = match speed {
@@ -169,23 +178,26 @@ fn phase_plane(series: &Table, title: Option<&str>) -> Result<String, PlotError>
     })
 }
 
-fn profiles(start: &Table, end: &Table, title: Option<&str>) -> Result<String, PlotError> {
+fn profiles(start: &Table, end: Option<&Table>, title: Option<&str>) -> Result<String, PlotError> {
     let angle = length(start);
     let place = Quantity::new("place", "φ");
     let panels = [
         ("V_dot", Quantity::new("velocity", "V\u{307}")),
         ("P", Quantity::new("pressure", "P")),
     ];
-    let pens = [
-        (start, Pen::dashed(GREY, 1.6)),
-        (end, Pen::solid(BLUE, 1.6)),
-    ];
+    let pens: Vec<(&Table, Pen, &str)> = [
+        (Some(start), Pen::dashed(GREY, 1.6), "at the beginning"),
+        (end, Pen::solid(BLUE, 1.6), "at the end"),
+    ]
+    .into_iter()
+    .filter_map(|(table, pen, name)| Some((table?, pen, name)))
+    .collect();
     let count = panels.len();
     let frames: Vec<Panel> = panels
         .iter()
         .enumerate()
         .map(|(index, (name, quantity))| {
-            let values = column(start, name).into_iter().chain(column(end, name));
+            let values = pens.iter().flat_map(|(table, _, _)| column(table, name));
             let x = Axis::fitted(0.0, angle, &place, usual_length());
             let mut panel = Panel::new(x, Axis::around(values, quantity, 4));
             panel.height = 190.0;
@@ -197,10 +209,7 @@ fn profiles(start: &Table, end: &Table, title: Option<&str>) -> Result<String, P
     let mut legend = Legend::default();
     legend.add(
         "",
-        [
-            (Key::Line(pens[0].1), "at the beginning".to_owned()),
-            (Key::Line(pens[1].1), "at the end".to_owned()),
-        ],
+        (pens.iter()).map(|(_, pen, name)| (Key::Line(*pen), (*name).to_owned())),
     );
     let sheet = Sheet {
         title: title.map(str::to_owned),
@@ -210,9 +219,9 @@ fn profiles(start: &Table, end: &Table, title: Option<&str>) -> Result<String, P
     };
     sheet.compose(|canvas, frames| {
         for (frame, (name, _)) in frames.iter().zip(&panels) {
-            for (table, pen) in pens {
+            for (table, pen, _) in &pens {
                 let points = column(table, "phi").into_iter().zip(column(table, name));
-                frame.curve(canvas, points, pen);
+                frame.curve(canvas, points, *pen);
             }
         }
     })

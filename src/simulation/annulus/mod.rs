@@ -69,14 +69,9 @@ pub enum SetupError {
         /// Largest stable step.
         limit: f64,
     },
-    /// A state of another size.
-    #[error("a state of {found} nodes does not fit a mesh of {expected}")]
-    Size {
-        /// Nodes of the state.
-        found: usize,
-        /// Nodes of the mesh.
-        expected: usize,
-    },
+    /// A state that is none of this mesh.
+    #[error("its lists do not all have a finite number for every node of the mesh")]
+    State,
 }
 
 /// Displacements at n, their rates at n − ½, and the last forces of the shaft. Node i of circle j
@@ -250,22 +245,21 @@ impl Annulus {
 
     /// Goes on from a state after `steps` steps.
     pub fn resume(&mut self, state: State, steps: u64) -> Result<(), SetupError> {
-        let expected = self.state.radial.len();
-        let fits = [
-            state.radial.len(),
-            state.tangential.len(),
-            state.radial_rate.len(),
-            state.tangential_rate.len(),
-        ]
-        .into_iter()
-        .all(|found| found == expected)
-            && state.pressure.len() == self.setup.around
-            && state.shear.len() == self.setup.around;
-        if !fits {
-            return Err(SetupError::Size {
-                found: state.radial.len(),
-                expected,
-            });
+        let inner = self.setup.around;
+        let all = inner * self.setup.across;
+        let lists = [
+            (&state.radial, all),
+            (&state.tangential, all),
+            (&state.radial_rate, all),
+            (&state.tangential_rate, all),
+            (&state.pressure, inner),
+            (&state.shear, inner),
+        ];
+        let fits = |(list, count): &(&Vec<f64>, usize)| {
+            list.len() == *count && list.iter().all(|x| x.is_finite())
+        };
+        if !(lists.iter().all(fits) && state.work.iter().all(|x| x.is_finite())) {
+            return Err(SetupError::State);
         }
         self.state = state;
         self.steps = steps;

@@ -104,6 +104,27 @@ impl Nodes {
         }
     }
 
+    /// All quantities.
+    fn lists(&self) -> [&Vec<f64>; 9] {
+        [
+            &self.radial,
+            &self.tangential,
+            &self.effective,
+            &self.radial_rate,
+            &self.tangential_rate,
+            &self.share,
+            &self.friction_work,
+            &self.contact_work,
+            &self.damping_work,
+        ]
+    }
+
+    /// Whether there are as many of every quantity as there are of the other, all of them finite.
+    pub fn fits(&self, other: &Nodes) -> bool {
+        let mut pairs = self.lists().into_iter().zip(other.lists());
+        pairs.all(|(one, other)| one.len() == other.len() && one.iter().all(|x| x.is_finite()))
+    }
+
     /// Number of nodes.
     pub fn len(&self) -> usize {
         self.radial.len()

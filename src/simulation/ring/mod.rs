@@ -114,6 +114,9 @@ pub enum SetupError {
     /// Too few points.
     #[error("a ring of {0} points is too coarse; take at least {LEAST_POINTS}")]
     Points(usize),
+    /// A state that is none of this ring.
+    #[error("its lists do not all have a finite number for every point of the ring")]
+    State,
     /// The time step is not positive, or too large.
     #[error("the time step {step:e} must lie between 0 and {limit:e}, where the scheme is stable")]
     Step {
@@ -315,13 +318,13 @@ impl Ring {
         &self.nodes
     }
 
-    /// Goes on from these nodes, whose number must be that of the ring, after `steps` steps.
+    /// Goes on from these nodes after `steps` steps.
+    ///
+    /// # Errors
+    /// When they are not as many as those of the ring, or not finite.
     pub fn resume(&mut self, nodes: Nodes, steps: u64) -> Result<(), SetupError> {
-        if nodes.len() != self.setup.points
-            || nodes.friction_work.len() != self.nodes.friction_work.len()
-            || nodes.effective.len() != self.nodes.effective.len()
-        {
-            return Err(SetupError::Points(nodes.len()));
+        if !nodes.fits(&self.nodes) {
+            return Err(SetupError::State);
         }
         self.nodes = nodes;
         self.steps = steps;

@@ -1,0 +1,77 @@
+//! A curve that goes on from saved steps takes the same steps as one that was never interrupted.
+
+use brakewave::curve::{Head, Run, Step};
+use brakewave::problem::{Problem, parse};
+use serde::de::DeserializeOwned;
+
+use crate::{start, tube};
+
+fn problem(name: &str) -> Problem {
+    let path = format!("{}/problems/{name}.ron", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).unwrap();
+    parse(&text, name).unwrap()
+}
+
+/// Written down and read again.
+fn copied<T: serde::Serialize + DeserializeOwned>(value: &T) -> T {
+    ron::from_str(&ron::to_string(value).unwrap()).unwrap()
+}
+
+/// Take-off through several signatures and round a fold, folds round a cusp, and Hopf points: resumed
+/// after any of its steps, each takes the very next two of them, to the last bit.
+#[test]
+fn a_curve_resumed_after_any_step_takes_the_same_steps() {
+    let hopf = tube(
+        0.5,
+        0.072,
+        0.0,
+        "continuation: (parameter: Mismatch, range: (0.06, 0.2), toward: Down), curve: (event: HB, \
+         sector: 0, parameters: (Mismatch, Friction), range: ((0.06, 0.09), (0.4, 0.6)))",
+    );
+    for problem in [problem("mode4_curve"), problem("mode2_cusp"), hopf] {
+        let start = start(&problem).unwrap();
+        let begin = || Run::begin(&start.system, start.event, &start.point, start.settings);
+        let mut run = begin().unwrap();
+        let head: Head = copied(run.head());
+        assert_eq!(&head, run.head());
+        let mut steps: Vec<Step> = Vec::new();
+        while let Some(step) = run.step().unwrap() {
+            steps.push(step);
+        }
+        let whole = run.curve();
+        assert!(steps.len() > 10, "{}", steps.len());
+        let saved: Vec<Step> = copied(&steps);
+        for count in 0..=steps.len() {
+            let mut run = Run::resume(head.clone(), saved[..count].to_vec()).unwrap();
+            for next in 0..2 {
+                let expected = steps.get(count + next);
+                assert_eq!(run.step().unwrap().as_ref(), expected, "{count} + {next}");
+            }
+            if count + 2 >= steps.len() {
+                assert_eq!(run.curve(), whole);
+            }
+        }
+    }
+}
+
+/// What does not fit is refused, not gone on with.
+#[test]
+fn steps_that_do_not_fit_are_refused() {
+    let start = start(&problem("mode4_curve")).unwrap();
+    let mut run = Run::begin(&start.system, start.event, &start.point, start.settings).unwrap();
+    let head = run.head().clone();
+    let step = run.step().unwrap().unwrap();
+    let text = ron::to_string(&step).unwrap();
+    for (list, damage) in [
+        ("unknowns:[", "unknowns:[1.0,"),
+        ("tangent:[", "tangent:[NaN,"),
+    ] {
+        assert!(text.contains(list));
+        let damaged: Step = ron::from_str(&text.replace(list, damage)).unwrap();
+        assert!(Run::resume(head.clone(), vec![damaged]).is_err(), "{list}");
+    }
+    assert!(Run::resume(head.clone(), vec![step]).is_ok());
+    let text = ron::to_string(&head).unwrap();
+    let short: Head = ron::from_str(&text.replace("tangent:[", "tangent:[0.5,")).unwrap();
+    assert!(Run::resume(short, Vec::new()).is_err());
+}
