@@ -44,9 +44,11 @@ pub fn locate(
     tolerance: f64,
 ) -> Option<Located> {
     let solution = newton::solve(wave, constraint, guess, &settings(tolerance)).ok()?;
-    let uncertainty = uncertainty(wave, constraint, &solution.point).map_or(f64::NAN, |rounding| {
-        (rounding + solution.correction) * wave.scales.parameter
-    });
+    let uncertainty = bordered(wave, constraint, &solution.point)
+        .and_then(|matrix| newton::rounding(&matrix, &solution.point.abs(), None))
+        .map_or(f64::NAN, |rounding| {
+            (rounding[rounding.len() - 1] + solution.correction) * wave.scales.parameter
+        });
     // the tangent by the arclength border: the event's own border may be singular there
     let node = retangent(wave, &solution.point, &from.tangent, solution.iterations)?;
     Some(Located {
@@ -82,11 +84,8 @@ pub fn retangent(wave: &Wave, point: &Vector, along: &Vector, newton: usize) -> 
     })
 }
 
-/// First-order bound of the error that rounding in the equations leaves in the parameter, in
-/// scaled units: |J⁻¹| times the rounding of each equation.
-fn uncertainty(wave: &Wave, constraint: &mut impl Constraint<Wave>, point: &Vector) -> Option<f64> {
-    /// Operations behind one residual, each of which may round.
-    const OPERATIONS: f64 = 8.0;
+/// Jacobian of a wave together with a constraint.
+fn bordered(wave: &Wave, constraint: &mut impl Constraint<Wave>, point: &Vector) -> Option<Matrix> {
     let n = wave.unknowns();
     let mut matrix = Matrix::zeros(n, n);
     let mut residual = Vector::zeros(n);
@@ -97,16 +96,7 @@ fn uncertainty(wave: &Wave, constraint: &mut impl Constraint<Wave>, point: &Vect
     for (column, value) in gradient.into_iter().enumerate() {
         matrix[(n - 1, column)] = value;
     }
-    let inverse = Factors::new(matrix.clone()).inverse()?;
-    let bound = (0..n)
-        .map(|row| {
-            let size: f64 = (0..n)
-                .map(|column| (matrix[(row, column)] * point[column]).abs())
-                .sum();
-            inverse[(n - 1, row)].abs() * size
-        })
-        .sum::<f64>();
-    Some(OPERATIONS * f64::EPSILON * bound)
+    Some(matrix)
 }
 
 /// The point at which the parameter takes a value, between two nodes of one branch.
@@ -169,8 +159,15 @@ pub fn fold(
         normal: &from.tangent,
         through: &node.point,
     };
-    let uncertainty =
-        uncertainty(wave, &mut plane, &node.point).unwrap_or(f64::NAN) + slope * slope;
+    // ln(e/e₀) may be zero, but e has the rounding of a number of its own size
+    let mut sizes = node.point.abs();
+    sizes[last - 1] = sizes[last - 1].max(1.0);
+    let matrix = bordered(wave, &mut plane, &node.point)?;
+    let noise = newton::noise(wave, &matrix, &node.point);
+    let rounding = newton::rounding(&matrix, &sizes, noise.as_ref())?[last];
+    // the parameter is off by ½·slope²/curvature, the curvature being the mean one of the step
+    let curvature = (to.tangent[last] - beginning.1).abs() / (ds - beginning.0);
+    let uncertainty = rounding + 0.5 * slope * slope / curvature;
     Some(Located {
         s,
         node,
@@ -404,6 +401,9 @@ pub fn refusal(wave: &Wave, examination: &Examination) -> String {
                 Watch::LowerForce | Watch::UpperForce => "would violate the friction law",
                 Watch::Impulse => "would land with too small an impulse",
                 Watch::Release => "would be released into reverse slip",
+                Watch::Coupling => {
+                    return "D = 0 is passed: waves run in the direction of D".into();
+                }
             };
             format!("the {regime} zone {what} ({:.1e})", margin.jet.value)
         }

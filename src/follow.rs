@@ -302,6 +302,18 @@ impl Follower {
         located.retain(|(place, what)| {
             *what != What::Fold || changes.iter().all(|s| (s - place.s).abs() > near)
         });
+        for (place, what) in &located {
+            let value = wave.parameter_at(&place.node.point);
+            let unit = wave.scales.parameter.abs().max(value.abs());
+            let certain = place.uncertainty <= UNCERTAIN.max(MOST_UNCERTAIN * tolerance) * unit;
+            if !certain && matches!(what, What::Fold | What::Change(_)) {
+                return Err(shorter(&format!(
+                    "what happens near {} = {value:.6} is known to {:.0e} only",
+                    wave.parameter.column(),
+                    place.uncertainty
+                )));
+            }
+        }
         located.sort_by(|one, other| one.0.s.total_cmp(&other.0.s));
         let mut points = Vec::new();
         for index in 0..located.len() {
@@ -349,22 +361,41 @@ impl Follower {
                     ));
                     return Ok((points, Status::Finished));
                 }
+                What::Change(margin) if margin.watch == Watch::Coupling => {
+                    points.push(found(EventType::MX, None, UNCOUPLED.into()));
+                    return Ok((points, Status::Failed(UNCOUPLED.into())));
+                }
                 What::Change(_) => {
-                    // several margins may vanish at one event: the table is asked for each
-                    let together: Vec<Margin> = located[index..]
+                    // several margins may vanish at one event: the table is asked for each; at the
+                    // stiff end rounding keeps their zeros apart
+                    let at_once = |other: &Located| {
+                        examine(wave, &other.node.point).is_ok_and(|at| {
+                            let mut margins = at.margins.iter();
+                            margins.all(|margin| margin.jet.value >= -events::AT_ZERO)
+                        })
+                    };
+                    let together: Vec<(Located, Margin)> = located[index..]
                         .iter()
-                        .filter(|(other, _)| other.s - place.s <= near)
-                        .filter_map(|(_, what)| match what {
-                            What::Change(margin) => Some(*margin),
+                        .filter_map(|(other, what)| match what {
+                            What::Change(margin) if other.s - place.s <= near => {
+                                Some((place.clone(), *margin))
+                            }
+                            What::Change(margin) if at_once(other) => {
+                                Some((other.clone(), *margin))
+                            }
                             _ => None,
                         })
                         .collect();
-                    let place = place.clone();
-                    return Ok(self.change(points, &place, together, ds));
+                    return Ok(self.change(points, together, ds));
                 }
             }
         }
         let closed = self.closes(&to, ds);
+        let origin = if closed {
+            from.tangent.dot(&(&self.origin.1.point - &from.point))
+        } else {
+            0.0
+        };
         self.travelled += ds;
         if located.iter().any(|(_, what)| *what == What::Fold)
             || to.tangent[to.tangent.len() - 1] * self.heading < 0.0
@@ -378,7 +409,13 @@ impl Follower {
             self.settings.continuation.ds_max,
         );
         if closed {
+            let node = self.origin.1.clone();
             points.push(Found {
+                s: origin,
+                parameter: self.wave.parameter_at(&node.point),
+                examination: examine(&self.wave, &node.point)
+                    .unwrap_or_else(|_| self.examination.clone()),
+                node,
                 kind: Some(EventType::EP),
                 what: "the branch closes on its first point".into(),
                 ..self.here()
@@ -446,19 +483,18 @@ impl Follower {
     fn change(
         &mut self,
         mut points: Vec<Found>,
-        place: &Located,
-        mut margins: Vec<Margin>,
+        mut together: Vec<(Located, Margin)>,
         ds: f64,
     ) -> (Vec<Found>, Status) {
         let limits = self.settings.continuation;
         // a zone without length says most about what comes next
-        margins.sort_by_key(|margin| margin.watch != Watch::Duration);
+        together.sort_by_key(|(_, margin)| margin.watch != Watch::Duration);
         let mut search = None;
-        let mut margin = margins[0];
-        for tried in &margins {
+        let (mut place, mut margin) = together[0].clone();
+        for (at, tried) in &together {
             let found = events::beyond(
                 &self.wave,
-                &place.node.point,
+                &at.node.point,
                 tried,
                 ds.min(limits.ds),
                 limits.tolerance,
@@ -466,7 +502,7 @@ impl Follower {
             let success = found.beyond.is_some();
             if success || search.is_none() {
                 search = Some(found);
-                margin = *tried;
+                (place, margin) = (at.clone(), *tried);
             }
             if success {
                 break;
@@ -499,7 +535,7 @@ impl Follower {
             what,
         };
         let Some(beyond) = beyond else {
-            let reason = ending(&self.wave, &margin, &refused);
+            let reason = ending(&self.wave, &place.node.point, &margin, &refused);
             found.what.push_str(&format!("; {reason}"));
             let failure = Found {
                 kind: Some(EventType::MX),
@@ -568,8 +604,17 @@ const VERTICAL: f64 = 1e-7;
 /// Relative distance at which a point lies on a user point or an edge.
 const ON_TARGET: f64 = 1e-13;
 
+/// An event known less well than this, relative to the parameter or its range, is not reported;
+/// rounding at the stiff end leaves 1e-9. With a coarse tolerance: than this many tolerances.
+const UNCERTAIN: f64 = 1e-6;
+const MOST_UNCERTAIN: f64 = 1e4;
+
 /// Events closer than this fraction of a step are one event seen by several margins.
 const AT_ONCE: f64 = 1e-6;
+
+/// Why a branch ends where D = 0 does not end the wave itself, as under static friction.
+const UNCOUPLED: &str = "D = 0: waves run in the direction of D, and beyond it this one would run \
+                         against it; such waves are not followed";
 
 /// The event in a sentence.
 pub(crate) fn describe(
@@ -608,7 +653,13 @@ pub(crate) fn describe(
 }
 
 /// Why a branch ends at an event.
-fn ending(before: &Wave, margin: &Margin, refused: &[String]) -> String {
+fn ending(before: &Wave, point: &Vector, margin: &Margin, refused: &[String]) -> String {
+    let coupling = before.flows(point).map(|flows| flows.frame.at.kappa);
+    if coupling.is_ok_and(|kappa| kappa.abs() < events::AT_ZERO * before.scales.pressure) {
+        return "D = 0: nothing drives a wave here; what is left is steady sliding with a linear wave \
+                of arbitrary amplitude, which neither grows nor decays"
+            .into();
+    }
     if before.material && margin.watch == Watch::Pressure {
         return "separation is not covered with material damping; take `damping: (stiffness: 0)` to \
                 follow the wave through it"

@@ -158,6 +158,62 @@ fn evaluate<S: System>(
 /// shrinking there; [`Solution::correction`] then says how well the unknowns are known.
 const ROUNDED: f64 = 1e-13;
 
+/// Unknowns of order one known no better than this are no solution.
+const MOST_ROUNDED: f64 = 1e-6;
+
+/// Largest noise seen in each equation: what its values a few hundred roundings beside a point differ
+/// from the linear ones. Cancellation inside an equation shows here, not in its derivatives.
+/// `None` where it cannot be evaluated.
+pub fn noise<S: System>(system: &S, matrix: &Matrix, point: &Vector) -> Option<Vector> {
+    const SAMPLES: u32 = 8;
+    let n = system.unknowns();
+    let value = |point: &Vector| {
+        let mut residual = Vector::zeros(n - 1);
+        let mut unused = Matrix::zeros(n - 1, n);
+        let evaluated = system.evaluate(point, residual.as_mut_slice(), &mut unused);
+        evaluated.ok().map(|()| residual)
+    };
+    let here = value(point)?;
+    let mut noise = Vector::zeros(n);
+    for sample in 1..=SAMPLES {
+        // places that fill an interval evenly, another one for each unknown
+        let beside = Vector::from_fn(n, |unknown, _| {
+            let place = (f64::from(sample) * (unknown as f64 + 1.0).sqrt()).fract();
+            point[unknown] * (1.0 + 1024.0 * f64::EPSILON * (place - 0.5))
+        });
+        let moved = value(&beside)? - &here - matrix.rows(0, n - 1) * (&beside - point);
+        for (largest, moved) in noise.iter_mut().zip(moved.iter()) {
+            *largest = moved.abs().max(*largest);
+        }
+    }
+    Some(noise)
+}
+
+/// First-order bound of the error that rounding leaves in each unknown, for unknowns of these sizes:
+/// |J⁻¹| times the rounding of each equation, which is that of the unknowns it is formed from and,
+/// where asked for, thrice the largest noise seen.
+pub fn rounding(matrix: &Matrix, sizes: &Vector, noise: Option<&Vector>) -> Option<Vector> {
+    /// Operations behind one residual, each of which may round.
+    const OPERATIONS: f64 = 8.0;
+    let inverse = Factors::new(matrix.clone()).inverse()?;
+    let n = sizes.len();
+    let share = |unknown: usize, residual: &dyn Fn(usize) -> f64| -> f64 {
+        let rows = 0..n;
+        rows.map(|row| inverse[(unknown, row)].abs() * residual(row))
+            .sum()
+    };
+    let formed = |row: usize| {
+        let columns = 0..n;
+        columns
+            .map(|column| matrix[(row, column)].abs() * sizes[column])
+            .sum()
+    };
+    Some(Vector::from_fn(n, |unknown, _| {
+        let seen = noise.map_or(0.0, |noise| 3.0 * share(unknown, &|row| noise[row]));
+        OPERATIONS * f64::EPSILON * share(unknown, &formed) + seen
+    }))
+}
+
 /// Upper bound of the number of unknowns: 3 for each of at most 40 zones, and two.
 pub const MOST_UNKNOWNS: usize = 128;
 
@@ -190,7 +246,12 @@ pub fn solve<S: System>(
             } else {
                 f64::INFINITY
             };
-            if relative < ROUNDED {
+            let rounded = || {
+                let noise = noise(system, &bordered.matrix, &point)?;
+                let bound = rounding(&bordered.matrix, &point.abs(), Some(&noise))?.amax();
+                Some(correction <= bound && bound <= MOST_ROUNDED)
+            };
+            if relative < ROUNDED || ratio > SLOWEST && rounded() == Some(true) {
                 return Ok(Solution {
                     residual: relative,
                     point,

@@ -156,10 +156,11 @@ pub struct Quantities {
 /// no longer resolves m_a; in e nothing cancels:
 ///
 /// ```text
-/// m_a = e(2 + e)/(1 + e)²,   m_b = 1 − (b/a)/(1 + e)²,   κ = |D|/(√a(1 + e)),   c = ±√a(1 + e),
+/// m_a = e(2 + e)/(1 + e)²,   m_b = 1 − (b/a)/(1 + e)²,   κ = D/(√a(1 + e)),   c = √a(1 + e),
 /// ```
 ///
-/// the sign of c being that of D.
+/// in the direction in which the wave runs: D is that of the model times the sign of c, which keeps κ
+/// smooth where D passes zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// The numbers.
@@ -185,7 +186,7 @@ impl Frame {
         let inverse = 1.0 / (1.0 + excess);
         let square = inverse * inverse;
         let ratio = value.b / value.a;
-        let kappa = value.coupling.abs() / value.a.sqrt() * inverse;
+        let kappa = value.coupling / value.a.sqrt() * inverse;
         Ok(Frame {
             at: Quantities {
                 ma: excess * (2.0 + excess) * square,
@@ -211,7 +212,9 @@ impl Frame {
                 Quantities {
                     ma: 0.0,
                     mb: -(moved.b - ratio * moved.a) / value.a * square,
-                    kappa: kappa * (moved.coupling / value.coupling - 0.5 * moved.a / value.a),
+                    kappa: (moved.coupling - 0.5 * value.coupling * moved.a / value.a)
+                        / value.a.sqrt()
+                        * inverse,
                     g: moved.g,
                     h: moved.h,
                     friction: derivative.friction,

@@ -183,6 +183,11 @@ impl Bernstein {
         places
     }
 
+    /// Upper bound of the number of zeros of the derivative inside.
+    pub fn turns(&self) -> usize {
+        self.slopes().changes
+    }
+
     /// Differences of neighbouring coefficients: the slope has no more changes of sign than they.
     fn slopes(&self) -> Slopes {
         let mut slopes = Slopes {

@@ -45,6 +45,14 @@ pub struct Parameters {
     pub smoothing: f64,
 }
 
+impl Parameters {
+    /// The same numbers seen in the direction of the shaft (+1) or against it (−1).
+    pub fn seen(mut self, direction: f64) -> Parameters {
+        self.coefficients.coupling *= direction;
+        self
+    }
+}
+
 /// A model with all its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Model {
@@ -167,8 +175,12 @@ impl Model {
 
     /// Speed c = ±√a(1 + e) of a wave of excess speed e; it has the sign of D.
     pub fn speed(&self, excess: f64) -> f64 {
-        let coefficients = self.parameters().coefficients;
-        (coefficients.a.sqrt() * (1.0 + excess)).copysign(coefficients.coupling)
+        self.parameters().coefficients.a.sqrt() * (1.0 + excess) * self.direction()
+    }
+
+    /// Sign of D, and of the speed of waves.
+    pub fn direction(&self) -> f64 {
+        self.parameters().coefficients.coupling.signum()
     }
 
     /// The parameters by column name, for tables.

@@ -169,11 +169,7 @@ pub fn switches(from: Regime, to: Regime, impact: Impact) -> &'static [Entry] {
             Impact::Frictionless => &[Entry::Landing],
             Impact::Coulomb => &[Entry::Landing, Entry::ArrestedLanding],
         },
-        // friction on the impulse of a touch is left to waves that land
-        (Separation, Separation) => match impact {
-            Impact::Frictionless => &[Entry::Touch],
-            Impact::Coulomb => &[],
-        },
+        (Separation, Separation) => &[Entry::Touch],
         (Separation, Stick) => match impact {
             Impact::Frictionless => &[],
             Impact::Coulomb => &[Entry::ArrestedLanding],

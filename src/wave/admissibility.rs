@@ -48,6 +48,8 @@ pub enum Watch {
     UpperForce,
     /// −V⃛ just after a release with material damping: Q ≤ fP at the end of stick.
     Release,
+    /// D/c, watched only where it is not positive: waves run in the direction of D.
+    Coupling,
 }
 
 /// A margin: positive while the signature holds. Scaled to order one.
@@ -153,6 +155,12 @@ pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
             tangential: (f64::INFINITY, f64::NEG_INFINITY),
         },
     };
+    // written so that NaN is refused too
+    if !(flows.frame.at.kappa > 0.0) {
+        let jet = edge_margin(wave, &flows, point, 0, Watch::Coupling)?;
+        collector.judge(Verdict::Negative);
+        collector.margin(Watch::Coupling, 0, 0.0, jet);
+    }
     for index in 0..wave.zones() {
         let entry = wave.entry_at(point, index);
         let duration = wave.duration_at(point, index);
@@ -266,6 +274,7 @@ fn edge_margin(
             .affine(2.0, 0.0)
     };
     Ok(match watch {
+        Watch::Coupling => frame.kappa().affine(force, 0.0),
         Watch::Duration => {
             variable(wave.duration_at(point, index), DURATION).affine(1.0 / scales.time, 0.0)
         }
@@ -364,8 +373,8 @@ fn contact_zone(
     slide_on(collector, true, false, entry[1]);
     let turning_points = flow.turning_points(slide, order == 2)?;
     // with one extreme between two ends at W = 1 its sign is that of V̈ at the entry, also where W − 1
-    // is below rounding: with material damping a reverse zone opens like T³
-    let single = wave.material && order == 1 && !takes_off && turning_points.len() == 1;
+    // is below rounding: a zone opens like T², with material damping like T³
+    let single = order == 1 && !takes_off && turning_points.len() == 1;
     for time in turning_points {
         let state = flow.state(slide, time)?;
         // where the stick zone has no length V̈ vanishes at the end too, but for rounding
@@ -510,12 +519,7 @@ fn separation_zone(
             collector.examination.largest_gap = known.max(horner(&taylor.gap, place));
         }
         let w_end = horner_slope(&taylor.tangential, 1.0) / h;
-        if state[3] * w_end < 0.0 {
-            let mut place = state[3] / (state[3] - w_end);
-            for _ in 0..3 {
-                place -= horner_slope(&taylor.tangential, place)
-                    / horner_curvature(&taylor.tangential, place);
-            }
+        for place in tangential_extremes(&taylor.tangential) {
             collector.visit(horner(&taylor.tangential, place));
         }
         state = [
@@ -527,6 +531,46 @@ fn separation_zone(
     }
     collector.visit(state[2] + steady);
     Ok(())
+}
+
+/// Places in [0, 1] where V may be extreme on a piece: its slopes change sign at most once on most
+/// pieces, and between V̇ of different signs the change is found by Newton's method within a bracket;
+/// where they change more often, every minimum and maximum is isolated.
+fn tangential_extremes(taylor: &[f64; COEFFICIENTS]) -> Vec<f64> {
+    /// A last step up to this leaves an error of its square, and of the fourth power in V.
+    const NEAR: f64 = 1e-4;
+    let polynomial = Bernstein::from_taylor(taylor, 0.0);
+    if polynomial.turns() > 1 {
+        let mut places = polynomial.minima(&mut false);
+        places.extend(polynomial.affine(-1.0, 0.0).minima(&mut false));
+        return places;
+    }
+    let (first, last) = (taylor[1], horner_slope(taylor, 1.0));
+    if first * last >= 0.0 {
+        return Vec::new();
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    let mut place = first / (first - last);
+    for iteration in 0..60 {
+        let slope = horner_slope(taylor, place);
+        if slope * first > 0.0 {
+            low = place;
+        } else {
+            high = place;
+        }
+        let newton = place - slope / horner_curvature(taylor, place);
+        let next = if newton > low && newton < high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
+        let step = (next - place).abs();
+        place = next;
+        if iteration >= 2 && step <= NEAR {
+            break;
+        }
+    }
+    vec![place]
 }
 
 fn horner(taylor: &[f64; COEFFICIENTS], t: f64) -> f64 {

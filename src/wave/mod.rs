@@ -11,10 +11,9 @@
 //! | release | hY = rfκ + (r − 1)fgδ − α | 1 |
 //! | arrest, reversal | (W − 1)/T^m = 0 | 1 |
 //! | take-off | P = 0 | W |
-//! | landing | (U − δ)/T^m = 0 | W, or W ± f m_b \|U̇\|/m_a with a Coulomb impact |
+//! | landing, touch | (U − δ)/T^m = 0 | W, or W ± f m_b \|U̇\|/m_a with a Coulomb impact |
 //! | arrested landing | (U − δ)/T^m = 0 | 1 |
 //! | section | W = 0 | 0 |
-//! | touch | (U − δ)/T^m = 0 | W |
 //!
 //! With material damping β > 0 ([`crate::flow::material`]) every zone has a fourth unknown, the layer
 //! G_i at its end, and a fourth equation, the matching of V̈ with the next entry: V̈ = 0 at both ends
@@ -100,6 +99,8 @@ pub struct Wave {
     /// parameter does not enter a, b, D, g, h.
     fixed: Parameters,
     derivative: Parameters,
+    /// Sign of c, kept along the branch: that of D in `model`. The numbers above are seen in it.
+    direction: f64,
 }
 
 /// The flows of one frame, each made when a zone first asks for it.
@@ -175,6 +176,7 @@ impl Wave {
         signature: Signature,
         scales: Scales,
     ) -> Wave {
+        let direction = model.direction();
         Wave {
             model,
             parameter,
@@ -183,8 +185,9 @@ impl Wave {
             scales,
             method: model.law.default_method(),
             material: model.has_material_damping(parameter),
-            fixed: model.parameters(),
-            derivative: model.derivative(parameter),
+            fixed: model.parameters().seen(direction),
+            derivative: model.derivative(parameter).seen(direction),
+            direction,
         }
     }
 
@@ -260,9 +263,9 @@ impl Wave {
         self.scales.excess * point[self.width() * self.zones()].exp()
     }
 
-    /// Speed c = ±√a(1 + e) at a point, with the sign of D.
+    /// Speed c = ±√a(1 + e) at a point, with the sign of the branch.
     pub fn speed_at(&self, point: &Vector) -> f64 {
-        self.model_at(point).speed(self.excess_at(point))
+        self.model_at(point).speed(self.excess_at(point)).abs() * self.direction
     }
 
     /// Entry state (Y, W) of a zone.
@@ -346,7 +349,10 @@ impl Wave {
             Parameter::StiffnessDamping => parameters.stiffness_damping = value,
             _ => {
                 let model = self.model.with(self.parameter, value);
-                return (model.parameters(), model.derivative(self.parameter));
+                return (
+                    model.parameters().seen(self.direction),
+                    model.derivative(self.parameter).seen(self.direction),
+                );
             }
         }
         (parameters, self.derivative)
@@ -485,11 +491,12 @@ impl Wave {
                 ..Jet::default()
             },
             Entry::Section => Jet::default(),
-            Entry::Landing => {
+            Entry::Landing | Entry::Touch => {
                 let sign = match self.model.impact {
                     crate::problem::Impact::Frictionless => return end.w,
-                    crate::problem::Impact::Coulomb if next.regime == Regime::Slip => -1.0,
-                    crate::problem::Impact::Coulomb => 1.0,
+                    crate::problem::Impact::Coulomb if next.regime == Regime::Reverse => 1.0,
+                    // contact that would need tension has V̇ < −gδ/κ: a touch comes from slip
+                    crate::problem::Impact::Coulomb => -1.0,
                 };
                 end.w.plus(sign, self.impulse(flows, end))
             }

@@ -214,6 +214,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
         (zones, states)
     };
     Ok(Some(match margin.watch {
+        Watch::Coupling => return Ok(None),
         Watch::Duration => {
             if count < 2 {
                 return Ok(None);

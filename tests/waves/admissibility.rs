@@ -187,3 +187,76 @@ fn planted_violations_are_refused() {
         }
     }
 }
+
+/// Smallest and largest V of an examination against dense samples: none lies outside, and none is
+/// missed by more than V can move between two samples of V̇ of different signs.
+#[test]
+fn extremes_of_separated_waves_are_those_of_dense_samples() {
+    use brakewave::model::Model;
+    use brakewave::model::coefficients::Geometry;
+    use brakewave::problem::Parameter;
+    use brakewave::wave::start::Which;
+    let slow = Case {
+        model: Model::tube(
+            Geometry {
+                nu: -0.3,
+                xi: 1.2,
+                gamma: 1.0,
+            },
+            0.3,
+            5.0,
+        ),
+        range: (0.05, 10.0),
+        until: Some((EventType::CO, 2)),
+        ..slow_in_mismatch()
+    };
+    let geometry = Geometry {
+        nu: 0.05230307473103224,
+        xi: 1.8179462776012596,
+        gamma: 65.48515608566824,
+    };
+    let slipping = Case {
+        model: Model {
+            mass_damping: 0.004764014506631152,
+            ..Model::tube(geometry, 0.03865204646505325, 0.8228354272003936)
+        },
+        parameter: Parameter::Xi,
+        mode: 12,
+        which: Which::Fast,
+        range: (1.4543570220810078, 2.3633301608816377),
+        until: None,
+        ..fast_in_mismatch()
+    };
+    let mut waves = 0;
+    for case in [slow, slipping, slow_in_mismatch()] {
+        for found in case.follow(&[]).points {
+            if !found.wave.signature.to_string().contains("separation") {
+                continue;
+            }
+            let samples = sample(&found.wave, &found.node.point, RESOLUTION).expect("a profile");
+            let (low, high) = found.examination.tangential;
+            let speed = found.wave.speed_at(&found.node.point).abs();
+            let (mut least, mut most, mut moves) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+            for pair in samples.windows(2) {
+                let [v, w] = [pair[0].tangential, pair[0].tangential_rate];
+                (least, most) = (least.min(v), most.max(v));
+                let time = (pair[1].theta - pair[0].theta) / speed;
+                if w * pair[1].tangential_rate <= 0.0 {
+                    moves = moves.max(time * (w.abs() + pair[1].tangential_rate.abs()));
+                }
+            }
+            let rounding = 1e-12 * (high - low + most.abs());
+            assert!(least >= low - rounding && most <= high + rounding);
+            let missed = (least - low).max(high - most);
+            assert!(
+                missed <= moves + rounding,
+                "{} at {}: {missed:e} for {moves:e}",
+                found.wave.signature,
+                found.parameter
+            );
+            waves += 1;
+        }
+    }
+    observed("separated waves sampled", f64::from(waves));
+    assert!(waves > 300, "{waves}");
+}

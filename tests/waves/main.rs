@@ -9,8 +9,11 @@ mod chebyshev;
 mod admissibility;
 mod branches;
 mod closed_form;
+mod closing;
+mod conditioning;
 mod damping;
 mod down_and_up;
+mod folds;
 mod hopf;
 mod impact;
 mod integration;
@@ -23,6 +26,7 @@ mod scaling;
 mod start;
 mod translation;
 mod tube;
+mod uncoupled;
 
 /// Shows the worst error of a claim.
 fn observed(claim: &str, error: f64) {
