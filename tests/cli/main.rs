@@ -4,6 +4,7 @@ mod accuracy;
 mod bad_input;
 mod branch_end;
 mod check;
+mod fields;
 mod files;
 mod folders;
 mod harness;
