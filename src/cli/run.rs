@@ -30,7 +30,8 @@ pub struct RunArguments {
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
-    /// Threads for independent work; the results do not depend on it
+    /// Threads that draw the pictures; a branch is followed by one, and the results do not depend on
+    /// it
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     threads: u16,
 }
@@ -213,7 +214,11 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             title: problem.title.clone(),
         };
         let pictures = &problem.output.plots;
-        plots::draw(folder.store().path(), pictures, Format::Svg, &settings)?;
+        let threads = rayon::ThreadPoolBuilder::new()
+            .num_threads(arguments.threads.into())
+            .build()
+            .map_err(|error| Failure::Usage(format!("cannot start threads: {error}")))?;
+        threads.install(|| plots::draw(folder.store().path(), pictures, Format::Svg, &settings))?;
     }
     if !arguments.quiet {
         if let Some(title) = &problem.title {

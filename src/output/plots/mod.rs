@@ -36,6 +36,8 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+
 pub use error::PlotError;
 pub use simulation::{draw as draw_simulation, names as simulation_names};
 
@@ -222,7 +224,7 @@ pub struct Settings {
 ///
 /// Returns an error when a table cannot be read or lacks a column, when the parameter or a
 /// picture's column is unknown, when the format is not compiled in, or when a file cannot be
-/// written. Pictures finished before the error stay.
+/// written. The other pictures are drawn all the same.
 pub fn draw(
     folder: &Path,
     pictures: &[Picture],
@@ -237,14 +239,17 @@ pub fn draw(
     } else {
         Profiles::default()
     };
-    let mut written = Vec::with_capacity(pictures.len());
-    for picture in pictures {
-        let svg = compose(picture, &tables, &profiles, settings)?;
-        let path = folder.join(file_name(picture, format));
-        replace(&path, svg, format)?;
-        written.push(path);
-    }
-    Ok(written)
+    let drawn: Vec<Result<PathBuf, PlotError>> = pictures
+        .par_iter()
+        .map(|picture| {
+            let svg = compose(picture, &tables, &profiles, settings)?;
+            let path = folder.join(file_name(picture, format));
+            replace(&path, svg, format)?;
+            Ok(path)
+        })
+        .collect();
+    // the first error in the order of the pictures, whichever came first in time
+    drawn.into_iter().collect()
 }
 
 /// The picture as SVG.
