@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 /// Header of `branch.csv`.
 pub const BRANCH_HEADER: &str = "point,label,type,regimes,mismatch,friction,mass_damping,\
 stiffness_damping,gamma,nu,xi,speed,switches,min_pressure,max_gap,amplitude,stable,unstable,\
-lead_re,lead_im,lead_sector,newton,residual,leg,smoothing,condition,expected_error";
+lead_re,lead_im,lead_sector,newton,residual,leg,smoothing,condition,expected_error,why";
 
 /// Columns of `branch.csv` that hold words: no curve can be drawn of them.
-pub const WORD_COLUMNS: [&str; 3] = ["type", "regimes", "stable"];
+pub const WORD_COLUMNS: [&str; 4] = ["type", "regimes", "stable", "why"];
 
 /// Kind of a special point, two letters after the habit of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -117,12 +117,83 @@ pub struct ParameterValues {
 /// Stability of a wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stability {
-    /// Proven stable against every perturbation of the sectors asked for.
+    /// Proven stable against every perturbation of the full circle.
     Yes,
     /// At least one growing mode.
     No,
     /// Neither could be shown.
     Undecided,
+}
+
+/// What a verdict or a count rests on, where the count of growing eigenvalues does not say it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Reason {
+    /// A growing eigenvalue at a frequency above those that count.
+    BeyondWindow {
+        /// Re λ.
+        re: f64,
+        /// Im λ.
+        im: f64,
+        /// Bloch sector.
+        sector: usize,
+    },
+    /// Eigenvalues grow at high frequency: the limit of sup Re λ, infinite with static friction.
+    HighFrequency(f64),
+    /// No growth was found, and the limit of sup Re λ at high frequency is positive but only a bound,
+    /// or negative but not shown to hold beyond the frequencies searched.
+    Unsettled(f64),
+    /// Bloch sectors that were not asked for, and may hold growth.
+    Sectors(Vec<usize>),
+    /// Fewer eigenvalues are listed than there are.
+    Incomplete {
+        /// Growing ones in the list, on the full circle.
+        listed: usize,
+        /// Growing ones by the argument principle, where they could be counted.
+        counted: Option<usize>,
+    },
+    /// An eigenvalue lies on the imaginary axis.
+    OnAxis,
+    /// No window could be searched: a zone without length makes its switch 0/0.
+    NoWindow,
+    /// There is no eigenvalue problem for this wave.
+    NotLinearised(String),
+    /// Waves of the vertical family at a Hopf point are not examined.
+    Family,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Reason::BeyondWindow { re, im, sector } => write!(
+                f,
+                "grows beyond max_frequency: {re:.3e} at frequency {im:.4e} of sector {sector}"
+            ),
+            Reason::HighFrequency(limit) if limit.is_infinite() => {
+                f.write_str("grows at high frequency without bound")
+            }
+            Reason::HighFrequency(limit) => {
+                write!(f, "grows at high frequency: sup Re = {limit:.3e}")
+            }
+            Reason::Unsettled(limit) => {
+                write!(f, "high frequency is not settled: sup Re <= {limit:.3e}")
+            }
+            Reason::Sectors(sectors) => {
+                let list: Vec<String> = sectors.iter().map(usize::to_string).collect();
+                write!(f, "sectors not asked for: {}", list.join(" "))
+            }
+            Reason::Incomplete { listed, counted } => {
+                write!(f, "incomplete: {listed} growing eigenvalues listed")?;
+                match counted {
+                    Some(counted) => write!(f, " of {counted} counted"),
+                    None => f.write_str(" and not counted: a lower bound"),
+                }
+            }
+            Reason::OnAxis => f.write_str("an eigenvalue is on the imaginary axis"),
+            Reason::NoWindow => f.write_str("a zone without length makes the spectrum singular"),
+            Reason::NotLinearised(reason) => f.write_str(reason),
+            Reason::Family => f.write_str("the vertical family at a Hopf point is not examined"),
+        }
+    }
 }
 
 /// The leading eigenvalue of a wave, the translation mode left out.
@@ -165,6 +236,9 @@ pub struct BranchPoint {
     pub unstable: Option<usize>,
     /// Leading eigenvalue; `None` when not asked for.
     pub lead: Option<LeadingEigenvalue>,
+    /// What the verdict and the count rest on, where that is not plain.
+    #[serde(default)]
+    pub why: Vec<Reason>,
     /// Newton iterations spent on the point.
     pub newton: usize,
     /// Largest scaled residual of the boundary-value problem.

@@ -8,7 +8,9 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::begin::{self, NoStart};
-use crate::branch::{BranchPoint, Event, EventType, LeadingEigenvalue, ProfileSample, Stability};
+use crate::branch::{
+    BranchPoint, Event, EventType, LeadingEigenvalue, ProfileSample, Reason, Stability,
+};
 use crate::conditioning::{Conditioning, conditioning};
 use crate::continuation::{self, Node};
 use crate::flow::FlowError;
@@ -21,6 +23,7 @@ use crate::newton::{self, System};
 use crate::problem::{
     self, Continuation, FrictionLaw, Method, Parameter, Problem, Sectors, Start, Toward,
 };
+use crate::stability::characteristic::Characteristic;
 use crate::stability::spectrum::{Request, Spectrum};
 use crate::stability::track::{Crossing, Tracked, Tracker};
 use crate::wave::admissibility::examine;
@@ -254,6 +257,33 @@ pub struct Branch {
     follower: Follower,
     stability: Option<Request>,
     notes: Vec<String>,
+    /// Whether an incomplete spectrum has been noted.
+    incomplete: bool,
+}
+
+/// Writes the stability of a wave into its point; `None` where its spectrum is not known.
+pub fn answer(
+    point: &mut BranchPoint,
+    spectrum: Option<&Spectrum>,
+    wave: &Wave,
+    unknowns: &Vector,
+) {
+    let spectrum = spectrum.filter(|spectrum| !spectrum.sectors.is_empty());
+    let lead = spectrum.and_then(Spectrum::lead);
+    point.stable = Some(spectrum.map_or(Stability::Undecided, |spectrum| spectrum.stable));
+    point.unstable = spectrum.map(Spectrum::unstable);
+    point.lead = lead.map(|(eigenvalue, sector)| LeadingEigenvalue {
+        re: eigenvalue.re,
+        im: eigenvalue.im,
+        sector,
+    });
+    point.why = match spectrum {
+        Some(spectrum) => spectrum.reasons.clone(),
+        None => vec![match Characteristic::new(wave, unknowns) {
+            Err(error) => Reason::NotLinearised(error.to_string()),
+            Ok(_) => Reason::NoWindow,
+        }],
+    };
 }
 
 /// What a problem asks about stability.
@@ -528,6 +558,7 @@ impl Branch {
             family,
             stability: stability(problem),
             notes: Vec::new(),
+            incomplete: false,
             follower,
         })
     }
@@ -588,6 +619,7 @@ impl Branch {
             progress,
             stability: stability(problem),
             notes: Vec::new(),
+            incomplete: false,
             follower,
         })
     }
@@ -602,10 +634,11 @@ impl Branch {
         if self.progress.end.is_some() {
             return Vec::new();
         }
+        let tolerance = self.continuation.tolerance;
         let mut tracker = self
             .stability
             .clone()
-            .map(|request| Tracker::new(request, self.progress.spectrum.take()));
+            .map(|request| Tracker::new(request, self.progress.spectrum.take(), tolerance));
         if self.progress.state.is_none() {
             let mut items = self.family();
             let mut found = self.follower.here();
@@ -616,10 +649,11 @@ impl Branch {
             // the value of the problem, not the scaled unknown's
             let exact = self.model.value(self.continuation.parameter);
             found.parameter = exact.unwrap_or(found.parameter);
+            let mut spectrum = None;
             if let Some(tracker) = &mut tracker {
-                self.progress.spectrum = tracker.start(&found.wave, &found.node);
+                spectrum = tracker.start(&found.wave, &found.node);
+                self.progress.spectrum = tracker.last().cloned();
             }
-            let spectrum = self.progress.spectrum.clone();
             items.push(self.item(found, spectrum.as_ref(), None));
             self.progress.state = Some(self.follower.state());
             if self.progress.points >= self.continuation.max_points {
@@ -645,8 +679,18 @@ impl Branch {
         for mut found in found {
             while let Some(crossing) = crossings.next_if(|crossing| crossing.s < found.s) {
                 if let Some((wave, _)) = &from {
-                    items.extend(self.crossing(wave, crossing));
-                    if self.stop_requested(items.last().and_then(|item| item.point.kind)) {
+                    let item = self.crossing(wave, crossing);
+                    if item.is_none() {
+                        self.notes.push(format!(
+                            "{} = {:.12}: the wave at a crossing of the imaginary axis before this \
+                             point could not be examined, and the crossing is left out",
+                            self.continuation.parameter.column(),
+                            found.parameter
+                        ));
+                    }
+                    let kind = item.as_ref().and_then(|item| item.point.kind);
+                    items.extend(item);
+                    if self.stop_requested(kind) {
                         self.progress.state = Some(self.follower.state());
                         self.end_leg(None, true);
                         return items;
@@ -723,7 +767,11 @@ impl Branch {
                 uncertainty: 8.0 * f64::EPSILON * family.critical,
                 what: what.into(),
             };
-            items.push(self.item(found, None, None));
+            let mut item = self.item(found, None, None);
+            if self.stability.is_some() {
+                item.point.why = vec![Reason::Family];
+            }
+            items.push(item);
         }
         items
     }
@@ -864,7 +912,7 @@ impl Branch {
         };
         let examination = &found.examination;
         let (low, high) = examination.tangential;
-        let point = BranchPoint {
+        let mut point = BranchPoint {
             point: self.progress.points,
             label,
             kind: found.kind,
@@ -875,25 +923,23 @@ impl Branch {
             min_pressure: examination.least_pressure,
             max_gap: examination.largest_gap,
             amplitude: 0.5 * (high - low),
-            // on the imaginary axis itself nothing is decided
-            stable: self.stability.as_ref().map(|_| {
-                match spectrum.map_or(Stability::Undecided, |spectrum| spectrum.stable) {
-                    Stability::Yes if crossing.is_some() => Stability::Undecided,
-                    stable => stable,
-                }
-            }),
-            unstable: spectrum.map(Spectrum::unstable),
-            lead: spectrum
-                .and_then(Spectrum::lead)
-                .map(|(eigenvalue, sector)| LeadingEigenvalue {
-                    re: eigenvalue.re,
-                    im: eigenvalue.im,
-                    sector,
-                }),
+            stable: None,
+            unstable: None,
+            lead: None,
+            why: Vec::new(),
             newton: found.node.newton,
             residual: found.node.residual,
             conditioning: self.known_to(wave, &found.node),
         };
+        if self.stability.is_some() {
+            answer(&mut point, spectrum, wave, &found.node.point);
+            // on the imaginary axis itself nothing is decided
+            if crossing.is_some() && point.stable == Some(Stability::Yes) {
+                point.stable = Some(Stability::Undecided);
+                point.why.push(Reason::OnAxis);
+            }
+            self.note_incomplete(&point);
+        }
         let saved = label.map(|label| SavedWave::new(label, model, wave, &found.node.point));
         let eigenvalues = match (label, spectrum, &self.stability) {
             (Some(_), Some(spectrum), Some(request)) => spectrum
@@ -917,6 +963,24 @@ impl Branch {
             saved,
             unknowns: found.node.point.clone(),
             wave: found.wave,
+        }
+    }
+
+    /// Notes the first point whose eigenvalues are not all listed.
+    fn note_incomplete(&mut self, point: &BranchPoint) {
+        let Some(reason) = point
+            .why
+            .iter()
+            .find(|reason| matches!(reason, Reason::Incomplete { .. }))
+        else {
+            return;
+        };
+        if !self.incomplete {
+            self.incomplete = true;
+            let number = point.point;
+            self.notes.push(format!(
+                "point {number}: the spectrum is {reason}; see the column `why` for others"
+            ));
         }
     }
 

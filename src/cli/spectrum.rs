@@ -9,8 +9,8 @@ use super::{Failure, NUMERICAL, print, spare, warn, write};
 use crate::branch::EventType;
 use crate::linalg::Vector;
 use crate::output::tables;
-use crate::problem::{Parameter, Problem, StopAfter};
-use crate::run::{Branch, End, Item, stability};
+use crate::problem::{Parameter, Problem};
+use crate::run::{Branch, End, Item, answer, stability};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::discretised;
 use crate::stability::eigenfunction::eigenfunction;
@@ -69,7 +69,10 @@ pub(super) fn assignment(text: &str) -> Result<(Parameter, f64), String> {
 
 /// The header: the eigenvalue, then the wave it belongs to.
 const HEADER: &str = "sector,re,im,error,regimes,mismatch,friction,mass_damping,\
-stiffness_damping,gamma,nu,xi,speed,switches,stable,unstable";
+stiffness_damping,gamma,nu,xi,speed,switches,stable,unstable,why";
+
+/// Steps in which other passages are looked for, at least.
+const STEPS_BEYOND: usize = 2000;
 
 /// Intervals of an eigenfunction over one wavelength.
 const RESOLUTION: usize = 180;
@@ -123,10 +126,6 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
         }
         if value > low && value < high {
             continuation.stop_at.push(value);
-            continuation.stop_after.push(StopAfter {
-                event: EventType::UZ,
-                count: usize::from(arguments.passage),
-            });
         }
     }
     // a value of the command line is on no line of the file
@@ -142,9 +141,12 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
         }
     })?;
     let column = continuation.parameter;
+    let passage = usize::from(arguments.passage);
     let mut passages = 0;
     let mut reached: Option<Item> = None;
-    while branch.progress().end.is_none() && reached.is_none() {
+    let (mut steps, mut most) = (0, usize::MAX);
+    while branch.progress().end.is_none() && steps < most {
+        steps += 1;
         for item in branch.step() {
             let here = item
                 .saved
@@ -153,11 +155,31 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
             let meets = target.is_none() || (item.point.label.is_some() && here == target);
             if meets && item.point.kind != Some(EventType::MX) {
                 passages += 1;
-                if passages == usize::from(arguments.passage) || target.is_none() {
+                if passages == passage || (target.is_none() && reached.is_none()) {
                     reached = Some(item);
-                    break;
+                    // whether there are others: as far again as it was to come here
+                    most = match target {
+                        Some(_) => 2 * steps + STEPS_BEYOND,
+                        None => steps,
+                    };
                 }
             }
+        }
+    }
+    if let (Some(value), Some(_)) = (target, &reached) {
+        let more = branch.progress().end.is_none();
+        let name = column.column();
+        if passages > 1 {
+            let least = if more { "at least " } else { "" };
+            warn(&format!(
+                "the branch passes {name} = {value} {least}{passages} times; this is passage \
+                 {passage}, `--passage N` takes another"
+            ));
+        } else if more {
+            warn(&format!(
+                "whether the branch passes {name} = {value} again was looked for in {steps} steps \
+                 only; `--passage 2` goes on"
+            ));
         }
     }
     let Some(item) = reached else {
@@ -195,6 +217,8 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
         }
     };
     let spectrum = compute(&characteristic, &request, None);
+    let mut point = item.point.clone();
+    answer(&mut point, Some(&spectrum), wave, unknowns);
     let mut text = format!("{HEADER}\n");
     let mut modes = String::from("sector,re,im,theta,psi_re,psi_im,slope_re,slope_im\n");
     for sector in &spectrum.sectors {
@@ -203,7 +227,7 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
             text.push_str(&tables::eigenvalue_row(
                 sector.sector,
                 numbers,
-                &item.point,
+                &point,
                 Some((spectrum.stable, spectrum.unstable())),
             ));
             if arguments.eigenfunctions.is_some() {
@@ -222,8 +246,14 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
     if let Some(path) = &arguments.eigenfunctions {
         write(path, &modes)?;
     }
-    if !spectrum.complete {
-        warn("fewer eigenvalues were found than counted: the list is not complete");
+    for reason in &spectrum.reasons {
+        warn(&format!(
+            "stable: {}: {reason}",
+            tables::verdict(spectrum.stable)
+        ));
+    }
+    if spectrum.sectors.is_empty() {
+        return Ok(NUMERICAL);
     }
     Ok(0)
 }

@@ -2,9 +2,9 @@
 
 use super::cell::{Cell, CellPoint};
 use super::plane::Plane;
-use crate::branch::{BranchPoint, EventType, LeadingEigenvalue};
+use crate::branch::{BranchPoint, EventType};
 use crate::problem::{Continuation, Map, Parameter, Problem, Start, Toward};
-use crate::run::{Branch, End, Item, RunError, model, stability};
+use crate::run::{Branch, End, Item, RunError, answer, model, stability};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::spectrum::{Request, Spectrum, spectrum};
 
@@ -281,19 +281,7 @@ impl Search<'_> {
         let found = Characteristic::new(wave, unknowns)
             .ok()
             .map(|characteristic| spectrum(&characteristic, request, seeds.as_ref()));
-        point.stable = Some(match &found {
-            Some(found) => found.stable,
-            None => crate::branch::Stability::Undecided,
-        });
-        point.unstable = found.as_ref().map(Spectrum::unstable);
-        point.lead = found
-            .as_ref()
-            .and_then(Spectrum::lead)
-            .map(|(eigenvalue, sector)| LeadingEigenvalue {
-                re: eigenvalue.re,
-                im: eigenvalue.im,
-                sector,
-            });
+        answer(point, found.as_ref(), wave, unknowns);
         *seeds = found;
     }
 }

@@ -69,7 +69,8 @@ fn switches(point: &BranchPoint) -> String {
     switches.join(" ")
 }
 
-fn verdict(stable: Stability) -> &'static str {
+/// A verdict as a word.
+pub fn verdict(stable: Stability) -> &'static str {
     match stable {
         Stability::Yes => "yes",
         Stability::No => "no",
@@ -96,6 +97,12 @@ fn wave(point: &BranchPoint) -> Vec<String> {
     fields
 }
 
+/// What a verdict rests on, where that is not plain.
+fn why(point: &BranchPoint) -> String {
+    let reasons: Vec<String> = point.why.iter().map(ToString::to_string).collect();
+    reasons.join("; ")
+}
+
 /// A row of `branch.csv`.
 pub fn branch_row(point: &BranchPoint, leg: usize) -> String {
     let mut fields = vec![
@@ -112,6 +119,7 @@ pub fn branch_row(point: &BranchPoint, leg: usize) -> String {
     ]);
     let (condition, error) = point.conditioning.unzip();
     fields.extend([condition, error].map(|value| value.map_or_else(String::new, number)));
+    fields.push(why(point));
     line(&fields)
 }
 
@@ -131,7 +139,7 @@ pub fn map_row(cell: &Cell) -> String {
     match &cell.found {
         CellPoint::Wave(point) => {
             fields.extend(wave(point));
-            fields.push(String::new());
+            fields.push(why(point));
         }
         CellPoint::Nothing {
             parameters: values,
@@ -200,7 +208,7 @@ pub fn profile(samples: &[ProfileSample]) -> String {
 }
 
 /// A row of `brakewave spectrum`: an eigenvalue with its error, the wave it belongs to and, where
-/// they are known, its stability and unstable count.
+/// they are known, its stability, unstable count and what they rest on.
 pub fn eigenvalue_row(
     sector: usize,
     [re, im, error]: [f64; 3],
@@ -222,6 +230,7 @@ pub fn eigenvalue_row(
             .map_or("", |(stable, _)| verdict(stable))
             .to_string(),
         optional(stability.map(|(_, unstable)| unstable)),
+        why(point),
     ]);
     line(&fields)
 }

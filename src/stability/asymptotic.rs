@@ -208,11 +208,14 @@ impl HighFrequency {
         {
             return f64::NAN;
         }
-        let (mut low, mut high) = (-1.0, 1.0);
-        while self.size(low) < 1.0 && low > -1e6 {
+        /// In units of the rate of the longest delay.
+        const FARTHEST: f64 = 1e6;
+        let rate = self.longest_delay().recip();
+        let (mut low, mut high) = (-rate, rate);
+        while self.size(low) < 1.0 && low > -FARTHEST * rate {
             low *= 2.0;
         }
-        while self.size(high) > 1.0 && high < 1e6 {
+        while self.size(high) > 1.0 && high < FARTHEST * rate {
             high *= 2.0;
         }
         for _ in 0..200 {

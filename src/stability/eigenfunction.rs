@@ -60,16 +60,17 @@ fn beginning(characteristic: &Characteristic, lambda: C64, z: C64) -> Vector4<C6
     }
     let factor = (-lambda * characteristic.period + state.exponent).exp();
     let [one, other] = state.columns;
-    let (a, b) = (one[2] * factor - z, other[2] * factor);
-    let (c, d) = (one[3] * factor, other[3] * factor - z);
-    // the larger row of the singular matrix decides
+    // for (η, η′T): the larger row of the singular matrix decides
+    let period = characteristic.period;
+    let (a, b) = (one[2] * factor - z, other[2] * factor / period);
+    let (c, d) = (one[3] * factor * period, other[3] * factor - z);
     let (y, w) = if a.norm() + b.norm() > c.norm() + d.norm() {
         (-b, a)
     } else {
         (-d, c)
     };
     let size = (y.norm_sqr() + w.norm_sqr()).sqrt();
-    Vector4::new(ZERO, ZERO, y / size, w / size)
+    Vector4::new(ZERO, ZERO, y / size, w / (size * period))
 }
 
 fn unit_columns() -> State {
@@ -91,6 +92,11 @@ fn single(column: Vector4<C64>) -> State {
         by: [Vector4::repeat(ZERO); 2],
         exponent: 0.0,
     }
+}
+
+/// The time in which an eigenfunction changes: it turns with λ and with the wave.
+fn shortest(characteristic: &Characteristic, lambda: C64) -> f64 {
+    1.0 / (characteristic.period.recip() + lambda.norm())
 }
 
 /// The sampled times of a zone.
@@ -118,7 +124,7 @@ fn material_trace(characteristic: &Characteristic, lambda: C64, resolution: usiz
         start += zone.duration;
     }
     // η‴ from η″ by central differences of sixth order, away from the layer's own scale
-    let h = |zone: &LinearZone| 1e-2 * zone.duration.min(1.0 / (1.0 + lambda.norm()));
+    let h = |zone: &LinearZone| 1e-2 * zone.duration.min(shortest(characteristic, lambda));
     const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
     let (stencils, _) = characteristic.material_states(lambda, |zone| {
         let offsets = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
@@ -169,7 +175,7 @@ fn trace(characteristic: &Characteristic, lambda: C64, z: C64, resolution: usize
         }
         if zone.regime != Regime::Stick {
             // central differences of sixth order of the exact flow: independent of its derivation
-            let h = 1e-2 * zone.duration.min(1.0 / (1.0 + lambda.norm()));
+            let h = 1e-2 * zone.duration.min(shortest(characteristic, lambda));
             for time in [0.25, 0.5, 0.75].map(|share| share * zone.duration) {
                 let row = |offset: f64| at(time + offset * h)[3];
                 let curvature = ((row(1.0) - row(-1.0)) * 45.0 - (row(2.0) - row(-2.0)) * 9.0
@@ -240,10 +246,11 @@ pub fn eigenfunction(
         C64::from((first[2].norm_sqr() + slope(0.0, &first).norm_sqr()).sqrt())
     };
     let turn = (-lambda * characteristic.period).exp();
-    let size = (first[2].norm_sqr() + first[3].norm_sqr()).sqrt();
+    let period = characteristic.period;
+    let size = first[2].norm().hypot(first[3].norm() * period);
     let mut closure = (trace.end[2] * turn - z * first[2]).norm();
     if !characteristic.stick {
-        closure = closure.hypot((trace.end[3] * turn - z * first[3]).norm());
+        closure = closure.hypot((trace.end[3] * turn - z * first[3]).norm() * period);
     }
     let mut samples = Vec::with_capacity(trace.times.len() * characteristic.mode as usize);
     let mut factor = C64::from(1.0);
@@ -264,22 +271,4 @@ pub fn eigenfunction(
         equation_residual: trace.equation_residual,
         closure_residual: closure / size,
     }
-}
-
-/// Overlap of the eigenfunction of λ in sector 0 with the wave's derivative, which is the solution
-/// at λ = 0: 1 for the translation mode.
-pub fn translation_overlap(characteristic: &Characteristic, lambda: C64) -> f64 {
-    const RESOLUTION: usize = 60;
-    let z = C64::from(1.0);
-    let one = trace(characteristic, lambda, z, RESOLUTION);
-    let other = trace(characteristic, ZERO, z, RESOLUTION);
-    let product = |a: &Trace, b: &Trace| -> C64 {
-        a.states
-            .iter()
-            .zip(&b.states)
-            .map(|(a, b)| a[2].conj() * b[2])
-            .sum()
-    };
-    product(&one, &other).norm()
-        / (product(&one, &one).norm() * product(&other, &other).norm()).sqrt()
 }

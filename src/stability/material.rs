@@ -61,7 +61,7 @@ fn roots(c: [C64; 4]) -> [C64; 3] {
     let large = sizes[2] / sizes[3] + (sizes[1] / sizes[3]).sqrt() + (sizes[0] / sizes[3]).cbrt();
     let rest = (sizes[0] / (sizes[3] * large))
         .sqrt()
-        .max(1e-3 * large.min(1.0));
+        .max(1e-3 * sizes[1] / (sizes[3] * large));
     let mut z = [
         C64::from_polar(large, 0.3),
         C64::from_polar(rest, 1.7),

@@ -9,6 +9,9 @@
 //! On the right edge |t| + |d| < 1, and F turns by what its ends say. Zeros are then found by
 //! Newton's method from a grid or from the zeros of a neighbouring wave, until as many are found as
 //! were counted.
+//!
+//! (γ, δ, α, β) → (s²γ, sδ, α/s, sβ) divides every λ by s and changes nothing else: every threshold
+//! here is relative, most of them to 1/T.
 
 use std::f64::consts::TAU;
 
@@ -17,8 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use super::asymptotic::HighFrequency;
 use super::characteristic::{Characteristic, Value};
-use super::eigenfunction::translation_overlap;
-use crate::branch::Stability;
+use crate::branch::{Reason, Stability};
 
 type C64 = Complex<f64>;
 
@@ -33,9 +35,15 @@ pub struct Request {
     pub max_frequency: f64,
 }
 
-/// Eigenvalues are followed this far beyond the largest frequency that counts: those that enter
-/// the window through its upper edge between two points are then known at both.
-pub const MARGIN: f64 = 0.5;
+/// Eigenvalues are followed beyond the largest frequency that counts, by this part of it but no more than
+/// about a grid spacing, in units of 1/T: those that enter the window through its upper edge between two
+/// points are then known at both.
+const MARGIN: (f64, f64) = (1.0 / 24.0, 0.65);
+
+/// How far beyond the largest frequency that counts eigenvalues are followed.
+pub(super) fn margin(request: &Request, characteristic: &Characteristic) -> f64 {
+    (MARGIN.0 * request.max_frequency).min(MARGIN.1 / characteristic.period)
+}
 
 /// An eigenvalue.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,6 +84,12 @@ pub struct Spectrum {
     pub left: f64,
     /// Right edge of the window: no zero lies beyond it.
     pub right: f64,
+    /// Upper edge of the window.
+    #[serde(default = "unknown")]
+    pub top: f64,
+    /// Eigenvalues with |Re λ| up to this are on the imaginary axis, see [`ON_AXIS`].
+    #[serde(default)]
+    pub axis: f64,
     /// Whether as many zeros were found as counted in every sector.
     pub complete: bool,
     /// |λ₀| of the translation mode, where sector 0 was asked for.
@@ -84,15 +98,28 @@ pub struct Spectrum {
     pub limit: f64,
     /// Verdict.
     pub stable: Stability,
+    /// What the verdict and the count rest on, where that is not plain.
+    #[serde(default)]
+    pub reasons: Vec<Reason>,
+    /// Unstable eigenvalues of each sector by the argument principle, where the list is incomplete
+    /// and they could be counted.
+    #[serde(default)]
+    pub counted: Option<Vec<usize>>,
     /// Mode k.
     pub mode: u32,
     /// Largest |Im λ| that counts.
     pub max_frequency: f64,
 }
 
-/// Real parts below this are no growth: the translation mode of a solved wave comes out near 1e-14,
-/// and a growth of 1e-7 takes 10⁷ turns of the shaft to show.
-pub const UNSTABLE: f64 = 1e-7;
+/// Upper edge of a window saved without it.
+fn unknown() -> f64 {
+    f64::INFINITY
+}
+
+/// In units of 1/T: an eigenvalue with a smaller |Re λ| cannot be told from one on the imaginary axis,
+/// and counts neither as growing nor as decaying. It is the default tolerance of a wave, whose rounding
+/// leaves 1e-15 to 1e-12.
+pub const ON_AXIS: f64 = 1e-10;
 
 /// An edge walk closer to a zero than this fraction of the window is given up and moved.
 const SHORTEST_STEP: f64 = 1e-7;
@@ -109,27 +136,41 @@ pub fn symmetric(sector: usize, mode: u32) -> bool {
 }
 
 impl Spectrum {
-    /// Unstable eigenvalues of one sector with |Im λ| up to the largest frequency that counts.
+    /// Unstable eigenvalues of one sector with |Im λ| up to the largest frequency that counts: counted,
+    /// or else listed.
     pub fn unstable_in(&self, sector: &Sector) -> usize {
+        let place = self.sectors.iter().position(|one| one == sector);
+        match (&self.counted, place) {
+            (Some(counted), Some(place)) => counted[place],
+            _ => self.listed_unstable(sector),
+        }
+    }
+
+    fn listed_unstable(&self, sector: &Sector) -> usize {
         sector
             .eigenvalues
             .iter()
-            .filter(|eigenvalue| eigenvalue.re > UNSTABLE)
+            .filter(|eigenvalue| eigenvalue.re > self.axis)
             .filter(|eigenvalue| eigenvalue.im.abs() <= self.max_frequency)
             .map(|eigenvalue| eigenvalue.multiplicity)
             .sum()
     }
 
-    /// Number of unstable eigenvalues on the full circle: a sector j and its conjugate k − j count
-    /// both.
-    pub fn unstable(&self) -> usize {
+    /// A number of every sector, added up over the full circle: a sector j and its conjugate k − j
+    /// count both.
+    fn on_circle(&self, number: impl Fn(&Sector) -> usize) -> usize {
         self.sectors
             .iter()
             .map(|sector| {
                 let twice = if self.symmetric(sector.sector) { 1 } else { 2 };
-                twice * self.unstable_in(sector)
+                twice * number(sector)
             })
             .sum()
+    }
+
+    /// Number of unstable eigenvalues on the full circle.
+    pub fn unstable(&self) -> usize {
+        self.on_circle(|sector| self.unstable_in(sector))
     }
 
     /// See [`symmetric`].
@@ -221,6 +262,8 @@ struct Search<'a> {
     delay: f64,
     /// Spacing of the first grid: about two points from zero to zero.
     spacing: f64,
+    /// 1/T.
+    rate: f64,
     /// Sectors whose upper halves are needed: those asked for and their conjugates.
     halves: Vec<usize>,
     multipliers: Vec<C64>,
@@ -365,19 +408,16 @@ impl Search<'_> {
 
     fn conjugate(&self, sector: usize) -> usize {
         let mode = self.characteristic.mode as usize;
-        (mode - sector) % mode
+        (mode - sector % mode) % mode
     }
 
-    fn index(&self, sector: usize) -> usize {
-        self.halves
-            .iter()
-            .position(|half| *half == sector)
-            .unwrap_or(0)
+    fn index(&self, sector: usize) -> Option<usize> {
+        self.halves.iter().position(|half| *half == sector)
     }
 
     /// Number of zeros of F_j in the whole box; `None` if the turns are not whole.
     fn count(&self, turns: &[f64], sector: usize) -> Option<usize> {
-        whole(turns[self.index(sector)] + turns[self.index(self.conjugate(sector))])
+        whole(turns[self.index(sector)?] + turns[self.index(self.conjugate(sector))?])
     }
 
     /// Newton's method on F_j.
@@ -401,14 +441,15 @@ impl Search<'_> {
                 return None;
             }
             let quadratic = size < NEARLY * longest && size < CONTRACTION * before;
-            if quadratic || size <= 1e-13 * (1.0 + lambda.norm()) || size < 1e-9 {
+            let arrived = size < ARRIVED * self.rate;
+            if quadratic || arrived || size <= 1e-13 * (self.rate + lambda.norm()) {
                 let (f, by) = self.characteristic.evaluate(lambda).sector(z);
                 let last = f / by;
                 let correction = last.norm();
                 // the correction after the last one: size, correction, correction³/size²
                 let next = correction * (correction / size).powi(2);
                 let rounding = f64::EPSILON * (4.0 + lambda.norm() * self.delay) / by.norm();
-                if !quadratic || size < 1e-9 || correction < CONTRACTION * size {
+                if !quadratic || arrived || correction < CONTRACTION * size {
                     lambda -= last;
                     return Some(Eigenvalue {
                         re: lambda.re,
@@ -485,8 +526,9 @@ impl Search<'_> {
     /// The zeros of F_j in the whole box, from the halves.
     fn unite(&self, found: &[Vec<Eigenvalue>], sector: usize) -> Vec<Eigenvalue> {
         let same = SAME_ZERO * self.spacing;
-        let mut zeros: Vec<Eigenvalue> = found[self.index(sector)].clone();
-        for zero in &found[self.index(self.conjugate(sector))] {
+        let of = |sector: usize| self.index(sector).map_or(&[][..], |index| &found[index]);
+        let mut zeros: Vec<Eigenvalue> = of(sector).to_vec();
+        for zero in of(self.conjugate(sector)) {
             let mirrored = Eigenvalue {
                 im: -zero.im,
                 ..*zero
@@ -565,8 +607,8 @@ impl Search<'_> {
             let (found, whole) = self.moved(&mut band, |band| self.upper(band, &within(band)))?;
             complete &= whole;
             for (zeros, &sector) in united.iter_mut().zip(sectors) {
-                zeros.extend(&found[self.index(sector)]);
-                let mirrored = &found[self.index(self.conjugate(sector))];
+                zeros.extend(&found[self.index(sector)?]);
+                let mirrored = &found[self.index(self.conjugate(sector))?];
                 zeros.extend(mirrored.iter().map(|zero| Eigenvalue {
                     im: -zero.im,
                     ..*zero
@@ -615,12 +657,71 @@ impl Search<'_> {
             .iter()
             .map(|sector| self.count(&turns, *sector))
             .collect();
-        let halves: Vec<usize> = sectors.iter().map(|sector| self.index(*sector)).collect();
+        let halves: Option<Vec<usize>> = sectors.iter().map(|one| self.index(*one)).collect();
         Some(
-            self.complete(window, &counts?, &halves, seeds, |found, half| {
+            self.complete(window, &counts?, &halves?, seeds, |found, half| {
                 self.unite(found, self.halves[half])
             }),
         )
+    }
+
+    /// Zeros right of the imaginary axis up to the largest frequency that counts, sector by sector,
+    /// counted without being found; `None` where they are too many, or one is too near an edge. At
+    /// low frequency the axis itself holds the translation mode: beside it the list serves.
+    fn growing(&self, spectrum: &Spectrum) -> Option<Vec<usize>> {
+        /// Most bands: a walk round each takes about a millisecond.
+        const MOST_BANDS: f64 = 1000.0;
+        let (right, top) = (spectrum.right, spectrum.max_frequency);
+        let height = BAND * TAU / self.delay;
+        if top > MOST_BANDS * height {
+            return None;
+        }
+        let beside = 0.01 * self.spacing;
+        let mut band = Window::symmetric(beside, right, top.min(height));
+        let turns = self.moved(&mut band, |band| self.walk(band))?;
+        let mut counts = Vec::with_capacity(spectrum.sectors.len());
+        for sector in &spectrum.sectors {
+            let listed = |one: &&Eigenvalue| {
+                one.re > spectrum.axis && one.re <= beside && one.im.abs() < band.top
+            };
+            let near = sector.eigenvalues.iter().filter(listed);
+            let near: usize = near.map(|one| one.multiplicity).sum();
+            counts.push(near + self.count(&turns, sector.sector)?);
+        }
+        while band.top < top {
+            band = Window {
+                left: 0.0,
+                right,
+                bottom: band.top,
+                top: top.min(band.top + height),
+            };
+            let turns = if band.top < top {
+                self.moved(&mut band, |band| self.walk(band))?
+            } else {
+                self.walk(&band)?
+            };
+            for (count, sector) in counts.iter_mut().zip(&spectrum.sectors) {
+                for half in [sector.sector, self.conjugate(sector.sector)] {
+                    *count += whole(turns[self.index(half)?])?;
+                }
+            }
+        }
+        Some(counts)
+    }
+
+    /// Puts the two zeros of sector 0 at a fold into its list: Newton's method does not come near them.
+    fn at_origin(&self, zeros: &mut Vec<Eigenvalue>) {
+        let near = DOUBLE * self.rate;
+        let Some(beside) = beside_translation(self.characteristic, 0.0, DOUBLE) else {
+            return;
+        };
+        zeros.retain(|zero| zero.value().norm() > near);
+        zeros.extend([0.0, beside].map(|re| Eigenvalue {
+            re,
+            im: 0.0,
+            error: f64::EPSILON * self.rate,
+            multiplicity: 1,
+        }));
     }
 
     /// Finds zeros on finer and finer grids until each set has as many as were counted; false
@@ -653,6 +754,16 @@ impl Search<'_> {
             if !missing(&best) {
                 return (best, true);
             }
+            if window.bottom == 0.0 {
+                for (index, half) in halves.iter().enumerate() {
+                    if self.halves[*half] == 0 && !whole(&best[index], counts[index]) {
+                        self.at_origin(&mut best[index]);
+                    }
+                }
+            }
+            if !missing(&best) {
+                return (best, true);
+            }
             // a multiple zero is found once
             for (index, half) in halves.iter().enumerate() {
                 if best[index].len() < counts[index] {
@@ -669,7 +780,7 @@ impl Search<'_> {
             for (half, wanted) in wanted.iter_mut().enumerate() {
                 let conjugate = self.index(self.conjugate(self.halves[half]));
                 *wanted = halves.iter().enumerate().any(|(index, of)| {
-                    (*of == half || *of == conjugate) && !whole(&best[index], counts[index])
+                    (*of == half || Some(*of) == conjugate) && !whole(&best[index], counts[index])
                 });
             }
             spacing = if spacing == 0.0 {
@@ -686,6 +797,9 @@ impl Search<'_> {
 /// `CONTRACTION` of the step before: corrections that fall like squares are then 1e-5, 1e-10, 1e-20.
 const NEARLY: f64 = 1e-5;
 const CONTRACTION: f64 = 1e-2;
+
+/// Or else with a step below this, in units of 1/T: one more makes it 1e-18.
+const ARRIVED: f64 = 1e-9;
 
 /// A start that moves away by more than this many spacings of the grid is not near a zero, or near
 /// one that other starts lead to.
@@ -719,7 +833,7 @@ pub fn spectrum(
     let mode = characteristic.mode as usize;
     let mut halves: Vec<usize> = request.sectors.clone();
     for sector in &request.sectors {
-        let conjugate = (mode - sector) % mode;
+        let conjugate = (mode - sector % mode) % mode;
         if !halves.contains(&conjugate) {
             halves.push(conjugate);
         }
@@ -732,6 +846,7 @@ pub fn spectrum(
         characteristic,
         delay,
         spacing,
+        rate: characteristic.period.recip(),
         multipliers: halves
             .iter()
             .map(|sector| characteristic.multiplier(*sector))
@@ -739,8 +854,7 @@ pub fn spectrum(
         halves,
         edge: None,
     };
-    let limit = high.limit();
-    let wanted = request.max_frequency + MARGIN;
+    let wanted = request.max_frequency + margin(request, characteristic);
     let expected = wanted * delay / std::f64::consts::PI * request.sectors.len() as f64;
     let cut = (MOST_ZEROS / expected).min(1.0);
     let (right, clear) = right_edge(&search, &high, cut * wanted);
@@ -793,53 +907,45 @@ pub fn spectrum(
         lefts += 1;
         window.left *= 1.5;
     }
-    let Some((found, mut complete, window)) = result else {
-        return Spectrum {
-            sectors: Vec::new(),
-            left: window.left,
-            right,
-            complete: false,
-            translation_defect: None,
-            limit,
-            stable: Stability::Undecided,
-            mode: characteristic.mode,
-            max_frequency: request.max_frequency,
-        };
-    };
-    complete &= cut == 1.0;
-    let mut translation_defect = None;
-    let sectors: Vec<Sector> = request
-        .sectors
-        .iter()
-        .zip(found)
-        .map(|(&sector, mut eigenvalues)| {
-            if sector == 0 {
-                translation_defect = remove_translation(characteristic, &mut eigenvalues);
-            }
-            eigenvalues.sort_by(|one, other| {
-                other
-                    .re
-                    .total_cmp(&one.re)
-                    .then(other.im.total_cmp(&one.im))
-            });
-            Sector {
-                sector,
-                eigenvalues,
-            }
-        })
-        .collect();
     let mut spectrum = Spectrum {
-        sectors,
+        sectors: Vec::new(),
         left: window.left,
-        right: window.right,
-        complete,
-        translation_defect,
-        limit,
+        right,
+        top: window.top,
+        axis: ON_AXIS * search.rate,
+        complete: false,
+        translation_defect: None,
+        limit: high.limit(),
         stable: Stability::Undecided,
+        reasons: vec![Reason::NoWindow],
+        counted: None,
         mode: characteristic.mode,
         max_frequency: request.max_frequency,
     };
-    spectrum.stable = verdict(&search, &spectrum, request, &high);
+    let Some((found, complete, window)) = result else {
+        return spectrum;
+    };
+    (spectrum.left, spectrum.top) = (window.left, window.top);
+    spectrum.complete = complete && cut == 1.0;
+    for (&sector, mut eigenvalues) in request.sectors.iter().zip(found) {
+        if sector == 0 {
+            spectrum.translation_defect = remove_translation(characteristic, &mut eigenvalues);
+        }
+        eigenvalues.sort_by(|one, other| {
+            other
+                .re
+                .total_cmp(&one.re)
+                .then(other.im.total_cmp(&one.im))
+        });
+        spectrum.sectors.push(Sector {
+            sector,
+            eigenvalues,
+        });
+    }
+    if !spectrum.complete {
+        spectrum.counted = search.growing(&spectrum);
+    }
+    (spectrum.stable, spectrum.reasons) = verdict(&search, &spectrum, request, &high);
     spectrum
 }
 
@@ -851,6 +957,8 @@ const DEEPEST: f64 = 6.0;
 
 /// Zeros of a neighbouring wave as starts, half by half, the translation mode with them.
 fn starts(search: &Search, seeds: &Spectrum) -> Vec<Vec<C64>> {
+    // zeros near the real axis may come out just below it
+    let upper = |value: &C64| value.im > -1e-3 * search.rate;
     search
         .halves
         .iter()
@@ -859,13 +967,9 @@ fn starts(search: &Search, seeds: &Spectrum) -> Vec<Vec<C64>> {
             for sector in &seeds.sectors {
                 let values = sector.eigenvalues.iter().map(Eigenvalue::value);
                 if sector.sector == *half {
-                    starts.extend(values.filter(|value| value.im > -1e-3));
+                    starts.extend(values.filter(upper));
                 } else if search.conjugate(sector.sector) == *half {
-                    starts.extend(
-                        values
-                            .map(|value| value.conj())
-                            .filter(|value| value.im > -1e-3),
-                    );
+                    starts.extend(values.map(|value| value.conj()).filter(upper));
                 }
             }
             if *half == 0 {
@@ -876,41 +980,100 @@ fn starts(search: &Search, seeds: &Spectrum) -> Vec<Vec<C64>> {
         .collect()
 }
 
-/// Zeros of sector 0 nearer to λ = 0 than this may be the translation mode.
+/// The zero of sector 0 nearest to λ = 0 is the translation mode if it is nearer than this, in units of
+/// 1/T: rounding leaves 1e-15 to 1e-9 of a simple zero, 1e-7 of a double one.
 const TRANSLATION: f64 = 1e-2;
 
-/// Takes the translation mode out of the zeros of sector 0: the one whose eigenfunction overlaps
-/// most with the wave's derivative, and of equals the one nearest to λ = 0 (at a fold a second
-/// eigenvalue comes to zero with the same eigenfunction). Returns its distance from 0.
+/// Two zeros closer to λ = 0 than this, in units of 1/T, disturb one another by more than 1e-13.
+const DOUBLE: f64 = 1e-3;
+
+/// Takes the translation mode out of the zeros of sector 0 and returns its distance from 0. At a fold
+/// another one comes to zero, which is then found by itself.
 fn remove_translation(
     characteristic: &Characteristic,
     eigenvalues: &mut Vec<Eigenvalue>,
 ) -> Option<f64> {
-    let near: Vec<usize> = (0..eigenvalues.len())
-        .filter(|&index| eigenvalues[index].value().norm() < TRANSLATION)
-        .collect();
-    let missing = |index: usize| {
-        // 1 − overlap; below rounding all are equal
-        let overlap = translation_overlap(characteristic, eigenvalues[index].value());
-        (1.0 - overlap).max(1e-14)
-    };
-    let index = match near.as_slice() {
-        [] => return None,
-        [only] => *only,
-        several => several
-            .iter()
-            .copied()
-            .map(|index| (missing(index), eigenvalues[index].value().norm(), index))
-            .min_by(|one, other| one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1)))
-            .map(|(_, _, index)| index)?,
-    };
-    let defect = eigenvalues[index].value().norm();
+    let rate = characteristic.period.recip();
+    let distance = |one: &Eigenvalue| one.value().norm();
+    let index = (0..eigenvalues.len()).min_by(|one, other| {
+        distance(&eigenvalues[*one]).total_cmp(&distance(&eigenvalues[*other]))
+    })?;
+    let defect = distance(&eigenvalues[index]);
+    if defect.is_nan() || defect > TRANSLATION * rate {
+        return None;
+    }
     if eigenvalues[index].multiplicity > 1 {
         eigenvalues[index].multiplicity -= 1;
     } else {
         eigenvalues.remove(index);
     }
+    let mut near = eigenvalues
+        .iter_mut()
+        .filter(|one| distance(one) < DOUBLE * rate);
+    if let (Some(one), None) = (near.next(), near.next())
+        && one.multiplicity == 1
+        && let Some(re) = beside_translation(characteristic, one.re, 2.0 * DOUBLE)
+    {
+        (one.re, one.im) = (re, 0.0);
+    }
     Some(defect)
+}
+
+/// The real eigenvalue of sector 0 beside the translation mode, from a value nearby: the zero μ of the
+/// mean of F₀′ between 0 and μ. F₀ has a double zero where μ = 0, this mean a simple one. `None` where
+/// |μ| is beyond `within`, in units of 1/T.
+pub(super) fn beside_translation(
+    characteristic: &Characteristic,
+    start: f64,
+    within: f64,
+) -> Option<f64> {
+    /// Nodes and weights of the Gauss rule of eight points on (−1, 1): exact to rounding, as long as
+    /// the longest delay turns by less than a radian.
+    const GAUSS: [(f64, f64); 4] = [
+        (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+        (0.525_532_409_916_329, 0.313_706_645_877_887_27),
+        (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
+        (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
+    ];
+    /// Two steps of the secant rule within this of each other are one value, in units of 1/T.
+    const SAME: f64 = 1e-15;
+    let rate = characteristic.period.recip();
+    let slope = |re: f64| {
+        let value = characteristic.evaluate(C64::from(re));
+        let (_, by) = value.sector(C64::from(1.0));
+        by.re * (value.top() + value.offset).exp()
+    };
+    let mean = |re: f64| -> f64 {
+        let pair = |(node, weight): (f64, f64)| {
+            let [low, high] = [-node, node].map(|node| slope(0.5 * re * (1.0 + node)));
+            0.5 * weight * (low + high)
+        };
+        GAUSS.into_iter().map(pair).sum()
+    };
+    let longest = within * rate;
+    let mut last = (0.0, slope(0.0));
+    let mut re = if start.abs() > ON_AXIS * rate {
+        start
+    } else {
+        0.5 * DOUBLE * rate
+    };
+    for _ in 0..30 {
+        let here = (re, mean(re));
+        let step = here.1 * (here.0 - last.0) / (here.1 - last.1);
+        if !step.is_finite() {
+            // both are on the zero to rounding
+            return (here.1 == last.1 && here.1 == 0.0).then_some(re);
+        }
+        re -= step;
+        if re.abs() > longest {
+            return None;
+        }
+        if step.abs() <= SAME * rate + 4.0 * f64::EPSILON * re.abs() {
+            return Some(re);
+        }
+        last = here;
+    }
+    None
 }
 
 /// A right edge beyond which |t| + |d| < 1: no zero lies there. False if it was not found.
@@ -982,51 +1145,91 @@ fn clear_line(search: &Search, right: f64, top: f64) -> bool {
 /// |t| + |d| stays below this on the right edge.
 const EDGE: f64 = 0.95;
 
-/// Largest window of a verdict: 400 in units of Ω is far beyond what the model resolves.
-const HIGHEST_FREQUENCY: f64 = 400.0;
+/// The strips of a verdict are at least and at most this high, in units of 1/T.
+const STRIPS: (f64, f64) = (15.0, 600.0);
 
-/// Stability from the window and the limit at high frequency.
+/// Stability from the window and the limit at high frequency, and what it rests on.
 fn verdict(
     search: &Search,
     spectrum: &Spectrum,
     request: &Request,
     high: &HighFrequency,
-) -> Stability {
-    let growing = |eigenvalue: &Eigenvalue| eigenvalue.re > UNSTABLE;
-    if spectrum
-        .sectors
-        .iter()
-        .any(|sector| sector.eigenvalues.iter().any(growing))
-    {
-        return Stability::No;
+) -> (Stability, Vec<Reason>) {
+    let mut reasons = Vec::new();
+    if !spectrum.complete {
+        reasons.push(Reason::Incomplete {
+            listed: spectrum.on_circle(|sector| spectrum.listed_unstable(sector)),
+            counted: spectrum.counted.is_some().then(|| spectrum.unstable()),
+        });
     }
-    if !spectrum.complete || spectrum.limit.is_nan() {
-        return Stability::Undecided;
+    if spectrum.unstable() > 0 {
+        return (Stability::No, reasons);
     }
-    if spectrum.limit > UNSTABLE {
-        // with stick the limit is attained; without, it is a bound only
-        return if search.characteristic.stick {
-            Stability::No
-        } else {
-            Stability::Undecided
-        };
+    let beyond = |one: &Eigenvalue| one.im.abs() > request.max_frequency;
+    // the fastest growth in lists, sector by sector, beyond the frequencies that count
+    let fastest = |lists: &[&[Eigenvalue]]| {
+        let lists = lists.iter().zip(&request.sectors);
+        lists
+            .flat_map(|(list, sector)| list.iter().map(|one| (*sector, one)))
+            .filter(|(_, one)| one.re > spectrum.axis && beyond(one))
+            .max_by(|one, other| one.1.re.total_cmp(&other.1.re))
+            .map(|(sector, one)| Reason::BeyondWindow {
+                re: one.re,
+                im: one.im,
+                sector,
+            })
+    };
+    let sectors = spectrum.sectors.iter();
+    let lists: Vec<&[Eigenvalue]> = sectors.map(|one| one.eigenvalues.as_slice()).collect();
+    if let Some(reason) = fastest(&lists) {
+        reasons.push(reason);
+        return (Stability::No, reasons);
+    }
+    let limit = spectrum.limit;
+    // with stick the limit is attained; without, it is a bound only
+    if limit > spectrum.axis && search.characteristic.stick {
+        reasons.push(Reason::HighFrequency(limit));
+        return (Stability::No, reasons);
+    }
+    let on_axis = |one: &Eigenvalue| one.re.abs() <= spectrum.axis && !beyond(one);
+    if lists.iter().copied().flatten().any(on_axis) {
+        reasons.push(Reason::OnAxis);
+    }
+    let asked = |sector: usize| request.sectors.contains(&sector);
+    let left_out: Vec<usize> = (0..=spectrum.mode as usize / 2)
+        .filter(|&sector| !asked(sector) && !asked(search.conjugate(sector)))
+        .collect();
+    if !left_out.is_empty() {
+        reasons.push(Reason::Sectors(left_out));
+    }
+    if !spectrum.complete {
+        return (Stability::Undecided, reasons);
+    }
+    let unsettled = Reason::Unsettled(limit);
+    if limit.is_nan() || limit > spectrum.axis {
+        reasons.push(unsettled);
+        return (Stability::Undecided, reasons);
     }
     // between the window and the frequencies where the limit holds
-    let mut top = request.max_frequency.max(12.0);
-    while top < HIGHEST_FREQUENCY && 2.0 * top * search.delay < MOST_TURNS {
+    let mut top = request.max_frequency.max(STRIPS.0 * search.rate);
+    while top < STRIPS.1 * search.rate && 2.0 * top * search.delay < MOST_TURNS {
         top *= 2.0;
         let strip = Window::symmetric(-0.1 * search.spacing, spectrum.right, top);
         let Some((found, complete)) = search.zeros(&strip, &request.sectors, &[]) else {
             continue;
         };
-        if found.iter().flatten().any(growing) {
-            return Stability::No;
+        let lists: Vec<&[Eigenvalue]> = found.iter().map(Vec::as_slice).collect();
+        if let Some(reason) = fastest(&lists) {
+            return (Stability::No, vec![reason]);
         }
         if complete && settled(search.characteristic, high, top) {
-            return Stability::Yes;
+            let proven = reasons.is_empty();
+            let verdicts = [Stability::Undecided, Stability::Yes];
+            return (verdicts[usize::from(proven)], reasons);
         }
     }
-    Stability::Undecided
+    reasons.push(unsettled);
+    (Stability::Undecided, reasons)
 }
 
 /// Most radians that the longest delay may turn in the strip of a verdict.

@@ -9,13 +9,12 @@
 use nalgebra::Complex;
 
 use super::characteristic::Characteristic;
-use super::spectrum::{Eigenvalue, MARGIN, Request, Spectrum, UNSTABLE, spectrum};
+use super::spectrum::{Eigenvalue, Request, Spectrum, beside_translation, margin, spectrum};
 use crate::bracket::Bracket;
 use crate::branch::EventType;
 use crate::continuation::Node;
 use crate::events;
 use crate::follow::Found;
-use crate::newton;
 use crate::wave::Wave;
 
 type C64 = Complex<f64>;
@@ -56,6 +55,8 @@ pub struct Tracked {
 #[derive(Clone, Debug)]
 pub struct Tracker {
     request: Request,
+    /// Tolerance of Newton's method.
+    tolerance: f64,
     /// Spectrum at the point where the next step sets out.
     last: Option<Spectrum>,
 }
@@ -63,8 +64,8 @@ pub struct Tracker {
 /// Halvings of an interval before a count is given up.
 const DEEPEST: u32 = 24;
 
-/// Real eigenvalues have |Im λ| below this; complex pairs separate like a square root and pass
-/// it within 1e-14 of their collision.
+/// Real eigenvalues have |Im λ| below this, in units of 1/T; complex pairs separate like a square root
+/// and pass it within 1e-14 of their collision.
 const REAL: f64 = 1e-7;
 
 /// Part of the first step beyond a change of regime at which its spectrum is first taken: at the
@@ -74,13 +75,16 @@ const BEYOND: f64 = 1e-3;
 /// Most spectra of one step: an interval whose counts do not agree at any depth is given up.
 const MOST_SPECTRA: usize = 120;
 
-/// Real eigenvalues of sector 0 closer to λ = 0 than this, in units of 1/T, may be taken for the
-/// translation mode: at a fold one passes through it.
+/// Real eigenvalues of sector 0 closer to λ = 0 than this, in units of 1/T, are followed by a function
+/// that the translation mode is taken out of: at a fold one passes through it.
 const NEXT_TO_TRANSLATION: f64 = 0.1;
 
 /// Eigenvalues with Re λ below minus this over the period are not followed: none crosses the
 /// imaginary axis in a step without coming near first, which the count would show.
 const NEAR: f64 = 0.44;
+
+/// Values closer than this, in units of 1/T, are one eigenvalue.
+const SAME: f64 = 1e-8;
 
 /// Eigenvalues are accounted for down to this fraction of that depth, or of the window's: those
 /// below may have passed its left edge.
@@ -103,9 +107,13 @@ struct Change {
 }
 
 impl Tracker {
-    /// A tracker that has seen nothing yet, or the spectrum `last`.
-    pub fn new(request: Request, last: Option<Spectrum>) -> Tracker {
-        Tracker { request, last }
+    /// A tracker that has seen nothing yet, or the spectrum `last`. `tolerance` is that of the waves.
+    pub fn new(request: Request, last: Option<Spectrum>, tolerance: f64) -> Tracker {
+        Tracker {
+            request,
+            tolerance,
+            last,
+        }
     }
 
     /// Spectrum at the point from which the next step sets out.
@@ -125,22 +133,37 @@ impl Tracker {
         seeds: Option<&Spectrum>,
     ) -> Option<Spectrum> {
         let characteristic = Characteristic::new(wave, &node.point).ok()?;
-        Some(spectrum(&characteristic, &self.request, seeds))
+        let found = spectrum(&characteristic, &self.request, seeds);
+        (!found.sectors.is_empty()).then_some(found)
     }
 
-    /// The first point of a leg.
+    /// The first point of a leg. Where it is a change of regime and has no spectrum, the first step is
+    /// followed from a little way into it.
     pub fn start(&mut self, wave: &Wave, node: &Node) -> Option<Spectrum> {
-        self.last = self.spectrum_near(wave, node, None);
-        self.last.clone()
+        let here = self.spectrum_near(wave, node, None);
+        self.last = here.clone().or_else(|| self.beyond(wave, node, BEYOND));
+        here
+    }
+
+    /// The spectrum at a small arclength beyond a node.
+    fn beyond(&self, wave: &Wave, node: &Node, mut ds: f64) -> Option<Spectrum> {
+        for _ in 0..6 {
+            if let Ok(step) = crate::continuation::advance(wave, node, ds, self.tolerance) {
+                return self.spectrum_near(wave, &step.node, self.last.as_ref());
+            }
+            ds *= 0.25;
+        }
+        None
     }
 
     /// The step from `from` through the points found.
     pub fn step(&mut self, wave: &Wave, from: &Node, found: &[Found]) -> Tracked {
         let mut tracked = Tracked::default();
-        let folds = found
+        let folds: Vec<f64> = found
             .iter()
             .filter(|point| point.kind == Some(EventType::LP))
-            .count();
+            .map(|point| point.s)
+            .collect();
         // the last point bounds the interval, or a change of regime: folds and user points are inside
         let Some(end) = found
             .iter()
@@ -169,7 +192,7 @@ impl Tracker {
                     from,
                     &one,
                     &other,
-                    folds,
+                    &folds,
                     (0, &mut spectra),
                     &mut tracked.crossings,
                     &mut lost,
@@ -212,18 +235,7 @@ impl Tracker {
     fn enter(&mut self, wave: &Wave, node: &Node, event: &Found) -> Option<String> {
         let before = self.last.clone();
         // a little way into the new signature
-        let mut ds = BEYOND * (event.s.abs().max(1e-3));
-        let mut beyond = None;
-        for _ in 0..6 {
-            if let Ok(step) =
-                crate::continuation::advance(wave, node, ds, newton::Settings::default().tolerance)
-            {
-                beyond = self.spectrum_near(wave, &step.node, before.as_ref());
-                break;
-            }
-            ds *= 0.25;
-        }
-        self.last = beyond;
+        self.last = self.beyond(wave, node, BEYOND * event.s.abs().max(1e-3));
         let (before, after) = (before.as_ref()?, self.last.as_ref()?);
         let counts = |spectrum: &Spectrum| -> Vec<usize> {
             spectrum
@@ -260,7 +272,7 @@ impl Tracker {
         from: &Node,
         one: &End,
         other: &End,
-        folds: usize,
+        folds: &[f64],
         (depth, left): (u32, &mut usize),
         crossings: &mut Vec<Crossing>,
         lost: &mut bool,
@@ -285,7 +297,7 @@ impl Tracker {
         }
         let middle = 0.5 * (one.s + other.s);
         let half = (depth < DEEPEST && *left > 0)
-            .then(|| node_at(wave, from, middle))
+            .then(|| events::node_at(wave, from, middle, self.tolerance))
             .flatten()
             .and_then(|node| {
                 let spectrum = self.spectrum_near(wave, &node, Some(&one.spectrum))?;
@@ -325,72 +337,68 @@ impl Tracker {
 
     /// The eigenvalues that change the sign of their real part between two ends; `None` where
     /// following them does not account for the change of the count.
-    fn changes(&self, wave: &Wave, one: &End, other: &End, folds: usize) -> Option<Vec<Change>> {
+    fn changes(&self, wave: &Wave, one: &End, other: &End, folds: &[f64]) -> Option<Vec<Change>> {
         let characteristic = Characteristic::new(wave, &other.node.point).ok()?;
         let mut changes = Vec::new();
         let depth = (one.spectrum.left.max(other.spectrum.left)).max(-NEAR / characteristic.period);
         let accounted = ACCOUNTED * depth;
+        let rate = characteristic.period.recip();
+        let margin = margin(&self.request, &characteristic);
+        let highest = |spectrum: &Spectrum| (spectrum.top - margin).min(self.request.max_frequency);
+        // by their signs alone: to count from any threshold would lose what crosses between it and the
+        // axis; but rounding of what stays on the axis is no crossing
+        let axis = one.spectrum.axis.max(other.spectrum.axis);
+        let crosses = |from: &Eigenvalue, to: &Eigenvalue| {
+            (from.re > 0.0) != (to.re > 0.0) && from.re.abs().max(to.re.abs()) > axis
+        };
         for (before, after) in one.spectrum.sectors.iter().zip(&other.spectrum.sectors) {
             let symmetric = one.spectrum.symmetric(before.sector);
-            let z = characteristic.multiplier(before.sector);
             let relevant = |eigenvalue: &&Eigenvalue| eigenvalue.re > depth;
             let mut taken = vec![false; after.eigenvalues.len()];
-            let mut gone = 0;
-            let mut astray = Vec::new();
-            // next to the translation mode, which is not in the list, Newton's method may find that
-            let near = NEXT_TO_TRANSLATION / characteristic.period;
-            let beside = |eigenvalue: &Eigenvalue| {
-                before.sector == 0
-                    && eigenvalue.im.abs() < REAL
-                    && eigenvalue.re.abs() < near
-                    && eigenvalue.multiplicity == 1
-            };
+            let mut gone = Vec::new();
             for start in before.eigenvalues.iter().filter(relevant) {
-                let reached = follow(&characteristic, z, start.value());
+                let reached = reach(&characteristic, before.sector, start.value());
                 let index = reached.and_then(|value| {
                     after
                         .eigenvalues
                         .iter()
-                        .position(|known| (known.value() - value).norm() < 1e-8)
+                        .position(|known| (known.value() - value).norm() < SAME * rate)
                 });
-                let at_edge = start.im.abs() > self.request.max_frequency;
                 match index {
                     Some(index) if !taken[index] => {
                         taken[index] = true;
                         let end = &after.eigenvalues[index];
-                        if (start.re > UNSTABLE) != (end.re > UNSTABLE) {
-                            // of a conjugate pair only the upper member is reported
-                            if !symmetric || start.im >= 0.0 || start.im.abs() < REAL {
-                                changes.push(Change {
-                                    sector: before.sector,
-                                    from: start.value(),
-                                    to: end.value(),
-                                });
-                            }
+                        // of a conjugate pair only the upper member is reported
+                        let upper = !symmetric || start.im >= 0.0 || start.im.abs() < REAL * rate;
+                        if crosses(start, end) && upper {
+                            changes.push(Change {
+                                sector: before.sector,
+                                from: start.value(),
+                                to: end.value(),
+                            });
                         }
                     }
                     // it may have left through the upper edge
-                    _ if at_edge => {}
-                    _ if beside(start) => astray.push(start),
-                    _ => gone += usize::from(start.re > accounted),
+                    _ if start.im.abs() > highest(&one.spectrum) => {}
+                    _ if start.re > accounted => gone.push(start.value()),
+                    _ => {}
                 }
             }
-            // one real eigenvalue beside it before and one after are the same
-            let free = |index: &usize| !taken[*index] && beside(&after.eigenvalues[*index]);
-            let waiting: Vec<usize> = (0..taken.len()).filter(free).collect();
-            if let ([start], [index]) = (astray.as_slice(), waiting.as_slice()) {
-                let end = &after.eigenvalues[*index];
-                taken[*index] = true;
-                if (start.re > UNSTABLE) != (end.re > UNSTABLE) {
-                    changes.push(Change {
-                        sector: before.sector,
-                        from: start.value(),
-                        to: end.value(),
-                    });
+            // real ones that meet go apart as a pair, and Newton's method loses them: what moves by less
+            // than its distance from the axis does not cross
+            gone.retain(|value| {
+                let nearest = (0..taken.len())
+                    .filter(|&index| !taken[index])
+                    .map(|index| ((after.eigenvalues[index].value() - value).norm(), index))
+                    .min_by(|one, other| one.0.total_cmp(&other.0));
+                match nearest {
+                    Some((distance, index)) if distance < 0.5 * value.re.abs() => {
+                        taken[index] = true;
+                        false
+                    }
+                    _ => true,
                 }
-            } else {
-                gone += astray.iter().filter(|start| start.re > accounted).count();
-            }
+            });
             // unstable eigenvalues that nothing has led to must have come in through the edge
             let strangers = after
                 .eigenvalues
@@ -399,17 +407,18 @@ impl Tracker {
                 .filter(|(eigenvalue, taken)| {
                     !**taken
                         && eigenvalue.re > accounted
-                        && eigenvalue.im.abs() < self.request.max_frequency + 0.5 * MARGIN
+                        && eigenvalue.im.abs() < highest(&other.spectrum) + 0.5 * margin
                 })
                 .count();
-            if gone > 0 || strangers > 0 {
+            if !gone.is_empty() || strangers > 0 {
                 return None;
             }
         }
         // at a fold a real eigenvalue of sector 0 passes through zero: that is the fold itself
-        let mut left = folds;
+        let inside = |s: &&f64| **s > one.s && **s <= other.s;
+        let mut left = folds.iter().filter(inside).count();
         changes.retain(|change| {
-            let real = change.from.im.abs() < REAL && change.to.im.abs() < REAL;
+            let real = change.from.im.abs().max(change.to.im.abs()) < REAL * rate;
             if change.sector == 0 && real && left > 0 {
                 left -= 1;
                 return false;
@@ -437,19 +446,18 @@ impl Tracker {
             let (low, width) = (bracket.low.0, bracket.width());
             let share = if width > 0.0 { (s - low) / width } else { 0.0 };
             let guess = at_low + (at_high - at_low) * share;
-            let node = node_at(wave, from, s)?;
+            let node = events::node_at(wave, from, s, self.tolerance)?;
             let characteristic = Characteristic::new(wave, &node.point).ok()?;
-            let z = characteristic.multiplier(change.sector);
-            let value = follow(&characteristic, z, guess)?;
+            let value = reach(&characteristic, change.sector, guess)?;
+            let rate = characteristic.period.recip();
             // another eigenvalue was caught
-            if (value - guess).norm() > 0.5 * (at_high - at_low).norm() + 1e-9 {
+            if (value - guess).norm() > 0.5 * (at_high - at_low).norm() + SAME * rate {
                 return None;
             }
-            let rate = (at_high.re - at_low.re) / width;
-            best = Some((s, node, value, rate));
-            if value.re.abs() <= 4.0 * f64::EPSILON * (1.0 + value.norm())
-                || width <= 1e-15 * other.s
-            {
+            let size = rate + value.norm();
+            let real = value.im.abs() < REAL * rate;
+            best = Some((s, node, value, (at_high.re - at_low.re) / width, size, real));
+            if value.re.abs() <= 4.0 * f64::EPSILON * size || width <= 1e-15 * other.s {
                 break;
             }
             if bracket.shrink(s, value.re) {
@@ -458,13 +466,12 @@ impl Tracker {
                 at_high = value;
             }
         }
-        let (s, node, value, rate) = best?;
+        let (s, node, value, slope, size, real) = best?;
         let last = node.tangent.len() - 1;
         let spectrum = self.spectrum_near(wave, &node, Some(&one.spectrum))?;
-        // rounding of λ, carried to s by the rate of Re λ, and to the parameter by the tangent
-        let error = (value.re.abs() + 1e-14 * (1.0 + value.norm())) / rate.abs();
+        // rounding of λ, carried to s by the slope of Re λ, and to the parameter by the tangent
+        let error = (value.re.abs() + 1e-14 * size) / slope.abs();
         let symmetric = one.spectrum.symmetric(change.sector);
-        let real = value.im.abs() < REAL;
         Some(Crossing {
             s,
             uncertainty: error * node.tangent[last].abs(),
@@ -481,13 +488,20 @@ impl Tracker {
     }
 }
 
-/// The node at arclength s, with Newton's default tolerance.
-fn node_at(wave: &Wave, from: &Node, s: f64) -> Option<Node> {
-    events::node_at(wave, from, s, newton::Settings::default().tolerance)
+/// The eigenvalue of a sector that a value known nearby leads to.
+fn reach(characteristic: &Characteristic, sector: usize, start: C64) -> Option<C64> {
+    let rate = characteristic.period.recip();
+    if sector == 0 && start.im.abs() < REAL * rate && start.re.abs() < NEXT_TO_TRANSLATION * rate {
+        let within = 3.0 * NEXT_TO_TRANSLATION;
+        return beside_translation(characteristic, start.re, within).map(C64::from);
+    }
+    follow(characteristic, characteristic.multiplier(sector), start)
 }
 
 /// Newton's method on F_j from a value known nearby.
 fn follow(characteristic: &Characteristic, z: C64, start: C64) -> Option<C64> {
+    /// A step below this, in units of 1/T, is the last but one: the next is its square.
+    const ARRIVED: f64 = 1e-9;
     let mut value = start;
     let longest = 0.5 / characteristic.period;
     for _ in 0..20 {
@@ -498,7 +512,7 @@ fn follow(characteristic: &Characteristic, z: C64, start: C64) -> Option<C64> {
             return None;
         }
         value -= step;
-        if size < 1e-9 {
+        if size * characteristic.period < ARRIVED {
             let (f, by) = characteristic.evaluate(value).sector(z);
             return Some(value - f / by);
         }

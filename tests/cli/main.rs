@@ -12,3 +12,4 @@ mod pipe;
 mod plots;
 mod restart;
 mod resume;
+mod stability;

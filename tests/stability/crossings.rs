@@ -9,7 +9,7 @@
 use brakewave::branch::{Event, EventType};
 use brakewave::problem::Expectation;
 use brakewave::run::Item;
-use brakewave::stability::spectrum::{Spectrum, UNSTABLE};
+use brakewave::stability::spectrum::Spectrum;
 
 use crate::observed;
 use crate::waves::{Rows, follow, problem};
@@ -98,7 +98,7 @@ fn near_edge(spectrum: &Spectrum) -> i64 {
         let count = sector
             .eigenvalues
             .iter()
-            .filter(|one| one.re > UNSTABLE)
+            .filter(|one| one.re > spectrum.axis)
             .filter(|one| (one.im.abs() - spectrum.max_frequency).abs() <= EDGE)
             .count();
         let twice = if spectrum.symmetric(sector.sector) {

@@ -6,16 +6,19 @@
 #[path = "../chebyshev/mod.rs"]
 mod chebyshev;
 
+mod beside_the_axis;
 mod completeness;
 mod conjugates;
 mod crossings;
 mod derivative;
 mod eigenfunctions;
 mod extremes;
+mod folds;
 mod high_frequency;
 mod material;
 mod material_ring;
 mod reference;
+mod scaling;
 mod seeds;
 mod translation;
 mod verdict;

@@ -1,12 +1,12 @@
 //! A wave is called stable only when that is proven.
 
-use brakewave::branch::Stability;
+use brakewave::branch::{Reason, Stability};
 use brakewave::model::Model;
 use brakewave::problem::{Impact, StabilitySection};
 use brakewave::stability::characteristic::{Characteristic, NotLinearised};
 use brakewave::wave::start::Which;
 
-use crate::waves::{damped, follow, linearised, mode4, problem, wave, window};
+use crate::waves::{C64, damped, follow, linearised, mode4, problem, wave, window};
 
 /// Above α = 0.3151 no eigenvalue grows, and the limit at high frequency is negative.
 #[test]
@@ -22,24 +22,70 @@ fn damped_wave_is_stable_at_last() {
     }
 }
 
-/// Undamped waves have growing eigenvalues at high frequency, also where the window has none.
+/// Undamped waves have growing eigenvalues at high frequency, also where the window has none: `no`, with
+/// the limit or an eigenvalue beyond the window as its reason.
 #[test]
 fn undamped_wave_is_unstable_beyond_the_window() {
     let mut quiet = 0;
     for mismatch in [0.2, 0.08, 0.045, 0.0225, 0.02, 0.012, 0.004, 0.001] {
-        let spectrum = window(&linearised(&mode4(mismatch), 4, Which::Fast));
-        let verdict = spectrum.stable;
+        let characteristic = linearised(&mode4(mismatch), 4, Which::Fast);
+        let spectrum = window(&characteristic);
         println!(
-            "observed: δ = {mismatch}: {} unstable in the window, limit {:.4}, {verdict:?}",
+            "observed: δ = {mismatch}: {} unstable in the window, limit {:.4}, {:?}",
             spectrum.unstable(),
-            spectrum.limit
+            spectrum.limit,
+            spectrum.stable
         );
-        if spectrum.unstable() > 0 || spectrum.limit > 1e-7 {
-            assert_ne!(verdict, Stability::Yes, "δ = {mismatch}");
+        assert!(spectrum.limit > 1e-3, "δ = {mismatch}: {}", spectrum.limit);
+        assert_eq!(spectrum.stable, Stability::No, "δ = {mismatch}");
+        if spectrum.unstable() > 0 {
+            assert!(spectrum.reasons.is_empty());
+            continue;
         }
-        quiet += usize::from(spectrum.unstable() == 0);
+        quiet += 1;
+        match spectrum.reasons[..] {
+            [Reason::HighFrequency(limit)] => assert_eq!(limit, spectrum.limit),
+            [Reason::BeyondWindow { re, im, sector }] => {
+                assert!(re > 0.0 && im.abs() > spectrum.max_frequency);
+                let lambda = C64::new(re, im);
+                let z = characteristic.multiplier(sector);
+                let (f, by) = characteristic.evaluate(lambda).sector(z);
+                assert!((f / by).norm() < 1e-11 * lambda.norm());
+            }
+            _ => panic!("δ = {mismatch}: {:?}", spectrum.reasons),
+        }
     }
     assert!(quiet > 0, "some windows are empty");
+}
+
+/// A narrow window at realistic γ: what grows far above it is found in finite time and named.
+#[test]
+fn growth_beyond_a_narrow_window_is_named() {
+    // λ of γ = 1 divided by 1e-4
+    let (problem, text) = {
+        let text = "(model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1e-8), friction: 0.5, \
+             mismatch: 2e-5, damping: (mass: 2e3)), wave: (mode: 4, start: Fast), \
+             continuation: (parameter: Mismatch, range: (1.999e-5, 2e-5), toward: Down), \
+             stability: (sectors: All))";
+        (
+            brakewave::problem::parse(text, "narrow").expect("a problem"),
+            text,
+        )
+    };
+    for item in follow(&problem, text).items {
+        let point = &item.point;
+        assert_eq!(
+            (point.stable, point.unstable),
+            (Some(Stability::No), Some(0))
+        );
+        let [Reason::BeyondWindow { re, im, sector }] = point.why[..] else {
+            panic!("{:?}", point.why);
+        };
+        // the leading one of the table of reference figures at α = 0.2
+        assert_eq!(sector, 2);
+        assert!((re * 1e-4 - 0.04781284620294).abs() < 1e-9, "{re}");
+        assert!((im.abs() * 1e-4 - 0.8714186486489).abs() < 1e-9, "{im}");
+    }
 }
 
 #[test]
