@@ -139,7 +139,10 @@ impl Spectrum {
     /// Unstable eigenvalues of one sector with |Im λ| up to the largest frequency that counts: counted,
     /// or else listed.
     pub fn unstable_in(&self, sector: &Sector) -> usize {
-        let place = self.sectors.iter().position(|one| one == sector);
+        let place = self
+            .sectors
+            .iter()
+            .position(|one| one.sector == sector.sector);
         match (&self.counted, place) {
             (Some(counted), Some(place)) => counted[place],
             _ => self.listed_unstable(sector),

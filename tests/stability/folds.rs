@@ -72,7 +72,7 @@ fn a_fold_without_stick_is_only_a_fold() {
         .rposition(|kind| *kind == Some(EventType::LP))
         .expect("there is a fold");
     assert_eq!(rows.items[fold].point.regimes, "slip-separation");
-    let mut before_and_after = [0, 0];
+    let (mut before, mut after) = (0, 0);
     for (index, item) in rows.items.iter().enumerate().skip(fold - 4).take(9) {
         let characteristic = linearised(item);
         let found = spectrum(&characteristic, &request(0), None);
@@ -92,9 +92,13 @@ fn a_fold_without_stick_is_only_a_fold() {
             positive(&characteristic, 0, found.right),
             "row {index}"
         );
-        before_and_after[usize::from(index > fold)] = growing;
+        if index + 1 == fold {
+            before = growing;
+        } else if index == fold + 1 {
+            after = growing;
+        }
     }
-    assert_eq!(before_and_after[1], before_and_after[0] + 1);
+    assert_eq!(after, before + 1);
     assert!(rows.notes.is_empty(), "{:?}", rows.notes);
 }
 
