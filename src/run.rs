@@ -996,9 +996,15 @@ impl Branch {
         } = conditioning(wave, node).ok()?;
         let tolerance = self.continuation.tolerance;
         if expected_error.is_nan() || expected_error > tolerance {
+            let known = if expected_error.is_nan() {
+                "its equations are singular to rounding".to_owned()
+            } else {
+                format!(
+                    "the expected error is {expected_error:.1e}, the condition number {condition:.1e}"
+                )
+            };
             self.notes.push(format!(
-                "point {}, {} = {:.12}: not converged to the tolerance {tolerance:.0e}; the expected \
-                 error is {expected_error:.1e}, the condition number {condition:.1e}",
+                "point {}, {} = {:.12}: not converged to the tolerance {tolerance:.0e}; {known}",
                 self.progress.points,
                 self.continuation.parameter.column(),
                 wave.parameter_at(&node.point)

@@ -85,7 +85,18 @@ pub fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepared, Fa
             let earlier = Restart::read(dir)?;
             of_mode(&earlier, dir, problem.wave.mode)
                 .map_err(|(message, help)| source.refuse("wave.mode", message, &help))?;
-            Some(earlier.wave(dir, *label)?.clone())
+            let wave = earlier.wave(dir, *label)?.clone();
+            let law = problem.model.friction_law;
+            let other = std::mem::discriminant(&law) != std::mem::discriminant(&wave.model.law);
+            if other && problem::says(&source.text, "model.friction_law") {
+                let message = format!(
+                    "label {label} of {} was computed under another friction law",
+                    dir.display()
+                );
+                let help = "leave out `friction_law`: a restart brings its own";
+                return Err(source.refuse("model.friction_law", message, help));
+            }
+            Some(wave)
         }
         Start::Fast | Start::Slow | Start::Hopf => None,
     };

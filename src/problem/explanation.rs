@@ -89,6 +89,9 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
 
     let wanted = match code {
         Error::ExpectedFloat => "a number",
+        Error::ExpectedInteger | Error::InvalidIntegerDigit { .. } if written_with_point(&path) => {
+            "a number"
+        }
         Error::ExpectedInteger | Error::InvalidIntegerDigit { .. } => "a whole number from 0 up",
         Error::IntegerOutOfBounds => "a whole number from 0 up, but not too large",
         // What is read of a value may end within it, where a comma would have to follow.

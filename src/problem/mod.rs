@@ -497,6 +497,11 @@ fn is_text(c: char) -> bool {
     matches!(c, '\t' | '\n' | '\r') || !(c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}'))
 }
 
+/// Whether the text of a problem says something at a path.
+pub fn says(text: &str, path: &str) -> bool {
+    Outline::of(text).has(path)
+}
+
 /// A refusal of what the text of a problem says at a path, for reasons that only show later.
 pub fn refuse_at(
     text: &str,

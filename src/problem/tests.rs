@@ -434,6 +434,8 @@ fn structure_errors_point_and_explain() {
         ("        friction: 0.5,\n", "friction: 1/5,\n", "/", "there is no arithmetic", "`friction: 0.5`; 1/5 is 0.2"),
         ("        friction: 0.5,\n", "friction: ½,\n", "½", "must be a number, found `½`", "friction: 0.5"),
         ("stop_at: [0.08,", "stop_at: [∞,", "∞", "`∞` makes no sense here", "stop_at: ["),
+        ("stop_at: [0.08,", "stop_at: [1e5e,", "1e5e", "must be a number, found", "stop_at: [0.08"),
+        ("range: (0.1, 0.9)", "range: (4u32, 0.9)", "4u32", "must be a number, found", "range: (0.1"),
         ("mode: 4,", "mode: 4(1,2),", "4(1,2)", "a whole number from 0 up", "mode: 4"),
         ("first: (parameter: Friction, range: (0.1, 0.9)),", "first: 'a'parameter: Friction,", "'a'parameter", "should stand here", "map: (first: (parameter"),
     ];

@@ -263,6 +263,27 @@ fn pipes_and_devices_are_refused_at_once() {
     assert_eq!(bench.names(), ["pipe"]);
 }
 
+/// A restart takes the model of its label; another friction law beside it would be passed over.
+#[test]
+fn a_restart_under_another_friction_law_is_refused() {
+    let bench = Bench::new();
+    bench.put("first.ron", SMALL);
+    bench.run(&["run", "first.ron", "--out", "first"]).expect(0);
+    let text = changed(
+        SMALL,
+        "start: Fast",
+        "start: Restart(dir: \"first\", label: 1)",
+    );
+    bench.put("second.ron", &text);
+    bench.run(&["run", "second.ron"]).expect(0);
+    let law = "mismatch: 0.2, friction_law: Static(ratio: 1.2),\n    )";
+    bench.put("third.ron", changed(&text, "mismatch: 0.2,\n    )", law));
+    let stderr = bench.run(&["run", "third.ron"]).expect(2).stderr;
+    assert!(stderr.starts_with("error: third.ron:5:38: "), "{stderr}");
+    assert!(stderr.contains("another friction law"), "{stderr}");
+    assert!(stderr.contains("help: leave out"), "{stderr}");
+}
+
 /// What only the mathematics refuses is pointed to as well, whatever the exit code.
 #[test]
 fn models_without_a_wave_are_pointed_to() {

@@ -122,3 +122,43 @@ fn both_ways_from_an_end_of_the_range_is_one_way() {
     assert_eq!(branch.text(branch.rows.len() - 1, "type"), "EP");
     assert_eq!(branch.number(branch.rows.len() - 1, "mismatch"), 0.19);
 }
+
+/// Friction drives waves and damping ends them: that is the side on which a branch leaves a Hopf point,
+/// and it comes to the end of its range there.
+#[test]
+fn a_branch_from_a_hopf_point_goes_where_there_are_waves() {
+    let bench = Bench::new();
+    for (parameter, damping, range, column, end) in [
+        ("Friction", "mass: 0.3", "(0.4, 0.5)", "friction", 0.5),
+        (
+            "MassDamping",
+            "mass: 0.0",
+            "(0.31, 0.4)",
+            "mass_damping",
+            0.31,
+        ),
+        (
+            "StiffnessDamping",
+            "stiffness: 0.0",
+            "(0.0121, 0.2)",
+            "stiffness_damping",
+            0.0121,
+        ),
+    ] {
+        bench.put(
+            "p.ron",
+            format!(
+                "(model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.5, \
+                 mismatch: 0.9, damping: ({damping})), wave: (mode: 4, start: Hopf), \
+                 continuation: (parameter: {parameter}, range: {range}))"
+            ),
+        );
+        let outcome = bench.run(&["run", "p.ron", "--out", "out", "--force"]);
+        outcome.expect(0);
+        let branch = Table::read(&bench.path("out/branch.csv"));
+        let last = branch.rows.len() - 1;
+        assert_eq!(branch.number(last, column), end, "{parameter}");
+        assert_eq!(branch.text(last, "regimes"), "slip-stick", "{parameter}");
+        assert_eq!(branch.text(0, "regimes"), "slip", "{parameter}");
+    }
+}
