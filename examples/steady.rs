@@ -4,7 +4,7 @@
 //! `cargo run --release --example steady`
 
 use brakewave::model::coefficients::Geometry;
-use brakewave::problem::Damping;
+use brakewave::problem::{Damping, FrictionLaw};
 use brakewave::steady::radial::Radial;
 use brakewave::steady::{Settings, mode};
 
@@ -69,6 +69,8 @@ fn cell(tube: Geometry, k: u32) -> Result<String, Box<dyn std::error::Error>> {
     let solve = |damping| {
         let settings = Settings {
             friction: FRICTION,
+            law: FrictionLaw::Coulomb,
+            mismatch: 0.2,
             damping,
             families: 1,
             order: None,

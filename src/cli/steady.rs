@@ -81,6 +81,8 @@ pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
         .unwrap_or((1, (2 * problem.wave.mode).clamp(LEAST_MODES, MAX_MODE)));
     let settings = Settings {
         friction: model.friction,
+        law: model.law,
+        mismatch: model.mismatch,
         damping: problem.model.damping,
         families: usize::from(arguments.families),
         order: arguments.order.map(usize::from),

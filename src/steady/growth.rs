@@ -7,16 +7,62 @@
 //! λ² + αλ + (1 + βλ)κ = 0,        κ = κ(k, f) complex, Im κ ≠ 0 with friction.
 //! ```
 //!
-//! Undamped, λ = ±√−κ: one growing and one decaying wave. At a Hopf point λ = iω, so that κ lies
-//! on the curve
+//! Undamped, λ = ±√−κ: one growing and one decaying wave. At a Hopf point λ = iω.
 //!
-//! ```text
-//! κ = (ω² − iαω)/(1 + iβω).
-//! ```
+//! # Friction that depends on the velocity
+//! With Q = fS(V̇)P and S = 1 for Coulomb's law, the tube slides at V̇ = 0 with fS(0) in place of f,
+//! and a perturbation v of V changes Q by fS(0)P̃ + fS′(0)P₀v̇ = fS(0)P̃ − f𝒹λv: the pressure
+//! P₀ = gδ of steady sliding enters, in 𝒹 = −gδS′(0). Friction that falls as the velocity 1 − V̇ of
+//! sliding grows has S′ > 0 and 𝒹 < 0: it feeds every wave. [`Sliding`] carries S(0) and 𝒹.
 
 use faer::c64;
 
-use crate::problem::Damping;
+use crate::flow::Jet;
+use crate::flow::equations::multiplier;
+use crate::problem::{Damping, FrictionLaw};
+
+/// What the friction law is at the velocity of steady sliding, by unit of f.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sliding {
+    /// S(0): the coefficient of friction is f times this.
+    pub strength: f64,
+    /// 𝒹 = −gδS′(0), in units of Ω: friction damps the motion along the shaft by f times this.
+    pub drag: f64,
+}
+
+impl Sliding {
+    /// Friction that does not depend on the velocity.
+    pub const COULOMB: Sliding = Sliding {
+        strength: 1.0,
+        drag: 0.0,
+    };
+
+    /// A law under the pressure P₀ = gδ.
+    pub fn new(law: FrictionLaw, pressure: f64) -> Sliding {
+        let number = |value: f64| {
+            let mut jet = Jet {
+                value,
+                ..Jet::default()
+            };
+            jet.by[0] = 1.0;
+            jet
+        };
+        let smoothing = match law {
+            FrictionLaw::Regularised { epsilon } => epsilon,
+            _ => 1.0,
+        };
+        let smoothing = Jet {
+            value: smoothing,
+            ..Jet::default()
+        };
+        let found = multiplier(law, 1.0, number(0.0), smoothing);
+        // no negative zero
+        Sliding {
+            strength: found.value,
+            drag: 0.0 - pressure * found.by[0],
+        }
+    }
+}
 
 /// A perturbation e^{ikφ+λt} as a wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +79,11 @@ impl Wave {
     /// The wave with the larger growth of the two that belong to κ.
     pub fn fastest(kappa: c64, mode: u32, damping: Damping) -> Wave {
         let [one, other] = eigenvalues(kappa, damping);
-        let lambda = if one.re >= other.re { one } else { other };
+        Wave::of(if one.re >= other.re { one } else { other }, mode)
+    }
+
+    /// The wave of an eigenvalue λ.
+    pub fn of(lambda: c64, mode: u32) -> Wave {
         Wave {
             // no negative zero
             growth: lambda.re + 0.0,
@@ -84,12 +134,11 @@ fn square_root(z: c64) -> c64 {
     }
 }
 
-/// κ(ω) on the curve of Hopf points, and dκ/dω.
-pub fn hopf_curve(omega: f64, damping: Damping) -> (c64, c64) {
+/// κ(λ) = −(λ² + αλ)/(1 + βλ), and dκ/dλ.
+pub fn stiffness_at(lambda: c64, damping: Damping) -> (c64, c64) {
     let (alpha, beta) = (damping.mass, damping.stiffness);
-    let numerator = c64::new(omega * omega, -alpha * omega);
-    let denominator = c64::new(1.0, beta * omega);
-    let kappa = numerator / denominator;
-    let slope = (c64::new(2.0 * omega, -alpha) - c64::new(0.0, beta) * kappa) / denominator;
+    let denominator = 1.0 + beta * lambda;
+    let kappa = -(lambda * lambda + alpha * lambda) / denominator;
+    let slope = -(2.0 * lambda + alpha + beta * kappa) / denominator;
     (kappa, slope)
 }

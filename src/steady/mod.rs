@@ -10,17 +10,19 @@
 //! geometry ──► radial: κ of elasticity ───────┘
 //! ```
 //!
-//! The mismatch δ does not enter: the perturbation of the pressure is proportional to the
-//! perturbation of the displacement, whatever the pressure.
+//! The mismatch δ does not enter under Coulomb's law: the perturbation of the pressure is proportional
+//! to the perturbation of the displacement, whatever the pressure. It does where friction depends on
+//! the velocity ([`growth`]): the slope of the law is multiplied by the pressure.
 
 pub mod growth;
 pub mod radial;
 pub mod reduced;
 
 use crate::model::coefficients::{Coefficients, Geometry};
-use crate::problem::Damping;
-pub use growth::{Hopf, Wave};
-use radial::{Error, Radial};
+use crate::problem::{Damping, FrictionLaw};
+use faer::c64;
+pub use growth::{Hopf, Sliding, Wave};
+use radial::{Error, Pair, Radial};
 use reduced::Reduced;
 
 /// Number of radial functions per component the first attempt is made with.
@@ -37,6 +39,10 @@ const RADIAL_TOLERANCE: f64 = 1e-11;
 pub struct Settings {
     /// Friction coefficient f ≥ 0.
     pub friction: f64,
+    /// How friction depends on the velocity.
+    pub law: FrictionLaw,
+    /// Mismatch δ; without influence where friction does not depend on the velocity.
+    pub mismatch: f64,
     /// Damping.
     pub damping: Damping,
     /// Families of radial modes looked at, at least 1.
@@ -97,48 +103,71 @@ pub fn mode(
     settings: &Settings,
 ) -> Result<Mode, Error> {
     let reduced = Reduced::new(coefficients, mode);
+    let sliding = Sliding::new(settings.law, coefficients.g * settings.mismatch);
     let full = match geometry {
-        Some(geometry) => Some(full(geometry, mode, settings)?),
+        Some(geometry) => Some(full(geometry, mode, settings, sliding)?),
         None => None,
     };
+    let damping = Damping {
+        mass: settings.damping.mass + settings.friction * sliding.drag,
+        ..settings.damping
+    };
+    let kappa = reduced.stiffness(settings.friction * sliding.strength);
     Ok(Mode {
         mode,
         reduced: Branch {
-            wave: Wave::fastest(reduced.stiffness(settings.friction), mode, settings.damping),
-            hopf: reduced.hopf(settings.damping),
+            wave: Wave::fastest(kappa, mode, damping),
+            hopf: reduced.hopf_sliding(settings.damping, sliding),
         },
         full,
     })
 }
 
-/// The full problem at an order where κ has converged, or at the last one.
-fn full(geometry: &Geometry, mode: u32, settings: &Settings) -> Result<Full, Error> {
+/// The full problem at an order where κ, and λ where it follows from more than κ, has converged, or
+/// at the last one.
+fn full(
+    geometry: &Geometry,
+    mode: u32,
+    settings: &Settings,
+    sliding: Sliding,
+) -> Result<Full, Error> {
     let (first, last) = match settings.order {
         Some(order) => ((order / 3 * 2).max(1), order),
         None => (FIRST_ORDER, LAST_ORDER),
     };
-    let families = settings.families;
+    let (families, damping) = (settings.families, settings.damping);
+    let solve = |order: usize| -> Result<(Radial, Vec<Pair>, Vec<c64>), Error> {
+        let radial = Radial::new(geometry, mode, order);
+        let mut pairs = radial.lowest(settings.friction * sliding.strength, families)?;
+        let leading = pairs
+            .iter_mut()
+            .map(|pair| radial.leading(pair, settings.friction, sliding, damping))
+            .collect::<Result<_, _>>()?;
+        Ok((radial, pairs, leading))
+    };
     let mut order = first;
-    let mut coarse = Radial::new(geometry, mode, order).lowest(settings.friction, families)?;
+    let (_, mut coarse, mut coarse_leading) = solve(order)?;
     loop {
         order = (order + order / 2).max(order + 1).min(last);
-        let radial = Radial::new(geometry, mode, order);
-        let pairs = radial.lowest(settings.friction, families)?;
-        let error = pairs
-            .iter()
-            .enumerate()
-            .map(|(index, pair)| match coarse.get(index) {
+        let (radial, pairs, leading) = solve(order)?;
+        let mut error: f64 = 0.0;
+        for (index, pair) in pairs.iter().enumerate() {
+            error = error.max(match coarse.get(index) {
                 Some(other) => (pair.kappa - other.kappa).norm() / pair.kappa.norm(),
                 None => f64::INFINITY,
-            })
-            .fold(0.0, f64::max);
+            });
+            if sliding.drag != 0.0 {
+                let other = coarse_leading.get(index).copied().unwrap_or_default();
+                error = error.max((leading[index] - other).norm() / leading[index].norm());
+            }
+        }
         if order < last && error > RADIAL_TOLERANCE {
-            coarse = pairs;
+            (coarse, coarse_leading) = (pairs, leading);
             continue;
         }
-        let waves: Vec<Wave> = pairs
+        let waves: Vec<Wave> = leading
             .iter()
-            .map(|pair| Wave::fastest(pair.kappa, mode, settings.damping))
+            .map(|lambda| Wave::of(*lambda, mode))
             .collect();
         let mut lead = 0;
         for (index, wave) in waves.iter().enumerate() {
@@ -146,7 +175,7 @@ fn full(geometry: &Geometry, mode: u32, settings: &Settings) -> Result<Full, Err
                 lead = index;
             }
         }
-        let hopf = radial.hopf(families, settings.damping)?;
+        let hopf = radial.hopf(families, damping, sliding)?;
         let mut least: Option<(usize, Hopf)> = None;
         for (index, point) in hopf.iter().enumerate() {
             if let Some(point) = point

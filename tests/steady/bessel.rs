@@ -51,8 +51,8 @@ fn potentials(k: u32, wave_number: c64, r: f64) -> [[c64; 3]; 2] {
     })
 }
 
-/// The determinant of u = v = 0 at ξ, u = 0 and σ_rφ = fσ_rr at 1.
-fn determinant(tube: &Geometry, k: u32, friction: f64, kappa: c64) -> c64 {
+/// The determinant of u = v = 0 at ξ, u = 0 and σ_rφ = fσ_rr − sv at 1.
+pub fn determinant(tube: &Geometry, k: u32, friction: f64, s: c64, kappa: c64) -> c64 {
     let nu = tube.nu;
     let product = (1.0 + nu) * (1.0 - 2.0 * nu);
     let (c, lambda, mu) = ((1.0 - nu) / product, nu / product, 0.5 / (1.0 + nu));
@@ -77,7 +77,8 @@ fn determinant(tube: &Geometry, k: u32, friction: f64, kappa: c64) -> c64 {
             let [u_outer, v_outer, ..] = field(outer[kind], tube.xi);
             let radial = (c * u_slope) + lambda * (u + ik * v);
             let tangential = mu * (v_slope - v + ik * u);
-            let column = [u_outer, v_outer, u, tangential - friction * radial];
+            let rubbed = tangential - friction * radial + s * v;
+            let column = [u_outer, v_outer, u, rubbed];
             let size = column.iter().map(|one| one.norm()).fold(0.0, f64::max);
             columns.push(column.map(|one| one / size));
         }
@@ -86,7 +87,7 @@ fn determinant(tube: &Geometry, k: u32, friction: f64, kappa: c64) -> c64 {
 }
 
 /// The root nearest to a guess, by the secant method.
-fn root(function: impl Fn(c64) -> c64, guess: c64) -> c64 {
+pub fn root(function: impl Fn(c64) -> c64, guess: c64) -> c64 {
     let (mut before, mut here) = (guess * 1.000_01, guess);
     let mut value_before = function(before);
     for _ in 0..20 {
@@ -102,7 +103,7 @@ fn root(function: impl Fn(c64) -> c64, guess: c64) -> c64 {
 
 /// The terms of the power series grow to e^{|z|} before they cancel: up to this |z| = qξ that costs
 /// five of sixteen digits.
-const LARGEST_ARGUMENT: f64 = 10.5;
+pub const LARGEST_ARGUMENT: f64 = 10.5;
 
 #[test]
 fn the_radial_problem_meets_the_bessel_functions() {
@@ -124,7 +125,7 @@ fn the_radial_problem_meets_the_bessel_functions() {
                         continue;
                     }
                     let exact = root(
-                        |kappa| determinant(&tube, k, friction, kappa),
+                        |kappa| determinant(&tube, k, friction, c64::new(0.0, 0.0), kappa),
                         pair.kappa * (1.0 + 1e-7),
                     );
                     let error = (pair.kappa - exact).norm() / exact.norm();

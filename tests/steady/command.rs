@@ -110,3 +110,46 @@ fn pictures_are_written_and_bad_usage_is_refused() {
         assert!(!Path::new("growth.gif").exists());
     }
 }
+
+/// The friction law of the file is honoured.
+#[test]
+fn the_friction_law_counts() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = |law: &str| {
+        let path = folder.path().join("law.ron");
+        std::fs::write(
+            &path,
+            format!(
+                "(model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.5, \
+                 mismatch: 0.2, friction_law: {law}), wave: (mode: 4, start: Fast))"
+            ),
+        )
+        .unwrap();
+        table(&steady(&[path.to_str().unwrap(), "--modes", "3..4"])).1
+    };
+    let coulomb = rows("Coulomb");
+    assert_eq!(coulomb, rows("Static(ratio: 1.5)"));
+    for law in [
+        "Stribeck(ratio: 1.5, velocity: 0.5)",
+        "Regularised(epsilon: 0.5)",
+    ] {
+        for (one, other) in coulomb.iter().zip(rows(law)) {
+            // growth of the reduced model and of the tube
+            assert!(one[1] != other[1] && one[8] != other[8], "{law}");
+        }
+    }
+}
+
+/// Friction without bound gives an answer, not an endless iteration.
+#[test]
+fn huge_friction_is_answered() {
+    let file = problem("mode4_mismatch");
+    let (_, rows) = table(&steady(&[
+        &file,
+        "--modes",
+        "1..3",
+        "--at",
+        "friction=1e16",
+    ]));
+    assert_eq!(rows.len(), 3);
+}

@@ -3,6 +3,7 @@
 
 mod bessel;
 mod command;
+mod law;
 mod radial;
 mod reduced;
 

@@ -1,10 +1,10 @@
 //! The radial problem against itself: orders, symmetries, limits, its Hopf points.
 
-use brakewave::problem::Damping;
+use brakewave::problem::{Damping, FrictionLaw};
 use brakewave::steady::growth::Wave;
 use brakewave::steady::radial::Radial;
 use brakewave::steady::reduced::Reduced;
-use brakewave::steady::{Settings, mode};
+use brakewave::steady::{Settings, Sliding, mode};
 
 use crate::{damping, observed, tube};
 
@@ -59,6 +59,8 @@ fn orders_converge_geometrically() {
 fn the_order_chosen_is_converged() {
     let settings = |order| Settings {
         friction: 0.5,
+        law: FrictionLaw::Coulomb,
+        mismatch: 0.2,
         damping: damping(0.05, 1e-3),
         families: 4,
         order,
@@ -144,7 +146,11 @@ fn time_scales_out() {
         (damping(0.1, 0.0), damping(0.1 / s, 0.0)),
         (damping(0.1, 2e-3), damping(0.1 / s, 2e-3 * s)),
     ] {
-        let of = |geometry, damping| Radial::new(geometry, 4, 24).hopf(3, damping).unwrap();
+        let of = |geometry, damping| {
+            Radial::new(geometry, 4, 24)
+                .hopf(3, damping, Sliding::COULOMB)
+                .unwrap()
+        };
         let (fast, slow) = (of(&tube(0.3, 1.5), one), of(&slow, other));
         for (fast, slow) in fast.iter().zip(&slow) {
             let (fast, slow) = (fast.unwrap(), slow.unwrap());
@@ -163,7 +169,12 @@ fn hopf_points_are_on_the_imaginary_axis() {
             let damping = damping(mass, stiffness);
             for k in [2, 8] {
                 let radial = Radial::new(&tube(nu, xi), k, 28);
-                for hopf in radial.hopf(2, damping).unwrap().into_iter().flatten() {
+                for hopf in radial
+                    .hopf(2, damping, Sliding::COULOMB)
+                    .unwrap()
+                    .into_iter()
+                    .flatten()
+                {
                     let growth = |friction| {
                         let pairs = radial.lowest(friction, 6).unwrap();
                         let waves = pairs
@@ -206,6 +217,8 @@ fn the_growing_wave_runs_where_the_reduced_one_does() {
         let geometry = tube(nu, xi);
         let settings = Settings {
             friction: 0.5,
+            law: FrictionLaw::Coulomb,
+            mismatch: 0.2,
             damping: damping(0.0, 0.0),
             families: 1,
             order: None,
