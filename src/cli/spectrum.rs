@@ -9,7 +9,7 @@ use super::{Failure, NUMERICAL, print, spare, warn, write};
 use crate::branch::EventType;
 use crate::linalg::Vector;
 use crate::output::tables;
-use crate::problem::{Parameter, Problem};
+use crate::problem::{FrictionLaw, Parameter, Problem};
 use crate::run::{Branch, End, Item, answer, stability};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::discretised;
@@ -32,19 +32,64 @@ pub struct SpectrumArguments {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     passage: u16,
     /// Eigenvalues of the discretised ring with N points per wavelength instead of the exact ones
-    #[arg(long, value_name = "N", conflicts_with = "eigenfunctions")]
+    #[arg(long, value_name = "N", conflicts_with = "eigenfunctions", value_parser = ring_points, allow_negative_numbers = true)]
     discretised: Option<usize>,
-    /// Width of the friction law tanh((1 − V̇)/ε) of the discretised ring
-    #[arg(
-        long,
-        value_name = "EPSILON",
-        default_value_t = 0.005,
-        requires = "discretised"
-    )]
-    epsilon: f64,
+    /// Width of the friction law tanh((1 − V̇)/ε) that the discretised ring has in place of Coulomb's
+    /// [default: 0.005]; the law `Regularised` of a problem has its own
+    #[arg(long, value_name = "EPSILON", requires = "discretised", value_parser = width, allow_negative_numbers = true)]
+    epsilon: Option<f64>,
     /// Write the eigenfunctions on the full circle, as CSV
     #[arg(long, value_name = "FILE")]
     eigenfunctions: Option<PathBuf>,
+}
+
+/// Points per wavelength of a discretised ring.
+fn ring_points(text: &str) -> Result<usize, String> {
+    let (least, most) = (discretised::LEAST_POINTS, discretised::MOST_POINTS);
+    let points: u128 = text
+        .parse()
+        .map_err(|_| format!("`{text}` is no number of points; take {least} to {most}"))?;
+    if points < least as u128 {
+        return Err(format!(
+            "{points} points per wavelength do not resolve a wave; take {least} at least"
+        ));
+    }
+    match usize::try_from(points) {
+        Ok(points) if points <= most => Ok(points),
+        _ => Err(format!(
+            "the dense eigenvalue problem of {points} points per wavelength takes about {:.0} GB; \
+             take {most} points at most",
+            discretised::memory(points as f64) / 1e9
+        )),
+    }
+}
+
+/// Width of a smooth friction law.
+fn width(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(width) if width.is_finite() && width > 0.0 => Ok(width),
+        _ => Err("take a positive number such as 0.005".into()),
+    }
+}
+
+/// The width of the friction law of a discretised ring: the problem's own, or what Coulomb's law is
+/// smoothed with. Other laws are not posed.
+fn smoothing(law: FrictionLaw, asked: Option<f64>) -> Result<f64, Failure> {
+    match law {
+        FrictionLaw::Coulomb => Ok(asked.unwrap_or(discretised::Settings::default().epsilon)),
+        FrictionLaw::Regularised { epsilon } => match asked {
+            None => Ok(epsilon),
+            Some(_) => Err(Failure::Usage(format!(
+                "--epsilon smooths Coulomb's law, but `friction_law` is Regularised(epsilon: \
+                 {epsilon}); leave the option out, or give --at smoothing=VALUE"
+            ))),
+        },
+        FrictionLaw::Static { .. } | FrictionLaw::Stribeck { .. } => Err(Failure::Usage(
+            "`friction_law`: the discretised ring has Coulomb's law smoothed, or Regularised(…); \
+             leave out --discretised for the exact eigenvalues under this one"
+                .into(),
+        )),
+    }
 }
 
 /// NAME=VALUE on the command line.
@@ -86,6 +131,9 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
     } = prepare(&arguments.problem)?;
     if let Some(path) = &arguments.eigenfunctions {
         spare(path, std::slice::from_ref(&arguments.problem))?;
+    }
+    if arguments.discretised.is_some() {
+        smoothing(problem.model.friction_law, arguments.epsilon)?;
     }
     let mode = problem.wave.mode as usize;
     if let Some(sector) = arguments.sector
@@ -198,7 +246,8 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
     if let Some(points) = arguments.discretised {
         let settings = discretised::Settings {
             points,
-            epsilon: arguments.epsilon,
+            // where the branch has come, should ε be its parameter
+            epsilon: smoothing(wave.model_at(unknowns).law, arguments.epsilon)?,
             ..discretised::Settings::default()
         };
         return match ring(wave, unknowns, &settings, &request, &item) {

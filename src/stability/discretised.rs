@@ -93,7 +93,7 @@ use crate::wave::{Wave, profile::switches};
 /// What to compute.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Points per wavelength n, at least [`LEAST_POINTS`].
+    /// Points per wavelength n, [`LEAST_POINTS`] to [`MOST_POINTS`].
     pub points: usize,
     /// Width ε > 0 of the friction law in V̇. Once the error from the spacing dominates, a smaller
     /// one costs steps and gains nothing.
@@ -118,6 +118,14 @@ impl Default for Settings {
 
 /// Fewer points do not resolve a wave.
 pub const LEAST_POINTS: usize = 8;
+
+/// With more points the dense matrices take more than [`memory`] of this many, 3 GB, and hours.
+pub const MOST_POINTS: usize = 4000;
+
+/// Bytes that the eigenvalues of a cell of n points take: three complex matrices of 2n rows.
+pub fn memory(points: f64) -> f64 {
+    3.0 * 16.0 * (2.0 * points).powi(2)
+}
 
 /// ε at which a wave is first sought, unless a larger one is asked for.
 pub const FIRST_EPSILON: f64 = 0.2;
@@ -154,8 +162,8 @@ const TOO_LARGE: f64 = 30.0;
 /// Why there is no semi-discrete wave, or no spectrum of it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// Too few points.
-    #[error("{points} points per wavelength do not resolve a wave; take {LEAST_POINTS} at least")]
+    /// Too few points, or too many.
+    #[error("no ring of {points} points per wavelength: take {LEAST_POINTS} to {MOST_POINTS}")]
     Points {
         /// Points asked for.
         points: usize,
@@ -356,7 +364,7 @@ pub fn solve_from(
 
 impl Settings {
     fn check(&self) -> Result<(), Error> {
-        if self.points < LEAST_POINTS {
+        if !(LEAST_POINTS..=MOST_POINTS).contains(&self.points) {
             return Err(Error::Points {
                 points: self.points,
             });
