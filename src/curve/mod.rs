@@ -20,10 +20,12 @@
 //! inequalities hold: the same margin vanishes there. Folds and Hopf points end: the parameter is
 //! stationary at the opening of a zone, and its spectrum is not the continuation of the one before.
 
+mod regions;
 pub mod start;
 pub mod system;
 
-use nalgebra::Complex;
+pub use regions::Region;
+
 use serde::{Deserialize, Serialize};
 
 use crate::bracket::Bracket;
@@ -35,7 +37,6 @@ use crate::linalg::{self, Vector};
 use crate::model::signature::Signature;
 use crate::newton::{self, Constraint, Fixed, Plane};
 use crate::problem::Parameter;
-use crate::stability::characteristic::Characteristic;
 use crate::stability::spectrum::symmetric;
 use crate::wave::Wave;
 use crate::wave::admissibility::{AtZero, Examination, Margin, Watch, examine};
@@ -79,15 +80,6 @@ pub struct Point {
     pub excess: f64,
 }
 
-/// What lies on one side of the curve.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Region {
-    /// Direction of the first parameter, ±1, in which it lies.
-    pub direction: f64,
-    /// Signature of its waves, or what else tells it from the other side.
-    pub name: String,
-}
-
 /// The curve of an event.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
@@ -105,8 +97,8 @@ pub struct Curve {
     pub ends: [String; 2],
     /// Whether an end is one of Newton's method and not of the curve.
     pub failed: bool,
-    /// What lies beside the points of these indices, one for every stretch with the same waves.
-    pub regions: Vec<(usize, Vec<Region>)>,
+    /// Names of places beside it.
+    pub regions: Vec<Region>,
 }
 
 /// A margin below this on the event's own account is the event itself, but for rounding.
@@ -435,13 +427,7 @@ impl Run {
             Vector::from_vec(head.unknowns),
         ));
         points.extend(second);
-        let regions = middles(&points)
-            .into_iter()
-            .map(|place| {
-                let (_, there, at) = &points[place];
-                (place, regions(there, at, head.settings.steps.tolerance))
-            })
-            .collect();
+        let regions = regions::regions(&points, &head.settings);
         let failed = ends.iter().any(|end| end.failed);
         let mut reasons = ends.into_iter().map(|end| end.reason);
         Curve {
@@ -499,43 +485,6 @@ fn backwards(node: &Node) -> Node {
 const CLOSES: &str = "the curve closes on its start";
 
 type Entry = (Point, EventSystem, Vector);
-
-/// Part of the whole length that a stretch needs for its regions to be named.
-const NAMED: f64 = 0.12;
-
-/// The points where regions are named: the middle, by arclength in the plane, of every stretch with
-/// the same waves.
-fn middles(points: &[Entry]) -> Vec<usize> {
-    let scaled = |entry: &Entry| {
-        let widths = entry.1.widths();
-        let [one, other] = entry.0.parameters;
-        [one / widths[0], other / widths[1]]
-    };
-    // way from the first point to each
-    let mut way = vec![0.0];
-    for pair in points.windows(2) {
-        let (one, other) = (scaled(&pair[0]), scaled(&pair[1]));
-        let so_far = way.last().copied().unwrap_or(0.0);
-        way.push(so_far + (one[0] - other[0]).hypot(one[1] - other[1]));
-    }
-    let whole = way.last().copied().unwrap_or(0.0);
-    let mut places = Vec::new();
-    let mut from = 0;
-    while from < points.len() {
-        let to = (from..points.len())
-            .take_while(|index| points[*index].0.before == points[from].0.before)
-            .last()
-            .unwrap_or(from);
-        // the ends of a stretch belong to two events at once
-        if to > from + 2 && way[to] - way[from] >= NAMED * whole {
-            let half = 0.5 * (way[from] + way[to]);
-            let place = (from..to).find(|index| way[*index] >= half).unwrap_or(from);
-            places.push(place.clamp(from + 1, to - 1));
-        }
-        from = to + 1;
-    }
-    places
-}
 
 /// The start with its unit tangent, the null vector of the Jacobian.
 fn first_node(system: &EventSystem, start: &Vector, tolerance: f64) -> Result<Node, String> {
@@ -1212,99 +1161,4 @@ fn successor(wave: &Wave, point: &Vector, margin: &Margin, tolerance: f64) -> Op
     events::beyond(wave, point, margin, INTO, tolerance)
         .beyond
         .map(|beyond| beyond.wave.signature)
-}
-
-/// What lies on either side of the curve at a point.
-fn regions(system: &EventSystem, point: &Vector, tolerance: f64) -> Vec<Region> {
-    let (wave, own) = system.wave(point, 0);
-    let last = own.len() - 1;
-    let mut found = Vec::with_capacity(2);
-    let mut along = Vector::zeros(last + 1);
-    along[last] = 1.0;
-    let direction = |from: &Vector, to: &Vector| (to[to.len() - 1] - from[from.len() - 1]).signum();
-    match system.condition {
-        Condition::Margin(margin) => {
-            let here = AtZero { margin }.margin_at(&wave, &own).unwrap_or(margin);
-            if let Some(mut node) = events::retangent(&wave, &own, &along, 0) {
-                if here.slope(&wave, &node.tangent) < 0.0 {
-                    node.tangent.neg_mut();
-                }
-                if let Ok(step) = continuation::advance(&wave, &node, INTO, tolerance) {
-                    found.push(Region {
-                        direction: direction(&own, &step.node.point),
-                        name: wave.signature.to_string(),
-                    });
-                }
-            }
-            let search = events::beyond(&wave, &own, &here, INTO, tolerance);
-            if let Some(beyond) = search.beyond
-                && let Ok(step) =
-                    continuation::advance(&beyond.wave, &beyond.node, beyond.ds, tolerance)
-            {
-                found.push(Region {
-                    direction: direction(&beyond.node.point, &step.node.point),
-                    name: beyond.wave.signature.to_string(),
-                });
-            }
-        }
-        Condition::Fold => {
-            let null = point.rows(last, last).clone_owned();
-            let tangent =
-                Vector::from_fn(last + 1, |row, _| if row < last { null[row] } else { 0.0 });
-            let node = Node {
-                point: own.clone(),
-                tangent,
-                newton: 0,
-                residual: 0.0,
-            };
-            if let Ok(step) = continuation::advance(&wave, &node, INTO, tolerance) {
-                let direction = direction(&own, &step.node.point);
-                found.push(Region {
-                    direction,
-                    name: format!("two waves {}", wave.signature),
-                });
-                found.push(Region {
-                    direction: -direction,
-                    name: "none of them".into(),
-                });
-            }
-        }
-        Condition::Hopf { sector } => {
-            let Some(node) = events::retangent(&wave, &own, &along, 0) else {
-                return found;
-            };
-            let omega = system.omega(point).unwrap_or(0.0);
-            let growth = |step: f64| -> Option<(f64, f64)> {
-                let there = continuation::advance(&wave, &node, step, tolerance)
-                    .ok()?
-                    .node;
-                let characteristic = Characteristic::new(&wave, &there.point).ok()?;
-                let z = characteristic.multiplier(sector);
-                let mut lambda = Complex::new(0.0, omega);
-                for _ in 0..20 {
-                    let (value, by) = characteristic.evaluate(lambda).sector(z);
-                    let step = value / by;
-                    lambda -= step;
-                    if step.norm() < 1e-12 {
-                        break;
-                    }
-                }
-                Some((direction(&own, &there.point), lambda.re))
-            };
-            for step in [INTO, -INTO] {
-                if let Some((direction, rate)) = growth(step) {
-                    let name = if rate > 0.0 {
-                        "the pair grows"
-                    } else {
-                        "the pair decays"
-                    };
-                    found.push(Region {
-                        direction,
-                        name: name.into(),
-                    });
-                }
-            }
-        }
-    }
-    found
 }

@@ -7,6 +7,7 @@ mod cusp;
 mod equations;
 mod hopf;
 mod meeting;
+mod regions;
 mod resume;
 
 use brakewave::curve::start::{NoCurve, Start, find};

@@ -13,8 +13,9 @@ use crate::curve::{Curve, Region};
 /// Size of the names of regions.
 const SIZE: f64 = 16.0;
 
-/// Distance of a name from the curve.
-const AWAY: f64 = 14.0;
+/// Least distance of a name from the curve, and from the frame.
+const CLEAR: f64 = 4.0;
+const EDGE: f64 = 8.0;
 
 /// Size of the marks of special points.
 const MARK: f64 = 4.6;
@@ -110,43 +111,32 @@ pub fn compose(
         if line.len() != curve.points.len() {
             return;
         }
-        let mut taken = Vec::new();
-        for (index, regions) in &curve.regions {
-            for (direction, text) in sides(regions) {
-                let stretch = stretch(curve, *index);
-                if let Some(found) = room(frame, &line, &taken, &stretch, direction, &text) {
-                    let place = (found.centre.0, found.centre.1 + 0.36 * SIZE);
-                    canvas.text(place, &text, SIZE, Align::Middle);
-                    taken.push(found);
-                }
-            }
+        for (centre, text) in labels(frame, &line, &curve.regions) {
+            let place = (centre.0, centre.1 + 0.36 * SIZE);
+            canvas.text(place, &text, SIZE, Align::Middle);
         }
     })
 }
 
-/// Names on either side of the curve.
-fn sides(regions: &[Region]) -> Vec<(f64, String)> {
-    [-1.0, 1.0]
-        .into_iter()
-        .filter_map(|direction| {
-            let mut texts: Vec<String> = regions
-                .iter()
-                .filter(|region| region.direction == direction)
-                .map(|region| readable(&region.name))
-                .collect();
-            texts.dedup();
-            (!texts.is_empty()).then(|| (direction, texts.join(", ")))
-        })
-        .collect()
-}
-
-/// Points with the same waves around one, the nearest first.
-fn stretch(curve: &Curve, index: usize) -> Vec<usize> {
-    let same = |other: &usize| curve.points[*other].before == curve.points[index].before;
-    let mut found: Vec<usize> = (index..curve.points.len()).take_while(same).collect();
-    found.extend((0..index).rev().take_while(same));
-    found.sort_by_key(|other| other.abs_diff(index));
-    found
+/// The names that are written, each with its middle at its place: one for every stretch and side, at the
+/// first of its places that has room.
+pub fn labels(frame: &Frame, line: &[Place], regions: &[Region]) -> Vec<(Place, String)> {
+    let mut taken: Vec<Room> = Vec::new();
+    let mut named: Vec<(usize, bool)> = Vec::new();
+    let mut written = Vec::new();
+    for region in regions {
+        let side = (region.stretch, region.left);
+        if named.contains(&side) {
+            continue;
+        }
+        let text = readable(&region.name);
+        if let Some(found) = room(frame, line, &taken, region.place, &text) {
+            written.push((found.centre, text));
+            taken.push(found);
+            named.push(side);
+        }
+    }
+    written
 }
 
 /// The place of a text.
@@ -163,56 +153,36 @@ impl Room {
     }
 }
 
-/// Room for a text beside a stretch of the curve, on the side of larger (1) or smaller (−1) values of
-/// the first parameter, that covers neither the curve nor another text.
+/// Room for a text with its middle at a place of the plane, within the frame, that covers neither the
+/// curve nor another text.
 fn room(
     frame: &Frame,
     line: &[Place],
     taken: &[Room],
-    stretch: &[usize],
-    direction: f64,
+    place: [f64; 2],
     text: &str,
 ) -> Option<Room> {
-    let half = (0.5 * text_width(text, SIZE), 0.6 * SIZE);
-    stretch.iter().find_map(|&index| {
-        let (before, after) = (
-            line[index.saturating_sub(1)],
-            line[(index + 1).min(line.len() - 1)],
-        );
-        let (dx, dy) = (after.0 - before.0, after.1 - before.1);
-        let length = dx.hypot(dy);
-        if length.is_nan() || length <= 0.0 {
-            return None;
-        }
-        // across the curve, towards larger values of the first parameter
-        let sign = direction * if dy < 0.0 { -1.0 } else { 1.0 };
-        let across = (sign * dy / length, -sign * dx / length);
-        // the nearer side of the text keeps its distance from the curve
-        let reach = AWAY + half.0 * across.0.abs() + half.1 * across.1.abs();
-        let within = |value: f64, low: f64, high: f64| value.clamp(low, high.max(low));
-        let room = Room {
-            centre: (
-                within(
-                    line[index].0 + across.0 * reach,
-                    frame.from.0 + half.0 + 8.0,
-                    frame.to.0 - half.0 - 8.0,
-                ),
-                within(
-                    line[index].1 + across.1 * reach,
-                    frame.from.1 + half.1 + 8.0,
-                    frame.to.1 - half.1 - 8.0,
-                ),
-            ),
-            half,
-        };
-        let covers = line.iter().any(|place| room.holds(*place, 4.0))
-            || taken.iter().any(|other| {
-                let both = (half.0 + other.half.0, half.1 + other.half.1);
-                (room.centre.0 - other.centre.0).abs() < both.0
-                    && (room.centre.1 - other.centre.1).abs() < both.1
-            });
-        (!covers).then_some(room)
-    })
+    let room = Room {
+        centre: frame.place(place[0], place[1])?,
+        half: (0.5 * text_width(text, SIZE), 0.6 * SIZE),
+    };
+    let (centre, half) = (room.centre, room.half);
+    let inside = centre.0 - half.0 - EDGE >= frame.from.0
+        && centre.0 + half.0 + EDGE <= frame.to.0
+        && centre.1 - half.1 - EDGE >= frame.from.1
+        && centre.1 + half.1 + EDGE <= frame.to.1;
+    let covers = line.iter().any(|place| room.holds(*place, CLEAR))
+        || line.windows(2).any(|pair| room.holds(middle(pair), CLEAR))
+        || taken.iter().any(|other| {
+            let both = (half.0 + other.half.0, half.1 + other.half.1);
+            (centre.0 - other.centre.0).abs() < both.0 && (centre.1 - other.centre.1).abs() < both.1
+        });
+    (inside && !covers).then_some(room)
+}
+
+/// The middle of a piece of the curve.
+fn middle(pair: &[Place]) -> Place {
+    (0.5 * (pair[0].0 + pair[1].0), 0.5 * (pair[0].1 + pair[1].1))
 }
 
 /// A region's name with its signature shortened, if it has one.

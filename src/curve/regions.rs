@@ -1,0 +1,434 @@
+//! What lies beside a curve of events: names for places in the plane of its parameters.
+//!
+//! A name is what a computation finds at its place. From a point of the curve one parameter is let go
+//! while the other stays: that is a branch through the event, and its arms are followed across the
+//! range, through folds and changes of regime. A place on that line is named after the passages of the
+//! branch through it:
+//!
+//! | event | name |
+//! |---|---|
+//! | GR, RV, CO, ST | the regimes of the waves that pass |
+//! | LP | how many waves pass, and their regimes |
+//! | HB | whether the pair of the event grows or decays there; no other event lies between |
+//!
+//! A number of waves is known where both arms come to an edge of the range, or the branch closes: it is
+//! that of the waves of this branch within the range. Where nothing is known there is no name.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Complex;
+
+use super::system::{Condition, EventSystem};
+use super::{Entry, INTO, Settings};
+use crate::continuation::{self, Node};
+use crate::events;
+use crate::flow::sign::Verdict;
+use crate::follow::{self, Follower, Found, Status};
+use crate::linalg::Vector;
+use crate::stability::characteristic::Characteristic;
+use crate::wave::Wave;
+use crate::wave::admissibility::AtZero;
+
+/// The name of a place beside the curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// Stretch of the curve with the same waves that it belongs to, from 0.
+    pub stretch: usize,
+    /// Whether it lies on the left of the curve, in the order of its points, the second parameter
+    /// pointing upwards.
+    pub left: bool,
+    /// Both parameters.
+    pub place: [f64; 2],
+    /// What is there.
+    pub name: String,
+}
+
+/// Part of the whole length that a stretch needs for its regions to be named.
+const NAMED: f64 = 0.12;
+/// Where along a stretch places are looked for, as parts of its length: the middle first.
+const ALONG: [f64; 9] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9];
+/// Distances of places from the curve, as parts of a range. A picture takes the nearest with room.
+const AWAY: [f64; 10] = [
+    0.04, 0.055, 0.07, 0.085, 0.1, 0.125, 0.15, 0.175, 0.2, 0.225,
+];
+/// Least sine of the angle between the curve and the way to a place.
+const ACROSS: f64 = 0.35;
+/// Most steps of an arm, and most zones of its waves. Arms that take more are those of slow waves which
+/// chatter; nothing near the curve is missed with them.
+const MOST_STEPS: usize = 400;
+const MOST_ZONES: usize = 10;
+/// Longest step while a pair is followed, in units of the range: its eigenvalue moves little.
+const SHORT: f64 = 0.01;
+/// Largest way of the eigenvalue from one point to the next, in units of the frequency of the wave. A
+/// longer one may have gone to another pair.
+const LARGEST_MOVE: f64 = 0.05;
+
+/// Names beside a curve. Of every stretch and side, the places to prefer come first.
+pub(super) fn regions(points: &[Entry], settings: &Settings) -> Vec<Region> {
+    let mut named = Vec::new();
+    for (stretch, places) in stretches(points).into_iter().enumerate() {
+        let mut found = Vec::new();
+        for (order, index) in places.into_iter().enumerate() {
+            for axis in [0, 1] {
+                for (distance, region) in beside(points, index, axis, stretch, settings) {
+                    found.push((distance, order, region));
+                }
+            }
+        }
+        found.sort_by(|one, other| (one.0, one.1).cmp(&(other.0, other.1)));
+        named.extend(found.into_iter().map(|(_, _, region)| region));
+    }
+    named
+}
+
+/// A point of the curve in units of the ranges.
+fn scaled(entry: &Entry) -> [f64; 2] {
+    let widths = entry.1.widths();
+    [0, 1].map(|index| entry.0.parameters[index] / widths[index])
+}
+
+/// For every stretch with the same waves, broken at folds and cusps, the points beside which places
+/// are looked for.
+fn stretches(points: &[Entry]) -> Vec<Vec<usize>> {
+    // way from the first point to each
+    let mut way = vec![0.0];
+    for pair in points.windows(2) {
+        let (one, other) = (scaled(&pair[0]), scaled(&pair[1]));
+        let so_far = way.last().copied().unwrap_or(0.0);
+        way.push(so_far + (one[0] - other[0]).hypot(one[1] - other[1]));
+    }
+    let whole = way.last().copied().unwrap_or(0.0);
+    let mut found = Vec::new();
+    let mut from = 0;
+    while from < points.len() {
+        let turns = |index: &usize| {
+            let kind = points[*index].0.kind.as_deref().unwrap_or_default();
+            kind == "CP" || kind.ends_with("+LP")
+        };
+        let same = |index: &usize| points[*index].0.before == points[from].0.before;
+        let to = (from..points.len())
+            .take_while(|index| same(index) && !(*index > from && turns(&(index - 1))))
+            .last()
+            .unwrap_or(from);
+        // the ends of a stretch belong to two events at once
+        if to > from + 2 && way[to] - way[from] >= NAMED * whole {
+            let mut places: Vec<usize> = Vec::new();
+            for part in ALONG {
+                let wanted = way[from] + part * (way[to] - way[from]);
+                let place = (from..to)
+                    .find(|index| way[*index] >= wanted)
+                    .unwrap_or(from);
+                let place = place.clamp(from + 1, to - 1);
+                if !places.contains(&place) {
+                    places.push(place);
+                }
+            }
+            found.push(places);
+        }
+        from = to + 1;
+    }
+    found
+}
+
+/// Named places on the line through a point of the curve along which one parameter changes, with the
+/// number of their distance.
+fn beside(
+    points: &[Entry],
+    index: usize,
+    axis: usize,
+    stretch: usize,
+    settings: &Settings,
+) -> Vec<(usize, Region)> {
+    let (point, system, at) = &points[index];
+    let (one, other) = (scaled(&points[index - 1]), scaled(&points[index + 1]));
+    let (dx, dy) = (other[0] - one[0], other[1] - one[1]);
+    // across the curve: the sine, positive on its left, of the angle to larger values
+    let sine = if axis == 0 { -dy } else { dx } / dx.hypot(dy);
+    if sine.is_nan() || sine.abs() < ACROSS {
+        return Vec::new();
+    }
+    let (low, high) = settings.ranges[axis];
+    let mut targets = Vec::new();
+    for (distance, away) in AWAY.iter().enumerate() {
+        for sign in [1.0, -1.0] {
+            let target = point.parameters[axis] + sign * away * (high - low);
+            if target > low && target < high {
+                targets.push((distance, (sine > 0.0) == (sign > 0.0), target));
+            }
+        }
+    }
+    let values: Vec<f64> = targets.iter().map(|(_, _, target)| *target).collect();
+    let Some(section) = Section::through(system, at, axis, &values, settings) else {
+        return Vec::new();
+    };
+    let named = targets.iter().enumerate().filter_map(|(number, target)| {
+        let (distance, left, value) = *target;
+        let mut place = point.parameters;
+        place[axis] = value;
+        let name = section.name(number)?;
+        Some((
+            distance,
+            Region {
+                stretch,
+                left,
+                place,
+                name,
+            },
+        ))
+    });
+    named.collect()
+}
+
+/// The branch through an event along a line, as far as places on the line are concerned.
+struct Section {
+    condition: Condition,
+    /// For every place the regimes of the waves that pass, and Re λ of the pair that is followed.
+    passages: BTreeMap<usize, Vec<(String, Option<f64>)>>,
+    /// Whether the whole of the branch has been seen.
+    complete: bool,
+}
+
+impl Section {
+    /// Follows the arms of the branch. `None` where it does not leave the event.
+    fn through(
+        system: &EventSystem,
+        at: &Vector,
+        axis: usize,
+        targets: &[f64],
+        settings: &Settings,
+    ) -> Option<Section> {
+        let arms = arms(system, at, axis, settings.steps.tolerance);
+        if arms.is_empty() {
+            return None;
+        }
+        let mut section = Section {
+            condition: system.condition,
+            passages: BTreeMap::new(),
+            complete: arms.len() == 2,
+        };
+        let mut steps = settings.steps;
+        let range = settings.ranges[axis];
+        if let Condition::Hopf { .. } = system.condition {
+            steps.ds_max = steps.ds_max.min(SHORT);
+            steps.ds = steps.ds.min(SHORT);
+        }
+        for (wave, point, up) in arms {
+            let settings = follow::Settings {
+                range,
+                stop_at: targets.to_vec(),
+                continuation: steps,
+            };
+            let mut pair = match system.condition {
+                Condition::Hopf { sector } => Some(Pair {
+                    sector,
+                    lambda: Complex::new(0.0, system.omega(at)?),
+                    most: LARGEST_MOVE * system.frequency(),
+                }),
+                _ => None,
+            };
+            let mut seen = BTreeMap::new();
+            let end = match Follower::new(wave, &point, up, settings) {
+                Ok(arm) => walk(arm, range, targets, &mut pair, &mut seen),
+                Err(_) => End::Lost,
+            };
+            section.complete &= end != End::Lost;
+            if end == End::Closed {
+                // the other arm is the same loop the other way round
+                section.passages = seen;
+                section.complete = true;
+                break;
+            }
+            for (target, waves) in seen {
+                section.passages.entry(target).or_default().extend(waves);
+            }
+        }
+        Some(section)
+    }
+
+    /// The name of a place.
+    fn name(&self, target: usize) -> Option<String> {
+        let waves = self.passages.get(&target).map_or(&[][..], Vec::as_slice);
+        if let Condition::Hopf { .. } = self.condition {
+            let (_, rate) = waves.first()?;
+            let grows = (*rate)? > 0.0;
+            let name = if grows {
+                "the pair grows"
+            } else {
+                "the pair decays"
+            };
+            return Some(name.into());
+        }
+        let mut names: Vec<&str> = waves.iter().map(|(name, _)| name.as_str()).collect();
+        let count = names.len();
+        names.sort_unstable();
+        names.dedup();
+        let list = names.join(", ");
+        match self.condition {
+            Condition::Fold if !self.complete => None,
+            Condition::Fold => Some(match count {
+                0 => "none found".into(),
+                1 => format!("1 wave {list}"),
+                count => format!("{count} waves {list}"),
+            }),
+            _ => (count > 0).then_some(list),
+        }
+    }
+}
+
+/// How an arm ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum End {
+    /// At an edge of the range.
+    Edge,
+    /// Where it began.
+    Closed,
+    /// Before that.
+    Lost,
+}
+
+/// The pair of a Hopf point on its way along a branch.
+struct Pair {
+    sector: usize,
+    lambda: Complex<f64>,
+    most: f64,
+}
+
+impl Pair {
+    /// Follows it to the next wave. `None` where it may have been mistaken for another one.
+    fn follow(&mut self, wave: &Wave, point: &Vector) -> Option<f64> {
+        /// Relative correction of λ at which Newton's method, which converges quadratically, is
+        /// there, and most corrections.
+        const CONVERGED: f64 = 1e-10;
+        const MOST: usize = 20;
+        let characteristic = Characteristic::new(wave, point).ok()?;
+        let z = characteristic.multiplier(self.sector);
+        let mut lambda = self.lambda;
+        for _ in 0..MOST {
+            let (value, by) = characteristic.evaluate(lambda).sector(z);
+            let step = value / by;
+            lambda -= step;
+            if !(step.norm() <= self.most && (lambda - self.lambda).norm() <= self.most) {
+                return None;
+            }
+            if step.norm() <= CONVERGED * lambda.norm() {
+                self.lambda = lambda;
+                return Some(lambda.re);
+            }
+        }
+        None
+    }
+}
+
+/// Follows an arm to its end and notes its passages.
+fn walk(
+    mut arm: Follower,
+    range: (f64, f64),
+    targets: &[f64],
+    pair: &mut Option<Pair>,
+    seen: &mut BTreeMap<usize, Vec<(String, Option<f64>)>>,
+) -> End {
+    if arm.here().examination.verdict != Verdict::Positive {
+        return End::Lost;
+    }
+    let (mut steps, mut end) = (0, End::Closed);
+    loop {
+        let (found, status) = arm.step();
+        steps += 1;
+        for Found {
+            wave,
+            node,
+            kind,
+            parameter,
+            ..
+        } in found
+        {
+            use crate::branch::EventType::{EP, LP, RV, UZ};
+            let mut rate = None;
+            if let Some(pair) = pair {
+                // the spectrum passes the opening of reverse slip, but not every change of regime
+                if !matches!(kind, None | Some(UZ | LP | EP | RV)) {
+                    return End::Lost;
+                }
+                rate = pair.follow(&wave, &node.point);
+                if rate.is_none() {
+                    return End::Lost;
+                }
+            }
+            if kind == Some(EP) && [range.0, range.1].contains(&parameter) {
+                end = End::Edge;
+            }
+            let target = targets.iter().position(|target| *target == parameter);
+            if let (Some(UZ), Some(target)) = (kind, target) {
+                let passages = seen.entry(target).or_default();
+                passages.push((wave.signature.to_string(), rate));
+            }
+        }
+        match status {
+            Status::Going if steps < MOST_STEPS && arm.from().0.zones() <= MOST_ZONES => {}
+            Status::Going | Status::Failed(_) => return End::Lost,
+            Status::Finished => return end,
+        }
+    }
+}
+
+/// The arms of the branch through an event, a step away from it: wave, point and whether the
+/// parameter grows.
+fn arms(
+    system: &EventSystem,
+    point: &Vector,
+    axis: usize,
+    tolerance: f64,
+) -> Vec<(Wave, Vector, bool)> {
+    let (wave, own) = system.wave(point, axis);
+    let last = own.len() - 1;
+    let mut along = Vector::zeros(last + 1);
+    along[last] = 1.0;
+    let step = |wave: &Wave, node: &Node, ds: f64| {
+        let to = continuation::advance(wave, node, ds, tolerance)
+            .ok()?
+            .node
+            .point;
+        let way = to[to.len() - 1] - node.point[to.len() - 1];
+        (way != 0.0).then(|| (wave.clone(), to, way > 0.0))
+    };
+    let mut found = Vec::with_capacity(2);
+    match system.condition {
+        Condition::Margin(margin) => {
+            let here = AtZero { margin }.margin_at(&wave, &own).unwrap_or(margin);
+            if let Some(mut node) = events::retangent(&wave, &own, &along, 0) {
+                if here.slope(&wave, &node.tangent) < 0.0 {
+                    node.tangent.neg_mut();
+                }
+                found.extend(step(&wave, &node, INTO));
+            }
+            if let Some(beyond) = events::beyond(&wave, &own, &here, INTO, tolerance).beyond {
+                found.extend(step(&beyond.wave, &beyond.node, beyond.ds));
+            }
+        }
+        Condition::Fold => {
+            let null = point.rows(last, last).clone_owned();
+            for sign in [1.0, -1.0] {
+                let tangent =
+                    Vector::from_fn(
+                        last + 1,
+                        |row, _| {
+                            if row < last { sign * null[row] } else { 0.0 }
+                        },
+                    );
+                let node = Node {
+                    point: own.clone(),
+                    tangent,
+                    newton: 0,
+                    residual: 0.0,
+                };
+                found.extend(step(&wave, &node, INTO));
+            }
+        }
+        Condition::Hopf { .. } => {
+            for up in [true, false] {
+                found.push((wave.clone(), own.clone(), up));
+            }
+        }
+    }
+    found
+}
