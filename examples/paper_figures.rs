@@ -15,21 +15,21 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// A picture to gather.
-struct Figure {
+pub struct Figure {
     /// Name of the file without extension.
-    name: &'static str,
+    pub name: &'static str,
     /// Problem file, in `problems`.
-    problem: &'static str,
+    pub problem: &'static str,
     /// Whether the motion in time is wanted, too.
-    simulated: bool,
+    pub simulated: bool,
     /// Picture in the folder of results, without extension.
-    picture: &'static str,
+    pub picture: &'static str,
     /// Table it is drawn from.
-    table: &'static str,
-    caption: &'static str,
+    pub table: &'static str,
+    pub caption: &'static str,
 }
 
-const FIGURES: [Figure; 10] = [
+pub const FIGURES: [Figure; 10] = [
     Figure {
         name: "annulus_stick_slip",
         problem: "annulus_stick_slip",
@@ -81,8 +81,8 @@ sequence of regimes changes at the marked events: reverse slip opens, then separ
         picture: "friction",
         table: "profiles/6.csv",
         caption: "Counterpart of figure 7: mode 8 with reverse slip before stick. ν = 0.25, ξ = 1.25, γ = 1; \
-f = 0.446 and δ = 0.0268 are where the reverse zone lies from 0.62 to 0.73 of the wavelength 0.785, as read off \
-that figure. The other waves are those at other mismatches; the table is that of this one. What agrees is the place of the zone.",
+f = 0.446 and δ = 0.02677 are where the reverse zone lies from 0.62 to 0.73 of the wavelength 0.785, as read off \
+that figure. What agrees is the place of the zone.",
     },
     Figure {
         name: "eigenvalues",

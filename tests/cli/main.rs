@@ -5,6 +5,7 @@ mod bad_input;
 mod branch_end;
 mod check;
 mod fields;
+mod figures;
 mod files;
 mod folders;
 mod harness;

@@ -1,4 +1,10 @@
 //! A sheet of SVG to draw on, in pixels of a column that is 510 wide.
+//!
+//! What cannot be seen is left out: marks that cover each other, and points of a long line that lie in
+//! the same [`COLUMN`] as those around them. A file grows with what it shows, not with the tables.
+
+use std::borrow::Cow;
+use std::collections::HashSet;
 
 use plotters::prelude::{DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -19,6 +25,13 @@ const FAMILY: &str = "Helvetica, Arial, sans-serif";
 /// The backend writes font sizes divided by this.
 const FONT_DIVISOR: f64 = 1.24;
 
+/// Width in pixels within which the points of a long line are one upright stroke, and marks of one
+/// shape and colour one mark: a quarter of the thinnest line.
+const COLUMN: f64 = 0.25;
+
+/// Points of a line up to which all are kept.
+const LONG: usize = 4000;
+
 /// A position in pixels, from the upper left corner.
 pub type Place = (f64, f64);
 
@@ -34,7 +47,7 @@ pub enum Align {
 }
 
 /// Shape of a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Shape {
     /// Disc.
     Disc,
@@ -66,6 +79,8 @@ pub enum Shape {
 pub struct Canvas<'a> {
     backend: SVGBackend<'a>,
     failure: Option<String>,
+    /// Marks drawn so far: place and size in units of [`COLUMN`], shape, colour.
+    marks: HashSet<(i64, i64, i64, Shape, [u8; 3])>,
 }
 
 /// Composes a picture of this height: hands a white sheet to `paint` and returns the file's text.
@@ -76,6 +91,7 @@ pub fn compose(height: f64, paint: impl FnOnce(&mut Canvas<'_>)) -> Result<Strin
         let mut canvas = Canvas {
             backend: SVGBackend::with_string(&mut buffer, size),
             failure: None,
+            marks: HashSet::new(),
         };
         canvas.area((0.0, 0.0), (WIDTH, height), WHITE);
         paint(&mut canvas);
@@ -95,6 +111,7 @@ pub fn compose(height: f64, paint: impl FnOnce(&mut Canvas<'_>)) -> Result<Strin
 impl Canvas<'_> {
     /// A line through the places.
     pub fn line(&mut self, places: &[Place], pen: Pen) {
+        let places = &*thinned(places);
         // A stroke starts with its own length so that short lines show something.
         let strokes = match pen.pattern {
             Pattern::Solid => vec![places.to_vec()],
@@ -112,6 +129,7 @@ impl Canvas<'_> {
 
     /// A filled polygon.
     pub fn polygon(&mut self, corners: &[Place], colour: RGBColor) {
+        let corners = &*thinned(corners);
         let style = ShapeStyle::from(&colour).filled();
         let drawn = self
             .backend
@@ -175,6 +193,14 @@ impl Canvas<'_> {
 
     /// A point of this shape, `size` being about half its width, with a white rim.
     pub fn point(&mut self, place: Place, shape: Shape, size: f64, colour: RGBColor) {
+        let cell = |value: f64| (value / COLUMN).round() as i64;
+        let rgb = [colour.0, colour.1, colour.2];
+        if !self
+            .marks
+            .insert((cell(place.0), cell(place.1), cell(size), shape, rgb))
+        {
+            return;
+        }
         let outline = outline(place, shape, size);
         let stroke = 1.5;
         match shape {
@@ -227,8 +253,8 @@ impl Canvas<'_> {
             .transform(transform)
             .color(&colour)
             .pos(Pos::new(horizontal, VPos::Center));
-        // Control characters are not allowed in the file and would spoil it as a whole.
-        let clean: String = text.chars().filter(|c| !c.is_control()).collect();
+        // Characters that XML does not allow would spoil the file as a whole.
+        let clean: String = text.chars().filter(|c| allowed(*c)).collect();
         let drawn = self.backend.draw_text(&clean, &style, coordinate(place));
         self.note(drawn);
     }
@@ -245,6 +271,31 @@ impl Canvas<'_> {
 
 /// How far below its place, in font sizes, the backend sets the base line: half an x-height.
 const SHIFT: f64 = 0.26;
+
+/// Whether XML 1.0 allows a character in a text, and it is to be seen.
+fn allowed(c: char) -> bool {
+    !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}')
+}
+
+/// A long line without the points that cannot be told apart: of successive ones in the same column the
+/// first, the lowest, the highest and the last are kept.
+fn thinned(places: &[Place]) -> Cow<'_, [Place]> {
+    if places.len() <= LONG {
+        return Cow::Borrowed(places);
+    }
+    let column = |place: &Place| (place.0 / COLUMN).floor();
+    let mut kept = Vec::new();
+    for group in places.chunk_by(|one, other| column(one) == column(other)) {
+        let by_height = |one: &usize, other: &usize| group[*one].1.total_cmp(&group[*other].1);
+        let last = group.len() - 1;
+        let low = (0..=last).min_by(by_height).unwrap_or(0);
+        let high = (0..=last).max_by(by_height).unwrap_or(0);
+        let mut chosen = [0, low.min(high), low.max(high), last].to_vec();
+        chosen.dedup();
+        kept.extend(chosen.into_iter().map(|index| group[index]));
+    }
+    Cow::Owned(kept)
+}
 
 /// Generous estimate of a text's width; the font of the reader is not known.
 pub fn text_width(text: &str, size: f64) -> f64 {

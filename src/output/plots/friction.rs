@@ -14,12 +14,13 @@ use super::sheet::{Panel, Sheet, remark};
 
 /// Composes the picture.
 pub fn compose(profiles: &Profiles, settings: &Settings) -> Result<String, PlotError> {
-    // The richest wave; of several the one with the least parameter, where zones are widest apart.
+    // A wave that was asked for, if there is one; of several the richest; of several of these the one
+    // with the least parameter, where zones are widest apart.
     let chosen = profiles
         .all
         .iter()
         .rev()
-        .max_by_key(|profile| profile.zones().len());
+        .max_by_key(|profile| (profile.asked_for, profile.zones().len()));
     let force = Quantity::new("friction force", "Q");
     let velocity = Quantity::new("velocity", "1 − V\u{307}");
     let Some(profile) = chosen else {

@@ -32,6 +32,8 @@ pub struct Profile {
     pub mismatch: Option<f64>,
     /// Friction coefficient f, when known.
     pub friction: Option<f64>,
+    /// Whether the wave was asked for by a value of the parameter.
+    pub asked_for: bool,
     /// θ of the samples.
     pub theta: Vec<f64>,
     /// U; not a number where a sample has none, like all that follow.
@@ -71,6 +73,7 @@ impl Profile {
             parameter: tables.at_label(label, parameter),
             mismatch: tables.at_label(label, "mismatch"),
             friction: tables.at_label(label, "friction"),
+            asked_for: tables.asked_for(label),
             ..Profile::default()
         };
         for row in 0..table.len() {

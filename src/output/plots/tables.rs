@@ -1,8 +1,11 @@
 //! The tables of a result folder, read back as text.
 
+use std::collections::HashSet;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+
+use csv::StringRecord;
 
 use super::axis::drawable;
 use super::error::PlotError;
@@ -16,7 +19,7 @@ const WORDS: [&str; 4] = ["type", "regimes", "switches", "stable"];
 pub struct Table {
     path: PathBuf,
     columns: Vec<String>,
-    rows: Vec<Vec<String>>,
+    rows: Vec<StringRecord>,
 }
 
 impl Table {
@@ -63,8 +66,7 @@ impl Table {
         }
         let mut rows = Vec::new();
         for record in reader.records() {
-            let record = record.map_err(fault)?;
-            rows.push(record.iter().map(str::to_owned).collect::<Vec<_>>());
+            rows.push(record.map_err(fault)?);
         }
         // Every finished row ends its line; without that even a full row may lack figures.
         let finished = rows
@@ -109,7 +111,7 @@ impl Table {
         self.columns()
             .position(|name| name == column)
             .and_then(|index| self.rows.get(row)?.get(index))
-            .map_or("", String::as_str)
+            .unwrap_or("")
     }
 
     /// A cell as a number; none when it is empty, no number, or too large to draw.
@@ -202,6 +204,12 @@ impl Tables {
         of(&self.branch).or_else(|| of(&self.events))
     }
 
+    /// Whether a label was asked for by the value of its parameter.
+    pub fn asked_for(&self, label: &str) -> bool {
+        let row = self.events.row_of_label(label);
+        row.and_then(|row| self.events.kind(row)) == Some(EventType::UZ)
+    }
+
     /// The numbers in a cell of a labelled point, from the branch or else from its events.
     pub fn list_at_label(&self, label: &str, column: &str) -> Vec<f64> {
         [&self.branch, &self.events]
@@ -229,7 +237,7 @@ impl Tables {
     pub fn marks(&self, x: &str, y: &str) -> Vec<Mark> {
         let of_branch = (0..self.branch.len()).map(|row| (&self.branch, row));
         let of_events = (0..self.events.len()).map(|row| (&self.events, row));
-        let mut seen = Vec::new();
+        let mut seen = HashSet::new();
         let mut marks = Vec::new();
         for (table, row) in of_branch.chain(of_events) {
             let Some(kind) = table.kind(row) else {
@@ -238,10 +246,9 @@ impl Tables {
             // The same event is usually in both tables.
             let key = (table.text(row, "label"), kind);
             if !key.0.is_empty() {
-                if seen.contains(&key) {
+                if !seen.insert(key) {
                     continue;
                 }
-                seen.push(key);
             }
             let value = |column: &str| {
                 table

@@ -5,7 +5,13 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
+use super::axis::Axis;
+use super::canvas::Place;
+use super::curve;
+use super::frame::Frame;
+use super::quantity::Quantity;
 use super::{Format, Picture, PlotError, Settings, draw};
+use crate::curve::Region;
 
 const BRANCH: &str = "point,label,type,regimes,mismatch,friction,mass_damping,stiffness_damping,\
 gamma,nu,xi,speed,switches,min_pressure,max_gap,amplitude,stable,unstable,lead_re,lead_im,\
@@ -370,5 +376,91 @@ fn formats_left_out_are_named() {
     for format in [Format::Png, Format::Pdf] {
         let error = draw(folder.path(), &[Picture::Diagram], format, &settings()).unwrap_err();
         assert!(error.to_string().contains("raster"), "{error}");
+    }
+}
+
+/// Characters that XML does not know, from a title, leave every format whole.
+#[test]
+fn titles_may_hold_any_character() {
+    let folder = folder(&[row("1", "EP", 0.1, "", 1), row("2", "EP", 0.2, "", 1)]);
+    let settings = Settings {
+        title: Some("a\u{fffe}b\u{ffff}c\u{1b}d\u{7f}e\u{0}f < & > \u{1f600}".to_owned()),
+        ..settings()
+    };
+    let mut formats = vec![Format::Svg];
+    if cfg!(feature = "raster") {
+        formats.extend([Format::Png, Format::Pdf]);
+    }
+    for format in formats {
+        let files = draw(folder.path(), &[Picture::Diagram], format, &settings).unwrap();
+        let bytes = fs::read(&files[0]).unwrap();
+        if let (Format::Svg, Ok(text)) = (format, String::from_utf8(bytes)) {
+            assert!(text.contains("abcdef &lt; &amp; &gt; \u{1f600}"));
+            // the characters of XML 1.0
+            let known = |c: char| {
+                matches!(c, '\t' | '\n' | '\r' | ' '..='\u{d7ff}' | '\u{e000}'..='\u{fffd}')
+                    || c >= '\u{10000}'
+            };
+            assert!(text.chars().all(known));
+        }
+    }
+}
+
+/// A file grows with what can be seen: ten times the points, the same picture.
+#[test]
+fn many_points_make_no_large_picture() {
+    let size = |count: u32| {
+        let rows: Vec<String> = (0..count)
+            .map(|index| {
+                let part = f64::from(index) / f64::from(count);
+                // a line that oscillates, and marks all along
+                row("", "UZ", part + 0.01 * (60.0 * part).sin(), "yes", 1)
+            })
+            .collect();
+        let folder = folder(&rows);
+        svg(&folder, Picture::Diagram).len()
+    };
+    let (few, many) = (size(6_000), size(60_000));
+    assert!(many < few + few / 2, "{few} {many}");
+}
+
+/// A name stands with its middle at the place that it was computed for, or nowhere.
+#[test]
+fn names_stand_at_their_places() {
+    let quantity = Quantity::new("parameter", "p");
+    let frame = Frame {
+        from: (60.0, 40.0),
+        to: (460.0, 340.0),
+        x: Axis::over(2.0, 4.0, &quantity, 5),
+        y: Axis::over(0.0, 0.3, &quantity, 5),
+        figures: 20.0,
+        labelled_below: true,
+    };
+    let line: Vec<Place> = (0..=300)
+        .map(|step| (260.0, 40.0 + f64::from(step)))
+        .collect();
+    let region = |stretch, left, place, name: &str| Region {
+        stretch,
+        left,
+        place,
+        name: name.to_owned(),
+    };
+    let regions = [
+        // across the curve, then clear of it
+        region(0, false, [3.05, 0.1], "slip-stick"),
+        region(0, false, [3.5, 0.1], "slip-stick"),
+        region(0, false, [3.6, 0.2], "slip-stick"),
+        region(0, true, [2.5, 0.15], "3 waves slip-stick"),
+        // over the edge of the frame
+        region(1, true, [2.02, 0.05], "the pair grows"),
+    ];
+    let written = curve::labels(&frame, &line, &regions);
+    assert_eq!(written.len(), 2);
+    for ((found, text), (place, name)) in written
+        .iter()
+        .zip([((360.0, 240.0), "sl-st"), ((160.0, 190.0), "3 waves sl-st")])
+    {
+        assert_eq!(text, name);
+        assert!((found.0 - place.0).abs() < 1e-9 && (found.1 - place.1).abs() < 1e-9);
     }
 }
