@@ -11,8 +11,9 @@
 //! | LP | how many waves pass, and their regimes |
 //! | HB | whether the pair of the event grows or decays there; no other event lies between |
 //!
-//! A number of waves is known where both arms come to an edge of the range, or the branch closes: it is
-//! that of the waves of this branch within the range. Where nothing is known there is no name.
+//! A number of waves is known where both arms come to an edge of the range, to the Hopf point of steady
+//! sliding, or back to the event. For that the range is widened: waves may return from beyond it. Where
+//! nothing is known, or nothing found, there is no name.
 
 use std::collections::BTreeMap;
 
@@ -20,6 +21,7 @@ use nalgebra::Complex;
 
 use super::system::{Condition, EventSystem};
 use super::{Entry, INTO, Settings};
+use crate::branch::EventType::{EP, LP, RV, ST, UZ};
 use crate::continuation::{self, Node};
 use crate::events;
 use crate::flow::sign::Verdict;
@@ -51,6 +53,8 @@ const ALONG: [f64; 9] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9];
 const AWAY: [f64; 10] = [
     0.04, 0.055, 0.07, 0.085, 0.1, 0.125, 0.15, 0.175, 0.2, 0.225,
 ];
+/// How far below its range a parameter goes that must be positive, as a part of its lower end.
+const TOWARDS_ZERO: f64 = 0.05;
 /// Least sine of the angle between the curve and the way to a place.
 const ACROSS: f64 = 0.35;
 /// Most steps of an arm, and most zones of its waves. Arms that take more are those of slow waves which
@@ -207,11 +211,26 @@ impl Section {
             complete: arms.len() == 2,
         };
         let mut steps = settings.steps;
-        let range = settings.ranges[axis];
-        if let Condition::Hopf { .. } = system.condition {
-            steps.ds_max = steps.ds_max.min(SHORT);
-            steps.ds = steps.ds.min(SHORT);
+        let (mut low, mut high) = settings.ranges[axis];
+        match system.condition {
+            Condition::Hopf { .. } => {
+                steps.ds_max = steps.ds_max.min(SHORT);
+                steps.ds = steps.ds.min(SHORT);
+            }
+            // waves may come back from beyond an edge: they count
+            Condition::Fold => {
+                let parameter = system.parameters()[axis];
+                let width = high - low;
+                let further = |values: [f64; 2], edge: f64| {
+                    let admitted = values.into_iter().find(|value| parameter.admits(*value).0);
+                    admitted.unwrap_or(edge)
+                };
+                low = further([low - width, TOWARDS_ZERO * low], low);
+                high = further([high + width, high], high);
+            }
+            Condition::Margin(_) => {}
         }
+        let range = (low, high);
         for (wave, point, up) in arms {
             let settings = follow::Settings {
                 range,
@@ -264,13 +283,11 @@ impl Section {
         names.dedup();
         let list = names.join(", ");
         match self.condition {
+            _ if count == 0 => None,
             Condition::Fold if !self.complete => None,
-            Condition::Fold => Some(match count {
-                0 => "none found".into(),
-                1 => format!("1 wave {list}"),
-                count => format!("{count} waves {list}"),
-            }),
-            _ => (count > 0).then_some(list),
+            Condition::Fold if count == 1 => Some(format!("1 wave {list}")),
+            Condition::Fold => Some(format!("{count} waves {list}")),
+            _ => Some(list),
         }
     }
 }
@@ -278,7 +295,7 @@ impl Section {
 /// How an arm ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum End {
-    /// At an edge of the range.
+    /// At an edge of the range, or where waves end.
     Edge,
     /// Where it began.
     Closed,
@@ -334,6 +351,10 @@ fn walk(
     loop {
         let (found, status) = arm.step();
         steps += 1;
+        // where slip-stick waves lose their stick zone they end, at the Hopf point of steady sliding
+        let vanished = found.iter().any(|found| {
+            found.kind == Some(ST) && found.wave.signature.to_string() == "slip-stick"
+        });
         for Found {
             wave,
             node,
@@ -342,7 +363,6 @@ fn walk(
             ..
         } in found
         {
-            use crate::branch::EventType::{EP, LP, RV, UZ};
             let mut rate = None;
             if let Some(pair) = pair {
                 // the spectrum passes the opening of reverse slip, but not every change of regime
@@ -365,6 +385,7 @@ fn walk(
         }
         match status {
             Status::Going if steps < MOST_STEPS && arm.from().0.zones() <= MOST_ZONES => {}
+            Status::Failed(_) if vanished => return End::Edge,
             Status::Going | Status::Failed(_) => return End::Lost,
             Status::Finished => return end,
         }
