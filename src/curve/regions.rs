@@ -59,30 +59,39 @@ const TOWARDS_ZERO: f64 = 0.05;
 const ACROSS: f64 = 0.35;
 /// Most steps of an arm, and most zones of its waves. Arms that take more are those of slow waves which
 /// chatter; nothing near the curve is missed with them.
-const MOST_STEPS: usize = 400;
+const MOST_STEPS: usize = 1200;
 const MOST_ZONES: usize = 10;
+/// Steps below this are those of an arm about to fail.
+const CREEPING: f64 = 1e-6;
+/// Most steps of all arms together: about as long as the curve itself took, or a second.
+const ALL_STEPS: usize = 20_000;
 /// Longest step while a pair is followed, in units of the range: its eigenvalue moves little.
 const SHORT: f64 = 0.01;
 /// Largest way of the eigenvalue from one point to the next, in units of the frequency of the wave. A
 /// longer one may have gone to another pair.
 const LARGEST_MOVE: f64 = 0.05;
 
-/// Names beside a curve. Of every stretch and side, the places to prefer come first.
+/// Names beside a curve. Of every stretch and side, the places to prefer come first: those in the region
+/// next to the curve, and the nearest of them.
 pub(super) fn regions(points: &[Entry], settings: &Settings) -> Vec<Region> {
-    let mut named = Vec::new();
-    for (stretch, places) in stretches(points).into_iter().enumerate() {
-        let mut found = Vec::new();
-        for (order, index) in places.into_iter().enumerate() {
+    let stretches = stretches(points);
+    let mut found = Vec::new();
+    let mut budget = ALL_STEPS;
+    // the middles of all stretches first
+    for order in 0..ALONG.len() {
+        for (stretch, places) in stretches.iter().enumerate() {
+            let Some(index) = places.get(order) else {
+                continue;
+            };
             for axis in [0, 1] {
-                for (distance, region) in beside(points, index, axis, stretch, settings) {
-                    found.push((distance, order, region));
+                for (rank, region) in beside(points, *index, axis, stretch, settings, &mut budget) {
+                    found.push((stretch, rank, order, region));
                 }
             }
         }
-        found.sort_by(|one, other| (one.0, one.1).cmp(&(other.0, other.1)));
-        named.extend(found.into_iter().map(|(_, _, region)| region));
     }
-    named
+    found.sort_by_key(|(stretch, rank, order, _)| (*stretch, *rank, *order));
+    found.into_iter().map(|(_, _, _, region)| region).collect()
 }
 
 /// A point of the curve in units of the ranges.
@@ -134,15 +143,16 @@ fn stretches(points: &[Entry]) -> Vec<Vec<usize>> {
     found
 }
 
-/// Named places on the line through a point of the curve along which one parameter changes, with the
-/// number of their distance.
+/// Named places on the line through a point of the curve along which one parameter changes. With each
+/// whether it lies beyond the region next to the curve, and the number of its distance.
 fn beside(
     points: &[Entry],
     index: usize,
     axis: usize,
     stretch: usize,
     settings: &Settings,
-) -> Vec<(usize, Region)> {
+    budget: &mut usize,
+) -> Vec<((bool, usize), Region)> {
     let (point, system, at) = &points[index];
     let (one, other) = (scaled(&points[index - 1]), scaled(&points[index + 1]));
     let (dx, dy) = (other[0] - one[0], other[1] - one[1]);
@@ -162,23 +172,26 @@ fn beside(
         }
     }
     let values: Vec<f64> = targets.iter().map(|(_, _, target)| *target).collect();
-    let Some(section) = Section::through(system, at, axis, &values, settings) else {
+    let Some(section) = Section::through(system, at, axis, &values, settings, budget) else {
         return Vec::new();
     };
+    // names next to the curve on its right and its left; the targets come by distance
+    let mut next: [Option<Option<String>>; 2] = [None, None];
+    let mut within = [true, true];
     let named = targets.iter().enumerate().filter_map(|(number, target)| {
         let (distance, left, value) = *target;
+        let side = usize::from(left);
+        let name = section.name(number);
+        within[side] &= next[side].get_or_insert_with(|| name.clone()) == &name;
         let mut place = point.parameters;
         place[axis] = value;
-        let name = section.name(number)?;
-        Some((
-            distance,
-            Region {
-                stretch,
-                left,
-                place,
-                name,
-            },
-        ))
+        let region = Region {
+            stretch,
+            left,
+            place,
+            name: name?,
+        };
+        Some(((!within[side], distance), region))
     });
     named.collect()
 }
@@ -200,6 +213,7 @@ impl Section {
         axis: usize,
         targets: &[f64],
         settings: &Settings,
+        budget: &mut usize,
     ) -> Option<Section> {
         let arms = arms(system, at, axis, settings.steps.tolerance);
         if arms.is_empty() {
@@ -211,6 +225,7 @@ impl Section {
             complete: arms.len() == 2,
         };
         let mut steps = settings.steps;
+        steps.ds_min = steps.ds_min.max(CREEPING);
         let (mut low, mut high) = settings.ranges[axis];
         match system.condition {
             Condition::Hopf { .. } => {
@@ -247,7 +262,7 @@ impl Section {
             };
             let mut seen = BTreeMap::new();
             let end = match Follower::new(wave, &point, up, settings) {
-                Ok(arm) => walk(arm, range, targets, &mut pair, &mut seen),
+                Ok(arm) => walk(arm, range, targets, &mut pair, &mut seen, budget),
                 Err(_) => End::Lost,
             };
             section.complete &= end != End::Lost;
@@ -343,14 +358,17 @@ fn walk(
     targets: &[f64],
     pair: &mut Option<Pair>,
     seen: &mut BTreeMap<usize, Vec<(String, Option<f64>)>>,
+    budget: &mut usize,
 ) -> End {
     if arm.here().examination.verdict != Verdict::Positive {
         return End::Lost;
     }
+    let most = MOST_STEPS.min(*budget);
     let (mut steps, mut end) = (0, End::Closed);
-    loop {
+    while steps < most {
         let (found, status) = arm.step();
         steps += 1;
+        *budget -= 1;
         // where slip-stick waves lose their stick zone they end, at the Hopf point of steady sliding
         let vanished = found.iter().any(|found| {
             found.kind == Some(ST) && found.wave.signature.to_string() == "slip-stick"
@@ -384,12 +402,13 @@ fn walk(
             }
         }
         match status {
-            Status::Going if steps < MOST_STEPS && arm.from().0.zones() <= MOST_ZONES => {}
+            Status::Going if arm.from().0.zones() <= MOST_ZONES => {}
             Status::Failed(_) if vanished => return End::Edge,
             Status::Going | Status::Failed(_) => return End::Lost,
             Status::Finished => return end,
         }
     }
+    End::Lost
 }
 
 /// The arms of the branch through an event, a step away from it: wave, point and whether the

@@ -31,7 +31,7 @@ fn table_and_picture_of_a_curve() {
     assert!(first.status.success(), "{first:?}");
     let table = fs::read(out.join("curve.csv")).unwrap();
     let picture = fs::read_to_string(out.join("curve.svg")).unwrap();
-    assert!(picture.contains("<svg") && picture.contains("sl-rev-st"));
+    assert!(picture.contains("<svg") && picture.contains("sl-sep-"));
     let mut reader = csv::Reader::from_reader(table.as_slice());
     let header: Vec<String> = reader
         .headers()
