@@ -155,8 +155,8 @@ pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
             tangential: (f64::INFINITY, f64::NEG_INFINITY),
         },
     };
-    // written so that NaN is refused too
-    if !(flows.frame.at.kappa > 0.0) {
+    let kappa = flows.frame.at.kappa;
+    if kappa.is_nan() || kappa <= 0.0 {
         let jet = edge_margin(wave, &flows, point, 0, Watch::Coupling)?;
         collector.judge(Verdict::Negative);
         collector.margin(Watch::Coupling, 0, 0.0, jet);
