@@ -140,6 +140,10 @@ impl SavedWave {
             model.friction,
             model.mass_damping,
             model.stiffness_damping,
+            model.gamma.unwrap_or_default(),
+            model.nu.unwrap_or_default(),
+            model.xi.unwrap_or_default(),
+            model.smoothing.unwrap_or_default(),
         ];
         let zones = self.signature.len();
         zones > 0

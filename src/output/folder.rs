@@ -18,8 +18,8 @@ use super::plots::{self, Format};
 use super::store::{Store, StoreError, VERSION, bytes, damaged, io_error, read};
 use super::tables;
 use crate::curve::start::Labelled;
-use crate::problem::Problem;
-use crate::run::{Branch, Item, Progress, SavedWave};
+use crate::problem::{Parameter, Problem, Start};
+use crate::run::{self, Branch, Item, Progress, SavedWave};
 
 /// Content of `branch.ron`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,12 +45,19 @@ impl Restart {
             let reason = format!("no restart file of version {VERSION}: {error}");
             damaged(&path, reason)
         })?;
+        // all waves have the model of the problem, but for the parameter they were followed in
+        let parameter = restart.problem.continuation.as_ref();
+        let parameter = parameter.map_or(Parameter::Mismatch, |section| section.parameter);
+        let model = match (&restart.problem.wave.start, restart.waves.first()) {
+            (Start::Restart { .. }, Some(first)) => first.model,
+            _ => run::model(&restart.problem.model),
+        };
         for (index, wave) in restart.waves.iter().enumerate() {
-            if wave.label != index + 1 || !wave.is_whole() {
-                return Err(damaged(
-                    &path,
-                    format!("the wave in place {} is not whole", index + 1),
-                ));
+            let value = wave.model.value(parameter).unwrap_or(f64::NAN);
+            let known = wave.model == model.with(parameter, value);
+            if wave.label != index + 1 || !wave.is_whole() || !known {
+                let reason = format!("the wave in place {} is not whole", index + 1);
+                return Err(damaged(&path, reason));
             }
         }
         if restart.waves.len() != restart.progress.labels {

@@ -375,21 +375,10 @@ impl Store {
         existing: Existing,
         inputs: &[PathBuf],
     ) -> Result<Store, StoreError> {
-        // without the separator at its end, which would follow a link
-        let path: PathBuf = path.components().collect();
+        let (path, there) = real(path)?;
         let mut made = Vec::new();
-        match found(&path)? {
-            Some(there) if there.is_symlink() => {
-                return refused(&path, "a symbolic link; name the folder that it points to");
-            }
-            Some(there) if !there.is_dir() => {
-                return refused(
-                    &path,
-                    "a file, where a folder is to be; take another with --out",
-                );
-            }
-            Some(_) => {}
-            None => make(&path, &mut made)?,
+        if !there {
+            make(&path, &mut made)?;
         }
         let header = Header {
             version: VERSION.to_owned(),
@@ -462,6 +451,9 @@ impl Store {
             // a file system without locks does not keep anybody from computing
             Err(TryLockError::Error(_)) | Ok(()) => {}
         }
+        if found(&path)?.is_none() {
+            return refused(folder, "another process has just left it; try again");
+        }
         Ok((Manifest::read(&path, file, true)?, new))
     }
 
@@ -470,10 +462,7 @@ impl Store {
     /// # Errors
     /// When it has no manifest.
     pub fn visit(path: &Path) -> Result<Store, StoreError> {
-        let path: PathBuf = path.components().collect();
-        if found(&path)?.is_some_and(|there| there.is_symlink()) {
-            return refused(&path, "a symbolic link; name the folder that it points to");
-        }
+        let (path, _) = real(path)?;
         let file = path.join(MANIFEST);
         if found(&file)?.is_some_and(|there| !there.is_file()) {
             return refused(&file, "in the way: it is no file");
@@ -754,6 +743,22 @@ impl Drop for Store {
             unmake(&self.made);
         }
     }
+}
+
+/// A folder by its name, and whether it is there; a link to one is refused.
+fn real(path: &Path) -> Result<(PathBuf, bool), StoreError> {
+    // without the separator at its end, which would follow a link
+    let path: PathBuf = path.components().collect();
+    let there = match found(&path)? {
+        Some(there) if there.is_symlink() => {
+            return refused(&path, "a symbolic link; name the folder that it points to");
+        }
+        Some(there) if !there.is_dir() => {
+            return refused(&path, "a file, where a folder is to be; name another");
+        }
+        there => there.is_some(),
+    };
+    Ok((path, there))
 }
 
 /// Makes a folder and those above it.

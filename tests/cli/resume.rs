@@ -352,6 +352,14 @@ fn a_damaged_restart_file_is_refused() {
         ("met", emptied("met:[")),
         ("passed", longer("passed:[", "true")),
         ("labels", whole.replacen("label:2,", "label:3,", 1)),
+        (
+            "another model",
+            changed(
+                &whole,
+                "friction:0.5,mismatch:0.195,",
+                "friction:0.6,mismatch:0.195,",
+            ),
+        ),
         ("empty", String::new()),
         ("half", whole[..whole.len() / 2].to_owned()),
     ];

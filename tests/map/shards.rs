@@ -228,6 +228,22 @@ fn damaged_rows_are_not_joined() {
     let before = files(path);
     assert_eq!(run(path, &merge).status.code(), Some(4));
     assert!(files(path) == before);
+    // shards of another version
+    let description = path.join("s1/map.ron");
+    let text = fs::read_to_string(&description).unwrap();
+    let version = format!("version:\"{}\"", env!("CARGO_PKG_VERSION"));
+    let text = text.replacen(&version, "version:\"0.0.7\"", 1);
+    fs::write(&description, text).unwrap();
+    let output = run(path, &merge);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("s1/map.ron: written by version 0.0.7"),
+        "{said}"
+    );
+    // not what a map is described by
+    fs::write(&description, "(version:").unwrap();
+    assert_eq!(run(path, &merge).status.code(), Some(4));
 }
 
 /// The folder of a shard, however it is written, keeps its rows when the map is joined there.
