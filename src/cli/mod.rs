@@ -131,8 +131,7 @@ impl Failure {
                 PlotError::Read { .. }
                 | PlotError::Table { .. }
                 | PlotError::Empty { .. }
-                | PlotError::MissingColumn { .. }
-                | PlotError::Write { .. },
+                | PlotError::MissingColumn { .. },
             )
             | Failure::Output(_) => INPUT_OUTPUT,
             _ => BAD_INPUT,

@@ -63,14 +63,6 @@ pub enum PlotError {
         reason: String,
     },
     /// A picture could not be written.
-    #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// A picture could not be put into its folder.
     #[error("{0}")]
     Store(#[from] StoreError),
 }

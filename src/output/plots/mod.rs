@@ -194,10 +194,8 @@ pub fn draw_accuracy(
 
 /// Writes a composed picture.
 fn save(path: &Path, svg: String, format: Format) -> Result<(), PlotError> {
-    fs::write(path, convert(svg, format)?).map_err(|source| PlotError::Write {
-        path: path.to_owned(),
-        source,
-    })
+    let bytes = convert(svg, format)?;
+    Ok(fs::write(path, bytes).map_err(store::io_error("write it", path))?)
 }
 
 /// Writes a composed picture into a result folder.
