@@ -1,6 +1,9 @@
 //! The first wave of a branch.
 
+use std::fmt;
+
 use crate::branch::EventType;
+use crate::continuation;
 use crate::events;
 use crate::flow::FlowError;
 use crate::flow::sign::Verdict;
@@ -9,7 +12,7 @@ use crate::linalg::Vector;
 use crate::model::Model;
 use crate::model::signature::{Regime, Signature};
 use crate::newton::{self, Fixed, System};
-use crate::problem::{FrictionLaw, Parameter};
+use crate::problem::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, FrictionLaw, Parameter};
 use crate::wave::admissibility::examine;
 use crate::wave::hopf::{Family, NoHopf, family};
 use crate::wave::start::{self, NoWave, Which};
@@ -35,6 +38,19 @@ pub enum NoStart {
     /// Newton's method failed on the closed form.
     #[error("Newton's method fails at the start: {0}")]
     Newton(String),
+    /// The wave of the regularised law was not found next to Coulomb's.
+    #[error(
+        "no wave of the regularised law was found next to the slip-stick wave: at ε = {epsilon} \
+         V̇ comes to rest in layers of {layer:.0e} of the period, which the mesh must resolve ({reason})"
+    )]
+    Smoothing {
+        /// ε tried.
+        epsilon: f64,
+        /// Length of the layers in units of the period.
+        layer: f64,
+        /// How Newton's method ended.
+        reason: String,
+    },
     /// The slip-stick wave does not exist at this δ, and the branch from where it exists does
     /// not reach it.
     #[error(
@@ -77,10 +93,26 @@ pub fn first_wave(
     mode: u32,
     which: Which,
     width: f64,
-    continuation: crate::continuation::Settings,
+    steps: continuation::Settings,
+) -> Result<(Wave, Vector), NoStart> {
+    let mut search = Search {
+        steps,
+        watch: &mut |_| {},
+    };
+    search_first_wave(model, parameter, mode, which, width, &mut search)
+}
+
+/// [`first_wave`], with somebody told where the search is.
+pub fn search_first_wave(
+    model: &Model,
+    parameter: Parameter,
+    mode: u32,
+    which: Which,
+    width: f64,
+    search: &mut Search,
 ) -> Result<(Wave, Vector), NoStart> {
     if model.stiffness_damping > 0.0 {
-        return material_wave(model, parameter, mode, which, width, continuation);
+        return material_wave(model, parameter, mode, which, width, search);
     }
     let coulomb = Model {
         law: FrictionLaw::Coulomb,
@@ -121,7 +153,7 @@ pub fn first_wave(
         above,
         least,
         scales,
-        continuation,
+        search,
     )
 }
 
@@ -134,11 +166,11 @@ fn lowered(
     above: f64,
     least: f64,
     scales: Scales,
-    continuation: crate::continuation::Settings,
+    search: &mut Search,
 ) -> Result<(Wave, Vector), NoStart> {
     let range = (model.mismatch, above * (1.0 + 1e-9));
     let (wave, point) =
-        followed(wave, &point, range, model.mismatch, true, continuation).map_err(|reason| {
+        followed(wave, &point, range, model.mismatch, true, search).map_err(|reason| {
             NoStart::Unreached {
                 mismatch: model.mismatch,
                 least,
@@ -172,44 +204,135 @@ fn followed(
     range: (f64, f64),
     target: f64,
     round_folds: bool,
-    continuation: crate::continuation::Settings,
+    search: &mut Search,
 ) -> Result<(Wave, Vector), String> {
     let settings = Settings {
         range,
         stop_at: Vec::new(),
-        continuation,
+        continuation: search_steps(search.steps),
     };
     let upward = target == range.1;
     let mut follower = Follower::new(wave, point, upward, settings)?;
-    for _ in 0..MOST_STEPS {
+    let column = follower.from().0.parameter.column();
+    let begun = follower.here().parameter;
+    let (mut nearest, mut folds) = (begun, 0);
+    for step in 0..MOST_STEPS {
+        (search.watch)(&Walk {
+            column,
+            from: begun,
+            to: target,
+            at: follower.here().parameter,
+            step,
+        });
         let (found, status) = follower.step();
-        let fold = found.iter().find(|found| found.kind == Some(EventType::LP));
-        if let (Some(fold), false) = (fold, round_folds) {
-            let column = fold.wave.parameter.column();
-            return Err(format!(
-                "the branch folds at {column} = {:e}",
-                fold.parameter
-            ));
+        for point in &found {
+            if (point.parameter - target).abs() < (nearest - target).abs() {
+                nearest = point.parameter;
+            }
+            if point.kind != Some(EventType::LP) {
+                continue;
+            }
+            folds += 1;
+            if !round_folds {
+                return Err(format!(
+                    "the branch folds at {column} = {:e}",
+                    point.parameter
+                ));
+            }
         }
         match status {
+            Status::Going if folds >= MOST_FOLDS => {
+                return Err(format!(
+                    "it winds through {folds} folds in {} steps and comes to {column} = {nearest:.6} \
+                     only",
+                    step + 1
+                ));
+            }
             Status::Going => {}
             Status::Failed(reason) => return Err(reason),
             Status::Finished => {
                 let end = found.last().ok_or("no point")?;
                 let reached = end.wave.parameter_at(&end.node.point);
                 if (reached - target).abs() > 1e-9 * target.abs() {
-                    let column = end.wave.parameter.column();
                     return Err(format!("it turns back to {column} = {reached}"));
                 }
                 return Ok((end.wave.as_ref().clone(), end.node.point.clone()));
             }
         }
     }
-    Err(format!("it is not reached in {MOST_STEPS} steps"))
+    Err(format!(
+        "it comes to {column} = {nearest:.6} only in {MOST_STEPS} steps"
+    ))
 }
 
-/// Most steps of a search for a first wave.
-const MOST_STEPS: usize = 100_000;
+/// Where a search for a first wave is: it follows a branch in a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Walk {
+    /// Column of the parameter.
+    pub column: &'static str,
+    /// Value it set out from.
+    pub from: f64,
+    /// Value to be reached.
+    pub to: f64,
+    /// Value reached.
+    pub at: f64,
+    /// Steps taken.
+    pub step: usize,
+}
+
+impl Walk {
+    /// Share of the way behind it.
+    pub fn part(&self) -> f64 {
+        (self.at - self.from) / (self.to - self.from)
+    }
+}
+
+impl fmt::Display for Walk {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        let Walk {
+            column,
+            from,
+            to,
+            at,
+            step,
+        } = self;
+        write!(
+            out,
+            "walking from {column} = {from:.3e} to {to:.3e} for a first wave: step {step} of at most \
+             {MOST_STEPS}, at {at:.3e}"
+        )
+    }
+}
+
+/// Who is told where a search is.
+pub type Watch<'a> = &'a mut dyn FnMut(&Walk);
+
+/// How the branches of a search are followed, and who is told where it is.
+pub struct Search<'a> {
+    /// Step lengths and tolerance.
+    pub steps: continuation::Settings,
+    /// Called before each step.
+    pub watch: Watch<'a>,
+}
+
+/// Most steps of a search for a first wave. At the default step lengths a branch takes a hundred
+/// through its parameter and up to three hundred more through its changes of regime.
+const MOST_STEPS: usize = 5_000;
+
+/// Most folds of a search for a first wave: branches that arrive have few. Others wind up, a bounce of
+/// the separated surface more with every turn, and tend to a value they never pass.
+const MOST_FOLDS: usize = 40;
+
+/// The step lengths of a search: those of the problem, but none finer than the defaults; only its end
+/// is wanted.
+fn search_steps(steps: continuation::Settings) -> continuation::Settings {
+    continuation::Settings {
+        ds: steps.ds.max(DEFAULT_DS),
+        ds_min: steps.ds_min.min(DEFAULT_DS_MIN),
+        ds_max: steps.ds_max.max(DEFAULT_DS_MAX),
+        ..steps
+    }
+}
 
 /// The wave of a model with material damping. Slip-stick waves are followed from β = 0, where they
 /// are known in closed form, at a mismatch at which they stay in contact; the fast wave, where the
@@ -220,11 +343,11 @@ fn material_wave(
     mode: u32,
     which: Which,
     width: f64,
-    continuation: crate::continuation::Settings,
+    search: &mut Search,
 ) -> Result<(Wave, Vector), NoStart> {
     let beta = model.stiffness_damping;
-    let found = from_undamped(model, mode, which, continuation).or_else(|reason| match which {
-        Which::Fast => from_hopf(model, mode, continuation)
+    let found = from_undamped(model, mode, which, search).or_else(|reason| match which {
+        Which::Fast => from_hopf(model, mode, search)
             .map_err(|other| format!("{reason}; from the Hopf point of steady sliding: {other}")),
         Which::Slow => Err(reason),
     });
@@ -261,7 +384,7 @@ fn material_wave(
     }
     let (above, start) = from;
     let least = model.mismatch;
-    lowered(model, parameter, start, above, least, scales, continuation)
+    lowered(model, parameter, start, above, least, scales, search)
 }
 
 /// Mismatches at which slip-stick waves with material damping are looked for, in units of the least
@@ -273,7 +396,7 @@ fn from_undamped(
     model: &Model,
     mode: u32,
     which: Which,
-    continuation: crate::continuation::Settings,
+    search: &mut Search,
 ) -> Result<(Wave, Vector), String> {
     let beta = model.stiffness_damping;
     let undamped = model.with(Parameter::StiffnessDamping, 0.0);
@@ -283,15 +406,11 @@ fn from_undamped(
     let from = undamped.with(Parameter::Mismatch, above);
     let (wave, point) = slip_stick_wave(&from, Parameter::StiffnessDamping, mode, &closed, beta)
         .map_err(|error| error.to_string())?;
-    followed(wave, &point, (0.0, beta), beta, false, continuation)
+    followed(wave, &point, (0.0, beta), beta, false, search)
 }
 
 /// The slip-stick wave at this friction from the Hopf point of steady sliding, posed in f.
-fn from_hopf(
-    model: &Model,
-    mode: u32,
-    continuation: crate::continuation::Settings,
-) -> Result<(Wave, Vector), String> {
+fn from_hopf(model: &Model, mode: u32, search: &mut Search) -> Result<(Wave, Vector), String> {
     let found = family(model, Parameter::Friction, mode, model.friction, 2).or_else(|error| {
         let NoHopf::Separation { least, .. } = error else {
             return Err(error.to_string());
@@ -300,10 +419,10 @@ fn from_hopf(
         family(&above, Parameter::Friction, mode, model.friction, 2)
             .map_err(|error| error.to_string())
     })?;
-    let (wave, point) = beyond_hopf(&found, continuation)?;
+    let (wave, point) = beyond_hopf(&found, search.steps)?;
     let at = wave.parameter_at(&point);
     let range = (at.min(model.friction), at.max(model.friction));
-    followed(wave, &point, range, model.friction, true, continuation)
+    followed(wave, &point, range, model.friction, true, search)
 }
 
 /// Arclength of the first step from a Hopf point into the slip-stick branch: its stick zone is there
@@ -316,14 +435,14 @@ const BEYOND_HOPF: f64 = 1e-4;
 /// No admissible wave with a short stick zone exists.
 pub fn beyond_hopf(
     family: &Family,
-    continuation: crate::continuation::Settings,
+    steps: continuation::Settings,
 ) -> Result<(Wave, Vector), String> {
     let candidate = family.opening();
-    let tolerance = continuation.tolerance;
+    let tolerance = steps.tolerance;
     let beyond = events::enter(&candidate, BEYOND_HOPF, tolerance).map_err(|reason| {
         reason.unwrap_or_else(|| "the equations do not hold at the Hopf point".into())
     })?;
-    let step = crate::continuation::advance(&beyond.wave, &beyond.node, beyond.ds, tolerance)
+    let step = continuation::advance(&beyond.wave, &beyond.node, beyond.ds, tolerance)
         .map_err(|error| error.to_string())?;
     Ok((beyond.wave, step.node.point))
 }
@@ -433,7 +552,16 @@ fn smooth_wave(
     }
     let mut reached = FIRST_SMOOTHING.min(epsilon);
     let mut wave = posed(reached);
-    let mut point = polish(&wave, &guess(&wave, &first, sharp.excess_at(at)))?;
+    let mut point = polish(&wave, &guess(&wave, &first, sharp.excess_at(at))).map_err(|error| {
+        // V̇ comes to rest at 1 in layers of this length
+        let frame = &flows.frame.at;
+        let pull = frame.friction * (frame.g * frame.mismatch + frame.kappa);
+        NoStart::Smoothing {
+            epsilon: reached,
+            layer: frame.ma * reached / pull / period,
+            reason: error.to_string(),
+        }
+    })?;
     while reached != epsilon {
         reached = (reached * SMOOTHING_STEP).min(epsilon);
         let next = posed(reached);

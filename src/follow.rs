@@ -29,6 +29,15 @@ pub struct Settings {
     pub continuation: continuation::Settings,
 }
 
+impl Settings {
+    /// With every user point once, in order: a step then looks at those within it only.
+    fn ordered(mut self) -> Settings {
+        self.stop_at.sort_by(f64::total_cmp);
+        self.stop_at.dedup();
+        self
+    }
+}
+
 /// A point found, in order along the branch.
 #[derive(Clone, Debug)]
 pub struct Found {
@@ -122,7 +131,7 @@ impl Follower {
             examination,
             heading,
             travelled: 0.0,
-            settings,
+            settings: settings.ordered(),
         })
     }
 
@@ -167,7 +176,7 @@ impl Follower {
                 },
             ),
             travelled: state.travelled,
-            settings,
+            settings: settings.ordered(),
         })
     }
 
@@ -426,7 +435,41 @@ impl Follower {
             s: ds,
             ..self.here()
         });
-        Ok((points, Status::Going))
+        let status = match self.sonic() {
+            Some(reason) => {
+                points.push(Found {
+                    s: ds,
+                    kind: Some(EventType::MX),
+                    what: reason.clone(),
+                    ..self.here()
+                });
+                Status::Failed(reason)
+            }
+            None => Status::Going,
+        };
+        Ok((points, status))
+    }
+
+    /// Why the branch has no end in the range where its speed tends to √a: ln(|c|/√a − 1) falls without
+    /// bound and everything else tends to a limit, as a power of the excess speed.
+    fn sonic(&self) -> Option<String> {
+        let Node { point, tangent, .. } = &self.node;
+        let last = point.len() - 1;
+        let excess = self.wave.excess_at(point);
+        // change per e-fold of the excess speed: of everything, and of the parameter
+        let fall = -tangent[last - 1];
+        let rest = (1.0 - fall * fall).max(0.0).sqrt();
+        let drift = tangent[last].abs() * self.wave.scales.parameter;
+        let parameter = self.wave.parameter_at(point);
+        let (low, high) = self.settings.range;
+        let room = (parameter - low).min(high - parameter).min(parameter.abs());
+        (fall > 0.0 && excess < SONIC && rest < SETTLED && drift < SETTLED * room).then(|| {
+            format!(
+                "the speed tends to √a: |c|/√a − 1 = {excess:.1e} falls without end while everything \
+                 else tends to a limit, {} to {parameter:.6}; waves must be faster than √a",
+                self.wave.parameter.column()
+            )
+        })
     }
 
     /// Folds, user points and edges of the range within a step; `None` if one is not found.
@@ -454,10 +497,17 @@ impl Follower {
         }
         ends.push((to, ds));
         let (lower, upper) = self.settings.range;
-        let targets = self
-            .settings
-            .stop_at
+        // of many user points those between the least and the largest value of the step
+        let values = ends.iter().map(|(node, _)| wave.parameter_at(&node.point));
+        let (least, largest) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        let slack = 8.0 * f64::EPSILON * least.abs().max(largest.abs());
+        let user = &self.settings.stop_at;
+        let first = user.partition_point(|value| *value < least - slack);
+        let targets = user[first..]
             .iter()
+            .take_while(|value| **value <= largest + slack)
             .map(|&value| (value, What::User(value)))
             .chain([lower, upper].map(|value| (value, What::Edge(value))));
         for (value, what) in targets {
@@ -600,6 +650,11 @@ enum What {
 /// A tangent whose parameter component is below this does not tell a direction: beyond the
 /// opening of a zone the branch starts with none.
 const VERTICAL: f64 = 1e-7;
+
+/// Excess speed |c|/√a − 1 below which a branch may be seen to tend to √a, and how little everything
+/// else changes then while it falls by the factor e.
+const SONIC: f64 = 1e-4;
+const SETTLED: f64 = 1e-3;
 
 /// Relative distance at which a point lies on a user point or an edge.
 const ON_TARGET: f64 = 1e-13;

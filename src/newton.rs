@@ -145,10 +145,10 @@ fn evaluate<S: System>(
     let mut matrix = Matrix::zeros(n, n);
     let mut right_side = Vector::zeros(n);
     system.evaluate(point, &mut right_side.as_mut_slice()[..n - 1], &mut matrix)?;
-    let mut gradient = [0.0; MOST_UNKNOWNS];
-    right_side[n - 1] = constraint.evaluate(system, point, &mut gradient[..n])?;
-    for (column, value) in gradient[..n].iter().enumerate() {
-        matrix[(n - 1, column)] = *value;
+    let mut gradient = vec![0.0; n];
+    right_side[n - 1] = constraint.evaluate(system, point, &mut gradient)?;
+    for (column, value) in gradient.into_iter().enumerate() {
+        matrix[(n - 1, column)] = value;
     }
     Ok(Bordered { matrix, right_side })
 }
@@ -214,8 +214,9 @@ pub fn rounding(matrix: &Matrix, sizes: &Vector, noise: Option<&Vector>) -> Opti
     }))
 }
 
-/// Upper bound of the number of unknowns: 3 for each of at most 40 zones, and two.
-pub const MOST_UNKNOWNS: usize = 128;
+/// Corrections below this are rounding of unknowns of order one, times a condition of a few hundred:
+/// a smaller tolerance would compare rounding with rounding.
+const LEAST_TOLERANCE: f64 = 1e-13;
 
 /// Solves R(u) = 0 together with the constraint, from a guess.
 pub fn solve<S: System>(
@@ -228,6 +229,8 @@ pub fn solve<S: System>(
     let mut contraction = 0.0_f64;
     let mut before = f64::INFINITY;
     let mut polish = settings.polish;
+    let mut stuck = 0;
+    let tolerance = settings.tolerance.max(LEAST_TOLERANCE);
     let mut bordered = evaluate(system, constraint, &point).map_err(Failure::System)?;
     for iteration in 1..=settings.most_iterations {
         let residual = bordered.right_side.amax();
@@ -238,7 +241,7 @@ pub fn solve<S: System>(
         }
         let correction = step.amax();
         // corrections at the level of rounding no longer contract
-        if iteration > 1 && correction > settings.tolerance {
+        if iteration > 1 && correction > tolerance {
             let ratio = correction / before;
             // the equations hold to rounding: what is left moves the unknowns and nothing else
             let relative = if ratio > SLOWEST {
@@ -270,7 +273,7 @@ pub fn solve<S: System>(
             }
         }
         before = correction;
-        if correction <= settings.tolerance {
+        if correction <= tolerance {
             point -= &step;
             if polish == 0 {
                 return Ok(Solution {
@@ -296,6 +299,14 @@ pub fn solve<S: System>(
                         || next.right_side.amax() < residual
                         || left == 0 && next.right_side.amax().is_finite() =>
                 {
+                    let falls = next.right_side.amax() < residual;
+                    stuck += usize::from(settings.halvings > 0 && !falls);
+                    if stuck > MOST_STUCK {
+                        return Err(Failure::Slow {
+                            correction,
+                            iterations: iteration,
+                        });
+                    }
                     point = trial;
                     bordered = next;
                     break;
@@ -324,11 +335,14 @@ pub fn solve<S: System>(
 /// method close to a solution contracts quadratically.
 const SLOWEST: f64 = 0.5;
 
+/// Iterations of a damped attempt in which no halving makes the residual fall: after more it is given up.
+const MOST_STUCK: usize = 4;
+
 /// Largest residual, each relative to the largest entry of its row of the Jacobian where that is
 /// above one: a zone with strong growth multiplies the rounding of its entry state, and its
 /// equations by the same factor.
 pub fn relative_residual(matrix: &Matrix, residual: &[f64]) -> f64 {
-    let mut largest = [1.0_f64; MOST_UNKNOWNS];
+    let mut largest = vec![1.0_f64; residual.len()];
     for column in matrix.column_iter() {
         for (largest, entry) in largest.iter_mut().zip(column.iter()) {
             *largest = largest.max(entry.abs());
@@ -376,6 +390,47 @@ mod tests {
             jacobian[(0, 1)] = 2.0 * point[1];
             Ok(())
         }
+    }
+
+    /// x_i² = x_{i+1} + 2 in 300 unknowns, the last of them given: as large as a wave with many zones.
+    struct Chain;
+
+    impl System for Chain {
+        type Failure = std::convert::Infallible;
+
+        fn unknowns(&self) -> usize {
+            300
+        }
+
+        fn evaluate(
+            &self,
+            point: &Vector,
+            residual: &mut [f64],
+            jacobian: &mut Matrix,
+        ) -> Result<(), Self::Failure> {
+            for index in 0..299 {
+                residual[index] = point[index].powi(2) - point[index + 1] - 2.0;
+                jacobian[(index, index)] = 2.0 * point[index];
+                jacobian[(index, index + 1)] = -1.0;
+            }
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn solves_systems_of_any_size() {
+        let mut constraint = Fixed {
+            index: 299,
+            value: 2.0,
+        };
+        let guess = Vector::from_element(300, 2.1);
+        let solution = solve(&Chain, &mut constraint, &guess, &Settings::default()).unwrap();
+        assert!(solution.point.iter().all(|x| (x - 2.0).abs() < 1e-14));
+        // a residual beyond the first hundreds counts too
+        let mut residual = vec![0.0; 299];
+        residual[298] = 1.0;
+        let size = relative_residual(&Matrix::identity(299, 300), &residual);
+        assert_eq!(size, 1.0);
     }
 
     #[test]

@@ -80,6 +80,10 @@ impl RunError {
                 mismatch,
                 "take a larger mismatch, or follow the branch to it in Mismatch",
             ),
+            RunError::NoStart(NoStart::Smoothing { .. }) => (
+                "model.friction_law",
+                "write `friction_law: Coulomb`, or take another ε",
+            ),
             RunError::NoStart(NoStart::Flow(_) | NoStart::Newton(_)) => ("wave.start", elsewhere),
             RunError::NoHopf(reason) => match reason {
                 NoHopf::Parameter => (
@@ -199,6 +203,9 @@ pub struct Progress {
     pub labels: usize,
     /// Events handed out so far.
     pub events: usize,
+    /// Points handed out before this leg began: `max_points` counts from there.
+    #[serde(default)]
+    pub before_leg: usize,
     /// Rows of `spectrum.csv` handed out so far.
     pub eigenvalues: usize,
     /// How often each `stop_after` entry has been met.
@@ -390,6 +397,9 @@ const BEYOND_HOPF: f64 = 1e-9;
 /// Relative residual up to which a saved wave is taken as it is: rounding leaves about 1e-13.
 const RESTART_RESIDUAL: f64 = 1e-11;
 
+/// Most eigenvalues of a sector that a spectrum may take in: one of so many takes half a minute.
+const MOST_EIGENVALUES: f64 = 2e4;
+
 /// Directions of the legs.
 fn legs(toward: Toward) -> &'static [bool] {
     match toward {
@@ -405,6 +415,16 @@ impl Branch {
         problem: &Problem,
         continuation: &Continuation,
         restart: Option<&SavedWave>,
+    ) -> Result<Branch, RunError> {
+        Branch::begin_watched(problem, continuation, restart, &mut |_| {})
+    }
+
+    /// [`Branch::begin`], with somebody told where the search for the first wave is.
+    pub fn begin_watched(
+        problem: &Problem,
+        continuation: &Continuation,
+        restart: Option<&SavedWave>,
+        watch: begin::Watch,
     ) -> Result<Branch, RunError> {
         let parameter = continuation.parameter;
         let mut model = model(&problem.model);
@@ -464,13 +484,16 @@ impl Branch {
         };
         let (wave, point) = match (opened, which(&problem.wave.start), restart) {
             (Some(found), ..) => found,
-            (None, Some(which), _) => begin::first_wave(
+            (None, Some(which), _) => begin::search_first_wave(
                 &model,
                 parameter,
                 mode,
                 which,
                 width,
-                step_settings(continuation),
+                &mut begin::Search {
+                    steps: step_settings(continuation),
+                    watch,
+                },
             )?,
             (None, None, Some(saved)) => {
                 let impact = model.impact;
@@ -534,6 +557,22 @@ impl Branch {
             }
             _ => (wave, point),
         };
+        if let Some(request) = stability(problem) {
+            let period: f64 = wave.unpack(&point).iter().map(|zone| zone[2]).sum();
+            let count = request.max_frequency * period / std::f64::consts::PI;
+            if count > MOST_EIGENVALUES {
+                let most = MOST_EIGENVALUES * std::f64::consts::PI / period;
+                return Err(RunError::Asked {
+                    path: "stability.max_frequency",
+                    message: format!(
+                        "max_frequency = {:e} takes in about {count:.0e} eigenvalues in each sector at \
+                         each point; lower it below {most:.0e}",
+                        request.max_frequency
+                    ),
+                    help: "write for example `max_frequency: 12.0`",
+                });
+            }
+        }
         let directions = legs(continuation.toward);
         let follower = Follower::new(wave.clone(), &point, directions[0], settings(continuation))
             .map_err(NoStart::Newton)?;
@@ -541,6 +580,7 @@ impl Branch {
             progress: Progress {
                 leg: 1,
                 points: 0,
+                before_leg: 0,
                 labels: 0,
                 events: 0,
                 eigenvalues: 0,
@@ -660,9 +700,7 @@ impl Branch {
             }
             items.push(self.item(found, spectrum.as_ref(), None));
             self.progress.state = Some(self.follower.state());
-            if self.progress.points >= self.continuation.max_points {
-                self.end_leg(None, true);
-            }
+            self.check_points(&mut items);
             return items;
         }
         let from = tracker.is_some().then(|| {
@@ -724,15 +762,31 @@ impl Branch {
         }
         self.progress.state = Some(self.follower.state());
         match status {
-            Status::Going => {
-                if self.progress.points >= self.continuation.max_points {
-                    self.end_leg(None, true);
-                }
-            }
+            Status::Going => self.check_points(&mut items),
             Status::Finished => self.end_leg(None, false),
             Status::Failed(reason) => self.end_leg(Some(reason), false),
         }
         items
+    }
+
+    /// Ends a leg that has as many points as it may, with a row that says so.
+    fn check_points(&mut self, items: &mut Vec<Item>) {
+        let most = self.continuation.max_points;
+        if self.progress.points - self.progress.before_leg < most {
+            return;
+        }
+        let what = format!(
+            "max_points = {most} points are reached before the end of the range; raise `max_points` \
+             to go on, or the steps `ds` and `ds_max` if they are small"
+        );
+        let found = Found {
+            kind: Some(EventType::MX),
+            what: what.clone(),
+            ..self.follower.here()
+        };
+        let spectrum = self.progress.spectrum.clone();
+        items.push(self.item(found, spectrum.as_ref(), None));
+        self.end_leg(Some(what), false);
     }
 
     /// The waves at the Hopf point, from steady sliding to where a stick zone opens.
@@ -858,6 +912,7 @@ impl Branch {
                 Ok(follower) => {
                     self.follower = follower;
                     self.progress.leg += 1;
+                    self.progress.before_leg = self.progress.points;
                     self.progress.state = None;
                     self.progress.passed = vec![false; self.profiles];
                     return;
@@ -1044,10 +1099,15 @@ impl Branch {
         self.stability.is_some()
     }
 
-    /// Share of the range behind the branch, for progress: where the parameter stands in it.
+    /// Share of the way to the ends of the range behind the branch, for progress.
     pub fn position(&self) -> f64 {
         let (low, high) = self.continuation.range;
-        let here = self.follower.here();
-        (here.parameter - low) / (high - low)
+        let directions = legs(self.continuation.toward);
+        let leg = self.progress.leg.clamp(1, directions.len());
+        let edge = if directions[leg - 1] { high } else { low };
+        let first = self.model.value(self.continuation.parameter).unwrap_or(low);
+        let part = (self.follower.here().parameter - first) / (edge - first);
+        let behind = (leg - 1) as f64 + part.clamp(0.0, 1.0);
+        behind / directions.len() as f64
     }
 }

@@ -1,16 +1,18 @@
 //! `brakewave map` and `brakewave map merge`.
 
 use std::fs;
-use std::io::{IsTerminal, Write, stderr};
+use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::Mutex;
-use std::time::{Duration, Instant};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
+use super::progress::{Ticker, duration};
 use super::{Failure, default_folder, inputs, picture, print};
 use crate::map;
 use crate::output::map_folder::{Description, MapFolder};
@@ -103,6 +105,9 @@ pub fn map(arguments: &MapArguments) -> Result<u8, Failure> {
     }
 }
 
+/// More threads than this are not started, nor more than there are rows: they would only wait.
+const MOST_THREADS: usize = 256;
+
 fn run(arguments: &MapArguments, path: &Path) -> Result<u8, Failure> {
     let (problem, text) = problem::read(path)?;
     let section = problem.map(&text, &path.display().to_string())?;
@@ -123,7 +128,9 @@ fn run(arguments: &MapArguments, path: &Path) -> Result<u8, Failure> {
         .filter(|row| finished.binary_search(row).is_err())
         .collect();
     let threads = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.map_or(0, usize::from))
+        .num_threads(arguments.threads.map_or(0, |threads| {
+            usize::from(threads).min(rows.len()).clamp(1, MOST_THREADS)
+        }))
         .build()
         .map_err(|error| Failure::Usage(format!("cannot start threads: {error}")))?;
     let meter = Meter::new(rows.len(), arguments.quiet);
@@ -206,26 +213,16 @@ fn draw(picture: Option<(&Path, Format)>, folder: &Path, problem: &Problem) -> R
     Ok(())
 }
 
-/// How often progress is reported where nobody looks on.
-const REPORT: Duration = Duration::from_secs(20);
-
 /// Rows done and the time that is left: a bar on a terminal, a line now and then in a log.
 struct Meter {
     bar: Option<ProgressBar>,
-    log: Option<Mutex<Log>>,
-}
-
-struct Log {
-    begun: Instant,
-    reported: Instant,
-    done: usize,
-    all: usize,
+    done: Arc<AtomicUsize>,
+    _ticker: Ticker,
 }
 
 impl Meter {
     fn new(rows: usize, quiet: bool) -> Meter {
-        let watched = stderr().is_terminal();
-        let bar = (!quiet && watched).then(|| {
+        let bar = (!quiet && stderr().is_terminal()).then(|| {
             let bar = ProgressBar::new(rows as u64);
             let template = "{spinner} [{bar:40}] {pos} of {len} rows, {eta} left ({elapsed})";
             // the template is constant and valid
@@ -234,37 +231,27 @@ impl Meter {
             }
             bar
         });
-        let now = Instant::now();
-        let log = (!quiet && !watched).then(|| {
-            Mutex::new(Log {
-                begun: now,
-                reported: now,
-                done: 0,
-                all: rows,
-            })
-        });
-        Meter { bar, log }
+        let done = Arc::new(AtomicUsize::new(0));
+        let (begun, counted) = (Instant::now(), done.clone());
+        let words = move || {
+            let done = counted.load(Ordering::Relaxed);
+            let left = begun.elapsed().as_secs_f64() * (rows as f64 / done as f64 - 1.0);
+            match done {
+                0 => format!("0 of {rows} rows"),
+                _ => format!("{done} of {rows} rows, about {} left", duration(left)),
+            }
+        };
+        Meter {
+            bar,
+            done,
+            _ticker: Ticker::new(quiet, words),
+        }
     }
 
     fn tick(&self) {
+        self.done.fetch_add(1, Ordering::Relaxed);
         if let Some(bar) = &self.bar {
             bar.inc(1);
-        }
-        // a thread that fails while it reports leaves the rest without reports
-        let Some(Ok(mut log)) = self.log.as_ref().map(Mutex::lock) else {
-            return;
-        };
-        log.done += 1;
-        if log.reported.elapsed() >= REPORT && log.done < log.all {
-            log.reported = Instant::now();
-            let left =
-                log.begun.elapsed().as_secs_f64() / log.done as f64 * (log.all - log.done) as f64;
-            let _ = writeln!(
-                stderr(),
-                "{} of {} rows, about {left:.0} s left",
-                log.done,
-                log.all
-            );
         }
     }
 

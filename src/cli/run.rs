@@ -1,11 +1,10 @@
 //! `brakewave run`.
 
-use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
+use super::progress::Progress;
 use super::report::report;
 use super::{Failure, NUMERICAL, default_folder, inputs, print, warn};
 use crate::output::folder::{self, Folder, Restart};
@@ -189,8 +188,13 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             (branch, Folder::reopen(store, saved)?)
         }
         None => {
-            let begun = Branch::begin(&problem, &continuation, restart.as_ref())
+            let mut progress = Progress::new(arguments.quiet);
+            let begun =
+                Branch::begin_watched(&problem, &continuation, restart.as_ref(), &mut |walk| {
+                    progress.show(walk.part(), || walk.to_string())
+                })
                 .map_err(|error| source.place(error));
+            drop(progress);
             if begun.is_err() && store.holds_results() {
                 warn(&format!(
                     "nothing was computed; {} keeps the results of the earlier run",
@@ -203,22 +207,16 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         }
     };
     let finished = branch.progress().end.is_some();
-    let bar = (!arguments.quiet && stderr().is_terminal()).then(progress_bar);
+    let mut progress = Progress::new(arguments.quiet);
     while branch.progress().end.is_none() {
         let items = branch.step();
         folder.write(&items, &branch)?;
-        if let Some(bar) = &bar {
-            let progress = branch.progress();
-            bar.set_position((1000.0 * branch.position()).clamp(0.0, 1000.0) as u64);
-            bar.set_message(format!(
-                "{} points, {} events",
-                progress.points, progress.events
-            ));
-        }
+        progress.show(branch.position(), || {
+            let here = branch.progress();
+            format!("{} points, {} events", here.points, here.events)
+        });
     }
-    if let Some(bar) = &bar {
-        bar.finish_and_clear();
-    }
+    drop(progress);
     if !problem.output.plots.is_empty() {
         let settings = plots::Settings {
             parameter: continuation.parameter.column().to_string(),
@@ -251,13 +249,4 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         }
         _ => Ok(0),
     }
-}
-
-fn progress_bar() -> ProgressBar {
-    let bar = ProgressBar::new(1000);
-    // the template is constant and valid
-    if let Ok(style) = ProgressStyle::with_template("{spinner} [{bar:40}] {msg} ({elapsed})") {
-        bar.set_style(style.progress_chars("=> "));
-    }
-    bar
 }

@@ -1,9 +1,12 @@
 //! `brakewave steady`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use clap::Args;
 
+use super::progress::Ticker;
 use super::spectrum::{assignment, set};
 use super::{Failure, picture, print, warn};
 use crate::model::Source;
@@ -87,9 +90,18 @@ pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
         families: usize::from(arguments.families),
         order: arguments.order.map(usize::from),
     };
+    let here = Arc::new(AtomicU32::new(first));
+    let seen = here.clone();
+    let ticker = Ticker::new(false, move || {
+        format!("mode {}, up to {last}", seen.load(Ordering::Relaxed))
+    });
     let modes: Vec<Mode> = (first..=last)
-        .map(|mode| steady::mode(&coefficients, geometry, mode, &settings))
+        .map(|mode| {
+            here.store(mode, Ordering::Relaxed);
+            steady::mode(&coefficients, geometry, mode, &settings)
+        })
         .collect::<Result<_, _>>()?;
+    drop(ticker);
     let reduced = first_to_go(&modes, |mode| {
         Some((mode.reduced.hopf?.friction, mode.reduced.wave.growth))
     });

@@ -9,7 +9,7 @@
 
 use std::sync::OnceLock;
 
-use super::equations::Field;
+use super::equations::{Dual, Field};
 use super::{FlowError, Jet};
 use crate::linalg::{Factors, Matrix, Vector};
 use crate::problem::MAX_DEGREE;
@@ -109,74 +109,73 @@ const MOST_ITERATIONS: usize = 60;
 /// A correction is halved down to this fraction of itself to make the residual fall.
 const SHORTEST_CORRECTION: f64 = 1e-3;
 
-/// Last correction of the slopes, relative to the largest: rounding of a small linear system.
+/// Last correction of the slopes, relative to the largest: rounding of a small linear system. Where only
+/// a mesh is wanted it is that of the second constant, whose square is the error left.
 const CORRECTION: f64 = 1e-13;
+const MESH_CORRECTION: f64 = 1e-6;
 
 /// The solution on one interval.
 struct Interval<const D: usize> {
     /// x at its right end.
-    end: [Jet; D],
+    end: [f64; D],
     /// Slopes at the Gauss points.
     slopes: Vec<[f64; D]>,
+    /// Of the linear system of the last Newton iteration.
+    factors: Factors,
 }
 
-/// Solves one interval of length h from `start`; with `derivatives` those of the start and of the
-/// zone's unknowns are carried along.
-fn interval<const D: usize, F>(
-    field: &F,
-    frozen: &impl Field<D, Jet>,
+/// x at the Gauss points, from the slopes there.
+fn stages<const D: usize>(
     gauss: &Gauss,
-    start: &[Jet; D],
+    from: &[f64; D],
     h: f64,
-    derivatives: bool,
-) -> Result<Interval<D>, &'static str>
-where
-    F: Field<D, Jet>,
-{
-    let m = gauss.b.len();
-    let from: [f64; D] = std::array::from_fn(|row| start[row].value);
-    let first = frozen.rate(&std::array::from_fn(|row| Jet {
-        value: from[row],
-        ..Jet::default()
-    }));
-    let mut slopes = vec![first.map(|jet| jet.value); m];
-    let stage = |slopes: &[[f64; D]], i: usize| -> [f64; D] {
-        std::array::from_fn(|row| {
-            from[row] + h * (0..m).map(|j| gauss.a[i][j] * slopes[j][row]).sum::<f64>()
+    slopes: &[[f64; D]],
+) -> Vec<[f64; D]> {
+    let m = slopes.len();
+    (0..m)
+        .map(|i| {
+            std::array::from_fn(|row| {
+                from[row] + h * (0..m).map(|j| gauss.a[i][j] * slopes[j][row]).sum::<f64>()
+            })
         })
+        .collect()
+}
+
+/// Solves one interval of length h from `from`; `enough` is the last correction.
+fn interval<const D: usize>(
+    frozen: &impl Field<D, Dual<D>>,
+    gauss: &Gauss,
+    from: &[f64; D],
+    h: f64,
+    enough: f64,
+) -> Result<Interval<D>, &'static str> {
+    let m = gauss.b.len();
+    // rates at the Gauss points with their derivatives in x, and the residuals of the equations
+    let evaluate = |slopes: &[[f64; D]]| -> (Vec<[Dual<D>; D]>, Vector) {
+        let rates: Vec<[Dual<D>; D]> = stages(gauss, from, h, slopes)
+            .into_iter()
+            .map(|at| {
+                frozen.rate(&std::array::from_fn(|row| {
+                    let mut x = Dual::constant(at[row]);
+                    x.by[row] = 1.0;
+                    x
+                }))
+            })
+            .collect();
+        let right = Vector::from_fn(m * D, |entry, _| {
+            rates[entry / D][entry % D].value - slopes[entry / D][entry % D]
+        });
+        (rates, right)
     };
-    // residuals of the collocation equations at given slopes
-    let residual = |slopes: &[[f64; D]]| -> Vector {
-        let mut right = Vector::zeros(m * D);
-        for i in 0..m {
-            let at = stage(slopes, i).map(|value| Jet {
-                value,
-                ..Jet::default()
-            });
-            let rate = frozen.rate(&at);
-            for row in 0..D {
-                right[i * D + row] = rate[row].value - slopes[i][row];
-            }
-        }
-        right
-    };
-    let mut right = residual(&slopes);
-    let mut last: Option<Factors> = None;
+    let first = frozen
+        .rate(&from.map(Dual::constant))
+        .map(|rate| rate.value);
+    let mut slopes = vec![first; m];
+    let (mut rates, mut right) = evaluate(&slopes);
     let mut before = f64::INFINITY;
     for _ in 0..MOST_ITERATIONS {
         let mut matrix = Matrix::identity(m * D, m * D);
-        for i in 0..m {
-            let at = stage(&slopes, i);
-            // the first D derivatives serve for the unknowns themselves
-            let seeded: [Jet; D] = std::array::from_fn(|row| {
-                let mut jet = Jet {
-                    value: at[row],
-                    ..Jet::default()
-                };
-                jet.by[row] = 1.0;
-                jet
-            });
-            let rate = frozen.rate(&seeded);
+        for (i, rate) in rates.iter().enumerate() {
             for row in 0..D {
                 for j in 0..m {
                     for column in 0..D {
@@ -191,6 +190,11 @@ where
         if !factors.solve(&mut step) {
             return Err("the collocation matrix is singular");
         }
+        // the full correction is what convergence is measured by
+        let correction = step.amax();
+        if !correction.is_finite() {
+            return Err("the collocation equations diverge");
+        }
         let size = right.norm();
         let mut factor = 1.0;
         let mut trial;
@@ -201,17 +205,12 @@ where
                     *value += factor * step[i * D + row];
                 }
             }
-            right = residual(&trial);
+            (rates, right) = evaluate(&trial);
             // friction that changes within ε of V̇ = 1 needs damping; at rounding nothing falls
             if right.norm() < size || factor < SHORTEST_CORRECTION {
                 break;
             }
             factor *= 0.5;
-        }
-        // the full correction is what convergence is measured by
-        let correction = step.amax();
-        if !correction.is_finite() {
-            return Err("the collocation equations diverge");
         }
         let largest = trial
             .iter()
@@ -221,64 +220,72 @@ where
         if factor == 1.0 || !rounded {
             slopes = trial;
         }
-        last = Some(factors);
         // at rounding, or no longer shrinking next to it
-        if correction <= CORRECTION * largest || rounded {
-            before = 0.0;
-            break;
+        if correction <= enough * largest || rounded {
+            return Ok(Interval {
+                end: std::array::from_fn(|row| {
+                    from[row] + h * (0..m).map(|j| gauss.b[j] * slopes[j][row]).sum::<f64>()
+                }),
+                slopes,
+                factors,
+            });
         }
         before = correction;
     }
-    if before > 0.0 {
-        return Err("Newton's method on a mesh interval does not converge");
-    }
+    Err("Newton's method on a mesh interval does not converge")
+}
+
+/// Carries the derivatives of the start and of the zone's unknowns over a solved interval:
+/// K_i′ − h Σ a_ij J_i K_j′ = J_i x₀′ + ∂F/∂(zone).
+fn derivatives<const D: usize>(
+    field: &impl Field<D, Jet>,
+    gauss: &Gauss,
+    start: &[Jet; D],
+    h: f64,
+    solved: &Interval<D>,
+) -> Result<[Jet; D], &'static str> {
+    let m = gauss.b.len();
+    let from = start.map(|jet| jet.value);
+    let rates: Vec<[Jet; D]> = stages(gauss, &from, h, &solved.slopes)
+        .into_iter()
+        .map(|at| {
+            field.rate(&std::array::from_fn(|row| Jet {
+                value: at[row],
+                by: start[row].by,
+            }))
+        })
+        .collect();
     let mut end: [Jet; D] = std::array::from_fn(|row| Jet {
-        value: from[row] + h * (0..m).map(|j| gauss.b[j] * slopes[j][row]).sum::<f64>(),
-        ..Jet::default()
+        value: solved.end[row],
+        by: start[row].by,
     });
-    if let (true, Some(factors)) = (derivatives, last) {
-        // K_i′ − h Σ a_ij J_i K_j′ = J_i x₀′ + ∂F/∂(zone)
-        let rates: Vec<[Jet; D]> = (0..m)
-            .map(|i| {
-                let at = stage(&slopes, i);
-                field.rate(&std::array::from_fn(|row| Jet {
-                    value: at[row],
-                    by: start[row].by,
-                }))
-            })
-            .collect();
-        for (row, jet) in end.iter_mut().enumerate() {
-            jet.by = start[row].by;
+    for index in 0..5 {
+        let mut right = Vector::from_fn(m * D, |entry, _| rates[entry / D][entry % D].by[index]);
+        if !solved.factors.solve(&mut right) {
+            return Err("the collocation matrix is singular");
         }
-        for index in 0..5 {
-            let mut right =
-                Vector::from_fn(m * D, |entry, _| rates[entry / D][entry % D].by[index]);
-            if !factors.solve(&mut right) {
-                return Err("the collocation matrix is singular");
-            }
-            for (row, jet) in end.iter_mut().enumerate() {
-                let sum: f64 = (0..m).map(|j| gauss.b[j] * right[j * D + row]).sum();
-                jet.by[index] += h * sum;
-            }
+        for (row, jet) in end.iter_mut().enumerate() {
+            let sum: f64 = (0..m).map(|j| gauss.b[j] * right[j * D + row]).sum();
+            jet.by[index] += h * sum;
         }
     }
-    Ok(Interval { end, slopes })
+    Ok(end)
 }
 
 /// The mesh that equidistributes |x⁽ᵐ⁾|^{1/m}, as the solution on the mesh `points` shows it.
 fn adapted<const D: usize>(
-    frozen: &impl Field<D, Jet>,
+    frozen: &impl Field<D, Dual<D>>,
     points: &[f64],
     gauss: &Gauss,
 ) -> Result<Vec<f64>, &'static str> {
     let count = points.len() - 1;
     let m = gauss.b.len();
-    let mut start = [Jet::default(); D];
+    let mut start = [0.0; D];
     let mut derivative: Vec<[f64; D]> = Vec::with_capacity(count);
     let mut largest = [0.0_f64; D];
     for pair in points.windows(2) {
         let h = pair[1] - pair[0];
-        let step = interval(frozen, frozen, gauss, &start, h, false)?;
+        let step = interval(frozen, gauss, &start, h, MESH_CORRECTION)?;
         let scale = h.powi(1 - m as i32);
         derivative.push(std::array::from_fn(|row| {
             let sum: f64 = (step.slopes.iter().zip(&gauss.leading))
@@ -286,8 +293,8 @@ fn adapted<const D: usize>(
                 .sum();
             sum.abs() * scale
         }));
-        for (largest, jet) in largest.iter_mut().zip(&step.end) {
-            *largest = largest.max(jet.value.abs());
+        for (largest, value) in largest.iter_mut().zip(&step.end) {
+            *largest = largest.max(value.abs());
         }
         start = step.end;
     }
@@ -333,32 +340,25 @@ fn adapted<const D: usize>(
 /// without derivatives.
 pub fn jets<const D: usize>(
     field: &impl Field<D, Jet>,
-    frozen: &impl Field<D, Jet>,
+    frozen: &impl Field<D, Dual<D>>,
     mesh: Mesh,
-    derivatives: bool,
     duration: f64,
 ) -> Result<[Jet; D], FlowError> {
-    let failed = |reason| FlowError::Integration { duration, reason };
-    let gauss = Gauss::of_degree(mesh.degree);
-    let count = mesh.intervals.max(1);
-    let mut points: Vec<f64> = (0..=count)
-        .map(|index| index as f64 / count as f64)
-        .collect();
-    for _ in 0..mesh.passes {
-        points = adapted(frozen, &points, gauss).map_err(failed)?;
-    }
-    let mut x = [Jet::default(); D];
-    for pair in points.windows(2) {
-        let h = pair[1] - pair[0];
-        x = interval(field, frozen, gauss, &x, h, derivatives)
-            .map_err(failed)?
-            .end;
-    }
-    Ok(x)
+    let solve = || {
+        let gauss = Gauss::of_degree(mesh.degree);
+        let mut x = [Jet::default(); D];
+        for pair in mesh_points(frozen, mesh, gauss)?.windows(2) {
+            let h = pair[1] - pair[0];
+            let solved = interval(frozen, gauss, &x.map(|jet| jet.value), h, CORRECTION)?;
+            x = derivatives(field, gauss, &x, h, &solved)?;
+        }
+        Ok(x)
+    };
+    solve().map_err(|reason| FlowError::Integration { duration, reason })
 }
 
 fn mesh_points<const D: usize>(
-    frozen: &impl Field<D, Jet>,
+    frozen: &impl Field<D, Dual<D>>,
     mesh: Mesh,
     gauss: &Gauss,
 ) -> Result<Vec<f64>, &'static str> {
@@ -374,20 +374,29 @@ fn mesh_points<const D: usize>(
 
 /// The solution at the mesh points, with their τ.
 pub fn at_mesh_points<const D: usize>(
-    frozen: &impl Field<D, Jet>,
+    frozen: &impl Field<D, Dual<D>>,
     mesh: Mesh,
     duration: f64,
 ) -> Result<Vec<(f64, [f64; D])>, FlowError> {
-    let failed = |reason| FlowError::Integration { duration, reason };
-    let gauss = Gauss::of_degree(mesh.degree);
-    let points = mesh_points(frozen, mesh, gauss).map_err(failed)?;
-    let mut x = [Jet::default(); D];
-    let mut solution = vec![(0.0, [0.0; D])];
-    for pair in points.windows(2) {
-        x = interval(frozen, frozen, gauss, &x, pair[1] - pair[0], false)
-            .map_err(failed)?
-            .end;
-        solution.push((pair[1], x.map(|jet| jet.value)));
-    }
-    Ok(solution)
+    let solve = || {
+        let gauss = Gauss::of_degree(mesh.degree);
+        let mut x = [0.0; D];
+        let mut solution = vec![(0.0, x)];
+        for pair in mesh_points(frozen, mesh, gauss)?.windows(2) {
+            x = interval(frozen, gauss, &x, pair[1] - pair[0], CORRECTION)?.end;
+            solution.push((pair[1], x));
+        }
+        Ok(solution)
+    };
+    solve().map_err(|reason| FlowError::Integration { duration, reason })
+}
+
+/// x(1) without derivatives.
+pub fn values<const D: usize>(
+    frozen: &impl Field<D, Dual<D>>,
+    mesh: Mesh,
+    duration: f64,
+) -> Result<[f64; D], FlowError> {
+    let solution = at_mesh_points(frozen, mesh, duration)?;
+    Ok(solution.last().map_or([0.0; D], |(_, x)| *x))
 }

@@ -85,6 +85,60 @@ impl Number for Jet {
     }
 }
 
+/// A number with its derivatives in the D unknowns of a zone's equations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dual<const D: usize> {
+    /// The number.
+    pub value: f64,
+    /// Its derivatives.
+    pub by: [f64; D],
+}
+
+impl<const D: usize> Dual<D> {
+    /// A number that does not vary.
+    pub fn constant(value: f64) -> Dual<D> {
+        Dual {
+            value,
+            by: [0.0; D],
+        }
+    }
+}
+
+impl<const D: usize> Number for Dual<D> {
+    fn value(self) -> f64 {
+        self.value
+    }
+    fn affine(self, scale: f64, offset: f64) -> Dual<D> {
+        Dual {
+            value: scale * self.value + offset,
+            by: self.by.map(|by| scale * by),
+        }
+    }
+    fn add(self, other: Dual<D>) -> Dual<D> {
+        Dual {
+            value: self.value + other.value,
+            by: std::array::from_fn(|index| self.by[index] + other.by[index]),
+        }
+    }
+    fn times(self, other: Dual<D>) -> Dual<D> {
+        Dual {
+            value: self.value * other.value,
+            by: std::array::from_fn(|index| {
+                self.by[index] * other.value + self.value * other.by[index]
+            }),
+        }
+    }
+    fn map(self, value: f64, slope: f64) -> Dual<D> {
+        Dual {
+            value,
+            by: self.by.map(|by| slope * by),
+        }
+    }
+    fn of(jet: Jet) -> Dual<D> {
+        Dual::constant(jet.value)
+    }
+}
+
 /// The right side of an autonomous system in D unknowns.
 pub trait Field<const D: usize, N: Number> {
     /// dx/dτ.
@@ -213,11 +267,8 @@ impl<N: Number> Sliding<N> {
     }
 
     /// The same zone without derivatives in its entry, duration and frame.
-    pub fn frozen(&self) -> Sliding<Jet> {
-        let plain = |number: N| Jet {
-            value: number.value(),
-            ..Jet::default()
-        };
+    pub fn frozen(&self) -> Sliding<Dual<2>> {
+        let plain = |number: N| Dual::constant(number.value());
         Sliding {
             law: self.law,
             sigma: self.sigma,
@@ -334,11 +385,8 @@ impl<N: Number> Separated<N> {
     }
 
     /// The same zone without derivatives.
-    pub fn frozen(&self) -> Separated<Jet> {
-        let plain = |number: N| Jet {
-            value: number.value(),
-            ..Jet::default()
-        };
+    pub fn frozen(&self) -> Separated<Dual<4>> {
+        let plain = |number: N| Dual::constant(number.value());
         Separated {
             order: self.order,
             duration: plain(self.duration),

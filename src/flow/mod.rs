@@ -50,6 +50,19 @@ pub enum FlowError {
         /// What the method says.
         reason: &'static str,
     },
+    /// A zone turns too often for its inequalities to be proven.
+    #[error(
+        "a zone of duration {duration:e} turns through {radians:.1e} radians, more than the \
+         {most:.0e} through which inequalities are proven: |c| is close to √a"
+    )]
+    Winding {
+        /// Duration of the zone.
+        duration: f64,
+        /// Its length in radians.
+        radians: f64,
+        /// Most radians.
+        most: f64,
+    },
     /// A zone grew beyond the range of double precision.
     #[error("a zone of duration {duration:e} leaves the range of double precision")]
     Overflow {
@@ -331,7 +344,7 @@ impl SlidingFlow {
         match self {
             SlidingFlow::Exact(flow) => Ok(flow.state(slide.entry, t)),
             SlidingFlow::Material(flow) => Ok(flow.motion(slide, t).state),
-            SlidingFlow::Numerical(flow) => flow.state(slide.entry, t),
+            SlidingFlow::Numerical(flow) => flow.within(slide.entry, slide.duration, t),
         }
     }
 

@@ -1,7 +1,9 @@
 //! Flows by a numerical method: for friction laws without a closed form, and for comparison.
 
+use std::cell::RefCell;
+
 use super::collocation::{self, Mesh};
-use super::equations::{Separated, Sliding};
+use super::equations::{Dual, Separated, Sliding};
 use super::shooting::{self, Steps};
 use super::{FlowError, Frame, Jet, ZoneEnd};
 use crate::problem::{FrictionLaw, Method};
@@ -41,13 +43,18 @@ impl Integrator {
 /// a quarter of a period passes; a zone of a wave has few of them.
 const SAMPLES: usize = 96;
 
+/// Times and states along a zone.
+type Samples = Vec<(f64, [f64; 2])>;
+
 /// Flow in contact in one sliding direction.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct NumericalContact {
     frame: Frame,
     law: FrictionLaw,
     sigma: f64,
     integrator: Integrator,
+    /// The last zone sampled, by entry and duration: its examination asks several times.
+    sampled: RefCell<Option<([f64; 3], Samples)>>,
 }
 
 impl NumericalContact {
@@ -63,6 +70,7 @@ impl NumericalContact {
             law,
             sigma,
             integrator,
+            sampled: RefCell::new(None),
         }
     }
 
@@ -80,9 +88,7 @@ impl NumericalContact {
         let field: Sliding<Jet> = self.field(m, entry, t);
         let x = match self.integrator {
             Integrator::Shooting(steps) => shooting::jets::<2, 12>(&field, steps, t)?,
-            Integrator::Collocation(mesh) => {
-                collocation::jets(&field, &field.frozen(), mesh, true, t)?
-            }
+            Integrator::Collocation(mesh) => collocation::jets(&field, &field.frozen(), mesh, t)?,
         };
         Ok(field.end(&x))
     }
@@ -95,13 +101,19 @@ impl NumericalContact {
         let field: Sliding<f64> = self.field(0, entry, t);
         let x = match self.integrator {
             Integrator::Shooting(steps) => shooting::values(&field, steps, t)?,
-            Integrator::Collocation(mesh) => {
-                let frozen = field.frozen();
-                collocation::jets(&frozen, &frozen, mesh, false, t)?.map(|jet| jet.value)
-            }
+            Integrator::Collocation(mesh) => collocation::values(&field.frozen(), mesh, t)?,
         };
         let [y, w, _] = field.end(&x);
         Ok([y, w])
+    }
+
+    /// (Y, W) after a time t within a zone: on a mesh from the solution of the whole zone, which is
+    /// then known.
+    pub fn within(&self, entry: [f64; 2], duration: f64, t: f64) -> Result<[f64; 2], FlowError> {
+        match self.integrator {
+            Integrator::Collocation(_) if t > 0.0 => Ok(self.states(entry, duration, &[t])?[0]),
+            _ => self.state(entry, t),
+        }
     }
 
     /// V̈ at a state.
@@ -112,24 +124,31 @@ impl NumericalContact {
     /// The third derivative of V at a state: V̈ differentiated along the flow.
     pub fn jerk(&self, [y, w]: [f64; 2]) -> f64 {
         let field = self.field::<f64>(0, [y, w], 0.0).frozen();
-        let along = |value: f64, slope: f64| {
-            let mut jet = Jet {
-                value,
-                ..Jet::default()
-            };
-            jet.by[0] = slope;
-            jet
+        let along = |value: f64, slope: f64| Dual {
+            value,
+            by: [slope, 0.0],
         };
         let acceleration = self.acceleration([y, w]);
         field.acceleration(along(y, w), along(w, acceleration)).by[0]
     }
 
     /// Times and states along a zone: at equal distances, or at the mesh points.
-    fn samples(&self, entry: [f64; 2], duration: f64) -> Result<Vec<(f64, [f64; 2])>, FlowError> {
+    fn samples(&self, entry: [f64; 2], duration: f64) -> Result<Samples, FlowError> {
+        let zone = [entry[0], entry[1], duration];
+        if let Some((known, samples)) = &*self.sampled.borrow()
+            && *known == zone
+        {
+            return Ok(samples.clone());
+        }
+        let samples = self.sample(entry, duration)?;
+        self.sampled.replace(Some((zone, samples.clone())));
+        Ok(samples)
+    }
+
+    fn sample(&self, entry: [f64; 2], duration: f64) -> Result<Samples, FlowError> {
         if let Integrator::Collocation(mesh) = self.integrator {
-            let field: Sliding<Jet> = self.field::<f64>(0, entry, duration).frozen();
             let plain: Sliding<f64> = self.field(0, entry, duration);
-            let solution = collocation::at_mesh_points(&field, mesh, duration)?;
+            let solution = collocation::at_mesh_points(&plain.frozen(), mesh, duration)?;
             return Ok(solution
                 .into_iter()
                 .map(|(tau, x)| {
@@ -159,6 +178,7 @@ impl NumericalContact {
                 }),
                 shooting => shooting,
             },
+            sampled: RefCell::new(None),
             ..*self
         }
     }
@@ -265,9 +285,7 @@ impl NumericalSeparation {
         let field: Separated<Jet> = Separated::new(&self.frame, m, entry, t);
         let x = match self.integrator {
             Integrator::Shooting(steps) => shooting::jets::<4, 24>(&field, steps, t)?,
-            Integrator::Collocation(mesh) => {
-                collocation::jets(&field, &field.frozen(), mesh, true, t)?
-            }
+            Integrator::Collocation(mesh) => collocation::jets(&field, &field.frozen(), mesh, t)?,
         };
         Ok(field.end(&x))
     }
@@ -286,10 +304,7 @@ impl NumericalSeparation {
         }
         let x = match self.integrator {
             Integrator::Shooting(steps) => shooting::values(&field, steps, t)?,
-            Integrator::Collocation(mesh) => {
-                let frozen = field.frozen();
-                collocation::jets(&frozen, &frozen, mesh, false, t)?.map(|jet| jet.value)
-            }
+            Integrator::Collocation(mesh) => collocation::values(&field.frozen(), mesh, t)?,
         };
         let [u, rate, y, w, _] = field.end(&x);
         Ok([u, rate, y, w])

@@ -8,7 +8,7 @@ use crate::run::{Branch, End, Item, RunError, answer, model, stability};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::spectrum::{Request, Spectrum, spectrum};
 
-/// Points after which a branch within a row is given up: round folds it passes the range a few
+/// Points after which either way of a branch within a row is given up: round folds it passes the range a few
 /// times, at the default step lengths a hundred points each.
 pub const MOST_POINTS: usize = 20_000;
 
@@ -154,7 +154,7 @@ impl Search<'_> {
             let continuation = self.continuation(toward, inner.clone());
             let problem = self.at([first, value]);
             match Branch::begin(&problem, &continuation, None) {
-                Ok(branch) => return Ok(self.walk(branch, points, continuation.max_points)),
+                Ok(branch) => return Ok(self.walk(branch, points)),
                 Err(RunError::NoStart(no_start)) => {
                     reason.get_or_insert(no_start.to_string());
                 }
@@ -189,7 +189,7 @@ impl Search<'_> {
     }
 
     /// Follows a branch to its end and keeps what lies on the grid.
-    fn walk(&self, mut branch: Branch, points: &[[f64; 2]], most: usize) -> (Vec<Hit>, String) {
+    fn walk(&self, mut branch: Branch, points: &[[f64; 2]]) -> (Vec<Hit>, String) {
         let mut hits: Vec<Hit> = Vec::new();
         let (mut leg, mut begun) = (1, false);
         let mut seeds = None;
@@ -225,9 +225,6 @@ impl Search<'_> {
         }
         let why = match &branch.progress().end {
             Some(End::Failed(reason)) => format!("the branch ends before: {reason}"),
-            _ if branch.progress().points >= most => {
-                format!("the branch is given up after {most} points")
-            }
             _ if turned_back => "the branch comes back to waves it has passed before".to_owned(),
             _ => "the branch does not come here".to_owned(),
         };

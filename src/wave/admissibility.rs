@@ -471,8 +471,12 @@ fn separation_zone(
     let flow = flows.separation();
     let steady = flows.frame.steady().value;
     let radians = flow.norm() * duration;
-    if radians > MOST_PIECES {
-        return Err(FlowError::Overflow { duration });
+    if radians.is_nan() || radians > MOST_PIECES {
+        return Err(FlowError::Winding {
+            duration,
+            radians,
+            most: MOST_PIECES,
+        });
     }
     let pieces = radians.ceil().max(1.0) as usize;
     let h = duration / pieces as f64;

@@ -155,7 +155,9 @@ impl Flows {
     pub fn separation(&self) -> &FreeFlow {
         self.separation.get_or_init(|| {
             let exact = SeparationFlow::new(&self.frame);
-            match self.integrator {
+            // friction does not enter: the dearest of the laws takes the closed form
+            let smooth = matches!(self.law, FrictionLaw::Regularised { .. });
+            match self.integrator.filter(|_| !smooth) {
                 None => FreeFlow::Exact(Box::new(exact)),
                 Some(integrator) => FreeFlow::Numerical(Box::new(NumericalSeparation::new(
                     &self.frame,

@@ -10,7 +10,6 @@
 use crate::flow::{FlowError, Slide, SlidingFlow};
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime, Signature, Zone, paths};
-use crate::newton::System;
 
 use super::admissibility::{Margin, Watch};
 use super::{Flows, Wave, ZoneUnknowns};
@@ -69,13 +68,11 @@ pub fn candidates(
         }
         let candidate = wave.with_signature(signature);
         let point = candidate.pack(&states, excess, parameter);
-        if candidate.unknowns() <= crate::newton::MOST_UNKNOWNS {
-            found.push(Candidate {
-                wave: candidate,
-                point,
-                nascent,
-            });
-        }
+        found.push(Candidate {
+            wave: candidate,
+            point,
+            nascent,
+        });
     };
     let count = opened.zones.len();
     let (first, last) = (opened.zones[0], opened.zones[count - 1]);

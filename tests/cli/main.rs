@@ -3,6 +3,7 @@
 mod accuracy;
 mod bad_input;
 mod branch_end;
+mod budgets;
 mod check;
 mod fields;
 mod figures;

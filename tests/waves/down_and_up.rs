@@ -1,6 +1,6 @@
 //! What happens along a branch depends neither on its direction nor on the steps.
 
-use brakewave::branch::EventType::EP;
+use brakewave::branch::EventType::{EP, UZ};
 use brakewave::continuation::Settings as Steps;
 use brakewave::follow::{Follower, Found, Settings, Status};
 
@@ -131,4 +131,26 @@ fn steps_do_not_matter() {
 #[test]
 fn a_fold_next_to_a_change_is_found_with_coarse_steps() {
     check_steps("with the shaft", &with_the_shaft(), &[5.0, 10.0]);
+}
+
+/// User points are met once each, in order along the branch, however they are listed; a hundred thousand
+/// that the branch does not come to change nothing.
+#[test]
+fn user_points_are_met_once() {
+    let case = Case {
+        range: (0.15, 0.25),
+        ..fast_in_mismatch()
+    };
+    let met = |stop_at: &[f64]| -> Vec<f64> {
+        let run = case.follow(stop_at);
+        run.points
+            .iter()
+            .filter(|point| point.kind == Some(UZ))
+            .map(|point| point.parameter)
+            .collect()
+    };
+    let mut list = vec![0.16, 0.19, 0.17, 0.19, 0.16];
+    assert_eq!(met(&list), [0.19, 0.17, 0.16]);
+    list.extend((0..100_000).map(|index| 0.21 + 1e-7 * f64::from(index)));
+    assert_eq!(met(&list), [0.19, 0.17, 0.16]);
 }
