@@ -23,6 +23,22 @@ pub struct Located {
     pub node: Node,
     /// Estimated error of the parameter there (physical units).
     pub uncertainty: f64,
+    /// Largest component of the last Newton correction: the scaled unknowns are known no better.
+    pub blur: f64,
+}
+
+impl Located {
+    /// Whether no margin has failed at the point, but for rounding.
+    pub fn holds(&self, examination: &Examination) -> bool {
+        let mut margins = examination.margins.iter();
+        margins.all(|margin| margin.jet.value >= -self.rounding(margin))
+    }
+
+    /// A margin below this at the point is zero but for rounding.
+    pub fn rounding(&self, margin: &Margin) -> f64 {
+        let slopes: f64 = margin.jet.by.iter().map(|by| by.abs()).sum();
+        AT_ZERO + 8.0 * self.blur * slopes
+    }
 }
 
 /// Settings of the Newton iterations that locate events: one iteration more than needed.
@@ -55,6 +71,7 @@ pub fn locate(
         s: from.tangent.dot(&(&node.point - &from.point)),
         node,
         uncertainty,
+        blur: solution.correction,
     })
 }
 
@@ -172,6 +189,7 @@ pub fn fold(
         s,
         node,
         uncertainty: uncertainty * wave.scales.parameter,
+        blur: 0.0,
     })
 }
 

@@ -329,11 +329,7 @@ impl Follower {
             let (place, what) = &located[index];
             let at = examine(wave, &place.node.point).map_err(|e| (e.to_string(), false))?;
             // nothing may have failed before: another event would have come first
-            if at
-                .margins
-                .iter()
-                .any(|margin| margin.jet.value < -events::AT_ZERO)
-            {
+            if !place.holds(&at) {
                 return Err(shorter("the order of two events is not resolved"));
             }
             let found = |kind, after, text| Found {
@@ -375,26 +371,22 @@ impl Follower {
                     return Ok((points, Status::Failed(UNCOUPLED.into())));
                 }
                 What::Change(_) => {
-                    // several margins may vanish at one event: the table is asked for each; at the
-                    // stiff end rounding keeps their zeros apart
-                    let at_once = |other: &Located| {
-                        examine(wave, &other.node.point).is_ok_and(|at| {
-                            let mut margins = at.margins.iter();
-                            margins.all(|margin| margin.jet.value >= -events::AT_ZERO)
-                        })
-                    };
-                    let together: Vec<(Located, Margin)> = located[index..]
+                    // several margins may vanish at one event: the table is asked for each. At the stiff
+                    // end rounding keeps their zeros apart, or one of them from being located
+                    let mut together: Vec<(Located, Margin)> = located[index..]
                         .iter()
-                        .filter_map(|(other, what)| match what {
-                            What::Change(margin) if other.s - place.s <= near => {
-                                Some((place.clone(), *margin))
-                            }
-                            What::Change(margin) if at_once(other) => {
-                                Some((other.clone(), *margin))
-                            }
+                        .filter(|(other, _)| other.s - place.s <= near)
+                        .filter_map(|(_, what)| match what {
+                            What::Change(margin) => Some((place.clone(), *margin)),
                             _ => None,
                         })
                         .collect();
+                    let vanished = at.margins.iter().filter(|margin| {
+                        let beyond = examination.find(margin.watch, margin.zone);
+                        margin.jet.value.abs() <= place.rounding(margin)
+                            && beyond.is_some_and(|beyond| beyond.jet.value <= 0.0)
+                    });
+                    together.extend(vanished.map(|margin| (place.clone(), *margin)));
                     return Ok(self.change(points, together, ds));
                 }
             }

@@ -95,3 +95,40 @@ fn separation_opens_like_a_square_root() {
         assert!(extrapolated.abs() < NEXT_ORDER * sigma * pair[0].abs() + 10.0 * rounding);
     }
 }
+
+/// On a slow branch, m_a = 6e-5, the reverse zone before stick closes and the branch goes on without
+/// it. There V̇ − 1 in the zone is far below rounding, and the unknowns are known to 1e-10 only.
+#[test]
+fn a_reverse_zone_closes_at_the_stiff_end() {
+    use brakewave::follow::Status;
+    use brakewave::model::Model;
+    use brakewave::model::coefficients::Geometry;
+    use brakewave::problem::Parameter;
+    use brakewave::wave::start::Which;
+
+    use crate::branches::Case;
+
+    let geometry = Geometry {
+        nu: 0.02598376296329008,
+        xi: 1.9376882497130952,
+        gamma: 0.22295324966867502,
+    };
+    let case = Case {
+        model: Model::tube(geometry, 0.06574657470144922, 2.765850882606961),
+        parameter: Parameter::Gamma,
+        mode: 10,
+        which: Which::Slow,
+        range: (0.022295324966867505, 2.2295324966867502),
+        up: true,
+        until: Some((EventType::RV, 4)),
+    };
+    let run = case.follow(&[]);
+    assert_eq!(run.status, Status::Going, "{:?}", run.status);
+    let closed = run.events().into_iter().filter(|found| {
+        let (before, after) = regimes(found);
+        found.kind == Some(EventType::RV)
+            && before.replace("reverse-", "") == after
+            && found.wave.excess_at(&found.node.point) < 1e-4
+    });
+    assert!(closed.count() >= 2);
+}
