@@ -85,8 +85,8 @@ fn smoothing(law: FrictionLaw, asked: Option<f64>) -> Result<f64, Failure> {
             ))),
         },
         FrictionLaw::Static { .. } | FrictionLaw::Stribeck { .. } => Err(Failure::Usage(
-            "`friction_law`: the discretised ring has Coulomb's law smoothed, or Regularised(…); \
-             leave out --discretised for the exact eigenvalues under this one"
+            "`friction_law`: the discretised ring has Coulomb's law smoothed, or Regularised(…)\n  \
+             help: leave out --discretised for the exact eigenvalues under this one"
                 .into(),
         )),
     }

@@ -48,7 +48,7 @@ pub struct Region {
 /// Part of the whole length that a stretch needs for its regions to be named.
 const NAMED: f64 = 0.12;
 /// Where along a stretch places are looked for, as parts of its length: the middle first.
-const ALONG: [f64; 9] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9];
+const ALONG: [f64; 7] = [0.5, 0.2, 0.8, 0.35, 0.65, 0.1, 0.9];
 /// Distances of places from the curve, as parts of a range. A picture takes the nearest with room.
 const AWAY: [f64; 10] = [
     0.04, 0.055, 0.07, 0.085, 0.1, 0.125, 0.15, 0.175, 0.2, 0.225,
@@ -266,6 +266,10 @@ impl Section {
                 Err(_) => End::Lost,
             };
             section.complete &= end != End::Lost;
+            if system.condition == Condition::Fold && !section.complete {
+                // waves that cannot be counted have no name
+                break;
+            }
             if end == End::Closed {
                 // the other arm is the same loop the other way round
                 section.passages = seen;
