@@ -155,6 +155,8 @@ pub enum Reason {
     OnAxis,
     /// No window could be searched: a zone without length makes its switch 0/0.
     NoWindow,
+    /// The eigenvalues that a run may compute are used up.
+    Spent,
     /// There is no eigenvalue problem for this wave.
     NotLinearised(String),
     /// Waves of the vertical family at a Hopf point are not examined.
@@ -190,6 +192,7 @@ impl fmt::Display for Reason {
             }
             Reason::OnAxis => f.write_str("an eigenvalue is on the imaginary axis"),
             Reason::NoWindow => f.write_str("a zone without length makes the spectrum singular"),
+            Reason::Spent => f.write_str("the eigenvalues that a run may compute are used up"),
             Reason::NotLinearised(reason) => f.write_str(reason),
             Reason::Family => f.write_str("the vertical family at a Hopf point is not examined"),
         }

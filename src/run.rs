@@ -25,7 +25,7 @@ use crate::problem::{
 };
 use crate::stability::characteristic::Characteristic;
 use crate::stability::spectrum::{Request, Spectrum};
-use crate::stability::track::{Crossing, Tracked, Tracker};
+use crate::stability::track::{ALLOWANCE, Crossing, PER_POINT, Tracked, Tracker};
 use crate::wave::admissibility::examine;
 use crate::wave::hopf::{Family, NoHopf, family};
 use crate::wave::start::{NoWave, Which};
@@ -220,10 +220,18 @@ pub struct Progress {
     pub state: Option<State>,
     /// Spectrum at the point the branch has reached, where stability is asked for.
     pub spectrum: Option<Spectrum>,
+    /// Eigenvalues that may still be computed; zero once no more spectra are taken.
+    #[serde(default = "allowance")]
+    pub allowance: usize,
     /// Reason why an earlier leg ended before its range.
     pub failure: Option<String>,
     /// How the run ended; `None` while it goes on.
     pub end: Option<End>,
+}
+
+/// Allowance of a run that begins, or was saved without one.
+fn allowance() -> usize {
+    ALLOWANCE
 }
 
 /// A row of the branch, with the wave behind it.
@@ -585,6 +593,7 @@ impl Branch {
                 events: 0,
                 eigenvalues: 0,
                 spectrum: None,
+                allowance: ALLOWANCE,
                 met: vec![0; continuation.stop_after.len()],
                 passed: vec![false; problem.output.profiles],
                 first: (wave.signature.clone(), point.iter().copied().collect()),
@@ -679,10 +688,10 @@ impl Branch {
             return Vec::new();
         }
         let tolerance = self.continuation.tolerance;
-        let mut tracker = self
-            .stability
-            .clone()
-            .map(|request| Tracker::new(request, self.progress.spectrum.take(), tolerance));
+        let mut tracker = self.stability.clone().map(|request| {
+            let (last, left) = (self.progress.spectrum.take(), self.progress.allowance);
+            Tracker::new(request, last, tolerance, left)
+        });
         if self.progress.state.is_none() {
             let mut items = self.family();
             let mut found = self.follower.here();
@@ -697,6 +706,7 @@ impl Branch {
             if let Some(tracker) = &mut tracker {
                 spectrum = tracker.start(&found.wave, &found.node);
                 self.progress.spectrum = tracker.last().cloned();
+                self.spend(tracker.allowance());
             }
             items.push(self.item(found, spectrum.as_ref(), None));
             self.progress.state = Some(self.follower.state());
@@ -714,11 +724,13 @@ impl Branch {
         if let (Some(tracker), Some((wave, node))) = (&mut tracker, &from) {
             tracked = tracker.step(wave, node, &found);
             self.progress.spectrum = tracker.last().cloned();
+            self.spend(tracker.allowance());
         }
+        let last = found.len().saturating_sub(1);
         let mut items = Vec::with_capacity(found.len() + tracked.crossings.len());
         let mut spectra = tracked.spectra.into_iter();
         let mut crossings = tracked.crossings.into_iter().peekable();
-        for mut found in found {
+        for (index, mut found) in found.into_iter().enumerate() {
             while let Some(crossing) = crossings.next_if(|crossing| crossing.s < found.s) {
                 if let Some((wave, _)) = &from {
                     let item = self.crossing(wave, crossing);
@@ -743,7 +755,7 @@ impl Branch {
                 if found.entered.is_some() {
                     found.what.push_str("; ");
                     found.what.push_str(remark);
-                } else if tracked.lost && found.kind.is_none() {
+                } else if tracked.lost && (found.kind.is_none() || index == last) {
                     self.notes.push(format!(
                         "{} = {:.12}: {remark}",
                         self.continuation.parameter.column(),
@@ -997,6 +1009,11 @@ impl Branch {
                 point.stable = Some(Stability::Undecided);
                 point.why.push(Reason::OnAxis);
             }
+            if self.progress.allowance == 0 && spectrum.is_none() {
+                for reason in point.why.iter_mut().filter(|one| **one == Reason::NoWindow) {
+                    *reason = Reason::Spent;
+                }
+            }
             self.note_incomplete(&point);
         }
         let saved = label.map(|label| SavedWave::new(label, model, wave, &found.node.point));
@@ -1022,6 +1039,25 @@ impl Branch {
             saved,
             unknowns: found.node.point.clone(),
             wave: found.wave,
+        }
+    }
+
+    /// Takes over what a step has left of the allowance, and notes its end.
+    fn spend(&mut self, left: usize) {
+        let before = self.progress.allowance;
+        self.progress.allowance = if left == 0 {
+            0
+        } else {
+            ALLOWANCE.min(left + PER_POINT)
+        };
+        if before > 0 && left == 0 {
+            self.notes.push(format!(
+                "after point {}: {} at {:.0e} a run; take a smaller `max_frequency`, fewer sectors or \
+                 fewer points",
+                self.progress.points,
+                Reason::Spent,
+                ALLOWANCE as f64
+            ));
         }
     }
 

@@ -5,6 +5,10 @@
 //! equal what crosses; where it does not, the interval is halved. A crossing is located in the
 //! arclength s by the secant rule on Re λ(s), with the wave and the eigenvalue solved together at
 //! every s.
+//!
+//! Work is counted in eigenvalues, never in time. A run has an allowance of them, see [`ALLOWANCE`].
+
+use std::cell::Cell;
 
 use nalgebra::Complex;
 
@@ -59,6 +63,27 @@ pub struct Tracker {
     tolerance: f64,
     /// Spectrum at the point where the next step sets out.
     last: Option<Spectrum>,
+    /// Eigenvalues that may still be computed; once it is zero no spectrum is taken.
+    allowance: Cell<usize>,
+}
+
+/// Eigenvalues that a run may compute ahead of [`PER_POINT`]: a spectrum counts as many as it has,
+/// the location of a crossing one for every step of the secant rule. A thousand take some hundredths
+/// of a second.
+pub const ALLOWANCE: usize = 300_000;
+
+/// Eigenvalues that every point adds to the allowance, up to where it began: spectra of fewer never
+/// use it up.
+pub const PER_POINT: usize = 1000;
+
+/// What is left for the search of a step.
+struct Left {
+    /// Halvings.
+    halvings: usize,
+    /// Eigenvalues of the allowance that are kept for later steps.
+    reserve: usize,
+    /// Whether crossings were given up for want of work.
+    short: bool,
 }
 
 /// Halvings of an interval before a count is given up.
@@ -72,8 +97,8 @@ const REAL: f64 = 1e-7;
 /// event itself a nascent zone has no length and its jump is 0/0.
 const BEYOND: f64 = 1e-3;
 
-/// Most spectra of one step: an interval whose counts do not agree at any depth is given up.
-const MOST_SPECTRA: usize = 120;
+/// Most halvings of one step: an interval whose counts do not agree at any depth is given up.
+const MOST_HALVINGS: usize = 120;
 
 /// Real eigenvalues of sector 0 closer to λ = 0 than this, in units of 1/T, are followed by a function
 /// that the translation mode is taken out of: at a fold one passes through it.
@@ -98,6 +123,16 @@ struct End {
     spectrum: Spectrum,
 }
 
+/// A crossing located, before its spectrum is taken.
+struct Located {
+    s: f64,
+    node: Node,
+    sector: usize,
+    omega: f64,
+    grows: bool,
+    uncertainty: f64,
+}
+
 /// A pair of ends of one eigenvalue, whose real parts have different signs.
 #[derive(Clone, Copy, Debug)]
 struct Change {
@@ -107,13 +142,30 @@ struct Change {
 }
 
 impl Tracker {
-    /// A tracker that has seen nothing yet, or the spectrum `last`. `tolerance` is that of the waves.
-    pub fn new(request: Request, last: Option<Spectrum>, tolerance: f64) -> Tracker {
+    /// A tracker that has seen nothing yet, or the spectrum `last`. `tolerance` is that of the waves,
+    /// `allowance` the eigenvalues that may still be computed.
+    pub fn new(
+        request: Request,
+        last: Option<Spectrum>,
+        tolerance: f64,
+        allowance: usize,
+    ) -> Tracker {
         Tracker {
             request,
             tolerance,
             last,
+            allowance: Cell::new(allowance),
         }
+    }
+
+    /// Eigenvalues that may still be computed.
+    pub fn allowance(&self) -> usize {
+        self.allowance.get()
+    }
+
+    fn spend(&self, eigenvalues: usize) {
+        self.allowance
+            .set(self.allowance.get().saturating_sub(eigenvalues));
     }
 
     /// Spectrum at the point from which the next step sets out.
@@ -132,8 +184,12 @@ impl Tracker {
         node: &Node,
         seeds: Option<&Spectrum>,
     ) -> Option<Spectrum> {
+        if self.allowance.get() == 0 {
+            return None;
+        }
         let characteristic = Characteristic::new(wave, &node.point).ok()?;
         let found = spectrum(&characteristic, &self.request, seeds);
+        self.spend(size(&found));
         (!found.sectors.is_empty()).then_some(found)
     }
 
@@ -186,22 +242,31 @@ impl Tracker {
                     spectrum: after,
                 };
                 let mut lost = false;
-                let mut spectra = MOST_SPECTRA;
+                let mut left = Left {
+                    halvings: MOST_HALVINGS,
+                    reserve: self.allowance.get() / 2,
+                    short: false,
+                };
                 self.between(
                     wave,
                     from,
                     &one,
                     &other,
                     &folds,
-                    (0, &mut spectra),
+                    (0, &mut left),
                     &mut tracked.crossings,
                     &mut lost,
                 );
                 tracked.lost = lost;
                 if lost {
                     tracked.remark = Some(
-                        "the unstable count changes here and the crossing could not be located"
-                            .into(),
+                        if left.short {
+                            "more eigenvalues cross the imaginary axis here than could be located: \
+                             take a smaller `max_frequency` or `ds_max`"
+                        } else {
+                            "the unstable count changes here and the crossing could not be located"
+                        }
+                        .into(),
                     );
                 }
             }
@@ -273,30 +338,55 @@ impl Tracker {
         one: &End,
         other: &End,
         folds: &[f64],
-        (depth, left): (u32, &mut usize),
+        (depth, left): (u32, &mut Left),
         crossings: &mut Vec<Crossing>,
         lost: &mut bool,
     ) {
         let changes = self.changes(wave, one, other, folds);
         if let Some(changes) = changes {
-            let mut located = Vec::with_capacity(changes.len());
-            for change in &changes {
-                match self.locate(wave, from, one, other, change) {
-                    Some(crossing) => located.push(crossing),
-                    None => break,
-                }
+            // every crossing has a spectrum of its own: where there is no work for all, none is located
+            let cost = size(&one.spectrum).max(1);
+            let enough = |count: usize| {
+                let rest = self.allowance.get().saturating_sub(left.reserve);
+                count == 0 || count.saturating_mul(cost) <= rest
+            };
+            if !enough(changes.len()) {
+                (left.short, *lost) = (true, true);
+                return;
             }
-            if located.len() == changes.len() {
-                crossings.extend(
-                    located
-                        .into_iter()
-                        .filter(|crossing| crossing.omega.abs() <= self.request.max_frequency),
-                );
+            // spectra only once all are located: one that fails has the interval halved
+            let located: Option<Vec<Located>> = changes
+                .iter()
+                .map(|change| self.locate(wave, from, one, other, change))
+                .collect();
+            let with_spectra: Option<Vec<Crossing>> = located.and_then(|located| {
+                located
+                    .into_iter()
+                    .filter(|crossing| crossing.omega.abs() <= self.request.max_frequency)
+                    .map(|located| {
+                        let seeds = Some(&one.spectrum);
+                        let spectrum = self.spectrum_near(wave, &located.node, seeds)?;
+                        Some(Crossing {
+                            s: located.s,
+                            node: located.node,
+                            sector: located.sector,
+                            omega: located.omega,
+                            grows: located.grows,
+                            uncertainty: located.uncertainty,
+                            spectrum,
+                        })
+                    })
+                    .collect()
+            });
+            if let Some(found) = with_spectra {
+                crossings.extend(found);
                 return;
             }
         }
         let middle = 0.5 * (one.s + other.s);
-        let half = (depth < DEEPEST && *left > 0)
+        let work = self.allowance.get() > left.reserve;
+        left.short |= !work;
+        let half = (depth < DEEPEST && left.halvings > 0 && work)
             .then(|| events::node_at(wave, from, middle, self.tolerance))
             .flatten()
             .and_then(|node| {
@@ -307,7 +397,7 @@ impl Tracker {
                     spectrum,
                 })
             });
-        *left = left.saturating_sub(1);
+        left.halvings = left.halvings.saturating_sub(1);
         let Some(half) = half else {
             *lost = true;
             return;
@@ -359,10 +449,14 @@ impl Tracker {
             for start in before.eigenvalues.iter().filter(relevant) {
                 let reached = reach(&characteristic, before.sector, start.value());
                 let index = reached.and_then(|value| {
-                    after
-                        .eigenvalues
+                    // the list is sorted by falling Re λ
+                    let list = &after.eigenvalues;
+                    let first = list.partition_point(|known| known.re > value.re + SAME * rate);
+                    list[first..]
                         .iter()
+                        .take_while(|known| known.re >= value.re - SAME * rate)
                         .position(|known| (known.value() - value).norm() < SAME * rate)
+                        .map(|index| first + index)
                 });
                 match index {
                     Some(index) if !taken[index] => {
@@ -436,12 +530,13 @@ impl Tracker {
         one: &End,
         other: &End,
         change: &Change,
-    ) -> Option<Crossing> {
+    ) -> Option<Located> {
         let (mut at_low, mut at_high) = (change.from, change.to);
         let mut bracket = Bracket::new((one.s, at_low.re), (other.s, at_high.re));
         let mut best = None;
         // width of the last bracket tells the error
         for _ in 0..60 {
+            self.spend(1);
             let s = bracket.secant();
             let (low, width) = (bracket.low.0, bracket.width());
             let share = if width > 0.0 { (s - low) / width } else { 0.0 };
@@ -468,11 +563,10 @@ impl Tracker {
         }
         let (s, node, value, slope, size, real) = best?;
         let last = node.tangent.len() - 1;
-        let spectrum = self.spectrum_near(wave, &node, Some(&one.spectrum))?;
         // rounding of λ, carried to s by the slope of Re λ, and to the parameter by the tangent
         let error = (value.re.abs() + 1e-14 * size) / slope.abs();
         let symmetric = one.spectrum.symmetric(change.sector);
-        Some(Crossing {
+        Some(Located {
             s,
             uncertainty: error * node.tangent[last].abs(),
             node,
@@ -483,9 +577,14 @@ impl Tracker {
                 _ => value.im,
             },
             grows: change.to.re > change.from.re,
-            spectrum,
         })
     }
+}
+
+/// Eigenvalues of a spectrum, in all its sectors.
+fn size(spectrum: &Spectrum) -> usize {
+    let lists = spectrum.sectors.iter();
+    lists.map(|sector| sector.eigenvalues.len()).sum()
 }
 
 /// The eigenvalue of a sector that a value known nearby leads to.

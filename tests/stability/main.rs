@@ -6,6 +6,7 @@
 #[path = "../chebyshev/mod.rs"]
 mod chebyshev;
 
+mod allowance;
 mod beside_the_axis;
 mod completeness;
 mod conjugates;
