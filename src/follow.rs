@@ -91,6 +91,13 @@ pub struct State {
     pub origin: (Signature, Vec<f64>, Vec<f64>),
     /// Arclength since the first point.
     pub travelled: f64,
+    /// Steps in a row that creep.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub creeping: usize,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// A branch being followed.
@@ -103,6 +110,7 @@ pub struct Follower {
     heading: f64,
     origin: (Signature, Node),
     travelled: f64,
+    creeping: usize,
     settings: Settings,
 }
 
@@ -131,6 +139,7 @@ impl Follower {
             examination,
             heading,
             travelled: 0.0,
+            creeping: 0,
             settings: settings.ordered(),
         })
     }
@@ -176,6 +185,7 @@ impl Follower {
                 },
             ),
             travelled: state.travelled,
+            creeping: state.creeping,
             settings: settings.ordered(),
         })
     }
@@ -195,6 +205,7 @@ impl Follower {
                 list(&self.origin.1.tangent),
             ),
             travelled: self.travelled,
+            creeping: self.creeping,
         }
     }
 
@@ -427,7 +438,10 @@ impl Follower {
             s: ds,
             ..self.here()
         });
-        let status = match self.sonic() {
+        let short = ds < CREEP * self.settings.continuation.ds;
+        self.creeping = if short { self.creeping + 1 } else { 0 };
+        let uncoupled = uncoupled(&self.wave, &self.node.point).then(|| D_ZERO.to_owned());
+        let status = match uncoupled.or_else(|| self.sonic().or_else(|| self.creeps())) {
             Some(reason) => {
                 points.push(Found {
                     s: ds,
@@ -440,6 +454,18 @@ impl Follower {
             None => Status::Going,
         };
         Ok((points, status))
+    }
+
+    /// Why a branch ends whose steps have been short for so long that it does not get on any more: a step
+    /// may be half as long again as the one before, and those so short come from rejections.
+    fn creeps(&self) -> Option<String> {
+        let longest = CREEP * self.settings.continuation.ds;
+        (self.creeping >= MOST_CREEPING).then(|| {
+            format!(
+                "the branch does not get on: none of its last {MOST_CREEPING} steps is as long as \
+                 {longest:.0e}, and longer ones fail"
+            )
+        })
     }
 
     /// Why the branch has no end in the range where its speed tends to √a: ln(|c|/√a − 1) falls without
@@ -606,6 +632,7 @@ impl Follower {
             self.heading = -self.heading;
         }
         self.travelled += place.s.max(0.0);
+        self.creeping = 0;
         self.wave = Arc::new(beyond.wave);
         self.node = beyond.node;
         found.entered = Some((self.wave.clone(), self.node.clone()));
@@ -648,6 +675,11 @@ const VERTICAL: f64 = 1e-7;
 const SONIC: f64 = 1e-4;
 const SETTLED: f64 = 1e-3;
 
+/// A step shorter than this, in units of the first one, creeps; a branch ends after so many in a row.
+/// From there steps that succeed at once grow to the first one again in thirty.
+const CREEP: f64 = 1e-5;
+const MOST_CREEPING: usize = 40;
+
 /// Relative distance at which a point lies on a user point or an edge.
 const ON_TARGET: f64 = 1e-13;
 
@@ -658,6 +690,16 @@ const MOST_UNCERTAIN: f64 = 1e4;
 
 /// Events closer than this fraction of a step are one event seen by several margins.
 const AT_ONCE: f64 = 1e-6;
+
+/// What is left of a wave where D = 0.
+const D_ZERO: &str = "D = 0: nothing drives a wave here; what is left is steady sliding with a linear wave \
+                      of arbitrary amplitude, which neither grows nor decays";
+
+/// Whether D = 0 but for rounding.
+fn uncoupled(wave: &Wave, point: &Vector) -> bool {
+    let coupling = wave.flows(point).map(|flows| flows.frame.at.kappa);
+    coupling.is_ok_and(|kappa| kappa.abs() < events::AT_ZERO * wave.scales.pressure)
+}
 
 /// Why a branch ends where D = 0 does not end the wave itself, as under static friction.
 const UNCOUPLED: &str = "D = 0: waves run in the direction of D, and beyond it this one would run \
@@ -701,11 +743,8 @@ pub(crate) fn describe(
 
 /// Why a branch ends at an event.
 fn ending(before: &Wave, point: &Vector, margin: &Margin, refused: &[String]) -> String {
-    let coupling = before.flows(point).map(|flows| flows.frame.at.kappa);
-    if coupling.is_ok_and(|kappa| kappa.abs() < events::AT_ZERO * before.scales.pressure) {
-        return "D = 0: nothing drives a wave here; what is left is steady sliding with a linear wave \
-                of arbitrary amplitude, which neither grows nor decays"
-            .into();
+    if uncoupled(before, point) {
+        return D_ZERO.into();
     }
     if before.material && margin.watch == Watch::Pressure {
         return "separation is not covered with material damping; take `damping: (stiffness: 0)` to \

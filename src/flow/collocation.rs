@@ -11,7 +11,6 @@ use std::sync::OnceLock;
 
 use super::equations::{Dual, Field};
 use super::{FlowError, Jet};
-use crate::linalg::{Factors, Matrix, Vector};
 use crate::problem::MAX_DEGREE;
 
 /// Gauss points on \[0, 1\] with the integrals of their Lagrange polynomials.
@@ -23,6 +22,10 @@ struct Gauss {
     b: Vec<f64>,
     /// Coefficients of the leading divided difference, Σ_j d_j K_j = K⁽ᵐ⁻¹⁾/(m − 1)!.
     leading: Vec<f64>,
+    /// The points c_i.
+    nodes: Vec<f64>,
+    /// Coefficients of ℓ_j in powers of x.
+    polynomials: Vec<Vec<f64>>,
 }
 
 impl Gauss {
@@ -81,7 +84,15 @@ impl Gauss {
                 .collect(),
             b: (0..m).map(|j| integral(j, 1.0)).collect(),
             leading: polynomials.iter().map(|values| values[m - 1]).collect(),
+            nodes,
+            polynomials,
         }
+    }
+
+    /// ℓ_j at x.
+    fn lagrange(&self, j: usize, x: f64) -> f64 {
+        let powers = self.polynomials[j].iter().rev();
+        powers.fold(0.0, |sum, power| sum * x + power)
     }
 
     fn of_degree(m: usize) -> &'static Gauss {
@@ -114,162 +125,272 @@ const SHORTEST_CORRECTION: f64 = 1e-3;
 const CORRECTION: f64 = 1e-13;
 const MESH_CORRECTION: f64 = 1e-6;
 
-/// The solution on one interval.
-struct Interval<const D: usize> {
-    /// x at its right end.
+/// Slopes carried on from the interval before are taken for a first guess where their equations hold to
+/// this, relative to the slopes; elsewhere the slope at the left end is.
+const CARRIED: f64 = 0.1;
+
+/// LU factors of the linear system of one interval, in storage used again for every other one.
+struct Local {
+    /// Column by column: L below the diagonal, whose own diagonal is one, U above it, and in its place the
+    /// inverse of that of U.
+    entries: Vec<f64>,
+    /// Row exchanged with each.
+    pivots: Vec<usize>,
+}
+
+/// x − factor·y, in place.
+fn subtract(x: &mut [f64], factor: f64, y: &[f64]) {
+    x.iter_mut().zip(y).for_each(|(x, y)| *x -= factor * y);
+}
+
+impl Local {
+    fn new(size: usize) -> Local {
+        Local {
+            entries: vec![0.0; size * size],
+            pivots: vec![0; size],
+        }
+    }
+
+    /// Factorises in place, with partial pivoting. False when the matrix is singular.
+    fn factorise(&mut self) -> bool {
+        let n = self.pivots.len();
+        for k in 0..n {
+            let diagonal = &self.entries[k * n..][..n];
+            let larger = |one: usize, other: usize| {
+                let larger = diagonal[other].abs() > diagonal[one].abs();
+                if larger { other } else { one }
+            };
+            let pivot = (k + 1..n).fold(k, larger);
+            if diagonal[pivot] == 0.0 {
+                return false;
+            }
+            self.pivots[k] = pivot;
+            let columns = self.entries.chunks_exact_mut(n);
+            columns.for_each(|column| column.swap(k, pivot));
+            let (known, rest) = self.entries.split_at_mut((k + 1) * n);
+            let column = &mut known[k * n + k..];
+            let inverse = 1.0 / column[0];
+            column[0] = inverse;
+            let below = &mut column[1..];
+            below.iter_mut().for_each(|entry| *entry *= inverse);
+            for other in rest.chunks_exact_mut(n) {
+                let factor = other[k];
+                subtract(&mut other[k + 1..], factor, below);
+            }
+        }
+        true
+    }
+
+    fn solve(&self, right: &mut [f64]) {
+        let n = self.pivots.len();
+        for (row, pivot) in self.pivots.iter().enumerate() {
+            right.swap(row, *pivot);
+        }
+        for (k, column) in self.entries.chunks_exact(n).enumerate() {
+            let factor = right[k];
+            subtract(&mut right[k + 1..], factor, &column[k + 1..]);
+        }
+        for (k, column) in self.entries.chunks_exact(n).enumerate().rev() {
+            right[k] *= column[k];
+            let factor = right[k];
+            subtract(&mut right[..k], factor, &column[..k]);
+        }
+    }
+}
+
+/// The solution on the intervals of a mesh, one after the other.
+struct Solver<'a, const D: usize, F> {
+    frozen: &'a F,
+    gauss: &'a Gauss,
+    /// x at the right end of the interval solved last.
     end: [f64; D],
-    /// Slopes at the Gauss points.
+    /// Slopes at its Gauss points.
     slopes: Vec<[f64; D]>,
+    /// Its length; zero before the first.
+    length: f64,
     /// Of the linear system of the last Newton iteration.
-    factors: Factors,
+    local: Local,
+    trial: Vec<[f64; D]>,
+    /// Rates at the Gauss points with their derivatives in x, and the residuals of the equations.
+    rates: Vec<[Dual<D>; D]>,
+    right: Vec<f64>,
+    step: Vec<f64>,
 }
 
-/// x at the Gauss points, from the slopes there.
-fn stages<const D: usize>(
-    gauss: &Gauss,
-    from: &[f64; D],
-    h: f64,
-    slopes: &[[f64; D]],
-) -> Vec<[f64; D]> {
-    let m = slopes.len();
-    (0..m)
-        .map(|i| {
-            std::array::from_fn(|row| {
-                from[row] + h * (0..m).map(|j| gauss.a[i][j] * slopes[j][row]).sum::<f64>()
-            })
+fn largest(numbers: &[f64]) -> f64 {
+    let numbers = numbers.iter();
+    numbers.fold(0.0, |size: f64, number| size.max(number.abs()))
+}
+
+fn square(numbers: &[f64]) -> f64 {
+    numbers.iter().map(|number| number * number).sum()
+}
+
+impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
+    fn new(frozen: &'a F, gauss: &'a Gauss) -> Self {
+        let m = gauss.b.len();
+        Solver {
+            frozen,
+            gauss,
+            end: [0.0; D],
+            slopes: vec![[0.0; D]; m],
+            length: 0.0,
+            local: Local::new(m * D),
+            trial: vec![[0.0; D]; m],
+            rates: vec![[Dual::constant(0.0); D]; m],
+            right: vec![0.0; m * D],
+            step: vec![0.0; m * D],
+        }
+    }
+
+    /// x at Gauss point `i`, from the slopes at all of them.
+    fn stage(&self, from: &[f64; D], h: f64, slopes: &[[f64; D]], i: usize) -> [f64; D] {
+        std::array::from_fn(|row| {
+            let pairs = self.gauss.a[i].iter().zip(slopes);
+            from[row] + h * pairs.map(|(a, slope)| a * slope[row]).sum::<f64>()
         })
-        .collect()
-}
+    }
 
-/// Solves one interval of length h from `from`; `enough` is the last correction.
-fn interval<const D: usize>(
-    frozen: &impl Field<D, Dual<D>>,
-    gauss: &Gauss,
-    from: &[f64; D],
-    h: f64,
-    enough: f64,
-) -> Result<Interval<D>, &'static str> {
-    let m = gauss.b.len();
-    // rates at the Gauss points with their derivatives in x, and the residuals of the equations
-    let evaluate = |slopes: &[[f64; D]]| -> (Vec<[Dual<D>; D]>, Vector) {
-        let rates: Vec<[Dual<D>; D]> = stages(gauss, from, h, slopes)
-            .into_iter()
-            .map(|at| {
-                frozen.rate(&std::array::from_fn(|row| {
-                    let mut x = Dual::constant(at[row]);
-                    x.by[row] = 1.0;
-                    x
+    /// Rates and residuals at the trial slopes.
+    fn evaluate(&mut self, from: &[f64; D], h: f64) {
+        for i in 0..self.trial.len() {
+            let at = self.stage(from, h, &self.trial, i);
+            let rate = self.frozen.rate(&std::array::from_fn(|row| {
+                let mut x = Dual::constant(at[row]);
+                x.by[row] = 1.0;
+                x
+            }));
+            for row in 0..D {
+                self.right[i * D + row] = rate[row].value - self.trial[i][row];
+            }
+            self.rates[i] = rate;
+        }
+    }
+
+    /// Solves the next interval, of length h; `enough` is the last correction.
+    fn interval(&mut self, h: f64, enough: f64) -> Result<(), &'static str> {
+        let from = self.end;
+        if self.carry_on(&from, h) && self.correct(&from, h, enough).is_ok() {
+            return Ok(());
+        }
+        let first = self.frozen.rate(&from.map(Dual::constant));
+        self.trial.fill(first.map(|rate| rate.value));
+        self.evaluate(&from, h);
+        self.correct(&from, h, enough)
+    }
+
+    /// Takes the polynomial of the interval before, carried on into one of length h, for a guess.
+    fn carry_on(&mut self, from: &[f64; D], h: f64) -> bool {
+        let gauss = self.gauss;
+        if self.length == 0.0 {
+            return false;
+        }
+        for (trial, node) in self.trial.iter_mut().zip(&gauss.nodes) {
+            let x = 1.0 + node * h / self.length;
+            *trial = [0.0; D];
+            for (j, slope) in self.slopes.iter().enumerate() {
+                subtract(trial, -gauss.lagrange(j, x), slope);
+            }
+        }
+        self.evaluate(from, h);
+        square(&self.right) <= CARRIED * CARRIED * square(self.trial.as_flattened())
+    }
+
+    /// Newton's method for the slopes, from those tried.
+    fn correct(&mut self, from: &[f64; D], h: f64, enough: f64) -> Result<(), &'static str> {
+        let gauss = self.gauss;
+        let n = self.right.len();
+        self.slopes.copy_from_slice(&self.trial);
+        self.length = h;
+        let mut before = f64::INFINITY;
+        for _ in 0..MOST_ITERATIONS {
+            let columns = self.local.entries.chunks_exact_mut(n);
+            for (index, column) in columns.enumerate() {
+                let (j, by) = (index / D, index % D);
+                let rows = column.chunks_exact_mut(D).zip(&self.rates);
+                for ((rows, rates), a) in rows.zip(&gauss.a) {
+                    for (entry, rate) in rows.iter_mut().zip(rates) {
+                        *entry = -h * a[j] * rate.by[by];
+                    }
+                }
+                column[index] += 1.0;
+            }
+            if !self.local.factorise() {
+                return Err("the collocation matrix is singular");
+            }
+            self.step.copy_from_slice(&self.right);
+            self.local.solve(&mut self.step);
+            // the full correction is what convergence is measured by
+            let correction = largest(&self.step);
+            if !correction.is_finite() || self.step.iter().any(|step| step.is_nan()) {
+                return Err("the collocation equations diverge");
+            }
+            let corrected =
+                |trial: &mut [[f64; D]], slopes: &[[f64; D]], factor: f64, step: &[f64]| {
+                    let slopes = slopes.as_flattened().iter().zip(step);
+                    for (trial, (slope, step)) in trial.as_flattened_mut().iter_mut().zip(slopes) {
+                        *trial = slope + factor * step;
+                    }
+                };
+            corrected(&mut self.trial, &self.slopes, 1.0, &self.step);
+            let size = largest(self.trial.as_flattened()).max(f64::MIN_POSITIVE);
+            // at rounding, or no longer shrinking next to it
+            let rounded = correction >= 0.5 * before && correction <= 1e3 * CORRECTION * size;
+            if correction <= enough * size || rounded {
+                self.slopes.copy_from_slice(&self.trial);
+                self.end = std::array::from_fn(|row| {
+                    let pairs = gauss.b.iter().zip(&self.slopes);
+                    from[row] + h * pairs.map(|(b, slope)| b * slope[row]).sum::<f64>()
+                });
+                return Ok(());
+            }
+            let residual = square(&self.right);
+            let mut factor = 1.0;
+            loop {
+                self.evaluate(from, h);
+                // friction that changes within ε of V̇ = 1 needs damping; at rounding nothing falls
+                if square(&self.right) < residual || factor < SHORTEST_CORRECTION {
+                    break;
+                }
+                factor *= 0.5;
+                corrected(&mut self.trial, &self.slopes, factor, &self.step);
+            }
+            self.slopes.copy_from_slice(&self.trial);
+            before = correction;
+        }
+        Err("Newton's method on a mesh interval does not converge")
+    }
+
+    /// Carries the derivatives of the start and of the zone's unknowns over the interval solved last:
+    /// K_i′ − h Σ a_ij J_i K_j′ = J_i x₀′ + ∂F/∂(zone).
+    fn derivatives(&mut self, field: &impl Field<D, Jet>, start: &[Jet; D]) -> [Jet; D] {
+        let h = self.length;
+        let from = start.map(|jet| jet.value);
+        let mut end: [Jet; D] = std::array::from_fn(|row| Jet {
+            value: self.end[row],
+            by: start[row].by,
+        });
+        let rates: Vec<[Jet; D]> = (0..self.slopes.len())
+            .map(|i| {
+                let at = self.stage(&from, h, &self.slopes, i);
+                field.rate(&std::array::from_fn(|row| Jet {
+                    value: at[row],
+                    by: start[row].by,
                 }))
             })
             .collect();
-        let right = Vector::from_fn(m * D, |entry, _| {
-            rates[entry / D][entry % D].value - slopes[entry / D][entry % D]
-        });
-        (rates, right)
-    };
-    let first = frozen
-        .rate(&from.map(Dual::constant))
-        .map(|rate| rate.value);
-    let mut slopes = vec![first; m];
-    let (mut rates, mut right) = evaluate(&slopes);
-    let mut before = f64::INFINITY;
-    for _ in 0..MOST_ITERATIONS {
-        let mut matrix = Matrix::identity(m * D, m * D);
-        for (i, rate) in rates.iter().enumerate() {
-            for row in 0..D {
-                for j in 0..m {
-                    for column in 0..D {
-                        matrix[(i * D + row, j * D + column)] -=
-                            h * gauss.a[i][j] * rate[row].by[column];
-                    }
-                }
+        for index in 0..5 {
+            let entries = self.step.iter_mut().zip(rates.as_flattened());
+            entries.for_each(|(entry, rate)| *entry = rate.by[index]);
+            self.local.solve(&mut self.step);
+            for (row, jet) in end.iter_mut().enumerate() {
+                let slopes = self.step.chunks_exact(D).map(|slopes| slopes[row]);
+                let pairs = self.gauss.b.iter().zip(slopes);
+                jet.by[index] += h * pairs.map(|(b, slope)| b * slope).sum::<f64>();
             }
         }
-        let factors = Factors::new(matrix);
-        let mut step = right.clone();
-        if !factors.solve(&mut step) {
-            return Err("the collocation matrix is singular");
-        }
-        // the full correction is what convergence is measured by
-        let correction = step.amax();
-        if !correction.is_finite() {
-            return Err("the collocation equations diverge");
-        }
-        let size = right.norm();
-        let mut factor = 1.0;
-        let mut trial;
-        loop {
-            trial = slopes.clone();
-            for (i, slope) in trial.iter_mut().enumerate() {
-                for (row, value) in slope.iter_mut().enumerate() {
-                    *value += factor * step[i * D + row];
-                }
-            }
-            (rates, right) = evaluate(&trial);
-            // friction that changes within ε of V̇ = 1 needs damping; at rounding nothing falls
-            if right.norm() < size || factor < SHORTEST_CORRECTION {
-                break;
-            }
-            factor *= 0.5;
-        }
-        let largest = trial
-            .iter()
-            .flatten()
-            .fold(f64::MIN_POSITIVE, |size, value| size.max(value.abs()));
-        let rounded = correction >= 0.5 * before && correction <= 1e3 * CORRECTION * largest;
-        if factor == 1.0 || !rounded {
-            slopes = trial;
-        }
-        // at rounding, or no longer shrinking next to it
-        if correction <= enough * largest || rounded {
-            return Ok(Interval {
-                end: std::array::from_fn(|row| {
-                    from[row] + h * (0..m).map(|j| gauss.b[j] * slopes[j][row]).sum::<f64>()
-                }),
-                slopes,
-                factors,
-            });
-        }
-        before = correction;
+        end
     }
-    Err("Newton's method on a mesh interval does not converge")
-}
-
-/// Carries the derivatives of the start and of the zone's unknowns over a solved interval:
-/// K_i′ − h Σ a_ij J_i K_j′ = J_i x₀′ + ∂F/∂(zone).
-fn derivatives<const D: usize>(
-    field: &impl Field<D, Jet>,
-    gauss: &Gauss,
-    start: &[Jet; D],
-    h: f64,
-    solved: &Interval<D>,
-) -> Result<[Jet; D], &'static str> {
-    let m = gauss.b.len();
-    let from = start.map(|jet| jet.value);
-    let rates: Vec<[Jet; D]> = stages(gauss, &from, h, &solved.slopes)
-        .into_iter()
-        .map(|at| {
-            field.rate(&std::array::from_fn(|row| Jet {
-                value: at[row],
-                by: start[row].by,
-            }))
-        })
-        .collect();
-    let mut end: [Jet; D] = std::array::from_fn(|row| Jet {
-        value: solved.end[row],
-        by: start[row].by,
-    });
-    for index in 0..5 {
-        let mut right = Vector::from_fn(m * D, |entry, _| rates[entry / D][entry % D].by[index]);
-        if !solved.factors.solve(&mut right) {
-            return Err("the collocation matrix is singular");
-        }
-        for (row, jet) in end.iter_mut().enumerate() {
-            let sum: f64 = (0..m).map(|j| gauss.b[j] * right[j * D + row]).sum();
-            jet.by[index] += h * sum;
-        }
-    }
-    Ok(end)
 }
 
 /// The mesh that equidistributes |x⁽ᵐ⁾|^{1/m}, as the solution on the mesh `points` shows it.
@@ -280,23 +401,22 @@ fn adapted<const D: usize>(
 ) -> Result<Vec<f64>, &'static str> {
     let count = points.len() - 1;
     let m = gauss.b.len();
-    let mut start = [0.0; D];
+    let mut solver = Solver::new(frozen, gauss);
     let mut derivative: Vec<[f64; D]> = Vec::with_capacity(count);
     let mut largest = [0.0_f64; D];
     for pair in points.windows(2) {
         let h = pair[1] - pair[0];
-        let step = interval(frozen, gauss, &start, h, MESH_CORRECTION)?;
+        solver.interval(h, MESH_CORRECTION)?;
         let scale = h.powi(1 - m as i32);
         derivative.push(std::array::from_fn(|row| {
-            let sum: f64 = (step.slopes.iter().zip(&gauss.leading))
+            let sum: f64 = (solver.slopes.iter().zip(&gauss.leading))
                 .map(|(slope, factor)| factor * slope[row])
                 .sum();
             sum.abs() * scale
         }));
-        for (largest, value) in largest.iter_mut().zip(&step.end) {
+        for (largest, value) in largest.iter_mut().zip(&solver.end) {
             *largest = largest.max(value.abs());
         }
-        start = step.end;
     }
     let density: Vec<f64> = derivative
         .iter()
@@ -347,10 +467,10 @@ pub fn jets<const D: usize>(
     let solve = || {
         let gauss = Gauss::of_degree(mesh.degree);
         let mut x = [Jet::default(); D];
+        let mut solver = Solver::new(frozen, gauss);
         for pair in mesh_points(frozen, mesh, gauss)?.windows(2) {
-            let h = pair[1] - pair[0];
-            let solved = interval(frozen, gauss, &x.map(|jet| jet.value), h, CORRECTION)?;
-            x = derivatives(field, gauss, &x, h, &solved)?;
+            solver.interval(pair[1] - pair[0], CORRECTION)?;
+            x = solver.derivatives(field, &x);
         }
         Ok(x)
     };
@@ -380,11 +500,11 @@ pub fn at_mesh_points<const D: usize>(
 ) -> Result<Vec<(f64, [f64; D])>, FlowError> {
     let solve = || {
         let gauss = Gauss::of_degree(mesh.degree);
-        let mut x = [0.0; D];
-        let mut solution = vec![(0.0, x)];
+        let mut solver = Solver::new(frozen, gauss);
+        let mut solution = vec![(0.0, solver.end)];
         for pair in mesh_points(frozen, mesh, gauss)?.windows(2) {
-            x = interval(frozen, gauss, &x, pair[1] - pair[0], CORRECTION)?.end;
-            solution.push((pair[1], x));
+            solver.interval(pair[1] - pair[0], CORRECTION)?;
+            solution.push((pair[1], solver.end));
         }
         Ok(solution)
     };

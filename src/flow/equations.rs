@@ -178,9 +178,8 @@ pub fn multiplier<N: Number>(law: FrictionLaw, sigma: f64, w: N, smoothing: N) -
             let inverse = smoothing.map(1.0 / epsilon, -1.0 / (epsilon * epsilon));
             let argument = w.affine(-1.0, 1.0).times(inverse);
             let value = argument.value().tanh();
-            let cosh = argument.value().cosh();
-            // sech², zero where cosh overflows
-            argument.map(value, 1.0 / (cosh * cosh))
+            // sech² = 1 − tanh²
+            argument.map(value, (1.0 - value) * (1.0 + value))
         }
     }
 }

@@ -136,3 +136,21 @@ fn absurd_frequencies_are_refused() {
     assert!(stderr.contains("max_frequency = 1e6"), "{stderr}");
     assert!(stderr.contains("lower it below"), "{stderr}");
 }
+
+/// Under regularised friction the branch meets D = 0 in waves of every amplitude, a vertical line. It was
+/// followed down to rest and back again on the same waves half a turn on, with a dozen folds of rounding.
+#[test]
+fn regularised_friction_ends_where_nothing_drives_the_wave() {
+    let problem = "(model: (coefficients: Geometry(nu: 0.4155, xi: 2.211416854515969, \
+         gamma: 5.958841045184008), friction: 0.5907392485733198, mismatch: 0.2360285504611487, \
+         friction_law: Regularised(epsilon: 0.05)), method: Collocation(intervals: 60, degree: 4), \
+         wave: (mode: 2, start: Fast), continuation: (parameter: Nu, range: (0.41, 0.4155), \
+         toward: Down, tolerance: 5e-16, max_points: 300))";
+    let (branch, events, stderr) = run(problem, 3);
+    assert!(stderr.contains("D = 0: nothing drives a wave"), "{stderr}");
+    let types: Vec<&str> = (0..events.rows.len())
+        .map(|row| events.text(row, "type"))
+        .collect();
+    assert_eq!(types, ["EP", "MX"]);
+    assert!(branch.rows.len() < 100, "{} rows", branch.rows.len());
+}
