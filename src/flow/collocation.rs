@@ -129,8 +129,6 @@ const MESH_CORRECTION: f64 = 1e-6;
 /// this, relative to the slopes; elsewhere the slope at the left end is.
 const CARRIED: f64 = 0.1;
 
-const NOT_CONVERGED: &str = "Newton's method on a mesh interval does not converge";
-
 /// LU factors of the linear system of one interval, in storage used again for every other one.
 struct Local {
     /// Column by column: L below the diagonal, whose own diagonal is one, U above it, and in its place the
@@ -273,13 +271,12 @@ impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
     /// Solves the next interval, of length h; `enough` is the last correction.
     fn interval(&mut self, h: f64, enough: f64) -> Result<(), &'static str> {
         let from = self.end;
-        if self.carry_on(&from, h) && self.correct(&from, h, enough, false).is_ok() {
-            return Ok(());
+        if !self.carry_on(&from, h) {
+            let first = self.frozen.rate(&from.map(Dual::constant));
+            self.trial.fill(first.map(|rate| rate.value));
+            self.evaluate(&from, h);
         }
-        let first = self.frozen.rate(&from.map(Dual::constant));
-        self.trial.fill(first.map(|rate| rate.value));
-        self.evaluate(&from, h);
-        self.correct(&from, h, enough, true)
+        self.correct(&from, h, enough)
     }
 
     /// Takes the polynomial of the interval before, carried on into one of length h, for a guess.
@@ -299,15 +296,8 @@ impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
         square(&self.right) <= CARRIED * CARRIED * square(self.trial.as_flattened())
     }
 
-    /// Newton's method for the slopes, from those tried. Without damping it ends where a correction does
-    /// not make the residual fall.
-    fn correct(
-        &mut self,
-        from: &[f64; D],
-        h: f64,
-        enough: f64,
-        damped: bool,
-    ) -> Result<(), &'static str> {
+    /// Newton's method for the slopes, from those tried.
+    fn correct(&mut self, from: &[f64; D], h: f64, enough: f64) -> Result<(), &'static str> {
         let gauss = self.gauss;
         let n = self.right.len();
         self.slopes.copy_from_slice(&self.trial);
@@ -362,16 +352,13 @@ impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
                 if square(&self.right) < residual || factor < SHORTEST_CORRECTION {
                     break;
                 }
-                if !damped {
-                    return Err(NOT_CONVERGED);
-                }
                 factor *= 0.5;
                 corrected(&mut self.trial, &self.slopes, factor, &self.step);
             }
             self.slopes.copy_from_slice(&self.trial);
             before = correction;
         }
-        Err(NOT_CONVERGED)
+        Err("Newton's method on a mesh interval does not converge")
     }
 
     /// Carries the derivatives of the start and of the zone's unknowns over the interval solved last:
