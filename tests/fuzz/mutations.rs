@@ -118,7 +118,7 @@ fn mutate(dice: &mut Dice, text: &str) -> Vec<u8> {
     match dice.below(10) {
         0..=3 if !numbers.is_empty() => {
             let place = *dice.pick(&numbers);
-            replace(place, *dice.pick::<&str>(&NUMBERS))
+            replace(place, dice.pick::<&str>(&NUMBERS))
         }
         // near the number that was there
         4 if !numbers.is_empty() => {
@@ -129,7 +129,7 @@ fn mutate(dice: &mut Dice, text: &str) -> Vec<u8> {
         }
         5 | 6 if !names.is_empty() => {
             let place = *dice.pick(&names);
-            replace(place, *dice.pick::<&str>(&WORDS))
+            replace(place, dice.pick::<&str>(&WORDS))
         }
         7 => {
             // a piece of lines left out or doubled

@@ -245,10 +245,8 @@ impl Tables {
             };
             // The same event is usually in both tables.
             let key = (table.text(row, "label"), kind);
-            if !key.0.is_empty() {
-                if !seen.insert(key) {
-                    continue;
-                }
+            if !key.0.is_empty() && !seen.insert(key) {
+                continue;
             }
             let value = |column: &str| {
                 table
