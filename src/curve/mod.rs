@@ -111,6 +111,10 @@ const LEAST_OMEGA: f64 = 1e-4;
 /// Margins that vanish closer together than this fraction of a step see one event.
 const AT_ONCE: f64 = 1e-6;
 
+/// A curve creeps when so many steps lead on by less than this length in the scaled unknowns. The first
+/// step of a curve alone is 50 times as long.
+const CREEPING: (usize, f64) = (200, 1e-4);
+
 /// A curve has closed when it passes this close to its start, in units of the last step.
 const CLOSED: f64 = 1.0;
 
@@ -486,6 +490,26 @@ const CLOSES: &str = "the curve closes on its start";
 
 type Entry = (Point, EventSystem, Vector);
 
+/// Why a curve creeps, if it does: beside the opening of a separation zone the landing jump of a
+/// perturbation is singular, and Newton's method converges slowly at any length of step.
+fn creeping(points: &[Entry]) -> Option<String> {
+    let (steps, least) = CREEPING;
+    let (_, system, here) = points.last()?;
+    let (_, before, there) = &points[points.len().checked_sub(steps)?];
+    if before.signature() != system.signature() || (here - there).norm() >= least {
+        return None;
+    }
+    let (wave, own) = system.wave(here, 0);
+    let lengths = (0..wave.zones()).map(|zone| (zone, wave.duration_at(&own, zone)));
+    let (zone, duration) = lengths.min_by(|one, other| one.1.total_cmp(&other.1))?;
+    Some(format!(
+        "{steps} steps lead on by less than {least:e}: Newton's method hardly converges beside a {} zone \
+         of length {:.1e}",
+        wave.signature.zone(zone).regime.name(),
+        duration * wave.speed_at(&own).abs()
+    ))
+}
+
 /// The start with its unit tangent, the null vector of the Jacobian.
 fn first_node(system: &EventSystem, start: &Vector, tolerance: f64) -> Result<Node, String> {
     let tangent = |point: &Vector| {
@@ -584,6 +608,9 @@ impl Follower {
         let most = self.settings.most_points;
         if points.len() >= most {
             let reason = format!("`max_points`, {most} in either direction, are reached");
+            return end(reason, true, Some("MX"));
+        }
+        if let Some(reason) = creeping(points) {
             return end(reason, true, Some("MX"));
         }
         let mut ds = self.ds.clamp(limits.ds_min, limits.ds_max);

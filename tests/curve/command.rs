@@ -285,3 +285,33 @@ fn too_few_points_are_said_to_be() {
         assert!(row.contains(",MX,") && row.contains("max_points"), "{row}");
     }
 }
+
+/// Close to where a Hopf curve meets the opening of a separation zone, steps shrink to 1e-8. The curve
+/// ends there, and says where it is, instead of taking all the points it may.
+#[test]
+fn a_curve_that_creeps_says_so() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("p.ron");
+    fs::write(
+        &file,
+        "(
+    model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.5, mismatch: 0.2),
+    wave: (mode: 4, start: Fast),
+    continuation: (parameter: Mismatch, range: (0.03, 0.2), toward: Down),
+    stability: (sectors: All, eigenvalues: 4, max_frequency: 12.0),
+    curve: (event: HB, index: 9, sector: 1, parameters: (Mismatch, Friction), range: ((0.01, 0.3), (0.1, 1.2))),
+)",
+    )
+    .unwrap();
+    let out = folder.path().join("out");
+    let output = run(&[file.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    let table = fs::read_to_string(out.join("curve.csv")).unwrap();
+    let rows: Vec<&str> = table.lines().skip(1).collect();
+    assert!(rows.len() < 1000, "{} rows", rows.len());
+    assert!(
+        rows[0].contains(",MX,") && rows[0].contains("beside a separation zone"),
+        "{}",
+        rows[0]
+    );
+}
