@@ -372,8 +372,8 @@ fn contact_zone(
     press(collector, false, drive(0.0, entry));
     slide_on(collector, true, false, entry[1]);
     let turning_points = flow.turning_points(slide, order == 2)?;
-    // with one extreme between two ends at W = 1 its sign is that of V̈ at the entry, also where W − 1
-    // is below rounding: a zone opens like T², with material damping like T³
+    // with one extreme between two ends at W = 1 its sign is that of V̈ at the entry, where W − 1 is
+    // lost in rounding: a zone opens like T², with material damping like T³
     let single = order == 1 && !takes_off && turning_points.len() == 1;
     for time in turning_points {
         let state = flow.state(slide, time)?;
@@ -382,7 +382,7 @@ fn contact_zone(
         if order == 2 && arrested && at_end && (state[1] - 1.0).abs() < AT_ARREST * AT_ARREST {
             continue;
         }
-        if single {
+        if single && (wave.material || (state[1] - 1.0).abs() < LOST) {
             let rise = flow.acceleration(slide, 0.0, entry);
             slide_on(collector, false, false, 1.0 + rise.signum());
         } else {
@@ -421,6 +421,10 @@ fn contact_zone(
     collector.visit(end[0] + steady);
     Ok(())
 }
+
+/// W − 1 below this may be rounding: W is of order one where it passes 1, and at the stiff end of the
+/// slow waves it is known to 1e-12 only.
+const LOST: f64 = 1e-10;
 
 /// A zone of more radians than this is refused: no wave of interest has it, and its examination
 /// would take longer than a second.
