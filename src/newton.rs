@@ -254,7 +254,8 @@ pub fn solve<S: System>(
                 let bound = rounding(&bordered.matrix, &point.abs(), Some(&noise))?.amax();
                 Some(correction <= bound && bound <= MOST_ROUNDED)
             };
-            if relative < ROUNDED || ratio > SLOWEST && rounded() == Some(true) {
+            let small = ratio > SLOWEST && correction <= MOST_ROUNDED;
+            if relative < ROUNDED || small && rounded() == Some(true) {
                 return Ok(Solution {
                     residual: relative,
                     point,
