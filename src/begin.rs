@@ -547,12 +547,16 @@ fn smooth_wave(
     };
     let first = [[y, 0.0, period, 0.0]];
     let wave = posed(epsilon);
-    if let Ok(point) = polish(&wave, &guess(&wave, &first, sharp.excess_at(at))) {
+    let reach = |wave: &Wave| {
+        let guess = guess(wave, &first, sharp.excess_at(at));
+        polish_within(wave, &guess, SMOOTH_ITERATIONS)
+    };
+    if let Ok(point) = reach(&wave) {
         return Ok((wave, point));
     }
     let mut reached = FIRST_SMOOTHING.min(epsilon);
     let mut wave = posed(reached);
-    let mut point = polish(&wave, &guess(&wave, &first, sharp.excess_at(at))).map_err(|error| {
+    let mut point = reach(&wave).map_err(|error| {
         // V̇ comes to rest at 1 in layers of this length
         let frame = &flows.frame.at;
         let pull = frame.friction * (frame.g * frame.mismatch + frame.kappa);
@@ -572,15 +576,23 @@ fn smooth_wave(
     Ok((wave, point))
 }
 
+/// Iterations in which a wave of the regularised law is reached from a good guess, if at all: each
+/// integrates all its layers, and ten times as slowly where the wave cannot be resolved.
+const SMOOTH_ITERATIONS: usize = 12;
+
 /// Newton's method at the parameter value of the guess.
 pub fn polish(wave: &Wave, guess: &Vector) -> Result<Vector, NoStart> {
+    polish_within(wave, guess, 40)
+}
+
+fn polish_within(wave: &Wave, guess: &Vector, most_iterations: usize) -> Result<Vector, NoStart> {
     let index = wave.unknowns() - 1;
     let mut fixed = Fixed {
         index,
         value: guess[index],
     };
     let settings = newton::Settings {
-        most_iterations: 40,
+        most_iterations,
         halvings: 10,
         polish: 1,
         ..newton::Settings::default()
