@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use quick_junit::{NonSuccessKind, Report as JunitReport, TestCase, TestCaseStatus, TestSuite};
 
+use super::progress::Progress;
 use super::run::{Prepared, ready};
 use super::{BAD_INPUT, Failure, INPUT_OUTPUT, NUMERICAL, UNMET, print, spare, warn, write};
 use crate::branch::Event;
@@ -113,9 +114,19 @@ fn check_file(file: &Path) -> Result<Outcome, Failure> {
     let mut branch = Branch::begin(&problem, &continuation, restart.as_ref())
         .map_err(|error| source.place(error))?;
     let mut events = Vec::new();
+    let mut progress = Progress::new(false);
     while branch.progress().end.is_none() {
         events.extend(branch.step().into_iter().filter_map(|item| item.event));
+        progress.show(branch.position(), || {
+            let points = branch.progress().points;
+            format!(
+                "{}: {points} points, {} events",
+                file.display(),
+                events.len()
+            )
+        });
     }
+    drop(progress);
     let comparisons = compare(&problem.expect, &events, continuation.parameter);
     let met = comparisons
         .iter()

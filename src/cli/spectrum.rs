@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::progress::Progress;
 use super::run::{Prepared, prepare};
 use super::{Failure, NUMERICAL, print, spare, warn, write};
 use crate::branch::EventType;
@@ -193,8 +194,12 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
     let mut passages = 0;
     let mut reached: Option<Item> = None;
     let (mut steps, mut most) = (0, usize::MAX);
+    let mut progress = Progress::new(false);
     while branch.progress().end.is_none() && steps < most {
         steps += 1;
+        progress.show(f64::NAN, || {
+            format!("{} points on the way", branch.progress().points)
+        });
         for item in branch.step() {
             let here = item
                 .saved
@@ -214,6 +219,7 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
             }
         }
     }
+    drop(progress);
     if let (Some(value), Some(_)) = (target, &reached) {
         let more = branch.progress().end.is_none();
         let name = column.column();

@@ -2,7 +2,6 @@
 //! where there is nothing to measure.
 
 use std::fs;
-use std::time::{Duration, Instant};
 
 use crate::harness::{Bench, SMALL, changed, snapshot};
 
@@ -147,15 +146,12 @@ fn what_is_refused_leaves_no_folder() {
 #[test]
 fn a_budget_is_kept() {
     let bench = Bench::new();
-    // the reference of this law alone takes tens of seconds
+    // one step of the reference of this law takes longer
     bench.put("slow.ron", crate::harness::problem("mode4_regularised.ron"));
-    let begun = Instant::now();
-    let said = bench.run(&["accuracy", "slow.ron", "--out", "a", "--budget", "0.5"]);
+    let said = bench.run(&["accuracy", "slow.ron", "--out", "a", "--budget", "0.001"]);
     let said = said.expect(2).stderr;
-    // a step of a branch takes a fraction of a second; the machine may be busy
-    assert!(begun.elapsed() < Duration::from_secs(10));
     assert!(
-        said.contains("reference") && said.contains("--budget 0.5"),
+        said.contains("reference") && said.contains("--budget 0.001"),
         "{said}"
     );
     assert_eq!(bench.names(), ["slow.ron"]);
