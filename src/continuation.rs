@@ -4,6 +4,8 @@
 //! across t₀. Lengths are Euclidean in the scaled unknowns, so the scaling of the system is the
 //! norm of the arclength. Keller, in: Applications of Bifurcation Theory (1977).
 
+pub mod zero;
+
 use serde::{Deserialize, Serialize};
 
 use crate::linalg::Vector;

@@ -27,6 +27,8 @@
 //! no thickness. (On the dichotomy of two-point problems: Ascher, Mattheij & Russell, Numerical
 //! Solution of Boundary Value Problems for ODEs, 1995, chapters 3 and 10.)
 
+use crate::continuation::zero::{boundary, zero_by_slope};
+
 use super::contact::{ContactFlow, SHORT_TERMS, SHORT_ZONE};
 use super::{
     DURATION, ENTRY_W, ENTRY_Y, EXCESS, FlowError, Frame, Jet, LAYER, SOURCES, Slide, ZoneEnd,
@@ -69,29 +71,16 @@ fn layer_time(d: f64, m: f64, s: f64, h: f64) -> Option<f64> {
     if !(high.is_finite() && at(high) >= 0.0) {
         return None;
     }
-    // Newton's method kept inside the bracket
-    let mut x = if m > 0.0 {
+    let guess = if m > 0.0 {
         (d / m).clamp(low, high)
     } else {
         high
     };
-    for _ in 0..200 {
-        let value = at(x);
-        if value > 0.0 {
-            high = x;
-        } else {
-            low = x;
-        }
-        let mut next = x - value / slope(x);
-        if !(next > low && next < high) {
-            next = 0.5 * (low + high);
-        }
-        if (next - x).abs() <= 2.0 * f64::EPSILON * x || next == low || next == high {
-            return Some(next);
-        }
-        x = next;
-    }
-    Some(x)
+    let rounded = |step: f64, x: f64| step <= 2.0 * f64::EPSILON * x;
+    // the cubic with the other sign is negative at the upper end
+    let falling = |x: f64| (-at(x), -slope(x));
+    let (_, root) = zero_by_slope((high, low), guess, rounded, falling);
+    Some(root)
 }
 
 /// A zero of V̈ closer to a switch than this fraction of the shortest time scale is the switch.
@@ -597,24 +586,14 @@ impl MaterialFlow {
         let at =
             |t: f64| self.slow.solution(initial, t)[0] + g * decayed(ratio(duration - t, self.rho));
         for pair in places.windows(2) {
-            let (mut low, mut high) = (pair[0], pair[1]);
-            let (at_low, at_high) = (at(low), at(high));
+            let (at_low, at_high) = (at(pair[0]), at(pair[1]));
             if at_low * at_high > 0.0 || at_low == at_high {
                 continue;
             }
             let rising = at_high > at_low;
-            while high - low > 2.0 * f64::EPSILON * high {
-                let middle = 0.5 * (low + high);
-                if middle <= low || middle >= high {
-                    break;
-                }
-                if (at(middle) > 0.0) == rising {
-                    high = middle;
-                } else {
-                    low = middle;
-                }
-            }
-            let zero = 0.5 * (low + high);
+            let passed = |t: f64| (at(t) > 0.0) == rising;
+            let (before, beyond) = boundary((pair[0], pair[1]), 2.0 * f64::EPSILON, passed);
+            let zero = 0.5 * (before + beyond);
             // the layer may be thinner than a time next to T is resolved
             let layer = if self.rho > 0.0 { self.rho } else { unit };
             let at_end = (AT_SWITCH * unit.min(layer)).max(8.0 * f64::EPSILON * duration);

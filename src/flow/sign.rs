@@ -8,7 +8,9 @@
 //! them aside: p(t) = tᵐ·r(t) and the remaining coefficients are those of r, but for positive
 //! factors.
 
-use crate::bracket::Bracket;
+use std::convert::Infallible;
+
+use crate::continuation::zero::{Bracket, zero};
 
 /// Degree of the Taylor polynomials. For pieces of one radian the remainder is 1/17! ≈ 3e-15 of
 /// the amplitude.
@@ -226,7 +228,7 @@ impl Bernstein {
         }
     }
 
-    /// The one zero of the derivative, by bisection safeguarding the secant (Illinois).
+    /// The one zero of the derivative.
     fn stationary(&self) -> f64 {
         let (mut low, high) = (0.0, 1.0);
         let (mut at_low, at_high) = (self.slope(low), self.slope(high));
@@ -247,16 +249,11 @@ impl Bernstein {
         if at_high <= 0.0 {
             return high;
         }
-        let mut bracket = Bracket::new((low, at_low), (high, at_high));
-        for _ in 0..60 {
-            let middle = bracket.secant();
-            let slope = self.slope(middle);
-            bracket.shrink(middle, slope);
-            if bracket.width() < 4.0 * f64::EPSILON || slope == 0.0 {
-                break;
-            }
-        }
-        let Bracket { low, high, .. } = bracket;
+        let bracket = Bracket::new((low, at_low), (high, at_high));
+        let Ok(zero) = zero(bracket, 4.0 * f64::EPSILON, |place| {
+            Ok::<_, Infallible>((self.slope(place), ()))
+        });
+        let Bracket { low, high, .. } = zero.bracket;
         if high.1 < -low.1 { high.0 } else { low.0 }
     }
 

@@ -19,6 +19,7 @@
 use nalgebra::Complex;
 
 use super::characteristic::{Characteristic, Jump};
+use crate::continuation::zero::boundary;
 use crate::model::signature::Regime;
 
 /// One path: a e^{λ·advance} e^{−λT}.
@@ -218,18 +219,8 @@ impl HighFrequency {
         while self.size(high) > 1.0 && high < FARTHEST * rate {
             high *= 2.0;
         }
-        for _ in 0..200 {
-            let middle = 0.5 * (low + high);
-            if middle == low || middle == high {
-                break;
-            }
-            if self.size(middle) > 1.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        0.5 * (low + high)
+        let (above, below) = boundary((low, high), 0.0, |rho| self.size(rho) <= 1.0);
+        0.5 * (above + below)
     }
 }
 

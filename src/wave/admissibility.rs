@@ -12,6 +12,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::continuation::zero::zero_by_slope;
 use crate::flow::sign::{Bernstein, COEFFICIENTS, DEGREE, REMAINDER, Verdict};
 use crate::flow::{DURATION, ENTRY_W, ENTRY_Y, FlowError, Jet, Slide, SlidingFlow};
 use crate::linalg::Vector;
@@ -547,6 +548,8 @@ fn separation_zone(
 fn tangential_extremes(taylor: &[f64; COEFFICIENTS]) -> Vec<f64> {
     /// A last step up to this leaves an error of its square, and of the fourth power in V.
     const NEAR: f64 = 1e-4;
+    /// Steps taken in any case.
+    const LEAST_STEPS: usize = 3;
     let polynomial = Bernstein::from_taylor(taylor, 0.0);
     if polynomial.turns() > 1 {
         let mut places = polynomial.minima(&mut false);
@@ -557,28 +560,17 @@ fn tangential_extremes(taylor: &[f64; COEFFICIENTS]) -> Vec<f64> {
     if first * last >= 0.0 {
         return Vec::new();
     }
-    let (mut low, mut high) = (0.0, 1.0);
-    let mut place = first / (first - last);
-    for iteration in 0..60 {
-        let slope = horner_slope(taylor, place);
-        if slope * first > 0.0 {
-            low = place;
-        } else {
-            high = place;
-        }
-        let newton = place - slope / horner_curvature(taylor, place);
-        let next = if newton > low && newton < high {
-            newton
-        } else {
-            0.5 * (low + high)
-        };
-        let step = (next - place).abs();
-        place = next;
-        if iteration >= 2 && step <= NEAR {
-            break;
-        }
-    }
-    vec![place]
+    let sign = last.signum();
+    let mut steps = 0;
+    let enough = |step: f64, _| {
+        steps += 1;
+        steps >= LEAST_STEPS && step <= NEAR
+    };
+    let slopes = |t: f64| {
+        let (slope, curvature) = (horner_slope(taylor, t), horner_curvature(taylor, t));
+        (sign * slope, sign * curvature)
+    };
+    vec![zero_by_slope((0.0, 1.0), first / (first - last), enough, slopes).1]
 }
 
 fn horner(taylor: &[f64; COEFFICIENTS], t: f64) -> f64 {

@@ -14,6 +14,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::continuation::zero::{boundary, zero_by_slope};
 use crate::model::{Model, Parameters};
 
 /// Which of the two waves.
@@ -98,26 +99,9 @@ fn shape(zeta: f64) -> (f64, f64) {
             zeta * (decay - cosine) - eta * sine,
         )
     };
-    let (mut low, mut high) = (PI / eta, TAU / eta);
-    let mut tau = (PI + eta.atan2(zeta)) / eta;
-    for _ in 0..100 {
-        let (value, slope) = excess(tau);
-        if value < 0.0 {
-            low = tau;
-        } else {
-            high = tau;
-        }
-        let newton = tau - value / slope;
-        let next = if newton > low && newton < high {
-            newton
-        } else {
-            0.5 * (low + high)
-        };
-        if (next - tau).abs() <= 2.0 * f64::EPSILON * tau {
-            break;
-        }
-        tau = next;
-    }
+    let guess = (PI + eta.atan2(zeta)) / eta;
+    let rounded = |step: f64, tau: f64| step <= 2.0 * f64::EPSILON * tau;
+    let (tau, _) = zero_by_slope((PI / eta, TAU / eta), guess, rounded, excess);
     (tau, y(tau) / (2.0 * zeta))
 }
 
@@ -187,16 +171,8 @@ impl Range {
             let (ma, force) = mass_and_force(parameters, excess);
             force < 2.0 * (ma * coefficients.h).sqrt()
         };
-        let (mut low, mut high) = (-80.0_f64, 80.0_f64);
-        for _ in 0..100 {
-            let middle = 0.5 * (low + high);
-            if zeta_below_one(middle.exp()) {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        let lowest = high.exp();
+        let (_, log) = boundary((-80.0, 80.0), 0.0, |log| zeta_below_one(log.exp()));
+        let lowest = log.exp();
         (lowest < highest).then_some(Range { lowest, highest })
     }
 
@@ -274,9 +250,9 @@ pub fn slip_stick(model: &Model, mode: u32, which: Which) -> Result<SlipStick, N
         };
     }
     // L is larger than wanted at the outer end and not larger in the middle
-    let (mut inner, mut outer) = match which {
-        Which::Fast => (middle, 1.0),
-        Which::Slow => (middle, 0.0),
+    let outer = match which {
+        Which::Fast => 1.0,
+        Which::Slow => 0.0,
     };
     if which == Which::Fast && range.highest.is_finite() {
         // F → 0: slip alone, of length 2π√(m_a/h)|c|, which must exceed the wavelength
@@ -286,17 +262,8 @@ pub fn slip_stick(model: &Model, mode: u32, which: Which) -> Result<SlipStick, N
             return Err(beyond_hopf);
         }
     }
-    for _ in 0..200 {
-        let x = 0.5 * (inner + outer);
-        if x == inner || x == outer {
-            break;
-        }
-        if length(&parameters, range.excess(x)) > wanted {
-            outer = x;
-        } else {
-            inner = x;
-        }
-    }
+    let too_long = |x: f64| length(&parameters, range.excess(x)) > wanted;
+    let (inner, _) = boundary((middle, outer), 0.0, too_long);
     at_excess(&parameters, range.excess(inner)).ok_or(beyond_hopf)
 }
 
@@ -330,14 +297,8 @@ pub fn fold_in_friction(model: &Model, mode: u32) -> Option<f64> {
             None => return None,
         }
     }
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        match excess(middle) {
-            Some(value) if value > 0.0 => high = middle,
-            _ => low = middle,
-        }
-    }
-    Some(0.5 * (low + high))
+    let too_long = |friction: f64| excess(friction).is_some_and(|value| value > 0.0);
+    Some(boundary((low, high), 0.0, too_long).1)
 }
 
 /// δ below which the slip-stick wave is no longer admissible: there the pressure touches zero in
