@@ -209,7 +209,7 @@ fn followed(
     let settings = Settings {
         range,
         stop_at: Vec::new(),
-        continuation: search_steps(search.steps),
+        continuation: search_steps(search.steps, wave.model.law),
     };
     let upward = target == range.1;
     let mut follower = Follower::new(wave, point, upward, settings)?;
@@ -323,13 +323,20 @@ const MOST_STEPS: usize = 5_000;
 /// the separated surface more with every turn, and tend to a value they never pass.
 const MOST_FOLDS: usize = 40;
 
+/// How much longer the steps of a search are where a point takes a hundred times as long.
+const INTEGRATED: f64 = 5.0;
+
 /// The step lengths of a search: those of the problem, but none finer than the defaults; only its end
 /// is wanted.
-fn search_steps(steps: continuation::Settings) -> continuation::Settings {
+fn search_steps(steps: continuation::Settings, law: FrictionLaw) -> continuation::Settings {
+    let longer = match law {
+        FrictionLaw::Regularised { .. } => INTEGRATED,
+        _ => 1.0,
+    };
     continuation::Settings {
-        ds: steps.ds.max(DEFAULT_DS),
+        ds: steps.ds.max(longer * DEFAULT_DS),
         ds_min: steps.ds_min.min(DEFAULT_DS_MIN),
-        ds_max: steps.ds_max.max(DEFAULT_DS_MAX),
+        ds_max: steps.ds_max.max(longer * DEFAULT_DS_MAX),
         ..steps
     }
 }

@@ -783,7 +783,7 @@ impl Branch {
 
     /// Ends a leg that has as many points as it may, with a row that says so.
     fn check_points(&mut self, items: &mut Vec<Item>) {
-        let most = self.continuation.max_points;
+        let most = self.continuation.most_points(self.model.law);
         if self.progress.points - self.progress.before_leg < most {
             return;
         }

@@ -130,7 +130,11 @@ impl Search<'_> {
             ds_min: steps.ds_min,
             ds_max: steps.ds_max,
             tolerance: steps.tolerance,
-            max_points: steps.max_points.min(MOST_POINTS),
+            max_points: Some(
+                steps
+                    .most_points(self.problem.model.friction_law)
+                    .min(MOST_POINTS),
+            ),
             ..defaults.clone()
         }
     }

@@ -3,9 +3,9 @@
 use std::fmt;
 
 use serde::de::{self, Deserializer, MapAccess, Visitor};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
-use super::Parameter;
+use super::{FrictionLaw, Parameter};
 use crate::branch::EventType;
 
 /// First step along the branch where none is given, in dimensionless scaled arclength.
@@ -14,8 +14,10 @@ pub const DEFAULT_DS: f64 = 0.005;
 pub const DEFAULT_DS_MIN: f64 = 1e-12;
 /// Largest step where none is given, in dimensionless scaled arclength.
 pub const DEFAULT_DS_MAX: f64 = 0.01;
-/// Largest number of points of a branch where none is given.
+/// Largest number of points of a leg where none is given.
 pub const DEFAULT_MAX_POINTS: usize = 100_000;
+/// The same under a `Regularised` law, whose zones are integrated: some 20 ms a point, five seconds a leg.
+pub const DEFAULT_MAX_POINTS_INTEGRATED: usize = 250;
 /// Relative size of the Newton correction at which a point is accepted where none is given.
 pub const DEFAULT_TOLERANCE: f64 = 1e-10;
 
@@ -49,8 +51,10 @@ pub struct Continuation {
     pub ds_min: f64,
     /// Largest step, in dimensionless scaled arclength.
     pub ds_max: f64,
-    /// Largest number of points, at least 1.
-    pub max_points: usize,
+    /// Largest number of points of a leg, at least 1; see [`Continuation::most_points`]. Written out, and
+    /// hashed, as the common default where it is not given.
+    #[serde(serialize_with = "or_default")]
+    pub max_points: Option<usize>,
     /// Relative size of the Newton correction at which a point is accepted.
     pub tolerance: f64,
     /// Events that end the branch.
@@ -68,10 +72,18 @@ impl Continuation {
             ds: DEFAULT_DS,
             ds_min: DEFAULT_DS_MIN,
             ds_max: DEFAULT_DS_MAX,
-            max_points: DEFAULT_MAX_POINTS,
+            max_points: None,
             tolerance: DEFAULT_TOLERANCE,
             stop_after: Vec::new(),
         }
+    }
+
+    /// Largest number of points of a leg: the one given, or what a law can do in seconds.
+    pub fn most_points(&self, law: FrictionLaw) -> usize {
+        self.max_points.unwrap_or(match law {
+            FrictionLaw::Regularised { .. } => DEFAULT_MAX_POINTS_INTEGRATED,
+            _ => DEFAULT_MAX_POINTS,
+        })
     }
 }
 
@@ -101,20 +113,22 @@ struct Written {
     ds_min: Option<f64>,
     #[serde(default, deserialize_with = "given")]
     ds_max: Option<f64>,
-    #[serde(default = "default_max_points")]
-    max_points: usize,
+    #[serde(default, deserialize_with = "given")]
+    max_points: Option<usize>,
     #[serde(default = "default_tolerance")]
     tolerance: f64,
     #[serde(default)]
     stop_after: Vec<StopAfter>,
 }
 
-fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
-    f64::deserialize(deserializer).map(Some)
+fn given<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    T::deserialize(deserializer).map(Some)
 }
 
-fn default_max_points() -> usize {
-    DEFAULT_MAX_POINTS
+fn or_default<S: Serializer>(points: &Option<usize>, serializer: S) -> Result<S::Ok, S::Error> {
+    points.unwrap_or(DEFAULT_MAX_POINTS).serialize(serializer)
 }
 
 fn default_tolerance() -> f64 {

@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 
 pub use continuation::{
     Continuation, DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_MAX_POINTS,
-    DEFAULT_TOLERANCE, StopAfter, Toward,
+    DEFAULT_MAX_POINTS_INTEGRATED, DEFAULT_TOLERANCE, StopAfter, Toward,
 };
 pub use curve::{Curve, CurveEvent, DEFAULT_CURVE_POINTS};
 pub use error::ProblemError;

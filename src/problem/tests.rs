@@ -96,7 +96,16 @@ fn template_parses() {
     assert_eq!(continuation.ds, DEFAULT_DS);
     assert_eq!(continuation.ds_min, DEFAULT_DS_MIN);
     assert_eq!(continuation.ds_max, DEFAULT_DS_MAX);
-    assert_eq!(continuation.max_points, DEFAULT_MAX_POINTS);
+    assert_eq!(continuation.max_points, None);
+    assert_eq!(
+        continuation.most_points(FrictionLaw::Coulomb),
+        DEFAULT_MAX_POINTS
+    );
+    let smooth = FrictionLaw::Regularised { epsilon: 0.1 };
+    assert_eq!(
+        continuation.most_points(smooth),
+        DEFAULT_MAX_POINTS_INTEGRATED
+    );
     assert_eq!(continuation.tolerance, DEFAULT_TOLERANCE);
 }
 

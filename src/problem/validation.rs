@@ -336,7 +336,9 @@ fn steps(section: &Continuation) -> Check {
         [section.ds, section.ds_min, section.ds_max],
         section.tolerance,
     )?;
-    let points = section.max_points;
+    let Some(points) = section.max_points else {
+        return Ok(());
+    };
     let rule = "a branch has at least 1 point";
     admit("continuation.max_points", points, points >= 1, rule)
 }

@@ -30,7 +30,8 @@
 use nalgebra::{Complex, DMatrix, DVector, Matrix3, RowVector3, Vector3};
 
 use super::characteristic::{
-    C64, Characteristic, Jump, LinearZone, ONE, Scaled, Value, ZERO, oscillator,
+    C64, Characteristic, Jump, LinearZone, ONE, Scaled, Value, ZERO, modulus, oscillator,
+    square_root,
 };
 use crate::model::signature::Regime;
 
@@ -54,43 +55,58 @@ struct Flow {
     by: Matrix3<C64>,
 }
 
-/// The three roots of Σ c_j r^j, by Aberth's method from the moduli that the coefficients suggest.
+/// The three roots of Σ c_j r^j by Cardano's formula: next to the largest of them, to rounding.
 fn roots(c: [C64; 4]) -> [C64; 3] {
-    let sizes = c.map(|x| x.norm());
-    // radii of the Newton polygon would do; the largest exponent is far from the others or none is
-    let large = sizes[2] / sizes[3] + (sizes[1] / sizes[3]).sqrt() + (sizes[0] / sizes[3]).cbrt();
-    let rest = (sizes[0] / (sizes[3] * large))
-        .sqrt()
-        .max(1e-3 * sizes[1] / (sizes[3] * large));
-    let mut z = [
-        C64::from_polar(large, 0.3),
-        C64::from_polar(rest, 1.7),
-        C64::from_polar(rest, -1.2),
-    ];
-    for _ in 0..100 {
-        let mut moved = 0.0_f64;
-        for index in 0..3 {
-            let x = z[index];
-            let value = ((c[3] * x + c[2]) * x + c[1]) * x + c[0];
-            let slope = (c[3] * x * 3.0 + c[2] * 2.0) * x + c[1];
-            let newton = value / slope;
-            let repulsion: C64 = (0..3)
-                .filter(|&other| other != index)
-                .map(|other| (x - z[other]).inv())
-                .sum();
-            let step = newton / (ONE - newton * repulsion);
-            if step.is_finite() {
-                z[index] -= step;
-                moved = moved.max(step.norm_sqr() / x.norm_sqr().max(f64::MIN_POSITIVE));
-            }
-        }
-        // quadratic or better: the next correction is below rounding
-        if moved < 1e-16 {
-            break;
-        }
-    }
-    z
+    let [c0, c1, c2] = [c[0], c[1], c[2]].map(|x| x / c[3]);
+    let p = c2 * c2 - c1 * 3.0;
+    let q = (c2 * c2 * 2.0 - c1 * 9.0) * c2 + c0 * 27.0;
+    let root = square_root(q * q - p * p * p * 4.0);
+    // of the two signs the one without cancellation
+    let same = (q.conj() * root).re >= 0.0;
+    let cube = (if same { q + root } else { q - root }) * 0.5;
+    let first = C64::from_polar(modulus(cube).cbrt(), cube.arg() / 3.0);
+    let third = C64::new(-0.5, 0.75_f64.sqrt());
+    [first, first * third, first * third.conj()].map(|term| {
+        let other = if term == ZERO { ZERO } else { p / term };
+        -(c2 + term + other) / 3.0
+    })
 }
+
+/// The root of Σ c_j r^j farthest from the other two, which may even coincide, and whether it is the
+/// largest; to some digits at least.
+fn isolated(c: [C64; 4]) -> (C64, bool) {
+    // with r = −x c₂/c₃ it is x³ − x² + small·x + smaller = 0: the one root near 1 is both
+    let unit = -c[2] / c[3];
+    let [small, smaller] = [
+        c[1] / (c[3] * unit * unit),
+        c[0] / (c[3] * unit * unit * unit),
+    ];
+    if small.norm_sqr() < ALONE * ALONE && smaller.norm_sqr() < ALONE * ALONE {
+        let mut x = ONE - small;
+        for _ in 0..3 {
+            let value = ((x - 1.0) * x + small) * x + smaller;
+            x -= value / ((x * 3.0 - 2.0) * x + small);
+        }
+        return (unit * x, true);
+    }
+    let found = roots(c);
+    let apart = |index: usize| {
+        let [x, y, z] = [0, 1, 2].map(|shift| found[(index + shift) % 3]);
+        (x - y).norm_sqr().min((x - z).norm_sqr())
+    };
+    let index = (0..3)
+        .max_by(|&one, &other| apart(one).total_cmp(&apart(other)))
+        .unwrap_or(0);
+    let r = found[index];
+    (
+        r,
+        found.iter().all(|other| other.norm_sqr() <= r.norm_sqr()),
+    )
+}
+
+/// With coefficients below this the root x of x³ − x² + small·x + smaller lies within 0.05 of 1 and the other
+/// two within 0.2 of 0, so that it is farther from them than they are from each other.
+const ALONE: f64 = 0.02;
 
 impl Characteristic {
     /// The exponents of a sliding zone.
@@ -104,17 +120,7 @@ impl Characteristic {
         let m1 = l1 + l0 * beta + self.damping;
         let (m2_by, m1_by) = (l1_by * beta, l1_by + l0_by * beta);
         let d = beta * a;
-        let found = roots([l0, m1, m2, C64::from(-d)]);
-        // the exponent farthest from the other two leaves a pair that may even coincide
-        let apart = |index: usize| {
-            let [x, y, z] = [0, 1, 2].map(|shift| found[(index + shift) % 3]);
-            (x - y).norm_sqr().min((x - z).norm_sqr())
-        };
-        let index = (0..3)
-            .max_by(|&one, &other| apart(one).total_cmp(&apart(other)))
-            .unwrap_or(0);
-        let mut r = found[index];
-        let largest = found.iter().all(|other| other.norm_sqr() <= r.norm_sqr());
+        let (mut r, largest) = isolated([l0, m1, m2, C64::from(-d)]);
         let slope = |r: C64| (m2 * 2.0 - r * (3.0 * d)) * r + m1;
         let r_by;
         let (a2, a1, a0, a2_by, a1_by, a0_by);
@@ -364,7 +370,7 @@ fn normalised(value: C64, derivative: C64) -> Scaled {
 impl Split {
     /// The exponent of largest real part, with its derivative.
     fn reference(&self) -> (C64, C64) {
-        let root = (self.p * self.p - self.q).sqrt();
+        let root = square_root(self.p * self.p - self.q);
         // ∂r/∂λ of a member of the pair: 2r r′ − 2p′r − 2pr′ + q′ = 0
         let member = |r: C64| {
             let by = (self.p_by * r * 2.0 - self.q_by) / ((r - self.p) * 2.0);
@@ -403,11 +409,12 @@ impl Split {
         let (p_by, q_by) = (self.p_by, self.q_by);
         let apart = r * r - p * r * 2.0 + q;
         let apart_by = r * r_by * 2.0 - (p_by * r + p * r_by) * 2.0 + q_by;
+        let inverse = apart.inv();
         // the response to v″ = 1, and its slope
         let response = |e: C64, e_by: C64, row: usize| {
-            let value = (e - m[row][0] - r * m[row][1]) / apart;
+            let value = (e - m[row][0] - r * m[row][1]) * inverse;
             let by = (e_by - m_by[row][0] - r_by * m[row][1] - r * m_by[row][1] - value * apart_by)
-                / apart;
+                * inverse;
             (value, by)
         };
         let (k0, k0_by) = response(e, e_by, 0);
