@@ -13,6 +13,7 @@ use std::cell::OnceCell;
 use std::time::Instant;
 
 use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
 
 use crate::branch::EventType;
 use crate::linalg::Vector;
@@ -50,7 +51,7 @@ impl Rung {
     }
 
     /// The setting in words.
-    pub fn setting(self) -> String {
+    fn setting(self) -> String {
         match self {
             Rung::Flow(Method::Exact) => String::new(),
             Rung::Flow(Method::Shooting { tolerance }) => format!("tolerance {tolerance:.0e}"),
@@ -140,15 +141,19 @@ pub struct Followed {
     failed: Option<String>,
 }
 
-/// What one rung achieves.
-#[derive(Clone, Debug, PartialEq)]
+/// What one rung achieves: a row of `accuracy.csv`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// Rung.
-    pub rung: Rung,
+    /// Name of the method.
+    pub method: String,
+    /// Setting of the rung, in words.
+    pub setting: String,
     /// Points of the branch.
     pub points: usize,
-    /// Events found, and those of the reference.
-    pub events: (usize, usize),
+    /// Events found.
+    pub events_found: usize,
+    /// Events of the reference.
+    pub events_expected: usize,
     /// Largest relative error of c.
     pub speed_error: Option<f64>,
     /// Largest error of a switching point, in wavelengths.
@@ -158,15 +163,17 @@ pub struct Row {
     /// Largest error of a leading eigenvalue.
     pub eigenvalue_error: Option<f64>,
     /// Median run time in seconds, of the branch or of a wave of the ring.
-    pub seconds: f64,
+    pub seconds: Option<f64>,
+    /// Points per second.
+    pub points_per_second: Option<f64>,
     /// What went wrong, if anything did.
     pub failure: Option<String>,
 }
 
 impl Row {
-    /// Points per second.
-    pub fn rate(&self) -> f64 {
-        self.points as f64 / self.seconds
+    /// Whether this is what a rung achieves.
+    pub fn is_of(&self, rung: Rung) -> bool {
+        self.method == rung.method() && self.setting == rung.setting()
     }
 
     /// The largest of the errors of the wave and its events.
@@ -175,6 +182,15 @@ impl Row {
             .into_iter()
             .flatten()
             .reduce(f64::max)
+    }
+
+    /// With this run time.
+    fn took(self, seconds: f64) -> Row {
+        Row {
+            seconds: Some(seconds),
+            points_per_second: Some(self.points as f64 / seconds),
+            ..self
+        }
     }
 }
 
@@ -358,15 +374,11 @@ pub fn measure(
 
 fn empty(rung: Rung, reference: &Followed, failure: String) -> Row {
     Row {
-        rung,
-        points: 0,
-        events: (0, reference.events.len()),
-        speed_error: None,
-        switch_error: None,
-        event_error: None,
-        eigenvalue_error: None,
-        seconds: f64::NAN,
+        method: rung.method().to_owned(),
+        setting: rung.setting(),
+        events_expected: reference.events.len(),
         failure: Some(failure),
+        ..Row::default()
     }
 }
 
@@ -382,11 +394,11 @@ fn flow_row(
     let (seconds, found) = timed(repeats, work)?;
     let mut row = Row {
         points: found.points,
-        events: (found.events.len(), reference.events.len()),
-        seconds,
+        events_found: found.events.len(),
         failure: found.failed.clone(),
         ..empty(rung, reference, String::new())
-    };
+    }
+    .took(seconds);
     if method == Method::Exact && problem.model.friction_law == FrictionLaw::Coulomb {
         let precise: Vec<(f64, f64)> = found.waves.iter().filter_map(against_closed_form).collect();
         row.speed_error = worst(precise.iter().map(|errors| errors.0));
@@ -499,9 +511,9 @@ fn ring_row(
             pairs().map(|(compared, ring)| (ring.speed / compared.speed - 1.0).abs()),
         ),
         eigenvalue_error: worst(errors.into_iter()),
-        seconds,
         failure: None,
-        events: (0, 0),
+        events_expected: 0,
         ..empty(rung, reference, String::new())
-    })
+    }
+    .took(seconds))
 }

@@ -8,13 +8,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// Header of `branch.csv`.
-pub const BRANCH_HEADER: &str = "point,label,type,regimes,mismatch,friction,mass_damping,\
-stiffness_damping,gamma,nu,xi,speed,switches,min_pressure,max_gap,amplitude,stable,unstable,\
-lead_re,lead_im,lead_sector,newton,residual,leg,smoothing,condition,expected_error,why";
-
-/// Columns of `branch.csv` that hold words: no curve can be drawn of them.
-pub const WORD_COLUMNS: [&str; 4] = ["type", "regimes", "stable", "why"];
+pub mod row;
 
 /// Kind of a special point, two letters after the habit of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -93,7 +87,7 @@ impl FromStr for EventType {
 /// The parameters of a point by the names of their columns.
 ///
 /// `gamma`, `nu` and `xi` are `None` where the coefficients were given directly.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ParameterValues {
     /// Mismatch δ = d/R.
     pub mismatch: f64,
@@ -109,9 +103,21 @@ pub struct ParameterValues {
     pub nu: Option<f64>,
     /// Ratio of the radii ξ = R*/R.
     pub xi: Option<f64>,
-    /// ε of the regularised friction law; `None` for every other.
-    #[serde(default)]
+    /// ε of the regularised friction law; `None` for every other. Its column is the last one of a
+    /// table: few problems have it.
+    #[serde(skip)]
     pub smoothing: Option<f64>,
+}
+
+impl Stability {
+    /// As a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Stability::Yes => "yes",
+            Stability::No => "no",
+            Stability::Undecided => "undecided",
+        }
+    }
 }
 
 /// Stability of a wave.
@@ -200,7 +206,7 @@ impl fmt::Display for Reason {
 }
 
 /// The leading eigenvalue of a wave, the translation mode left out.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeadingEigenvalue {
     /// Re λ, in units of Ω.
     pub re: f64,
@@ -211,7 +217,7 @@ pub struct LeadingEigenvalue {
 }
 
 /// One accepted point of a branch: a row of `branch.csv`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BranchPoint {
     /// Running number from 1.
     pub point: usize,
@@ -240,7 +246,6 @@ pub struct BranchPoint {
     /// Leading eigenvalue; `None` when not asked for.
     pub lead: Option<LeadingEigenvalue>,
     /// What the verdict and the count rest on, where that is not plain.
-    #[serde(default)]
     pub why: Vec<Reason>,
     /// Newton iterations spent on the point.
     pub newton: usize,
@@ -248,12 +253,11 @@ pub struct BranchPoint {
     pub residual: f64,
     /// Condition number of the Newton matrix and expected error of the scaled unknowns; `None` when
     /// not asked for.
-    #[serde(default)]
     pub conditioning: Option<(f64, f64)>,
 }
 
 /// A special point: a row of `events.csv`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Event {
     /// Label of the point in `branch.csv`.
     pub label: usize,
@@ -278,21 +282,27 @@ pub struct Event {
 }
 
 /// One sample of a wave over its wavelength: a row of `profiles/LABEL.csv`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ProfileSample {
     /// θ from release, time-forward, in [0, 2π/k].
     pub theta: f64,
     /// Radial displacement U at the contact surface.
+    #[serde(rename = "U")]
     pub radial: f64,
     /// Tangential displacement V at the contact surface.
+    #[serde(rename = "V")]
     pub tangential: f64,
     /// U̇ following the material point.
+    #[serde(rename = "U_dot")]
     pub radial_rate: f64,
     /// V̇ following the material point.
+    #[serde(rename = "V_dot")]
     pub tangential_rate: f64,
     /// Contact pressure P.
+    #[serde(rename = "P")]
     pub pressure: f64,
     /// Friction force Q.
+    #[serde(rename = "Q")]
     pub shear: f64,
     /// Name of the regime.
     pub regime: &'static str,

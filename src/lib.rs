@@ -30,6 +30,7 @@
 //! - [`curve`] follows one event in two parameters;
 //! - [`map`] lays branches through a plane of two parameters;
 //! - [`simulation`] moves a ring or the whole tube in time, with the model and none of the above;
+//! - [`table`] turns structures into rows of CSV and back;
 //! - [`output`] writes them, [`cli`] is the command line.
 
 pub mod accuracy;
@@ -53,4 +54,5 @@ pub mod run;
 pub mod simulation;
 pub mod stability;
 pub mod steady;
+pub mod table;
 pub mod wave;

@@ -13,7 +13,7 @@ use crate::accuracy::{self, Missed, Repeats, Row, Rung};
 use crate::output::plots::accuracy::Series;
 use crate::output::plots::{Format, Settings, draw_accuracy};
 use crate::output::store::{self, Existing, Kind, Store, StoreError, damaged, io_error};
-use crate::output::tables::number;
+use crate::table::{self, Table};
 
 #[derive(Debug, Args)]
 pub struct AccuracyArguments {
@@ -51,10 +51,6 @@ fn positive(text: &str) -> Result<f64, String> {
 
 /// Name of the table.
 const TABLE: &str = "accuracy.csv";
-
-/// Its header.
-const HEADER: &str = "method,setting,points,events_found,events_expected,speed_error,switch_error,\
-event_error,eigenvalue_error,seconds,points_per_second,failure";
 
 pub fn accuracy(arguments: &AccuracyArguments) -> Result<u8, Failure> {
     let format = Format::from(arguments.format).available()?;
@@ -112,12 +108,12 @@ pub fn accuracy(arguments: &AccuracyArguments) -> Result<u8, Failure> {
             store.cut(TABLE, length)?
         } else {
             store.begin([TABLE.to_owned(), picture.clone()], None)?;
-            store.create(TABLE, format!("{HEADER}\n").as_bytes())?
+            store.create(TABLE, table::header::<Row>().as_bytes())?
         };
         // the shortest time of the rung before, by method: a finer one takes no less
         let mut least = ("", 0.0);
         for (index, rung) in ladder.iter().enumerate() {
-            if rows.iter().any(|row| row.rung == *rung) {
+            if rows.iter().any(|row| row.is_of(*rung)) {
                 continue;
             }
             let left = arguments.budget - begun.elapsed().as_secs_f64();
@@ -133,9 +129,9 @@ pub fn accuracy(arguments: &AccuracyArguments) -> Result<u8, Failure> {
             };
             match accuracy::measure(&stripped, &continuation, *rung, &reference, repeats) {
                 Some(row) => {
-                    least = (rung.method(), row.seconds);
+                    least = (rung.method(), row.seconds.unwrap_or(f64::NAN));
                     let path = store.path().join(TABLE);
-                    (file.write_all(record(&row).as_bytes()))
+                    (file.write_all(table::line(&row).as_bytes()))
                         .map_err(io_error("write it", &path))?;
                     rows.push(row);
                 }
@@ -147,9 +143,8 @@ pub fn accuracy(arguments: &AccuracyArguments) -> Result<u8, Failure> {
         }
     }
     // those of a resumed run come after the others
-    rows.sort_by_key(|row| ladder.iter().position(|rung| *rung == row.rung));
-    let table: String = rows.iter().map(record).collect();
-    store.replace(TABLE, format!("{HEADER}\n{table}").as_bytes())?;
+    rows.sort_by_key(|row| ladder.iter().position(|rung| row.is_of(*rung)));
+    store.replace(TABLE, table::table(rows.iter().cloned()).as_bytes())?;
     let settings = Settings {
         parameter: continuation.parameter.column().into(),
         title: problem.title.clone(),
@@ -179,71 +174,22 @@ fn earlier(store: &Store, ladder: &[Rung]) -> Result<Option<(Vec<Row>, usize)>, 
     // a kill may have cut the last row short
     let length = text.rfind('\n').map_or(0, |last| last + 1);
     let text = &text[..length];
-    if !text.starts_with(HEADER) {
-        return match text.is_empty() {
-            true => Ok(None),
-            false => Err(damaged(&path, "its header is another one")),
-        };
+    if text.is_empty() {
+        return Ok(None);
     }
-    let mut rows: Vec<Row> = Vec::new();
-    for record in csv::Reader::from_reader(text.as_bytes()).records() {
-        let row = record.ok().and_then(|record| row(&record, ladder));
-        let row = row.filter(|row| rows.iter().all(|other| other.rung != row.rung));
-        let number = rows.len() + 1;
-        rows.push(row.ok_or_else(|| damaged(&path, format!("row {number} is none")))?);
+    if !text.starts_with(&table::header::<Row>()) {
+        return Err(damaged(&path, "its header is another one"));
+    }
+    let rows = Table::parse(text.as_bytes()).and_then(|table| table.rows::<Row>());
+    let rows = rows.map_err(|error| damaged(&path, error.to_string()))?;
+    let of = |row: &Row| ladder.iter().position(|rung| row.is_of(*rung));
+    for (index, row) in rows.iter().enumerate() {
+        if of(row).is_none() || rows[..index].iter().any(|other| of(other) == of(row)) {
+            let reason = format!("row {} is of no method, or of one twice", index + 1);
+            return Err(damaged(&path, reason));
+        }
     }
     Ok(Some((rows, length)))
-}
-
-/// A row as it was written.
-fn row(record: &csv::StringRecord, ladder: &[Rung]) -> Option<Row> {
-    let (method, setting) = (record.get(0)?, record.get(1)?);
-    let rung = ladder
-        .iter()
-        .find(|rung| rung.method() == method && rung.setting() == setting)?;
-    let number = |column: usize| -> Option<Option<f64>> {
-        match record.get(column)? {
-            "" => Some(None),
-            text => text.parse().ok().map(Some),
-        }
-    };
-    let count = |column: usize| record.get(column)?.parse().ok();
-    Some(Row {
-        rung: *rung,
-        points: count(2)?,
-        events: (count(3)?, count(4)?),
-        speed_error: number(5)?,
-        switch_error: number(6)?,
-        event_error: number(7)?,
-        eigenvalue_error: number(8)?,
-        seconds: number(9)?.unwrap_or(f64::NAN),
-        failure: Some(record.get(11)?.to_owned()).filter(|failure| !failure.is_empty()),
-    })
-}
-
-fn optional(value: Option<f64>) -> String {
-    value.map_or_else(String::new, number)
-}
-
-/// A row as CSV.
-fn record(row: &Row) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    // writing to memory does not fail
-    let _ = writer.write_record([
-        row.rung.method().to_string(),
-        row.rung.setting(),
-        row.points.to_string(),
-        row.events.0.to_string(),
-        row.events.1.to_string(),
-        optional(row.speed_error),
-        optional(row.switch_error),
-        optional(row.event_error),
-        optional(row.eigenvalue_error),
-        number(row.seconds),
-        number(row.rate()),
-        row.failure.clone().unwrap_or_default(),
-    ]);
-    String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
 }
 
 /// The rows for a reader.
@@ -265,26 +211,23 @@ fn text(rows: &[Row], exact: bool) -> String {
         Some(value) => format!("{value:.1e}"),
         None => "–".into(),
     };
-    let measured = |value: f64, text: String| {
-        if value.is_finite() {
-            text
-        } else {
-            "–".into()
-        }
+    let measured = |value: Option<f64>, text: fn(f64) -> String| {
+        let value = value.filter(|value| value.is_finite());
+        value.map_or_else(|| "–".into(), text)
     };
     for row in rows {
         text.push_str(&format!(
             "{:<11} {:<26} {:>6} {:>6} {:>9} {:>9} {:>9} {:>11} {:>10} {:>10}",
-            row.rung.method(),
-            row.rung.setting(),
+            row.method,
+            row.setting,
             row.points,
-            format!("{}/{}", row.events.0, row.events.1),
+            format!("{}/{}", row.events_found, row.events_expected),
             error(row.speed_error),
             error(row.switch_error),
             error(row.event_error),
             error(row.eigenvalue_error),
-            measured(row.seconds, format!("{:.2e}", row.seconds)),
-            measured(row.rate(), format!("{:.0}", row.rate())),
+            measured(row.seconds, |seconds| format!("{seconds:.2e}")),
+            measured(row.points_per_second, |rate| format!("{rate:.0}")),
         ));
         if let Some(failure) = &row.failure {
             text.push_str(&format!("  {failure}"));
@@ -310,14 +253,17 @@ fn series(rows: &[Row]) -> Vec<Series> {
         let Some(error) = row.error().map(|error| error.max(f64::EPSILON)) else {
             continue;
         };
-        if !(row.seconds > 0.0 && error.is_finite()) {
+        let Some(seconds) = row
+            .seconds
+            .filter(|seconds| *seconds > 0.0 && error.is_finite())
+        else {
             continue;
-        }
-        let name = match row.rung.method() {
+        };
+        let name = match row.method.as_str() {
             "ring" => "ring (a wave)",
             other => other,
         };
-        let point = (row.seconds, error);
+        let point = (seconds, error);
         match all.iter_mut().find(|one| one.name == name) {
             Some(one) => one.points.push(point),
             None => all.push(Series {

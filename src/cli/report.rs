@@ -4,9 +4,10 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::branch::EventType;
-use crate::output::folder::{BRANCH, EVENTS, Table};
-use crate::output::store::StoreError;
+use crate::output::folder::{BRANCH, EVENTS};
+use crate::output::store::{self, StoreError};
 use crate::problem::Parameter;
+use crate::table::Table;
 
 /// A number for a table: 12 significant digits, in a width of 18.
 fn figure(value: f64) -> String {
@@ -24,8 +25,8 @@ fn figure(value: f64) -> String {
 
 /// The report of a result folder, from its tables: a run that was resumed is reported as a whole.
 pub fn report(folder: &Path, parameter: Parameter) -> Result<String, StoreError> {
-    let branch = Table::read(&folder.join(BRANCH))?;
-    let events = Table::read(&folder.join(EVENTS))?;
+    let branch = store::table(&folder.join(BRANCH))?;
+    let events = store::table(&folder.join(EVENTS))?;
     let number =
         |table: &Table, row: usize, column: &str| table.field(row, column).unwrap_or(f64::NAN);
     let text = |table: &Table, row: usize, column: &str| -> String {

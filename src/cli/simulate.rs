@@ -16,7 +16,7 @@ use crate::output::simulation::{
 };
 use crate::output::store::{Existing, Kind, Store, StoreError, damaged};
 use crate::problem::{self, Body, Circle, Problem, Sectors, Simulation, SimulationStart};
-use crate::simulation::growth::{self, Eigenvalue};
+use crate::simulation::growth::{self, GrowthRow};
 use crate::simulation::measure::{self, Measure, Sample};
 use crate::simulation::motion::{Motion, angle};
 use crate::simulation::profile::Profile;
@@ -440,7 +440,7 @@ impl Sector {
         parameters: &Parameters,
         wave: &Profile,
         tick: &mut dyn FnMut(f64),
-    ) -> Result<Vec<(usize, Eigenvalue, f64)>, growth::GrowthError> {
+    ) -> Result<Vec<GrowthRow>, growth::GrowthError> {
         let count = (self.fine.pairs * growth::INSTANTS) as f64;
         let mut of = |request: &growth::Request| {
             // half the points take a quarter of the steps of nodes
@@ -465,7 +465,11 @@ impl Sector {
                 .iter()
                 .map(|other| (other.re - value.re).hypot(other.im - value.im))
                 .fold(f64::INFINITY, f64::min);
-            rows.push((self.fine.sector, value, nearest));
+            rows.push(GrowthRow {
+                sector: self.fine.sector,
+                eigenvalue: value,
+                grid: nearest,
+            });
         }
         Ok(rows)
     }
@@ -474,7 +478,7 @@ impl Sector {
 fn report(
     problem: &Problem,
     measures: &[Measure],
-    eigenvalues: &[(usize, Eigenvalue, f64)],
+    eigenvalues: &[GrowthRow],
     samples: &[Sample],
 ) -> String {
     let mut text = String::new();
@@ -491,7 +495,7 @@ fn report(
         let _ = writeln!(
             text,
             "{:<12} {:>18.9} {:>9.1e}  {:.1} to {:.1}",
-            measure.name, measure.value, measure.error, measure.window[0], measure.window[1]
+            measure.name, measure.value, measure.error, measure.from, measure.to
         );
     }
     if !eigenvalues.is_empty() {
@@ -500,11 +504,12 @@ fn report(
             "\n{:>6} {:>12} {:>12} {:>9} {:>9} {:>9}",
             "sector", "growth", "frequency", "residual", "scatter", "grid"
         );
-        for (sector, value, grid) in eigenvalues {
+        for row in eigenvalues {
+            let value = row.eigenvalue;
             let _ = writeln!(
                 text,
-                "{sector:>6} {:>12.6} {:>12.6} {:>9.1e} {:>9.1e} {:>9.1e}",
-                value.re, value.im, value.residual, value.scatter, grid
+                "{:>6} {:>12.6} {:>12.6} {:>9.1e} {:>9.1e} {:>9.1e}",
+                row.sector, value.re, value.im, value.residual, value.scatter, row.grid
             );
         }
     }

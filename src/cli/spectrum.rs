@@ -8,14 +8,15 @@ use super::progress::Progress;
 use super::run::{Prepared, prepare};
 use super::{Failure, NUMERICAL, print, spare, warn, write};
 use crate::branch::EventType;
+use crate::branch::row::{EigenfunctionRow, EigenvalueRow, WaveEigenvalueRow};
 use crate::linalg::Vector;
-use crate::output::tables;
 use crate::problem::{FrictionLaw, Parameter, Problem};
 use crate::run::{Branch, End, Item, answer, stability};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::discretised;
 use crate::stability::eigenfunction::eigenfunction;
 use crate::stability::spectrum::{Request, spectrum as compute, symmetric};
+use crate::table;
 use crate::wave::Wave;
 
 #[derive(Debug, Args)]
@@ -112,10 +113,6 @@ pub(super) fn assignment(text: &str) -> Result<(Parameter, f64), String> {
     }
     Ok((parameter, value))
 }
-
-/// The header: the eigenvalue, then the wave it belongs to.
-const HEADER: &str = "sector,re,im,error,regimes,mismatch,friction,mass_damping,\
-stiffness_damping,gamma,nu,xi,speed,switches,stable,unstable,why";
 
 /// Steps in which other passages are looked for, at least.
 const STEPS_BEYOND: usize = 2000;
@@ -274,17 +271,17 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
     let spectrum = compute(&characteristic, &request, None);
     let mut point = item.point.clone();
     answer(&mut point, Some(&spectrum), wave, unknowns);
-    let mut text = format!("{HEADER}\n");
-    let mut modes = String::from("sector,re,im,theta,psi_re,psi_im,slope_re,slope_im\n");
+    let mut text = table::header::<WaveEigenvalueRow>();
+    let mut modes = table::header::<EigenfunctionRow>();
     for sector in &spectrum.sectors {
         for eigenvalue in spectrum.listed(sector).take(request.eigenvalues) {
-            let numbers = [eigenvalue.re, eigenvalue.im, eigenvalue.error];
-            text.push_str(&tables::eigenvalue_row(
-                sector.sector,
-                numbers,
-                &point,
-                Some((spectrum.stable, spectrum.unstable())),
-            ));
+            let row = EigenvalueRow {
+                sector: sector.sector,
+                re: eigenvalue.re,
+                im: eigenvalue.im,
+                error: eigenvalue.error,
+            };
+            text.push_str(&table::line(&WaveEigenvalueRow::new(row, &point)));
             if arguments.eigenfunctions.is_some() {
                 let mode = eigenfunction(
                     &characteristic,
@@ -293,7 +290,18 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
                     eigenvalue.value(),
                     RESOLUTION,
                 );
-                modes.push_str(&tables::mode_rows(sector.sector, numbers, &mode));
+                for sample in mode.samples {
+                    modes.push_str(&table::line(&EigenfunctionRow {
+                        sector: row.sector,
+                        re: row.re,
+                        im: row.im,
+                        theta: sample.theta,
+                        psi_re: sample.psi.re,
+                        psi_im: sample.psi.im,
+                        slope_re: sample.slope.re,
+                        slope_im: sample.slope.im,
+                    }));
+                }
             }
         }
     }
@@ -302,10 +310,7 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
         write(path, &modes)?;
     }
     for reason in &spectrum.reasons {
-        warn(&format!(
-            "stable: {}: {reason}",
-            tables::verdict(spectrum.stable)
-        ));
+        warn(&format!("stable: {}: {reason}", spectrum.stable.word()));
     }
     if spectrum.sectors.is_empty() {
         return Ok(NUMERICAL);
@@ -324,7 +329,7 @@ fn ring(
     let ring = discretised::solve_from(wave, unknowns, settings)?;
     let mut point = item.point.clone();
     point.speed = ring.speed;
-    let mut text = format!("{HEADER}\n");
+    let mut text = table::header::<WaveEigenvalueRow>();
     for &sector in &request.sectors {
         let symmetric = symmetric(sector, wave.mode);
         let all = ring.eigenvalues(sector as u32, request.max_frequency, usize::MAX)?;
@@ -339,8 +344,13 @@ fn ring(
             .filter(|value| translation != Some(value.norm()))
             .filter(|value| !symmetric || value.im >= 0.0);
         for value in listed.take(request.eigenvalues) {
-            let numbers = [value.re, value.im, f64::NAN];
-            text.push_str(&tables::eigenvalue_row(sector, numbers, &point, None));
+            let row = EigenvalueRow {
+                sector,
+                re: value.re,
+                im: value.im,
+                error: f64::NAN,
+            };
+            text.push_str(&table::line(&WaveEigenvalueRow::new(row, &point)));
         }
     }
     Ok(text)

@@ -11,10 +11,11 @@ use super::spectrum::{assignment, set};
 use super::{Failure, picture, print, warn};
 use crate::model::Source;
 use crate::output::plots;
-use crate::output::tables::number;
 use crate::problem::{self, MAX_MODE, Parameter};
 use crate::run::model;
-use crate::steady::{self, Hopf, Mode, Settings, Wave};
+use crate::steady::row::ModeRow;
+use crate::steady::{self, Mode, Settings};
+use crate::table;
 
 /// Most families and radial functions that can be asked for.
 const MOST_FAMILIES: u16 = 64;
@@ -60,12 +61,6 @@ fn modes(text: &str) -> Result<(u32, u32), String> {
     Ok((first, last))
 }
 
-/// The header: reduced model, fundamental family of the tube, family that leads, convergence.
-const HEADER: &str = "mode,growth,omega,speed,direction,hopf_friction,hopf_omega,first,\
-full_growth,full_omega,full_speed,full_direction,full_hopf_friction,full_hopf_omega,field_error,\
-lead_family,lead_growth,lead_omega,lead_speed,lead_direction,\
-lead_hopf_family,lead_hopf_friction,lead_hopf_omega,lead_first,radial_order,radial_error";
-
 pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
     let inputs = [arguments.problem.clone()];
     let picture = picture(arguments.plot.as_deref(), &inputs)?;
@@ -109,11 +104,11 @@ pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
         let full = mode.full.as_ref()?;
         Some((full.first?.1.friction, full.lead_wave.growth))
     });
-    let mut text = format!("{HEADER}\n");
-    for (index, mode) in modes.iter().enumerate() {
-        text.push_str(&row(mode, reduced == Some(index), full == Some(index)));
-    }
-    print(&text)?;
+    let rows = modes
+        .iter()
+        .enumerate()
+        .map(|(index, mode)| ModeRow::new(mode, reduced == Some(index), full == Some(index)));
+    print(&table::table(rows))?;
     if let Some((path, format)) = picture {
         plots::draw_steady(path, format, problem.title.as_deref(), &modes)?;
     }
@@ -157,55 +152,4 @@ fn first_to_go(modes: &[Mode], of: impl Fn(&Mode) -> Option<(f64, f64)>) -> Opti
         }
     }
     best.map(|(index, _)| index)
-}
-
-/// A row of the table.
-fn row(mode: &Mode, first: bool, lead_first: bool) -> String {
-    let mut fields = vec![mode.mode.to_string()];
-    fields.extend(wave(&mode.reduced.wave));
-    fields.extend(hopf(mode.reduced.hopf));
-    fields.push(mark(first));
-    match &mode.full {
-        None => fields.resize(HEADER.split(',').count(), String::new()),
-        Some(full) => {
-            fields.extend(wave(&full.fundamental.wave));
-            fields.extend(hopf(full.fundamental.hopf));
-            fields.push(number(full.field_error));
-            fields.push(full.lead.to_string());
-            fields.extend(wave(&full.lead_wave));
-            fields.push(
-                full.first
-                    .map_or_else(String::new, |(family, _)| family.to_string()),
-            );
-            fields.extend(hopf(full.first.map(|(_, point)| point)));
-            fields.push(mark(lead_first));
-            fields.push(full.order.to_string());
-            fields.push(number(full.error));
-        }
-    }
-    fields.join(",") + "\n"
-}
-
-fn mark(first: bool) -> String {
-    if first { "yes" } else { "" }.to_owned()
-}
-
-fn wave(wave: &Wave) -> [String; 4] {
-    let direction = match wave.speed {
-        speed if speed > 0.0 => "with",
-        speed if speed < 0.0 => "against",
-        _ => "",
-    };
-    [
-        number(wave.growth),
-        number(wave.omega),
-        number(wave.speed),
-        direction.to_owned(),
-    ]
-}
-
-fn hopf(point: Option<Hopf>) -> [String; 2] {
-    point.map_or_else(Default::default, |point| {
-        [number(point.friction), number(point.omega)]
-    })
 }

@@ -1,5 +1,8 @@
 //! One wave, or none, at one point of a map.
 
+use serde::Serialize;
+
+use crate::branch::row::{WaveRow, why};
 use crate::branch::{BranchPoint, ParameterValues};
 
 /// A wave that exists at a point of the plane, or the statement that none was found there.
@@ -29,4 +32,33 @@ pub enum CellPoint {
         /// Why the branch does not come here.
         why: String,
     },
+}
+
+/// A row of `map.csv`.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct CellRow<'a> {
+    row: usize,
+    column: usize,
+    start: &'static str,
+    passage: usize,
+    wave: WaveRow<'a>,
+    why: String,
+}
+
+impl<'a> CellRow<'a> {
+    /// What was found at a point.
+    pub fn new(cell: &'a Cell) -> CellRow<'a> {
+        let (wave, why) = match &cell.found {
+            CellPoint::Wave(point) => (WaveRow::new(point), why(point)),
+            CellPoint::Nothing { parameters, why } => (WaveRow::nothing(*parameters), why.clone()),
+        };
+        CellRow {
+            row: cell.row,
+            column: cell.column,
+            start: cell.start,
+            passage: cell.passage,
+            wave,
+            why,
+        }
+    }
 }

@@ -15,6 +15,6 @@ mod cell;
 mod plane;
 mod row;
 
-pub use cell::{Cell, CellPoint};
+pub use cell::{Cell, CellPoint, CellRow};
 pub use plane::Plane;
 pub use row::{MOST_POINTS, row};

@@ -15,9 +15,9 @@ use serde::de::DeserializeOwned;
 
 use super::plots::{self, Format, PlotError};
 use super::store::{self, Store, StoreError, damaged, encode, hash, io_error};
-use super::tables::{line, number};
 use crate::curve::{Curve, Head, Point, Run, Step};
 use crate::problem::Parameter;
+use crate::table;
 
 /// Name of the table.
 pub const TABLE: &str = "curve.csv";
@@ -165,29 +165,52 @@ fn picture(format: Format) -> String {
     format!("{PICTURE}.{}", format.extension())
 }
 
+/// A row of `curve.csv`; the columns of the parameters have their names.
+#[derive(Default, Serialize)]
+struct Row<'a> {
+    point: usize,
+    #[serde(rename = "type")]
+    kind: Option<&'a str>,
+    first: f64,
+    second: f64,
+    speed: f64,
+    regimes_before: &'a str,
+    regimes_after: &'a str,
+    sector: Option<usize>,
+    omega: Option<f64>,
+    newton: usize,
+    residual: f64,
+    what: &'a str,
+}
+
 fn header(parameters: [Parameter; 2]) -> String {
     let [first, second] = parameters.map(|parameter| parameter.column());
-    format!(
-        "point,type,{first},{second},speed,regimes_before,regimes_after,sector,omega,newton,\
-         residual,what\n"
-    )
+    let mut columns = table::columns(&Row::default());
+    for column in &mut columns {
+        match column.as_str() {
+            "first" => *column = first.to_owned(),
+            "second" => *column = second.to_owned(),
+            _ => {}
+        }
+    }
+    table::line_of(&columns)
 }
 
 fn row(index: usize, point: &Point, sector: Option<usize>, what: &str) -> String {
-    line(&[
-        (index + 1).to_string(),
-        point.kind.clone().unwrap_or_default(),
-        number(point.parameters[0]),
-        number(point.parameters[1]),
-        number(point.speed),
-        point.before.clone(),
-        point.after.clone(),
-        sector.map_or_else(String::new, |sector| sector.to_string()),
-        point.omega.map_or_else(String::new, number),
-        point.newton.to_string(),
-        number(point.residual),
-        what.to_owned(),
-    ])
+    table::line(&Row {
+        point: index + 1,
+        kind: point.kind.as_deref(),
+        first: point.parameters[0],
+        second: point.parameters[1],
+        speed: point.speed,
+        regimes_before: &point.before,
+        regimes_after: &point.after,
+        sector,
+        omega: point.omega,
+        newton: point.newton,
+        residual: point.residual,
+        what,
+    })
 }
 
 /// The curve as CSV, from one end to the other.

@@ -8,18 +8,17 @@
 use std::fs::File;
 use std::io::Write;
 use std::path::Path;
-use std::str::FromStr;
 use std::time::{Duration, Instant};
 
-use csv::StringRecord;
 use serde::{Deserialize, Serialize};
 
 use super::plots::{self, Format};
-use super::store::{Store, StoreError, VERSION, bytes, damaged, io_error, read};
-use super::tables;
+use super::store::{self, Store, StoreError, VERSION, bytes, damaged, io_error, read};
+use crate::branch::row::{BranchRow, EigenvalueRow, EventRow, SpectrumRow};
 use crate::curve::start::Labelled;
-use crate::problem::{Parameter, Problem, Start};
+use crate::problem::{FrictionLaw, Parameter, Problem, Start};
 use crate::run::{self, Branch, Item, Progress, SavedWave};
+use crate::table;
 
 /// Content of `branch.ron`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -84,63 +83,19 @@ impl Restart {
     }
 }
 
-/// A table of a folder, read back.
-#[derive(Debug)]
-pub struct Table {
-    header: StringRecord,
-    rows: Vec<StringRecord>,
-}
-
-impl Table {
-    /// Reads a table; a last row that was cut short is left out.
-    ///
-    /// # Errors
-    /// When it cannot be read.
-    pub fn read(path: &Path) -> Result<Table, StoreError> {
-        let text = bytes(path)?;
-        let mut reader = csv::Reader::from_reader(text.as_slice());
-        let header = reader.headers();
-        Ok(Table {
-            header: header
-                .map_err(|error| damaged(path, error.to_string()))?
-                .clone(),
-            rows: reader.records().filter_map(Result::ok).collect(),
-        })
-    }
-
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.rows.len()
-    }
-
-    /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
-    }
-
-    /// A field by the name of its column.
-    pub fn field<T: FromStr>(&self, row: usize, name: &str) -> Option<T> {
-        let column = self.header.iter().position(|known| known == name)?;
-        self.rows.get(row)?.get(column)?.parse().ok()
-    }
-
-    /// The row with this label.
-    pub fn labelled(&self, label: usize) -> Option<usize> {
-        (0..self.len()).find(|row| self.field(*row, "label") == Some(label))
-    }
-}
-
 /// The event of a label, from `events.csv`.
 ///
 /// # Errors
 /// The file is missing or damaged, or has no such label.
 pub fn labelled(folder: &Path, label: usize) -> Result<Labelled, StoreError> {
     let path = folder.join(EVENTS);
-    let table = Table::read(&path)?;
-    let row = table.labelled(label).ok_or_else(|| StoreError::Refused {
-        path: path.clone(),
-        reason: format!("no label {label}; there are {}", table.len()),
-    })?;
+    let table = store::table(&path)?;
+    let row = table
+        .labelled(&label.to_string())
+        .ok_or_else(|| StoreError::Refused {
+            path: path.clone(),
+            reason: format!("no label {label}; there are {}", table.len()),
+        })?;
     Ok(Labelled {
         kind: table
             .field(row, "type")
@@ -212,18 +167,21 @@ impl Folder {
     /// # Errors
     /// When something else is in the way, or the system refuses.
     pub fn create(store: Store, problem: &Problem, branch: &Branch) -> Result<Folder, StoreError> {
-        let header = |text: &str| format!("{text}\n").into_bytes();
-        let events = tables::events_header(problem.model.friction_law);
+        let smoothing = match problem.model.friction_law {
+            FrictionLaw::Regularised { epsilon } => Some(epsilon),
+            _ => None,
+        };
+        let events = table::columns(&EventRow::columns(smoothing));
         let spectrum = branch.with_stability().then_some(SPECTRUM);
         let pictures = problem.output.plots.iter();
         let pictures = pictures.map(|picture| plots::file_name(picture, Format::Svg));
         let fixed = [BRANCH, EVENTS, RESTART].into_iter().chain(spectrum);
         store.begin(fixed.map(str::to_owned).chain(pictures), Some(PROFILES))?;
         let mut folder = Folder {
-            branch: store.create(BRANCH, &header(tables::BRANCH_HEADER))?,
-            events: store.create(EVENTS, &header(&events))?,
+            branch: store.create(BRANCH, table::header::<BranchRow>().as_bytes())?,
+            events: store.create(EVENTS, table::line_of(&events).as_bytes())?,
             spectrum: spectrum
-                .map(|name| store.create(name, &header(tables::SPECTRUM_HEADER)))
+                .map(|name| store.create(name, table::header::<SpectrumRow>().as_bytes()))
                 .transpose()?,
             store,
             profiles: Vec::new(),
@@ -315,15 +273,21 @@ impl Folder {
         row(
             &self.branch,
             BRANCH,
-            tables::branch_row(&item.point, item.leg),
+            table::line(&BranchRow::new(&item.point, item.leg)),
         )?;
         if let Some(event) = &item.event {
-            row(&self.events, EVENTS, tables::event_row(event))?;
+            row(&self.events, EVENTS, table::line(&EventRow::new(event)))?;
         }
         if let (Some(file), Some(label)) = (&self.spectrum, item.point.label) {
-            for (sector, numbers) in &item.eigenvalues {
-                let text = tables::spectrum_row(Some(label), *sector, *numbers);
-                row(file, SPECTRUM, text)?;
+            for &(sector, [re, im, error]) in &item.eigenvalues {
+                let eigenvalue = EigenvalueRow {
+                    sector,
+                    re,
+                    im,
+                    error,
+                };
+                let found = SpectrumRow { label, eigenvalue };
+                row(file, SPECTRUM, table::line(&found))?;
             }
         }
         let Some(saved) = &item.saved else {
@@ -335,7 +299,7 @@ impl Folder {
             && let Ok(samples) = item.profile(PROFILE_RESOLUTION)
         {
             let name = format!("{PROFILES}/{}.csv", saved.label);
-            let text = tables::profile(&samples);
+            let text = table::table(samples);
             self.profiles
                 .push(self.store.create(&name, text.as_bytes())?);
         }

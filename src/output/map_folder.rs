@@ -18,9 +18,9 @@ use super::store::{
     Existing, Kind, READ, Store, StoreError, VERSION, damaged, encode, hash, io_error, read,
     replace,
 };
-use super::tables::{MAP_HEADER, map_row, number};
-use crate::map::{Cell, Plane};
+use crate::map::{Cell, CellRow, Plane};
 use crate::problem::Problem;
+use crate::table::{self, number};
 
 /// The joined table.
 pub const TABLE: &str = "map.csv";
@@ -158,7 +158,8 @@ impl MapFolder {
     /// # Errors
     /// When the file cannot be written.
     pub fn write(&self, row: usize, cells: &[Cell]) -> Result<(), StoreError> {
-        let cells: String = cells.iter().map(map_row).collect();
+        let rows = cells.iter().map(CellRow::new);
+        let cells: String = rows.map(|row| table::line(&row)).collect();
         let text = self.head(row, &cells) + &cells;
         self.store.replace(&row_name(row), text.as_bytes())
     }
@@ -239,18 +240,19 @@ impl MapFolder {
             });
         }
         self.begin(&[])?;
-        let table = self.path().join(TABLE);
-        replace(&table, |out| {
-            writeln!(out, "{MAP_HEADER}").map_err(io_error("write it", &table))?;
+        let path = self.path().join(TABLE);
+        replace(&path, |out| {
+            out.write_all(table::header::<CellRow>().as_bytes())
+                .map_err(io_error("write it", &path))?;
             for (row, file) in &rows {
                 let cells = self.cells(*row, file)?;
                 out.write_all(cells.as_bytes())
-                    .map_err(io_error("write it", &table))?;
+                    .map_err(io_error("write it", &path))?;
             }
             Ok(())
         })?;
         #[cfg(feature = "parquet")]
-        self.convert(&table)?;
+        self.convert(&path)?;
         Ok(())
     }
 

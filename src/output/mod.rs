@@ -9,5 +9,4 @@ pub mod parquet;
 pub mod plots;
 pub mod simulation;
 pub mod store;
-pub mod tables;
 pub mod vtk;

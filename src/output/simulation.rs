@@ -12,12 +12,13 @@ use serde::{Deserialize, Serialize};
 
 use super::plots::{self, Format};
 use super::store::{self, Store, StoreError, VERSION, damaged, io_error};
-use super::{npy, tables, vtk};
+use super::{npy, vtk};
 use crate::problem::Problem;
-use crate::simulation::growth::Eigenvalue;
+use crate::simulation::growth::GrowthRow;
 use crate::simulation::line::Line;
 use crate::simulation::measure::{Measure, Sample};
 use crate::simulation::motion::{Motion, Saved};
+use crate::table::{self, Table};
 
 /// Name of the checkpoint.
 pub const CHECKPOINT: &str = "checkpoint.ron";
@@ -102,7 +103,7 @@ impl SimulationFolder {
         let names = tables.map(str::to_owned).into_iter().chain(pictures);
         store.begin(names, Some(SNAPSHOTS))?;
         let columns = columns(points);
-        let header = format!("{}\n", Sample::COLUMNS.join(","));
+        let header = table::header::<Sample>();
         Ok(SimulationFolder {
             series: store.create(SERIES, header.as_bytes())?,
             regimes: store.create(REGIMES, &npy::header(npy::Kind::Byte, 0, columns))?,
@@ -161,13 +162,8 @@ impl SimulationFolder {
 
     /// Appends a sample.
     pub fn sample(&mut self, sample: &Sample, line: &Line) -> Result<(), StoreError> {
-        let row: Vec<String> = sample
-            .numbers()
-            .iter()
-            .map(|x| tables::number(*x))
-            .collect();
         let path = self.store.path().join(SERIES);
-        let row = format!("{}\n", row.join(","));
+        let row = table::line(sample);
         (self.series.write_all(row.as_bytes())).map_err(io_error(WRITE, &path))?;
         let codes: Vec<u8> = line
             .regimes
@@ -183,25 +179,17 @@ impl SimulationFolder {
 
     /// Writes the contact line as a table.
     pub fn line(&self, name: &str, line: &Line) -> Result<(), StoreError> {
-        use std::fmt::Write;
-        let mut text = String::from("phi,U,V,U_dot,V_dot,P,Q,regime\n");
-        for point in 0..line.radial.len() {
-            for value in [
-                line.width * point as f64,
-                line.radial[point],
-                line.tangential[point],
-                line.radial_rate[point],
-                line.tangential_rate[point],
-                line.pressure[point],
-                line.shear[point],
-            ] {
-                // writing to a string does not fail
-                let _ = write!(text, "{value:.16e},");
-            }
-            text.push_str(line.regimes[point].name());
-            text.push('\n');
-        }
-        self.store.replace(name, text.as_bytes())
+        let rows = (0..line.radial.len()).map(|point| LineRow {
+            phi: line.width * point as f64,
+            radial: line.radial[point],
+            tangential: line.tangential[point],
+            radial_rate: line.radial_rate[point],
+            tangential_rate: line.tangential_rate[point],
+            pressure: line.pressure[point],
+            shear: line.shear[point],
+            regime: line.regimes[point].name(),
+        });
+        self.store.replace(name, table::table(rows).as_bytes())
     }
 
     /// Writes a snapshot: an array of φ, U, V, U̇, V̇, P, Q for a ring, the mesh for an annulus.
@@ -265,65 +253,44 @@ impl SimulationFolder {
 
     /// Writes what was measured.
     pub fn measures(&self, measures: &[Measure]) -> Result<(), StoreError> {
-        let mut text = String::from("name,value,error,from,to\n");
-        for measure in measures {
-            text.push_str(&format!(
-                "{},{},{},{},{}\n",
-                measure.name,
-                tables::number(measure.value),
-                tables::number(measure.error),
-                tables::number(measure.window[0]),
-                tables::number(measure.window[1]),
-            ));
-        }
-        self.store.replace(MEASURES, text.as_bytes())
+        let rows = measures.iter().copied();
+        self.store.replace(MEASURES, table::table(rows).as_bytes())
     }
 
     /// Writes eigenvalues by sector, each with its residual and its difference from a coarser grid.
-    pub fn growth(&self, rows: &[(usize, Eigenvalue, f64)]) -> Result<(), StoreError> {
-        let mut text = String::from("sector,re,im,residual,scatter,grid\n");
-        for (sector, value, grid) in rows {
-            text.push_str(&format!(
-                "{sector},{},{},{},{},{}\n",
-                tables::number(value.re),
-                tables::number(value.im),
-                tables::number(value.residual),
-                tables::number(value.scatter),
-                tables::number(*grid),
-            ));
-        }
-        self.store.replace(GROWTH, text.as_bytes())
+    pub fn growth(&self, rows: &[GrowthRow]) -> Result<(), StoreError> {
+        let rows = rows.iter().copied();
+        self.store.replace(GROWTH, table::table(rows).as_bytes())
     }
+}
+
+/// A row of a contact line.
+#[derive(Default, Serialize)]
+struct LineRow {
+    phi: f64,
+    #[serde(rename = "U")]
+    radial: f64,
+    #[serde(rename = "V")]
+    tangential: f64,
+    #[serde(rename = "U_dot")]
+    radial_rate: f64,
+    #[serde(rename = "V_dot")]
+    tangential_rate: f64,
+    #[serde(rename = "P")]
+    pressure: f64,
+    #[serde(rename = "Q")]
+    shear: f64,
+    regime: &'static str,
 }
 
 /// The first rows of a time series, and the bytes they take with the header.
 pub fn read_series(path: &Path, rows: usize) -> Result<(Vec<Sample>, usize), StoreError> {
-    let damaged = |reason: &str| damaged(path, reason);
-    let text = store::read(path)?;
-    let mut length = 0;
-    let mut samples = Vec::new();
-    for (index, line) in text.split_inclusive('\n').enumerate() {
-        if index > 0 {
-            let mut numbers = [0.0; Sample::COLUMNS.len()];
-            let mut cells = line.trim_end().split(',');
-            for number in &mut numbers {
-                let cell = cells.next().ok_or_else(|| damaged("a row is too short"))?;
-                // what is not finite is left empty
-                *number = match cell {
-                    "" => f64::NAN,
-                    cell => cell.parse().map_err(|_| damaged("a cell is no number"))?,
-                };
-            }
-            samples.push(Sample::from_numbers(numbers));
-        }
-        length += line.len();
-        if samples.len() == rows {
-            break;
-        }
-    }
-    if samples.len() < rows {
-        return Err(damaged("fewer rows than the checkpoint says"));
-    }
+    let bytes = store::bytes(path)?;
+    let ends = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
+    let length = ends.map(|(index, _)| index + 1).nth(rows);
+    let length = length.ok_or_else(|| damaged(path, "fewer rows than the checkpoint says"))?;
+    let samples = Table::parse(&bytes[..length]).and_then(|table| table.rows());
+    let samples = samples.map_err(|error| damaged(path, error.to_string()))?;
     Ok((samples, length))
 }
 

@@ -15,6 +15,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
 
+use crate::table::Table;
+
 /// Name of the manifest.
 pub const MANIFEST: &str = "brakewave.manifest";
 
@@ -135,6 +137,14 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, StoreError> {
 /// As [`bytes`], and when it is no text.
 pub fn read(path: &Path) -> Result<String, StoreError> {
     String::from_utf8(bytes(path)?).map_err(|_| damaged(path, "it is no text"))
+}
+
+/// A table.
+///
+/// # Errors
+/// As [`bytes`], and when it is no table.
+pub fn table(path: &Path) -> Result<Table, StoreError> {
+    Table::parse(&bytes(path)?).map_err(|error| damaged(path, error.to_string()))
 }
 
 /// A value as RON.

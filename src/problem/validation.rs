@@ -16,7 +16,8 @@ use super::{
     MAX_USER_POINTS, MAX_WORDS, Map, MapPoints, Method, Model, Output, Parameter, Plot, Problem,
     Sectors, StabilitySection, Start, Toward, Wave, is_text,
 };
-use crate::branch::{BRANCH_HEADER, EventType, WORD_COLUMNS};
+use crate::branch::EventType;
+use crate::branch::row::drawable_columns;
 
 /// Something wrong with the value at a path; see [`Outline::locate`].
 pub(super) struct Complaint {
@@ -700,10 +701,7 @@ fn output(problem: &Problem) -> Check {
         *profiles <= MAX_PROFILES,
         &rule,
     )?;
-    let columns: Vec<&str> = BRANCH_HEADER
-        .split(',')
-        .filter(|column| !WORD_COLUMNS.contains(column))
-        .collect();
+    let columns = drawable_columns();
     for (index, plot) in plots.iter().enumerate() {
         let path = format!("output.plots.{index}");
         if let Plot::Column(name) = plot {
@@ -711,7 +709,7 @@ fn output(problem: &Problem) -> Check {
                 "name a column of branch.csv, e.g. `Column(\"amplitude\")`; it has {}",
                 columns.join(", ")
             );
-            admit(&path, plot, columns.contains(&name.as_str()), &rule)?;
+            admit(&path, plot, columns.contains(name), &rule)?;
         }
         if plots[..index].contains(plot) {
             return twice(&path, plot);

@@ -18,6 +18,7 @@
 //! wave, with the upper sign for c < 0; the difference is decomposed in the same way.
 
 use faer::{Mat, c64};
+use serde::Serialize;
 use std::f64::consts::TAU;
 
 use super::profile::Profile;
@@ -51,7 +52,7 @@ pub struct Request {
 pub const SETTLING: f64 = 1.0;
 
 /// An eigenvalue with the residual of its shape, in units of Ω.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Eigenvalue {
     /// Growth rate.
     pub re: f64,
@@ -61,6 +62,17 @@ pub struct Eigenvalue {
     pub residual: f64,
     /// Standard error of the mean over several instants of the fronts between the points; 0 for one.
     pub scatter: f64,
+}
+
+/// A row of `growth.csv`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct GrowthRow {
+    /// Bloch sector.
+    pub sector: usize,
+    /// The eigenvalue.
+    pub eigenvalue: Eigenvalue,
+    /// Its difference from that of a coarser grid.
+    pub grid: f64,
 }
 
 /// Why there is no answer.

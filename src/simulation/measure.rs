@@ -4,12 +4,14 @@
 //! the mean of the blocks is given. It holds what the motion does not repeat; the error of the grid
 //! is another matter, seen by simulating with other numbers of points.
 
+use serde::{Deserialize, Serialize};
+
 use super::exponentials::exponentials;
 use super::line::Regime;
 use super::motion::Motion;
 
 /// A row of the time series.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Time.
     pub time: f64,
@@ -17,41 +19,35 @@ pub struct Sample {
     pub energy: f64,
     /// Energy less that at the start and less all work since.
     pub imbalance: f64,
-    /// Shares of separation, slip, stick, reverse slip.
-    pub fractions: [f64; 4],
+    /// Share of the line in separation.
+    pub separation: f64,
+    /// Share in slip.
+    pub slip: f64,
+    /// Share in stick.
+    pub stick: f64,
+    /// Share in reverse slip.
+    pub reverse: f64,
     /// Least pressure on what is in contact; 0 where something is in the air.
+    #[serde(rename = "min_pressure")]
     pub least_pressure: f64,
     /// Largest U − δ.
+    #[serde(rename = "max_gap")]
     pub largest_gap: f64,
-    /// Complex amplitude of the mode watched.
-    pub harmonic: [f64; 2],
+    /// Real part of the amplitude of the mode watched.
+    pub harmonic_re: f64,
+    /// Imaginary part of it.
+    pub harmonic_im: f64,
     /// How unlike the waves round the circle are.
     pub asymmetry: f64,
     /// V of the first point.
+    #[serde(rename = "V")]
     pub tangential: f64,
     /// V̇ of the first point.
+    #[serde(rename = "V_dot")]
     pub tangential_rate: f64,
 }
 
 impl Sample {
-    /// Names of the numbers, in order.
-    pub const COLUMNS: [&'static str; 14] = [
-        "time",
-        "energy",
-        "imbalance",
-        "separation",
-        "slip",
-        "stick",
-        "reverse",
-        "min_pressure",
-        "max_gap",
-        "harmonic_re",
-        "harmonic_im",
-        "asymmetry",
-        "V",
-        "V_dot",
-    ];
-
     /// The state of a motion. `mode` is watched; the circle is compared in `waves` parts; `start` is
     /// the energy at the beginning.
     pub fn of(motion: &Motion, mode: u32, waves: usize, mismatch: f64, start: f64) -> Sample {
@@ -60,76 +56,39 @@ impl Sample {
         let fold = |values: &[f64], with: fn(f64, f64) -> f64, from: f64| {
             values.iter().copied().fold(from, with)
         };
+        let [separation, slip, stick, reverse] = line.fractions();
+        let [harmonic_re, harmonic_im] = line.harmonic(mode);
         Sample {
             time: motion.time(),
             energy,
             imbalance: energy - start - work.iter().sum::<f64>(),
-            fractions: line.fractions(),
+            separation,
+            slip,
+            stick,
+            reverse,
             least_pressure: fold(&line.pressure, f64::min, f64::INFINITY),
             largest_gap: fold(&line.radial, f64::max, f64::NEG_INFINITY) - mismatch,
-            harmonic: line.harmonic(mode),
+            harmonic_re,
+            harmonic_im,
             asymmetry: line.asymmetry(waves).unwrap_or(0.0),
             tangential: line.tangential[0],
             tangential_rate: line.tangential_rate[0],
         }
     }
 
-    /// All numbers, in the order of [`Sample::COLUMNS`].
-    pub fn numbers(&self) -> [f64; 14] {
-        let [separation, slip, stick, reverse] = self.fractions;
-        [
-            self.time,
-            self.energy,
-            self.imbalance,
-            separation,
-            slip,
-            stick,
-            reverse,
-            self.least_pressure,
-            self.largest_gap,
-            self.harmonic[0],
-            self.harmonic[1],
-            self.asymmetry,
-            self.tangential,
-            self.tangential_rate,
-        ]
-    }
-
-    /// The sample with these numbers.
-    pub fn from_numbers(numbers: [f64; 14]) -> Sample {
-        let [
-            time,
-            energy,
-            imbalance,
-            separation,
-            slip,
-            stick,
-            reverse,
-            least_pressure,
-            largest_gap,
-            re,
-            im,
-            asymmetry,
-            tangential,
-            tangential_rate,
-        ] = numbers;
-        Sample {
-            time,
-            energy,
-            imbalance,
-            fractions: [separation, slip, stick, reverse],
-            least_pressure,
-            largest_gap,
-            harmonic: [re, im],
-            asymmetry,
-            tangential,
-            tangential_rate,
+    /// Share of the line in a regime.
+    fn share(&self, regime: Regime) -> f64 {
+        match regime {
+            Regime::Separation => self.separation,
+            Regime::Slip => self.slip,
+            Regime::Stick => self.stick,
+            Regime::Reverse => self.reverse,
         }
     }
 }
 
 /// A number with its error.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Measure {
     /// Name for tables.
     pub name: &'static str,
@@ -137,8 +96,10 @@ pub struct Measure {
     pub value: f64,
     /// Standard error.
     pub error: f64,
-    /// Window of time it comes from.
-    pub window: [f64; 2],
+    /// Begin of the window of time it comes from.
+    pub from: f64,
+    /// End of the window.
+    pub to: f64,
 }
 
 /// Blocks that a window is cut into.
@@ -184,7 +145,7 @@ fn phases(samples: &[Sample]) -> Vec<f64> {
     samples
         .iter()
         .map(|sample| {
-            let phase = sample.harmonic[1].atan2(sample.harmonic[0]);
+            let phase = sample.harmonic_im.atan2(sample.harmonic_re);
             if let Some(last) = last {
                 let jump: f64 = phase - last;
                 turns -= (jump / std::f64::consts::TAU).round();
@@ -202,7 +163,7 @@ pub fn steady_state(samples: &[Sample], mode: u32) -> Vec<Measure> {
     let Some(last) = half.last() else {
         return Vec::new();
     };
-    let window = [half[0].time, last.time];
+    let (from, to) = (half[0].time, last.time);
     let times: Vec<f64> = half.iter().map(|sample| sample.time).collect();
     let mut measures = Vec::new();
     let mut add = |name, found: Option<(f64, f64)>| {
@@ -211,7 +172,8 @@ pub fn steady_state(samples: &[Sample], mode: u32) -> Vec<Measure> {
                 name,
                 value,
                 error,
-                window,
+                from,
+                to,
             });
         }
     };
@@ -230,11 +192,10 @@ pub fn steady_state(samples: &[Sample], mode: u32) -> Vec<Measure> {
     };
     add(
         "amplitude",
-        mean(&|sample| sample.harmonic[0].hypot(sample.harmonic[1])),
+        mean(&|sample| sample.harmonic_re.hypot(sample.harmonic_im)),
     );
     for regime in Regime::ALL {
-        let index = usize::from(regime.code());
-        add(regime.name(), mean(&|sample| sample.fractions[index]));
+        add(regime.name(), mean(&|sample| sample.share(regime)));
     }
     add("asymmetry", mean(&|sample| sample.asymmetry));
     add("energy", mean(&|sample| sample.energy));
@@ -248,11 +209,8 @@ const SIGNAL: usize = 600;
 /// complex amplitude that is largest at the end of this time. The error is the difference from what
 /// the last three quarters of the time give.
 pub fn linear_growth(samples: &[Sample]) -> Vec<Measure> {
-    let slip = usize::from(Regime::Slip.code());
-    let slipping = samples
-        .iter()
-        .take_while(|sample| sample.fractions[slip] == 1.0)
-        .count();
+    let all_slip = |sample: &&Sample| sample.slip == 1.0;
+    let slipping = samples.iter().take_while(all_slip).count();
     let thinning = slipping.div_ceil(SIGNAL).max(1);
     let kept: Vec<&Sample> = samples[..slipping].iter().step_by(thinning).collect();
     if kept.len() < BLOCKS * LEAST {
@@ -260,20 +218,23 @@ pub fn linear_growth(samples: &[Sample]) -> Vec<Measure> {
     }
     let last = kept.len() - 1;
     let step = (kept[last].time - kept[0].time) / last as f64;
-    let signal: Vec<[f64; 2]> = kept.iter().map(|sample| sample.harmonic).collect();
+    let signal: Vec<[f64; 2]> = kept
+        .iter()
+        .map(|sample| [sample.harmonic_re, sample.harmonic_im])
+        .collect();
     let all = exponentials(&signal, step);
     let later = exponentials(&signal[signal.len() / 4..], step);
     let (Some(leading), Some(other)) = (all.first(), later.first()) else {
         return Vec::new();
     };
-    let window = [kept[0].time, kept[last].time];
     [("growth", 0), ("frequency", 1)]
         .into_iter()
         .map(|(name, part)| Measure {
             name,
             value: leading.exponent[part],
             error: (leading.exponent[part] - other.exponent[part]).abs(),
-            window,
+            from: kept[0].time,
+            to: kept[last].time,
         })
         .collect()
 }

@@ -17,6 +17,7 @@
 pub mod growth;
 pub mod radial;
 pub mod reduced;
+pub mod row;
 
 use crate::model::coefficients::{Coefficients, Geometry};
 use crate::problem::{Damping, FrictionLaw};

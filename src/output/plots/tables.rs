@@ -9,7 +9,8 @@ use csv::StringRecord;
 
 use super::axis::drawable;
 use super::error::PlotError;
-use crate::branch::{EventType, WORD_COLUMNS};
+use crate::branch::EventType;
+use crate::branch::row::WORD_COLUMNS;
 
 /// Columns of `branch.csv` that hold words or lists.
 const WORDS: [&str; 4] = ["type", "regimes", "switches", "stable"];

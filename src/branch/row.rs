@@ -1,0 +1,222 @@
+//! The tables of a branch: what stands in their rows, field by field.
+
+use serde::Serialize;
+
+use super::{BranchPoint, Event, EventType, ParameterValues, Stability};
+use crate::table;
+
+/// Columns of `branch.csv` that hold words: no curve can be drawn of them.
+pub const WORD_COLUMNS: [&str; 4] = ["type", "regimes", "stable", "why"];
+
+/// Columns of `branch.csv` of which a curve can be drawn.
+pub fn drawable_columns() -> Vec<String> {
+    let mut columns = table::columns(&BranchRow::default());
+    columns.retain(|column| !WORD_COLUMNS.contains(&column.as_str()));
+    columns
+}
+
+/// A wave and its stability, as the tables of branches and of maps have them.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct WaveRow<'a> {
+    regimes: &'a str,
+    parameters: ParameterValues,
+    speed: Option<f64>,
+    switches: &'a [f64],
+    min_pressure: Option<f64>,
+    max_gap: Option<f64>,
+    amplitude: Option<f64>,
+    stable: Option<&'static str>,
+    unstable: Option<usize>,
+    lead_re: Option<f64>,
+    lead_im: Option<f64>,
+    lead_sector: Option<usize>,
+}
+
+impl<'a> WaveRow<'a> {
+    /// The wave of a point.
+    pub fn new(point: &'a BranchPoint) -> WaveRow<'a> {
+        WaveRow {
+            regimes: &point.regimes,
+            parameters: point.parameters,
+            speed: Some(point.speed),
+            switches: &point.switches,
+            min_pressure: Some(point.min_pressure),
+            max_gap: Some(point.max_gap),
+            amplitude: Some(point.amplitude),
+            stable: point.stable.map(Stability::word),
+            unstable: point.unstable,
+            lead_re: point.lead.map(|lead| lead.re),
+            lead_im: point.lead.map(|lead| lead.im),
+            lead_sector: point.lead.map(|lead| lead.sector),
+        }
+    }
+
+    /// The parameters of a place where there is no wave.
+    pub fn nothing(parameters: ParameterValues) -> WaveRow<'a> {
+        WaveRow {
+            parameters,
+            ..WaveRow::default()
+        }
+    }
+}
+
+/// What a verdict rests on, where that is not plain.
+pub fn why(point: &BranchPoint) -> String {
+    let reasons: Vec<String> = point.why.iter().map(ToString::to_string).collect();
+    reasons.join("; ")
+}
+
+/// A row of `branch.csv`.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct BranchRow<'a> {
+    point: usize,
+    label: Option<usize>,
+    #[serde(rename = "type")]
+    kind: Option<EventType>,
+    wave: WaveRow<'a>,
+    newton: usize,
+    residual: f64,
+    leg: usize,
+    smoothing: Option<f64>,
+    condition: Option<f64>,
+    expected_error: Option<f64>,
+    why: String,
+}
+
+impl<'a> BranchRow<'a> {
+    /// A point of a leg.
+    pub fn new(point: &'a BranchPoint, leg: usize) -> BranchRow<'a> {
+        let (condition, expected_error) = point.conditioning.unzip();
+        BranchRow {
+            point: point.point,
+            label: point.label,
+            kind: point.kind,
+            wave: WaveRow::new(point),
+            newton: point.newton,
+            residual: point.residual,
+            leg,
+            smoothing: point.parameters.smoothing,
+            condition,
+            expected_error,
+            why: why(point),
+        }
+    }
+}
+
+/// A row of `events.csv`.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct EventRow<'a> {
+    label: usize,
+    #[serde(rename = "type")]
+    kind: Option<EventType>,
+    parameters: ParameterValues,
+    speed: f64,
+    sector: Option<usize>,
+    omega: Option<f64>,
+    regimes_before: &'a str,
+    regimes_after: &'a str,
+    uncertainty: f64,
+    what: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    smoothing: Option<f64>,
+}
+
+impl<'a> EventRow<'a> {
+    /// An event.
+    pub fn new(event: &'a Event) -> EventRow<'a> {
+        EventRow {
+            label: event.label,
+            kind: Some(event.kind),
+            parameters: event.parameters,
+            speed: event.speed,
+            sector: event.sector,
+            omega: event.omega,
+            regimes_before: &event.regimes_before,
+            regimes_after: &event.regimes_after,
+            uncertainty: event.uncertainty,
+            what: &event.what,
+            smoothing: event.parameters.smoothing,
+        }
+    }
+
+    /// A row for the names of its columns; only a regularised friction law has a smoothing.
+    pub fn columns(smoothing: Option<f64>) -> EventRow<'a> {
+        EventRow {
+            smoothing,
+            ..EventRow::default()
+        }
+    }
+}
+
+/// A row of `spectrum.csv`.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct SpectrumRow {
+    /// Label of the point.
+    pub label: usize,
+    /// The eigenvalue.
+    pub eigenvalue: EigenvalueRow,
+}
+
+/// An eigenvalue.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct EigenvalueRow {
+    /// Bloch sector.
+    pub sector: usize,
+    /// Re λ.
+    pub re: f64,
+    /// Im λ.
+    pub im: f64,
+    /// Bound of its error; not a number where there is none.
+    pub error: f64,
+}
+
+/// A row of `brakewave spectrum`: an eigenvalue, the wave it belongs to and, where they are known, its
+/// stability and what that rests on.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct WaveEigenvalueRow<'a> {
+    eigenvalue: EigenvalueRow,
+    regimes: &'a str,
+    parameters: ParameterValues,
+    speed: f64,
+    switches: &'a [f64],
+    stable: Option<&'static str>,
+    unstable: Option<usize>,
+    why: String,
+}
+
+impl<'a> WaveEigenvalueRow<'a> {
+    /// An eigenvalue of the wave at a point.
+    pub fn new(eigenvalue: EigenvalueRow, point: &'a BranchPoint) -> WaveEigenvalueRow<'a> {
+        WaveEigenvalueRow {
+            eigenvalue,
+            regimes: &point.regimes,
+            parameters: point.parameters,
+            speed: point.speed,
+            switches: &point.switches,
+            stable: point.stable.map(Stability::word),
+            unstable: point.unstable,
+            why: why(point),
+        }
+    }
+}
+
+/// A row of the eigenfunctions that `brakewave spectrum` writes.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct EigenfunctionRow {
+    /// Bloch sector.
+    pub sector: usize,
+    /// Re λ.
+    pub re: f64,
+    /// Im λ.
+    pub im: f64,
+    /// Place.
+    pub theta: f64,
+    /// Re ψ.
+    pub psi_re: f64,
+    /// Im ψ.
+    pub psi_im: f64,
+    /// Re ψ′.
+    pub slope_re: f64,
+    /// Im ψ′.
+    pub slope_im: f64,
+}
