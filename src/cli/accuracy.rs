@@ -10,8 +10,9 @@ use super::progress::Progress;
 use super::run::{Prepared, prepare};
 use super::{Failure, FormatArgument, default_folder, inputs, print, warn};
 use crate::accuracy::{self, Missed, Repeats, Row, Rung};
-use crate::output::plots::accuracy::Series;
-use crate::output::plots::{Format, Settings, draw_accuracy};
+use crate::output::pictures;
+use crate::output::pictures::accuracy::Series;
+use crate::output::render::Format;
 use crate::output::store::{self, Existing, Kind, Store, StoreError, damaged, io_error};
 use crate::table::{self, Table};
 
@@ -145,12 +146,9 @@ pub fn accuracy(arguments: &AccuracyArguments) -> Result<u8, Failure> {
     // those of a resumed run come after the others
     rows.sort_by_key(|row| ladder.iter().position(|rung| row.is_of(*rung)));
     store.replace(TABLE, table::table(rows.iter().cloned()).as_bytes())?;
-    let settings = Settings {
-        parameter: continuation.parameter.column().into(),
-        title: problem.title.clone(),
-    };
     store.claim([&picture])?;
-    draw_accuracy(&out.join(picture), format, &series(&rows), &settings)?;
+    let drawn = pictures::accuracy::picture(&series(&rows)).titled(problem.title.as_deref());
+    pictures::replace(&out.join(picture), format, &drawn)?;
     if !arguments.quiet {
         print(&text(&rows, law.piecewise_linear()))?;
         print(&format!("results in {}\n", out.display()))?;

@@ -11,7 +11,7 @@ use crate::curve::Run;
 use crate::curve::start::{self, NoCurve, Start};
 use crate::output::curve_folder::{self, CurveFolder};
 use crate::output::folder::{self, Restart};
-use crate::output::plots::Format;
+use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store};
 use crate::problem::{self, CurveEvent, Problem};
 use crate::run::Branch;

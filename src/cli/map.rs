@@ -16,7 +16,8 @@ use super::progress::{Ticker, duration};
 use super::{Failure, default_folder, inputs, picture, print};
 use crate::map;
 use crate::output::map_folder::{Description, MapFolder};
-use crate::output::plots::{self, Format};
+use crate::output::pictures;
+use crate::output::render::Format;
 use crate::output::store::{Existing, Kind};
 use crate::problem::{self, Problem};
 
@@ -208,7 +209,9 @@ fn folder(arguments: &MapArguments, problem: &Path) -> PathBuf {
 
 fn draw(picture: Option<(&Path, Format)>, folder: &Path, problem: &Problem) -> Result<(), Failure> {
     if let (Some((path, format)), Some(section)) = (picture, &problem.map) {
-        plots::draw_map(path, format, folder, section, problem.title.as_deref())?;
+        let drawn = pictures::map::picture(folder, section)?;
+        let titled = drawn.titled(problem.title.as_deref());
+        pictures::save(path, format, &titled)?;
     }
     Ok(())
 }

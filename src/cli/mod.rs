@@ -20,7 +20,8 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::curve::start::NoCurve;
-use crate::output::plots::{Format, PlotError};
+use crate::output::pictures::PlotError;
+use crate::output::render::{Format, RenderError};
 use crate::output::store::{StoreError, io_error};
 use crate::problem::{self, CurveEvent, Problem, ProblemError, SimulationStart, Start};
 use crate::run::RunError;
@@ -94,6 +95,8 @@ enum Failure {
     Store(#[from] StoreError),
     #[error("{0}")]
     Plot(#[from] PlotError),
+    #[error("{0}")]
+    Render(#[from] RenderError),
     #[error("{0}")]
     Run(#[from] RunError),
     #[error("{0}")]

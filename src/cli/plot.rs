@@ -7,7 +7,7 @@ use clap::Args;
 use super::{Failure, FormatArgument, print};
 use crate::output::folder::Restart;
 use crate::output::store::Store;
-use crate::output::{plots, simulation};
+use crate::output::{pictures, simulation};
 use crate::problem::Plot;
 
 #[derive(Debug, Args)]
@@ -32,32 +32,38 @@ pub fn plot(arguments: &PlotArguments) -> Result<u8, Failure> {
         )));
     };
     // a run that asked for no pictures still has its diagram
-    let pictures = if problem.output.plots.is_empty() {
-        vec![Plot::Diagram]
-    } else {
-        problem.output.plots.clone()
+    let plots = match problem.output.plots.as_slice() {
+        [] => &[Plot::Diagram],
+        plots => plots,
     };
-    let settings = plots::Settings {
+    let settings = pictures::Settings {
         parameter: continuation.parameter.column().to_string(),
         title: problem.title.clone(),
     };
     let format = arguments.format.into();
-    let names = pictures.iter();
-    Store::visit(&arguments.folder)?
-        .claim(names.map(|picture| plots::file_name(picture, format)))?;
-    let written = plots::draw(&arguments.folder, &pictures, format, &settings)?;
-    for path in written {
-        print(&format!("{}\n", path.display()))?;
-    }
-    Ok(0)
+    let names = plots.iter();
+    Store::visit(&arguments.folder)?.claim(names.map(|plot| pictures::file_name(plot, format)))?;
+    list(&pictures::draw(
+        &arguments.folder,
+        plots,
+        format,
+        &settings,
+    )?)
 }
 
 fn plot_simulation(arguments: &PlotArguments) -> Result<u8, Failure> {
     let checkpoint = simulation::Checkpoint::read(&arguments.folder)?;
     let title = checkpoint.problem.title.as_deref();
     let format = arguments.format.into();
-    Store::visit(&arguments.folder)?.claim(plots::simulation_names(format))?;
-    let written = plots::draw_simulation(&arguments.folder, title, format)?;
+    Store::visit(&arguments.folder)?.claim(pictures::simulation_names(format))?;
+    list(&pictures::draw_simulation(
+        &arguments.folder,
+        title,
+        format,
+    )?)
+}
+
+fn list(written: &[PathBuf]) -> Result<u8, Failure> {
     for path in written {
         print(&format!("{}\n", path.display()))?;
     }

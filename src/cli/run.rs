@@ -8,7 +8,8 @@ use super::progress::Progress;
 use super::report::report;
 use super::{Failure, NUMERICAL, default_folder, inputs, print, warn};
 use crate::output::folder::{self, Folder, Restart};
-use crate::output::plots::{self, Format};
+use crate::output::pictures;
+use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store, damaged};
 use crate::problem::{self, Continuation, Problem, Start, Toward};
 use crate::run::{Branch, End, RunError, SavedWave};
@@ -218,16 +219,16 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     }
     drop(progress);
     if !problem.output.plots.is_empty() {
-        let settings = plots::Settings {
+        let settings = pictures::Settings {
             parameter: continuation.parameter.column().to_string(),
             title: problem.title.clone(),
         };
-        let pictures = &problem.output.plots;
+        let plots = &problem.output.plots;
         let threads = rayon::ThreadPoolBuilder::new()
             .num_threads(arguments.threads.into())
             .build()
             .map_err(|error| Failure::Usage(format!("cannot start threads: {error}")))?;
-        threads.install(|| plots::draw(folder.store().path(), pictures, Format::Svg, &settings))?;
+        threads.install(|| pictures::draw(folder.store().path(), plots, Format::Svg, &settings))?;
     }
     if !arguments.quiet {
         if let Some(title) = &problem.title {

@@ -10,7 +10,8 @@ use super::progress::{self, Progress};
 use super::{Failure, default_folder, inputs, print, warn};
 use crate::model::{Model, Parameters, Source};
 use crate::output::folder::{RESTART, Restart};
-use crate::output::plots::{self, Format};
+use crate::output::pictures;
+use crate::output::render::Format;
 use crate::output::simulation::{
     CHECKPOINT, Checkpoint, END, SERIES, START, SimulationFolder, columns,
 };
@@ -286,7 +287,7 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
         }
     }
     drop(progress);
-    plots::draw_simulation(&out, problem.title.as_deref(), Format::Svg)?;
+    pictures::draw_simulation(&out, problem.title.as_deref(), Format::Svg)?;
     if !arguments.quiet {
         let rate = motion.size() as f64 * taken as f64 / seconds.max(f64::MIN_POSITIVE);
         print(&report(&problem, &measures, &eigenvalues, &samples))?;

@@ -10,7 +10,7 @@ use super::progress::Ticker;
 use super::spectrum::{assignment, set};
 use super::{Failure, picture, print, warn};
 use crate::model::Source;
-use crate::output::plots;
+use crate::output::pictures;
 use crate::problem::{self, MAX_MODE, Parameter};
 use crate::run::model;
 use crate::steady::row::ModeRow;
@@ -110,7 +110,8 @@ pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
         .map(|(index, mode)| ModeRow::new(mode, reduced == Some(index), full == Some(index)));
     print(&table::table(rows))?;
     if let Some((path, format)) = picture {
-        plots::draw_steady(path, format, problem.title.as_deref(), &modes)?;
+        let drawn = pictures::steady::picture(&modes).titled(problem.title.as_deref());
+        pictures::save(path, format, &drawn)?;
     }
     for (found, what) in [(reduced, "in the reduced model"), (full, "of the tube")] {
         if found.is_some_and(|index| index + 1 == modes.len() && modes.len() > 1) {

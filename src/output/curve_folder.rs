@@ -13,7 +13,8 @@ use std::io::Write;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::plots::{self, Format, PlotError};
+use super::pictures::{self, PlotError};
+use super::render::Format;
 use super::store::{self, Store, StoreError, damaged, encode, hash, io_error};
 use crate::curve::{Curve, Head, Point, Run, Step};
 use crate::problem::Parameter;
@@ -157,7 +158,8 @@ impl CurveFolder {
         let picture = picture(format);
         self.store.claim([&picture])?;
         let path = self.store.path().join(picture);
-        plots::draw_curve(&path, format, curve, ranges, title)
+        let drawn = pictures::curve::picture(curve, ranges).titled(title);
+        pictures::replace(&path, format, &drawn)
     }
 }
 

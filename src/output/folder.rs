@@ -12,7 +12,8 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::plots::{self, Format};
+use super::pictures;
+use super::render::Format;
 use super::store::{self, Store, StoreError, VERSION, bytes, damaged, io_error, read};
 use crate::branch::row::{BranchRow, EigenvalueRow, EventRow, SpectrumRow};
 use crate::curve::start::Labelled;
@@ -174,7 +175,7 @@ impl Folder {
         let events = table::columns(&EventRow::columns(smoothing));
         let spectrum = branch.with_stability().then_some(SPECTRUM);
         let pictures = problem.output.plots.iter();
-        let pictures = pictures.map(|picture| plots::file_name(picture, Format::Svg));
+        let pictures = pictures.map(|picture| pictures::file_name(picture, Format::Svg));
         let fixed = [BRANCH, EVENTS, RESTART].into_iter().chain(spectrum);
         store.begin(fixed.map(str::to_owned).chain(pictures), Some(PROFILES))?;
         let mut folder = Folder {

@@ -10,7 +10,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::plots::{self, Format};
+use super::pictures;
+use super::render::Format;
 use super::store::{self, Store, StoreError, VERSION, damaged, io_error};
 use super::{npy, vtk};
 use crate::problem::Problem;
@@ -99,7 +100,7 @@ impl SimulationFolder {
     /// When a file cannot be written.
     pub fn create(store: Store, points: usize) -> Result<SimulationFolder, StoreError> {
         let tables = [SERIES, REGIMES, START, CHECKPOINT, END, MEASURES];
-        let pictures = plots::simulation_names(Format::Svg);
+        let pictures = pictures::simulation_names(Format::Svg);
         let names = tables.map(str::to_owned).into_iter().chain(pictures);
         store.begin(names, Some(SNAPSHOTS))?;
         let columns = columns(points);

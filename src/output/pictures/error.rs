@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::output::render::RenderError;
 use crate::output::store::StoreError;
 
 /// Failure to draw a picture.
@@ -41,27 +42,16 @@ pub enum PlotError {
         column: String,
     },
     /// The parameter or the column asked for is not a numeric column of `branch.csv`.
-    #[error("branch.csv has no numeric column `{name}`; it has {known}")]
+    #[error("branch.csv has no numeric column `{name}`; it has {}", known.join(", "))]
     UnknownColumn {
         /// The name asked for.
         name: String,
-        /// The names that can be asked for, separated by commas.
-        known: String,
+        /// The names that can be asked for.
+        known: Vec<String>,
     },
-    /// PNG and PDF were left out when the program was built.
-    #[error("this build writes SVG only; build it with the feature `raster` for {0}")]
-    FormatMissing(&'static str),
-    /// A picture could not be composed.
-    #[error("cannot compose the picture: {0}")]
-    Compose(String),
-    /// A composed picture could not be converted.
-    #[error("cannot convert the picture to {format}: {reason}")]
-    Convert {
-        /// The format asked for.
-        format: &'static str,
-        /// Why.
-        reason: String,
-    },
+    /// A picture could not be rendered.
+    #[error("{0}")]
+    Render(#[from] RenderError),
     /// A picture could not be written.
     #[error("{0}")]
     Store(#[from] StoreError),

@@ -2,11 +2,13 @@
 
 use plotters::style::RGBColor;
 
-use super::canvas::{Align, Canvas, Shape, WIDTH, cut, text_width};
+use super::Mark;
+use super::canvas::{Align, Canvas, Drawn, WIDTH};
 use super::palette::{BLACK, Pen};
+use super::text::{cut, width};
 
 /// Size of the texts.
-pub const SIZE: f64 = 15.0;
+const SIZE: f64 = 15.0;
 
 /// Distance of the base lines.
 const LINE: f64 = 21.0;
@@ -26,7 +28,7 @@ pub enum Key {
     /// A piece of line.
     Line(Pen),
     /// A point.
-    Point(Shape, f64, RGBColor),
+    Mark(Mark),
     /// A coloured area.
     Area(RGBColor),
 }
@@ -35,7 +37,7 @@ impl Key {
     fn width(self) -> f64 {
         match self {
             Key::Line(_) => 32.0,
-            Key::Point(..) => 18.0,
+            Key::Mark(_) => 18.0,
             Key::Area(_) => 24.0,
         }
     }
@@ -43,15 +45,18 @@ impl Key {
 
 /// A group of entries that starts on a line of its own.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Section {
-    heading: String,
-    entries: Vec<(Key, String)>,
+pub struct Group {
+    /// Text in front of the entries; may be empty.
+    pub heading: String,
+    /// The entries.
+    pub entries: Vec<(Key, String)>,
 }
 
 /// All explanations of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Legend {
-    sections: Vec<Section>,
+    /// The groups from top to bottom.
+    pub groups: Vec<Group>,
 }
 
 /// An entry or a heading at its place.
@@ -63,19 +68,23 @@ struct Item<'a> {
 }
 
 impl Legend {
-    /// Adds a group of entries with a heading, which may be empty.
-    pub fn add(&mut self, heading: &str, entries: impl IntoIterator<Item = (Key, String)>) {
-        let entries: Vec<_> = entries.into_iter().take(MOST).collect();
+    /// The legend with one more group, unless that says nothing.
+    pub fn with<T: Into<String>>(
+        mut self,
+        heading: &str,
+        entries: impl IntoIterator<Item = (Key, T)>,
+    ) -> Legend {
+        let entries = entries.into_iter().take(MOST);
+        let entries: Vec<_> = entries.map(|(key, text)| (key, text.into())).collect();
         if !(entries.is_empty() && heading.is_empty()) {
-            self.sections.push(Section {
-                heading: heading.to_owned(),
-                entries,
-            });
+            let heading = heading.to_owned();
+            self.groups.push(Group { heading, entries });
         }
+        self
     }
 
     /// Height of the legend.
-    pub fn height(&self) -> f64 {
+    pub(super) fn height(&self) -> f64 {
         match self.items().1 {
             0 => 0.0,
             lines => lines as f64 * LINE + 6.0,
@@ -83,37 +92,29 @@ impl Legend {
     }
 
     /// Draws the legend below `top`.
-    pub fn paint(&self, canvas: &mut Canvas<'_>, top: f64) {
+    pub(super) fn paint(&self, canvas: &mut Canvas<'_>, top: f64) -> Drawn {
         for item in self.items().0 {
             let base = top + (item.line as f64 + 0.75) * LINE;
             let middle = base - 0.33 * SIZE;
             let mut left = item.left;
             match item.key {
                 Some(Key::Line(pen)) => {
-                    canvas.line(&[(left, middle), (left + 26.0, middle)], pen);
+                    canvas.line(&[(left, middle), (left + 26.0, middle)], pen)?;
                 }
-                Some(Key::Point(shape, size, colour)) => {
-                    canvas.point((left + 7.0, middle), shape, size, colour);
-                }
+                Some(Key::Mark(mark)) => canvas.mark((left + 7.0, middle), mark)?,
                 Some(Key::Area(colour)) => {
                     let (from, to) = ((left, middle - 6.0), (left + 18.0, middle + 6.0));
-                    canvas.area(from, to, colour);
-                    let outline = [
-                        from,
-                        (to.0, from.1),
-                        to,
-                        (from.0, to.1),
-                        from,
-                        (to.0, from.1),
-                    ];
-                    canvas.line(&outline, Pen::solid(BLACK, 0.8));
+                    canvas.area(from, to, colour)?;
+                    let corners = [from, (to.0, from.1), to, (from.0, to.1)];
+                    canvas.outline(&corners, Pen::solid(BLACK, 0.8))?;
                 }
                 None => {}
             }
             left += item.key.map_or(0.0, Key::width);
             let text = cut(item.text, SIZE, WIDTH - MARGIN - left);
-            canvas.text((left, base), &text, SIZE, Align::Left);
+            canvas.text((left, base), &text, SIZE, Align::Left, BLACK)?;
         }
+        Ok(())
     }
 
     /// Entries at their places, in columns as far as that takes no more lines, and the number of
@@ -121,46 +122,40 @@ impl Legend {
     fn items(&self) -> (Vec<Item<'_>>, usize) {
         let mut items = Vec::new();
         let mut line = 0;
-        for section in &self.sections {
+        for group in &self.groups {
             let mut start = MARGIN;
-            if !section.heading.is_empty() {
+            if !group.heading.is_empty() {
                 items.push(Item {
                     left: MARGIN,
                     line,
                     key: None,
-                    text: &section.heading,
+                    text: &group.heading,
                 });
-                start += text_width(&section.heading, SIZE) + GAP;
+                start += width(&group.heading, SIZE) + GAP;
                 if start > 0.55 * WIDTH {
                     line += 1;
                     start = MARGIN;
                 }
             }
-            let widths: Vec<f64> = section
-                .entries
-                .iter()
-                .map(|(key, text)| key.width() + text_width(text, SIZE) + GAP)
-                .collect();
             let room = WIDTH - MARGIN - start + GAP;
-            let flowing = flow(&widths, room);
+            let full = |(key, text): &(Key, String)| key.width() + width(text, SIZE) + GAP;
+            let widths: Vec<f64> = group.entries.iter().map(full).collect();
             let column = widths.iter().copied().fold(1.0, f64::max);
-            let columns = vec![column; widths.len()];
-            let aligned = flow(&columns, room);
-            let lines = |places: &[(f64, usize)]| places.last().map_or(0, |place| place.1);
-            let places = if lines(&aligned) <= lines(&flowing) {
-                aligned
-            } else {
-                flowing
+            let aligned = flow(&vec![column; widths.len()], room);
+            let flowing = flow(&widths, room);
+            let last = |places: &[(f64, usize)]| places.last().map_or(0, |place| place.1);
+            let places = match last(&aligned) <= last(&flowing) {
+                true => aligned,
+                false => flowing,
             };
-            for ((key, text), (left, row)) in section.entries.iter().zip(&places) {
-                items.push(Item {
-                    left: start + left,
-                    line: line + row,
-                    key: Some(*key),
-                    text,
-                });
-            }
-            line += lines(&places) + 1;
+            let placed = group.entries.iter().zip(&places);
+            items.extend(placed.map(|((key, text), (left, row))| Item {
+                left: start + left,
+                line: line + row,
+                key: Some(*key),
+                text,
+            }));
+            line += last(&places) + 1;
         }
         (items, line)
     }
@@ -169,16 +164,14 @@ impl Legend {
 /// Left ends and lines of entries set one after the other.
 fn flow(widths: &[f64], room: f64) -> Vec<(f64, usize)> {
     let (mut left, mut line) = (0.0, 0);
-    widths
-        .iter()
-        .map(|width| {
-            if left > 0.0 && left + width > room {
-                left = 0.0;
-                line += 1;
-            }
-            let place = (left, line);
-            left += width;
-            place
-        })
-        .collect()
+    let place = |width: &f64| {
+        if left > 0.0 && left + width > room {
+            left = 0.0;
+            line += 1;
+        }
+        let place = (left, line);
+        left += width;
+        place
+    };
+    widths.iter().map(place).collect()
 }

@@ -33,28 +33,6 @@ pub fn ordered(position: f64) -> RGBColor {
     mix(ANCHORS[index], ANCHORS[index + 1], scaled - index as f64)
 }
 
-/// Colour of a regime's lines.
-pub fn regime(name: &str) -> RGBColor {
-    match name {
-        "slip" => BLUE,
-        "stick" => BLACK,
-        "separation" => GREEN,
-        "reverse" => VERMILLION,
-        _ => PURPLE,
-    }
-}
-
-/// Pale colour of a regime's zone, behind curves.
-pub fn zone(name: &str) -> RGBColor {
-    match name {
-        "slip" => mix(WHITE, SKY, 0.28),
-        "stick" => mix(WHITE, BLACK, 0.20),
-        "separation" => mix(WHITE, GREEN, 0.30),
-        "reverse" => mix(WHITE, VERMILLION, 0.38),
-        _ => mix(WHITE, PURPLE, 0.3),
-    }
-}
-
 /// `part` of the way from one colour to another.
 pub fn mix(from: RGBColor, to: RGBColor, part: f64) -> RGBColor {
     let blend = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * part).round() as u8;

@@ -1,16 +1,12 @@
 //! Numbers as text.
 
-/// Typographic minus sign.
-const MINUS: char = '\u{2212}';
-
 /// `value` with `decimals` digits after the point and a typographic minus sign; never `-0`.
 pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
-    let zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
-    if zero {
+    if text.chars().all(|c| matches!(c, '-' | '0' | '.')) {
         return "0".to_owned();
     }
-    text.replace('-', &MINUS.to_string())
+    text.replace('-', "\u{2212}")
 }
 
 /// `value` with about `digits` significant digits and without trailing zeros.
@@ -22,7 +18,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     if !(-4..6).contains(&exponent) {
         let scale = 10f64.powi(exponent);
         let mantissa = trimmed(&fixed(value / scale, digits.saturating_sub(1)));
-        return format!("{mantissa} × 10{}", superscript(exponent));
+        return format!("{mantissa} × {}", power_of_ten(exponent));
     }
     let decimals = (digits as i32 - 1 - exponent).clamp(0, 15) as usize;
     trimmed(&fixed(value, decimals))
@@ -52,25 +48,15 @@ pub fn decade(value: f64) -> i32 {
     (magnitude.log10() + 1e-12).floor() as i32
 }
 
-/// The exponent in superior figures.
-pub fn superscript(exponent: i32) -> String {
-    exponent
-        .to_string()
-        .chars()
-        .map(|c| match c {
-            '-' => '⁻',
-            '0' => '⁰',
-            '1' => '¹',
-            '2' => '²',
-            '3' => '³',
-            '4' => '⁴',
-            '5' => '⁵',
-            '6' => '⁶',
-            '7' => '⁷',
-            '8' => '⁸',
-            _ => '⁹',
-        })
-        .collect()
+/// 10ⁿ with the exponent in superior figures.
+pub fn power_of_ten(exponent: i32) -> String {
+    const FIGURES: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let superior = |c: char| {
+        c.to_digit(10)
+            .map_or('⁻', |figure| FIGURES[figure as usize])
+    };
+    let figures: String = exponent.to_string().chars().map(superior).collect();
+    format!("10{figures}")
 }
 
 /// The text without zeros at the end of its decimals.

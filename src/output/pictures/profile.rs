@@ -5,13 +5,15 @@ use std::io;
 use std::ops::Range;
 use std::path::Path;
 
-use super::axis::drawable;
-use super::error::PlotError;
-use super::number;
-use super::palette;
-use super::quantity::Quantity;
-use super::tables::{Table, Tables};
 use plotters::style::RGBColor;
+
+use super::error::PlotError;
+use super::names::quantity;
+use super::tables::{Table, Tables};
+use crate::output::render::axis::{Quantity, drawable};
+use crate::output::render::legend::{Key, Legend};
+use crate::output::render::palette::{Pen, ordered};
+use crate::output::render::{Point, number};
 
 /// Most profiles shown in one picture.
 const MOST: usize = 9;
@@ -64,50 +66,55 @@ pub struct Zone<'a> {
 }
 
 impl Profile {
-    fn read(path: &Path, label: &str, tables: &Tables, parameter: &str) -> Result<Self, PlotError> {
-        let table = Table::read(path)?;
-        table.require(&["theta", "U", "V", "V_dot", "P", "Q", "regime"])?;
-        let mut profile = Profile {
+    fn read(path: &Path, label: &str, tables: &Tables) -> Result<Self, PlotError> {
+        let columns = ["theta", "U", "V", "V_dot", "P", "Q", "regime"];
+        let table = Table::select(path, &columns)?;
+        let placed = |row: &usize| table.number(*row, "theta").is_some();
+        let rows: Vec<usize> = (0..table.len()).filter(placed).collect();
+        let column = |name: &str| -> Vec<f64> {
+            let value = |row: &usize| table.number(*row, name).unwrap_or(f64::NAN);
+            rows.iter().map(value).collect()
+        };
+        let regime = |row: &usize| table.text(*row, "regime").to_owned();
+        Ok(Profile {
             label: label.to_owned(),
             position: tables.position(label),
-            parameter: tables.at_label(label, parameter),
+            parameter: tables.parameter_at(label),
             mismatch: tables.at_label(label, "mismatch"),
             friction: tables.at_label(label, "friction"),
             asked_for: tables.asked_for(label),
-            ..Profile::default()
-        };
-        for row in 0..table.len() {
-            let Some(theta) = table.number(row, "theta") else {
-                continue;
-            };
-            let value = |column: &str| table.number(row, column).unwrap_or(f64::NAN);
-            profile.theta.push(theta);
-            profile.radial.push(value("U"));
-            profile.tangential.push(value("V"));
-            profile.tangential_rate.push(value("V_dot"));
-            profile.pressure.push(value("P"));
-            profile.shear.push(value("Q"));
-            profile.regimes.push(table.text(row, "regime").to_owned());
-        }
-        Ok(profile)
+            theta: column("theta"),
+            radial: column("U"),
+            tangential: column("V"),
+            tangential_rate: column("V_dot"),
+            pressure: column("P"),
+            shear: column("Q"),
+            regimes: rows.iter().map(regime).collect(),
+        })
+    }
+
+    /// Values of the samples over θ.
+    pub fn over(&self, values: &[f64]) -> Vec<Point> {
+        self.theta
+            .iter()
+            .copied()
+            .zip(values.iter().copied())
+            .collect()
     }
 
     /// The zones in the order of θ.
     pub fn zones(&self) -> Vec<Zone<'_>> {
         let mut zones: Vec<Zone<'_>> = Vec::new();
-        for (index, regime) in self.regimes.iter().enumerate() {
-            match zones.last_mut() {
-                Some(zone) if zone.regime == regime => {
-                    zone.samples.end = index + 1;
-                    zone.to = self.theta[index];
-                }
-                _ => zones.push(Zone {
-                    regime,
-                    samples: index..index + 1,
-                    from: self.theta[index],
-                    to: self.theta[index],
-                }),
-            }
+        let mut start = 0;
+        for samples in self.regimes.chunk_by(|one, other| one == other) {
+            let end = start + samples.len();
+            zones.push(Zone {
+                regime: &samples[0],
+                samples: start..end,
+                from: self.theta[start],
+                to: self.theta[end - 1],
+            });
+            start = end;
         }
         // Switching points may be written once only: zones touch half-way then.
         for index in 1..zones.len() {
@@ -120,12 +127,8 @@ impl Profile {
 
     /// U − δ; U above its least value where δ is not known.
     pub fn gap(&self) -> Vec<f64> {
-        let least = self
-            .radial
-            .iter()
-            .copied()
-            .filter(|value| drawable(*value))
-            .fold(f64::INFINITY, f64::min);
+        let drawn = self.radial.iter().copied().filter(|value| drawable(*value));
+        let least = drawn.fold(f64::INFINITY, f64::min);
         let reference = self.mismatch.unwrap_or(least);
         self.radial.iter().map(|value| value - reference).collect()
     }
@@ -134,6 +137,8 @@ impl Profile {
 /// The profiles of a folder in the order of the parameter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Profiles {
+    /// The parameter.
+    pub parameter: Quantity,
     /// Those with samples.
     pub all: Vec<Profile>,
 }
@@ -151,33 +156,34 @@ pub struct Shown<'a> {
 
 impl Profiles {
     /// Reads the profiles of a folder, if it has any.
-    pub fn read(folder: &Path, tables: &Tables, parameter: &str) -> Result<Self, PlotError> {
+    pub fn read(folder: &Path, tables: &Tables) -> Result<Self, PlotError> {
         let directory = folder.join("profiles");
         let fault = |source| PlotError::Read {
             path: directory.clone(),
             source,
         };
-        let entries = match fs::read_dir(&directory) {
-            Ok(entries) => entries,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Self::default()),
-            Err(error) => return Err(fault(error)),
-        };
         let mut files = Vec::new();
-        for entry in entries {
-            let path = entry.map_err(fault)?.path();
-            let label = path
-                .file_stem()
-                .map(|stem| stem.to_string_lossy().into_owned());
-            if let (Some(label), true) = (label, path.extension().is_some_and(|e| e == "csv"))
-                && let Ok(order) = label.parse::<u64>()
-            {
-                files.push((order, order.to_string(), path));
+        match fs::read_dir(&directory) {
+            Ok(entries) => {
+                for entry in entries {
+                    let path = entry.map_err(fault)?.path();
+                    let stem = path.file_stem().and_then(|stem| stem.to_str());
+                    let label = stem.and_then(|stem| stem.parse::<u64>().ok());
+                    if let (Some(label), Some("csv")) = (
+                        label,
+                        path.extension().and_then(|extension| extension.to_str()),
+                    ) {
+                        files.push((label, path));
+                    }
+                }
             }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => return Err(fault(error)),
         }
         files.sort();
         let mut all = Vec::new();
-        for (_, label, path) in files {
-            match Profile::read(&path, &label, tables, parameter) {
+        for (label, path) in files {
+            match Profile::read(&path, &label.to_string(), tables) {
                 Ok(profile) if !profile.theta.is_empty() => all.push(profile),
                 // A run killed at the start of a file leaves it empty.
                 Ok(_) | Err(PlotError::Empty { .. }) => {}
@@ -188,44 +194,52 @@ impl Profiles {
             (Some(a), Some(b)) => a.total_cmp(&b),
             (a, b) => b.is_some().cmp(&a.is_some()),
         });
-        Ok(Profiles { all })
+        let parameter = quantity(&tables.parameter);
+        Ok(Profiles { parameter, all })
     }
 
     /// At most nine profiles, evenly chosen with both ends.
     pub fn shown(&self) -> Vec<Shown<'_>> {
-        let chosen: Vec<&Profile> = evenly(self.all.len(), MOST)
-            .into_iter()
-            .map(|index| &self.all[index])
-            .collect();
+        let chosen = evenly(self.all.len(), MOST).into_iter();
+        let chosen: Vec<&Profile> = chosen.map(|index| &self.all[index]).collect();
         let values: Vec<f64> = chosen
             .iter()
             .filter_map(|profile| profile.parameter)
             .collect();
         let mut texts = number::distinct(&values).into_iter();
         let last = chosen.len().saturating_sub(1).max(1) as f64;
-        chosen
-            .iter()
-            .enumerate()
-            .map(|(index, profile)| {
-                let twice = profile.parameter.is_some()
-                    && chosen
-                        .iter()
-                        .filter(|other| other.parameter == profile.parameter)
-                        .count()
-                        > 1;
-                let text = match profile.parameter.and_then(|_| texts.next()) {
-                    // Past a fold there are two waves of the same parameter.
-                    Some(text) if twice => format!("{text} [{}]", profile.label),
-                    Some(text) => text,
-                    None => format!("label {}", profile.label),
-                };
-                Shown {
-                    profile,
-                    colour: palette::ordered(index as f64 / last),
-                    text,
-                }
+        let show = |(index, profile): (usize, &&'_ Profile)| {
+            let value = profile.parameter;
+            let same = chosen.iter().filter(|other| other.parameter == value);
+            let text = match value.and_then(|_| texts.next()) {
+                // Past a fold there are two waves of the same parameter.
+                Some(text) if same.count() > 1 => format!("{text} [{}]", profile.label),
+                Some(text) => text,
+                None => format!("label {}", profile.label),
+            };
+            (index as f64 / last, text)
+        };
+        let looks: Vec<(f64, String)> = chosen.iter().enumerate().map(show).collect();
+        let shown = chosen.into_iter().zip(looks);
+        shown
+            .map(|(profile, (position, text))| Shown {
+                profile,
+                colour: ordered(position),
+                text,
             })
             .collect()
+    }
+
+    /// Explains which colour belongs to which value of the parameter.
+    pub fn legend(&self, shown: &[Shown<'_>]) -> Legend {
+        let key = |one: &Shown<'_>| (Key::Line(Pen::solid(one.colour, 2.4)), one.text.clone());
+        match shown {
+            [] => Legend::default(),
+            _ => Legend::default().with(
+                &format!("{} =", self.parameter.short()),
+                shown.iter().map(key),
+            ),
+        }
     }
 }
 
@@ -237,9 +251,4 @@ pub fn evenly(count: usize, most: usize) -> Vec<usize> {
     (0..most)
         .map(|index| (index * (count - 1) + (most - 1) / 2) / (most - 1))
         .collect()
-}
-
-/// The quantity that is measured along the wave.
-pub fn angle() -> Quantity {
-    Quantity::new("position", "θ")
 }

@@ -1,13 +1,14 @@
 //! PNG and PDF from SVG, with a font of our own: machines that compute often have none.
 
+use std::error::Error;
 use std::sync::Arc;
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 use svg2pdf::{ConversionOptions, PageOptions};
 
+use super::RenderError;
 use super::canvas::WIDTH;
-use super::error::PlotError;
 
 /// Pixels of the PNG per pixel of the sheet.
 const SCALE: f32 = 3.0;
@@ -16,7 +17,7 @@ const SCALE: f32 = 3.0;
 const COLUMN: f64 = 85.0;
 
 /// The picture as PNG.
-pub fn png(svg: &str) -> Result<Vec<u8>, PlotError> {
+pub fn png(svg: &str) -> Result<Vec<u8>, RenderError> {
     let tree = tree(svg, "PNG")?;
     let size = tree.size();
     let (width, height) = (
@@ -24,29 +25,27 @@ pub fn png(svg: &str) -> Result<Vec<u8>, PlotError> {
         (size.height() * SCALE).ceil() as u32,
     );
     let mut pixels = Pixmap::new(width, height)
-        .ok_or_else(|| fault("PNG", &format!("no room for {width} × {height} pixels")))?;
+        .ok_or_else(|| fault("PNG", format!("no room for {width} × {height} pixels")))?;
     resvg::render(
         &tree,
         Transform::from_scale(SCALE, SCALE),
         &mut pixels.as_mut(),
     );
-    pixels
-        .encode_png()
-        .map_err(|error| fault("PNG", &error.to_string()))
+    pixels.encode_png().map_err(|error| fault("PNG", error))
 }
 
 /// The picture as a page of PDF.
-pub fn pdf(svg: &str) -> Result<Vec<u8>, PlotError> {
+pub fn pdf(svg: &str) -> Result<Vec<u8>, RenderError> {
     let tree = tree(svg, "PDF")?;
     let page = PageOptions {
         dpi: (WIDTH / (COLUMN / 25.4)) as f32,
     };
     svg2pdf::to_pdf(&tree, ConversionOptions::default(), page)
-        .map_err(|error| fault("PDF", &error.to_string()))
+        .map_err(|error| fault("PDF", error.to_string()))
 }
 
 /// Reads the SVG with the fonts at hand.
-fn tree(svg: &str, format: &'static str) -> Result<Tree, PlotError> {
+fn tree(svg: &str, format: &'static str) -> Result<Tree, RenderError> {
     let mut fonts = fontdb::Database::new();
     fonts.load_font_data(dejavu::sans_condensed::regular().to_vec());
     let family = fonts
@@ -61,12 +60,33 @@ fn tree(svg: &str, format: &'static str) -> Result<Tree, PlotError> {
         fontdb: Arc::new(fonts),
         ..Options::default()
     };
-    Tree::from_str(svg, &options).map_err(|error| fault(format, &error.to_string()))
+    Tree::from_str(svg, &options).map_err(|error| fault(format, error))
 }
 
-fn fault(format: &'static str, reason: &str) -> PlotError {
-    PlotError::Convert {
-        format,
-        reason: reason.to_owned(),
+fn fault(format: &'static str, source: impl Into<Box<dyn Error + Send + Sync>>) -> RenderError {
+    let source = source.into();
+    RenderError::Convert { format, source }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::png;
+
+    #[test]
+    fn png_shows_text_without_fonts_of_the_machine() {
+        let dark = |text: &str| {
+            let svg = format!(
+                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"510\" height=\"40\">\
+                 <text x=\"9\" y=\"30\" font-size=\"20\" \
+                 font-family=\"Helvetica, Arial, sans-serif\">{text}</text></svg>"
+            );
+            png(&svg).unwrap()
+        };
+        // Every symbol has a glyph of its own, unlike a character that no font has.
+        let missing = dark("\u{10fffd}");
+        for symbol in "δνξαβγλθ−×±¹²³⁴⁵⁶⁷⁸⁹⁰⁻…".chars() {
+            assert_ne!(dark(&symbol.to_string()), missing, "{symbol}");
+        }
+        assert_ne!(dark("V\u{307}"), dark("V"));
     }
 }

@@ -5,13 +5,11 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-use super::axis::Axis;
-use super::canvas::Place;
-use super::curve;
-use super::frame::Frame;
-use super::quantity::Quantity;
-use super::{Format, Picture, PlotError, Settings, draw};
-use crate::curve::Region;
+use super::profile::Profiles;
+use super::tables::Tables;
+use super::{PlotError, Settings, describe, draw};
+use crate::output::render::{Format, Layer, Picture};
+use crate::problem::Plot;
 
 const BRANCH: &str = "point,label,type,regimes,mismatch,friction,mass_damping,stiffness_damping,\
 gamma,nu,xi,speed,switches,min_pressure,max_gap,amplitude,stable,unstable,lead_re,lead_im,\
@@ -61,25 +59,67 @@ fn settings() -> Settings {
     }
 }
 
-fn all() -> Vec<Picture> {
-    let column = |name: &str| Picture::Column(name.to_owned());
+fn all() -> Vec<Plot> {
+    let column = |name: &str| Plot::Column(name.to_owned());
     vec![
-        Picture::Diagram,
-        Picture::Pressure,
-        Picture::Displacement,
-        Picture::PhasePlane,
-        Picture::Friction,
-        Picture::Spectrum,
-        Picture::Multipliers,
+        Plot::Diagram,
+        Plot::Pressure,
+        Plot::Displacement,
+        Plot::PhasePlane,
+        Plot::Friction,
+        Plot::Spectrum,
+        Plot::Multipliers,
         column("amplitude"),
         column("lead_re"),
         column("switches"),
     ]
 }
 
-fn svg(folder: &TempDir, picture: Picture) -> String {
+fn svg(folder: &TempDir, picture: Plot) -> String {
     let files = draw(folder.path(), &[picture], Format::Svg, &settings()).unwrap();
     fs::read_to_string(&files[0]).unwrap()
+}
+
+/// The value of a picture.
+fn picture(folder: &TempDir, plot: Plot) -> Picture {
+    let tables = Tables::read(folder.path(), "mismatch").unwrap();
+    let profiles = Profiles::read(folder.path(), &tables).unwrap();
+    describe(&plot, &tables, &profiles).unwrap()
+}
+
+/// All that is drawn, panel by panel.
+fn layers(picture: &Picture) -> Vec<&Layer> {
+    picture
+        .panels
+        .iter()
+        .flat_map(|panel| &panel.layers)
+        .collect()
+}
+
+/// Number of points drawn as marks.
+fn marks(picture: &Picture) -> usize {
+    let count = |layer: &&Layer| match layer {
+        Layer::Marks(points, _) => points.len(),
+        _ => 0,
+    };
+    layers(picture).iter().map(count).sum()
+}
+
+/// Captions of the axes.
+fn captions(picture: &Picture) -> Vec<String> {
+    let panels = picture.panels.iter();
+    let axes = panels.flat_map(|panel| [&panel.x, &panel.y]);
+    axes.map(|axis| axis.quantity.caption()).collect()
+}
+
+/// Headings and texts of the legend.
+fn explanations(picture: &Picture) -> Vec<&str> {
+    let groups = picture.legend.groups.iter();
+    let texts = groups.flat_map(|group| {
+        let entries = group.entries.iter().map(|entry| entry.1.as_str());
+        [group.heading.as_str()].into_iter().chain(entries)
+    });
+    texts.filter(|text| !text.is_empty()).collect()
 }
 
 #[test]
@@ -102,10 +142,25 @@ fn short_branches_give_every_picture() {
 #[test]
 fn what_is_missing_is_said() {
     let folder = folder(&[]);
-    assert!(svg(&folder, Picture::Diagram).contains("the branch has no points"));
-    assert!(svg(&folder, Picture::Pressure).contains("no profiles were asked for"));
-    for picture in [Picture::Spectrum, Picture::Multipliers] {
-        assert!(svg(&folder, picture).contains("no spectrum was asked for"));
+    for (plot, remark) in [
+        (Plot::Diagram, "the branch has no points"),
+        (
+            Plot::Column("switches".to_owned()),
+            "the branch has no points",
+        ),
+        (Plot::Pressure, "no profiles were asked for"),
+        (Plot::Displacement, "no profiles were asked for"),
+        (Plot::PhasePlane, "no profiles were asked for"),
+        (Plot::Friction, "no profiles were asked for"),
+        (Plot::Spectrum, "no spectrum was asked for"),
+        (Plot::Multipliers, "no spectrum was asked for"),
+    ] {
+        let wanted = Layer::Remark(remark.to_owned());
+        assert!(
+            layers(&picture(&folder, plot.clone())).contains(&&wanted),
+            "{plot:?}"
+        );
+        assert!(svg(&folder, plot).contains(remark));
     }
 }
 
@@ -135,7 +190,7 @@ fn files_are_named_after_their_pictures() {
 fn unknown_columns_are_refused_with_the_known_ones() {
     let folder = folder(&[row("", "", 0.1, "", 1)]);
     for name in ["height", "regimes", "../speed"] {
-        let pictures = [Picture::Column(name.to_owned())];
+        let pictures = [Plot::Column(name.to_owned())];
         let error = draw(folder.path(), &pictures, Format::Svg, &settings()).unwrap_err();
         assert!(matches!(error, PlotError::UnknownColumn { .. }));
         assert!(error.to_string().contains("amplitude"), "{error}");
@@ -144,22 +199,22 @@ fn unknown_columns_are_refused_with_the_known_ones() {
         parameter: "switches".to_owned(),
         title: None,
     };
-    let error = draw(folder.path(), &[Picture::Diagram], Format::Svg, &settings).unwrap_err();
+    let error = draw(folder.path(), &[Plot::Diagram], Format::Svg, &settings).unwrap_err();
     assert!(matches!(error, PlotError::UnknownColumn { .. }));
 }
 
 #[test]
 fn unfinished_last_rows_are_ignored() {
     let whole = [row("", "", 0.1, "", 1), row("", "", 0.2, "", 1)];
-    let expected = svg(&folder(&whole), Picture::Diagram);
+    let expected = svg(&folder(&whole), Plot::Diagram);
     for cut in ["1,,,slip-st", "1,,,slip-stick,9.5,0.3,0", "1,,,\"slip"] {
         let mut rows = whole.to_vec();
         rows.push(cut.to_owned());
-        assert_eq!(svg(&folder(&rows), Picture::Diagram), expected);
+        assert_eq!(svg(&folder(&rows), Plot::Diagram), expected);
     }
     let mut rows = whole.to_vec();
     rows.push(row("", "", 9.5, "", 1).trim_end().to_owned());
-    assert_eq!(svg(&folder(&rows), Picture::Diagram), expected);
+    assert_eq!(svg(&folder(&rows), Plot::Diagram), expected);
 }
 
 #[test]
@@ -176,21 +231,28 @@ fn diagram_has_markers_and_labels() {
         "label,type,mismatch,speed\n2,GR,0.2,-1.242\n7,CO,0.25,-1.2425\n",
     )
     .unwrap();
-    let text = svg(&folder, Picture::Diagram);
-    for wanted in [
-        "mismatch δ",
-        "speed c",
-        "EP end",
-        "GR take-off",
-        "HB Hopf",
-        "CO coalescence",
-        "stable",
-        "unstable",
-    ] {
+    let diagram = picture(&folder, Plot::Diagram);
+    assert_eq!(captions(&diagram), ["mismatch δ", "speed c"]);
+    assert_eq!(
+        explanations(&diagram),
+        [
+            "stable",
+            "unstable",
+            "EP end",
+            "HB Hopf",
+            "GR take-off",
+            "CO coalescence"
+        ]
+    );
+    assert_eq!(marks(&diagram), 4);
+    let text = svg(&folder, Plot::Diagram);
+    for wanted in captions(&diagram)
+        .iter()
+        .map(String::as_str)
+        .chain(explanations(&diagram))
+    {
         assert!(text.contains(wanted), "{wanted}");
     }
-    assert!(!text.contains("undecided"));
-    assert!(!text.contains("LP fold"));
     // Each event once in the picture and once in the legend.
     assert_eq!(text.matches("<polygon").count(), 8);
 }
@@ -198,7 +260,7 @@ fn diagram_has_markers_and_labels() {
 #[test]
 fn stability_is_explained_only_when_examined() {
     let rows = [row("", "", 0.1, "", 1), row("", "", 0.2, "", 1)];
-    assert!(!svg(&folder(&rows), Picture::Diagram).contains("stable"));
+    assert!(explanations(&picture(&folder(&rows), Plot::Diagram)).is_empty());
 }
 
 #[test]
@@ -209,11 +271,18 @@ fn legs_are_not_joined() {
             .zip([0.1, 0.2, 0.3, 0.4])
             .map(|(leg, mismatch)| row("", "", mismatch, "", *leg))
             .collect();
-        let text = svg(&folder(&rows), Picture::Diagram);
-        text.matches("stroke-width=\"22\"").count()
+        let diagram = picture(&folder(&rows), Plot::Diagram);
+        let points = |layer: &&Layer| match layer {
+            Layer::Line(points, _) => Some(points.len()),
+            _ => None,
+        };
+        layers(&diagram)
+            .iter()
+            .filter_map(points)
+            .collect::<Vec<_>>()
     };
-    assert_eq!(curves([1, 1, 1, 1]), 1);
-    assert_eq!(curves([1, 1, 2, 2]), 2);
+    assert_eq!(curves([1, 1, 1, 1]), [4]);
+    assert_eq!(curves([1, 1, 2, 2]), [2, 2]);
 }
 
 #[test]
@@ -225,15 +294,31 @@ fn profiles_are_drawn() {
     ];
     let folder = folder(&rows);
     add_profiles(folder.path());
-    let pressure = svg(&folder, Picture::Pressure);
-    for wanted in ["pressure P", "position θ", "δ =", "0.1\n", "0.2\n", "0.3\n"] {
-        assert!(pressure.contains(wanted), "{wanted}");
+    let pressure = picture(&folder, Plot::Pressure);
+    assert_eq!(captions(&pressure), ["position θ", "pressure P"]);
+    assert_eq!(explanations(&pressure), ["δ =", "0.1", "0.2", "0.3"]);
+    let plane = picture(&folder, Plot::PhasePlane);
+    assert!(explanations(&plane).contains(&"stick, V\u{307} = 1"));
+    let displacement = picture(&folder, Plot::Displacement);
+    assert_eq!(
+        captions(&displacement),
+        ["position θ", "U − δ at mismatch δ"]
+    );
+    // two changes of regime on each of three waves, joined with those of the next
+    assert_eq!(marks(&displacement), 6);
+    assert!(explanations(&displacement).contains(&"switching points"));
+    let friction = picture(&folder, Plot::Friction);
+    assert_eq!(captions(&friction)[1], "friction force Q");
+    assert_eq!(captions(&friction)[3], "velocity 1 − V\u{307}");
+    for wanted in ["at δ = 0.1:", "Q", "±f P", "slip", "separation", "stick"] {
+        assert!(explanations(&friction).contains(&wanted), "{wanted}");
     }
-    assert!(svg(&folder, Picture::PhasePlane).contains("stick, V\u{307} = 1"));
-    assert!(svg(&folder, Picture::Displacement).contains("switching points"));
-    let friction = svg(&folder, Picture::Friction);
-    for wanted in ["friction force Q", "±f P", "separation", "stick"] {
-        assert!(friction.contains(wanted), "{wanted}");
+    // what is in the value is in the file
+    for plot in all() {
+        let (value, text) = (picture(&folder, plot.clone()), svg(&folder, plot));
+        for wanted in explanations(&value) {
+            assert!(text.contains(wanted), "{wanted}");
+        }
     }
 }
 
@@ -243,13 +328,7 @@ fn incomplete_profiles_are_refused_by_name() {
     let profiles = folder.path().join("profiles");
     fs::create_dir(&profiles).unwrap();
     fs::write(profiles.join("1.csv"), "theta,U\n0,1\n").unwrap();
-    let error = draw(
-        folder.path(),
-        &[Picture::Pressure],
-        Format::Svg,
-        &settings(),
-    )
-    .unwrap_err();
+    let error = draw(folder.path(), &[Plot::Pressure], Format::Svg, &settings()).unwrap_err();
     assert!(error.to_string().contains("1.csv"), "{error}");
     assert!(matches!(error, PlotError::MissingColumn { .. }));
 }
@@ -262,37 +341,39 @@ fn spectrum_names_sectors_and_labels() {
         "label,sector,re,im,error\n1,0,-0.1,1,0\n1,3,0.1,2,0\n2,0,-0.2,NaN,0\n2,0,-0.2,1,0\n",
     )
     .unwrap();
-    let text = svg(&folder, Picture::Spectrum);
-    for wanted in ["Re λ", "Im λ", "sector", "0.1 [1]", "0.2 [2]"] {
-        assert!(text.contains(wanted), "{wanted}");
-    }
+    let spectrum = picture(&folder, Plot::Spectrum);
+    assert_eq!(captions(&spectrum), ["Re λ", "Im λ"]);
+    let wanted = ["sector", "0", "3", "δ =", "0.1 [1]", "0.2 [2]"];
+    assert_eq!(explanations(&spectrum), wanted);
+    assert_eq!(marks(&spectrum), 3);
 }
 
 #[test]
 fn multipliers_have_their_conjugates() {
     // Eight waves around: the sectors 0 and 4 are their own conjugates, sector 1 is not.
-    let polygons = |spectrum: &str| {
+    let points = |spectrum: &str| {
         let folder = folder(&[row("1", "EP", 0.1, "", 1), row("2", "EP", 0.2, "", 1)]);
         fs::write(
             folder.path().join("spectrum.csv"),
             format!("label,sector,re,im,error\n{spectrum}2,0,-0.1,5,0\n"),
         )
         .unwrap();
-        let text = svg(&folder, Picture::Multipliers);
-        for wanted in ["Re μ", "Im μ", "sector", "μ = 1", "at δ = 0.1 [1]"] {
-            assert!(text.contains(wanted), "{wanted}");
+        let multipliers = picture(&folder, Plot::Multipliers);
+        assert_eq!(captions(&multipliers), ["Re μ", "Im μ", "Re μ", ""]);
+        for wanted in ["sector", "translation, μ = 1", "at δ = 0.1 [1]"] {
+            assert!(explanations(&multipliers).contains(&wanted), "{wanted}");
         }
-        text.matches("<polygon").count()
+        // without the crosses at 1
+        marks(&multipliers) - 2
     };
-    // Far from 1, so that only the left frame shows it; the legend and both discs are the rest.
-    let rest = 3;
-    assert_eq!(polygons("1,0,-0.1,3,0\n"), rest + 2);
-    assert_eq!(polygons("1,0,-2,0,0\n"), rest + 1);
-    assert_eq!(polygons("1,4,-0.1,3,0\n"), rest + 2);
-    assert_eq!(polygons("1,3,-0.1,3,0\n"), rest + 1);
-    assert_eq!(polygons("1,3,-0.1,-3,0\n"), rest + 1);
+    // Far from 1, so that only the left frame shows it.
+    assert_eq!(points("1,0,-0.1,3,0\n"), 2);
+    assert_eq!(points("1,0,-2,0,0\n"), 1);
+    assert_eq!(points("1,4,-0.1,3,0\n"), 2);
+    assert_eq!(points("1,3,-0.1,3,0\n"), 1);
+    assert_eq!(points("1,3,-0.1,-3,0\n"), 1);
     // Near 1 both frames show it.
-    assert_eq!(polygons("1,0,-0.1,0.1,0\n"), rest + 4);
+    assert_eq!(points("1,0,-0.1,0.1,0\n"), 4);
 }
 
 #[test]
@@ -350,31 +431,12 @@ fn png_and_pdf_have_their_signatures() {
     }
 }
 
-#[cfg(feature = "raster")]
-#[test]
-fn png_shows_text_without_fonts_of_the_machine() {
-    let dark = |text: &str| {
-        let svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"510\" height=\"40\">\
-             <text x=\"9\" y=\"30\" font-size=\"20\" \
-             font-family=\"Helvetica, Arial, sans-serif\">{text}</text></svg>"
-        );
-        super::raster::png(&svg).unwrap()
-    };
-    // Every symbol has a glyph of its own, unlike a character that no font has.
-    let missing = dark("\u{10fffd}");
-    for symbol in "δνξαβγλθ−×±¹²³⁴⁵⁶⁷⁸⁹⁰⁻…".chars() {
-        assert_ne!(dark(&symbol.to_string()), missing, "{symbol}");
-    }
-    assert_ne!(dark("V\u{307}"), dark("V"));
-}
-
 #[cfg(not(feature = "raster"))]
 #[test]
 fn formats_left_out_are_named() {
     let folder = folder(&[row("", "", 0.1, "", 1)]);
     for format in [Format::Png, Format::Pdf] {
-        let error = draw(folder.path(), &[Picture::Diagram], format, &settings()).unwrap_err();
+        let error = draw(folder.path(), &[Plot::Diagram], format, &settings()).unwrap_err();
         assert!(error.to_string().contains("raster"), "{error}");
     }
 }
@@ -392,7 +454,7 @@ fn titles_may_hold_any_character() {
         formats.extend([Format::Png, Format::Pdf]);
     }
     for format in formats {
-        let files = draw(folder.path(), &[Picture::Diagram], format, &settings).unwrap();
+        let files = draw(folder.path(), &[Plot::Diagram], format, &settings).unwrap();
         let bytes = fs::read(&files[0]).unwrap();
         if let (Format::Svg, Ok(text)) = (format, String::from_utf8(bytes)) {
             assert!(text.contains("abcdef &lt; &amp; &gt; \u{1f600}"));
@@ -418,49 +480,8 @@ fn many_points_make_no_large_picture() {
             })
             .collect();
         let folder = folder(&rows);
-        svg(&folder, Picture::Diagram).len()
+        svg(&folder, Plot::Diagram).len()
     };
     let (few, many) = (size(6_000), size(60_000));
     assert!(many < few + few / 2, "{few} {many}");
-}
-
-/// A name stands with its middle at the place that it was computed for, or nowhere.
-#[test]
-fn names_stand_at_their_places() {
-    let quantity = Quantity::new("parameter", "p");
-    let frame = Frame {
-        from: (60.0, 40.0),
-        to: (460.0, 340.0),
-        x: Axis::over(2.0, 4.0, &quantity, 5),
-        y: Axis::over(0.0, 0.3, &quantity, 5),
-        figures: 20.0,
-        labelled_below: true,
-    };
-    let line: Vec<Place> = (0..=300)
-        .map(|step| (260.0, 40.0 + f64::from(step)))
-        .collect();
-    let region = |stretch, left, place, name: &str| Region {
-        stretch,
-        left,
-        place,
-        name: name.to_owned(),
-    };
-    let regions = [
-        // across the curve, then clear of it
-        region(0, false, [3.05, 0.1], "slip-stick"),
-        region(0, false, [3.5, 0.1], "slip-stick"),
-        region(0, false, [3.6, 0.2], "slip-stick"),
-        region(0, true, [2.5, 0.15], "3 waves slip-stick"),
-        // over the edge of the frame
-        region(1, true, [2.02, 0.05], "the pair grows"),
-    ];
-    let written = curve::labels(&frame, &line, &regions);
-    assert_eq!(written.len(), 2);
-    for ((found, text), (place, name)) in written
-        .iter()
-        .zip([((360.0, 240.0), "sl-st"), ((160.0, 190.0), "3 waves sl-st")])
-    {
-        assert_eq!(text, name);
-        assert!((found.0 - place.0).abs() < 1e-9 && (found.1 - place.1).abs() < 1e-9);
-    }
 }

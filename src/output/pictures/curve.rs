@@ -1,0 +1,94 @@
+//! The curve of an event in the plane of its parameters, with the regions on either side named.
+
+use super::names::{event, occurring, quantity, short_signature};
+use crate::curve::{Curve, Region};
+use crate::output::render::axis::{Axis, Extent};
+use crate::output::render::legend::{Key, Legend};
+use crate::output::render::palette::{BLACK, BLUE, Pen, VERMILLION};
+use crate::output::render::{Layer, Mark, Name, Panel, Picture, Point, Shape};
+
+/// Size of the marks of special points.
+const MARK: f64 = 4.6;
+
+/// Shapes of the special points, in the order of their names.
+const SHAPES: [Shape; 5] = [
+    Shape::Diamond,
+    Shape::Square,
+    Shape::Up,
+    Shape::Star,
+    Shape::Circle,
+];
+
+/// The picture of a curve over these ranges of its parameters.
+pub fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
+    let [x, y] = [0, 1].map(|index: usize| {
+        let quantity = quantity(curve.parameters[index].column());
+        Axis::new(quantity, Extent::Fixed(ranges[index].0, ranges[index].1))
+    });
+    let plane = |[x, y]: [f64; 2]| -> Point { (x, y) };
+    let line: Vec<Point> = curve
+        .points
+        .iter()
+        .map(|point| plane(point.parameters))
+        .collect();
+    let start: Vec<Point> = line.get(curve.start).copied().into_iter().collect();
+    let special: Vec<(Point, &str)> = curve
+        .points
+        .iter()
+        .enumerate()
+        .filter_map(|(index, point)| {
+            let kind = point
+                .kind
+                .as_deref()
+                .filter(|kind| !matches!(*kind, "EP" | "MX"))?;
+            (index != curve.start).then_some((plane(point.parameters), kind))
+        })
+        .collect();
+    let mut kinds = occurring(special.iter().map(|one| one.1));
+    kinds.sort_unstable();
+    let mark = |kind: &str| {
+        let rank = kinds.iter().position(|known| *known == kind).unwrap_or(0);
+        Mark::new(SHAPES[rank % SHAPES.len()], MARK, VERMILLION)
+    };
+
+    let (pen, on_branch) = (Pen::solid(BLUE, 2.2), Mark::new(Shape::Disc, MARK, BLACK));
+    let marked = special
+        .iter()
+        .map(|(point, kind)| Layer::Marks(vec![*point], mark(kind)));
+    let layers = [Layer::Line(line, pen)]
+        .into_iter()
+        .chain(marked)
+        .chain([
+            Layer::Marks(start, on_branch),
+            Layer::Names(curve.regions.iter().map(name).collect()),
+        ])
+        .collect();
+
+    let mut what = format!("{} ({})", curve.event, event(curve.event));
+    if let Some(sector) = curve.sector {
+        what.push_str(&format!(", sector {sector}"));
+    }
+    let entries = [
+        (Key::Line(pen), what),
+        (Key::Mark(on_branch), "on the branch".to_owned()),
+    ];
+    let kinds = kinds
+        .iter()
+        .map(|kind| (Key::Mark(mark(kind)), (*kind).to_owned()));
+    let legend = Legend::default().with("", entries.into_iter().chain(kinds));
+    Picture::new(vec![Panel::new(x, y, layers)], legend)
+}
+
+/// The name of a region, its signature shortened, if it has one; one for every stretch and side.
+fn name(region: &Region) -> Name {
+    let shortened = |word: &str| match word.contains('-') {
+        true => short_signature(word),
+        false => word.to_owned(),
+    };
+    let words: Vec<String> = region.name.split(' ').map(shortened).collect();
+    Name {
+        group: 2 * region.stretch + usize::from(region.left),
+        at: (region.place[0], region.place[1]),
+        text: words.join(" "),
+    }
+}

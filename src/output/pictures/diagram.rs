@@ -1,0 +1,238 @@
+//! A column of the branch against the parameter.
+
+use plotters::style::RGBColor;
+
+use super::error::PlotError;
+use super::names::{event, event_mark, quantity, short_signature};
+use super::tables::{Table, Tables};
+use crate::branch::EventType;
+use crate::output::render::axis::{Axis, Extent};
+use crate::output::render::legend::{Key, Legend};
+use crate::output::render::palette::{BLACK, CATEGORIES, GREY, Pattern, Pen};
+use crate::output::render::{Layer, Mark, Panel, Picture, Point, Shape};
+
+/// Width of the curve.
+const CURVE: f64 = 2.2;
+
+/// What an empty picture says.
+pub const NONE: &str = "the branch has no points";
+
+/// Stability of a stretch of the curve, as far as it was examined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Standing {
+    Stable,
+    Unstable,
+    Undecided,
+    Unknown,
+}
+
+impl Standing {
+    const NAMES: [(Standing, &str); 4] = [
+        (Standing::Stable, "stable"),
+        (Standing::Unstable, "unstable"),
+        (Standing::Undecided, "undecided"),
+        (Standing::Unknown, "not examined"),
+    ];
+
+    fn of(text: &str) -> Self {
+        match text {
+            "yes" => Standing::Stable,
+            "no" => Standing::Unstable,
+            "undecided" => Standing::Undecided,
+            _ => Standing::Unknown,
+        }
+    }
+
+    /// The line of this standing; `mixed` when other stretches were examined.
+    fn pen(self, colour: RGBColor, mixed: bool) -> Pen {
+        let pattern = match self {
+            Standing::Stable | Standing::Unknown => Pattern::Solid,
+            Standing::Unstable => Pattern::Dashed,
+            Standing::Undecided => Pattern::Dotted,
+        };
+        let thin = mixed && self == Standing::Unknown;
+        Pen {
+            colour,
+            width: if thin { 0.6 * CURVE } else { CURVE },
+            pattern,
+        }
+    }
+}
+
+/// A stretch of the curve drawn the same way.
+struct Stretch<'a> {
+    signature: &'a str,
+    standing: Standing,
+    points: Vec<Point>,
+}
+
+/// The picture of a column of `branch.csv`.
+pub fn picture(tables: &Tables, column: &str) -> Result<Picture, PlotError> {
+    tables.check_column(column)?;
+    let stretches = stretches(&tables.branch, &tables.parameter, column);
+    let marks = tables.marks(column);
+    let signatures = signatures(&stretches);
+    let colour = |signature: &str| match signatures.len() {
+        0 | 1 => BLACK,
+        _ => {
+            let rank = signatures.iter().position(|known| *known == signature);
+            rank.and_then(|rank| CATEGORIES.get(rank))
+                .map_or(GREY, |colour| *colour)
+        }
+    };
+    let mixed = stretches
+        .iter()
+        .any(|stretch| stretch.standing != Standing::Unknown);
+
+    let mut layers: Vec<Layer> = Vec::new();
+    for stretch in &stretches {
+        let pen = stretch.standing.pen(colour(stretch.signature), mixed);
+        let points = stretch.points.clone();
+        layers.push(match points.len() {
+            // A branch of one point is a dot, unless an event marks it anyway.
+            1 => Layer::Marks(points, Mark::new(Shape::Disc, 3.4, pen.colour)),
+            _ => Layer::Line(points, pen),
+        });
+    }
+    for (kind, points) in &marks {
+        layers.push(Layer::Marks(points.clone(), event_mark(*kind)));
+    }
+    if layers.is_empty() {
+        let none = tables.branch.len() == 0;
+        layers = Layer::remark(if none { NONE } else { "no values" });
+    }
+
+    let standings = Standing::NAMES.into_iter().filter(|(standing, _)| {
+        let drawn = |one: &Stretch<'_>| one.standing == *standing && one.points.len() > 1;
+        mixed && stretches.iter().any(drawn)
+    });
+    let kinds = EventType::ALL.into_iter();
+    let present = kinds.filter(|kind| marks.iter().any(|mark| mark.0 == *kind));
+    let named = signatures
+        .iter()
+        .zip(CATEGORIES)
+        .map(|(signature, colour)| {
+            let key = Key::Line(Pen::solid(colour, CURVE + 0.6));
+            (key, short_signature(signature))
+        });
+    let others = (Key::Line(Pen::solid(GREY, CURVE)), "others".to_owned());
+    let others = (signatures.len() > CATEGORIES.len()).then_some(others);
+    let coloured = named.chain(others).filter(|_| signatures.len() > 1);
+    let legend = Legend::default()
+        .with(
+            "",
+            standings.map(|(one, name)| (Key::Line(one.pen(BLACK, mixed)), name)),
+        )
+        .with(
+            "",
+            present.map(|kind| {
+                (
+                    Key::Mark(event_mark(kind)),
+                    format!("{kind} {}", event(kind)),
+                )
+            }),
+        )
+        .with("", coloured);
+    let x = Axis::new(quantity(&tables.parameter), Extent::Data(0.04));
+    let y = Axis::new(quantity(column), Extent::Data(0.05));
+    Ok(Picture::new(vec![Panel::new(x, y, layers)], legend))
+}
+
+/// Signatures in the order of their length along the branch, which decides on the colours when
+/// there are more than colours; otherwise in the order of appearance.
+fn signatures<'a>(stretches: &[Stretch<'a>]) -> Vec<&'a str> {
+    let mut found: Vec<(&str, usize)> = Vec::new();
+    for stretch in stretches
+        .iter()
+        .filter(|stretch| !stretch.signature.is_empty())
+    {
+        let count = stretch.points.len();
+        match found.iter_mut().find(|known| known.0 == stretch.signature) {
+            Some(known) => known.1 += count,
+            None => found.push((stretch.signature, count)),
+        }
+    }
+    if found.len() > CATEGORIES.len() {
+        found.sort_by_key(|known| std::cmp::Reverse(known.1));
+    }
+    found.into_iter().map(|known| known.0).collect()
+}
+
+/// Signature of the waves between two neighbouring rows.
+///
+/// At an event the row shows one side only; the neighbour knows on which side the step lies.
+pub fn signature_between(branch: &Table, row: usize) -> &str {
+    if switches_regimes(branch.kind(row)) || branch.text(row, "regimes").is_empty() {
+        branch.text(row + 1, "regimes")
+    } else {
+        branch.text(row, "regimes")
+    }
+}
+
+/// Whether two neighbouring rows belong to the same leg of the branch.
+pub fn same_leg(branch: &Table, row: usize) -> bool {
+    row + 1 < branch.len() && branch.text(row, "leg") == branch.text(row + 1, "leg")
+}
+
+fn switches_regimes(kind: Option<EventType>) -> bool {
+    use EventType::{CO, GR, RV, ST};
+    matches!(kind, Some(GR | RV | CO | ST))
+}
+
+/// Stability of the waves between two neighbouring rows.
+fn standing_between(branch: &Table, row: usize) -> Standing {
+    use EventType::{BP, HB, LP};
+    let [first, second] = [row, row + 1].map(|row| Standing::of(branch.text(row, "stable")));
+    let [starts, ends] = [row, row + 1].map(|row| {
+        let kind = branch.kind(row);
+        matches!(kind, Some(LP | HB | BP)) || switches_regimes(kind)
+    });
+    // On the boundary itself the sign is chance.
+    if starts {
+        second
+    } else if ends {
+        first
+    } else if first == Standing::Unknown {
+        first
+    } else {
+        second
+    }
+}
+
+/// Cuts the branch where its look changes, where a value is missing and between legs.
+fn stretches<'a>(branch: &'a Table, parameter: &str, column: &str) -> Vec<Stretch<'a>> {
+    let point = |row| Some((branch.number(row, parameter)?, branch.number(row, column)?));
+    let mut stretches: Vec<Stretch<'a>> = Vec::new();
+    // the row that the last stretch leads to
+    let mut reached = None;
+    for row in 0..branch.len() {
+        let Some(here) = point(row) else {
+            continue;
+        };
+        let next = point(row + 1).filter(|_| same_leg(branch, row));
+        let (signature, standing) = match next {
+            Some(_) => (
+                signature_between(branch, row),
+                standing_between(branch, row),
+            ),
+            None if reached == Some(row) => continue,
+            None => {
+                let standing = Standing::of(branch.text(row, "stable"));
+                (branch.text(row, "regimes"), standing)
+            }
+        };
+        let same = |last: &&mut Stretch<'_>| {
+            reached == Some(row) && last.signature == signature && last.standing == standing
+        };
+        match stretches.last_mut().filter(same) {
+            Some(last) => last.points.extend(next),
+            None => stretches.push(Stretch {
+                signature,
+                standing,
+                points: [here].into_iter().chain(next).collect(),
+            }),
+        }
+        reached = next.map(|_| row + 1);
+    }
+    stretches
+}

@@ -1,0 +1,180 @@
+//! The plane of a map, coloured by the signatures of its waves.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use plotters::style::RGBColor;
+
+use super::error::PlotError;
+use super::names::{quantity, short_signature};
+use super::tables::Table;
+use crate::output::map_folder::TABLE;
+use crate::output::render::axis::{Axis, Extent};
+use crate::output::render::legend::{Key, Legend};
+use crate::output::render::palette::{BLACK, CATEGORIES, GREY, WHITE, mix};
+use crate::output::render::{Cell, HEIGHT, Layer, Mark, Panel, Picture, Point, Shape};
+use crate::problem::{Map, MapAxis, MapPoints};
+
+/// Signatures with a colour of their own, the most frequent ones; the rest share one.
+const MOST: usize = 2 * CATEGORIES.len() - 1;
+
+/// How much of its colour a region keeps, by the stability of its waves; unknown stability counts
+/// as stable.
+const SHADES: [(&str, f64); 3] = [("yes", 1.0), ("undecided", 0.7), ("no", 0.45)];
+
+/// The wave shown at a point: the first passage of its branch.
+struct Wave {
+    row: usize,
+    column: usize,
+    at: Point,
+    start: String,
+    regimes: String,
+    stable: String,
+}
+
+/// The picture of the table in a map's folder.
+///
+/// # Errors
+/// When the table cannot be read.
+pub fn picture(folder: &Path, map: &Map) -> Result<Picture, PlotError> {
+    let waves = read(&folder.join(TABLE), map)?;
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for wave in &waves {
+        *counts.entry(&wave.regimes).or_default() += 1;
+    }
+    let mut names: Vec<&str> = counts.keys().copied().collect();
+    names.sort_by_key(|name| std::cmp::Reverse(counts[name]));
+    let colour = |wave: &Wave| {
+        let rank = names.iter().position(|name| *name == wave.regimes);
+        let shade = SHADES.iter().find(|shade| shade.0 == wave.stable);
+        mix(
+            WHITE,
+            hue(rank.unwrap_or(MOST)),
+            shade.map_or(1.0, |shade| shade.1),
+        )
+    };
+    let mut starts: Vec<&str> = waves.iter().map(|wave| wave.start.as_str()).collect();
+    starts.sort_unstable();
+    starts.dedup();
+    // half a cell more on either side
+    let half = |axis: &MapAxis, count: usize| {
+        0.5 * (axis.range.1 - axis.range.0) / (count.max(2) - 1) as f64
+    };
+    let (half_width, half_height) = match map.points {
+        MapPoints::Grid { rows, columns } => (half(&map.second, columns), half(&map.first, rows)),
+        MapPoints::QuasiRandom { .. } => (0.0, 0.0),
+    };
+    let axis = |axis: &MapAxis, half: f64, prefix: &str| {
+        let mut quantity = quantity(axis.parameter.column());
+        quantity.word.insert_str(0, prefix);
+        Axis::new(
+            quantity,
+            Extent::Fixed(axis.range.0 - half, axis.range.1 + half),
+        )
+    };
+    let panel = |layers, prefix: &str, height| {
+        let x = axis(&map.second, half_width, "");
+        Panel::new(x, axis(&map.first, half_height, prefix), layers).high(height)
+    };
+    let panels = starts.iter().map(|start| {
+        let shown: Vec<&Wave> = waves.iter().filter(|wave| wave.start == *start).collect();
+        let layers = match map.points {
+            MapPoints::QuasiRandom { .. } => scattered(&shown, colour),
+            MapPoints::Grid { .. } => vec![cells(&shown, (half_width, half_height), colour)],
+        };
+        match starts.len() {
+            1 => panel(layers, "", HEIGHT),
+            _ => panel(layers, &format!("{start}: "), HEIGHT / 1.3),
+        }
+    });
+    let mut panels: Vec<Panel> = panels.collect();
+    if panels.is_empty() {
+        panels.push(panel(Layer::remark("no wave was found"), "", HEIGHT));
+    }
+
+    let shown = names.iter().take(MOST).enumerate();
+    let others = names.len().saturating_sub(MOST);
+    let others = (others > 0).then(|| (Key::Area(hue(MOST)), format!("{others} others")));
+    let shades = SHADES
+        .into_iter()
+        .filter(|(verdict, _)| waves.iter().any(|wave| wave.stable == *verdict))
+        .map(|(verdict, share)| (Key::Area(mix(WHITE, BLACK, 0.75 * share)), verdict));
+    let mut legend = Legend::default()
+        .with(
+            "",
+            shown.map(|(rank, name)| (Key::Area(hue(rank)), short_signature(name))),
+        )
+        .with("", others);
+    if waves.iter().any(|wave| !wave.stable.is_empty()) {
+        legend = legend.with("stable", shades);
+    }
+    Ok(Picture::new(panels, legend))
+}
+
+/// Points where they lie.
+fn scattered(waves: &[&Wave], colour: impl Fn(&Wave) -> RGBColor) -> Vec<Layer> {
+    let size = (200.0 / (waves.len().max(1) as f64).sqrt()).clamp(1.0, 4.0);
+    let layer =
+        |wave: &&Wave| Layer::Marks(vec![wave.at], Mark::new(Shape::Disc, size, colour(wave)));
+    waves.iter().map(layer).collect()
+}
+
+/// Rectangles around the points; neighbours of the same colour in a row make one.
+fn cells(waves: &[&Wave], half: Point, colour: impl Fn(&Wave) -> RGBColor) -> Layer {
+    let rows = waves.chunk_by(|one, next| {
+        one.row == next.row && one.column + 1 == next.column && colour(one) == colour(next)
+    });
+    let cell = |stretch: &[&Wave]| {
+        let (first, last) = (stretch[0], stretch[stretch.len() - 1]);
+        Cell {
+            from: (first.at.0 - half.0, first.at.1 - half.1),
+            to: (last.at.0 + half.0, last.at.1 + half.1),
+            colour: colour(first),
+        }
+    };
+    Layer::Cells(rows.map(cell).collect())
+}
+
+/// A signature in one of its cyclic forms: where there is no stick zone, waves begin anywhere.
+fn canonical(regimes: &str) -> String {
+    let zones: Vec<&str> = regimes.split('-').collect();
+    if zones.contains(&"stick") {
+        return regimes.to_owned();
+    }
+    let turned = (0..zones.len()).map(|from| [&zones[from..], &zones[..from]].concat().join("-"));
+    turned.max().unwrap_or_default()
+}
+
+/// Colour of a signature by its rank.
+fn hue(rank: usize) -> RGBColor {
+    let count = CATEGORIES.len();
+    match rank {
+        rank if rank < count => mix(WHITE, CATEGORIES[rank], 0.9),
+        // dark shades of all but black, the last one
+        rank if rank < MOST => mix(BLACK, CATEGORIES[rank - count], 0.55),
+        _ => GREY,
+    }
+}
+
+/// First passages of the table, in its order.
+fn read(path: &Path, map: &Map) -> Result<Vec<Wave>, PlotError> {
+    let (first, second) = (map.first.parameter.column(), map.second.parameter.column());
+    let columns = [
+        "row", "column", "passage", first, second, "start", "regimes", "stable",
+    ];
+    let table = Table::select(path, &columns)?;
+    let wave = |row: usize| {
+        let place = |column: &str| table.text(row, column).parse().unwrap_or(usize::MAX - 1);
+        let value = |column: &str| table.number(row, column).unwrap_or(f64::NAN);
+        Wave {
+            row: place("row"),
+            column: place("column"),
+            at: (value(second), value(first)),
+            start: table.text(row, "start").to_owned(),
+            regimes: canonical(table.text(row, "regimes")),
+            stable: table.text(row, "stable").to_owned(),
+        }
+    };
+    let passages = (0..table.len()).filter(|row| table.text(*row, "passage") == "1");
+    Ok(passages.map(wave).collect())
+}

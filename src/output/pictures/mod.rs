@@ -1,0 +1,173 @@
+//! Pictures of a result folder, one short description each.
+//!
+//! Everything is read back from the tables on disk, so that a picture can be drawn again long
+//! after the run. A description turns columns into layers; [`render`](super::render) draws them.
+
+pub mod accuracy;
+pub mod curve;
+mod diagram;
+mod displacement;
+mod error;
+mod friction;
+pub mod map;
+mod multipliers;
+mod names;
+mod phase_plane;
+mod pressure;
+mod profile;
+mod simulation;
+mod spectrum;
+pub mod steady;
+mod switches;
+mod tables;
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+
+pub use error::PlotError;
+
+use super::render::{Format, Picture};
+use super::{simulation as simulation_folder, store};
+use crate::problem::Plot;
+use profile::Profiles;
+use tables::Tables;
+
+/// Name of a picture's file.
+pub fn file_name(plot: &Plot, format: Format) -> String {
+    // A column name comes from a file and must not lead out of the folder.
+    let safe = |c: char| {
+        if c.is_alphanumeric() || c == '-' {
+            c
+        } else {
+            '_'
+        }
+    };
+    let stem = match plot {
+        Plot::Diagram => "diagram",
+        Plot::Pressure => "pressure",
+        Plot::Displacement => "displacement",
+        Plot::PhasePlane => "phase_plane",
+        Plot::Friction => "friction",
+        Plot::Spectrum => "spectrum",
+        Plot::Multipliers => "multipliers",
+        Plot::Column(name) => &format!("column_{}", name.chars().map(safe).collect::<String>()),
+    };
+    format!("{stem}.{}", format.extension())
+}
+
+/// Names of the files of a simulation's pictures.
+pub fn simulation_names(format: Format) -> [String; 3] {
+    simulation_folder::PICTURES.map(|name| format!("{name}.{}", format.extension()))
+}
+
+/// What the pictures have in common.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Column of `branch.csv` on the horizontal axis.
+    pub parameter: String,
+    /// Line of text above each picture.
+    pub title: Option<String>,
+}
+
+/// Draws the pictures into the folder and returns the files written.
+///
+/// # Errors
+///
+/// Returns an error when a table cannot be read or lacks a column, when the parameter or a
+/// picture's column is unknown, when the format is not compiled in, or when a file cannot be
+/// written. The other pictures are drawn all the same.
+pub fn draw(
+    folder: &Path,
+    plots: &[Plot],
+    format: Format,
+    settings: &Settings,
+) -> Result<Vec<PathBuf>, PlotError> {
+    let format = format.available()?;
+    let tables = Tables::read(folder, &settings.parameter)?;
+    let profiles = match plots.iter().any(of_waves) {
+        true => Profiles::read(folder, &tables)?,
+        false => Profiles::default(),
+    };
+    let drawn: Vec<Result<PathBuf, PlotError>> = plots
+        .par_iter()
+        .map(|plot| {
+            let path = folder.join(file_name(plot, format));
+            let picture = describe(plot, &tables, &profiles)?;
+            replace(&path, format, &picture.titled(settings.title.as_deref()))?;
+            Ok(path)
+        })
+        .collect();
+    // the first error in the order of the pictures, whichever came first in time
+    drawn.into_iter().collect()
+}
+
+/// Whether a picture shows the waves in the folder of profiles.
+fn of_waves(plot: &Plot) -> bool {
+    use Plot::{Displacement, Friction, PhasePlane, Pressure};
+    matches!(plot, Pressure | Displacement | PhasePlane | Friction)
+}
+
+/// The picture that is asked for.
+fn describe(plot: &Plot, tables: &Tables, profiles: &Profiles) -> Result<Picture, PlotError> {
+    Ok(match plot {
+        Plot::Diagram => diagram::picture(tables, "speed")?,
+        Plot::Column(name) if name == "switches" => switches::picture(tables)?,
+        Plot::Column(name) => diagram::picture(tables, name)?,
+        Plot::Pressure => pressure::picture(profiles),
+        Plot::Displacement => displacement::picture(profiles),
+        Plot::PhasePlane => phase_plane::picture(profiles),
+        Plot::Friction => friction::picture(profiles),
+        Plot::Spectrum => spectrum::picture(tables)?,
+        Plot::Multipliers => multipliers::picture(tables)?,
+    })
+}
+
+/// Draws the pictures of a simulation from the tables of its folder and returns the files written.
+///
+/// # Errors
+///
+/// When a table cannot be read, a file cannot be written, or the format is not compiled in.
+pub fn draw_simulation(
+    folder: &Path,
+    title: Option<&str>,
+    format: Format,
+) -> Result<Vec<PathBuf>, PlotError> {
+    let pictures = simulation::pictures(folder)?;
+    let named = simulation_names(format).into_iter().zip(pictures);
+    named
+        .map(|(name, picture)| {
+            let path = folder.join(name);
+            replace(&path, format, &picture.titled(title))?;
+            Ok(path)
+        })
+        .collect()
+}
+
+/// Writes a picture.
+///
+/// # Errors
+///
+/// When the format is not compiled in or the file cannot be written.
+pub fn save(path: &Path, format: Format, picture: &Picture) -> Result<(), PlotError> {
+    let bytes = picture.file(format)?;
+    Ok(fs::write(path, bytes).map_err(store::io_error("write it", path))?)
+}
+
+/// Writes a picture into a result folder.
+///
+/// # Errors
+///
+/// When the format is not compiled in or the file cannot be written.
+pub fn replace(path: &Path, format: Format, picture: &Picture) -> Result<(), PlotError> {
+    let bytes = picture.file(format)?;
+    Ok(store::replace(path, |out| {
+        out.write_all(&bytes)
+            .map_err(store::io_error("write it", path))
+    })?)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,138 @@
+//! What the columns, events and regimes of the tables are called in pictures, and their colours.
+
+use plotters::style::RGBColor;
+
+use crate::branch::EventType;
+use crate::output::render::axis::Quantity;
+use crate::output::render::legend::Key;
+use crate::output::render::palette::{
+    BLACK, BLUE, GREEN, GREY, PURPLE, SKY, VERMILLION, WHITE, mix,
+};
+use crate::output::render::{Mark, Shape};
+use crate::problem::Parameter;
+
+/// The quantity in a column of `branch.csv`.
+pub fn quantity(column: &str) -> Quantity {
+    let spaced = column.replace('_', " ");
+    let (word, symbol) = match column {
+        "gamma" => ("", ""),
+        "nu" => ("Poisson's ratio", ""),
+        "xi" => ("radius ratio", ""),
+        "speed" => ("speed", "c"),
+        "switches" => ("switching positions", "θ"),
+        "min_pressure" => ("least pressure", "min P"),
+        "max_gap" => ("largest gap", "max(U − δ)"),
+        "amplitude" => ("amplitude of", "V"),
+        "unstable" => ("unstable eigenvalues", ""),
+        "lead_re" => ("leading", "Re λ"),
+        "lead_im" => ("leading", "Im λ"),
+        "lead_sector" => ("sector of the leading eigenvalue", ""),
+        "newton" => ("Newton iterations", ""),
+        _ => (spaced.as_str(), ""),
+    };
+    let parameter = Parameter::from_column(column);
+    Quantity::new(word, parameter.map_or(symbol, Parameter::symbol))
+}
+
+/// Place along a travelling wave.
+pub fn angle() -> Quantity {
+    Quantity::new("position", "θ")
+}
+
+/// Tangential displacement.
+pub fn displacement() -> Quantity {
+    Quantity::new("tangential displacement", "V")
+}
+
+/// Its rate.
+pub fn velocity() -> Quantity {
+    Quantity::new("velocity", "V\u{307}")
+}
+
+/// What an event type stands for, as short as a legend needs it.
+pub fn event(kind: EventType) -> &'static str {
+    match kind {
+        EventType::EP => "end",
+        EventType::MX => "failure",
+        EventType::UZ => "user point",
+        EventType::LP => "fold",
+        EventType::HB => "Hopf",
+        EventType::BP => "real crossing",
+        EventType::GR => "take-off",
+        EventType::RV => "reverse slip",
+        EventType::CO => "coalescence",
+        EventType::ST => "stick vanishes",
+    }
+}
+
+/// Mark of an event. The shape alone tells the types apart.
+pub fn event_mark(kind: EventType) -> Mark {
+    let (shape, size) = match kind {
+        EventType::EP => (Shape::Circle, 3.0),
+        EventType::MX => (Shape::Cross, 6.5),
+        EventType::UZ => return Mark::new(Shape::Tick, 4.5, GREY),
+        EventType::LP => (Shape::OpenSquare, 5.2),
+        EventType::HB => (Shape::Star, 6.5),
+        EventType::BP => (Shape::OpenDown, 6.0),
+        EventType::GR => (Shape::Up, 6.0),
+        EventType::RV => (Shape::Diamond, 6.0),
+        EventType::CO => (Shape::Disc, 5.6),
+        EventType::ST => (Shape::Square, 6.0),
+    };
+    Mark::new(shape, size, BLACK)
+}
+
+/// A signature of regimes shortened: `slip-reverse-stick` becomes `sl-rev-st`.
+pub fn short_signature(regimes: &str) -> String {
+    let short: Vec<String> = regimes.split('-').map(short_regime).collect();
+    short.join("-")
+}
+
+/// The name of a regime shortened.
+pub fn short_regime(name: &str) -> String {
+    let length = if matches!(name, "slip" | "stick") {
+        2
+    } else {
+        3
+    };
+    name.chars().take(length).collect()
+}
+
+/// Colour of a regime's lines.
+pub fn regime_colour(name: &str) -> RGBColor {
+    match name {
+        "slip" => BLUE,
+        "stick" => BLACK,
+        "separation" => GREEN,
+        "reverse" => VERMILLION,
+        _ => PURPLE,
+    }
+}
+
+/// Pale colour of a regime's zone, behind curves.
+pub fn zone_colour(name: &str) -> RGBColor {
+    match name {
+        "slip" => mix(WHITE, SKY, 0.28),
+        "stick" => mix(WHITE, BLACK, 0.20),
+        "separation" => mix(WHITE, GREEN, 0.30),
+        "reverse" => mix(WHITE, VERMILLION, 0.38),
+        _ => mix(WHITE, PURPLE, 0.3),
+    }
+}
+
+/// Explanations of zones by their colour.
+pub fn zone_keys<'a>(regimes: &[&'a str]) -> Vec<(Key, &'a str)> {
+    let key = |name: &&'a str| (Key::Area(zone_colour(name)), *name);
+    regimes.iter().map(key).collect()
+}
+
+/// The names that occur, in the order of their appearance.
+pub fn occurring<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut known: Vec<&str> = Vec::new();
+    for name in names {
+        if !known.contains(&name) {
+            known.push(name);
+        }
+    }
+    known
+}

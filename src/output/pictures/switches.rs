@@ -1,0 +1,241 @@
+//! All switching positions against the parameter, with the zones between them.
+
+use super::diagram::{NONE, same_leg, signature_between};
+use super::error::PlotError;
+use super::names::{angle, occurring, quantity, regime_colour, zone_colour, zone_keys};
+use super::tables::{Table, Tables};
+use crate::output::render::axis::{Axis, Extent};
+use crate::output::render::legend::{Key, Legend};
+use crate::output::render::palette::{BLACK, Pen};
+use crate::output::render::{Layer, Mark, Panel, Picture, Point, Shape};
+
+/// Most zones of a wave; more are no wave but a spoiled file.
+const MOST: usize = 64;
+
+/// A stretch of the branch with the same zones.
+struct Band<'a> {
+    regimes: Vec<&'a str>,
+    /// Values of the parameter with the end of each zone.
+    columns: Vec<(f64, Vec<f64>)>,
+}
+
+/// The picture.
+pub fn picture(tables: &Tables) -> Result<Picture, PlotError> {
+    tables.check_column("switches")?;
+    let branch = &tables.branch;
+    let row = |row| {
+        let x = branch.number(row, &tables.parameter)?;
+        Some((x, branch.list(row, "switches")))
+    };
+    let rows: Vec<(f64, Vec<f64>)> = (0..branch.len()).filter_map(row).collect();
+    let bands = bands(branch, &tables.parameter);
+    let ends = rows.iter().flat_map(|row| row.1.iter().copied());
+    let top = ends.fold(0.0, f64::max);
+
+    // Where the branch turns back, zones would lie on top of each other.
+    let shaded = one_way(&bands);
+    let regimes = occurring(bands.iter().flat_map(|band| band.regimes.iter().copied()));
+    let legend = if shaded {
+        Legend::default().with("", zone_keys(&regimes))
+    } else {
+        let key = |name: &&str| Key::Line(Pen::solid(regime_colour(name), 2.0));
+        Legend::default().with("end of", regimes.iter().map(|name| (key(name), *name)))
+    };
+
+    let mut layers = Vec::new();
+    if branch.len() == 0 {
+        layers = Layer::remark(NONE);
+    } else if top <= 0.0 {
+        layers = Layer::remark("no switching positions");
+    }
+    let zones: Vec<(&Band<'_>, usize, &str)> = bands
+        .iter()
+        .flat_map(|band| {
+            let numbered = band.regimes.iter().enumerate();
+            numbered.map(move |(zone, name)| (band, zone, *name))
+        })
+        .collect();
+    if shaded {
+        layers.extend(zones.iter().map(|(band, zone, name)| {
+            let lower = band.line(zone.checked_sub(1));
+            let upper = band.line(Some(*zone)).rev();
+            Layer::Area(lower.chain(upper).collect(), zone_colour(name))
+        }));
+    }
+    layers.extend(zones.iter().map(|(band, zone, name)| {
+        let colour = if shaded { BLACK } else { regime_colour(name) };
+        Layer::Line(band.line(Some(*zone)).collect(), Pen::solid(colour, 1.8))
+    }));
+    if bands.is_empty() {
+        let points = rows
+            .iter()
+            .flat_map(|(x, ends)| ends.iter().map(|end| (*x, *end)));
+        layers.push(Layer::Marks(
+            points.collect(),
+            Mark::new(Shape::Disc, 3.4, BLACK),
+        ));
+    }
+    let x = Axis::new(quantity(&tables.parameter), Extent::Data(0.04));
+    let extent = if top > 0.0 {
+        Extent::Fixed(0.0, top)
+    } else {
+        Extent::Data(0.0)
+    };
+    let panel = Panel::new(x, Axis::new(angle(), extent), layers);
+    Ok(Picture::new(vec![panel], legend))
+}
+
+impl Band<'_> {
+    /// The end of a zone, or release, over the parameter.
+    fn line(&self, zone: Option<usize>) -> impl DoubleEndedIterator<Item = Point> {
+        self.columns.iter().map(move |(x, ends)| {
+            let end = zone.map_or(Some(&0.0), |zone| ends.get(zone));
+            (*x, end.copied().unwrap_or(f64::NAN))
+        })
+    }
+}
+
+/// The zones along the branch.
+fn bands<'a>(branch: &'a Table, parameter: &str) -> Vec<Band<'a>> {
+    let mut bands: Vec<Band<'a>> = Vec::new();
+    // the row that the last band leads to
+    let mut reached = None;
+    for row in 0..branch.len() {
+        let ends = |row| {
+            let ends = branch.list(row, "switches");
+            Some((branch.number(row, parameter)?, ends))
+                .filter(|(_, ends)| !ends.is_empty() && ends.len() <= MOST)
+        };
+        let next = ends(row + 1).filter(|_| same_leg(branch, row));
+        let (Some(mut first), Some(mut second)) = (ends(row), next) else {
+            continue;
+        };
+        let signature = signature_between(branch, row);
+        if first.1.len() != second.1.len() {
+            // One side shows the zones beyond an event.
+            if branch.text(row, "regimes") == signature {
+                second.1 = partners(&first.1, &second.1);
+            } else {
+                first.1 = partners(&second.1, &first.1);
+            }
+        }
+        let regimes: Vec<&str> = signature.split('-').collect();
+        let same = |band: &&mut Band<'_>| {
+            reached == Some(row)
+                && band.regimes == regimes
+                && band.columns.last().is_some_and(|last| last.1 == first.1)
+        };
+        match bands.last_mut().filter(same) {
+            Some(band) => band.columns.push(second),
+            None => bands.push(Band {
+                regimes,
+                columns: vec![first, second],
+            }),
+        }
+        reached = Some(row + 1);
+    }
+    bands
+}
+
+/// For each zone's end where it goes on the other side of an event, where there are fewer or more
+/// zones: in order and as near as possible. Zones missing on the other side have length zero there.
+fn partners(ends: &[f64], others: &[f64]) -> Vec<f64> {
+    if ends.len() <= others.len() {
+        let places = matching(ends, others);
+        return places.into_iter().map(|place| others[place]).collect();
+    }
+    let mut partners: Vec<Option<f64>> = vec![None; ends.len()];
+    for (other, place) in others.iter().zip(matching(others, ends)) {
+        partners[place] = Some(*other);
+    }
+    let known = partners
+        .iter()
+        .zip(ends)
+        .filter_map(|(other, end)| Some((*end, (*other)?)));
+    let known: Vec<(f64, f64)> = known.chain([(0.0, 0.0)]).collect();
+    let mut found = Vec::with_capacity(ends.len());
+    for group in partners.chunk_by(|one, other| one.is_none() && other.is_none()) {
+        let from = found.len();
+        let own = &ends[from..from + group.len()];
+        let partner = match group {
+            [Some(partner)] => *partner,
+            // One end more: it parted from the neighbour that is nearer.
+            [None] => {
+                let distance = |known: &(f64, f64)| (known.0 - own[0]).abs();
+                let nearest = known
+                    .iter()
+                    .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+                nearest.map_or(own[0], |nearest| nearest.1)
+            }
+            // Both ends of a new zone: it opened somewhere between them.
+            _ => own.iter().sum::<f64>() / own.len() as f64,
+        };
+        found.extend(group.iter().map(|_| partner));
+    }
+    found
+}
+
+/// Places in the longer list of the entries of the shorter, in order, with the least sum of
+/// distances.
+fn matching(short: &[f64], long: &[f64]) -> Vec<usize> {
+    let columns = long.len() + 1;
+    let mut cost = vec![f64::INFINITY; (short.len() + 1) * columns];
+    cost[..columns].fill(0.0);
+    for i in 1..=short.len() {
+        for j in i..=long.len() {
+            let skipped = cost[i * columns + j - 1];
+            let taken = cost[(i - 1) * columns + j - 1] + (short[i - 1] - long[j - 1]).abs();
+            cost[i * columns + j] = skipped.min(taken);
+        }
+    }
+    let mut places = vec![0; short.len()];
+    let mut j = long.len();
+    for i in (1..=short.len()).rev() {
+        while j > i && cost[i * columns + j - 1] <= cost[i * columns + j] {
+            j -= 1;
+        }
+        places[i - 1] = j - 1;
+        j -= 1;
+    }
+    places
+}
+
+/// Whether the branch passes every value of the parameter once.
+fn one_way(bands: &[Band<'_>]) -> bool {
+    let values =
+        |band: &Band<'_>| -> Vec<f64> { band.columns.iter().map(|column| column.0).collect() };
+    let parts: Vec<Vec<f64>> = bands.iter().map(values).collect();
+    let low = parts
+        .iter()
+        .flatten()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    let high = parts
+        .iter()
+        .flatten()
+        .copied()
+        .fold(f64::NEG_INFINITY, f64::max);
+    let steps = parts.iter().flat_map(|part| part.windows(2));
+    let travelled: f64 = steps.map(|pair| (pair[1] - pair[0]).abs()).sum();
+    travelled <= (high - low) * (1.0 + 1e-9)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_zone_in_the_middle_opens_between_its_ends() {
+        let after = partners(&[0.20, 0.22, 0.4, 0.8], &[0.41, 0.8]);
+        for (found, wanted) in after.iter().zip([0.21, 0.21, 0.41, 0.8]) {
+            assert!((found - wanted).abs() < 1e-12, "{after:?}");
+        }
+    }
+
+    #[test]
+    fn a_zone_at_a_switch_opens_there() {
+        assert_eq!(partners(&[0.39, 0.4, 0.8], &[0.395, 0.8])[..2], [0.395; 2]);
+        assert_eq!(partners(&[0.4, 0.8], &[0.4, 0.41, 0.8]), [0.4, 0.8]);
+        assert!(partners(&[], &[0.8]).is_empty());
+    }
+}

@@ -1,0 +1,367 @@
+//! Axes: what they show, their ranges, their ticks and captions.
+
+use super::number;
+use super::text::width;
+
+/// Size of the figures at the ticks.
+pub const TICK_SIZE: f64 = 16.0;
+
+/// Values beyond this are taken for overflow and not drawn.
+const HUGE: f64 = 1e150;
+
+/// A quantity by its word and its symbol; either may be empty.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Quantity {
+    /// Word, such as `mismatch`.
+    pub word: String,
+    /// Symbol, such as `δ`.
+    pub symbol: String,
+}
+
+impl Quantity {
+    /// A quantity of this word and symbol.
+    pub fn new(word: &str, symbol: &str) -> Self {
+        Quantity {
+            word: word.to_owned(),
+            symbol: symbol.to_owned(),
+        }
+    }
+
+    /// Word and symbol.
+    pub fn caption(&self) -> String {
+        self.around(&self.symbol)
+    }
+
+    /// The symbol, or the word where there is none.
+    pub fn short(&self) -> &str {
+        if self.symbol.is_empty() {
+            &self.word
+        } else {
+            &self.symbol
+        }
+    }
+
+    /// The word followed by an expression instead of the symbol.
+    fn around(&self, expression: &str) -> String {
+        format!("{} {expression}", self.word).trim().to_owned()
+    }
+}
+
+/// How far an axis reaches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Extent {
+    /// Over the data, with this part of their range more on either side.
+    Data(f64),
+    /// From one value to another.
+    Fixed(f64, f64),
+    /// Over whole decades around the data, logarithmically.
+    Decades,
+}
+
+/// An axis as it is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// What it shows.
+    pub quantity: Quantity,
+    /// How far it reaches.
+    pub extent: Extent,
+    /// Its ticks; where there are none they are chosen.
+    pub ticks: Vec<Tick>,
+}
+
+impl Axis {
+    /// An axis of this extent with ticks of the renderer's choice.
+    pub fn new(quantity: Quantity, extent: Extent) -> Self {
+        Axis {
+            quantity,
+            extent,
+            ticks: Vec::new(),
+        }
+    }
+}
+
+/// A tick.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    /// Where.
+    pub value: f64,
+    /// Its figures.
+    pub text: String,
+}
+
+/// An axis as it is drawn. An axis over data without any has no ticks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scale {
+    /// Lower end, of the logarithm for decades.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Whether distances are ratios.
+    pub logarithmic: bool,
+    /// Ticks between the ends.
+    pub ticks: Vec<Tick>,
+    /// Text along the axis.
+    pub caption: String,
+}
+
+/// How many ticks an axis has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ticks {
+    /// About so many.
+    About(usize),
+    /// As many as fit beside each other on this length.
+    Within(f64),
+}
+
+impl Scale {
+    /// The axis over these values.
+    pub fn of(axis: &Axis, values: impl Iterator<Item = f64>, ticks: Ticks) -> Scale {
+        let ends = match axis.extent {
+            Extent::Fixed(low, high) => Some((low, high)),
+            Extent::Decades => return Scale::decades(values, &axis.quantity),
+            Extent::Data(room) => range(values).map(|(low, high)| {
+                let room = room * (high - low);
+                (low - room, high + room)
+            }),
+        };
+        let Some((low, high)) = ends else {
+            return Scale::blank(&axis.quantity);
+        };
+        if !axis.ticks.is_empty() {
+            return Scale {
+                low,
+                high,
+                ticks: axis.ticks.clone(),
+                ..Scale::blank(&axis.quantity)
+            };
+        }
+        let over = |count| Scale::over(low, high, &axis.quantity, count);
+        let length = match ticks {
+            Ticks::About(count) => return over(count),
+            Ticks::Within(length) => length,
+        };
+        let needed = |scale: &Scale| -> f64 {
+            let widths = scale.ticks.iter().map(|tick| width(&tick.text, TICK_SIZE));
+            widths.map(|width| width + 1.1 * TICK_SIZE).sum()
+        };
+        let fitting = (4..=7)
+            .map(over)
+            .take_while(|scale| needed(scale) <= length);
+        fitting.last().unwrap_or_else(|| over(3))
+    }
+
+    fn blank(quantity: &Quantity) -> Scale {
+        Scale {
+            low: 0.0,
+            high: 1.0,
+            logarithmic: false,
+            ticks: Vec::new(),
+            caption: quantity.caption(),
+        }
+    }
+
+    fn over(low: f64, high: f64, quantity: &Quantity, count: usize) -> Scale {
+        let step = step(low, high, count);
+        let notation = Notation::of(low, high, step);
+        let first = (low / step - 1e-9).ceil();
+        let last = (high / step + 1e-9).floor();
+        let ticks = (0..=(last - first).clamp(0.0, 50.0) as usize)
+            .map(|index| (first + index as f64) * step)
+            .filter(|value| *value <= high + 1e-9 * step)
+            .map(|value| Tick {
+                value,
+                text: notation.figures(value),
+            })
+            .collect();
+        Scale {
+            low,
+            high,
+            logarithmic: false,
+            ticks,
+            caption: notation.caption(quantity),
+        }
+    }
+
+    fn decades(values: impl Iterator<Item = f64>, quantity: &Quantity) -> Scale {
+        let positive = values.filter(|value| *value > 0.0 && drawable(*value));
+        let ends = positive.map(f64::log10).map(|log| (log, log));
+        let joined = ends.reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)));
+        let Some((low, high)) = joined else {
+            return Scale::blank(quantity);
+        };
+        let (low, high) = ((low - 0.2).floor(), (high + 0.2).ceil());
+        let step = ((high - low) / 7.0).ceil().max(1.0) as usize;
+        let ticks = (low as i32..=high as i32)
+            .step_by(step)
+            .map(|exponent| Tick {
+                value: 10f64.powi(exponent),
+                text: number::power_of_ten(exponent),
+            });
+        Scale {
+            low,
+            high,
+            logarithmic: true,
+            ticks: ticks.collect(),
+            caption: quantity.caption(),
+        }
+    }
+
+    /// Where a value lies between the ends, from 0 to 1; what is infinite lies at an end.
+    pub fn part(&self, value: f64) -> f64 {
+        let value = if self.logarithmic {
+            value.log10()
+        } else {
+            value
+        };
+        (value - self.low) / (self.high - self.low)
+    }
+
+    /// Width of the widest figures.
+    pub fn figures_width(&self) -> f64 {
+        let widths = self.ticks.iter().map(|tick| width(&tick.text, TICK_SIZE));
+        widths.fold(0.0, f64::max)
+    }
+}
+
+/// Whether a value can be drawn.
+pub fn drawable(value: f64) -> bool {
+    value.is_finite() && value.abs() < HUGE
+}
+
+/// Smallest and largest drawable value; widened where they are the same up to rounding.
+pub fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+    let drawn = values.into_iter().filter(|value| drawable(*value));
+    let ends = drawn.map(|value| (value, value));
+    let (low, high) = ends.reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)))?;
+    let magnitude = low.abs().max(high.abs());
+    if magnitude < 1e-250 {
+        return Some((-1.0, 1.0));
+    }
+    if high - low > 1e-10 * magnitude {
+        Some((low, high))
+    } else {
+        Some((low - 0.05 * magnitude, high + 0.05 * magnitude))
+    }
+}
+
+/// Distance of the ticks: 1, 2 or 5 times a power of ten.
+fn step(low: f64, high: f64, count: usize) -> f64 {
+    let rough = (high - low) / count.max(1) as f64;
+    let power = 10f64.powi(number::decade(rough));
+    let rounded = match rough / power {
+        factor if factor < 1.45 => 1.0,
+        factor if factor < 3.2 => 2.0,
+        factor if factor < 7.1 => 5.0,
+        _ => 10.0,
+    };
+    rounded * power
+}
+
+/// How an axis writes its figures: `(value − base) · 10^−exponent` with some decimals.
+struct Notation {
+    base: f64,
+    base_decimals: usize,
+    exponent: i32,
+    decimals: usize,
+}
+
+impl Notation {
+    fn of(low: f64, high: f64, step: f64) -> Self {
+        let magnitude = low.abs().max(high.abs());
+        let top = number::decade(magnitude);
+        let fine = number::decade(step);
+        if top - fine > 4 {
+            // Too many figures in common: they are subtracted, and the caption says so.
+            let coarse = fine + 2;
+            let unit = 10f64.powi(coarse);
+            return Notation {
+                base: (0.5 * (low + high) / unit).round() * unit,
+                base_decimals: (-coarse).max(0) as usize,
+                exponent: fine,
+                decimals: 0,
+            };
+        }
+        let exponent = if (-2..=4).contains(&top) { 0 } else { top };
+        Notation {
+            base: 0.0,
+            base_decimals: 0,
+            exponent,
+            decimals: (exponent - fine).max(0) as usize,
+        }
+    }
+
+    fn figures(&self, value: f64) -> String {
+        let scaled = (value - self.base) / 10f64.powi(self.exponent);
+        number::fixed(scaled, self.decimals)
+    }
+
+    fn caption(&self, quantity: &Quantity) -> String {
+        let factor = match self.exponent {
+            0 => String::new(),
+            exponent => format!(" × {}", number::power_of_ten(-exponent)),
+        };
+        if self.base == 0.0 {
+            return format!("{}{factor}", quantity.caption());
+        }
+        let sign = if self.base < 0.0 { "+" } else { "−" };
+        let base = number::trimmed(&number::fixed(self.base.abs(), self.base_decimals));
+        let difference = format!("({} {sign} {base}){factor}", quantity.short());
+        if quantity.symbol.is_empty() {
+            difference
+        } else {
+            quantity.around(&difference)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn over(low: f64, high: f64, word: &str, symbol: &str, count: usize) -> Scale {
+        Scale::over(low, high, &Quantity::new(word, symbol), count)
+    }
+
+    fn texts(scale: &Scale) -> Vec<&str> {
+        scale.ticks.iter().map(|tick| tick.text.as_str()).collect()
+    }
+
+    #[test]
+    fn figures_are_rounded() {
+        let scale = over(0.0, 0.42, "friction", "f", 5);
+        assert_eq!(texts(&scale), ["0", "0.1", "0.2", "0.3", "0.4"]);
+    }
+
+    #[test]
+    fn common_figures_move_to_the_caption() {
+        let scale = over(-1.0440, -1.0439, "speed", "c", 5);
+        assert_eq!(texts(&scale), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(scale.caption, "speed (c + 1.044) × 10⁵");
+    }
+
+    #[test]
+    fn small_values_are_scaled() {
+        let scale = over(0.0, 3e-12, "residual", "", 3);
+        assert_eq!(texts(&scale), ["0", "1", "2", "3"]);
+        assert_eq!(scale.caption, "residual × 10¹²");
+    }
+
+    #[test]
+    fn decades_are_whole_and_powers_of_ten() {
+        let axis = Axis::new(Quantity::new("error", ""), Extent::Decades);
+        let values = [3e-9, 2e-4, f64::NAN, 0.0, -1.0];
+        let scale = Scale::of(&axis, values.into_iter(), Ticks::About(5));
+        assert_eq!((scale.low, scale.high), (-9.0, -3.0));
+        assert_eq!(texts(&scale)[..2], ["10⁻⁹", "10⁻⁸"]);
+        assert_eq!(scale.part(1e-6), 0.5);
+    }
+
+    #[test]
+    fn constant_values_get_room() {
+        for value in [0.0, 3.0, -1e-200, 1e149] {
+            let (low, high) = range([value, value]).unwrap();
+            assert!(low < value && value < high);
+        }
+        assert_eq!(range([f64::NAN, f64::INFINITY]), None);
+    }
+}

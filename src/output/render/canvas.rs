@@ -1,0 +1,267 @@
+//! A sheet of SVG to draw on, in pixels of a column that is 510 wide.
+//!
+//! Of plotters only the SVG backend is used. Its charts do not make a picture for a journal: the legend
+//! is one column over the curves, without headings; widths of texts are 0.7 of their size per byte;
+//! panels do not share figures; captions know no common factor or base; coordinates are whole pixels.
+//!
+//! What cannot be seen is left out: marks that cover each other, and points of a long line that lie in
+//! the same [`COLUMN`] as those around them. A file grows with what it shows, not with the tables.
+
+use std::borrow::Cow;
+use std::collections::HashSet;
+use std::error::Error;
+
+use plotters::element::{DashedPathElement, Drawable};
+use plotters::prelude::{DrawingBackend, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
+
+use super::palette::{Pattern, Pen, WHITE};
+use super::text::clean;
+use super::{Mark, RenderError, Shape};
+
+/// Width of every picture: 85 mm at six pixels per millimetre.
+pub const WIDTH: f64 = 510.0;
+
+/// Units of the file per pixel. The backend knows whole units only; curves need finer ones.
+const UNITS: f64 = 10.0;
+
+/// Families in the order of preference; the last one is always mapped on some font.
+const FAMILY: &str = "Helvetica, Arial, sans-serif";
+
+/// The backend writes font sizes divided by this.
+const FONT_DIVISOR: f64 = 1.24;
+
+/// How far below its place, in font sizes, the backend sets the base line: half an x-height.
+const SHIFT: f64 = 0.26;
+
+/// Width in pixels within which the points of a long line are one upright stroke, and marks of one
+/// shape and colour one mark: a quarter of the thinnest line.
+const COLUMN: f64 = 0.25;
+
+/// Points of a line up to which all are kept.
+const LONG: usize = 4000;
+
+/// A position in pixels, from the upper left corner.
+pub type Place = (f64, f64);
+
+/// Whether something could be drawn.
+pub type Drawn = Result<(), RenderError>;
+
+/// Which point of a text, on its base line, lies at its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Align {
+    /// Its left end.
+    Left,
+    /// Its middle.
+    Middle,
+    /// Its right end.
+    Right,
+    /// Its middle, and it reads upwards.
+    Upward,
+}
+
+/// The sheet.
+pub struct Canvas<'a> {
+    backend: SVGBackend<'a>,
+    size: (u32, u32),
+    /// Marks drawn so far: place and size in units of [`COLUMN`], shape, colour.
+    marks: HashSet<([i64; 3], Shape, [u8; 3])>,
+}
+
+/// Composes a picture of this height: hands a white sheet to `paint` and returns the file's text.
+pub fn compose(
+    height: f64,
+    paint: impl FnOnce(&mut Canvas<'_>) -> Drawn,
+) -> Result<String, RenderError> {
+    let mut buffer = String::new();
+    let size = (units(WIDTH).unsigned_abs(), units(height).unsigned_abs());
+    {
+        let mut canvas = Canvas {
+            backend: SVGBackend::with_string(&mut buffer, size),
+            size,
+            marks: HashSet::new(),
+        };
+        canvas.area((0.0, 0.0), (WIDTH, height), WHITE)?;
+        paint(&mut canvas)?;
+        canvas.backend.present().map_err(refused)?;
+    }
+    // Sizes in pixels outside, fine units inside; round joins, for mitres spike at sharp turns.
+    let raw = format!("width=\"{}\" height=\"{}\"", size.0, size.1);
+    let wanted = format!("width=\"{WIDTH}\" height=\"{height}\" stroke-linejoin=\"round\"");
+    Ok(buffer.replacen(&raw, &wanted, 1))
+}
+
+impl Canvas<'_> {
+    /// A line through the places.
+    pub fn line(&mut self, places: &[Place], pen: Pen) -> Drawn {
+        let places: Vec<(i32, i32)> = thinned(places).iter().map(coordinate).collect();
+        if places.len() < 2 {
+            return Ok(());
+        }
+        let style = ShapeStyle::from(&pen.colour).stroke_width(units(pen.width).unsigned_abs());
+        let (on, off) = match pen.pattern {
+            Pattern::Solid => {
+                let drawn = self.backend.draw_path(places, &style);
+                return drawn.map_err(refused);
+            }
+            Pattern::Dashed => (3.6, 2.0),
+            Pattern::Dotted => (1.0, 1.6),
+        };
+        let unit = pen.width.max(1.5);
+        let dashes = (units(on * unit), units(off * unit));
+        let line = DashedPathElement::new(places.iter().copied(), dashes.0, dashes.1, style);
+        line.draw(places.iter().copied(), &mut self.backend, self.size)
+            .map_err(refused)
+    }
+
+    /// A closed line.
+    pub fn outline(&mut self, corners: &[Place], pen: Pen) -> Drawn {
+        // the second corner, too, so that the last one is joined
+        let repeated = corners.iter().take(2);
+        let closed: Vec<Place> = corners.iter().chain(repeated).copied().collect();
+        self.line(&closed, pen)
+    }
+
+    /// A filled polygon.
+    pub fn polygon(&mut self, corners: &[Place], colour: RGBColor) -> Drawn {
+        let corners: Vec<(i32, i32)> = thinned(corners).iter().map(coordinate).collect();
+        let style = ShapeStyle::from(&colour).filled();
+        let drawn = self.backend.fill_polygon(corners, &style);
+        drawn.map_err(refused)
+    }
+
+    /// A filled rectangle.
+    pub fn area(&mut self, from: Place, to: Place, colour: RGBColor) -> Drawn {
+        let upper = (from.0.min(to.0), from.1.min(to.1));
+        let lower = (from.0.max(to.0), from.1.max(to.1));
+        let style = ShapeStyle::from(&colour).filled();
+        self.backend
+            .draw_rect(coordinate(&upper), coordinate(&lower), &style, true)
+            .map_err(refused)
+    }
+
+    /// A text standing on its base line.
+    pub fn text(
+        &mut self,
+        place: Place,
+        text: &str,
+        size: f64,
+        align: Align,
+        colour: RGBColor,
+    ) -> Drawn {
+        let (x, y) = place;
+        let above = (x, y - SHIFT * size);
+        let (horizontal, transform, place) = match align {
+            Align::Left => (HPos::Left, FontTransform::None, above),
+            Align::Middle => (HPos::Center, FontTransform::None, above),
+            Align::Right => (HPos::Right, FontTransform::None, above),
+            Align::Upward => (
+                HPos::Center,
+                FontTransform::Rotate270,
+                (x - SHIFT * size, y),
+            ),
+        };
+        let style: TextStyle<'_> = (FAMILY, size * UNITS * FONT_DIVISOR)
+            .into_font()
+            .transform(transform)
+            .color(&colour)
+            .pos(Pos::new(horizontal, VPos::Center));
+        self.backend
+            .draw_text(&clean(text), &style, coordinate(&place))
+            .map_err(refused)
+    }
+
+    /// A point with a white rim.
+    pub fn mark(&mut self, place: Place, mark: Mark) -> Drawn {
+        let cells = [place.0, place.1, mark.size].map(|value| (value / COLUMN).round() as i64);
+        let colour = mark.colour;
+        let key = (cells, mark.shape, [colour.0, colour.1, colour.2]);
+        if !self.marks.insert(key) {
+            return Ok(());
+        }
+        let outline = outline(place, mark.shape, mark.size);
+        match mark.shape {
+            Shape::Disc | Shape::Square | Shape::Up | Shape::Diamond | Shape::Star => {
+                self.polygon(&outline, colour)?;
+                self.outline(&outline, Pen::solid(WHITE, 1.0))
+            }
+            Shape::Circle | Shape::OpenSquare | Shape::OpenDown | Shape::OpenDiamond => {
+                self.polygon(&outline, WHITE)?;
+                self.outline(&outline, Pen::solid(colour, 1.5))
+            }
+            Shape::Plus | Shape::Cross | Shape::Tick => {
+                for pen in [Pen::solid(WHITE, 3.4), Pen::solid(colour, 1.8)] {
+                    for stroke in outline.chunks(2) {
+                        self.line(stroke, pen)?;
+                    }
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+fn refused(error: impl Error + Send + Sync + 'static) -> RenderError {
+    RenderError::Compose(Box::new(error))
+}
+
+/// A long line without the points that cannot be told apart: of successive ones in the same column the
+/// first, the lowest, the highest and the last are kept.
+fn thinned(places: &[Place]) -> Cow<'_, [Place]> {
+    if places.len() <= LONG {
+        return Cow::Borrowed(places);
+    }
+    let column = |place: &Place| (place.0 / COLUMN).floor();
+    let mut kept = Vec::new();
+    for group in places.chunk_by(|one, other| column(one) == column(other)) {
+        let by_height = |one: &usize, other: &usize| group[*one].1.total_cmp(&group[*other].1);
+        let last = group.len() - 1;
+        let low = (0..=last).min_by(by_height).unwrap_or(0);
+        let high = (0..=last).max_by(by_height).unwrap_or(0);
+        let mut chosen = [0, low.min(high), low.max(high), last].to_vec();
+        chosen.dedup();
+        kept.extend(chosen.into_iter().map(|index| group[index]));
+    }
+    Cow::Owned(kept)
+}
+
+/// Units of a length. The conversion saturates; no picture is that large.
+fn units(length: f64) -> i32 {
+    (length * UNITS).round() as i32
+}
+
+fn coordinate(place: &Place) -> (i32, i32) {
+    // Far outside the sheet everything looks the same, and sums of units must not overflow.
+    let limited = |value: f64| units(value.clamp(-1e6, 1e6));
+    (limited(place.0), limited(place.1))
+}
+
+/// Corners of a shape; pairs of ends for those made of strokes.
+fn outline((x, y): Place, shape: Shape, size: f64) -> Vec<Place> {
+    let turned = |degrees: f64, radius: f64| {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        (radius * sine, -radius * cosine)
+    };
+    let offsets = match shape {
+        Shape::Disc | Shape::Circle => (0..24).map(|i| turned(15.0 * f64::from(i), 1.0)).collect(),
+        Shape::Square | Shape::OpenSquare => {
+            vec![(-0.88, -0.88), (0.88, -0.88), (0.88, 0.88), (-0.88, 0.88)]
+        }
+        Shape::Up => [0.0, 120.0, 240.0].map(|a| turned(a, 1.3)).to_vec(),
+        Shape::OpenDown => [60.0, 180.0, 300.0].map(|a| turned(a, 1.2)).to_vec(),
+        Shape::Diamond | Shape::OpenDiamond => {
+            vec![(0.0, -1.3), (1.05, 0.0), (0.0, 1.3), (-1.05, 0.0)]
+        }
+        Shape::Star => (0..10)
+            .map(|i| turned(36.0 * f64::from(i), if i % 2 == 0 { 1.45 } else { 0.6 }))
+            .collect(),
+        Shape::Plus => vec![(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)],
+        Shape::Cross => vec![(-0.85, -0.85), (0.85, 0.85), (-0.85, 0.85), (0.85, -0.85)],
+        Shape::Tick => vec![(0.0, -1.0), (0.0, 1.0)],
+    };
+    let placed = offsets
+        .into_iter()
+        .map(|(dx, dy)| (x + size * dx, y + size * dy));
+    placed.collect()
+}

@@ -1,0 +1,175 @@
+//! A frame with axes, and the layers drawn in it.
+
+use super::axis::{Scale, TICK_SIZE, drawable};
+use super::canvas::{Align, Canvas, Drawn, Place};
+use super::palette::{BLACK, GREY, Pen};
+use super::placement::{NAME_SIZE, written};
+use super::text::{cut, width};
+use super::{Cell, Heading, Layer, Point};
+
+/// Size of the texts along the axes.
+pub const CAPTION_SIZE: f64 = 18.0;
+
+/// Size of small texts beside a frame.
+const SMALL: f64 = 0.88 * TICK_SIZE;
+
+/// Length of the ticks.
+const TICK: f64 = 6.0;
+
+/// Width of the rim of areas: without it paper shows between areas that only touch.
+const RIM: f64 = 0.8;
+
+/// How far cells reach over their upper edge, for the same reason, in pixels.
+const SEAM: f64 = 0.5;
+
+/// A frame on a sheet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Upper left corner.
+    pub from: Place,
+    /// Lower right corner.
+    pub to: Place,
+    /// Horizontal axis.
+    pub x: Scale,
+    /// Vertical axis.
+    pub y: Scale,
+    /// Room for the figures of the vertical axis, the same in all frames below each other.
+    pub figures: f64,
+    /// Whether figures and caption stand below the frame.
+    pub labelled_below: bool,
+}
+
+impl Frame {
+    /// Where a point of the data lies; none for what cannot be drawn.
+    pub fn place(&self, (x, y): Point) -> Option<Place> {
+        (drawable(x) && drawable(y)).then(|| self.at(self.x.part(x), self.y.part(y)))
+    }
+
+    /// A place by its parts of the axes.
+    fn at(&self, across: f64, up: f64) -> Place {
+        (
+            self.from.0 + across * (self.to.0 - self.from.0),
+            self.to.1 - up * (self.to.1 - self.from.1),
+        )
+    }
+
+    /// Draws layers.
+    pub fn paint(&self, canvas: &mut Canvas<'_>, layers: &[Layer]) -> Drawn {
+        layers.iter().try_for_each(|layer| match layer {
+            Layer::Line(points, pen) => {
+                let places: Vec<_> = points.iter().map(|point| self.place(*point)).collect();
+                let unbroken = places
+                    .split(Option::is_none)
+                    .map(|stretch| stretch.iter().flatten());
+                unbroken
+                    .map(|stretch| stretch.copied().collect::<Vec<Place>>())
+                    .try_for_each(|stretch| canvas.line(&stretch, *pen))
+            }
+            Layer::Across(y, pen) => {
+                let up = self.y.part(*y);
+                canvas.line(&[self.at(0.0, up), self.at(1.0, up)], *pen)
+            }
+            Layer::Upright(x, pen) => {
+                let across = self.x.part(*x);
+                canvas.line(&[self.at(across, 0.0), self.at(across, 1.0)], *pen)
+            }
+            Layer::Marks(points, mark) => {
+                let mut places = points.iter().filter_map(|point| self.place(*point));
+                places.try_for_each(|place| canvas.mark(place, *mark))
+            }
+            Layer::Area(corners, colour) => {
+                let corners: Vec<_> = corners.iter().filter_map(|p| self.place(*p)).collect();
+                canvas.polygon(&corners, *colour)?;
+                canvas.line(&corners, Pen::solid(*colour, RIM))
+            }
+            Layer::Cells(cells) => cells.iter().try_for_each(|cell| self.cell(canvas, cell)),
+            Layer::Names(names) => {
+                let mut texts = written(self, layers, names).into_iter();
+                texts.try_for_each(|((x, y), text)| {
+                    let base = (x, y + 0.36 * NAME_SIZE);
+                    canvas.text(base, text, NAME_SIZE, Align::Middle, BLACK)
+                })
+            }
+            Layer::Headings(headings) => headings
+                .iter()
+                .try_for_each(|heading| self.heading(canvas, heading)),
+            Layer::Bar { foot, head, text } => self.bar(canvas, [*foot, *head], text),
+            Layer::Remark(text) => self.remark(canvas, text),
+        })
+    }
+
+    fn cell(&self, canvas: &mut Canvas<'_>, cell: &Cell) -> Drawn {
+        let within = |scale: &Scale, value: f64| match value {
+            value if value.is_nan() => None,
+            value => Some(scale.part(value).clamp(0.0, 1.0)),
+        };
+        let place = |(x, y): Point| Some(self.at(within(&self.x, x)?, within(&self.y, y)?));
+        let (Some(from), Some(to)) = (place(cell.from), place(cell.to)) else {
+            return Ok(());
+        };
+        // over the seam to what comes next, which is drawn on top
+        canvas.area(from, (to.0, to.1 - SEAM), cell.colour)
+    }
+
+    fn heading(&self, canvas: &mut Canvas<'_>, heading: &Heading) -> Drawn {
+        let [from, to] = heading.ends.map(|end| self.at(self.x.part(end), 1.0));
+        let fits = |text: &&String| width(text, SMALL) <= to.0 - from.0;
+        let Some(text) = heading.names.iter().find(fits) else {
+            return Ok(());
+        };
+        let place = (0.5 * (from.0 + to.0), from.1 - 5.0);
+        canvas.text(place, text, SMALL, Align::Middle, BLACK)
+    }
+
+    fn bar(&self, canvas: &mut Canvas<'_>, ends: [f64; 2], text: &[String; 2]) -> Drawn {
+        let [foot, head] = ends.map(|end| self.at(1.0, self.y.part(end)).1);
+        let x = self.to.0 + 12.0;
+        let pen = Pen::solid(BLACK, 1.6);
+        canvas.line(&[(x, foot), (x, head)], pen)?;
+        for y in [foot, head] {
+            canvas.line(&[(x - 4.0, y), (x + 4.0, y)], pen)?;
+        }
+        let middle = 0.5 * (foot + head);
+        for (line, base) in text.iter().zip([middle - 1.0, middle + 1.1 * SMALL]) {
+            canvas.text((x + 8.0, base), line, SMALL, Align::Left, BLACK)?;
+        }
+        Ok(())
+    }
+
+    fn remark(&self, canvas: &mut Canvas<'_>, text: &str) -> Drawn {
+        let (x, y) = self.at(0.5, 0.5);
+        let place = (x, y + 0.35 * TICK_SIZE);
+        canvas.text(place, text, TICK_SIZE, Align::Middle, GREY)
+    }
+
+    /// Draws the border, the ticks, their figures and the captions.
+    pub fn border(&self, canvas: &mut Canvas<'_>) -> Drawn {
+        let pen = Pen::solid(BLACK, 1.3);
+        let ((left, top), (right, bottom)) = (self.from, self.to);
+        for tick in &self.x.ticks {
+            let (x, _) = self.at(self.x.part(tick.value), 0.0);
+            canvas.line(&[(x, bottom), (x, bottom - TICK)], pen)?;
+            canvas.line(&[(x, top), (x, top + TICK)], pen)?;
+            if self.labelled_below {
+                let place = (x, bottom + 1.25 * TICK_SIZE);
+                canvas.text(place, &tick.text, TICK_SIZE, Align::Middle, BLACK)?;
+            }
+        }
+        for tick in &self.y.ticks {
+            let (_, y) = self.at(0.0, self.y.part(tick.value));
+            canvas.line(&[(left, y), (left + TICK, y)], pen)?;
+            canvas.line(&[(right, y), (right - TICK, y)], pen)?;
+            let place = (left - 6.0, y + 0.36 * TICK_SIZE);
+            canvas.text(place, &tick.text, TICK_SIZE, Align::Right, BLACK)?;
+        }
+        canvas.outline(&[self.from, (right, top), self.to, (left, bottom)], pen)?;
+        if self.labelled_below {
+            let place = (0.5 * (left + right), bottom + 2.6 * CAPTION_SIZE);
+            let caption = cut(&self.x.caption, CAPTION_SIZE, right);
+            canvas.text(place, &caption, CAPTION_SIZE, Align::Middle, BLACK)?;
+        }
+        let place = (left - self.figures - 15.0, 0.5 * (top + bottom));
+        let caption = cut(&self.y.caption, CAPTION_SIZE, bottom);
+        canvas.text(place, &caption, CAPTION_SIZE, Align::Upward, BLACK)
+    }
+}

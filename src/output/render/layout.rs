@@ -1,0 +1,162 @@
+//! Arrangement of a picture: title, panels one below the other or beside each other, legend.
+
+use super::axis::{Scale, TICK_SIZE, Ticks};
+use super::canvas::{Align, WIDTH, compose};
+use super::frame::{CAPTION_SIZE, Frame};
+use super::palette::BLACK;
+use super::text::{cut, width};
+use super::{Layer, Panel, Picture, RenderError};
+
+/// Size of the title.
+const TITLE_SIZE: f64 = 18.0;
+
+/// Size that a long title shrinks to before it is cut.
+const SMALLEST_TITLE: f64 = 14.0;
+
+/// Length of a horizontal axis between margins of the usual width, for the choice of its figures.
+const LENGTH: f64 = WIDTH - 110.0;
+
+/// The same for two panels beside each other.
+const HALF_LENGTH: f64 = 185.0;
+
+/// Height for which an axis has one more tick.
+const PER_TICK: f64 = 45.0;
+
+/// Room between panels, above headings, and right of a frame with a bar.
+const BETWEEN: f64 = 14.0;
+const HEADINGS: f64 = 12.0;
+const BAR: f64 = 74.0;
+
+impl Picture {
+    /// The picture as SVG. The same picture gives the same bytes.
+    ///
+    /// # Errors
+    /// When the backend fails.
+    pub fn svg(&self) -> Result<String, RenderError> {
+        let (frames, bottom) = if self.beside {
+            self.beside()
+        } else {
+            self.below()
+        };
+        let height = (bottom + self.legend.height()).ceil();
+        compose(height, |canvas| {
+            if let Some(title) = &self.title {
+                let place = (0.5 * WIDTH, 1.3 * TITLE_SIZE);
+                let room = WIDTH - 20.0;
+                let size = (TITLE_SIZE * room / width(title, TITLE_SIZE))
+                    .clamp(SMALLEST_TITLE, TITLE_SIZE);
+                canvas.text(place, &cut(title, size, room), size, Align::Middle, BLACK)?;
+            }
+            for (frame, panel) in frames.iter().zip(&self.panels) {
+                frame.paint(canvas, &panel.layers)?;
+            }
+            for frame in &frames {
+                frame.border(canvas)?;
+            }
+            self.legend.paint(canvas, bottom)
+        })
+    }
+
+    /// Where the frames begin.
+    fn top(&self) -> f64 {
+        match self.title {
+            Some(_) => 12.0 + 1.5 * TITLE_SIZE,
+            None => 12.0,
+        }
+    }
+
+    /// Frames from top to bottom, and where they end.
+    fn below(&self) -> (Vec<Frame>, f64) {
+        let scaled = |panel: &Panel| panel.scales(LENGTH, panel.ticks());
+        let scales: Vec<[Scale; 2]> = self.panels.iter().map(scaled).collect();
+        let figures = scales
+            .iter()
+            .map(|[_, y]| y.figures_width())
+            .fold(0.0, f64::max);
+        let left = figures + CAPTION_SIZE + 18.0;
+        let has = |panel: &Panel, wanted: fn(&Layer) -> bool| panel.layers.iter().any(wanted);
+        let bar = |panel: &Panel| has(panel, |layer| matches!(layer, Layer::Bar { .. }));
+        let mut margin: f64 = if self.panels.iter().any(bar) {
+            BAR
+        } else {
+            12.0
+        };
+        for [x, _] in &scales {
+            margin = margin.max(overhang(x));
+        }
+        let mut top = self.top();
+        let mut frames: Vec<Frame> = Vec::with_capacity(scales.len());
+        let last = scales.len().saturating_sub(1);
+        for (index, (panel, [x, y])) in self.panels.iter().zip(scales).enumerate() {
+            if index > 0 {
+                top += BETWEEN;
+            } else if has(panel, |layer| matches!(layer, Layer::Headings(_))) {
+                top += HEADINGS;
+            }
+            frames.push(Frame {
+                from: (left, top),
+                to: (WIDTH - margin, top + panel.height),
+                x,
+                y,
+                figures,
+                labelled_below: index == last,
+            });
+            top += panel.height;
+        }
+        (frames, top + 3.2 * CAPTION_SIZE)
+    }
+
+    /// Square frames from left to right, and where they end.
+    fn beside(&self) -> (Vec<Frame>, f64) {
+        let scaled = |panel: &Panel| panel.scales(HALF_LENGTH, Ticks::Within(HALF_LENGTH));
+        let scales: Vec<[Scale; 2]> = self.panels.iter().map(scaled).collect();
+        // Left of each frame stand its figures and, if it has one, its caption.
+        let room = |[_, y]: &[Scale; 2]| match y.caption.is_empty() {
+            true => y.figures_width() + 18.0,
+            false => y.figures_width() + CAPTION_SIZE + 18.0,
+        };
+        let rooms: f64 = scales.iter().map(room).sum();
+        let side = (WIDTH - 14.0 - rooms) / scales.len().max(1) as f64;
+        let (top, mut right) = (self.top(), 0.0);
+        let mut frames = Vec::with_capacity(scales.len());
+        for scale in scales {
+            let left = right + room(&scale);
+            right = left + side;
+            let [x, y] = scale;
+            frames.push(Frame {
+                from: (left, top),
+                to: (right, top + side),
+                figures: y.figures_width(),
+                x,
+                y,
+                labelled_below: true,
+            });
+        }
+        (frames, top + side + 3.2 * CAPTION_SIZE)
+    }
+}
+
+impl Panel {
+    /// How many ticks the vertical axis has.
+    fn ticks(&self) -> Ticks {
+        Ticks::About((self.height / PER_TICK).round().clamp(3.0, 5.0) as usize)
+    }
+
+    /// The axes over what the panel shows; the horizontal one is about this long.
+    pub(super) fn scales(&self, length: f64, vertical: Ticks) -> [Scale; 2] {
+        let points: Vec<_> = self.layers.iter().flat_map(Layer::points).collect();
+        let (xs, ys) = (points.iter().map(|p| p.0), points.iter().map(|p| p.1));
+        [
+            Scale::of(&self.x, xs, Ticks::Within(length)),
+            Scale::of(&self.y, ys, vertical),
+        ]
+    }
+}
+
+/// How far the last figures of a horizontal axis stand out on the right.
+fn overhang(x: &Scale) -> f64 {
+    x.ticks.last().map_or(0.0, |tick| {
+        let inside = (1.0 - x.part(tick.value)) * LENGTH;
+        0.5 * width(&tick.text, TICK_SIZE) - inside + 6.0
+    })
+}
