@@ -9,11 +9,11 @@
 use brakewave::begin::first_wave;
 use brakewave::conditioning::conditioning;
 use brakewave::continuation::{Node, Settings};
+use brakewave::flow::method::Method;
 use brakewave::linalg::Vector;
-use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
+use brakewave::model::{FrictionLaw, Model, Parameter};
 use brakewave::newton::{self, Fixed, System};
-use brakewave::problem::{FrictionLaw, Method, Parameter};
 use brakewave::wave::start::{self, Which, fold_in_friction, least_mismatch, slip_stick};
 use brakewave::wave::{Wave, precise};
 
@@ -220,7 +220,7 @@ fn main() {
         Which::Fast,
     );
     let end = {
-        let coefficients = reference.parameters().coefficients;
+        let coefficients = reference.constants().coefficients;
         4.0 * 0.5 * coefficients.coupling.abs() / (16.0 * coefficients.a + coefficients.h).sqrt()
     };
     for short in [0.5, 1e-3, 1e-6, 1e-9, 1e-12] {

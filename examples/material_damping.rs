@@ -10,8 +10,8 @@
 
 use std::path::Path;
 
-use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
+use brakewave::model::{Damping, Model};
 use brakewave::output::folder::Restart;
 use brakewave::simulation::growth::{self, Request, SETTLING};
 use brakewave::simulation::profile::Profile;
@@ -20,7 +20,10 @@ use brakewave::stability::discretised::{Settings, solve};
 use faer::c64;
 
 const MODEL: Model = Model {
-    stiffness_damping: 0.005,
+    damping: Damping {
+        mass: 0.0,
+        stiffness: 0.005,
+    },
     ..Model::tube(
         Geometry {
             nu: 0.3,
@@ -126,7 +129,7 @@ fn row(name: &str, speed: f64, found: &[c64]) {
 fn simulated(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     println!("\n| label | β | sector | points | λ | scatter |\n|---|---|---|---|---|---|");
     for saved in Restart::read(folder)?.waves {
-        let parameters = saved.model.parameters();
+        let parameters = saved.model.constants();
         let path = folder.join("profiles").join(format!("{}.csv", saved.label));
         if parameters.stiffness_damping == 0.0 || !path.exists() {
             continue;

@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     pairs: PAIRS,
                     settling: SETTLING,
                 };
-                let parameters = saved.model.parameters();
+                let parameters = saved.model.constants();
                 let found = growth::averaged(
                     &parameters,
                     &setup,

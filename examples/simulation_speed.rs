@@ -10,7 +10,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use brakewave::model::Parameters;
+use brakewave::model::Constants;
 use brakewave::model::coefficients::Geometry;
 use brakewave::simulation::annulus::{self, Annulus};
 use brakewave::simulation::ring::{self, Law, Order, Ring};
@@ -36,7 +36,7 @@ fn best(mut work: impl FnMut()) -> f64 {
 }
 
 fn ring(order: Order, watched: bool) -> f64 {
-    let parameters = Parameters {
+    let parameters = Constants {
         coefficients: GEOMETRY.coefficients(),
         friction: 0.5,
         mismatch: 0.2,

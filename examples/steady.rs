@@ -4,7 +4,7 @@
 //! `cargo run --release --example steady`
 
 use brakewave::model::coefficients::Geometry;
-use brakewave::problem::{Damping, FrictionLaw};
+use brakewave::model::{Damping, FrictionLaw};
 use brakewave::steady::radial::Radial;
 use brakewave::steady::{Settings, mode};
 

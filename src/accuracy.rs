@@ -16,8 +16,10 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use crate::branch::EventType;
+use crate::flow::method::Method;
 use crate::linalg::Vector;
-use crate::problem::{Continuation, FrictionLaw, Method, Problem};
+use crate::model::FrictionLaw;
+use crate::problem::{Continuation, Problem};
 use crate::run::{Branch, End, RunError};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::discretised;
@@ -399,7 +401,7 @@ fn flow_row(
         ..empty(rung, reference, String::new())
     }
     .took(seconds);
-    if method == Method::Exact && problem.model.friction_law == FrictionLaw::Coulomb {
+    if method == Method::Exact && problem.model.law == FrictionLaw::Coulomb {
         let precise: Vec<(f64, f64)> = found.waves.iter().filter_map(against_closed_form).collect();
         row.speed_error = worst(precise.iter().map(|errors| errors.0));
         row.switch_error = worst(precise.iter().map(|errors| errors.1));

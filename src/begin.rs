@@ -9,10 +9,9 @@ use crate::flow::FlowError;
 use crate::flow::sign::Verdict;
 use crate::follow::{Follower, Settings, Status};
 use crate::linalg::Vector;
-use crate::model::Model;
 use crate::model::signature::{Regime, Signature};
+use crate::model::{FrictionLaw, Model, Parameter};
 use crate::newton::{self, Fixed, System};
-use crate::problem::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, FrictionLaw, Parameter};
 use crate::wave::admissibility::examine;
 use crate::wave::hopf::{Family, NoHopf, family};
 use crate::wave::start::{self, NoWave, Which};
@@ -70,7 +69,7 @@ pub enum NoStart {
 /// The units of a branch that begins with a wave of this excess speed and this largest |V̇|.
 pub fn scales(model: &Model, mode: u32, excess: f64, largest_rate: f64, width: f64) -> Scales {
     let speed = model.speed(excess);
-    let coefficients = model.parameters().coefficients;
+    let coefficients = model.constants().coefficients;
     let rate = RATE_UNITS * largest_rate.abs().max(1.0);
     // m_a = e(2 + e)/(1 + e)²
     let mass = excess * (2.0 + excess) / (1.0 + excess).powi(2);
@@ -111,7 +110,7 @@ pub fn search_first_wave(
     width: f64,
     search: &mut Search,
 ) -> Result<(Wave, Vector), NoStart> {
-    if model.stiffness_damping > 0.0 {
+    if model.damping.stiffness > 0.0 {
         return material_wave(model, parameter, mode, which, width, search);
     }
     let coulomb = Model {
@@ -334,9 +333,9 @@ fn search_steps(steps: continuation::Settings, law: FrictionLaw) -> continuation
         _ => 1.0,
     };
     continuation::Settings {
-        ds: steps.ds.max(longer * DEFAULT_DS),
-        ds_min: steps.ds_min.min(DEFAULT_DS_MIN),
-        ds_max: steps.ds_max.max(longer * DEFAULT_DS_MAX),
+        ds: steps.ds.max(longer * continuation::DEFAULT_DS),
+        ds_min: steps.ds_min.min(continuation::DEFAULT_DS_MIN),
+        ds_max: steps.ds_max.max(longer * continuation::DEFAULT_DS_MAX),
         ..steps
     }
 }
@@ -352,7 +351,7 @@ fn material_wave(
     width: f64,
     search: &mut Search,
 ) -> Result<(Wave, Vector), NoStart> {
-    let beta = model.stiffness_damping;
+    let beta = model.damping.stiffness;
     let found = from_undamped(model, mode, which, search).or_else(|reason| match which {
         Which::Fast => from_hopf(model, mode, search)
             .map_err(|other| format!("{reason}; from the Hopf point of steady sliding: {other}")),
@@ -363,7 +362,7 @@ fn material_wave(
     // in units that do not depend on where the search came from
     let excess = wave.excess_at(&point);
     let above = wave.model_at(&point).mismatch;
-    let largest = (above * wave.model.parameters().coefficients.g - examination.least_pressure)
+    let largest = (above * wave.model.constants().coefficients.g - examination.least_pressure)
         / wave.scales.pressure;
     let scales = scales(model, mode, excess, largest, width);
     // slip-stick waves do not depend on δ: that of the model may be one too
@@ -405,7 +404,7 @@ fn from_undamped(
     which: Which,
     search: &mut Search,
 ) -> Result<(Wave, Vector), String> {
-    let beta = model.stiffness_damping;
+    let beta = model.damping.stiffness;
     let undamped = model.with(Parameter::StiffnessDamping, 0.0);
     let closed = start::slip_stick(&undamped, mode, which).map_err(|error| error.to_string())?;
     let least = start::least_mismatch(&undamped, &closed);

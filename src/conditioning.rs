@@ -12,9 +12,9 @@
 
 use crate::continuation::Node;
 use crate::flow::FlowError;
+use crate::flow::method::{MAX_INTERVALS, Method};
 use crate::linalg::{Factors, Matrix, Vector, kernel};
 use crate::newton::System;
-use crate::problem::{MAX_INTERVALS, Method};
 use crate::wave::Wave;
 
 /// Condition number and expected error of a point.

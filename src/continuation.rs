@@ -11,6 +11,15 @@ use serde::{Deserialize, Serialize};
 use crate::linalg::Vector;
 use crate::newton::{self, Constraint, Failure, Plane, Solution, System};
 
+/// First step along the branch where none is given, in dimensionless scaled arclength.
+pub const DEFAULT_DS: f64 = 0.005;
+/// Smallest step where none is given, in dimensionless scaled arclength.
+pub const DEFAULT_DS_MIN: f64 = 1e-12;
+/// Largest step where none is given, in dimensionless scaled arclength.
+pub const DEFAULT_DS_MAX: f64 = 0.01;
+/// Relative size of the Newton correction at which a point is accepted where none is given.
+pub const DEFAULT_TOLERANCE: f64 = 1e-10;
+
 /// Step lengths and tolerances.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {

@@ -14,15 +14,13 @@ use crate::branch::{
 use crate::conditioning::{Conditioning, conditioning};
 use crate::continuation::{self, Node};
 use crate::flow::FlowError;
+use crate::flow::method::Method;
 use crate::follow::{Follower, Found, Settings, State, Status};
 use crate::linalg::Vector;
-use crate::model::coefficients::{Coefficients, Geometry};
 use crate::model::signature::{Regime, Signature};
-use crate::model::{Model, Source};
+use crate::model::{FrictionLaw, Model, Parameter};
 use crate::newton::{self, System};
-use crate::problem::{
-    self, Continuation, FrictionLaw, Method, Parameter, Problem, Sectors, Start, Toward,
-};
+use crate::problem::{Continuation, Problem, Start, Toward};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::spectrum::{Request, Spectrum};
 use crate::stability::track::{ALLOWANCE, Crossing, PER_POINT, Tracked, Tracker};
@@ -108,6 +106,7 @@ pub struct SavedWave {
     /// Label.
     pub label: usize,
     /// Value of the continuation parameter and of all others.
+    #[serde(with = "crate::model::saved")]
     pub model: Model,
     /// Signature.
     pub signature: Signature,
@@ -138,24 +137,14 @@ impl SavedWave {
 
     /// Whether every zone has its numbers and all of them are finite: a damaged file may say otherwise.
     pub fn is_whole(&self) -> bool {
-        let model = self.model.values();
-        let parameters = [
-            model.mismatch,
-            model.friction,
-            model.mass_damping,
-            model.stiffness_damping,
-            model.gamma.unwrap_or_default(),
-            model.nu.unwrap_or_default(),
-            model.xi.unwrap_or_default(),
-            model.smoothing.unwrap_or_default(),
-        ];
+        let known = |parameter| self.model.value(parameter).is_none_or(f64::is_finite);
         let zones = self.signature.len();
         zones > 0
             && self.zones.len() == zones
             && (self.layers.is_empty() || self.layers.len() == zones)
             && finite(self.zones.as_flattened())
             && finite(&self.layers)
-            && finite(&parameters)
+            && Parameter::ALL.into_iter().all(known)
             && self.excess.is_finite()
     }
 
@@ -305,48 +294,6 @@ pub fn answer(
     };
 }
 
-/// What a problem asks about stability.
-pub fn stability(problem: &Problem) -> Option<Request> {
-    let section = problem.stability.as_ref()?;
-    let sectors = match &section.sectors {
-        Sectors::All => (0..=problem.wave.mode as usize / 2).collect(),
-        Sectors::Only(list) => {
-            let mut list = list.clone();
-            list.sort_unstable();
-            list
-        }
-    };
-    Some(Request {
-        sectors,
-        eigenvalues: section.eigenvalues,
-        max_frequency: section.max_frequency,
-    })
-}
-
-/// The model of a problem.
-pub fn model(problem: &problem::Model) -> Model {
-    Model {
-        source: match problem.coefficients {
-            problem::Coefficients::Geometry { nu, xi, gamma } => {
-                Source::Geometry(Geometry { nu, xi, gamma })
-            }
-            problem::Coefficients::Given { a, b, d, g, h } => Source::Given(Coefficients {
-                a,
-                b,
-                coupling: d,
-                g,
-                h,
-            }),
-        },
-        friction: problem.friction,
-        mismatch: problem.mismatch,
-        mass_damping: problem.damping.mass,
-        stiffness_damping: problem.damping.stiffness,
-        impact: problem.impact,
-        law: problem.friction_law,
-    }
-}
-
 fn which(start: &Start) -> Option<Which> {
     match start {
         Start::Fast => Some(Which::Fast),
@@ -435,7 +382,7 @@ impl Branch {
         watch: begin::Watch,
     ) -> Result<Branch, RunError> {
         let parameter = continuation.parameter;
-        let mut model = model(&problem.model);
+        let mut model = problem.model;
         let material = model.has_material_damping(parameter);
         if material && model.law != FrictionLaw::Coulomb {
             return Err(RunError::Asked {
@@ -565,7 +512,7 @@ impl Branch {
             }
             _ => (wave, point),
         };
-        if let Some(request) = stability(problem) {
+        if let Some(request) = problem.request() {
             let period: f64 = wave.unpack(&point).iter().map(|zone| zone[2]).sum();
             let count = request.max_frequency * period / std::f64::consts::PI;
             if count > MOST_EIGENVALUES {
@@ -609,7 +556,7 @@ impl Branch {
             profiles: problem.output.profiles,
             conditioning: problem.output.conditioning,
             family,
-            stability: stability(problem),
+            stability: problem.request(),
             notes: Vec::new(),
             incomplete: false,
             follower,
@@ -628,7 +575,7 @@ impl Branch {
     ) -> Result<Branch, String> {
         let model = saved.model;
         let (signature, point) = progress.first.clone();
-        let method = problem.method.unwrap_or(model.law.default_method());
+        let method = problem.method.unwrap_or(Method::cheapest(model.law));
         let up = progress
             .leg
             .checked_sub(1)
@@ -637,7 +584,9 @@ impl Branch {
             && progress.passed.len() == problem.output.profiles
             && progress.spectrum.iter().all(|spectrum| {
                 let found = spectrum.sectors.iter().map(|sector| sector.sector);
-                stability(problem).is_some_and(|request| found.eq(request.sectors))
+                problem
+                    .request()
+                    .is_some_and(|request| found.eq(request.sectors))
             })
             && !signature.is_empty()
             && finite(&progress.scales)
@@ -670,7 +619,7 @@ impl Branch {
             // it was handed out before anything was saved
             family: None,
             progress,
-            stability: stability(problem),
+            stability: problem.request(),
             notes: Vec::new(),
             incomplete: false,
             follower,

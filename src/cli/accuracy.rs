@@ -77,7 +77,7 @@ pub fn accuracy(arguments: &AccuracyArguments) -> Result<u8, Failure> {
     let existing = Existing::of(arguments.resume, arguments.force);
     let inputs = inputs(&arguments.problem, &problem);
     let store = Store::open(&out, Kind::Accuracy, &problem, existing, &inputs)?;
-    let law = problem.model.friction_law;
+    let law = problem.model.law;
     let ladder = accuracy::ladder(law);
     let earlier = if store.resumes() {
         earlier(&store, &ladder)?

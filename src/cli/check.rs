@@ -10,7 +10,8 @@ use super::progress::Progress;
 use super::run::{Prepared, ready};
 use super::{BAD_INPUT, Failure, INPUT_OUTPUT, NUMERICAL, UNMET, print, spare, warn, write};
 use crate::branch::Event;
-use crate::problem::{self, Expectation, Parameter, Problem};
+use crate::model::Parameter;
+use crate::problem::{self, Expectation, Problem};
 use crate::run::{Branch, End};
 
 #[derive(Debug, Args)]

@@ -23,8 +23,9 @@ use crate::curve::start::NoCurve;
 use crate::output::pictures::PlotError;
 use crate::output::render::{Format, RenderError};
 use crate::output::store::{StoreError, io_error};
-use crate::problem::{self, CurveEvent, Problem, ProblemError, SimulationStart, Start};
+use crate::problem::{self, CurveEvent, Problem, ProblemError, Start};
 use crate::run::RunError;
+use crate::simulation::task::SimulationStart;
 use crate::steady::radial;
 use crate::wave::hopf::NoHopf;
 

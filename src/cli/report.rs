@@ -4,9 +4,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::branch::EventType;
+use crate::model::Parameter;
 use crate::output::folder::{BRANCH, EVENTS};
 use crate::output::store::{self, StoreError};
-use crate::problem::Parameter;
 use crate::table::Table;
 
 /// A number for a table: 12 significant digits, in a width of 18.

@@ -86,7 +86,7 @@ pub fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepared, Fa
             of_mode(&earlier, dir, problem.wave.mode)
                 .map_err(|(message, help)| source.refuse("wave.mode", message, &help))?;
             let wave = earlier.wave(dir, *label)?.clone();
-            let law = problem.model.friction_law;
+            let law = problem.model.law;
             let other = std::mem::discriminant(&law) != std::mem::discriminant(&wave.model.law);
             if other && problem::says(&source.text, "model.friction_law") {
                 let message = format!(
@@ -102,7 +102,7 @@ pub fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepared, Fa
     };
     if problem.wave.start == Start::Hopf {
         // there are waves on one side of it only
-        continuation.toward = continuation.parameter.beyond_hopf();
+        continuation.toward = Toward::beyond_hopf(continuation.parameter);
         return Ok(Prepared {
             problem,
             continuation,

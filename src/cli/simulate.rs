@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::progress::{self, Progress};
 use super::{Failure, default_folder, inputs, print, warn};
-use crate::model::{Model, Parameters, Source};
+use crate::model::{Constants, Model};
 use crate::output::folder::{RESTART, Restart};
 use crate::output::pictures;
 use crate::output::render::Format;
@@ -16,12 +16,14 @@ use crate::output::simulation::{
     CHECKPOINT, Checkpoint, END, SERIES, START, SimulationFolder, columns,
 };
 use crate::output::store::{Existing, Kind, Store, StoreError, damaged};
-use crate::problem::{self, Body, Circle, Problem, Sectors, Simulation, SimulationStart};
+use crate::problem::{self, Problem};
 use crate::simulation::growth::{self, GrowthRow};
 use crate::simulation::measure::{self, Measure, Sample};
 use crate::simulation::motion::{Motion, angle};
 use crate::simulation::profile::Profile;
 use crate::simulation::ring;
+use crate::simulation::task::{Body, Circle, Simulation, SimulationStart};
+use crate::stability::Sectors;
 
 #[derive(Debug, Args)]
 pub struct SimulateArguments {
@@ -69,7 +71,7 @@ struct Beginning {
 }
 
 fn beginning(problem: &Problem, section: &Simulation) -> Result<Beginning, Failure> {
-    let model = crate::run::model(&problem.model);
+    let model = problem.model;
     let (dir, label) = match &section.start {
         SimulationStart::SteadySliding => return Ok(Beginning { model, wave: None }),
         SimulationStart::Profile { file, speed } => {
@@ -98,7 +100,7 @@ fn beginning(problem: &Problem, section: &Simulation) -> Result<Beginning, Failu
     }
     let restart = Restart::read(dir)?;
     let saved = restart.wave(dir, *label)?;
-    let (found, wanted) = (saved.model.parameters(), model.parameters());
+    let (found, wanted) = (saved.model.constants(), model.constants());
     if found != wanted {
         warn(&format!(
             "the wave brings its own parameters: mismatch {}, friction {}, mass damping {}, \
@@ -137,11 +139,8 @@ fn simulate_with(arguments: &SimulateArguments) -> Result<u8, Failure> {
     let name = arguments.problem.display().to_string();
     let section = problem.simulation(&text, &name)?;
     let Beginning { model, wave } = beginning(&problem, section)?;
-    let parameters = model.parameters();
-    let geometry = match model.source {
-        Source::Geometry(geometry) => Some(geometry),
-        Source::Given(_) => None,
-    };
+    let parameters = model.constants();
+    let geometry = model.source.geometry();
     let mode = problem.wave.mode;
     let watched = match (&section.start, section.perturbation) {
         (SimulationStart::SteadySliding, Some(perturbation)) => perturbation.mode,
@@ -379,7 +378,7 @@ struct Sector {
 fn growth_requests(
     problem: &Problem,
     section: &Simulation,
-    parameters: &Parameters,
+    parameters: &Constants,
     wave: Option<&Profile>,
 ) -> Result<Vec<Sector>, Failure> {
     let (Some(growth), Body::Ring { points, .. }, Some(wave)) =
@@ -438,7 +437,7 @@ impl Sector {
     /// `tick` is told the work of every pair of runs.
     fn eigenvalues(
         &self,
-        parameters: &Parameters,
+        parameters: &Constants,
         wave: &Profile,
         tick: &mut dyn FnMut(f64),
     ) -> Result<Vec<GrowthRow>, growth::GrowthError> {

@@ -10,8 +10,9 @@ use super::{Failure, NUMERICAL, print, spare, warn, write};
 use crate::branch::EventType;
 use crate::branch::row::{EigenfunctionRow, EigenvalueRow, WaveEigenvalueRow};
 use crate::linalg::Vector;
-use crate::problem::{FrictionLaw, Parameter, Problem};
-use crate::run::{Branch, End, Item, answer, stability};
+use crate::model::{FrictionLaw, Parameter};
+use crate::problem::Problem;
+use crate::run::{Branch, End, Item, answer};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::discretised;
 use crate::stability::eigenfunction::eigenfunction;
@@ -131,7 +132,7 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
         spare(path, std::slice::from_ref(&arguments.problem))?;
     }
     if arguments.discretised.is_some() {
-        smoothing(problem.model.friction_law, arguments.epsilon)?;
+        smoothing(problem.model.law, arguments.epsilon)?;
     }
     let mode = problem.wave.mode as usize;
     if let Some(sector) = arguments.sector
@@ -142,7 +143,7 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
             mode - 1
         )));
     }
-    let mut request = stability(&problem).unwrap_or_else(|| Request {
+    let mut request = problem.request().unwrap_or_else(|| Request {
         sectors: (0..=mode / 2).collect(),
         eigenvalues: crate::problem::DEFAULT_EIGENVALUES,
         max_frequency: crate::problem::DEFAULT_MAX_FREQUENCY,
@@ -368,10 +369,9 @@ pub(super) fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Re
     if model.value(parameter).is_none() {
         return refused("the model has no such parameter");
     }
-    let (holds, rule) = parameter.admits(value);
-    if !(holds && value.is_finite()) {
-        return refused(rule);
+    if !(parameter.admits(value) && value.is_finite()) {
+        return refused(&parameter.rule());
     }
-    model.set(parameter, value);
+    *model = model.with(parameter, value);
     Ok(())
 }

@@ -9,10 +9,9 @@ use clap::Args;
 use super::progress::Ticker;
 use super::spectrum::{assignment, set};
 use super::{Failure, picture, print, warn};
-use crate::model::Source;
+use crate::model::Parameter;
 use crate::output::pictures;
-use crate::problem::{self, MAX_MODE, Parameter};
-use crate::run::model;
+use crate::problem::{self, MAX_MODE};
 use crate::steady::row::ModeRow;
 use crate::steady::{self, Mode, Settings};
 use crate::table;
@@ -68,12 +67,9 @@ pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
     for (parameter, value) in &arguments.at {
         set(&mut problem, *parameter, *value)?;
     }
-    let model = model(&problem.model);
-    let geometry = match &model.source {
-        Source::Geometry(geometry) => Some(geometry),
-        Source::Given(_) => None,
-    };
-    let coefficients = model.parameters().coefficients;
+    let model = problem.model;
+    let geometry = model.source.geometry();
+    let coefficients = model.constants().coefficients;
     let (first, last) = arguments
         .modes
         .unwrap_or((1, (2 * problem.wave.mode).clamp(LEAST_MODES, MAX_MODE)));
@@ -81,7 +77,7 @@ pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
         friction: model.friction,
         law: model.law,
         mismatch: model.mismatch,
-        damping: problem.model.damping,
+        damping: model.damping,
         families: usize::from(arguments.families),
         order: arguments.order.map(usize::from),
     };
@@ -93,7 +89,7 @@ pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
     let modes: Vec<Mode> = (first..=last)
         .map(|mode| {
             here.store(mode, Ordering::Relaxed);
-            steady::mode(&coefficients, geometry, mode, &settings)
+            steady::mode(&coefficients, geometry.as_ref(), mode, &settings)
         })
         .collect::<Result<_, _>>()?;
     drop(ticker);

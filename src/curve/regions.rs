@@ -237,7 +237,7 @@ impl Section {
                 let parameter = system.parameters()[axis];
                 let width = high - low;
                 let further = |values: [f64; 2], edge: f64| {
-                    let admitted = values.into_iter().find(|value| parameter.admits(*value).0);
+                    let admitted = values.into_iter().find(|value| parameter.admits(*value));
                     admitted.unwrap_or(edge)
                 };
                 low = further([low - width, TOWARDS_ZERO * low], low);

@@ -2,10 +2,12 @@
 
 use crate::branch::EventType;
 use crate::linalg::{self, Vector};
+use crate::model::Parameter;
 use crate::model::signature::Regime;
 use crate::newton;
-use crate::problem::{self, Continuation, Parameter, Problem, Sectors, StabilitySection};
+use crate::problem::{self, Continuation, Problem, StabilitySection};
 use crate::run::{Branch, End, Item, RunError, SavedWave};
+use crate::stability::Sectors;
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch, examine};
 

@@ -18,11 +18,11 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use crate::flow::FlowError;
+use crate::flow::method::Method;
 use crate::linalg::{Matrix, Vector};
-use crate::model::Model;
 use crate::model::signature::Signature;
+use crate::model::{Model, Parameter};
 use crate::newton::{Constraint, System};
-use crate::problem::{Method, Parameter};
 use crate::stability::characteristic::{Characteristic, NotLinearised};
 use crate::wave::admissibility::{AtZero, Margin};
 use crate::wave::{Scales, Wave};
@@ -60,6 +60,7 @@ pub enum NotEvaluated {
 /// the condition, both parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EventSystem {
+    #[serde(with = "crate::model::saved")]
     model: Model,
     parameters: [Parameter; 2],
     widths: [f64; 2],

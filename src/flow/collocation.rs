@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 
 use super::equations::{Dual, Field};
 use super::{FlowError, Jet};
-use crate::problem::MAX_DEGREE;
+use crate::flow::method::MAX_DEGREE;
 
 /// Gauss points on \[0, 1\] with the integrals of their Lagrange polynomials.
 #[derive(Clone, Debug)]

@@ -300,11 +300,11 @@ pub(super) const SHORT_TERMS: usize = 20;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Parameters;
+    use crate::model::Constants;
     use crate::model::coefficients::{Coefficients, Geometry};
 
     fn flow(friction: f64, damping: f64, excess: f64, sliding: f64) -> ContactFlow {
-        let parameters = Parameters {
+        let parameters = Constants {
             coefficients: Geometry {
                 nu: 0.3,
                 xi: 1.5,
@@ -317,10 +317,10 @@ mod tests {
             stiffness_damping: 0.0,
             smoothing: 0.0,
         };
-        let derivative = Parameters {
+        let derivative = Constants {
             coefficients: Coefficients::default(),
             mismatch: 1.0,
-            ..Parameters::default()
+            ..Constants::default()
         };
         ContactFlow::new(
             &Frame::new(&parameters, &derivative, excess).unwrap(),

@@ -22,7 +22,7 @@
 //! second integrates the variational equations with the first.
 
 use super::{DURATION, ENTRY_W, ENTRY_Y, Frame, Jet};
-use crate::problem::FrictionLaw;
+use crate::model::FrictionLaw;
 
 /// A number or a number with derivatives.
 pub trait Number: Copy {

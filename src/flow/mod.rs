@@ -19,6 +19,7 @@ pub mod collocation;
 pub mod contact;
 pub mod equations;
 pub mod material;
+pub mod method;
 pub mod numerical;
 pub mod separation;
 pub mod shooting;
@@ -26,8 +27,7 @@ pub mod sign;
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::Parameters;
-use crate::problem::FrictionLaw;
+use crate::model::{Constants, FrictionLaw};
 use contact::ContactFlow;
 use material::MaterialFlow;
 use numerical::{NumericalContact, NumericalSeparation};
@@ -186,8 +186,8 @@ impl Frame {
     /// The frame of a wave of excess speed e; `derivative` is that of the parameters in the
     /// continuation parameter. Fails unless e > 0.
     pub fn new(
-        parameters: &Parameters,
-        derivative: &Parameters,
+        parameters: &Constants,
+        derivative: &Constants,
         excess: f64,
     ) -> Result<Frame, FlowError> {
         let value = &parameters.coefficients;

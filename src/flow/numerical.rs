@@ -6,7 +6,8 @@ use super::collocation::{self, Mesh};
 use super::equations::{Dual, Separated, Sliding};
 use super::shooting::{self, Steps};
 use super::{FlowError, Frame, Jet, ZoneEnd};
-use crate::problem::{FrictionLaw, Method};
+use crate::flow::method::Method;
+use crate::model::FrictionLaw;
 
 /// How a zone is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -328,7 +329,7 @@ mod tests {
     use super::*;
     use crate::flow::contact::ContactFlow;
     use crate::flow::separation::SeparationFlow;
-    use crate::model::Parameters;
+    use crate::model::Constants;
     use crate::model::coefficients::Geometry;
 
     const METHODS: [Method; 2] = [
@@ -346,7 +347,7 @@ mod tests {
             xi: 1.5,
             gamma: 1.0,
         };
-        let parameters = Parameters {
+        let parameters = Constants {
             coefficients: geometry.coefficients(),
             friction: 0.5 + 0.2 * at,
             mismatch: 0.05 + 0.3 * at,
@@ -354,7 +355,7 @@ mod tests {
             stiffness_damping: 0.0,
             smoothing: 0.3 + 0.5 * at,
         };
-        let derivative = Parameters {
+        let derivative = Constants {
             coefficients: geometry.derivative_in_nu(),
             friction: 0.2,
             mismatch: 0.3,

@@ -268,7 +268,7 @@ impl SeparationFlow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Parameters;
+    use crate::model::Constants;
     use crate::model::coefficients::Geometry;
 
     fn frame(excess: f64, damping: f64) -> Frame {
@@ -277,7 +277,7 @@ mod tests {
             xi: 1.5,
             gamma: 1.0,
         };
-        let parameters = Parameters {
+        let parameters = Constants {
             coefficients: geometry.coefficients(),
             friction: 0.5,
             mismatch: 0.05,
@@ -285,7 +285,7 @@ mod tests {
             stiffness_damping: 0.0,
             smoothing: 0.0,
         };
-        let derivative = Parameters {
+        let derivative = Constants {
             coefficients: geometry.derivative_in_nu(),
             mismatch: 0.3,
             friction: 0.2,

@@ -87,7 +87,8 @@ fn quasi_random(index: usize) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::{Parameter, Start};
+    use crate::model::Parameter;
+    use crate::problem::Start;
 
     fn plane(points: MapPoints) -> Plane {
         let axis = |parameter, range| MapAxis { parameter, range };

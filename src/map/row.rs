@@ -3,8 +3,9 @@
 use super::cell::{Cell, CellPoint};
 use super::plane::Plane;
 use crate::branch::{BranchPoint, EventType};
-use crate::problem::{Continuation, Map, Parameter, Problem, Start, Toward};
-use crate::run::{Branch, End, Item, RunError, answer, model, stability};
+use crate::model::Parameter;
+use crate::problem::{Continuation, Map, Problem, Start, Toward};
+use crate::run::{Branch, End, Item, RunError, answer};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::spectrum::{Request, Spectrum, spectrum};
 
@@ -55,7 +56,7 @@ pub fn row(problem: &Problem, map: &Map, index: usize) -> Result<Vec<Cell>, RunE
             map,
             start,
             // of the spectrum a map keeps the leading eigenvalue and the count
-            request: stability(problem).map(|request| Request {
+            request: problem.request().map(|request| Request {
                 eigenvalues: 1,
                 ..request
             }),
@@ -79,7 +80,8 @@ pub fn row(problem: &Problem, map: &Map, index: usize) -> Result<Vec<Cell>, RunE
                 });
             }
             if cells.len() == before {
-                let at = model(&problem.model)
+                let at = problem
+                    .model
                     .with(map.first.parameter, values[0])
                     .with(map.second.parameter, values[1]);
                 cells.push(Cell {
@@ -113,8 +115,8 @@ impl Search<'_> {
         problem.wave.start = self.start.clone();
         problem.stability = None;
         problem.output = crate::problem::Output::default();
-        problem.model.set(self.map.first.parameter, first);
-        problem.model.set(self.map.second.parameter, second);
+        let model = problem.model.with(self.map.first.parameter, first);
+        problem.model = model.with(self.map.second.parameter, second);
         problem
     }
 
@@ -130,11 +132,7 @@ impl Search<'_> {
             ds_min: steps.ds_min,
             ds_max: steps.ds_max,
             tolerance: steps.tolerance,
-            max_points: Some(
-                steps
-                    .most_points(self.problem.model.friction_law)
-                    .min(MOST_POINTS),
-            ),
+            max_points: Some(steps.most_points(self.problem.model.law).min(MOST_POINTS)),
             ..defaults.clone()
         }
     }

@@ -10,27 +10,22 @@
 //! Lengths are measured by the inner radius R, stresses by E, time by 1/Ω.
 
 pub mod coefficients;
-pub mod friction;
+mod laws;
+mod parameter;
+pub(crate) mod range;
+pub(crate) mod saved;
 pub mod signature;
 
 use serde::{Deserialize, Serialize};
 
 use crate::branch::ParameterValues;
-use crate::problem::{FrictionLaw, Impact, Parameter};
 use coefficients::{Coefficients, Geometry};
+pub use laws::{Damping, FrictionLaw, Impact};
+pub use parameter::Parameter;
 
-/// Where the coefficients of (M) come from.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Source {
-    /// Computed from the tube.
-    Geometry(Geometry),
-    /// Given as numbers.
-    Given(Coefficients),
-}
-
-/// The numbers that enter the equations of one wave. The same structure holds their derivatives.
+/// The constants of the equations of one wave. The same structure holds their derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Parameters {
+pub struct Constants {
     /// a, b, D, g, h of (M).
     pub coefficients: Coefficients,
     /// Friction coefficient f.
@@ -45,142 +40,163 @@ pub struct Parameters {
     pub smoothing: f64,
 }
 
-impl Parameters {
-    /// The same numbers seen in the direction of the shaft (+1) or against it (−1).
-    pub fn seen(mut self, direction: f64) -> Parameters {
+impl Constants {
+    /// The same constants seen in the direction of the shaft (+1) or against it (−1).
+    pub fn seen(mut self, direction: f64) -> Constants {
         self.coefficients.coupling *= direction;
         self
     }
 }
 
-/// A model with all its parameters.
+/// The brake: an elastic tube in frictional contact with a rotating rigid shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Model {
     /// Origin of a, b, D, g, h.
+    #[serde(rename = "coefficients")]
     pub source: Source,
-    /// Friction coefficient f.
+    /// Friction coefficient f ≥ 0.
     pub friction: f64,
-    /// Mismatch δ.
+    /// Mismatch δ > 0, in units of the inner radius R.
     pub mismatch: f64,
-    /// Mass-proportional damping α.
-    pub mass_damping: f64,
-    /// Stiffness-proportional damping β.
-    pub stiffness_damping: f64,
-    /// Impact law.
-    pub impact: Impact,
-    /// Friction law.
+    /// Damping, zero unless given.
     #[serde(default)]
+    pub damping: Damping,
+    /// Law of the impact that ends a separation.
+    #[serde(default)]
+    pub impact: Impact,
+    /// Law of friction; Coulomb's with one coefficient unless given.
+    #[serde(default, rename = "friction_law")]
     pub law: FrictionLaw,
+}
+
+/// Where the coefficients of (M) come from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Source {
+    /// Computed from the tube; see [`Geometry`].
+    Geometry {
+        /// Poisson's ratio ν in (−1, ½).
+        nu: f64,
+        /// Ratio of the radii ξ > 1.
+        xi: f64,
+        /// γ = ρR²Ω²/E > 0.
+        gamma: f64,
+    },
+    /// Given as numbers, all dimensionless; see [`Coefficients`].
+    Given {
+        /// Square of the tangential wave speed, a > b.
+        a: f64,
+        /// Square of the radial wave speed, b > 0.
+        b: f64,
+        /// Coupling D ≠ 0 of the displacements.
+        #[serde(rename = "D")]
+        coupling: f64,
+        /// Radial stiffness, g > 0.
+        g: f64,
+        /// Tangential stiffness, h > 0.
+        h: f64,
+    },
+}
+
+impl Source {
+    /// The tube; `None` where the coefficients are given.
+    pub fn geometry(self) -> Option<Geometry> {
+        match self {
+            Source::Geometry { nu, xi, gamma } => Some(Geometry { nu, xi, gamma }),
+            Source::Given { .. } => None,
+        }
+    }
+
+    /// a, b, D, g, h.
+    pub fn coefficients(self) -> Coefficients {
+        match self {
+            Source::Geometry { nu, xi, gamma } => Geometry { nu, xi, gamma }.coefficients(),
+            Source::Given {
+                a,
+                b,
+                coupling,
+                g,
+                h,
+            } => Coefficients {
+                a,
+                b,
+                coupling,
+                g,
+                h,
+            },
+        }
+    }
+}
+
+impl From<Geometry> for Source {
+    fn from(Geometry { nu, xi, gamma }: Geometry) -> Source {
+        Source::Geometry { nu, xi, gamma }
+    }
+}
+
+impl From<Coefficients> for Source {
+    fn from(given: Coefficients) -> Source {
+        let Coefficients {
+            a,
+            b,
+            coupling,
+            g,
+            h,
+        } = given;
+        Source::Given {
+            a,
+            b,
+            coupling,
+            g,
+            h,
+        }
+    }
 }
 
 impl Model {
     /// An undamped tube with frictionless impact under Coulomb's law.
     pub const fn tube(geometry: Geometry, friction: f64, mismatch: f64) -> Model {
+        let Geometry { nu, xi, gamma } = geometry;
         Model {
-            source: Source::Geometry(geometry),
+            source: Source::Geometry { nu, xi, gamma },
             friction,
             mismatch,
-            mass_damping: 0.0,
-            stiffness_damping: 0.0,
+            damping: Damping {
+                mass: 0.0,
+                stiffness: 0.0,
+            },
             impact: Impact::Frictionless,
             law: FrictionLaw::Coulomb,
         }
     }
 
-    /// The numbers of the equations at these parameters.
-    pub fn parameters(&self) -> Parameters {
-        Parameters {
-            coefficients: match self.source {
-                Source::Geometry(geometry) => geometry.coefficients(),
-                Source::Given(coefficients) => coefficients,
-            },
+    /// The constants of the equations.
+    pub fn constants(&self) -> Constants {
+        Constants {
+            coefficients: self.source.coefficients(),
             friction: self.friction,
             mismatch: self.mismatch,
-            mass_damping: self.mass_damping,
-            stiffness_damping: self.stiffness_damping,
-            smoothing: self.value(Parameter::Smoothing).unwrap_or(0.0),
+            mass_damping: self.damping.mass,
+            stiffness_damping: self.damping.stiffness,
+            smoothing: self.law.smoothing(),
         }
-    }
-
-    /// Value of one parameter; `None` for γ, ν, ξ where the coefficients were
-    /// given, and for ε of a law without.
-    pub fn value(&self, parameter: Parameter) -> Option<f64> {
-        let geometry = match self.source {
-            Source::Geometry(geometry) => Some(geometry),
-            Source::Given(_) => None,
-        };
-        match parameter {
-            Parameter::Mismatch => Some(self.mismatch),
-            Parameter::Friction => Some(self.friction),
-            Parameter::MassDamping => Some(self.mass_damping),
-            Parameter::StiffnessDamping => Some(self.stiffness_damping),
-            Parameter::Gamma => geometry.map(|geometry| geometry.gamma),
-            Parameter::Nu => geometry.map(|geometry| geometry.nu),
-            Parameter::Xi => geometry.map(|geometry| geometry.xi),
-            Parameter::Smoothing => match self.law {
-                FrictionLaw::Regularised { epsilon } => Some(epsilon),
-                _ => None,
-            },
-        }
-    }
-
-    /// The same model with one parameter changed. γ, ν, ξ of given coefficients stay as they are.
-    pub fn with(mut self, parameter: Parameter, value: f64) -> Model {
-        match (parameter, &mut self.source) {
-            (Parameter::Mismatch, _) => self.mismatch = value,
-            (Parameter::Friction, _) => self.friction = value,
-            (Parameter::MassDamping, _) => self.mass_damping = value,
-            (Parameter::StiffnessDamping, _) => self.stiffness_damping = value,
-            (Parameter::Gamma, Source::Geometry(geometry)) => geometry.gamma = value,
-            (Parameter::Nu, Source::Geometry(geometry)) => geometry.nu = value,
-            (Parameter::Xi, Source::Geometry(geometry)) => geometry.xi = value,
-            (Parameter::Smoothing, _) => {
-                if let FrictionLaw::Regularised { epsilon } = &mut self.law {
-                    *epsilon = value;
-                }
-            }
-            (_, Source::Given(_)) => {}
-        }
-        self
     }
 
     /// Whether material damping enters a wave posed in a parameter, be it at β = 0 where β is that
     /// parameter.
     pub fn has_material_damping(&self, parameter: Parameter) -> bool {
-        self.stiffness_damping > 0.0 || parameter == Parameter::StiffnessDamping
-    }
-
-    /// Derivative of [`Model::parameters`] with respect to one parameter.
-    pub fn derivative(&self, parameter: Parameter) -> Parameters {
-        let mut derivative = Parameters::default();
-        match (parameter, &self.source) {
-            (Parameter::Mismatch, _) => derivative.mismatch = 1.0,
-            (Parameter::Friction, _) => derivative.friction = 1.0,
-            (Parameter::MassDamping, _) => derivative.mass_damping = 1.0,
-            (Parameter::Smoothing, _) => derivative.smoothing = 1.0,
-            (Parameter::Gamma, Source::Geometry(geometry)) => {
-                derivative.coefficients = geometry.derivative_in_gamma();
-            }
-            (Parameter::Nu, Source::Geometry(geometry)) => {
-                derivative.coefficients = geometry.derivative_in_nu();
-            }
-            (Parameter::Xi, Source::Geometry(geometry)) => {
-                derivative.coefficients = geometry.derivative_in_xi();
-            }
-            (Parameter::StiffnessDamping, _) => derivative.stiffness_damping = 1.0,
-            (_, Source::Given(_)) => {}
-        }
-        derivative
+        self.damping.stiffness > 0.0 || parameter == Parameter::StiffnessDamping
     }
 
     /// Speed c = ±√a(1 + e) of a wave of excess speed e; it has the sign of D.
     pub fn speed(&self, excess: f64) -> f64 {
-        self.parameters().coefficients.a.sqrt() * (1.0 + excess) * self.direction()
+        self.source.coefficients().a.sqrt() * (1.0 + excess) * self.direction()
     }
 
     /// Sign of D, and of the speed of waves.
     pub fn direction(&self) -> f64 {
-        self.parameters().coefficients.coupling.signum()
+        self.source.coefficients().coupling.signum()
     }
 
     /// The parameters by column name, for tables.
@@ -188,8 +204,8 @@ impl Model {
         ParameterValues {
             mismatch: self.mismatch,
             friction: self.friction,
-            mass_damping: self.mass_damping,
-            stiffness_damping: self.stiffness_damping,
+            mass_damping: self.damping.mass,
+            stiffness_damping: self.damping.stiffness,
             gamma: self.value(Parameter::Gamma),
             nu: self.value(Parameter::Nu),
             xi: self.value(Parameter::Xi),

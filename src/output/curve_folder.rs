@@ -17,7 +17,7 @@ use super::pictures::{self, PlotError};
 use super::render::Format;
 use super::store::{self, Store, StoreError, damaged, encode, hash, io_error};
 use crate::curve::{Curve, Head, Point, Run, Step};
-use crate::problem::Parameter;
+use crate::model::Parameter;
 use crate::table;
 
 /// Name of the table.

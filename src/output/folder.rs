@@ -17,8 +17,9 @@ use super::render::Format;
 use super::store::{self, Store, StoreError, VERSION, bytes, damaged, io_error, read};
 use crate::branch::row::{BranchRow, EigenvalueRow, EventRow, SpectrumRow};
 use crate::curve::start::Labelled;
-use crate::problem::{FrictionLaw, Parameter, Problem, Start};
-use crate::run::{self, Branch, Item, Progress, SavedWave};
+use crate::model::Parameter;
+use crate::problem::{Problem, Start};
+use crate::run::{Branch, Item, Progress, SavedWave};
 use crate::table;
 
 /// Content of `branch.ron`.
@@ -50,7 +51,7 @@ impl Restart {
         let parameter = parameter.map_or(Parameter::Mismatch, |section| section.parameter);
         let model = match (&restart.problem.wave.start, restart.waves.first()) {
             (Start::Restart { .. }, Some(first)) => first.model,
-            _ => run::model(&restart.problem.model),
+            _ => restart.problem.model,
         };
         for (index, wave) in restart.waves.iter().enumerate() {
             let value = wave.model.value(parameter).unwrap_or(f64::NAN);
@@ -168,10 +169,7 @@ impl Folder {
     /// # Errors
     /// When something else is in the way, or the system refuses.
     pub fn create(store: Store, problem: &Problem, branch: &Branch) -> Result<Folder, StoreError> {
-        let smoothing = match problem.model.friction_law {
-            FrictionLaw::Regularised { epsilon } => Some(epsilon),
-            _ => None,
-        };
+        let smoothing = problem.model.value(Parameter::Smoothing);
         let events = table::columns(&EventRow::columns(smoothing));
         let spectrum = branch.with_stability().then_some(SPECTRUM);
         let pictures = problem.output.plots.iter();

@@ -5,21 +5,14 @@ use std::fmt;
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::{FrictionLaw, Parameter};
 use crate::branch::EventType;
+use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE};
+use crate::model::{FrictionLaw, Parameter};
 
-/// First step along the branch where none is given, in dimensionless scaled arclength.
-pub const DEFAULT_DS: f64 = 0.005;
-/// Smallest step where none is given, in dimensionless scaled arclength.
-pub const DEFAULT_DS_MIN: f64 = 1e-12;
-/// Largest step where none is given, in dimensionless scaled arclength.
-pub const DEFAULT_DS_MAX: f64 = 0.01;
 /// Largest number of points of a leg where none is given.
 pub const DEFAULT_MAX_POINTS: usize = 100_000;
 /// The same under a `Regularised` law, whose zones are integrated: some 20 ms a point, five seconds a leg.
 pub const DEFAULT_MAX_POINTS_INTEGRATED: usize = 250;
-/// Relative size of the Newton correction at which a point is accepted where none is given.
-pub const DEFAULT_TOLERANCE: f64 = 1e-10;
 
 /// Which way a branch leaves its first point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,6 +24,17 @@ pub enum Toward {
     /// One branch each way.
     #[default]
     Both,
+}
+
+impl Toward {
+    /// The way a branch leaves a Hopf point of steady sliding: damping ends the waves that friction
+    /// drives.
+    pub fn beyond_hopf(parameter: Parameter) -> Toward {
+        match parameter {
+            Parameter::MassDamping | Parameter::StiffnessDamping => Toward::Down,
+            _ => Toward::Up,
+        }
+    }
 }
 
 /// The branch to follow, with every default filled in.

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE, Parameter};
 use crate::branch::EventType;
+use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE};
+use crate::model::Parameter;
 
 /// Largest number of points of a curve where none is given.
 pub const DEFAULT_CURVE_POINTS: usize = 10_000;

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Parameter, Start};
+use super::Start;
+use crate::model::Parameter;
 
 /// Most rows or columns of a grid.
 pub const MAX_GRID: usize = 100_000;

@@ -9,10 +9,9 @@ mod error;
 mod examples;
 mod expectation;
 mod explanation;
+mod fields;
 mod map;
 mod outline;
-mod parameter;
-mod simulation;
 #[cfg(test)]
 mod tests;
 mod validation;
@@ -25,20 +24,18 @@ use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 
 pub use continuation::{
-    Continuation, DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_MAX_POINTS,
-    DEFAULT_MAX_POINTS_INTEGRATED, DEFAULT_TOLERANCE, StopAfter, Toward,
+    Continuation, DEFAULT_MAX_POINTS, DEFAULT_MAX_POINTS_INTEGRATED, StopAfter, Toward,
 };
 pub use curve::{Curve, CurveEvent, DEFAULT_CURVE_POINTS};
 pub use error::ProblemError;
-pub use expectation::Expectation;
+pub use expectation::{Expectation, MAX_EXPECTATIONS};
 pub use map::{MAX_GRID, MAX_MAP_POINTS, Map, MapAxis, MapPoints};
-pub use parameter::Parameter;
-pub use simulation::{
-    Body, Circle, DEFAULT_COURANT, DEFAULT_EVERY, DEFAULT_GROWTH_AMPLITUDE, DEFAULT_PAIRS,
-    DifferenceOrder, Growth, MAX_COURANT, MAX_SAMPLES, MAX_SIMULATION_POINTS, MAX_SNAPSHOTS,
-    MIN_SIMULATION_POINTS, Perturbation, RingFriction, Simulation, SimulationStart,
-};
 
+use crate::flow::method::Method;
+use crate::model::Model;
+use crate::simulation::task::Simulation;
+use crate::stability::Sectors;
+use crate::stability::spectrum::Request;
 use error::Flaw;
 use outline::Outline;
 
@@ -95,6 +92,12 @@ pub struct Problem {
 }
 
 impl Problem {
+    /// What the section `stability` asks for; `None` without one.
+    pub fn request(&self) -> Option<Request> {
+        let section = self.stability.as_ref()?;
+        Some(section.request(self.wave.mode))
+    }
+
     /// The `continuation` section, or an error that says how to write one.
     ///
     /// `text` and `name` are the source of the problem and the name of its file, for the message.
@@ -159,171 +162,6 @@ impl Problem {
     }
 }
 
-/// The brake: an elastic tube in frictional contact with a rotating rigid shaft.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Model {
-    /// Coefficients of the equations of motion.
-    pub coefficients: Coefficients,
-    /// Friction coefficient f ≥ 0.
-    pub friction: f64,
-    /// Mismatch δ > 0, in units of the inner radius R.
-    pub mismatch: f64,
-    /// Damping, zero unless given.
-    #[serde(default)]
-    pub damping: Damping,
-    /// Law of the impact that ends a separation.
-    #[serde(default)]
-    pub impact: Impact,
-    /// Law of friction; Coulomb's with one coefficient unless given.
-    #[serde(default)]
-    pub friction_law: FrictionLaw,
-}
-
-impl Model {
-    /// The value of a parameter; `None` for γ, ν and ξ where the coefficients were given directly.
-    pub fn value(&self, parameter: Parameter) -> Option<f64> {
-        let geometry = match self.coefficients {
-            Coefficients::Geometry { nu, xi, gamma } => Some((nu, xi, gamma)),
-            Coefficients::Given { .. } => None,
-        };
-        match parameter {
-            Parameter::Mismatch => Some(self.mismatch),
-            Parameter::Friction => Some(self.friction),
-            Parameter::MassDamping => Some(self.damping.mass),
-            Parameter::StiffnessDamping => Some(self.damping.stiffness),
-            Parameter::Smoothing => match self.friction_law {
-                FrictionLaw::Regularised { epsilon } => Some(epsilon),
-                _ => None,
-            },
-            Parameter::Nu => geometry.map(|(nu, _, _)| nu),
-            Parameter::Xi => geometry.map(|(_, xi, _)| xi),
-            Parameter::Gamma => geometry.map(|(_, _, gamma)| gamma),
-        }
-    }
-
-    /// Changes the value of a parameter; γ, ν and ξ of coefficients given directly stay unknown.
-    pub fn set(&mut self, parameter: Parameter, value: f64) {
-        match (parameter, &mut self.coefficients) {
-            (Parameter::Mismatch, _) => self.mismatch = value,
-            (Parameter::Friction, _) => self.friction = value,
-            (Parameter::MassDamping, _) => self.damping.mass = value,
-            (Parameter::StiffnessDamping, _) => self.damping.stiffness = value,
-            (Parameter::Nu, Coefficients::Geometry { nu, .. }) => *nu = value,
-            (Parameter::Xi, Coefficients::Geometry { xi, .. }) => *xi = value,
-            (Parameter::Gamma, Coefficients::Geometry { gamma, .. }) => *gamma = value,
-            (Parameter::Smoothing, _) => {
-                if let FrictionLaw::Regularised { epsilon } = &mut self.friction_law {
-                    *epsilon = value;
-                }
-            }
-            (_, Coefficients::Given { .. }) => {}
-        }
-    }
-}
-
-/// Where the coefficients of the equations of motion come from.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Coefficients {
-    /// Computed from the geometry and the material.
-    Geometry {
-        /// Poisson's ratio ν in (−1, ½).
-        nu: f64,
-        /// Ratio of the radii ξ = R*/R > 1.
-        xi: f64,
-        /// γ = ρR²Ω²/E > 0.
-        gamma: f64,
-    },
-    /// Given directly, all dimensionless.
-    Given {
-        /// Square of the tangential wave speed, a > b.
-        a: f64,
-        /// Square of the radial wave speed, b > 0.
-        b: f64,
-        /// Coupling of the displacements, D ≠ 0; the wave runs in the direction of its sign.
-        #[serde(rename = "D")]
-        d: f64,
-        /// Radial stiffness, g > 0.
-        g: f64,
-        /// Tangential stiffness, h > 0.
-        h: f64,
-    },
-}
-
-/// Viscous damping.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Damping {
-    /// Mass-proportional part α ≥ 0, in units of Ω.
-    pub mass: f64,
-    /// Stiffness-proportional part β ≥ 0, in units of 1/Ω.
-    pub stiffness: f64,
-}
-
-/// Law of the impact that ends a separation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Impact {
-    /// V̇ is continuous at landing.
-    #[default]
-    Frictionless,
-    /// The impulse of landing carries friction: m_a[V̇] = ±f m_b|U̇⁻|, towards V̇ = 1 and not
-    /// beyond.
-    Coulomb,
-}
-
-/// Friction coefficient as a function of the sliding velocity v = |1 − V̇|; f is `friction`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum FrictionLaw {
-    /// f whatever the velocity, and in stick.
-    #[default]
-    Coulomb,
-    /// f in sliding, ratio·f in stick.
-    Static {
-        /// Static by kinetic coefficient, at least 1.
-        ratio: f64,
-    },
-    /// f·(1 + (ratio − 1)e^{−v/velocity}): from ratio·f at rest down to f.
-    Stribeck {
-        /// Static by kinetic coefficient, at least 1.
-        ratio: f64,
-        /// Velocity over which friction falls, in units of RΩ, greater than 0.
-        velocity: f64,
-    },
-    /// f·tanh((1 − V̇)/ε): no stick, the surface creeps instead.
-    Regularised {
-        /// ε > 0, in units of RΩ.
-        epsilon: f64,
-    },
-}
-
-/// How the equations of a zone are solved.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Method {
-    /// Closed form and matrix exponential: exact to rounding, for friction that does not depend on
-    /// the velocity.
-    Exact,
-    /// Multiple shooting: an explicit Runge–Kutta method of order 8 with its variational equations.
-    Shooting {
-        /// Relative and absolute tolerance of a step.
-        tolerance: f64,
-    },
-    /// Gauss–Legendre collocation on an adapted mesh in every zone.
-    Collocation {
-        /// Mesh intervals in a zone.
-        intervals: usize,
-        /// Collocation points in an interval: the order is twice that.
-        degree: usize,
-    },
-}
-
-/// Largest number of mesh intervals in a zone.
-pub const MAX_INTERVALS: usize = 2000;
-/// Largest number of collocation points in an interval.
-pub const MAX_DEGREE: usize = 7;
-
 /// The wave a computation begins with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -376,14 +214,15 @@ impl Default for StabilitySection {
     }
 }
 
-/// A choice of Bloch sectors.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Sectors {
-    /// Every sector from 0 to half the mode.
-    #[default]
-    All,
-    /// The listed sectors, each at most half the mode.
-    Only(Vec<usize>),
+impl StabilitySection {
+    /// What to compute for waves of a mode.
+    pub fn request(&self, mode: u32) -> Request {
+        Request {
+            sectors: self.sectors.list(mode),
+            eigenvalues: self.eigenvalues,
+            max_frequency: self.max_frequency,
+        }
+    }
 }
 
 /// What to write besides the tables of the branch.
@@ -483,13 +322,11 @@ pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
         .from_str(text)
         .map_err(|error| refuse(explanation::explain(text, &error)))?;
     let outline = Outline::of(text);
-    match validation::check(&problem, &outline) {
-        Ok(()) => Ok(problem),
-        Err(complaint) => {
-            let at = outline.locate(&complaint.path);
-            Err(refuse(Flaw::new(at, complaint.message, complaint.help)))
-        }
-    }
+    validation::lengths(&problem, &outline)
+        .and_then(|()| fields::check(&problem, &outline))
+        .and_then(|()| validation::check(&problem, &outline))
+        .map_err(refuse)?;
+    Ok(problem)
 }
 
 /// Whether a character is text, as tables, pictures and reports in XML can hold it.

@@ -24,7 +24,7 @@ use std::f64::consts::TAU;
 use super::profile::Profile;
 use super::ring::kernel::Nodes;
 use super::ring::{Ring, Setup, SetupError};
-use crate::model::Parameters;
+use crate::model::Constants;
 
 /// What to compute.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,7 +100,7 @@ fn checked(ring: &Ring) -> Result<(), GrowthError> {
     if ring.in_contact() {
         Ok(())
     } else {
-        Err(GrowthError::Separation(ring.parameters().stiffness_damping))
+        Err(GrowthError::Separation(ring.constants().stiffness_damping))
     }
 }
 
@@ -115,7 +115,7 @@ pub fn place(ring: &mut Ring, profile: &Profile) {
         let mut values = now.values;
         values[2..].copy_from_slice(&before.values[2..]);
         if now.contact {
-            values[0] = ring.parameters().mismatch;
+            values[0] = ring.constants().mismatch;
         }
         ring.place(point, values);
     }
@@ -123,7 +123,7 @@ pub fn place(ring: &mut Ring, profile: &Profile) {
 
 /// The ring of a request with the wave on it, the time T, and the steps that it takes.
 fn begin(
-    parameters: &Parameters,
+    parameters: &Constants,
     setup: &Setup,
     profile: &Profile,
     request: &Request,
@@ -156,7 +156,7 @@ fn begin(
 /// # Errors
 /// When the ring cannot be set up.
 pub fn work(
-    parameters: &Parameters,
+    parameters: &Constants,
     setup: &Setup,
     profile: &Profile,
     request: &Request,
@@ -171,7 +171,7 @@ pub fn work(
 /// Eigenvalues of the perturbations of a wave, by falling growth rate. `tick` is called after every
 /// pair of runs.
 pub fn eigenvalues(
-    parameters: &Parameters,
+    parameters: &Constants,
     setup: &Setup,
     profile: &Profile,
     request: &Request,
@@ -236,7 +236,7 @@ const APART: f64 = 0.061_803_398_875;
 /// The mean of [`eigenvalues`] over several instants, two or more, at which the wave is perturbed. Eigenvalues
 /// of the first are matched with the nearest of the others.
 pub fn averaged(
-    parameters: &Parameters,
+    parameters: &Constants,
     setup: &Setup,
     profile: &Profile,
     request: &Request,
@@ -370,8 +370,8 @@ impl Map {
         let mut ring = self.ring.clone();
         let mut nodes = ring.nodes().clone();
         let steps = ring.steps();
-        let mismatch = ring.parameters().mismatch;
-        let beta = ring.parameters().stiffness_damping;
+        let mismatch = ring.constants().mismatch;
+        let beta = ring.constants().stiffness_damping;
         for (field, values) in fields(&mut nodes).into_iter().enumerate() {
             for wave in 0..self.waves {
                 let (sine, cosine) = (self.phase * wave as f64).sin_cos();

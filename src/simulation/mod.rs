@@ -20,3 +20,4 @@ pub mod measure;
 pub mod motion;
 pub mod profile;
 pub mod ring;
+pub mod task;

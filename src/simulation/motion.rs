@@ -10,10 +10,10 @@ use super::growth;
 use super::line::{Line, Regime};
 use super::profile::Profile;
 use super::ring::kernel::Nodes;
-use super::ring::{self, Law, Order, Ring};
-use crate::model::Parameters;
+use super::ring::{self, Law, Ring};
+use crate::model::Constants;
 use crate::model::coefficients::Geometry;
-use crate::problem::{Body, Circle, DifferenceOrder, RingFriction, Simulation};
+use crate::simulation::task::{Body, Circle, Simulation};
 
 /// A body in motion.
 #[derive(Clone, Debug)]
@@ -93,7 +93,7 @@ pub fn angle(section: &Simulation, mode: u32) -> f64 {
 
 /// λ of the growing travelling wave of steady sliding of the reduced model (M):
 /// λ² + αλ + (1 + βλ)(ak² + h + ikfD) = 0, the root with the larger real part.
-pub fn steady_growth(parameters: &Parameters, mode: u32) -> [f64; 2] {
+pub fn steady_growth(parameters: &Constants, mode: u32) -> [f64; 2] {
     let c = parameters.coefficients;
     let k = f64::from(mode);
     let stiffness = c64::new(c.a * k * k + c.h, k * parameters.friction * c.coupling);
@@ -107,7 +107,7 @@ impl Motion {
     /// The body of a section, at its beginning.
     pub fn begin(
         section: &Simulation,
-        parameters: &Parameters,
+        parameters: &Constants,
         geometry: Option<Geometry>,
         mode: u32,
         wave: Option<&Profile>,
@@ -124,16 +124,9 @@ impl Motion {
                 let setup = ring::Setup {
                     points,
                     angle,
-                    order: match order {
-                        DifferenceOrder::Second => Order::Second,
-                        DifferenceOrder::Fourth => Order::Fourth,
-                        DifferenceOrder::Sixth => Order::Sixth,
-                    },
+                    order,
                     time_step: whole_steps(longest),
-                    law: match friction {
-                        RingFriction::SetValued => Law::Coulomb,
-                        RingFriction::Tanh { epsilon } => Law::Smoothed { epsilon },
-                    },
+                    law: friction,
                     watched: true,
                 };
                 Motion::Ring(Box::new(Ring::new(parameters, setup)?))
@@ -307,7 +300,7 @@ impl Motion {
 fn ring_line(ring: &Ring) -> Line {
     let nodes = ring.nodes();
     let count = nodes.len();
-    let parameters = ring.parameters();
+    let parameters = ring.constants();
     let within = match ring.setup().law {
         Law::Coulomb => 0.0,
         Law::Smoothed { epsilon } => epsilon,

@@ -37,8 +37,8 @@ use nalgebra::{Complex, Vector4};
 use super::separation::Separation;
 use crate::flow::FlowError;
 use crate::linalg::Vector;
+use crate::model::Impact;
 use crate::model::signature::{Entry, Regime};
-use crate::problem::Impact;
 use crate::wave::Wave;
 
 pub(super) type C64 = Complex<f64>;
@@ -351,7 +351,7 @@ impl Characteristic {
         let contact =
             (0..count).find(|&index| wave.signature.zone(index).regime.sliding().is_some());
         zones.rotate_left(release.or(contact).unwrap_or(0));
-        let coefficients = wave.model_at(point).parameters().coefficients;
+        let coefficients = wave.model_at(point).constants().coefficients;
         let excess = wave.excess_at(point);
         // a/c² = 1/(1 + e)²
         let a = (1.0 + excess).powi(-2);

@@ -19,7 +19,7 @@ use faer::c64;
 
 use crate::flow::Jet;
 use crate::flow::equations::multiplier;
-use crate::problem::{Damping, FrictionLaw};
+use crate::model::{Damping, FrictionLaw};
 
 /// What the friction law is at the velocity of steady sliding, by unit of f.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -20,7 +20,7 @@ pub mod reduced;
 pub mod row;
 
 use crate::model::coefficients::{Coefficients, Geometry};
-use crate::problem::{Damping, FrictionLaw};
+use crate::model::{Damping, FrictionLaw};
 use faer::c64;
 pub use growth::{Hopf, Sliding, Wave};
 use radial::{Error, Pair, Radial};

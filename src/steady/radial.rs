@@ -47,8 +47,8 @@ use faer::{Mat, c64};
 use gauss_quad::GaussLegendre;
 
 use super::growth::{Hopf, Sliding, eigenvalues, stiffness_at};
+use crate::model::Damping;
 use crate::model::coefficients::Geometry;
-use crate::problem::Damping;
 
 /// Points of the quadrature beyond those that integrate products of the polynomials: e^{2x} and
 /// the hyperbolic functions of X are entire, and 32 more points leave less than rounding for

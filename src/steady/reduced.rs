@@ -29,8 +29,8 @@
 use faer::c64;
 
 use super::growth::{Hopf, Sliding};
+use crate::model::Damping;
 use crate::model::coefficients::Coefficients;
-use crate::problem::Damping;
 
 /// Steps of Newton's method for f_H: it converges from one side, and quadratically but where two
 /// zeros of r coincide.

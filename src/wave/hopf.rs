@@ -19,9 +19,8 @@
 
 use crate::begin::scales;
 use crate::linalg::Vector;
-use crate::model::Model;
 use crate::model::signature::{Entry, Regime, Signature, Zone};
-use crate::problem::Parameter;
+use crate::model::{Model, Parameter};
 
 use super::Wave;
 use super::successor::Candidate;
@@ -110,12 +109,12 @@ pub fn family(
     width: f64,
     count: usize,
 ) -> Result<Family, NoHopf> {
-    let coefficients = model.parameters().coefficients;
+    let coefficients = model.constants().coefficients;
     let k = f64::from(mode);
     let stiffness = coefficients.a * k * k + coefficients.h;
     let drive = k * coefficients.coupling.abs();
     let missing = |missing| Err(NoHopf::Zero { missing });
-    let (alpha, beta) = (model.mass_damping, model.stiffness_damping);
+    let (alpha, beta) = (model.damping.mass, model.damping.stiffness);
     let force = model.friction * drive;
     let critical = match parameter {
         Parameter::Friction if alpha > 0.0 || beta > 0.0 => {
@@ -148,8 +147,8 @@ pub fn family(
     }
     let model = model.with(parameter, critical);
     let force = model.friction * drive;
-    let beta = model.stiffness_damping;
-    let moved = beta * force * force / (model.mass_damping + beta * stiffness);
+    let beta = model.damping.stiffness;
+    let moved = beta * force * force / (model.damping.mass + beta * stiffness);
     // X = 0 with β = 0 only
     let moved = if beta == 0.0 { 0.0 } else { moved };
     let frequency = (stiffness + moved).sqrt();

@@ -39,6 +39,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::flow::contact::ContactFlow;
 use crate::flow::material::MaterialFlow;
+use crate::flow::method::Method;
 use crate::flow::numerical::{Integrator, NumericalContact, NumericalSeparation};
 use crate::flow::separation::SeparationFlow;
 use crate::flow::{
@@ -47,9 +48,8 @@ use crate::flow::{
 };
 use crate::linalg::{Matrix, Vector};
 use crate::model::signature::{Entry, Regime, Signature};
-use crate::model::{Model, Parameters};
+use crate::model::{Constants, FrictionLaw, Model, Parameter};
 use crate::newton::System;
-use crate::problem::{FrictionLaw, Method, Parameter};
 
 /// Units of the unknowns, constant along a branch: they make every scaled unknown of order one,
 /// and they follow the exact scaling (γ, δ, c) → (s²γ, sδ, c/s) of the model.
@@ -97,8 +97,8 @@ pub struct Wave {
     pub material: bool,
     /// Numbers of the model at its own parameter values: valid wherever the continuation
     /// parameter does not enter a, b, D, g, h.
-    fixed: Parameters,
-    derivative: Parameters,
+    fixed: Constants,
+    derivative: Constants,
     /// Sign of c, kept along the branch: that of D in `model`. The numbers above are seen in it.
     direction: f64,
 }
@@ -185,9 +185,9 @@ impl Wave {
             mode,
             signature,
             scales,
-            method: model.law.default_method(),
+            method: Method::cheapest(model.law),
             material: model.has_material_damping(parameter),
-            fixed: model.parameters().seen(direction),
+            fixed: model.constants().seen(direction),
             derivative: model.derivative(parameter).seen(direction),
             direction,
         }
@@ -341,7 +341,7 @@ impl Wave {
     }
 
     /// The numbers of the equations at a point, and their derivative in the parameter.
-    fn parameters_at(&self, point: &Vector) -> (Parameters, Parameters) {
+    fn parameters_at(&self, point: &Vector) -> (Constants, Constants) {
         let value = self.parameter_at(point);
         let mut parameters = self.fixed;
         match self.parameter {
@@ -352,7 +352,7 @@ impl Wave {
             _ => {
                 let model = self.model.with(self.parameter, value);
                 return (
-                    model.parameters().seen(self.direction),
+                    model.constants().seen(self.direction),
                     model.derivative(self.parameter).seen(self.direction),
                 );
             }
@@ -495,10 +495,10 @@ impl Wave {
             Entry::Section => Jet::default(),
             Entry::Landing | Entry::Touch => {
                 let sign = match self.model.impact {
-                    crate::problem::Impact::Frictionless => return end.w,
-                    crate::problem::Impact::Coulomb if next.regime == Regime::Reverse => 1.0,
+                    crate::model::Impact::Frictionless => return end.w,
+                    crate::model::Impact::Coulomb if next.regime == Regime::Reverse => 1.0,
                     // contact that would need tension has V̇ < −gδ/κ: a touch comes from slip
-                    crate::problem::Impact::Coulomb => -1.0,
+                    crate::model::Impact::Coulomb => -1.0,
                 };
                 end.w.plus(sign, self.impulse(flows, end))
             }

@@ -50,7 +50,7 @@ fn real(value: f64) -> Option<Real> {
 /// The wave next to one known in double precision, of a model under Coulomb friction; `None` if a
 /// number is not finite or Newton's method does not settle.
 pub fn slip_stick(model: &Model, mode: u32, near: &SlipStick) -> Option<Precise> {
-    let parameters = model.parameters();
+    let parameters = model.constants();
     let coefficients = parameters.coefficients;
     let one = real(1.0)?;
     let two = real(2.0)?;
@@ -116,12 +116,16 @@ pub fn slip_stick(model: &Model, mode: u32, near: &SlipStick) -> Option<Precise>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Damping;
     use crate::model::coefficients::Geometry;
     use crate::wave::start::{self, Which};
 
     fn model(friction: f64, damping: f64) -> Model {
         Model {
-            mass_damping: damping,
+            damping: Damping {
+                mass: damping,
+                stiffness: 0.0,
+            },
             ..Model::tube(
                 Geometry {
                     nu: 0.3,
@@ -144,7 +148,7 @@ mod tests {
                 let closed = start::slip_stick(&model, 4, which).unwrap();
                 let precise = slip_stick(&model, 4, &closed).unwrap();
                 let ma = precise.excess * (2.0 + precise.excess) / (1.0 + precise.excess).powi(2);
-                let h = model.parameters().coefficients.h;
+                let h = model.constants().coefficients.h;
                 let allowed = 64.0 * f64::EPSILON * (1.0 + closed.slip * (h / ma).sqrt())
                     / (1.0 - 2.0 * closed.least_rate).recip();
                 let error = (closed.excess / precise.excess - 1.0).abs();

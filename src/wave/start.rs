@@ -15,7 +15,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::continuation::zero::{boundary, zero_by_slope};
-use crate::model::{Model, Parameters};
+use crate::model::{Constants, Model};
 
 /// Which of the two waves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +106,7 @@ fn shape(zeta: f64) -> (f64, f64) {
 }
 
 /// m_a and F at an excess speed e.
-fn mass_and_force(parameters: &Parameters, excess: f64) -> (f64, f64) {
+fn mass_and_force(parameters: &Constants, excess: f64) -> (f64, f64) {
     let coefficients = parameters.coefficients;
     let ratio = 1.0 + excess;
     let kappa = coefficients.coupling.abs() / (coefficients.a.sqrt() * ratio);
@@ -117,7 +117,7 @@ fn mass_and_force(parameters: &Parameters, excess: f64) -> (f64, f64) {
 }
 
 /// The wave of given e, whatever its length: `None` unless 0 < ζ < 1.
-fn at_excess(parameters: &Parameters, excess: f64) -> Option<SlipStick> {
+fn at_excess(parameters: &Constants, excess: f64) -> Option<SlipStick> {
     let (ma, force) = mass_and_force(parameters, excess);
     let coefficients = parameters.coefficients;
     let h = coefficients.h;
@@ -143,7 +143,7 @@ fn at_excess(parameters: &Parameters, excess: f64) -> Option<SlipStick> {
     })
 }
 
-fn length(parameters: &Parameters, excess: f64) -> f64 {
+fn length(parameters: &Constants, excess: f64) -> f64 {
     at_excess(parameters, excess).map_or(f64::INFINITY, |wave| {
         (wave.slip + wave.stick) * wave.speed.abs()
     })
@@ -157,7 +157,7 @@ struct Range {
 }
 
 impl Range {
-    fn new(parameters: &Parameters) -> Option<Range> {
+    fn new(parameters: &Constants) -> Option<Range> {
         let coefficients = parameters.coefficients;
         let highest = if parameters.mass_damping > 0.0 {
             parameters.friction * coefficients.coupling.abs()
@@ -188,7 +188,7 @@ impl Range {
 }
 
 /// x of least length: a scan, and golden section where the scan finds nothing short enough.
-fn shortest(parameters: &Parameters, range: &Range, wanted: f64) -> f64 {
+fn shortest(parameters: &Constants, range: &Range, wanted: f64) -> f64 {
     const SCAN: u32 = 48;
     let length_at = |x: f64| length(parameters, range.excess(x));
     let mut best = (f64::INFINITY, 0.5);
@@ -220,7 +220,7 @@ fn shortest(parameters: &Parameters, range: &Range, wanted: f64) -> f64 {
 /// The slip-stick wave of mode k. Its numbers are exact to about 1e-15·(1 + growth of the slip
 /// zone); Newton's method on the full system takes out what is left.
 pub fn slip_stick(model: &Model, mode: u32, which: Which) -> Result<SlipStick, NoWave> {
-    let parameters = model.parameters();
+    let parameters = model.constants();
     let coefficients = parameters.coefficients;
     if coefficients.coupling == 0.0 {
         return Err(NoWave::Uncoupled);
@@ -270,9 +270,9 @@ pub fn slip_stick(model: &Model, mode: u32, which: Which) -> Result<SlipStick, N
 /// f at which the fast and the slow wave of mode k meet, all other parameters kept.
 pub fn fold_in_friction(model: &Model, mode: u32) -> Option<f64> {
     let wanted = TAU / f64::from(mode);
-    let parameters = model.parameters();
+    let parameters = model.constants();
     let excess = |friction: f64| {
-        let parameters = Parameters {
+        let parameters = Constants {
             friction,
             ..parameters
         };
@@ -305,7 +305,7 @@ pub fn fold_in_friction(model: &Model, mode: u32) -> Option<f64> {
 /// slip, δ = −κ min V̇/g, or reverse slip appears before stick,
 /// δ = −(α + fκ + h(F/h − T2))/(2fg), whichever is larger.
 pub fn least_mismatch(model: &Model, wave: &SlipStick) -> f64 {
-    let parameters = model.parameters();
+    let parameters = model.constants();
     let coefficients = parameters.coefficients;
     let kappa = coefficients.coupling / wave.speed;
     let separation = -kappa * wave.least_rate / coefficients.g;

@@ -3,9 +3,8 @@
 use std::f64::consts::PI;
 
 use brakewave::curve::{Curve, Point};
-use brakewave::model::{Model, Parameters};
-use brakewave::problem::{Parameter, parse};
-use brakewave::run::model;
+use brakewave::model::{Constants, Model, Parameter};
+use brakewave::problem::parse;
 use brakewave::wave::start::{SlipStick, Which, fold_in_friction, slip_stick};
 
 use crate::{curve, observed, tube};
@@ -14,7 +13,7 @@ use crate::{curve, observed, tube};
 const OFTEN: usize = 10;
 
 /// ζ = F/(2√(m_a h)) at the excess speed of a point.
-fn shape(parameters: &Parameters, excess: f64) -> f64 {
+fn shape(parameters: &Constants, excess: f64) -> f64 {
     let coefficients = parameters.coefficients;
     let ratio = 1.0 + excess;
     let kappa = coefficients.coupling.abs() / (coefficients.a.sqrt() * ratio);
@@ -54,7 +53,7 @@ fn take_off_of_slip_stick() {
          curve: (event: GR, parameters: (Mismatch, Friction), range: ((0.01, 0.6), (0.1, 1.2)))",
     );
     let curve = curve(&problem);
-    let base = model(&problem.model);
+    let base = problem.model;
     let fold = fold_in_friction(&base, 4).unwrap();
     let (mut apart, mut own, mut counts, mut spread) =
         (0.0_f64, 0.0_f64, [0, 0], (2.0_f64, 0.0_f64));
@@ -64,7 +63,7 @@ fn take_off_of_slip_stick() {
         .filter(|point| point.before == "slip-stick")
     {
         let model = at(&base, &curve, point);
-        let parameters = model.parameters();
+        let parameters = model.constants();
         let coefficients = parameters.coefficients;
         let [mismatch, friction] = point.parameters;
         let zeta = shape(&parameters, point.excess);
@@ -105,7 +104,7 @@ fn reverse_slip_of_slip_stick() {
              curve: (event: RV, parameters: (Mismatch, Friction), range: ((0.01, 0.6), (0.1, 1.2)))",
         );
         let curve = curve(&problem);
-        let base = model(&problem.model);
+        let base = problem.model;
         let (mut worst, mut spread) = (0.0_f64, (2.0_f64, 0.0_f64));
         for point in &curve.points {
             if point.before != "slip-stick" {
@@ -113,7 +112,7 @@ fn reverse_slip_of_slip_stick() {
             }
             let model = at(&base, &curve, point);
             let wave = closed(&model, point);
-            let parameters = model.parameters();
+            let parameters = model.constants();
             let coefficients = parameters.coefficients;
             let f = parameters.friction;
             let expected = -(damping
@@ -149,13 +148,13 @@ fn folds_of_undamped_waves_share_their_shape() {
             ),
         );
         let curve = curve(&problem);
-        let base = model(&problem.model);
+        let base = problem.model;
         let (mut fold, mut residual) = (0.0_f64, 0.0_f64);
         let mut values = (f64::INFINITY, 0.0_f64);
         for (index, point) in curve.points.iter().enumerate() {
             assert_eq!(point.before, "slip-stick");
             let model = at(&base, &curve, point);
-            let parameters = model.parameters();
+            let parameters = model.constants();
             let coefficients = parameters.coefficients;
             let size = parameters.friction * coefficients.coupling.abs() / coefficients.h;
             shapes.push((shape(&parameters, point.excess), size));
@@ -208,11 +207,11 @@ fn folds_of_damped_waves_do_not() {
          (event: LP, parameters: (Friction, MassDamping), range: ((0.2, 3.0), (0.0, 0.2)))",
     );
     let curve = curve(&problem);
-    let base = model(&problem.model);
+    let base = problem.model;
     let shapes: Vec<f64> = curve
         .points
         .iter()
-        .map(|point| shape(&at(&base, &curve, point).parameters(), point.excess))
+        .map(|point| shape(&at(&base, &curve, point).constants(), point.excess))
         .collect();
     let (low, high) = shapes
         .iter()
@@ -256,12 +255,12 @@ fn stick_vanishes_on_the_hopf_line() {
         );
         let problem = parse(&text, "test").unwrap();
         let curve = curve(&problem);
-        let base = model(&problem.model);
-        let c = base.parameters().coefficients;
+        let base = problem.model;
+        let c = base.constants().coefficients;
         let stiffness = 16.0 * c.a + c.h;
         for point in &curve.points {
             let at = at(&base, &curve, point);
-            let (alpha, beta) = (at.mass_damping, at.stiffness_damping);
+            let (alpha, beta) = (at.damping.mass, at.damping.stiffness);
             let damping = alpha + beta * stiffness;
             let drive = (4.0 * at.friction * c.coupling).powi(2);
             let ratio = stiffness * damping * damping / (drive * (1.0 - beta * damping));

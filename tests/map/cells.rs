@@ -2,9 +2,8 @@
 
 use brakewave::branch::{BranchPoint, Stability};
 use brakewave::map::{Cell, CellPoint, Plane, row};
-use brakewave::model::Model;
-use brakewave::problem::{self, Map, Parameter, Problem};
-use brakewave::run::model;
+use brakewave::model::{Model, Parameter};
+use brakewave::problem::{self, Map, Problem};
 use brakewave::wave::start::{Which, least_mismatch, slip_stick};
 
 use crate::problem;
@@ -31,7 +30,8 @@ fn wave(cell: &Cell) -> Option<&BranchPoint> {
 }
 
 fn at(problem: &Problem, point: &BranchPoint) -> Model {
-    model(&problem.model)
+    problem
+        .model
         .with(Parameter::Friction, point.parameters.friction)
         .with(Parameter::Mismatch, point.parameters.mismatch)
 }

@@ -3,7 +3,8 @@
 //! Shooting errs by its tolerance times the growth of a zone and the condition of the wave, below
 //! 10³ together here; collocation with forty intervals of degree four by h⁸ of them.
 
-use brakewave::problem::{FrictionLaw, Method};
+use brakewave::flow::method::Method;
+use brakewave::model::FrictionLaw;
 use brakewave::stability::discretised;
 use brakewave::wave::precise;
 use brakewave::wave::start::{Which, slip_stick};
@@ -66,7 +67,7 @@ fn the_exact_flow_against_higher_precision() {
             let precise = precise::slip_stick(&model, 4, &closed).expect("more digits");
             let (wave, point) = brakewave::begin::first_wave(
                 &model,
-                brakewave::problem::Parameter::Mismatch,
+                brakewave::model::Parameter::Mismatch,
                 4,
                 which,
                 1.0,

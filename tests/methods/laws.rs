@@ -1,8 +1,9 @@
 //! Friction laws beyond Coulomb's.
 
+use brakewave::flow::method::Method;
 use brakewave::flow::sign::Verdict;
+use brakewave::model::FrictionLaw;
 use brakewave::newton::System;
-use brakewave::problem::{FrictionLaw, Method};
 use brakewave::stability::characteristic::{Characteristic, NotLinearised};
 use brakewave::wave::admissibility::examine;
 use nalgebra::Complex;

@@ -3,8 +3,8 @@
 use brakewave::flow::collocation::Mesh;
 use brakewave::flow::numerical::{Integrator, NumericalContact};
 use brakewave::flow::shooting::Steps;
+use brakewave::model::FrictionLaw;
 use brakewave::model::signature::Regime;
-use brakewave::problem::FrictionLaw;
 
 use crate::observed;
 use crate::waves::{fast, tube};

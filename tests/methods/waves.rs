@@ -2,10 +2,10 @@
 
 use brakewave::begin::{first_wave, polish};
 use brakewave::continuation::Settings;
+use brakewave::flow::method::Method;
 use brakewave::linalg::Vector;
-use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::problem::{FrictionLaw, Method, Parameter};
+use brakewave::model::{FrictionLaw, Model, Parameter};
 use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 

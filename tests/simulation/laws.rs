@@ -39,7 +39,7 @@ struct Forces {
 }
 
 fn forces(ring: &Ring, before: &Nodes, after: &Nodes, i: usize) -> Forces {
-    let (c, f) = (ring.parameters().coefficients, ring.parameters());
+    let (c, f) = (ring.constants().coefficients, ring.constants());
     let (count, h, dt) = (before.len(), ring.spacing(), ring.setup().time_step);
     let (l, r) = ((i + count - 1) % count, (i + 1) % count);
     let (u, v) = (&before.radial, &before.tangential);
@@ -67,8 +67,8 @@ fn forces(ring: &Ring, before: &Nodes, after: &Nodes, i: usize) -> Forces {
 fn friction_and_contact_hold_at_every_node_and_step() {
     for mass_damping in [0.0, 0.3] {
         let mut ring = rough(96, Order::Second, Law::Coulomb, mass_damping, 0.4);
-        let friction = ring.parameters().friction;
-        let mismatch = ring.parameters().mismatch;
+        let friction = ring.constants().friction;
+        let mismatch = ring.constants().mismatch;
         let dt = ring.setup().time_step;
         // what enters a force has the size of V/Δφ² and V̇/Δt at most: a few units of rounding of that
         let noise = 64.0 * f64::EPSILON * (1.0 / dt + 1.0 / ring.spacing().powi(2));
@@ -146,7 +146,7 @@ fn elastic(ring: &Ring, u: &[f64], v: &[f64], i: usize) -> [[f64; 2]; 2] {
             &[0.75, -0.15, 1.0 / 60.0],
         ),
     };
-    let (c, h, count) = (ring.parameters().coefficients, ring.spacing(), u.len());
+    let (c, h, count) = (ring.constants().coefficients, ring.spacing(), u.len());
     let mut sums = [[0.0; 2]; 2];
     let mut add = |field: usize, part: f64| {
         sums[0][field] += part;

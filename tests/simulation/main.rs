@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::OnceLock;
 
-use brakewave::model::Parameters;
+use brakewave::model::Constants;
 use brakewave::model::coefficients::Geometry;
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Ring, Setup};
@@ -27,8 +27,8 @@ pub const GEOMETRY: Geometry = Geometry {
 };
 
 /// Its parameters at f = 0.5.
-pub fn parameters(mismatch: f64, mass_damping: f64) -> Parameters {
-    Parameters {
+pub fn parameters(mismatch: f64, mass_damping: f64) -> Constants {
+    Constants {
         coefficients: GEOMETRY.coefficients(),
         friction: 0.5,
         mismatch,

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use brakewave::model::Parameters;
+use brakewave::model::Constants;
 use brakewave::model::coefficients::Geometry;
 use brakewave::simulation::exponentials::exponentials;
 use brakewave::simulation::growth::{self, Eigenvalue, GrowthError, Request, place};
@@ -21,8 +21,8 @@ use crate::{GEOMETRY, results, scramble, setup, wave_at};
 
 const MISMATCH: f64 = 0.4;
 
-fn parameters(geometry: Geometry, stiffness_damping: f64) -> Parameters {
-    Parameters {
+fn parameters(geometry: Geometry, stiffness_damping: f64) -> Constants {
+    Constants {
         coefficients: geometry.coefficients(),
         friction: 0.5,
         mismatch: MISMATCH,
@@ -94,9 +94,9 @@ fn rough(points: usize, order: Order, stiffness_damping: f64, part: f64) -> Ring
 #[test]
 fn friction_holds_at_every_node_and_step() {
     let mut ring = rough(96, Order::Second, 0.002, 0.4);
-    let (c, beta) = (ring.parameters().coefficients, 0.002);
+    let (c, beta) = (ring.constants().coefficients, 0.002);
     let (h, dt) = (ring.spacing(), ring.setup().time_step);
-    let friction = ring.parameters().friction;
+    let friction = ring.constants().friction;
     // what enters a force has the size of V/Δφ² and V̇/Δt at most: a few units of rounding of that
     let noise = 64.0 * f64::EPSILON * (1.0 / dt + 1.0 / (h * h));
     ring.advance(1);
@@ -312,7 +312,7 @@ fn the_wave_travels_at_its_speed_and_keeps_its_shape() {
 }
 
 fn eigenvalues(
-    (profile, parameters): (&Profile, &Parameters),
+    (profile, parameters): (&Profile, &Constants),
     waves: usize,
     sector: usize,
     points: usize,
@@ -335,7 +335,7 @@ fn eigenvalues(
 /// grid is no larger than the difference of the two; to this come four standard errors of each.
 #[track_caller]
 fn compare(
-    wave: (&Profile, &Parameters),
+    wave: (&Profile, &Constants),
     waves: usize,
     sector: usize,
     points: usize,
@@ -453,7 +453,7 @@ fn the_stable_wave_forgets_a_perturbation_on_the_whole_circle() {
 /// A pressure below zero ends what is simulated, and is not forgotten.
 #[test]
 fn what_leaves_the_shaft_is_noticed() {
-    let parameters = Parameters {
+    let parameters = Constants {
         mismatch: 0.05,
         ..parameters(GEOMETRY, 0.002)
     };

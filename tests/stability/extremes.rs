@@ -2,8 +2,7 @@
 
 use brakewave::branch::Stability;
 use brakewave::linalg::Vector;
-use brakewave::model::Model;
-use brakewave::problem::Parameter;
+use brakewave::model::{Model, Parameter};
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::wave::Wave;
 use brakewave::wave::start::{Which, fold_in_friction, least_mismatch, slip_stick};
@@ -152,7 +151,7 @@ fn nearly_incompressible() {
 
 /// Where the stick zone vanishes: α√(ak² + h) = kf|D|.
 fn end_of_stick(mode: u32) -> f64 {
-    let parameters = damped(0.0).parameters();
+    let parameters = damped(0.0).constants();
     let coefficients = parameters.coefficients;
     let k = f64::from(mode);
     k * parameters.friction * coefficients.coupling.abs()

@@ -20,7 +20,7 @@ use crate::waves::{damped, linearised, mode4, tube, wave};
 fn closed_form(model: &Model, mode: u32, which: Which) -> f64 {
     let (wave, point) = wave(model, mode, which);
     assert_eq!(wave.signature.to_string(), "slip-stick");
-    let parameters = model.parameters();
+    let parameters = model.constants();
     let speed = wave.speed_at(&point).abs();
     let (slip, period) = {
         let slip = wave.duration_at(&point, 0);

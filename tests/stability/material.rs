@@ -4,7 +4,7 @@
 
 use brakewave::branch::Stability;
 use brakewave::linalg::Vector;
-use brakewave::model::Model;
+use brakewave::model::{Damping, Model};
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::eigenfunction::eigenfunction;
 use brakewave::stability::spectrum::Spectrum;
@@ -18,7 +18,10 @@ use crate::waves::{C64, mode4, tube, wave, window};
 
 fn with_beta(mismatch: f64, beta: f64) -> Model {
     Model {
-        stiffness_damping: beta,
+        damping: Damping {
+            mass: 0.0,
+            stiffness: beta,
+        },
         ..mode4(mismatch)
     }
 }
@@ -148,7 +151,7 @@ fn collocation_finds_the_same_function() {
     for (beta, n) in [(1.1e-2, 44), (6e-3, 56), (3e-3, 72)] {
         let (wave, point) = wave(&with_beta(0.2, beta), 4, Which::Fast);
         let characteristic = Characteristic::new(&wave, &point).expect("Coulomb's law");
-        let c = wave.model_at(&point).parameters().coefficients;
+        let c = wave.model_at(&point).constants().coefficients;
         let speed = wave.speed_at(&point);
         let slip = wave.duration_at(&point, 0);
         let ratio = c.a / (speed * speed);
@@ -216,8 +219,10 @@ fn eigenfunctions_close() {
 fn a_wave_is_stable_on_the_full_circle() {
     let at = |friction: f64| {
         let model = Model {
-            mass_damping: 0.05,
-            stiffness_damping: 0.004,
+            damping: Damping {
+                mass: 0.05,
+                stiffness: 0.004,
+            },
             ..tube(0.3, 1.5, friction, 0.6)
         };
         let (wave, point) = wave(&model, 2, Which::Fast);
@@ -238,7 +243,10 @@ fn a_wave_is_stable_on_the_full_circle() {
 #[test]
 fn real_eigenvalues_are_listed() {
     let model = Model {
-        stiffness_damping: 0.045,
+        damping: Damping {
+            mass: 0.0,
+            stiffness: 0.045,
+        },
         ..tube(0.45, 1.25, 0.5, 0.4)
     };
     let (wave, point) = wave(&model, 2, Which::Fast);

@@ -1,8 +1,8 @@
 //! Material damping β > 0: the discretised ring, which knows neither fronts nor layers, against the
 //! eigenfunction problem of third order.
 
-use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
+use brakewave::model::{Damping, Model};
 use brakewave::stability::discretised::{SemiDiscreteWave, Settings, solve};
 use faer::c64;
 
@@ -19,7 +19,10 @@ fn semi_discrete(
 ) -> SemiDiscreteWave {
     let geometry = Geometry { nu, xi, gamma: 1.0 };
     let model = Model {
-        stiffness_damping,
+        damping: Damping {
+            mass: 0.0,
+            stiffness: stiffness_damping,
+        },
         ..Model::tube(geometry, 0.5, 0.4)
     };
     let settings = Settings {

@@ -36,7 +36,7 @@ fn zero_is_an_eigenvalue_of_every_wave() {
         let (mut problem, text) = problem(&name);
         problem.stability = None;
         // a velocity-dependent law has no eigenfunction problem here
-        if !problem.model.friction_law.piecewise_linear() {
+        if !problem.model.law.piecewise_linear() {
             continue;
         }
         for item in follow(&problem, &text).items {

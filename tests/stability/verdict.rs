@@ -1,8 +1,8 @@
 //! A wave is called stable only when that is proven.
 
 use brakewave::branch::{Reason, Stability};
-use brakewave::model::Model;
-use brakewave::problem::{Impact, StabilitySection};
+use brakewave::model::{Impact, Model};
+use brakewave::problem::StabilitySection;
 use brakewave::stability::characteristic::{Characteristic, NotLinearised};
 use brakewave::wave::start::Which;
 

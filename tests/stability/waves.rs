@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use brakewave::begin::first_wave;
 use brakewave::continuation;
 use brakewave::linalg::Vector;
-use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::problem::{self, Parameter, Problem};
+use brakewave::model::{Damping, Model, Parameter};
+use brakewave::problem::{self, Problem};
 use brakewave::run::{Branch, End, Item};
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::spectrum::{Request, Spectrum, spectrum};
@@ -38,7 +38,10 @@ pub fn mode4(mismatch: f64) -> Model {
 /// The same tube with mass-proportional damping, where the wave is slip-stick.
 pub fn damped(damping: f64) -> Model {
     Model {
-        mass_damping: damping,
+        damping: Damping {
+            mass: damping,
+            stiffness: 0.0,
+        },
         ..mode4(0.2)
     }
 }

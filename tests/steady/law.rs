@@ -2,7 +2,7 @@
 //! law by themselves.
 
 use brakewave::model::coefficients::Geometry;
-use brakewave::problem::{Damping, FrictionLaw};
+use brakewave::model::{Damping, FrictionLaw};
 use brakewave::steady::growth::stiffness_at;
 use brakewave::steady::radial::Radial;
 use brakewave::steady::{Mode, Settings, Sliding, mode};

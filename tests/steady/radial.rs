@@ -1,6 +1,6 @@
 //! The radial problem against itself: orders, symmetries, limits, its Hopf points.
 
-use brakewave::problem::{Damping, FrictionLaw};
+use brakewave::model::{Damping, FrictionLaw};
 use brakewave::steady::growth::Wave;
 use brakewave::steady::radial::Radial;
 use brakewave::steady::reduced::Reduced;

@@ -1,6 +1,6 @@
 //! The reduced model: closed form against a companion matrix, and its limits.
 
-use brakewave::problem::Damping;
+use brakewave::model::Damping;
 use brakewave::steady::growth::{Wave, eigenvalues};
 use brakewave::steady::reduced::Reduced;
 use faer::{Mat, c64};

@@ -192,9 +192,8 @@ fn planted_violations_are_refused() {
 /// missed by more than V can move between two samples of V̇ of different signs.
 #[test]
 fn extremes_of_separated_waves_are_those_of_dense_samples() {
-    use brakewave::model::Model;
     use brakewave::model::coefficients::Geometry;
-    use brakewave::problem::Parameter;
+    use brakewave::model::{Damping, Model, Parameter};
     use brakewave::wave::start::Which;
     let slow = Case {
         model: Model::tube(
@@ -217,7 +216,10 @@ fn extremes_of_separated_waves_are_those_of_dense_samples() {
     };
     let slipping = Case {
         model: Model {
-            mass_damping: 0.004764014506631152,
+            damping: Damping {
+                mass: 0.004764014506631152,
+                stiffness: 0.0,
+            },
             ..Model::tube(geometry, 0.03865204646505325, 0.8228354272003936)
         },
         parameter: Parameter::Xi,

@@ -9,9 +9,8 @@ use brakewave::flow::SlidingFlow;
 use brakewave::flow::contact::ContactFlow;
 use brakewave::follow::{Follower, Found, Settings, Status};
 use brakewave::linalg::Vector;
-use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::problem::{Impact, Parameter};
+use brakewave::model::{Damping, Impact, Model, Parameter};
 use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 
@@ -123,7 +122,10 @@ pub fn with_material_damping(beta: f64) -> Case {
     let case = fast_in_mismatch();
     Case {
         model: Model {
-            stiffness_damping: beta,
+            damping: Damping {
+                mass: 0.0,
+                stiffness: beta,
+            },
             ..case.model
         },
         range: (0.03, 0.2),

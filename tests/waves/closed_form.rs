@@ -15,8 +15,7 @@ use std::f64::consts::{PI, TAU};
 
 use brakewave::begin::first_wave;
 use brakewave::branch::EventType;
-use brakewave::model::Model;
-use brakewave::problem::Parameter;
+use brakewave::model::{Damping, Model, Parameter};
 use brakewave::wave::start::{Which, least_mismatch, slip_stick};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -126,7 +125,10 @@ const ROUNDING: f64 = 3e-14;
 fn compare(nu: f64, xi: f64, friction: f64, damping: f64, mode: u32, which: Which) -> Option<f64> {
     let tube_numbers = coefficients(nu, xi, 1.0);
     let model = Model {
-        mass_damping: damping,
+        damping: Damping {
+            mass: damping,
+            stiffness: 0.0,
+        },
         ..tube(nu, xi, friction, 1.0)
     };
     let (magnitude, least) = solve(&tube_numbers, friction, damping, mode, which);
@@ -275,7 +277,10 @@ fn onsets_and_independence_of_the_mismatch() {
         seen.push(kind);
         let case = Case {
             model: Model {
-                mass_damping: damping,
+                damping: Damping {
+                    mass: damping,
+                    stiffness: 0.0,
+                },
                 ..tube(nu, xi, friction, 2.0 * expected)
             },
             mode,

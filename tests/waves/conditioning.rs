@@ -5,10 +5,9 @@ use brakewave::begin::first_wave;
 use brakewave::conditioning::conditioning;
 use brakewave::events::retangent;
 use brakewave::linalg::Vector;
-use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
+use brakewave::model::{Model, Parameter};
 use brakewave::newton::System;
-use brakewave::problem::Parameter;
 use brakewave::wave::precise;
 use brakewave::wave::start::{Which, fold_in_friction, least_mismatch, slip_stick};
 

@@ -3,9 +3,8 @@
 
 use brakewave::branch::EventType;
 use brakewave::continuation::Settings as Steps;
-use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::problem::Parameter;
+use brakewave::model::{Model, Parameter};
 use brakewave::wave::start::Which;
 
 use crate::branches::{Case, STEPS, fast_in_mismatch, slow_in_mismatch};

@@ -2,8 +2,9 @@
 
 use brakewave::branch::EventType;
 use brakewave::linalg::Matrix;
+use brakewave::model::Parameter;
 use brakewave::newton::{System, relative_residual};
-use brakewave::problem::{Parameter, parse};
+use brakewave::problem::parse;
 use brakewave::run::{Branch, End};
 use brakewave::wave::hopf::{NoHopf, family};
 
@@ -17,7 +18,7 @@ fn the_family_solves_the_equations() {
     let mut worst = 0.0_f64;
     for (parameter, damping) in [(Parameter::Friction, 0.2), (Parameter::MassDamping, 0.0)] {
         let mut model = mode4(0.2);
-        model.mass_damping = damping;
+        model.damping.mass = damping;
         let found = family(&model, parameter, 4, 1.0, 9).expect("a Hopf point");
         for point in &found.points {
             let n = found.wave.unknowns();
@@ -80,9 +81,7 @@ fn the_branch_begins_at_steady_sliding() {
         points.extend(branch.step().into_iter().map(|item| item.point));
     }
     assert_eq!(branch.progress().end, Some(End::Finished));
-    let coefficients = brakewave::run::model(&problem.model)
-        .parameters()
-        .coefficients;
+    let coefficients = problem.model.constants().coefficients;
     let critical =
         0.2 * (coefficients.a * 16.0 + coefficients.h).sqrt() / (4.0 * coefficients.coupling.abs());
     assert_eq!(points[0].kind, Some(EventType::EP));

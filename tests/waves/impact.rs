@@ -4,10 +4,9 @@ use brakewave::branch::EventType::{CO, GR, RV};
 use brakewave::wave::profile::sample;
 
 use brakewave::follow::Status;
-use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::signature::Entry;
-use brakewave::problem::{Impact, Parameter};
+use brakewave::model::{Impact, Model, Parameter};
 use brakewave::wave::start::{Which, fold_in_friction};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};

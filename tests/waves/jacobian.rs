@@ -10,9 +10,8 @@ use std::collections::BTreeSet;
 
 use brakewave::begin::scales;
 use brakewave::linalg::{Matrix, Vector};
-use brakewave::model::Model;
+use brakewave::model::{Damping, Model, Parameter};
 use brakewave::newton::System;
-use brakewave::problem::Parameter;
 use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 
@@ -134,7 +133,7 @@ fn check(name: &str, case: &Case, most_allowed: f64) -> BTreeSet<String> {
         for zone in &wave.signature.0 {
             seen.insert(format!("{:?} by {:?}", zone.regime, zone.entry));
         }
-        let damped = wave.model.stiffness_damping > 0.0;
+        let damped = wave.model.damping.stiffness > 0.0;
         let parameters: &[Parameter] = if damped { &ALL_PARAMETERS } else { &PARAMETERS };
         for &parameter in parameters {
             let (wave, point) = in_parameter(&wave, &point, parameter);
@@ -150,7 +149,10 @@ fn derivatives_equal_differences() {
     let fast = fast_in_mismatch();
     let damped = Case {
         model: Model {
-            mass_damping: 0.05,
+            damping: Damping {
+                mass: 0.05,
+                stiffness: 0.0,
+            },
             ..fast.model
         },
         ..fast

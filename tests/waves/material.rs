@@ -4,10 +4,8 @@
 use brakewave::branch::EventType::{self, GR, RV, ST};
 use brakewave::follow::{Follower, Found, Settings};
 use brakewave::linalg::Vector;
-use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Source, signature::Regime};
-use brakewave::problem::Parameter;
+use brakewave::model::{Damping, Model, Parameter, Source, signature::Regime};
 use brakewave::wave::Wave;
 use brakewave::wave::profile::sample;
 use nalgebra::{DMatrix, DVector};
@@ -29,7 +27,10 @@ fn event(run: &Run, kind: EventType) -> &Found {
 fn slip_stick(beta: f64) -> (Wave, Vector) {
     let case = Case {
         model: Model {
-            stiffness_damping: beta,
+            damping: Damping {
+                mass: 0.0,
+                stiffness: beta,
+            },
             ..mode4(0.2)
         },
         ..fast_in_mismatch()
@@ -45,7 +46,10 @@ fn stick_vanishes_at_the_hopf_point() {
     for (mode, alpha) in [(1, 0.0), (2, 0.0), (3, 0.05), (4, 0.0), (4, 0.1), (6, 0.0)] {
         let case = Case {
             model: Model {
-                mass_damping: alpha,
+                damping: Damping {
+                    mass: alpha,
+                    stiffness: 0.0,
+                },
                 ..mode4(2.0)
             },
             parameter: Parameter::StiffnessDamping,
@@ -57,7 +61,7 @@ fn stick_vanishes_at_the_hopf_point() {
         let run = case.follow(&[]);
         let end = event(&run, ST);
         let beta = end.parameter;
-        let c = case.model.parameters().coefficients;
+        let c = case.model.constants().coefficients;
         let k = f64::from(mode);
         let stiffness = c.a * k * k + c.h;
         let damping = alpha + beta * stiffness;
@@ -131,7 +135,7 @@ fn collocation_finds_the_same_wave() {
     for (beta, n) in [(3e-3, 72), (6e-3, 56), (1.1e-2, 40)] {
         let (wave, point) = slip_stick(beta);
         let model = wave.model_at(&point);
-        let c = model.parameters().coefficients;
+        let c = model.constants().coefficients;
         let speed = wave.speed_at(&point);
         let (slip, stick) = (wave.duration_at(&point, 0), wave.duration_at(&point, 1));
         let ratio = c.a / (speed * speed);
@@ -200,13 +204,16 @@ fn friction_force_at_the_ends_of_stick() {
 fn scaled_waves_are_the_same() {
     let scaled = |s: f64| Case {
         model: Model {
-            source: Source::Geometry(Geometry {
+            source: Source::from(Geometry {
                 nu: 0.3,
                 xi: 1.5,
                 gamma: s * s,
             }),
             mismatch: 0.2 * s,
-            stiffness_damping: 1e-3 * s,
+            damping: Damping {
+                mass: 0.0,
+                stiffness: 1e-3 * s,
+            },
             ..mode4(0.2)
         },
         range: (0.05 * s, 0.2 * s),

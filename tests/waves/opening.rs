@@ -101,9 +101,8 @@ fn separation_opens_like_a_square_root() {
 #[test]
 fn a_reverse_zone_closes_at_the_stiff_end() {
     use brakewave::follow::Status;
-    use brakewave::model::Model;
     use brakewave::model::coefficients::Geometry;
-    use brakewave::problem::Parameter;
+    use brakewave::model::{Model, Parameter};
     use brakewave::wave::start::Which;
 
     use crate::branches::Case;

@@ -6,8 +6,7 @@ use brakewave::begin::first_wave;
 use brakewave::branch::EventType::{self, CO, GR, LP, RV, ST};
 use brakewave::follow::Found;
 use brakewave::linalg::Vector;
-use brakewave::model::Model;
-use brakewave::problem::Parameter;
+use brakewave::model::{Model, Parameter};
 use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 

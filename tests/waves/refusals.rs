@@ -2,8 +2,7 @@
 
 use brakewave::begin::{NoStart, first_wave};
 use brakewave::model::coefficients::Coefficients;
-use brakewave::model::{Model, Source};
-use brakewave::problem::Parameter;
+use brakewave::model::{Model, Parameter, Source};
 use brakewave::wave::start::{NoWave, Which, slip_stick};
 
 use crate::branches::{STEPS, mode4};
@@ -61,7 +60,7 @@ fn beyond_the_hopf_point() {
                 damping,
                 hopf,
             } => {
-                assert_eq!((mode, damping), (4, model.mass_damping));
+                assert_eq!((mode, damping), (4, model.damping.mass));
                 assert!((hopf / expected - 1.0).abs() < 1e-12);
             }
             other => panic!("{other}"),
@@ -77,9 +76,9 @@ fn without_friction_or_coupling() {
     let model = mode4(0.2).with(Parameter::Friction, 0.0);
     assert_eq!(refusal(&model), NoWave::Frictionless);
     let model = Model {
-        source: Source::Given(Coefficients {
+        source: Source::from(Coefficients {
             coupling: 0.0,
-            ..mode4(0.2).parameters().coefficients
+            ..mode4(0.2).constants().coefficients
         }),
         ..mode4(0.2)
     };

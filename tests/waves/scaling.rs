@@ -11,7 +11,7 @@ fn scaled(s: f64) -> Case {
     let case = fast_in_mismatch();
     Case {
         model: Model {
-            source: Source::Geometry(Geometry {
+            source: Source::from(Geometry {
                 nu: 0.3,
                 xi: 1.5,
                 gamma: s * s,

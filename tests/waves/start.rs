@@ -1,7 +1,7 @@
 //! A branch may begin at a mismatch where its wave is not slip-stick any more.
 
 use brakewave::begin::first_wave;
-use brakewave::problem::Parameter;
+use brakewave::model::Parameter;
 use brakewave::wave::start::Which;
 
 use crate::branches::{STEPS, fast_in_mismatch, lengths, mode4, speed};

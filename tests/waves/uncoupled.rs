@@ -6,9 +6,8 @@
 
 use brakewave::branch::EventType::{self, MX, ST};
 use brakewave::follow::Status;
-use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::problem::{FrictionLaw, Parameter};
+use brakewave::model::{FrictionLaw, Model, Parameter};
 use brakewave::wave::start::Which;
 
 use crate::branches::{Case, Run, fast_in_mismatch, lengths, speed};

@@ -3,13 +3,13 @@
 use plotters::style::RGBColor;
 
 use crate::branch::EventType;
+use crate::model::Parameter;
 use crate::output::render::axis::Quantity;
 use crate::output::render::legend::Key;
 use crate::output::render::palette::{
     BLACK, BLUE, GREEN, GREY, PURPLE, SKY, VERMILLION, WHITE, mix,
 };
 use crate::output::render::{Mark, Shape};
-use crate::problem::Parameter;
 
 /// The quantity in a column of `branch.csv`.
 pub fn quantity(column: &str) -> Quantity {

@@ -32,7 +32,7 @@ pub const MOST_REACH: usize = 3;
 
 /// Numbers of the step, the same for all nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Constants {
+pub struct StepConstants {
     /// Radial wave: b/Δφ² times the weights of the second difference, from the node outwards.
     pub b: [f64; MOST_REACH + 1],
     /// Tangential wave: a/Δφ² times the weights of the second difference.
@@ -151,7 +151,7 @@ pub(super) fn windows<const R: usize>(values: &[f64], from: usize, to: usize) ->
 /// `next`; the nodes within `R` of the range are read. `WATCHED` keeps account of work.
 #[inline(always)]
 pub fn step<const R: usize, const WATCHED: bool, F: Friction>(
-    constants: &Constants,
+    constants: &StepConstants,
     law: F,
     nodes: &mut Nodes,
     next: (&mut [f64], &mut [f64]),

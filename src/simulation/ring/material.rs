@@ -28,13 +28,13 @@
 //! Crossings of V̇ = 1 within a step are those of [`super::friction`].
 
 use super::friction::Friction;
-use super::kernel::{Constants, Nodes, windows};
+use super::kernel::{Nodes, StepConstants, windows};
 
 /// Takes the nodes `from..to` of a stretch through one step. V̂ and V of the next instant go to
 /// `next`; V̂ of the nodes within `R` of the range is read, and V if account is kept.
 #[inline(always)]
 pub fn step<const R: usize, const WATCHED: bool, F: Friction>(
-    constants: &Constants,
+    constants: &StepConstants,
     law: F,
     nodes: &mut Nodes,
     next: (&mut [f64], &mut [f64]),

@@ -27,17 +27,19 @@ pub mod kernel;
 pub mod material;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
-use crate::model::Parameters;
+use crate::model::Constants;
 use friction::{Coulomb, Friction, Smoothed};
-use kernel::{Constants, MOST_REACH, Nodes, step};
+use kernel::{MOST_REACH, Nodes, StepConstants, step};
 
 /// Accuracy of the space differences.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Order {
     /// Error of order Δφ².
     Second,
     /// Error of order Δφ⁴.
+    #[default]
     Fourth,
     /// Error of order Δφ⁶.
     Sixth,
@@ -73,11 +75,15 @@ impl Order {
 }
 
 /// The friction law.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum Law {
     /// Set-valued, see [`Coulomb`].
+    #[default]
+    #[serde(rename = "SetValued")]
     Coulomb,
     /// Smoothed with tanh, see [`Smoothed`].
+    #[serde(rename = "Tanh")]
     Smoothed {
         /// Width ε of the transition.
         epsilon: f64,
@@ -130,9 +136,9 @@ pub enum SetupError {
 /// A ring in motion.
 #[derive(Clone, Debug)]
 pub struct Ring {
-    parameters: Parameters,
+    parameters: Constants,
     setup: Setup,
-    constants: Constants,
+    constants: StepConstants,
     nodes: Nodes,
     steps: u64,
     /// Steps and time when the time step was changed last.
@@ -164,7 +170,7 @@ fn spacing(points: usize, angle: f64) -> f64 {
 
 /// The largest stable time step: √(4β² + 4/ω²) − 2β for the fastest motion of the grid (see [`material`]),
 /// 2/ω for β = 0; ω² is bounded by the largest sum of absolute values in a row of the stiffness.
-pub fn stable_step(parameters: &Parameters, points: usize, angle: f64, order: Order) -> f64 {
+pub fn stable_step(parameters: &Constants, points: usize, angle: f64, order: Order) -> f64 {
     let c = parameters.coefficients;
     let width = spacing(points, angle);
     let second: f64 = order
@@ -194,18 +200,18 @@ fn with_diffusion(step: f64, beta: f64) -> f64 {
 
 /// The time step of a Courant number: this part of √(4β² + Δφ²/a) − 2β, where order 2 becomes
 /// unstable. That is √a Δt/Δφ for β = 0, and 4βaΔt/Δφ² where diffusion sets the limit.
-pub fn courant_step(parameters: &Parameters, points: usize, angle: f64, courant: f64) -> f64 {
+pub fn courant_step(parameters: &Constants, points: usize, angle: f64, courant: f64) -> f64 {
     let free = spacing(points, angle) / parameters.coefficients.a.sqrt();
     courant * with_diffusion(free, parameters.stiffness_damping)
 }
 
 /// Numbers of a step whose rates are `kick` apart.
-fn constants(parameters: &Parameters, setup: &Setup, kick: f64) -> Constants {
+fn constants(parameters: &Constants, setup: &Setup, kick: f64) -> StepConstants {
     let c = parameters.coefficients;
     let width = spacing(setup.points, setup.angle);
     let half = 0.5 * parameters.mass_damping * kick;
     let second = setup.order.second();
-    Constants {
+    StepConstants {
         b: second.map(|weight| c.b * weight / (width * width)),
         a: second.map(|weight| c.a * weight / (width * width)),
         coupling: setup
@@ -227,7 +233,7 @@ fn constants(parameters: &Parameters, setup: &Setup, kick: f64) -> Constants {
 
 impl Ring {
     /// A ring at rest in steady sliding: U = δ, V = δfg/h, V̇ = 0.
-    pub fn new(parameters: &Parameters, setup: Setup) -> Result<Ring, SetupError> {
+    pub fn new(parameters: &Constants, setup: Setup) -> Result<Ring, SetupError> {
         if setup.points < LEAST_POINTS {
             return Err(SetupError::Points(setup.points));
         }
@@ -277,7 +283,7 @@ impl Ring {
     }
 
     /// What the ring was made of.
-    pub fn parameters(&self) -> &Parameters {
+    pub fn constants(&self) -> &Constants {
         &self.parameters
     }
 
@@ -526,7 +532,7 @@ impl Stretch {
     #[inline(always)]
     fn run<const R: usize, const WATCHED: bool, F: Friction>(
         &mut self,
-        constants: &Constants,
+        constants: &StepConstants,
         law: F,
         steps: usize,
     ) {

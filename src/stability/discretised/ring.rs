@@ -137,7 +137,7 @@ pub(super) struct Flow {
 
 impl Ring {
     pub(super) fn new(model: &Model, mode: u32, points: usize, epsilon: f64) -> Ring {
-        let parameters = model.parameters();
+        let parameters = model.constants();
         let coefficients = parameters.coefficients;
         let spacing = TAU / (f64::from(mode) * points as f64);
         Ring {

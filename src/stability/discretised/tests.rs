@@ -5,9 +5,8 @@ use faer::c64;
 use super::band::Band;
 use super::ring::State;
 use super::*;
-use crate::model::Model;
-use crate::model::Source;
 use crate::model::coefficients::Geometry;
+use crate::model::{Damping, Model, Source};
 
 fn model(mismatch: f64) -> Model {
     Model::tube(
@@ -33,7 +32,10 @@ fn damped(beta: f64, points: usize, epsilon: f64) -> SemiDiscreteWave {
         ..Settings::default()
     };
     let model = Model {
-        stiffness_damping: beta,
+        damping: Damping {
+            mass: 0.0,
+            stiffness: beta,
+        },
         ..model(0.2)
     };
     solve(&model, 4, &settings).unwrap()
@@ -185,12 +187,15 @@ fn union_of_sectors(wave: &SemiDiscreteWave) {
 #[test]
 fn nothing_is_felt_beyond_the_reach() {
     let nearly_incompressible = Model {
-        source: Source::Geometry(Geometry {
+        source: Source::from(Geometry {
             nu: 0.45,
             xi: 1.25,
             gamma: 1.0,
         }),
-        stiffness_damping: 0.045,
+        damping: Damping {
+            mass: 0.0,
+            stiffness: 0.045,
+        },
         ..model(0.4)
     };
     let settings = Settings {
@@ -227,10 +232,10 @@ fn nothing_is_felt_beyond_the_reach() {
 #[test]
 fn mirror_image_has_the_same_sectors() {
     let original = model(0.2);
-    let mut coefficients = original.parameters().coefficients;
+    let mut coefficients = original.constants().coefficients;
     coefficients.coupling = -coefficients.coupling;
     let mirrored = Model {
-        source: Source::Given(coefficients),
+        source: Source::from(coefficients),
         ..original
     };
     let settings = Settings {

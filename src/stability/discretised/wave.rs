@@ -12,9 +12,8 @@ use crate::begin::first_wave;
 use crate::continuation;
 use crate::flow::FlowError;
 use crate::linalg::Vector;
-use crate::model::Model;
 use crate::model::signature::Regime;
-use crate::problem::Parameter;
+use crate::model::{Model, Parameter};
 use crate::wave::Wave;
 use crate::wave::profile::{self, switches};
 

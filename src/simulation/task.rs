@@ -1,10 +1,11 @@
-//! The section `simulation`: what to simulate in time, and from where.
+//! What to simulate in time, and from where.
 
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::Sectors;
+use super::ring::{Law, Order};
+use crate::stability::Sectors;
 
 /// Fewest points of a ring, or of the contact line of an annulus, per wavelength simulated.
 pub const MIN_SIMULATION_POINTS: usize = 16;
@@ -80,10 +81,10 @@ pub enum Body {
         points: usize,
         /// Accuracy of the space differences.
         #[serde(default)]
-        order: DifferenceOrder,
+        order: Order,
         /// Friction law.
         #[serde(default)]
-        friction: RingFriction,
+        friction: Law,
     },
     /// The elastic tube by finite elements.
     Annulus {
@@ -91,32 +92,6 @@ pub enum Body {
         around: usize,
         /// Elements from the inner to the outer radius.
         across: usize,
-    },
-}
-
-/// Accuracy of space differences.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum DifferenceOrder {
-    /// Order 2.
-    Second,
-    /// Order 4.
-    #[default]
-    Fourth,
-    /// Order 6.
-    Sixth,
-}
-
-/// Friction law of the ring.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum RingFriction {
-    /// Set-valued, solved exactly.
-    #[default]
-    SetValued,
-    /// fP tanh((1 − V̇)/ε).
-    Tanh {
-        /// Width ε of the transition.
-        epsilon: f64,
     },
 }
 

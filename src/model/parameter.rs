@@ -1,0 +1,258 @@
+//! The parameters that a branch can be followed in: one table, from which headers, options, axes,
+//! checks and derivatives are read.
+
+use serde::{Deserialize, Serialize};
+
+use super::coefficients::{Coefficients, Geometry};
+use super::laws::FrictionLaw;
+use super::range::Range;
+use super::{Constants, Model, Source};
+
+/// A parameter that a branch can be followed in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Parameter {
+    /// Mismatch δ.
+    Mismatch,
+    /// Friction coefficient f.
+    Friction,
+    /// Mass-proportional damping α.
+    MassDamping,
+    /// Stiffness-proportional damping β.
+    StiffnessDamping,
+    /// γ = ρR²Ω²/E.
+    Gamma,
+    /// Poisson's ratio ν.
+    Nu,
+    /// Ratio of the radii ξ.
+    Xi,
+    /// ε of the regularised friction law.
+    Smoothing,
+}
+
+/// What is known of a parameter.
+struct Entry {
+    parameter: Parameter,
+    /// Name in tables and on the command line.
+    column: &'static str,
+    /// Name on axes.
+    words: &'static str,
+    /// Symbol on axes and in messages.
+    symbol: &'static str,
+    /// Path in a problem file.
+    path: &'static str,
+    /// Values with which the model makes sense.
+    range: Range,
+    /// That as a sentence.
+    rule: &'static str,
+    /// Where its value stands; `None` in a model without it.
+    place: fn(&mut Model) -> Option<&mut f64>,
+    /// Derivative of the constants of the equations.
+    derivative: fn(&Model) -> Constants,
+}
+
+/// One entry for each parameter, in the order of the columns in tables.
+const TABLE: [Entry; 8] = [
+    Entry {
+        parameter: Parameter::Mismatch,
+        column: "mismatch",
+        words: "mismatch",
+        symbol: "δ",
+        path: "model.mismatch",
+        range: Range::above(0.0),
+        rule: "the mismatch must be {}",
+        place: |model| Some(&mut model.mismatch),
+        derivative: |_| Constants {
+            mismatch: 1.0,
+            ..Constants::default()
+        },
+    },
+    Entry {
+        parameter: Parameter::Friction,
+        column: "friction",
+        words: "friction",
+        symbol: "f",
+        path: "model.friction",
+        range: Range::from(0.0),
+        rule: "the friction coefficient must be {}",
+        place: |model| Some(&mut model.friction),
+        derivative: |_| Constants {
+            friction: 1.0,
+            ..Constants::default()
+        },
+    },
+    Entry {
+        parameter: Parameter::MassDamping,
+        column: "mass_damping",
+        words: "mass damping",
+        symbol: "α",
+        path: "model.damping.mass",
+        range: Range::from(0.0),
+        rule: "damping must be {}",
+        place: |model| Some(&mut model.damping.mass),
+        derivative: |_| Constants {
+            mass_damping: 1.0,
+            ..Constants::default()
+        },
+    },
+    Entry {
+        parameter: Parameter::StiffnessDamping,
+        column: "stiffness_damping",
+        words: "stiffness damping",
+        symbol: "β",
+        path: "model.damping.stiffness",
+        range: Range::from(0.0),
+        rule: "damping must be {}",
+        place: |model| Some(&mut model.damping.stiffness),
+        derivative: |_| Constants {
+            stiffness_damping: 1.0,
+            ..Constants::default()
+        },
+    },
+    Entry {
+        parameter: Parameter::Gamma,
+        column: "gamma",
+        words: "",
+        symbol: "γ",
+        path: "model.coefficients.gamma",
+        range: Range::above(0.0),
+        rule: "gamma must be {}",
+        place: |model| match &mut model.source {
+            Source::Geometry { gamma, .. } => Some(gamma),
+            Source::Given { .. } => None,
+        },
+        derivative: |model| of_tube(model, Geometry::derivative_in_gamma),
+    },
+    Entry {
+        parameter: Parameter::Nu,
+        column: "nu",
+        words: "Poisson's ratio",
+        symbol: "ν",
+        path: "model.coefficients.nu",
+        range: Range::above(-1.0).below(0.5),
+        rule: "Poisson's ratio must lie {}",
+        place: |model| match &mut model.source {
+            Source::Geometry { nu, .. } => Some(nu),
+            Source::Given { .. } => None,
+        },
+        derivative: |model| of_tube(model, Geometry::derivative_in_nu),
+    },
+    Entry {
+        parameter: Parameter::Xi,
+        column: "xi",
+        words: "radius ratio",
+        symbol: "ξ",
+        path: "model.coefficients.xi",
+        range: Range::above(1.0),
+        rule: "the ratio of the radii must be {}",
+        place: |model| match &mut model.source {
+            Source::Geometry { xi, .. } => Some(xi),
+            Source::Given { .. } => None,
+        },
+        derivative: |model| of_tube(model, Geometry::derivative_in_xi),
+    },
+    Entry {
+        parameter: Parameter::Smoothing,
+        column: "smoothing",
+        words: "smoothing",
+        symbol: "ε",
+        path: "model.friction_law.epsilon",
+        range: Range::above(0.0),
+        rule: "the smoothing must be {}",
+        place: |model| match &mut model.law {
+            FrictionLaw::Regularised { epsilon } => Some(epsilon),
+            _ => None,
+        },
+        derivative: |_| Constants {
+            smoothing: 1.0,
+            ..Constants::default()
+        },
+    },
+];
+
+/// Derivative in a parameter of the tube; zero where the coefficients are given.
+fn of_tube(model: &Model, derivative: fn(&Geometry) -> Coefficients) -> Constants {
+    let tube = model.source.geometry();
+    Constants {
+        coefficients: tube.as_ref().map(derivative).unwrap_or_default(),
+        ..Constants::default()
+    }
+}
+
+impl Parameter {
+    /// All parameters, in the order of their columns.
+    pub const ALL: [Parameter; TABLE.len()] = {
+        let mut all = [Parameter::Mismatch; TABLE.len()];
+        let mut index = 0;
+        while index < TABLE.len() {
+            all[index] = TABLE[index].parameter;
+            assert!(
+                all[index] as usize == index,
+                "the table has the order of the enum"
+            );
+            index += 1;
+        }
+        all
+    };
+
+    const fn entry(self) -> &'static Entry {
+        &TABLE[self as usize]
+    }
+
+    /// Name in tables and on the command line.
+    pub const fn column(self) -> &'static str {
+        self.entry().column
+    }
+
+    /// Name on axes; empty where the symbol says all.
+    pub fn words(self) -> &'static str {
+        self.entry().words
+    }
+
+    /// Symbol on axes and in messages.
+    pub fn symbol(self) -> &'static str {
+        self.entry().symbol
+    }
+
+    /// The parameter of a column; `None` when the column is no parameter.
+    pub fn from_column(column: &str) -> Option<Self> {
+        Parameter::ALL
+            .into_iter()
+            .find(|parameter| parameter.column() == column)
+    }
+
+    /// Path of its value in a problem file.
+    pub(crate) fn path(self) -> &'static str {
+        self.entry().path
+    }
+
+    /// Whether the model makes sense with this value, which may be infinite.
+    pub fn admits(self, value: f64) -> bool {
+        self.entry().range.admits(value)
+    }
+
+    /// The values that are admitted, in words.
+    pub fn rule(self) -> String {
+        self.entry().range.rule(self.entry().rule)
+    }
+}
+
+impl Model {
+    /// Value of a parameter; `None` where the model does not have it: γ, ν and ξ of given
+    /// coefficients, and ε of a law without.
+    pub fn value(mut self, parameter: Parameter) -> Option<f64> {
+        (parameter.entry().place)(&mut self).copied()
+    }
+
+    /// The same model with one parameter changed, if it has that parameter.
+    pub fn with(mut self, parameter: Parameter, value: f64) -> Model {
+        if let Some(place) = (parameter.entry().place)(&mut self) {
+            *place = value;
+        }
+        self
+    }
+
+    /// Derivative of [`Model::constants`] with respect to a parameter.
+    pub fn derivative(&self, parameter: Parameter) -> Constants {
+        (parameter.entry().derivative)(self)
+    }
+}

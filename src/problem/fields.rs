@@ -1,0 +1,134 @@
+//! What every number and every text of a problem must hold to by itself: one table.
+//!
+//! The problem is written out again, with its defaults, and every value found there is held against
+//! the table by its path. What values must hold to among each other is in [`super::validation`].
+
+use super::error::{Flaw, excerpt};
+use super::outline::Outline;
+use super::{
+    MAX_GRID, MAX_MAP_POINTS, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, MAX_WORDS, Problem, is_text,
+};
+use crate::flow::method::{MAX_DEGREE, MAX_INTERVALS};
+use crate::model::Parameter;
+use crate::model::range::Range;
+use crate::simulation::task::{
+    MAX_COURANT, MAX_SIMULATION_POINTS, MAX_SNAPSHOTS, MIN_SIMULATION_POINTS,
+};
+
+const POSITIVE: Range = Range::above(0.0);
+const COUNT: Range = Range::from(1.0);
+const TWO: Range = Range::from(2.0);
+const AROUND: Range = Range::from(MIN_SIMULATION_POINTS as f64).to(MAX_SIMULATION_POINTS as f64);
+
+/// Path, admitted values, and the rule in words, with `{}` for the values.
+#[rustfmt::skip] // one field a line
+const FIELDS: [(&str, Range, &str); 39] = [
+    ("model.coefficients.b", POSITIVE, "b must be {}"),
+    ("model.coefficients.g", POSITIVE, "g must be {}"),
+    ("model.coefficients.h", POSITIVE, "h must be {}"),
+    ("model.friction_law.ratio", COUNT, "static by kinetic friction is {}"),
+    ("model.friction_law.velocity", POSITIVE, "the velocity over which friction falls must be {}"),
+    ("wave.mode", COUNT.to(MAX_MODE as f64), "waves around the circumference: {}"),
+    ("method.tolerance", Range::from(1e-14).to(MAX_TOLERANCE), "the tolerance is {}"),
+    ("method.intervals", TWO.to(MAX_INTERVALS as f64), "a zone has {} mesh intervals"),
+    ("method.degree", TWO.to(MAX_DEGREE as f64), "an interval has {} collocation points"),
+    ("continuation.ds", POSITIVE, STEP),
+    ("continuation.ds_min", POSITIVE, STEP),
+    ("continuation.ds_max", POSITIVE, STEP),
+    ("continuation.max_points", COUNT, "a branch has {} point"),
+    ("continuation.tolerance", POSITIVE.to(MAX_TOLERANCE), "the tolerance must be {}"),
+    ("continuation.stop_after.count", COUNT, "`count: 1` ends the branch at the first event"),
+    ("stability.eigenvalues", COUNT, "keep {}, or leave out the section `stability`"),
+    ("stability.max_frequency", POSITIVE, "the highest frequency must be {}"),
+    ("map.points.rows", TWO.to(MAX_GRID as f64), "a grid has {} of them"),
+    ("map.points.columns", TWO.to(MAX_GRID as f64), "a grid has {} of them"),
+    ("map.points.count", COUNT.to(MAX_MAP_POINTS as f64), "a map has {} points"),
+    ("simulation.body.points", AROUND, "a simulation has {} points around"),
+    ("simulation.body.around", AROUND, "a simulation has {} points around"),
+    ("simulation.body.across", TWO, "an annulus has {} elements across"),
+    ("simulation.body.friction.epsilon", POSITIVE, "the width of the transition must be {}"),
+    ("simulation.duration", POSITIVE, "the time simulated must be {}"),
+    ("simulation.courant", POSITIVE.to(MAX_COURANT), "the Courant number must be {}"),
+    ("simulation.every", POSITIVE, "the time between samples must be {}"),
+    ("simulation.snapshots", Range::upto(MAX_SNAPSHOTS as f64), "ask for {} snapshots"),
+    ("simulation.growth.pairs", TWO.to(1000.0), "Arnoldi's method takes {} pairs of runs"),
+    ("simulation.growth.amplitude", POSITIVE.to(0.1), "the difference of runs must be {}"),
+    ("curve.index", COUNT, "`index: 1` is the first event of this type along the branch"),
+    ("curve.ds", POSITIVE, STEP),
+    ("curve.ds_min", POSITIVE, STEP),
+    ("curve.ds_max", POSITIVE, STEP),
+    ("curve.max_points", COUNT, "a curve has {} point"),
+    ("curve.tolerance", POSITIVE.to(MAX_TOLERANCE), "the tolerance must be {}"),
+    ("output.profiles", Range::upto(MAX_PROFILES as f64), "ask for {} profiles"),
+    ("expect.label", COUNT, "labels run from 1"),
+    ("expect.tolerance", POSITIVE.to(0.1), EXPECTED),
+];
+
+const STEP: &str = "step sizes must be {}";
+const EXPECTED: &str =
+    "the tolerance must be {}; it is relative, or absolute where the expected value is 0";
+
+/// Refuses the first value that is not admitted whatever the others are.
+pub(super) fn check(problem: &Problem, outline: &Outline) -> Result<(), Flaw> {
+    // what has been read can be written
+    let written = ron::to_string(problem).unwrap_or_default();
+    for leaf in Outline::of(&written).leaves() {
+        let found = if leaf.source.starts_with('"') {
+            word(&leaf.name, leaf.source)
+        } else {
+            number(&leaf.name, leaf.source)
+        };
+        if let Some((message, help)) = found {
+            return Err(Flaw::new(outline.locate(&leaf.path), message, help));
+        }
+    }
+    Ok(())
+}
+
+/// What is wrong with a number, and its cure.
+fn number(name: &str, source: &str) -> Option<(String, String)> {
+    let value: f64 = source.parse().ok()?;
+    let field = FIELDS.iter().find(|(path, ..)| *path == name);
+    let parameter = Parameter::ALL.into_iter().find(|one| one.path() == name);
+    let (admitted, rule) = match (field, parameter) {
+        (Some((_, range, rule)), _) => (range.admits(value), range.rule(rule)),
+        (None, Some(parameter)) => (parameter.admits(value), parameter.rule()),
+        (None, None) => (true, "write a number".to_owned()),
+    };
+    if admitted && value.is_finite() {
+        return None;
+    }
+    let finite = if value.is_finite() {
+        ""
+    } else {
+        ", and finite"
+    };
+    Some((not_admitted(name, source), format!("{rule}{finite}")))
+}
+
+/// The message about a value that is not admitted.
+pub(super) fn not_admitted(name: &str, value: &str) -> String {
+    format!("`{name}` is {}, which is not admitted", excerpt(value))
+}
+
+/// What is wrong with a text: it is shown, or names a file. Escapes bring control characters past
+/// the reader.
+fn word(name: &str, source: &str) -> Option<(String, String)> {
+    let text: String = ron::from_str(source).ok()?;
+    let refused = |c: &char| matches!(c, '\n' | '\r') || !is_text(*c);
+    if let Some(found) = text.chars().find(refused) {
+        let code = u32::from(found);
+        return Some((
+            format!("`{name}` holds the control character U+{code:04X}"),
+            "write one line of text without it".to_owned(),
+        ));
+    }
+    let rule = if text.is_empty() && name.ends_with(".dir") {
+        "name the directory with the results of an earlier run".to_owned()
+    } else if text.chars().count() > MAX_WORDS {
+        format!("write at most {MAX_WORDS} characters")
+    } else {
+        return None;
+    };
+    Some((not_admitted(name, source), rule))
+}
