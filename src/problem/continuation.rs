@@ -3,7 +3,7 @@
 use std::fmt;
 
 use serde::de::{self, Deserializer, MapAccess, Visitor};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use crate::branch::EventType;
 use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE};
@@ -55,9 +55,8 @@ pub struct Continuation {
     pub ds_min: f64,
     /// Largest step, in dimensionless scaled arclength.
     pub ds_max: f64,
-    /// Largest number of points of a leg, at least 1; see [`Continuation::most_points`]. Written out, and
-    /// hashed, as the common default where it is not given.
-    #[serde(serialize_with = "or_default")]
+    /// Largest number of points of a leg, at least 1; see [`Continuation::most_points`].
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub max_points: Option<usize>,
     /// Relative size of the Newton correction at which a point is accepted.
     pub tolerance: f64,
@@ -129,10 +128,6 @@ fn given<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {
     T::deserialize(deserializer).map(Some)
-}
-
-fn or_default<S: Serializer>(points: &Option<usize>, serializer: S) -> Result<S::Ok, S::Error> {
-    points.unwrap_or(DEFAULT_MAX_POINTS).serialize(serializer)
 }
 
 fn default_tolerance() -> f64 {
