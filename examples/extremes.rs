@@ -6,14 +6,14 @@
 //! measured by something that does not share its difficulty: the closed form in 200 binary digits
 //! where the wave is slip-stick, the exact scaling of the model, or a second method.
 
-use brakewave::begin::first_wave;
-use brakewave::conditioning::conditioning;
+use brakewave::branch::conditioning::conditioning;
+use brakewave::branch::first_wave::first_wave;
+use brakewave::continuation::newton::{self, Fixed, System};
 use brakewave::continuation::{Node, Settings};
 use brakewave::flow::method::Method;
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{FrictionLaw, Model, Parameter};
-use brakewave::newton::{self, Fixed, System};
 use brakewave::wave::start::{self, Which, fold_in_friction, least_mismatch, slip_stick};
 use brakewave::wave::{Wave, precise};
 

@@ -5,9 +5,9 @@
 
 use std::time::Instant;
 
-use brakewave::begin::first_wave;
-use brakewave::continuation::Settings as Steps;
-use brakewave::follow::{Follower, Settings, Status};
+use brakewave::branch::first_wave::first_wave;
+use brakewave::branch::follow::{Follower, Limits};
+use brakewave::continuation::Steps;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Model, Parameter};
 use brakewave::stability::characteristic::Characteristic;
@@ -60,10 +60,10 @@ fn run(work: &Work, measure: bool) -> Outcome {
         work.steps,
     )
     .expect("the wave exists");
-    let settings = Settings {
+    let settings = Limits {
         range: work.range,
         stop_at: Vec::new(),
-        continuation: work.steps,
+        steps: work.steps,
     };
     let mut follower = Follower::new(wave, &point, work.up, settings).expect("a regular start");
     let mut outcome = Outcome {
@@ -73,10 +73,10 @@ fn run(work: &Work, measure: bool) -> Outcome {
         error: 0.0,
     };
     loop {
-        let (found, status) = follower.step();
+        let (found, end) = follower.step();
         outcome.points += found.len();
         for point in &found {
-            outcome.events += usize::from(point.kind.is_some());
+            outcome.events += usize::from(point.kind().is_some());
             outcome.newton += point.node.newton;
             // beyond the fold the wave is the slow one
             if measure && point.wave.signature.len() == 2 && outcome.events == 0 {
@@ -94,7 +94,7 @@ fn run(work: &Work, measure: bool) -> Outcome {
                 }
             }
         }
-        if status != Status::Going {
+        if end.is_some() {
             return outcome;
         }
     }

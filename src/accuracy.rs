@@ -16,11 +16,11 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use crate::branch::EventType;
+use crate::branch::run::{End, RunError, Runner};
 use crate::flow::method::Method;
 use crate::linalg::Vector;
 use crate::model::FrictionLaw;
 use crate::problem::{Continuation, Problem};
-use crate::run::{Branch, End, RunError};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::discretised;
 use crate::stability::spectrum::{Request, spectrum};
@@ -253,7 +253,7 @@ pub fn follow(
 ) -> Result<Followed, Missed> {
     let mut problem = problem.clone();
     problem.method = Some(method);
-    let mut branch = Branch::begin(&problem, continuation, None)?;
+    let mut branch = Runner::begin(&problem, continuation, None)?;
     let mut followed = Followed {
         points: 0,
         events: Vec::new(),
@@ -284,7 +284,7 @@ pub fn follow(
         }
     }
     if let Some(End::Failed(reason)) = &branch.progress().end {
-        followed.failed = Some(reason.clone());
+        followed.failed = Some(reason.to_string());
     }
     Ok(followed)
 }

@@ -9,22 +9,21 @@
 //! Data flows one way:
 //!
 //! ```text
-//! problem ──► model ──► flow ──► wave ──► continuation ──► events ──► run ──► output
-//!  RON file   a b D g h  exact    boundary-  newton         fold,       points,  tables,
-//!             signature  flow,    value       pseudo-        regime      labels   restart,
-//!             switches   signs    problem     arclength      change,              pictures
-//!                                                            successor
+//! problem ──► model ──► flow ──► wave ──► branch ──► output
+//!  RON file   a b D g h  exact    boundary-  first wave,   tables,
+//!             signature  flow,    value      events, legs, restart,
+//!             switches   signs    problem    labels        pictures
+//!                                              ▲
+//!                                        continuation: newton, arclength, walk
 //! ```
 //!
 //! - [`problem`] reads and validates problem files;
 //! - [`model`] has the coefficients, the regimes and the table of switches between them;
 //! - [`flow`] is the exact flow of one regime with its derivatives, and proofs of sign;
-//! - [`wave`] poses a wave as a boundary-value problem for one signature, starts it from the
-//!   closed form ([`begin`]), examines it, and finds candidates for its successor;
-//! - [`newton`] and [`continuation`] know nothing of waves; [`linalg`] and [`bracket`] serve them;
-//! - [`events`] locates what happens within a step, [`follow`] takes the steps;
-//! - [`conditioning`] says how well a point is known;
-//! - [`run`] turns a problem into labelled points and events, in the vocabulary of [`branch`];
+//! - [`wave`] poses a wave as a boundary-value problem for one signature, has its closed form, examines
+//!   it, and finds candidates for its successor;
+//! - [`continuation`] follows curves and knows nothing of waves; [`linalg`] and [`bracket`] serve it;
+//! - [`branch`] follows waves in one parameter: first wave, changes of regime, points and labels;
 //! - [`accuracy`] runs one problem by every method and compares errors and times;
 //! - [`steady`] has the stability of steady sliding, where the waves come from;
 //! - [`curve`] follows one event in two parameters;
@@ -34,23 +33,17 @@
 //! - [`output`] writes them, [`cli`] is the command line.
 
 pub mod accuracy;
-pub mod begin;
 pub mod bracket;
 pub mod branch;
 pub mod cli;
-pub mod conditioning;
 pub mod continuation;
 pub mod curve;
-pub mod events;
 pub mod flow;
-pub mod follow;
 pub mod linalg;
 pub mod map;
 pub mod model;
-pub mod newton;
 pub mod output;
 pub mod problem;
-pub mod run;
 pub mod simulation;
 pub mod stability;
 pub mod steady;

@@ -10,9 +10,9 @@ use super::progress::Progress;
 use super::run::{Prepared, ready};
 use super::{BAD_INPUT, Failure, INPUT_OUTPUT, NUMERICAL, UNMET, print, spare, warn, write};
 use crate::branch::Event;
+use crate::branch::run::{End, Runner};
 use crate::model::Parameter;
 use crate::problem::{self, Expectation, Problem};
-use crate::run::{Branch, End};
 
 #[derive(Debug, Args)]
 pub struct CheckArguments {
@@ -112,7 +112,7 @@ fn check_file(file: &Path) -> Result<Outcome, Failure> {
         restart,
         source,
     } = ready(problem, text, file)?;
-    let mut branch = Branch::begin(&problem, &continuation, restart.as_ref())
+    let mut branch = Runner::begin(&problem, &continuation, restart.as_ref())
         .map_err(|error| source.place(error))?;
     let mut events = Vec::new();
     let mut progress = Progress::new(false);

@@ -7,6 +7,7 @@ use clap::Args;
 use super::progress::Progress;
 use super::run::{Prepared, of_mode, ready};
 use super::{Failure, FormatArgument, NUMERICAL, default_folder, inputs, print, warn};
+use crate::branch::run::Runner;
 use crate::curve::Run;
 use crate::curve::start::{self, NoCurve, Start};
 use crate::output::curve_folder::{self, CurveFolder};
@@ -14,7 +15,6 @@ use crate::output::folder::{self, Restart};
 use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store};
 use crate::problem::{self, CurveEvent, Problem};
-use crate::run::Branch;
 
 #[derive(Debug, Args)]
 pub struct CurveArguments {
@@ -57,18 +57,18 @@ pub fn curve(arguments: &CurveArguments) -> Result<u8, Failure> {
         }
         None => {
             let start = start(arguments, &problem, text, section, &mut progress)?;
-            let run = Run::begin(&start.system, start.event, &start.point, start.settings)
-                .map_err(NoCurve::Singular)?;
+            let run = Run::begin(&start.system, start.event, &start.point, start.limits)
+                .map_err(NoCurve::from)?;
             let folder = CurveFolder::create(store, &run, format)?;
             (run, folder)
         }
     };
-    while let Some(step) = run.step().map_err(NoCurve::Singular)? {
+    while let Some(step) = run.step().map_err(NoCurve::from)? {
         folder.write(&step)?;
         progress.show(f64::NAN, || run.position());
     }
     drop(progress);
-    let ranges = run.head().settings.ranges;
+    let ranges = run.head().limits.ranges;
     let found = run.curve();
     folder.finish(&found, ranges, problem.title.as_deref(), format)?;
     if !arguments.quiet {
@@ -115,7 +115,7 @@ fn start(
         source,
         ..
     } = ready(problem.clone(), text, &arguments.problem)?;
-    let mut watch = |branch: &Branch| {
+    let mut watch = |branch: &Runner| {
         let points = branch.progress().points;
         progress.show(f64::NAN, || {
             format!("looking for the event: {points} points of the branch")

@@ -19,12 +19,12 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
+use crate::branch::run::RunError;
 use crate::curve::start::NoCurve;
 use crate::output::pictures::PlotError;
 use crate::output::render::{Format, RenderError};
 use crate::output::store::{StoreError, io_error};
 use crate::problem::{self, CurveEvent, Problem, ProblemError, Start};
-use crate::run::RunError;
 use crate::simulation::task::SimulationStart;
 use crate::steady::radial;
 use crate::wave::hopf::NoHopf;
@@ -119,9 +119,7 @@ impl Failure {
                 NUMERICAL
             }
             Failure::Curve(
-                NoCurve::Run(RunError::Input(_) | RunError::Asked { .. })
-                | NoCurve::Outside { .. }
-                | NoCurve::Kind { .. },
+                NoCurve::Run(RunError::Asked(_)) | NoCurve::Outside { .. } | NoCurve::Kind { .. },
             ) => BAD_INPUT,
             Failure::Curve(_) => NUMERICAL,
             Failure::Store(error) | Failure::Plot(PlotError::Store(error)) => {

@@ -7,12 +7,13 @@ use clap::Args;
 use super::progress::Progress;
 use super::report::report;
 use super::{Failure, NUMERICAL, default_folder, inputs, print, warn};
+use crate::branch::SavedWave;
+use crate::branch::run::{End, RunError, Runner};
 use crate::output::folder::{self, Folder, Restart};
 use crate::output::pictures;
 use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store, damaged};
 use crate::problem::{self, Continuation, Problem, Start, Toward};
-use crate::run::{Branch, End, RunError, SavedWave};
 
 #[derive(Debug, Args)]
 pub struct RunArguments {
@@ -184,14 +185,14 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         Some(saved) => {
             let first = saved.wave(&out, 1)?;
             let progress = saved.progress.clone();
-            let branch = Branch::resume(&problem, &continuation, first, progress)
-                .map_err(|reason| damaged(&out.join(folder::RESTART), reason))?;
+            let branch = Runner::resume(&problem, &continuation, first, progress)
+                .map_err(|reason| damaged(&out.join(folder::RESTART), reason.to_string()))?;
             (branch, Folder::reopen(store, saved)?)
         }
         None => {
             let mut progress = Progress::new(arguments.quiet);
             let begun =
-                Branch::begin_watched(&problem, &continuation, restart.as_ref(), &mut |walk| {
+                Runner::begin_watched(&problem, &continuation, restart.as_ref(), &mut |walk| {
                     progress.show(walk.part(), || walk.to_string())
                 })
                 .map_err(|error| source.place(error));
@@ -241,7 +242,7 @@ pub fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         print(&format!("results in {}\n", out.display()))?;
     }
     for note in branch.notes() {
-        warn(note);
+        warn(&note.to_string());
     }
     match &branch.progress().end {
         Some(End::Failed(reason)) => {

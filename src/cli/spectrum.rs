@@ -9,10 +9,10 @@ use super::run::{Prepared, prepare};
 use super::{Failure, NUMERICAL, print, spare, warn, write};
 use crate::branch::EventType;
 use crate::branch::row::{EigenfunctionRow, EigenvalueRow, WaveEigenvalueRow};
+use crate::branch::run::{End, Item, Runner, answer};
 use crate::linalg::Vector;
 use crate::model::{FrictionLaw, Parameter};
 use crate::problem::Problem;
-use crate::run::{Branch, End, Item, answer};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::discretised;
 use crate::stability::eigenfunction::eigenfunction;
@@ -180,7 +180,7 @@ pub fn spectrum(arguments: &SpectrumArguments) -> Result<u8, Failure> {
         .at
         .iter()
         .all(|(one, _)| *one == continuation.parameter);
-    let mut branch = Branch::begin(&problem, &continuation, restart.as_ref()).map_err(|error| {
+    let mut branch = Runner::begin(&problem, &continuation, restart.as_ref()).map_err(|error| {
         if of_file {
             source.place(error)
         } else {

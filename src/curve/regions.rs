@@ -19,13 +19,17 @@ use std::collections::BTreeMap;
 
 use nalgebra::Complex;
 
+use super::follow::{INTO, Solved};
+use super::run::Limits;
 use super::system::{Condition, EventSystem};
-use super::{Entry, INTO, Settings};
 use crate::branch::EventType::{EP, LP, RV, ST, UZ};
-use crate::continuation::{self, Node};
-use crate::events;
+use crate::branch::beyond;
+use crate::branch::follow::{self, Follower, Found};
+use crate::continuation::Node;
+use crate::continuation::arclength::advance;
+use crate::continuation::locate::retangent;
+use crate::continuation::walk;
 use crate::flow::sign::Verdict;
-use crate::follow::{self, Follower, Found, Status};
 use crate::linalg::Vector;
 use crate::stability::characteristic::Characteristic;
 use crate::wave::Wave;
@@ -73,7 +77,7 @@ const LARGEST_MOVE: f64 = 0.05;
 
 /// Names beside a curve. Of every stretch and side, the places to prefer come first: those in the region
 /// next to the curve, and the nearest of them.
-pub(super) fn regions(points: &[Entry], settings: &Settings) -> Vec<Region> {
+pub(super) fn regions(points: &[Solved], limits: &Limits) -> Vec<Region> {
     let stretches = stretches(points);
     let mut found = Vec::new();
     let mut budget = ALL_STEPS;
@@ -84,7 +88,7 @@ pub(super) fn regions(points: &[Entry], settings: &Settings) -> Vec<Region> {
                 continue;
             };
             for axis in [0, 1] {
-                for (rank, region) in beside(points, *index, axis, stretch, settings, &mut budget) {
+                for (rank, region) in beside(points, *index, axis, stretch, limits, &mut budget) {
                     found.push((stretch, rank, order, region));
                 }
             }
@@ -95,14 +99,14 @@ pub(super) fn regions(points: &[Entry], settings: &Settings) -> Vec<Region> {
 }
 
 /// A point of the curve in units of the ranges.
-fn scaled(entry: &Entry) -> [f64; 2] {
-    let widths = entry.1.widths();
-    [0, 1].map(|index| entry.0.parameters[index] / widths[index])
+fn scaled(solved: &Solved) -> [f64; 2] {
+    let widths = solved.system.widths();
+    [0, 1].map(|index| solved.point.parameters[index] / widths[index])
 }
 
 /// For every stretch with the same waves, broken at folds and cusps, the points beside which places
 /// are looked for.
-fn stretches(points: &[Entry]) -> Vec<Vec<usize>> {
+fn stretches(points: &[Solved]) -> Vec<Vec<usize>> {
     // way from the first point to each
     let mut way = vec![0.0];
     for pair in points.windows(2) {
@@ -115,10 +119,10 @@ fn stretches(points: &[Entry]) -> Vec<Vec<usize>> {
     let mut from = 0;
     while from < points.len() {
         let turns = |index: &usize| {
-            let kind = points[*index].0.kind.as_deref().unwrap_or_default();
+            let kind = points[*index].point.kind.as_deref().unwrap_or_default();
             kind == "CP" || kind.ends_with("+LP")
         };
-        let same = |index: &usize| points[*index].0.before == points[from].0.before;
+        let same = |index: &usize| points[*index].point.before == points[from].point.before;
         let to = (from..points.len())
             .take_while(|index| same(index) && !(*index > from && turns(&(index - 1))))
             .last()
@@ -146,14 +150,18 @@ fn stretches(points: &[Entry]) -> Vec<Vec<usize>> {
 /// Named places on the line through a point of the curve along which one parameter changes. With each
 /// whether it lies beyond the region next to the curve, and the number of its distance.
 fn beside(
-    points: &[Entry],
+    points: &[Solved],
     index: usize,
     axis: usize,
     stretch: usize,
-    settings: &Settings,
+    limits: &Limits,
     budget: &mut usize,
 ) -> Vec<((bool, usize), Region)> {
-    let (point, system, at) = &points[index];
+    let Solved {
+        point,
+        system,
+        unknowns,
+    } = &points[index];
     let (one, other) = (scaled(&points[index - 1]), scaled(&points[index + 1]));
     let (dx, dy) = (other[0] - one[0], other[1] - one[1]);
     // across the curve: the sine, positive on its left, of the angle to larger values
@@ -161,7 +169,7 @@ fn beside(
     if sine.is_nan() || sine.abs() < ACROSS {
         return Vec::new();
     }
-    let (low, high) = settings.ranges[axis];
+    let (low, high) = limits.ranges[axis];
     let mut targets = Vec::new();
     for (distance, away) in AWAY.iter().enumerate() {
         for sign in [1.0, -1.0] {
@@ -172,7 +180,7 @@ fn beside(
         }
     }
     let values: Vec<f64> = targets.iter().map(|(_, _, target)| *target).collect();
-    let Some(section) = Section::through(system, at, axis, &values, settings, budget) else {
+    let Some(section) = Section::through(system, unknowns, axis, &values, limits, budget) else {
         return Vec::new();
     };
     // names next to the curve on its right and its left; the targets come by distance
@@ -212,10 +220,10 @@ impl Section {
         at: &Vector,
         axis: usize,
         targets: &[f64],
-        settings: &Settings,
+        limits: &Limits,
         budget: &mut usize,
     ) -> Option<Section> {
-        let arms = arms(system, at, axis, settings.steps.tolerance);
+        let arms = arms(system, at, axis, limits.steps.tolerance);
         if arms.is_empty() {
             return None;
         }
@@ -224,9 +232,9 @@ impl Section {
             passages: BTreeMap::new(),
             complete: arms.len() == 2,
         };
-        let mut steps = settings.steps;
+        let mut steps = limits.steps;
         steps.ds_min = steps.ds_min.max(CREEPING);
-        let (mut low, mut high) = settings.ranges[axis];
+        let (mut low, mut high) = limits.ranges[axis];
         match system.condition {
             Condition::Hopf { .. } => {
                 steps.ds_max = steps.ds_max.min(SHORT);
@@ -247,10 +255,10 @@ impl Section {
         }
         let range = (low, high);
         for (wave, point, up) in arms {
-            let settings = follow::Settings {
+            let limits = follow::Limits {
                 range,
                 stop_at: targets.to_vec(),
-                continuation: steps,
+                steps,
             };
             let mut pair = match system.condition {
                 Condition::Hopf { sector } => Some(Pair {
@@ -261,7 +269,7 @@ impl Section {
                 _ => None,
             };
             let mut seen = BTreeMap::new();
-            let end = match Follower::new(wave, &point, up, settings) {
+            let end = match Follower::new(wave, &point, up, limits) {
                 Ok(arm) => walk(arm, range, targets, &mut pair, &mut seen, budget),
                 Err(_) => End::Lost,
             };
@@ -370,21 +378,21 @@ fn walk(
     let most = MOST_STEPS.min(*budget);
     let (mut steps, mut end) = (0, End::Closed);
     while steps < most {
-        let (found, status) = arm.step();
+        let (found, ended) = arm.step();
         steps += 1;
         *budget -= 1;
         // where slip-stick waves lose their stick zone they end, at the Hopf point of steady sliding
         let vanished = found.iter().any(|found| {
-            found.kind == Some(ST) && found.wave.signature.to_string() == "slip-stick"
+            found.kind() == Some(ST) && found.wave.signature.to_string() == "slip-stick"
         });
-        for Found {
-            wave,
-            node,
-            kind,
-            parameter,
-            ..
-        } in found
-        {
+        for found in found {
+            let kind = found.kind();
+            let Found {
+                wave,
+                node,
+                parameter,
+                ..
+            } = found;
             let mut rate = None;
             if let Some(pair) = pair {
                 // the spectrum passes the opening of reverse slip, but not every change of regime
@@ -405,11 +413,11 @@ fn walk(
                 passages.push((wave.signature.to_string(), rate));
             }
         }
-        match status {
-            Status::Going if arm.from().0.zones() <= MOST_ZONES => {}
-            Status::Failed(_) if vanished => return End::Edge,
-            Status::Going | Status::Failed(_) => return End::Lost,
-            Status::Finished => return end,
+        match ended {
+            None if arm.curve().wave.zones() <= MOST_ZONES => {}
+            Some(walk::End::Edge | walk::End::Closed) => return end,
+            Some(_) if vanished => return End::Edge,
+            _ => return End::Lost,
         }
     }
     End::Lost
@@ -428,10 +436,7 @@ fn arms(
     let mut along = Vector::zeros(last + 1);
     along[last] = 1.0;
     let step = |wave: &Wave, node: &Node, ds: f64| {
-        let to = continuation::advance(wave, node, ds, tolerance)
-            .ok()?
-            .node
-            .point;
+        let to = advance(wave, node, ds, tolerance).ok()?.node.point;
         let way = to[to.len() - 1] - node.point[to.len() - 1];
         (way != 0.0).then(|| (wave.clone(), to, way > 0.0))
     };
@@ -439,13 +444,13 @@ fn arms(
     match system.condition {
         Condition::Margin(margin) => {
             let here = AtZero { margin }.margin_at(&wave, &own).unwrap_or(margin);
-            if let Some(mut node) = events::retangent(&wave, &own, &along, 0) {
+            if let Some(mut node) = retangent(&wave, &own, &along, 0) {
                 if here.slope(&wave, &node.tangent) < 0.0 {
                     node.tangent.neg_mut();
                 }
                 found.extend(step(&wave, &node, INTO));
             }
-            if let Some(beyond) = events::beyond(&wave, &own, &here, INTO, tolerance).beyond {
+            if let Some(beyond) = beyond(&wave, &own, &here, INTO, tolerance).beyond {
                 found.extend(step(&beyond.wave, &beyond.node, beyond.ds));
             }
         }

@@ -1,18 +1,20 @@
 //! The event that a curve begins with, found on a branch.
 
 use crate::branch::EventType;
+use crate::branch::SavedWave;
+use crate::branch::run::{End, Item, RunError, Runner};
+use crate::continuation::Steps;
+use crate::continuation::newton;
 use crate::linalg::{self, Vector};
 use crate::model::Parameter;
 use crate::model::signature::Regime;
-use crate::newton;
 use crate::problem::{self, Continuation, Problem, StabilitySection};
-use crate::run::{Branch, End, Item, RunError, SavedWave};
 use crate::stability::Sectors;
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch, examine};
 
-use super::Settings;
 use super::system::{Condition, EventSystem};
+use super::{Limits, Singular};
 
 /// Why there is no curve.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -59,7 +61,7 @@ pub enum NoCurve {
     },
     /// The equations of the event cannot be posed or solved.
     #[error("the curve cannot begin: {0}")]
-    Singular(String),
+    Singular(#[from] Singular),
 }
 
 /// An event ready to be followed.
@@ -72,7 +74,7 @@ pub struct Start {
     /// Their solution on the branch.
     pub point: Vector,
     /// How far to follow.
-    pub settings: Settings,
+    pub limits: Limits,
 }
 
 /// A scaled margin below this vanishes at a located event.
@@ -89,7 +91,7 @@ pub fn find(
     continuation: &Continuation,
     restart: Option<&SavedWave>,
     curve: &problem::Curve,
-    watch: &mut dyn FnMut(&Branch),
+    watch: &mut dyn FnMut(&Runner),
 ) -> Result<Start, NoCurve> {
     let mut plain = problem.clone();
     plain.output.profiles = 0;
@@ -101,7 +103,7 @@ pub fn find(
     };
     let event = curve.event.kind();
     plain.stability = (event == Some(EventType::HB)).then_some(of_sector);
-    let mut branch = Branch::begin(&plain, continuation, restart)?;
+    let mut branch = Runner::begin(&plain, continuation, restart)?;
     let mut found = 0;
     while branch.progress().end.is_none() {
         watch(&branch);
@@ -200,15 +202,11 @@ fn pose(
     let parameters = [curve.parameters.0, curve.parameters.1];
     let material = wave.material || parameters.contains(&Parameter::StiffnessDamping);
     if material && wave.signature.has(Regime::Separation) {
-        return Err(NoCurve::Singular(
-            "separation is not covered with material damping".into(),
-        ));
+        return Err(Singular::Separation.into());
     }
     let layered;
     let (wave, point) = if material && !wave.material {
-        layered = wave
-            .with_layers(point)
-            .map_err(|error| NoCurve::Singular(error.to_string()))?;
+        layered = wave.with_layers(point).map_err(Singular::from)?;
         (&layered.0, &layered.1)
     } else {
         (wave, point)
@@ -227,14 +225,13 @@ fn pose(
             });
         }
     }
-    let singular = |error: &dyn std::fmt::Display| NoCurve::Singular(error.to_string());
     let posed = |condition| EventSystem::new(wave, point, parameters, widths, condition);
     let (system, further) = match event.kind {
         EventType::LP => {
-            let (matrix, _) = newton::jacobian(wave, point).map_err(|error| singular(&error))?;
+            let (matrix, _) = newton::jacobian(wave, point).map_err(Singular::from)?;
             let count = matrix.nrows();
             let least = linalg::least(&matrix.columns(0, count).clone_owned())
-                .ok_or_else(|| NoCurve::Singular("the fold has no null vector".into()))?;
+                .ok_or(Singular::NoNullVector)?;
             (posed(Condition::Fold), least.right.as_slice().to_vec())
         }
         EventType::HB => {
@@ -245,7 +242,7 @@ fn pose(
             (system, vec![scaled])
         }
         _ => {
-            let examination = examine(wave, point).map_err(|error| singular(&error))?;
+            let examination = examine(wave, point).map_err(Singular::from)?;
             let mut margins: Vec<Margin> = examination
                 .margins
                 .into_iter()
@@ -253,9 +250,7 @@ fn pose(
                 .collect();
             // a zone without length says most, as on the branch
             margins.sort_by_key(|margin| margin.watch != Watch::Duration);
-            let margin = *margins
-                .first()
-                .ok_or_else(|| NoCurve::Singular("no margin vanishes at the event".into()))?;
+            let margin = *margins.first().ok_or(Singular::NoMargin)?;
             (posed(Condition::Margin(margin)), Vec::new())
         }
     };
@@ -264,9 +259,9 @@ fn pose(
         event: event.kind,
         system,
         point,
-        settings: Settings {
+        limits: Limits {
             ranges,
-            steps: crate::continuation::Settings {
+            steps: Steps {
                 ds: curve.ds,
                 ds_min: curve.ds_min,
                 ds_max: curve.ds_max,

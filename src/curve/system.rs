@@ -17,12 +17,12 @@
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
+use crate::continuation::newton::{Constraint, System};
 use crate::flow::FlowError;
 use crate::flow::method::Method;
 use crate::linalg::{Matrix, Vector};
 use crate::model::signature::Signature;
 use crate::model::{Model, Parameter};
-use crate::newton::{Constraint, System};
 use crate::stability::characteristic::{Characteristic, NotLinearised};
 use crate::wave::admissibility::{AtZero, Margin};
 use crate::wave::{Scales, Wave};

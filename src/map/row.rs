@@ -2,10 +2,10 @@
 
 use super::cell::{Cell, CellPoint};
 use super::plane::Plane;
+use crate::branch::run::{End, Item, RunError, Runner, answer};
 use crate::branch::{BranchPoint, EventType};
 use crate::model::Parameter;
 use crate::problem::{Continuation, Map, Problem, Start, Toward};
-use crate::run::{Branch, End, Item, RunError, answer};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::spectrum::{Request, Spectrum, spectrum};
 
@@ -155,7 +155,7 @@ impl Search<'_> {
             };
             let continuation = self.continuation(toward, inner.clone());
             let problem = self.at([first, value]);
-            match Branch::begin(&problem, &continuation, None) {
+            match Runner::begin(&problem, &continuation, None) {
                 Ok(branch) => return Ok(self.walk(branch, points)),
                 Err(RunError::NoStart(no_start)) => {
                     reason.get_or_insert(no_start.to_string());
@@ -191,7 +191,7 @@ impl Search<'_> {
     }
 
     /// Follows a branch to its end and keeps what lies on the grid.
-    fn walk(&self, mut branch: Branch, points: &[[f64; 2]]) -> (Vec<Hit>, String) {
+    fn walk(&self, mut branch: Runner, points: &[[f64; 2]]) -> (Vec<Hit>, String) {
         let mut hits: Vec<Hit> = Vec::new();
         let (mut leg, mut begun) = (1, false);
         let mut seeds = None;
@@ -255,7 +255,7 @@ impl Search<'_> {
         let mut whys = vec![String::new(); points.len()];
         let continuation = self.continuation(Toward::Both, Vec::new());
         for (column, values) in points.iter().enumerate() {
-            match Branch::begin(&self.at(*values), &continuation, None) {
+            match Runner::begin(&self.at(*values), &continuation, None) {
                 Ok(mut branch) => {
                     for item in branch.step() {
                         let mut point = item.point.clone();

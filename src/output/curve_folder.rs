@@ -67,7 +67,7 @@ pub fn interrupted(store: &Store) -> Result<Option<(Run, usize)>, StoreError> {
     let steps = lines
         .map(|(number, line)| value(line).map_err(|reason| wrong(number, &reason)))
         .collect::<Result<Vec<Step>, StoreError>>()?;
-    let run = Run::resume(head, steps).map_err(|reason| damaged(&path, reason))?;
+    let run = Run::resume(head, steps).map_err(|reason| damaged(&path, reason.to_string()))?;
     Ok(Some((run, length)))
 }
 

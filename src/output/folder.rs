@@ -15,11 +15,12 @@ use serde::{Deserialize, Serialize};
 use super::pictures;
 use super::render::Format;
 use super::store::{self, Store, StoreError, VERSION, bytes, damaged, io_error, read};
+use crate::branch::SavedWave;
 use crate::branch::row::{BranchRow, EigenvalueRow, EventRow, SpectrumRow};
+use crate::branch::run::{Item, Progress, Runner};
 use crate::curve::start::Labelled;
 use crate::model::Parameter;
 use crate::problem::{Problem, Start};
-use crate::run::{Branch, Item, Progress, SavedWave};
 use crate::table;
 
 /// Content of `branch.ron`.
@@ -168,7 +169,7 @@ impl Folder {
     ///
     /// # Errors
     /// When something else is in the way, or the system refuses.
-    pub fn create(store: Store, problem: &Problem, branch: &Branch) -> Result<Folder, StoreError> {
+    pub fn create(store: Store, problem: &Problem, branch: &Runner) -> Result<Folder, StoreError> {
         let smoothing = problem.model.value(Parameter::Smoothing);
         let events = table::columns(&EventRow::columns(smoothing));
         let spectrum = branch.with_stability().then_some(SPECTRUM);
@@ -251,7 +252,7 @@ impl Folder {
     ///
     /// # Errors
     /// When the system refuses.
-    pub fn write(&mut self, items: &[Item], branch: &Branch) -> Result<(), StoreError> {
+    pub fn write(&mut self, items: &[Item], branch: &Runner) -> Result<(), StoreError> {
         for item in items {
             self.append(item)?;
         }

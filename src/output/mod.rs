@@ -11,3 +11,4 @@ pub mod render;
 pub mod simulation;
 pub mod store;
 pub mod vtk;
+mod words;

@@ -15,10 +15,9 @@ use nalgebra::Complex;
 use super::characteristic::Characteristic;
 use super::spectrum::{Eigenvalue, Request, Spectrum, beside_translation, margin, spectrum};
 use crate::bracket::Bracket;
-use crate::branch::EventType;
 use crate::continuation::Node;
-use crate::events;
-use crate::follow::Found;
+use crate::continuation::arclength::advance;
+use crate::continuation::locate::node_at;
 use crate::wave::Wave;
 
 type C64 = Complex<f64>;
@@ -50,9 +49,38 @@ pub struct Tracked {
     /// Spectrum at each point found, in order; `None` where the wave could not be linearised.
     pub spectra: Vec<Option<Spectrum>>,
     /// What remains to be said: a jump at a change of regime, or a count that was lost.
-    pub remark: Option<String>,
-    /// Whether a crossing could not be located.
-    pub lost: bool,
+    pub remark: Option<Remark>,
+}
+
+/// What remains to be said of the spectrum after a step.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Remark {
+    /// More eigenvalues cross the axis than the allowance pays for.
+    Unpaid,
+    /// The count changes and the crossing was not located.
+    Lost,
+    /// The count jumps at a change of regime: unstable eigenvalues before and after it by sector.
+    Jump {
+        /// Sector and count before.
+        before: Vec<(usize, usize)>,
+        /// Sector and count after.
+        after: Vec<(usize, usize)>,
+    },
+}
+
+/// A point that a step of the branch passes.
+#[derive(Clone, Copy, Debug)]
+pub struct Passed<'a> {
+    /// Arclength from the beginning of the step.
+    pub s: f64,
+    /// Its wave.
+    pub wave: &'a Wave,
+    /// Its solution.
+    pub node: &'a Node,
+    /// Whether it is a fold.
+    pub folds: bool,
+    /// The wave beyond a change of regime, and its solution.
+    pub entered: Option<(&'a Wave, &'a Node)>,
 }
 
 /// Follows the spectrum along a branch.
@@ -75,16 +103,6 @@ pub const ALLOWANCE: usize = 300_000;
 /// Eigenvalues that every point adds to the allowance, up to where it began: spectra of fewer never
 /// use it up.
 pub const PER_POINT: usize = 1000;
-
-/// What is left for the search of a step.
-struct Left {
-    /// Halvings.
-    halvings: usize,
-    /// Eigenvalues of the allowance that are kept for later steps.
-    reserve: usize,
-    /// Whether crossings were given up for want of work.
-    short: bool,
-}
 
 /// Halvings of an interval before a count is given up.
 const DEEPEST: u32 = 24;
@@ -204,7 +222,7 @@ impl Tracker {
     /// The spectrum at a small arclength beyond a node.
     fn beyond(&self, wave: &Wave, node: &Node, mut ds: f64) -> Option<Spectrum> {
         for _ in 0..6 {
-            if let Ok(step) = crate::continuation::advance(wave, node, ds, self.tolerance) {
+            if let Ok(step) = advance(wave, node, ds, self.tolerance) {
                 return self.spectrum_near(wave, &step.node, self.last.as_ref());
             }
             ds *= 0.25;
@@ -213,64 +231,39 @@ impl Tracker {
     }
 
     /// The step from `from` through the points found.
-    pub fn step(&mut self, wave: &Wave, from: &Node, found: &[Found]) -> Tracked {
+    pub fn step(&mut self, wave: &Wave, from: &Node, found: &[Passed]) -> Tracked {
         let mut tracked = Tracked::default();
-        let folds: Vec<f64> = found
-            .iter()
-            .filter(|point| point.kind == Some(EventType::LP))
-            .map(|point| point.s)
-            .collect();
         // the last point bounds the interval, or a change of regime: folds and user points are inside
-        let Some(end) = found
-            .iter()
-            .find(|point| point.entered.is_some())
-            .or(found.last())
-        else {
+        let entered = found.iter().find(|point| point.entered.is_some());
+        let Some(end) = entered.or(found.last()) else {
             return tracked;
         };
-        let after = self.at(wave, &end.node);
-        match (self.last.clone(), after.clone()) {
-            (Some(before), Some(after)) if end.s > 0.0 => {
-                let one = End {
-                    s: 0.0,
-                    node: from.clone(),
-                    spectrum: before,
-                };
-                let other = End {
-                    s: end.s,
-                    node: end.node.clone(),
-                    spectrum: after,
-                };
-                let mut lost = false;
-                let mut left = Left {
-                    halvings: MOST_HALVINGS,
-                    reserve: self.allowance.get() / 2,
-                    short: false,
-                };
-                self.between(
-                    wave,
-                    from,
-                    &one,
-                    &other,
-                    &folds,
-                    (0, &mut left),
-                    &mut tracked.crossings,
-                    &mut lost,
-                );
-                tracked.lost = lost;
-                if lost {
-                    tracked.remark = Some(
-                        if left.short {
-                            "more eigenvalues cross the imaginary axis here than could be located: \
-                             take a smaller `max_frequency` or `ds_max`"
-                        } else {
-                            "the unstable count changes here and the crossing could not be located"
-                        }
-                        .into(),
-                    );
-                }
-            }
-            _ => {}
+        let after = self.at(wave, end.node);
+        if let (Some(before), Some(after), true) = (&self.last, &after, end.s > 0.0) {
+            let ends = [(0.0, from, before), (end.s, end.node, after)];
+            let [one, other] = ends.map(|(s, node, spectrum)| End {
+                s,
+                node: node.clone(),
+                spectrum: spectrum.clone(),
+            });
+            let folds = found.iter().filter(|point| point.folds);
+            let mut search = Search {
+                tracker: self,
+                wave,
+                from,
+                folds: folds.map(|point| point.s).collect(),
+                halvings: MOST_HALVINGS,
+                reserve: self.allowance.get() / 2,
+                short: false,
+                lost: false,
+                crossings: Vec::new(),
+            };
+            search.between(&one, &other, 0);
+            tracked.remark = search.lost.then_some(match search.short {
+                true => Remark::Unpaid,
+                false => Remark::Lost,
+            });
+            tracked.crossings = search.crossings;
         }
         tracked
             .crossings
@@ -281,160 +274,138 @@ impl Tracker {
                 if point.s == end.s {
                     after.clone()
                 } else {
-                    self.at(&point.wave, &point.node)
+                    self.at(point.wave, point.node)
                 }
             })
             .collect();
         self.last = after;
-        if let Some((next, node)) = end.entered.as_ref() {
-            let remark = self.enter(next, node, end);
-            if remark.is_some() {
-                tracked.remark = remark;
-            }
+        if let Some((next, node)) = end.entered {
+            let jump = self.enter(next, node, end.s);
+            tracked.remark = jump.or(tracked.remark);
         }
         tracked
     }
 
     /// The spectrum just beyond a change of regime. Returns a remark where it is not the
     /// continuation of the one before.
-    fn enter(&mut self, wave: &Wave, node: &Node, event: &Found) -> Option<String> {
+    fn enter(&mut self, wave: &Wave, node: &Node, s: f64) -> Option<Remark> {
         let before = self.last.clone();
         // a little way into the new signature
-        self.last = self.beyond(wave, node, BEYOND * event.s.abs().max(1e-3));
+        self.last = self.beyond(wave, node, BEYOND * s.abs().max(1e-3));
         let (before, after) = (before.as_ref()?, self.last.as_ref()?);
-        let counts = |spectrum: &Spectrum| -> Vec<usize> {
-            spectrum
-                .sectors
-                .iter()
-                .map(|sector| spectrum.unstable_in(sector))
+        let counts = |spectrum: &Spectrum| -> Vec<(usize, usize)> {
+            let sectors = spectrum.sectors.iter();
+            sectors
+                .map(|sector| (sector.sector, spectrum.unstable_in(sector)))
                 .collect()
         };
-        let (one, other) = (counts(before), counts(after));
-        (one != other).then(|| {
-            let list = |spectrum: &Spectrum, counts: &[usize]| {
-                let parts: Vec<String> = spectrum
-                    .sectors
-                    .iter()
-                    .zip(counts)
-                    .map(|(sector, count)| format!("{count} in sector {}", sector.sector))
-                    .collect();
-                parts.join(", ")
-            };
-            format!(
-                "the spectrum is discontinuous here and the unstable count jumps without a \
-                 crossing: {} before, {} after",
-                list(before, &one),
-                list(after, &other)
-            )
-        })
+        let (before, after) = (counts(before), counts(after));
+        (before != after).then_some(Remark::Jump { before, after })
     }
+}
 
+/// The search for the crossings within one step.
+struct Search<'a> {
+    tracker: &'a Tracker,
+    wave: &'a Wave,
+    /// Where the step sets out.
+    from: &'a Node,
+    /// Arclengths of its folds.
+    folds: Vec<f64>,
+    /// Halvings left.
+    halvings: usize,
+    /// Eigenvalues of the allowance that are kept for later steps.
+    reserve: usize,
+    /// Whether crossings were given up for want of work.
+    short: bool,
+    /// Whether crossings were given up.
+    lost: bool,
+    /// Those found.
+    crossings: Vec<Crossing>,
+}
+
+impl Search<'_> {
     /// Crossings between two ends of an interval.
-    #[allow(clippy::too_many_arguments)]
-    fn between(
-        &self,
-        wave: &Wave,
-        from: &Node,
-        one: &End,
-        other: &End,
-        folds: &[f64],
-        (depth, left): (u32, &mut Left),
-        crossings: &mut Vec<Crossing>,
-        lost: &mut bool,
-    ) {
-        let changes = self.changes(wave, one, other, folds);
-        if let Some(changes) = changes {
+    fn between(&mut self, one: &End, other: &End, depth: u32) {
+        let left = |search: &Self| {
+            search
+                .tracker
+                .allowance
+                .get()
+                .saturating_sub(search.reserve)
+        };
+        if let Some(changes) = self.changes(one, other) {
             // every crossing has a spectrum of its own: where there is no work for all, none is located
             let cost = size(&one.spectrum).max(1);
-            let enough = |count: usize| {
-                let rest = self.allowance.get().saturating_sub(left.reserve);
-                count == 0 || count.saturating_mul(cost) <= rest
-            };
-            if !enough(changes.len()) {
-                (left.short, *lost) = (true, true);
+            if !changes.is_empty() && changes.len().saturating_mul(cost) > left(self) {
+                (self.short, self.lost) = (true, true);
                 return;
             }
-            // spectra only once all are located: one that fails has the interval halved
-            let located: Option<Vec<Located>> = changes
-                .iter()
-                .map(|change| self.locate(wave, from, one, other, change))
-                .collect();
-            let with_spectra: Option<Vec<Crossing>> = located.and_then(|located| {
-                located
-                    .into_iter()
-                    .filter(|crossing| crossing.omega.abs() <= self.request.max_frequency)
-                    .map(|located| {
-                        let seeds = Some(&one.spectrum);
-                        let spectrum = self.spectrum_near(wave, &located.node, seeds)?;
-                        Some(Crossing {
-                            s: located.s,
-                            node: located.node,
-                            sector: located.sector,
-                            omega: located.omega,
-                            grows: located.grows,
-                            uncertainty: located.uncertainty,
-                            spectrum,
-                        })
-                    })
-                    .collect()
-            });
-            if let Some(found) = with_spectra {
-                crossings.extend(found);
+            if let Some(found) = self.crossings(one, other, &changes) {
+                self.crossings.extend(found);
                 return;
             }
         }
-        let middle = 0.5 * (one.s + other.s);
-        let work = self.allowance.get() > left.reserve;
-        left.short |= !work;
-        let half = (depth < DEEPEST && left.halvings > 0 && work)
-            .then(|| events::node_at(wave, from, middle, self.tolerance))
-            .flatten()
-            .and_then(|node| {
-                let spectrum = self.spectrum_near(wave, &node, Some(&one.spectrum))?;
-                Some(End {
-                    s: middle,
-                    node,
-                    spectrum,
-                })
-            });
-        left.halvings = left.halvings.saturating_sub(1);
+        let work = left(self) > 0;
+        self.short |= !work;
+        let half = (depth < DEEPEST && self.halvings > 0 && work)
+            .then(|| self.end_at(0.5 * (one.s + other.s), one))
+            .flatten();
+        self.halvings = self.halvings.saturating_sub(1);
         let Some(half) = half else {
-            *lost = true;
+            self.lost = true;
             return;
         };
-        let deeper = depth + 1;
-        self.between(
-            wave,
-            from,
-            one,
-            &half,
-            folds,
-            (deeper, left),
-            crossings,
-            lost,
-        );
-        self.between(
-            wave,
-            from,
-            &half,
-            other,
-            folds,
-            (deeper, left),
-            crossings,
-            lost,
-        );
+        self.between(one, &half, depth + 1);
+        self.between(&half, other, depth + 1);
+    }
+
+    /// An end of an interval at an arclength; seeds of its spectrum are those of another end.
+    fn end_at(&self, s: f64, near: &End) -> Option<End> {
+        let node = node_at(self.wave, self.from, s, self.tracker.tolerance)?;
+        let seeds = Some(&near.spectrum);
+        let spectrum = self.tracker.spectrum_near(self.wave, &node, seeds)?;
+        Some(End { s, node, spectrum })
+    }
+
+    /// The crossings of these changes within the window, with their spectra; `None` if one is not located.
+    fn crossings(&self, one: &End, other: &End, changes: &[Change]) -> Option<Vec<Crossing>> {
+        // spectra only once all are located: one that fails has the interval halved
+        let located = changes.iter().map(|change| self.locate(one, other, change));
+        let located: Vec<Located> = located.collect::<Option<_>>()?;
+        let tracker = self.tracker;
+        let within = |crossing: &Located| crossing.omega.abs() <= tracker.request.max_frequency;
+        let with_spectrum = |located: Located| {
+            let seeds = Some(&one.spectrum);
+            let spectrum = tracker.spectrum_near(self.wave, &located.node, seeds)?;
+            Some(Crossing {
+                s: located.s,
+                node: located.node,
+                sector: located.sector,
+                omega: located.omega,
+                grows: located.grows,
+                uncertainty: located.uncertainty,
+                spectrum,
+            })
+        };
+        located
+            .into_iter()
+            .filter(within)
+            .map(with_spectrum)
+            .collect()
     }
 
     /// The eigenvalues that change the sign of their real part between two ends; `None` where
     /// following them does not account for the change of the count.
-    fn changes(&self, wave: &Wave, one: &End, other: &End, folds: &[f64]) -> Option<Vec<Change>> {
-        let characteristic = Characteristic::new(wave, &other.node.point).ok()?;
+    fn changes(&self, one: &End, other: &End) -> Option<Vec<Change>> {
+        let characteristic = Characteristic::new(self.wave, &other.node.point).ok()?;
         let mut changes = Vec::new();
         let depth = (one.spectrum.left.max(other.spectrum.left)).max(-NEAR / characteristic.period);
         let accounted = ACCOUNTED * depth;
         let rate = characteristic.period.recip();
-        let margin = margin(&self.request, &characteristic);
-        let highest = |spectrum: &Spectrum| (spectrum.top - margin).min(self.request.max_frequency);
+        let request = &self.tracker.request;
+        let margin = margin(request, &characteristic);
+        let highest = |spectrum: &Spectrum| (spectrum.top - margin).min(request.max_frequency);
         // by their signs alone: to count from any threshold would lose what crosses between it and the
         // axis; but rounding of what stays on the axis is no crossing
         let axis = one.spectrum.axis.max(other.spectrum.axis);
@@ -510,7 +481,7 @@ impl Tracker {
         }
         // at a fold a real eigenvalue of sector 0 passes through zero: that is the fold itself
         let inside = |s: &&f64| **s > one.s && **s <= other.s;
-        let mut left = folds.iter().filter(inside).count();
+        let mut left = self.folds.iter().filter(inside).count();
         changes.retain(|change| {
             let real = change.from.im.abs().max(change.to.im.abs()) < REAL * rate;
             if change.sector == 0 && real && left > 0 {
@@ -523,26 +494,19 @@ impl Tracker {
     }
 
     /// The zero of Re λ(s) between two ends, by the Illinois variant of the secant rule.
-    fn locate(
-        &self,
-        wave: &Wave,
-        from: &Node,
-        one: &End,
-        other: &End,
-        change: &Change,
-    ) -> Option<Located> {
+    fn locate(&self, one: &End, other: &End, change: &Change) -> Option<Located> {
         let (mut at_low, mut at_high) = (change.from, change.to);
         let mut bracket = Bracket::new((one.s, at_low.re), (other.s, at_high.re));
         let mut best = None;
         // width of the last bracket tells the error
         for _ in 0..60 {
-            self.spend(1);
+            self.tracker.spend(1);
             let s = bracket.secant();
             let (low, width) = (bracket.low.0, bracket.width());
             let share = if width > 0.0 { (s - low) / width } else { 0.0 };
             let guess = at_low + (at_high - at_low) * share;
-            let node = events::node_at(wave, from, s, self.tolerance)?;
-            let characteristic = Characteristic::new(wave, &node.point).ok()?;
+            let node = node_at(self.wave, self.from, s, self.tracker.tolerance)?;
+            let characteristic = Characteristic::new(self.wave, &node.point).ok()?;
             let value = reach(&characteristic, change.sector, guess)?;
             let rate = characteristic.period.recip();
             // another eigenvalue was caught

@@ -12,13 +12,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::continuation::newton::Constraint;
 use crate::continuation::zero::zero_by_slope;
 use crate::flow::sign::{Bernstein, COEFFICIENTS, DEGREE, REMAINDER, Verdict};
 use crate::flow::{DURATION, ENTRY_W, ENTRY_Y, FlowError, Jet, Slide, SlidingFlow};
 use crate::linalg::Vector;
 use crate::model::Impact;
 use crate::model::signature::{Entry, Regime};
-use crate::newton::Constraint;
 
 use super::{Flows, Wave, jet_units};
 

@@ -17,7 +17,7 @@
 //! value of the parameter, up to Aω = 1. There V̇ touches 1 and a stick zone opens: the slip-stick wave
 //! begins with T2 = 0.
 
-use crate::begin::scales;
+use crate::branch::first_wave::scales;
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime, Signature, Zone};
 use crate::model::{Model, Parameter};

@@ -37,6 +37,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+use crate::continuation::newton::System;
 use crate::flow::contact::ContactFlow;
 use crate::flow::material::MaterialFlow;
 use crate::flow::method::Method;
@@ -49,7 +50,6 @@ use crate::flow::{
 use crate::linalg::{Matrix, Vector};
 use crate::model::signature::{Entry, Regime, Signature};
 use crate::model::{Constants, FrictionLaw, Model, Parameter};
-use crate::newton::System;
 
 /// Units of the unknowns, constant along a branch: they make every scaled unknown of order one,
 /// and they follow the exact scaling (γ, δ, c) → (s²γ, sδ, c/s) of the model.

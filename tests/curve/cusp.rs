@@ -1,8 +1,8 @@
 //! A cusp of folds: waves counted on branches on either side of it.
 
 use brakewave::branch::EventType;
+use brakewave::branch::run::Runner;
 use brakewave::problem::parse;
-use brakewave::run::Branch;
 
 use crate::{curve, observed};
 
@@ -15,7 +15,7 @@ fn folds(beta: f64) -> Vec<f64> {
     );
     let problem = parse(&text, "folds").unwrap();
     let continuation = problem.continuation(&text, "folds").unwrap();
-    let mut branch = Branch::begin(&problem, continuation, None).unwrap();
+    let mut branch = Runner::begin(&problem, continuation, None).unwrap();
     let mut found = Vec::new();
     while branch.progress().end.is_none() {
         for item in branch.step() {

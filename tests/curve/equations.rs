@@ -1,9 +1,9 @@
 //! The Jacobian of every kind of event against central differences.
 
+use brakewave::continuation::newton::System;
 use brakewave::curve::start::Start;
 use brakewave::curve::system::EventSystem;
 use brakewave::linalg::{Matrix, Vector};
-use brakewave::newton::System;
 use brakewave::problem::parse;
 
 use crate::{observed, start, tube};

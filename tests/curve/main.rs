@@ -38,5 +38,5 @@ fn start(problem: &Problem) -> Result<Start, NoCurve> {
 
 fn curve(problem: &Problem) -> Curve {
     let start = start(problem).unwrap();
-    follow(&start.system, start.event, &start.point, start.settings).unwrap()
+    follow(&start.system, start.event, &start.point, start.limits).unwrap()
 }

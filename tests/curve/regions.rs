@@ -1,9 +1,9 @@
 //! Names beside a curve against what branches find at their places.
 
 use brakewave::branch::EventType;
+use brakewave::branch::run::Runner;
 use brakewave::curve::{Curve, Region};
 use brakewave::problem::{Problem, parse};
-use brakewave::run::Branch;
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::spectrum::{Request, spectrum};
 
@@ -20,7 +20,7 @@ fn problem(mode: u32, start: &str, model: &str, sections: &str) -> Problem {
 
 /// The waves of a branch at the one value it is asked to stop at.
 fn passages(problem: &Problem) -> Vec<String> {
-    let mut branch = Branch::begin(problem, problem.continuation.as_ref().unwrap(), None).unwrap();
+    let mut branch = Runner::begin(problem, problem.continuation.as_ref().unwrap(), None).unwrap();
     let mut found = Vec::new();
     while branch.progress().end.is_none() {
         for item in branch.step() {
@@ -95,7 +95,7 @@ fn in_the_plane_of_mismatch_and_friction(event: &str, least: usize) {
                 ),
             ] {
                 let across = problem(4, start, &model, &sections);
-                if Branch::begin(&across, across.continuation.as_ref().unwrap(), None).is_ok() {
+                if Runner::begin(&across, across.continuation.as_ref().unwrap(), None).is_ok() {
                     met.extend(passages(&across));
                 }
             }
@@ -248,7 +248,7 @@ fn pairs_grow_and_decay_where_it_is_written() {
                 ),
             );
             let mut branch =
-                Branch::begin(&there, there.continuation.as_ref().unwrap(), None).unwrap();
+                Runner::begin(&there, there.continuation.as_ref().unwrap(), None).unwrap();
             let item = branch.step().remove(0);
             let (wave, point) = item.wave();
             let request = Request {

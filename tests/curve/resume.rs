@@ -30,7 +30,7 @@ fn a_curve_resumed_after_any_step_takes_the_same_steps() {
     );
     for problem in [problem("mode4_curve"), problem("mode2_cusp"), hopf] {
         let start = start(&problem).unwrap();
-        let begin = || Run::begin(&start.system, start.event, &start.point, start.settings);
+        let begin = || Run::begin(&start.system, start.event, &start.point, start.limits);
         let mut run = begin().unwrap();
         let head: Head = copied(run.head());
         assert_eq!(&head, run.head());
@@ -58,7 +58,7 @@ fn a_curve_resumed_after_any_step_takes_the_same_steps() {
 #[test]
 fn steps_that_do_not_fit_are_refused() {
     let start = start(&problem("mode4_curve")).unwrap();
-    let mut run = Run::begin(&start.system, start.event, &start.point, start.settings).unwrap();
+    let mut run = Run::begin(&start.system, start.event, &start.point, start.limits).unwrap();
     let head = run.head().clone();
     let step = run.step().unwrap().unwrap();
     let text = ron::to_string(&step).unwrap();

@@ -65,7 +65,7 @@ fn the_exact_flow_against_higher_precision() {
             let model = tube(friction, 50.0, FrictionLaw::Coulomb);
             let closed = slip_stick(&model, 4, which).expect("a wave");
             let precise = precise::slip_stick(&model, 4, &closed).expect("more digits");
-            let (wave, point) = brakewave::begin::first_wave(
+            let (wave, point) = brakewave::branch::first_wave::first_wave(
                 &model,
                 brakewave::model::Parameter::Mismatch,
                 4,

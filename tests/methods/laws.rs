@@ -1,9 +1,9 @@
 //! Friction laws beyond Coulomb's.
 
+use brakewave::continuation::newton::System;
 use brakewave::flow::method::Method;
 use brakewave::flow::sign::Verdict;
 use brakewave::model::FrictionLaw;
-use brakewave::newton::System;
 use brakewave::stability::characteristic::{Characteristic, NotLinearised};
 use brakewave::wave::admissibility::examine;
 use nalgebra::Complex;

@@ -1,7 +1,7 @@
 //! Waves that the claims are about.
 
-use brakewave::begin::{first_wave, polish};
-use brakewave::continuation::Settings;
+use brakewave::branch::first_wave::{first_wave, polish};
+use brakewave::continuation::Steps;
 use brakewave::flow::method::Method;
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
@@ -10,7 +10,7 @@ use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 
 /// Steps of the default problem.
-pub const STEPS: Settings = Settings {
+pub const STEPS: Steps = Steps {
     ds: 0.005,
     ds_min: 1e-12,
     ds_max: 0.01,

@@ -6,10 +6,12 @@
 //! It may jump where the spectrum does, as the event then says, and change where an eigenvalue
 //! enters or leaves the window through its upper edge.
 
+use brakewave::branch::run::Item;
+use brakewave::branch::special::Special;
 use brakewave::branch::{Event, EventType};
 use brakewave::problem::Expectation;
-use brakewave::run::Item;
 use brakewave::stability::spectrum::Spectrum;
+use brakewave::stability::track::Remark;
 
 use crate::observed;
 use crate::waves::{Rows, follow, problem};
@@ -68,26 +70,24 @@ fn matched(name: &str, rows: &Rows, expected: &[Expectation]) {
     observed(&format!("crossings of {name}"), worst);
 }
 
-/// The change of the count on the full circle that the sentence of an event announces.
-fn announced(what: &str, mode: usize) -> i64 {
-    let Some((_, list)) = what.split_once("without a crossing: ") else {
+/// The jump of the count on the full circle that an event tells of.
+fn announced(item: &Item, mode: usize) -> i64 {
+    let Some(Special::Change(change)) = &item.special else {
         return 0;
     };
-    let (before, after) = list.split_once(" before, ").expect("both sides");
-    let count = |side: &str| -> i64 {
-        side.trim_end_matches(" after")
-            .split(", ")
-            .map(|part| {
-                let (count, sector) = part.split_once(" in sector ").expect("a sector");
-                let count: i64 = count.parse().expect("a count");
-                let sector: usize = sector.parse().expect("a sector");
-                if sector == 0 || 2 * sector == mode {
-                    count
-                } else {
-                    2 * count
-                }
-            })
-            .sum()
+    let Some(Remark::Jump { before, after }) = &change.spectrum else {
+        return 0;
+    };
+    let count = |side: &[(usize, usize)]| -> i64 {
+        let counts = side.iter().map(|(sector, count)| {
+            let twice = if *sector == 0 || 2 * sector == mode {
+                1
+            } else {
+                2
+            };
+            twice * *count as i64
+        });
+        counts.sum()
     };
     count(after) - count(before)
 }
@@ -111,10 +111,6 @@ fn near_edge(spectrum: &Spectrum) -> i64 {
     spectrum.sectors.iter().map(|sector| near(&sector)).sum()
 }
 
-fn is_crossing(item: &Item) -> bool {
-    item.point.kind == Some(EventType::HB)
-}
-
 /// The count between rows that are no crossings changes as the events say. Returns how many
 /// changes were entries through the edge.
 fn accounted(name: &str, rows: &Rows, mode: usize) -> usize {
@@ -122,23 +118,19 @@ fn accounted(name: &str, rows: &Rows, mode: usize) -> usize {
     let mut last: Option<usize> = None;
     let mut entries = 0;
     for (index, item) in rows.items.iter().enumerate() {
-        let event = item.event.as_ref();
-        if is_crossing(item) {
-            let what = &event.expect("a crossing is an event").what;
-            crossed += if what.ends_with("becomes unstable") {
-                2
-            } else {
-                -2
-            };
+        if let Some(Special::Crossing {
+            grows,
+            omega: Some(_),
+            ..
+        }) = item.special
+        {
+            crossed += if grows { 2 } else { -2 };
             continue;
         }
         let count = item.point.unstable.expect("stability is asked for") as i64;
         if let Some(before) = last {
             let previous = &rows.items[before];
-            let jump = previous
-                .event
-                .as_ref()
-                .map_or(0, |event| announced(&event.what, mode));
+            let jump = announced(previous, mode);
             let old = previous.point.unstable.unwrap_or(0) as i64;
             let left = count - old - crossed - jump;
             if left != 0 {
@@ -180,12 +172,10 @@ fn in_the_mismatch() {
     let first = rows
         .items
         .iter()
-        .filter_map(|item| item.event.as_ref())
-        .find(|event| event.kind == EventType::CO)
+        .find(|item| item.point.kind == Some(EventType::CO))
         .expect("there is a CO");
-    assert!(first.what.contains("count jumps"), "{}", first.what);
     // one pair of sector 1 and its conjugate of sector 3 are gone
-    assert_eq!(announced(&first.what, 4), -2, "{}", first.what);
+    assert_eq!(announced(first, 4), -2, "{:?}", first.special);
 }
 
 #[test]

@@ -5,8 +5,8 @@
 //! changes its sign at each of them; the translation mode is divided out.
 
 use brakewave::branch::EventType;
+use brakewave::branch::run::Item;
 use brakewave::problem;
-use brakewave::run::Item;
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::spectrum::{Request, spectrum};
 

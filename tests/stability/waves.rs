@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-use brakewave::begin::first_wave;
+use brakewave::branch::first_wave::first_wave;
+use brakewave::branch::run::{End, Item, Runner};
+use brakewave::branch::special::Note;
 use brakewave::continuation;
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Damping, Model, Parameter};
 use brakewave::problem::{self, Problem};
-use brakewave::run::{Branch, End, Item};
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::spectrum::{Request, Spectrum, spectrum};
 use brakewave::wave::Wave;
@@ -18,7 +19,7 @@ use nalgebra::Complex;
 pub type C64 = Complex<f64>;
 
 /// Steps of the default problem.
-pub const STEPS: continuation::Settings = continuation::Settings {
+pub const STEPS: continuation::Steps = continuation::Steps {
     ds: 0.005,
     ds_min: 1e-12,
     ds_max: 0.01,
@@ -99,7 +100,7 @@ pub struct Rows {
     /// Spectrum at the end of the step of each row.
     pub spectra: Vec<Option<Spectrum>>,
     /// What could not be settled.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
 }
 
 /// Follows the branch of a problem to its end.
@@ -107,7 +108,7 @@ pub fn follow(problem: &Problem, text: &str) -> Rows {
     let continuation = problem
         .continuation(text, "problem")
         .expect("there is a branch");
-    let mut branch = Branch::begin(problem, continuation, None).expect("the branch begins");
+    let mut branch = Runner::begin(problem, continuation, None).expect("the branch begins");
     let mut rows = Rows {
         items: Vec::new(),
         spectra: Vec::new(),

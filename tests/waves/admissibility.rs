@@ -5,12 +5,12 @@
 //! coefficients); dense samples must never contradict it. Samples carry the rounding of the flow:
 //! of W in terms of the largest |W|, of P in terms of gδ + κ·max|W|, of U in terms of U itself.
 
-use brakewave::begin::polish;
+use brakewave::branch::first_wave::polish;
+use brakewave::branch::follow::Found;
 use brakewave::branch::{EventType, ProfileSample};
+use brakewave::continuation::newton::System;
 use brakewave::flow::sign::Verdict;
-use brakewave::follow::Found;
 use brakewave::linalg::{Matrix, Vector};
-use brakewave::newton::System;
 use brakewave::wave::Wave;
 use brakewave::wave::admissibility::{Watch, examine};
 use brakewave::wave::profile::sample;
@@ -110,7 +110,7 @@ fn violation(wave: &Wave, point: &Vector) -> f64 {
 fn check(name: &str, run: &Run) {
     let mut worst = 0.0_f64;
     for found in &run.points {
-        if found.kind.is_none() {
+        if found.kind().is_none() {
             assert_eq!(found.examination.verdict, Verdict::Positive);
         }
         worst = worst.max(violation(&found.wave, &found.node.point));
@@ -163,7 +163,7 @@ fn planted_violations_are_refused() {
         let found = run
             .points
             .iter()
-            .find(|found| found.kind == Some(kind))
+            .find(|found| found.kind() == Some(kind))
             .expect("the event");
         for distance in [1e-2, 1e-4, 1e-6, 1e-8] {
             let point = beyond(found, found.parameter * (1.0 - distance));

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use brakewave::begin::first_wave;
 use brakewave::branch::EventType;
+use brakewave::branch::first_wave::first_wave;
+use brakewave::branch::follow::{Follower, Found, Limits};
+use brakewave::branch::special::{Ending, Special};
 use brakewave::continuation;
 use brakewave::flow::SlidingFlow;
 use brakewave::flow::contact::ContactFlow;
-use brakewave::follow::{Follower, Found, Settings, Status};
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Damping, Impact, Model, Parameter};
@@ -15,7 +16,7 @@ use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 
 /// Steps of the default problem.
-pub const STEPS: continuation::Settings = continuation::Settings {
+pub const STEPS: continuation::Steps = continuation::Steps {
     ds: 0.005,
     ds_min: 1e-12,
     ds_max: 0.01,
@@ -55,8 +56,8 @@ pub struct Case {
 pub struct Run {
     /// All points in order; the first one is the start.
     pub points: Vec<Found>,
-    /// How it ended.
-    pub status: Status,
+    /// How it ended, if it did.
+    pub end: Option<Ending>,
 }
 
 /// Mode 4, fast, δ from 0.2 down: reverse slip, separation, and the end of stick.
@@ -135,7 +136,7 @@ pub fn with_material_damping(beta: f64) -> Case {
 
 impl Case {
     /// A follower at the first wave.
-    pub fn follower(&self, steps: continuation::Settings, stop_at: &[f64]) -> Follower {
+    pub fn follower(&self, steps: continuation::Steps, stop_at: &[f64]) -> Follower {
         let width = self.range.1 - self.range.0;
         let (wave, point) = first_wave(
             &self.model,
@@ -146,10 +147,10 @@ impl Case {
             steps,
         )
         .expect("there is a first wave");
-        let settings = Settings {
+        let settings = Limits {
             range: self.range,
             stop_at: stop_at.to_vec(),
-            continuation: steps,
+            steps,
         };
         Follower::new(wave, &point, self.up, settings).expect("a regular start")
     }
@@ -160,7 +161,7 @@ impl Case {
     }
 
     /// Follows the branch.
-    pub fn follow_with(&self, steps: continuation::Settings, stop_at: &[f64]) -> Run {
+    pub fn follow_with(&self, steps: continuation::Steps, stop_at: &[f64]) -> Run {
         to_the_end(self.follower(steps, stop_at), self.until)
     }
 }
@@ -170,13 +171,13 @@ pub fn to_the_end(mut follower: Follower, until: Option<(EventType, usize)>) -> 
     let mut points = vec![follower.here()];
     let mut met = 0;
     loop {
-        let (found, status) = follower.step();
+        let (found, end) = follower.step();
         for point in found {
-            met += usize::from(until.is_some_and(|(kind, _)| point.kind == Some(kind)));
+            met += usize::from(until.is_some_and(|(kind, _)| point.kind() == Some(kind)));
             points.push(point);
         }
-        if status != Status::Going || until.is_some_and(|(_, count)| met >= count) {
-            return Run { points, status };
+        if end.is_some() || until.is_some_and(|(_, count)| met >= count) {
+            return Run { points, end };
         }
     }
 }
@@ -184,7 +185,7 @@ pub fn to_the_end(mut follower: Follower, until: Option<(EventType, usize)>) -> 
 /// Whether a point is an event of the branch: a fold or a change of regime.
 pub fn is_event(found: &Found) -> bool {
     !matches!(
-        found.kind,
+        found.kind(),
         None | Some(EventType::EP | EventType::MX | EventType::UZ)
     )
 }
@@ -199,7 +200,7 @@ impl Run {
     pub fn user_points(&self, value: f64) -> Vec<&Found> {
         self.points
             .iter()
-            .filter(|found| found.kind == Some(EventType::UZ) && found.parameter == value)
+            .filter(|found| found.kind() == Some(EventType::UZ) && found.parameter == value)
             .collect()
     }
 }
@@ -220,16 +221,14 @@ pub fn speed(found: &Found) -> f64 {
 /// Regimes before and after a point found.
 pub fn regimes(found: &Found) -> (String, String) {
     let before = found.wave.signature.to_string();
-    let after = found
-        .after
-        .as_ref()
-        .map_or_else(|| before.clone(), ToString::to_string);
+    let after = found.special.as_ref().and_then(Special::after);
+    let after = after.map_or_else(|| before.clone(), |after| after.to_string());
     (before, after)
 }
 
 /// Waves of every signature of a branch: with zones that have no length yet, just after they
 /// opened, in the middle, and at the end.
-pub fn specimens(case: &Case, steps: continuation::Settings) -> Vec<(Arc<Wave>, Vector)> {
+pub fn specimens(case: &Case, steps: continuation::Steps) -> Vec<(Arc<Wave>, Vector)> {
     let mut follower = case.follower(steps, &[]);
     let mut groups: Vec<Vec<(Arc<Wave>, Vector)>> = Vec::new();
     let mut add = |wave: &Arc<Wave>, point: &Vector| match groups.last_mut() {
@@ -242,12 +241,15 @@ pub fn specimens(case: &Case, steps: continuation::Settings) -> Vec<(Arc<Wave>, 
     loop {
         let here = follower.here();
         add(&here.wave, &here.node.point);
-        let (found, status) = follower.step();
+        let (found, end) = follower.step();
         for point in &found {
             add(&point.wave, &point.node.point);
-            met += usize::from(case.until.is_some_and(|(kind, _)| point.kind == Some(kind)));
+            met += usize::from(
+                case.until
+                    .is_some_and(|(kind, _)| point.kind() == Some(kind)),
+            );
         }
-        if status != Status::Going || case.until.is_some_and(|(_, count)| met >= count) {
+        if end.is_some() || case.until.is_some_and(|(_, count)| met >= count) {
             break;
         }
     }

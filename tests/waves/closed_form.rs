@@ -13,8 +13,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use brakewave::begin::first_wave;
 use brakewave::branch::EventType;
+use brakewave::branch::first_wave::first_wave;
 use brakewave::model::{Damping, Model, Parameter};
 use brakewave::wave::start::{Which, least_mismatch, slip_stick};
 use proptest::prelude::*;
@@ -291,7 +291,7 @@ fn onsets_and_independence_of_the_mismatch() {
         };
         let run = case.follow(&[]);
         let event = run.events()[0];
-        assert_eq!(event.kind, Some(kind), "{nu} {xi} {friction}");
+        assert_eq!(event.kind(), Some(kind), "{nu} {xi} {friction}");
         let error = (event.parameter / expected - 1.0).abs();
         observed(&format!("onset {kind} at δ = {expected:.6}"), error);
         // rounding of the scan's wave, amplified in m_a by |c|/(|c| − √a)
@@ -303,7 +303,7 @@ fn onsets_and_independence_of_the_mismatch() {
         );
         let first = &run.points[0];
         let zones = lengths(&first.wave, &first.node.point);
-        for found in run.points.iter().take_while(|found| found.kind.is_none()) {
+        for found in run.points.iter().take_while(|found| found.kind().is_none()) {
             let change = (speed(found) / speed(first) - 1.0).abs();
             assert!(change <= 4.0 * f64::EPSILON, "{change:e}");
             for (length, other) in lengths(&found.wave, &found.node.point).iter().zip(&zones) {

@@ -1,13 +1,13 @@
 //! `expected_error` bounds the error of a wave: the slip-stick wave against its closed form in 240
 //! binary digits.
 
-use brakewave::begin::first_wave;
-use brakewave::conditioning::conditioning;
-use brakewave::events::retangent;
+use brakewave::branch::conditioning::conditioning;
+use brakewave::branch::first_wave::first_wave;
+use brakewave::continuation::locate::retangent;
+use brakewave::continuation::newton::System;
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Model, Parameter};
-use brakewave::newton::System;
 use brakewave::wave::precise;
 use brakewave::wave::start::{Which, fold_in_friction, least_mismatch, slip_stick};
 

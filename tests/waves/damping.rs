@@ -20,7 +20,7 @@ fn stick_vanishes_at_the_hopf_point() {
     let events = run.events();
     assert_eq!(events.len(), 1);
     let found = events[0];
-    assert_eq!(found.kind, Some(EventType::ST));
+    assert_eq!(found.kind(), Some(EventType::ST));
     assert_eq!(found.wave.signature.to_string(), "slip-stick");
     // steady sliding: λ² + αλ + K + iS = 0, K = ak² + h, S = kfD, has a root iω at α√K = |S|
     let tube = coefficients(0.3, 1.5, 1.0);

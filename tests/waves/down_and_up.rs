@@ -1,8 +1,9 @@
 //! What happens along a branch depends neither on its direction nor on the steps.
 
 use brakewave::branch::EventType::{EP, UZ};
-use brakewave::continuation::Settings as Steps;
-use brakewave::follow::{Follower, Found, Settings, Status};
+use brakewave::branch::follow::{Follower, Found, Limits};
+use brakewave::continuation::Steps;
+use brakewave::continuation::walk::End;
 
 use crate::branches::{
     Case, Run, STEPS, fast_in_friction, fast_in_mismatch, regimes, slow_in_mismatch, to_the_end,
@@ -16,13 +17,13 @@ fn same(one: &[&Found], other: &[&Found], reversed: bool) -> f64 {
     let list = |found: &[&Found]| -> Vec<String> {
         found
             .iter()
-            .map(|found| format!("{:?} at {}", found.kind, found.parameter))
+            .map(|found| format!("{:?} at {}", found.kind(), found.parameter))
             .collect()
     };
     assert_eq!(one.len(), other.len(), "{:?} {:?}", list(one), list(other));
     let mut worst = 0.0_f64;
     for (one, other) in one.iter().zip(other) {
-        assert_eq!(one.kind, other.kind, "at {}", other.parameter);
+        assert_eq!(one.kind(), other.kind(), "at {}", other.parameter);
         let error = (one.parameter / other.parameter - 1.0).abs();
         worst = worst.max(error);
         assert!(error < 1e-10, "{} for {}", one.parameter, other.parameter);
@@ -38,16 +39,16 @@ fn same(one: &[&Found], other: &[&Found], reversed: bool) -> f64 {
 
 /// From a point of a branch back, to the edge of the range.
 fn back(from: &Found, case: &Case) -> Run {
-    let settings = Settings {
+    let settings = Limits {
         range: case.range,
         stop_at: Vec::new(),
-        continuation: STEPS,
+        steps: STEPS,
     };
     let up = !case.up;
     let follower = Follower::new(from.wave.as_ref().clone(), &from.node.point, up, settings)
         .expect("a regular start");
     let run = to_the_end(follower, None);
-    assert_eq!(run.status, Status::Finished);
+    assert_eq!(run.end, Some(End::Edge));
     run
 }
 
@@ -59,9 +60,9 @@ fn there_and_back() {
         ("with the shaft", with_the_shaft()),
     ] {
         let run = case.follow(&[]);
-        assert_eq!(run.status, Status::Finished, "{name}");
+        assert_eq!(run.end, Some(End::Edge), "{name}");
         let last = run.points.last().expect("points");
-        assert_eq!(last.kind, Some(EP));
+        assert_eq!(last.kind(), Some(EP));
         let returned = back(last, &case);
         let mut events = returned.events();
         events.reverse();
@@ -82,7 +83,7 @@ fn there_and_back_round_folds() {
     let case = slow_in_mismatch();
     let run = case.follow(&[]);
     let turn = run.points.len() - 2;
-    assert_eq!(run.points[turn].kind, None);
+    assert_eq!(run.points[turn].kind(), None);
     let returned = back(&run.points[turn], &case);
     let mut events = returned.events();
     events.reverse();
@@ -145,7 +146,7 @@ fn user_points_are_met_once() {
         let run = case.follow(stop_at);
         run.points
             .iter()
-            .filter(|point| point.kind == Some(UZ))
+            .filter(|point| point.kind() == Some(UZ))
             .map(|point| point.parameter)
             .collect()
     };

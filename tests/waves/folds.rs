@@ -2,7 +2,7 @@
 //! lies within it.
 
 use brakewave::branch::EventType;
-use brakewave::continuation::Settings as Steps;
+use brakewave::continuation::Steps;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Model, Parameter};
 use brakewave::wave::start::Which;
@@ -52,7 +52,7 @@ fn uncertainties_of_folds_are_honest() {
             let run = case.follow_with(steps, &[]);
             let events = run.events().into_iter();
             events
-                .filter(|found| found.kind == Some(EventType::LP))
+                .filter(|found| found.kind() == Some(EventType::LP))
                 .map(|found| (found.parameter, found.uncertainty))
                 .collect()
         };

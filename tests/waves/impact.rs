@@ -1,9 +1,10 @@
 //! The Coulomb impact: at landing m_a[V̇] = f m_b|U̇⁻| towards V̇ = 1, and not beyond it.
 
 use brakewave::branch::EventType::{CO, GR, RV};
+use brakewave::branch::special::Stop;
+use brakewave::continuation::walk::End;
 use brakewave::wave::profile::sample;
 
-use brakewave::follow::Status;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::signature::Entry;
 use brakewave::model::{Impact, Model, Parameter};
@@ -59,9 +60,13 @@ fn landings(run: &Run) -> (f64, usize, usize) {
 fn coulomb_impact_obeys_its_law() {
     let run = with_coulomb_impact().follow(&[]);
     let last = run.points.last().expect("points");
-    let kinds: Vec<_> = run.events().iter().filter_map(|found| found.kind).collect();
+    let kinds: Vec<_> = run
+        .events()
+        .iter()
+        .filter_map(|found| found.kind())
+        .collect();
     assert_eq!(kinds, [RV, GR, CO, CO]);
-    assert_eq!(last.parameter, 0.001, "{:?}", run.status);
+    assert_eq!(last.parameter, 0.001, "{:?}", run.end);
     let (worst, free, capped) = landings(&run);
     observed(
         &format!("Coulomb impact, {free} free and {capped} capped landings"),
@@ -93,7 +98,7 @@ fn touching() -> Case {
 #[test]
 fn a_touch_obeys_the_law_of_the_impact() {
     let run = touching().follow(&[]);
-    assert_eq!(run.status, Status::Finished);
+    assert_eq!(run.end, Some(End::Edge));
     let (mut worst, mut touches) = (0.0_f64, 0);
     for found in &run.points {
         let (wave, point) = (&found.wave, &found.node.point);
@@ -171,9 +176,11 @@ fn random_branches_never_want_a_signature() {
                 ..with_coulomb_impact()
             };
             let run = to_the_end(case.follower(STEPS, &[]), case.until);
-            if let Status::Failed(reason) = &run.status {
-                prop_assert!(!reason.contains("signature"), "{:?}: {}", case, reason);
-            }
+            let none = matches!(
+                run.end,
+                Some(End::Own(Stop::NoSignature | Stop::NoneAdmissible(_)))
+            );
+            prop_assert!(!none, "{:?}: {:?}", case, run.end);
             let (runs, events) = seen.get();
             seen.set((runs + 1, events + run.events().len()));
             Ok(())

@@ -8,10 +8,10 @@
 
 use std::collections::BTreeSet;
 
-use brakewave::begin::scales;
+use brakewave::branch::first_wave::scales;
+use brakewave::continuation::newton::System;
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::model::{Damping, Model, Parameter};
-use brakewave::newton::System;
 use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 

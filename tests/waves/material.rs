@@ -2,7 +2,7 @@
 //! equation, the friction force at the ends of stick, symmetry, and zones that open and close.
 
 use brakewave::branch::EventType::{self, GR, RV, ST};
-use brakewave::follow::{Follower, Found, Settings};
+use brakewave::branch::follow::{Follower, Found, Limits};
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Damping, Model, Parameter, Source, signature::Regime};
@@ -19,7 +19,7 @@ use crate::observed;
 fn event(run: &Run, kind: EventType) -> &Found {
     run.points
         .iter()
-        .find(|found| found.kind == Some(kind))
+        .find(|found| found.kind() == Some(kind))
         .expect("the branch has this event")
 }
 
@@ -226,7 +226,7 @@ fn scaled_waves_are_the_same() {
         let run = scaled(s).follow(&[]);
         assert_eq!(run.events().len(), unit.events().len());
         for (one, other) in run.events().into_iter().zip(unit.events()) {
-            assert_eq!(one.kind, other.kind);
+            assert_eq!(one.kind(), other.kind());
             worst = worst
                 .max((one.parameter / s / other.parameter - 1.0).abs())
                 .max((speed(one) * s / speed(other) - 1.0).abs());
@@ -254,10 +254,10 @@ fn there_and_back() {
         let run = case.follow(&[]);
         let last = run.points.last().expect("points");
         assert_eq!(last.wave.signature.to_string(), "slip-reverse-stick");
-        let settings = Settings {
+        let settings = Limits {
             range: case.range,
             stop_at: Vec::new(),
-            continuation: STEPS,
+            steps: STEPS,
         };
         let wave = last.wave.as_ref().clone();
         let follower = Follower::new(wave, &last.node.point, true, settings).expect("a start");

@@ -2,9 +2,9 @@
 //! with 40 digits, closure confirmed by a Runge–Kutta integration with its own event location.
 //! Parameters and speeds carry 16 digits, zone lengths (duration times |c|, from release) 12.
 
-use brakewave::begin::first_wave;
 use brakewave::branch::EventType::{self, CO, GR, LP, RV, ST};
-use brakewave::follow::Found;
+use brakewave::branch::first_wave::first_wave;
+use brakewave::branch::follow::Found;
 use brakewave::linalg::Vector;
 use brakewave::model::{Model, Parameter};
 use brakewave::wave::Wave;
@@ -93,7 +93,7 @@ fn check(name: &str, case: &Case, events: &[Event], spots: &[Spot]) {
     let run = case.follow(&stop_at);
     let mut worst = Worst::new();
     let found = run.events();
-    let kinds: Vec<EventType> = found.iter().filter_map(|found| found.kind).collect();
+    let kinds: Vec<EventType> = found.iter().filter_map(|found| found.kind()).collect();
     let expected: Vec<EventType> = events.iter().map(|event| event.0).collect();
     assert_eq!(kinds, expected);
     for (found, (kind, value, speed, before, after, zones)) in found.into_iter().zip(events) {

@@ -37,7 +37,7 @@ fn scaled_branches_are_the_same() {
         assert_eq!(events.len(), 4);
         assert_eq!(events.len(), expected.len());
         for (one, other) in events.into_iter().zip(expected) {
-            assert_eq!(one.kind, other.kind);
+            assert_eq!(one.kind(), other.kind());
             assert_eq!(regimes(one), regimes(other));
             let mut compare = |found: f64, expected: f64, unit: f64| {
                 let error = (found - expected).abs() / unit;

@@ -1,6 +1,6 @@
 //! A branch may begin at a mismatch where its wave is not slip-stick any more.
 
-use brakewave::begin::first_wave;
+use brakewave::branch::first_wave::first_wave;
 use brakewave::model::Parameter;
 use brakewave::wave::start::Which;
 

@@ -84,7 +84,7 @@ mod wave;
 pub use ring::Failure;
 pub use wave::{FIRST_EPSILON, SemiDiscreteWave, solve, solve_from};
 
-use crate::begin::NoStart;
+use crate::branch::first_wave::NoStart;
 use crate::flow::FlowError;
 use crate::wave::start::Which;
 

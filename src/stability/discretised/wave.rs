@@ -8,7 +8,7 @@ use faer::{Mat, c64};
 use super::band::{Band, Fan};
 use super::ring::{CLOSE, Failure, Linear, MOST_ITERATIONS, Ring, State, TOO_LARGE, size_of};
 use super::{Error, Settings};
-use crate::begin::first_wave;
+use crate::branch::first_wave::first_wave;
 use crate::continuation;
 use crate::flow::FlowError;
 use crate::linalg::Vector;
@@ -81,7 +81,7 @@ struct Found {
 pub fn solve(model: &Model, mode: u32, settings: &Settings) -> Result<SemiDiscreteWave, Error> {
     settings.check()?;
     let width = model.mismatch.abs().max(f64::MIN_POSITIVE);
-    let steps = continuation::Settings {
+    let steps = continuation::Steps {
         ds: 0.01,
         ds_min: 1e-12,
         ds_max: 0.05,

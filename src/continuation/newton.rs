@@ -112,7 +112,7 @@ pub struct Solution {
 }
 
 /// How an attempt failed.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Failure<F: std::error::Error> {
     /// The system could not be evaluated.
     #[error("{0}")]
@@ -131,12 +131,18 @@ pub enum Failure<F: std::error::Error> {
 }
 
 /// The bordered system at one point.
-struct Bordered {
-    matrix: Matrix,
-    right_side: Vector,
+pub struct Bordered {
+    /// Its Jacobian.
+    pub matrix: Matrix,
+    /// Its residual.
+    pub right_side: Vector,
 }
 
-fn evaluate<S: System>(
+/// The system together with a constraint at a point.
+///
+/// # Errors
+/// One of them cannot be evaluated there.
+pub fn bordered<S: System>(
     system: &S,
     constraint: &mut impl Constraint<S>,
     point: &Vector,
@@ -231,11 +237,11 @@ pub fn solve<S: System>(
     let mut polish = settings.polish;
     let mut stuck = 0;
     let tolerance = settings.tolerance.max(LEAST_TOLERANCE);
-    let mut bordered = evaluate(system, constraint, &point).map_err(Failure::System)?;
+    let mut at = bordered(system, constraint, &point).map_err(Failure::System)?;
     for iteration in 1..=settings.most_iterations {
-        let residual = bordered.right_side.amax();
-        let factors = Factors::new(bordered.matrix.clone());
-        let mut step = bordered.right_side.clone();
+        let residual = at.right_side.amax();
+        let factors = Factors::new(at.matrix.clone());
+        let mut step = at.right_side.clone();
         if !factors.solve(&mut step) {
             return Err(Failure::Singular);
         }
@@ -245,13 +251,13 @@ pub fn solve<S: System>(
             let ratio = correction / before;
             // the equations hold to rounding: what is left moves the unknowns and nothing else
             let relative = if ratio > SLOWEST {
-                relative_residual(&bordered.matrix, bordered.right_side.as_slice())
+                relative_residual(&at.matrix, at.right_side.as_slice())
             } else {
                 f64::INFINITY
             };
             let rounded = || {
-                let noise = noise(system, &bordered.matrix, &point)?;
-                let bound = rounding(&bordered.matrix, &point.abs(), Some(&noise))?.amax();
+                let noise = noise(system, &at.matrix, &point)?;
+                let bound = rounding(&at.matrix, &point.abs(), Some(&noise))?.amax();
                 Some(correction <= bound && bound <= MOST_ROUNDED)
             };
             let small = ratio > SLOWEST && correction <= MOST_ROUNDED;
@@ -282,19 +288,19 @@ pub fn solve<S: System>(
                     iterations: iteration,
                     contraction,
                     correction,
-                    residual: relative_residual(&bordered.matrix, bordered.right_side.as_slice()),
+                    residual: relative_residual(&at.matrix, at.right_side.as_slice()),
                     factors,
                 });
             }
             polish -= 1;
-            bordered = evaluate(system, constraint, &point).map_err(Failure::System)?;
+            at = bordered(system, constraint, &point).map_err(Failure::System)?;
             continue;
         }
         let mut factor = 1.0;
         let mut left = settings.halvings;
         loop {
             let trial = &point - &step * factor;
-            match evaluate(system, constraint, &trial) {
+            match bordered(system, constraint, &trial) {
                 Ok(next)
                     if settings.halvings == 0
                         || next.right_side.amax() < residual
@@ -309,7 +315,7 @@ pub fn solve<S: System>(
                         });
                     }
                     point = trial;
-                    bordered = next;
+                    at = next;
                     break;
                 }
                 Err(failure) if left == 0 => return Err(Failure::System(failure)),

@@ -4,12 +4,10 @@
 //! across t₀. Lengths are Euclidean in the scaled unknowns, so the scaling of the system is the
 //! norm of the arclength. Keller, in: Applications of Bifurcation Theory (1977).
 
-pub mod zero;
-
 use serde::{Deserialize, Serialize};
 
+use crate::continuation::newton::{self, Constraint, Failure, Plane, Solution, System};
 use crate::linalg::Vector;
-use crate::newton::{self, Constraint, Failure, Plane, Solution, System};
 
 /// First step along the branch where none is given, in dimensionless scaled arclength.
 pub const DEFAULT_DS: f64 = 0.005;
@@ -20,9 +18,9 @@ pub const DEFAULT_DS_MAX: f64 = 0.01;
 /// Relative size of the Newton correction at which a point is accepted where none is given.
 pub const DEFAULT_TOLERANCE: f64 = 1e-10;
 
-/// Step lengths and tolerances.
+/// Step lengths and tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
+pub struct Steps {
     /// First step, in scaled arclength.
     pub ds: f64,
     /// Shortest step; below it the branch ends.
@@ -69,7 +67,7 @@ pub struct Step {
 }
 
 /// Why a step was refused.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refusal<F: std::error::Error> {
     /// The corrector failed.
     #[error("{0}")]
@@ -159,8 +157,8 @@ pub fn advance<S: System>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::continuation::newton::Fixed;
     use crate::linalg::Matrix;
-    use crate::newton::Fixed;
 
     /// x² + y² = 1, with y as parameter: two folds, closed.
     struct Circle;

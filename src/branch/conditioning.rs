@@ -11,10 +11,10 @@
 //! ```
 
 use crate::continuation::Node;
+use crate::continuation::newton::System;
 use crate::flow::FlowError;
 use crate::flow::method::{MAX_INTERVALS, Method};
 use crate::linalg::{Factors, Matrix, Vector, kernel};
-use crate::newton::System;
 use crate::wave::Wave;
 
 /// Condition number and expected error of a point.

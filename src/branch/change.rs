@@ -1,0 +1,180 @@
+//! The branch beyond a change of regime.
+
+use super::events;
+use super::follow::Branch;
+use super::special::{Inadmissible, Refusal, Stop, Tried};
+use crate::continuation::Node;
+use crate::continuation::newton;
+use crate::continuation::walk::{self, RefusalOf, Refused};
+use crate::flow::sign::Verdict;
+use crate::linalg::{self, Vector};
+use crate::model::signature::Signature;
+use crate::wave::Wave;
+use crate::wave::admissibility::{Margin, Watch, examine};
+use crate::wave::successor::{Candidate, candidates};
+
+/// The branch beyond a change of regime.
+#[derive(Clone, Debug)]
+pub struct Beyond {
+    /// Boundary-value problem of the new signature.
+    pub wave: Wave,
+    /// The event in its unknowns, with the tangent into the admissible side.
+    pub node: Node,
+    /// Longest step found admissible.
+    pub ds: f64,
+}
+
+/// The result of looking for the branch beyond an event.
+#[derive(Clone, Debug, Default)]
+pub struct Search {
+    /// The continuation, if there is one.
+    pub beyond: Option<Beyond>,
+    /// Signatures that were tried and refused.
+    pub refused: Vec<Tried>,
+    /// Further signatures that are admissible too.
+    pub others: Vec<Signature>,
+}
+
+/// A candidate solves its equations at the event to this scaled residual, or it is none: the
+/// event itself is known to about 1e-13, and the reduced switching functions of nascent zones
+/// amplify that by less than 1e4.
+const RESIDUAL_AT_EVENT: f64 = 1e-8;
+
+/// Lengths of the first step tried into a candidate.
+const TRIES: usize = 14;
+
+/// Looks for the admissible continuation beyond the zero of a margin.
+pub fn beyond(wave: &Wave, point: &Vector, margin: &Margin, ds: f64, tolerance: f64) -> Search {
+    let mut search = Search::default();
+    let list = match candidates(wave, point, margin) {
+        Ok(list) => list,
+        Err(error) => {
+            search.refused.push(Tried {
+                signature: None,
+                reason: Refused::Curve(error.into()),
+            });
+            return search;
+        }
+    };
+    for candidate in list {
+        match enter(&candidate, ds, tolerance) {
+            Ok(beyond) => match &search.beyond {
+                Some(known) if known.ds >= beyond.ds => {
+                    search.others.push(beyond.wave.signature);
+                }
+                _ => {
+                    if let Some(known) = search.beyond.replace(beyond) {
+                        search.others.push(known.wave.signature);
+                    }
+                }
+            },
+            Err(NotEntered::Refused(reason)) => search.refused.push(Tried {
+                signature: Some(candidate.wave.signature),
+                reason,
+            }),
+            Err(NotEntered::NoSolution) => {}
+        }
+    }
+    search
+}
+
+/// Why a candidate is not entered.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotEntered {
+    /// The event does not solve its equations.
+    #[error("the equations do not hold at the event")]
+    NoSolution,
+    /// No step into it is admissible: the last refusal.
+    #[error("{0}")]
+    Refused(RefusalOf<Branch>),
+}
+
+/// The first admissible step into a candidate.
+///
+/// # Errors
+/// The event is no wave of the candidate, or no step is admissible.
+pub fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, NotEntered> {
+    let wave = &candidate.wave;
+    let nothing = NotEntered::NoSolution;
+    let Ok((matrix, residual)) = newton::jacobian(wave, &candidate.point) else {
+        return Err(nothing);
+    };
+    if residual.is_nan() || residual > RESIDUAL_AT_EVENT {
+        return Err(nothing);
+    }
+    let Some(kernel) = linalg::kernel(&matrix) else {
+        return Err(nothing);
+    };
+    let mut tangent = kernel.null_vector;
+    if growth(candidate, &tangent) < 0.0 {
+        tangent.neg_mut();
+    }
+    let node = Node {
+        point: candidate.point.clone(),
+        tangent,
+        newton: 0,
+        residual,
+    };
+    let mut refused = Err(nothing);
+    let entered = walk::enter(wave, &node, ds, TRIES, tolerance, |from, step| {
+        let forwards = from.tangent == node.tangent;
+        let refusal = match step.map(|to| examine(wave, &to.point)) {
+            Ok(Ok(examination)) if examination.verdict == Verdict::Positive => return Some(()),
+            // what fails on the way back says nothing
+            Ok(Ok(_)) if !forwards => return None,
+            Ok(Ok(examination)) => {
+                let reason = Inadmissible::of(wave, &examination);
+                Refused::Curve(Refusal::Inadmissible(reason))
+            }
+            Ok(Err(error)) => Refused::Curve(error.into()),
+            Err(refusal) => Refused::Step(refusal),
+        };
+        refused = Err(NotEntered::Refused(refusal));
+        None
+    });
+    match entered {
+        Some((node, ds, ())) => Ok(Beyond {
+            wave: wave.clone(),
+            node,
+            ds,
+        }),
+        None => refused,
+    }
+}
+
+/// How much nascent zones grow along a direction, or else margins that are zero.
+fn growth(candidate: &Candidate, tangent: &Vector) -> f64 {
+    let wave = &candidate.wave;
+    let nascent = &candidate.nascent;
+    if !nascent.is_empty() {
+        return nascent
+            .iter()
+            .map(|zone| tangent[wave.width() * zone + 2])
+            .sum();
+    }
+    examine(wave, &candidate.point).map_or(0.0, |examination| {
+        examination
+            .margins
+            .iter()
+            .filter(|margin| margin.jet.value.abs() < 1e-6)
+            .map(|margin| margin.slope(wave, tangent))
+            .sum()
+    })
+}
+
+/// Why a branch ends at an event where a margin vanishes and none of these continues it.
+pub(super) fn ending(wave: &Wave, point: &Vector, margin: &Margin, refused: Vec<Tried>) -> Stop {
+    if events::is_undriven(wave, point) {
+        return Stop::Undriven;
+    }
+    if wave.material && margin.watch == Watch::Pressure {
+        return Stop::SeparationWithMaterial;
+    }
+    if margin.watch == Watch::Duration && wave.zones() == 2 {
+        return Stop::SlipAlone;
+    }
+    if refused.is_empty() {
+        return Stop::NoSignature;
+    }
+    Stop::NoneAdmissible(refused)
+}

@@ -1,0 +1,276 @@
+//! What happens within a step of a branch: where it is, and how well that is known.
+
+use super::follow::Branch;
+use super::special::Refusal;
+use crate::continuation::arclength;
+use crate::continuation::locate::{self, Place, Target};
+use crate::continuation::newton::{self, Constraint, Plane, System};
+use crate::continuation::walk::{Curve, Stretch};
+use crate::flow::sign::Verdict;
+use crate::linalg::Vector;
+use crate::wave::Wave;
+use crate::wave::admissibility::{AtZero, Examination, Margin};
+
+/// What is located within a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// A fold in the parameter.
+    Fold,
+    /// A value that was asked for.
+    User(f64),
+    /// An edge of the range.
+    Edge(f64),
+    /// A margin vanishes.
+    Change(Margin),
+}
+
+/// An event and the error of the parameter there, in physical units.
+#[derive(Clone, Copy, Debug)]
+pub struct Located {
+    /// The event.
+    pub event: Event,
+    /// Estimated error.
+    pub uncertainty: f64,
+}
+
+/// A scaled margin below this is zero but for rounding.
+pub const AT_ZERO: f64 = 1e-9;
+
+/// A tangent whose parameter component is below this does not tell a direction: beyond the
+/// opening of a zone the branch starts with none.
+pub(super) const VERTICAL: f64 = 1e-7;
+
+/// Slope of the parameter along the arc at which a fold counts as found. The parameter is
+/// quadratic there, so its error is of order 1e-26; speed and zone lengths are linear, with an
+/// error near 1e-13.
+const FOLD_SLOPE: f64 = 1e-13;
+
+/// An event known less well than this, relative to the parameter or its range, is not reported;
+/// rounding at the stiff end leaves 1e-9. With a coarse tolerance: than this many tolerances.
+const UNCERTAIN: f64 = 1e-6;
+const MOST_UNCERTAIN: f64 = 1e4;
+
+type Step<'a> = Stretch<'a, Branch>;
+
+/// A margin below this at a point is zero but for rounding.
+pub(super) fn rounding(place: &Place, margin: &Margin) -> f64 {
+    let slopes: f64 = margin.jet.by.iter().map(|by| by.abs()).sum();
+    AT_ZERO + 8.0 * place.blur * slopes
+}
+
+/// Whether D = 0 but for rounding.
+pub(super) fn is_undriven(wave: &Wave, point: &Vector) -> bool {
+    let coupling = wave.flows(point).map(|flows| flows.frame.at.kappa);
+    coupling.is_ok_and(|kappa| kappa.abs() < AT_ZERO * wave.scales.pressure)
+}
+
+/// Whether a margin that is positive at both ends of a step may have been negative between them:
+/// the cubic that shares values and slopes at the ends dips below zero.
+pub(super) fn may_hide_a_pair(wave: &Wave, step: &Step) -> bool {
+    step.before.margins.iter().any(|before| {
+        let Some(after) = step.after.find(before.watch, before.zone) else {
+            return false;
+        };
+        let (m0, m1) = (before.jet.value, after.jet.value);
+        // margins at zero belong to the event the step starts from
+        if m0 <= AT_ZERO || m1 <= 0.0 {
+            return false;
+        }
+        let d0 = step.ds * before.slope(wave, &step.from.tangent);
+        let d1 = step.ds * after.slope(wave, &step.to.tangent);
+        // a dip needs a fall at the beginning and a rise at the end
+        if d0 >= 0.0 || d1 <= 0.0 {
+            return false;
+        }
+        (1..16).any(|index| {
+            let x = f64::from(index) / 16.0;
+            let y = 1.0 - x;
+            y * y * ((1.0 + 2.0 * x) * m0 + x * d0) + x * x * ((1.0 + 2.0 * y) * m1 - y * d1) < 0.0
+        })
+    })
+}
+
+/// All that happens within a step.
+pub(super) fn located(branch: &Branch, step: &Step) -> Result<Vec<(Place, Located)>, Refusal> {
+    let wave = branch.system();
+    let fold = fold(wave, step).ok_or(Refusal::NotFound)?;
+    let targets = targets(branch, step, fold.as_ref()).ok_or(Refusal::NotFound)?;
+    let changes = changes(wave, step)?;
+    // where a zone closes the parameter is stationary along the arc: that is the event itself
+    let apart = |fold: &(Place, Located)| {
+        let mut places = changes.iter().map(|(place, _)| place.s);
+        places.all(|s| (s - fold.0.s).abs() > step.at_once())
+    };
+    let fold = fold.filter(apart);
+    for (place, Located { uncertainty, .. }) in fold.iter().chain(&changes) {
+        let value = wave.parameter_at(&place.node.point);
+        let unit = wave.scales.parameter.abs().max(value.abs());
+        let most = UNCERTAIN.max(MOST_UNCERTAIN * step.steps.tolerance) * unit;
+        if uncertainty.is_nan() || *uncertainty > most {
+            return Err(Refusal::Uncertain {
+                parameter: wave.parameter,
+                value,
+                error: *uncertainty,
+            });
+        }
+    }
+    Ok(fold.into_iter().chain(targets).chain(changes).collect())
+}
+
+/// The fold inside a step at whose ends the parameter moves in opposite directions: a zero of the last
+/// component of the tangent. `None` if it is not found.
+#[allow(clippy::option_option)] // found or not, there or not
+fn fold(wave: &Wave, step: &Step) -> Option<Option<(Place, Located)>> {
+    let tolerance = step.steps.tolerance;
+    let last = step.from.tangent.len() - 1;
+    let (mut low, high) = (
+        (0.0, step.from.tangent[last]),
+        (step.ds, step.to.tangent[last]),
+    );
+    if low.1.abs() <= VERTICAL {
+        // where a zone opens the parameter is stationary: a short way on it tells its direction
+        let near = 1e-3 * step.ds;
+        let node = arclength::advance(wave, step.from, near, tolerance)
+            .ok()?
+            .node;
+        low = (near, node.tangent[last]);
+    }
+    if low.1 * high.1 >= 0.0 {
+        return Some(None);
+    }
+    let found =
+        |slope: f64, width: f64| slope.abs() < FOLD_SLOPE || width < 4.0 * f64::EPSILON * step.ds;
+    let slope_at = |node: &arclength::Node| Some(node.tangent[last]);
+    let (place, slope) = locate::zero(wave, step.from, (low, high), tolerance, found, slope_at)?;
+    let mut plane = Plane {
+        normal: &step.from.tangent,
+        through: &place.node.point,
+    };
+    // ln(e/e₀) may be zero, but e has the rounding of a number of its own size
+    let mut sizes = place.node.point.abs();
+    sizes[last - 1] = sizes[last - 1].max(1.0);
+    let matrix = newton::bordered(wave, &mut plane, &place.node.point)
+        .ok()?
+        .matrix;
+    let noise = newton::noise(wave, &matrix, &place.node.point);
+    let rounding = newton::rounding(&matrix, &sizes, noise.as_ref())?[last];
+    // the parameter is off by ½·slope²/curvature, the curvature being the mean one of the step
+    let curvature = (high.1 - low.1).abs() / (high.0 - low.0);
+    let uncertainty = rounding + 0.5 * slope.abs() * slope.abs() / curvature;
+    let located = Located {
+        event: Event::Fold,
+        uncertainty: uncertainty * wave.scales.parameter,
+    };
+    Some(Some((place, located)))
+}
+
+/// User points and edges of the range within a step; `None` if one is not found.
+fn targets(
+    branch: &Branch,
+    step: &Step,
+    fold: Option<&(Place, Located)>,
+) -> Option<Vec<(Place, Located)>> {
+    let wave = branch.system();
+    // on the pieces between these the parameter is monotone
+    let fold = fold.map(|(place, _)| &place.node);
+    let ends = std::iter::once(step.from).chain(fold).chain([step.to]);
+    let ends: Vec<&Vector> = ends.map(|node| &node.point).collect();
+    // of many user points those between the least and the largest value of the step
+    let values = ends.iter().map(|point| wave.parameter_at(point));
+    let (least, largest) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    });
+    let slack = 8.0 * f64::EPSILON * least.abs().max(largest.abs());
+    let user = &branch.limits.stop_at;
+    let first = user.partition_point(|value| *value < least - slack);
+    let user = user[first..]
+        .iter()
+        .take_while(|value| **value <= largest + slack);
+    let (lower, upper) = branch.limits.range;
+    let wanted = user.map(|&value| (value, 0.0, Event::User(value))).chain([
+        (lower, -1.0, Event::Edge(lower)),
+        (upper, 1.0, Event::Edge(upper)),
+    ]);
+    let mut located = Vec::new();
+    for (value, outside, event) in wanted {
+        let target = Target {
+            index: wave.unknowns() - 1,
+            value: value / wave.scales.parameter,
+            outside,
+        };
+        let places = target.meetings(wave, step.from, &ends, step.steps.tolerance)?;
+        let located_there = Located {
+            event,
+            uncertainty: f64::EPSILON * value.abs(),
+        };
+        located.extend(places.into_iter().map(|place| (place, located_there)));
+    }
+    Some(located)
+}
+
+/// Margins that vanish within a step.
+fn changes(wave: &Wave, step: &Step) -> Result<Vec<(Place, Located)>, Refusal> {
+    if step.after.verdict == Verdict::Positive {
+        return Ok(Vec::new());
+    }
+    let negative = || {
+        let margins = step.after.margins.iter();
+        margins.filter(|margin| margin.jet.value <= 0.0)
+    };
+    let count = negative().count();
+    if count == 0 {
+        let reason = super::special::Inadmissible::of(wave, step.after);
+        return Err(Refusal::Inadmissible(reason));
+    }
+    let located: Vec<_> = negative()
+        .filter_map(|margin| change(wave, step, margin))
+        .collect();
+    if located.is_empty() {
+        return Err(Refusal::NotLocated(count));
+    }
+    Ok(located)
+}
+
+/// The zero of a margin that is negative at the end of a step.
+fn change(wave: &Wave, step: &Step, margin: &Margin) -> Option<(Place, Located)> {
+    let (start, end) = (&step.from.point, &step.to.point);
+    let before = step.before.find(margin.watch, margin.zone);
+    let guess = before
+        .map(|before| before.jet.value)
+        .filter(|m0| *m0 > 0.0)
+        .map(|m0| start + (end - start) * (m0 / (m0 - margin.jet.value)));
+    let mut constraint = AtZero { margin: *margin };
+    guess.into_iter().chain([end.clone()]).find_map(|guess| {
+        constraint.margin = *margin;
+        let tolerance = step.steps.tolerance;
+        let place = locate::solve(wave, step.from, &guess, &mut constraint, tolerance)?;
+        // a little outside is rounding of an event at the very end of the step
+        if place.s < -1e-9 * step.ds || place.s > step.ds * (1.0 + 1e-9) {
+            return None;
+        }
+        let uncertainty = uncertainty(wave, &mut constraint, &place);
+        let margin = constraint.margin_at(wave, &place.node.point).ok()?;
+        let located = Located {
+            event: Event::Change(margin),
+            uncertainty,
+        };
+        Some((place, located))
+    })
+}
+
+/// Error of the parameter at a point that a constraint fixes: rounding, and the last correction.
+fn uncertainty(wave: &Wave, constraint: &mut impl Constraint<Wave>, place: &Place) -> f64 {
+    let point = &place.node.point;
+    newton::bordered(wave, constraint, point)
+        .ok()
+        .and_then(|bordered| newton::rounding(&bordered.matrix, &point.abs(), None))
+        .map_or(f64::NAN, |rounding| {
+            (rounding[rounding.len() - 1] + place.blur) * wave.scales.parameter
+        })
+}
+
+/// Whether no margin has failed at a place, but for rounding.
+pub(super) fn holds(place: &Place, examination: &Examination) -> bool {
+    let mut margins = examination.margins.iter();
+    margins.all(|margin| margin.jet.value >= -rounding(place, margin))
+}

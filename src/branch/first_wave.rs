@@ -1,0 +1,709 @@
+//! The first wave of a branch.
+
+use std::fmt;
+
+use super::change::{self, NotEntered};
+use super::follow::{Follower, Limits};
+use super::special::{Ending, Inadmissible, NoFollower, Special};
+use crate::continuation::arclength::{self, DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, Steps};
+use crate::continuation::newton::{self, Fixed, System};
+use crate::continuation::walk;
+use crate::flow::FlowError;
+use crate::flow::sign::Verdict;
+use crate::linalg::Vector;
+use crate::model::signature::{Regime, Signature};
+use crate::model::{FrictionLaw, Model, Parameter};
+use crate::wave::admissibility::examine;
+use crate::wave::hopf::{Family, NoHopf, family};
+use crate::wave::start::{self, NoWave, Which};
+use crate::wave::{RATE_UNITS, Scales, Wave, ZoneUnknowns};
+
+/// Why there is no first wave.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoStart {
+    /// No slip-stick wave exists.
+    #[error("{0}")]
+    NoWave(#[from] NoWave),
+    /// The equations could not be evaluated.
+    #[error("{0}")]
+    Flow(#[from] FlowError),
+    /// No wave was found at this material damping.
+    #[error("no slip-stick wave is reached at β = {beta}: {reason}")]
+    Damped {
+        /// β asked for.
+        beta: f64,
+        /// How the search ended.
+        reason: Lost,
+    },
+    /// Newton's method failed on the closed form, or the branch does not begin there.
+    #[error("Newton's method fails at the start: {0}")]
+    Newton(Lost),
+    /// The wave of the regularised law was not found next to Coulomb's.
+    #[error(
+        "no wave of the regularised law was found next to the slip-stick wave: at ε = {epsilon} \
+         V̇ comes to rest in layers of {layer:.0e} of the period, which the mesh must resolve ({reason})"
+    )]
+    Smoothing {
+        /// ε tried.
+        epsilon: f64,
+        /// Length of the layers in units of the period.
+        layer: f64,
+        /// How Newton's method ended.
+        reason: Box<NoStart>,
+    },
+    /// The slip-stick wave does not exist at this δ, and the branch from where it exists does
+    /// not reach it.
+    #[error(
+        "at δ = {mismatch} the wave is no longer slip-stick (its pressure vanishes or it reverses \
+         below δ = {least:.15}), and the branch from there does not reach it: {reason}"
+    )]
+    Unreached {
+        /// δ asked for.
+        mismatch: f64,
+        /// Least δ of the slip-stick wave.
+        least: f64,
+        /// How the branch ended.
+        reason: Lost,
+    },
+}
+
+/// How a search for a first wave ended without one.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Lost {
+    /// There is no wave to set out from.
+    #[error("{0}")]
+    NoStart(Box<NoStart>),
+    /// There is no Hopf point to set out from.
+    #[error("{0}")]
+    NoHopf(#[from] NoHopf),
+    /// Neither from the undamped wave nor from the Hopf point of steady sliding.
+    #[error("{0}; from the Hopf point of steady sliding: {1}")]
+    Both(Box<Lost>, Box<Lost>),
+    /// Newton's method fails.
+    #[error("{0}")]
+    Newton(#[from] newton::Failure<FlowError>),
+    /// The wave is not admissible.
+    #[error("{0}")]
+    Inadmissible(#[from] Inadmissible),
+    /// The slip-stick branch is not entered from its Hopf point.
+    #[error("{0}")]
+    NotEntered(#[from] NotEntered),
+    /// A first step fails.
+    #[error("{0}")]
+    Step(#[from] arclength::Refusal<FlowError>),
+    /// The branch does not begin.
+    #[error("{0}")]
+    NoFollower(#[from] NoFollower),
+    /// The branch ends before.
+    #[error("{0}")]
+    Ended(Box<Ending>),
+    /// The branch folds, where it may not.
+    #[error("the branch folds at {column} = {value:e}")]
+    Folds {
+        /// Column of the parameter.
+        column: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The branch winds up.
+    #[error(
+        "it winds through {folds} folds in {steps} steps and comes to {column} = {nearest:.6} only"
+    )]
+    Winds {
+        /// Folds passed.
+        folds: usize,
+        /// Steps taken.
+        steps: usize,
+        /// Column of the parameter.
+        column: &'static str,
+        /// Its value nearest to the one wanted.
+        nearest: f64,
+    },
+    /// The branch comes back to where it set out.
+    #[error("it turns back to {column} = {value}")]
+    TurnsBack {
+        /// Column of the parameter.
+        column: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The branch takes too many steps.
+    #[error("it comes to {column} = {nearest:.6} only in {MOST_STEPS} steps")]
+    Slow {
+        /// Column of the parameter.
+        column: &'static str,
+        /// Its value nearest to the one wanted.
+        nearest: f64,
+    },
+}
+
+impl From<NoStart> for Lost {
+    fn from(reason: NoStart) -> Lost {
+        Lost::NoStart(Box::new(reason))
+    }
+}
+
+/// The units of a branch that begins with a wave of this excess speed and this largest |V̇|.
+pub fn scales(model: &Model, mode: u32, excess: f64, largest_rate: f64, width: f64) -> Scales {
+    let speed = model.speed(excess);
+    let coefficients = model.constants().coefficients;
+    let rate = RATE_UNITS * largest_rate.abs().max(1.0);
+    // m_a = e(2 + e)/(1 + e)²
+    let mass = excess * (2.0 + excess) / (1.0 + excess).powi(2);
+    Scales {
+        rate,
+        layer: rate * (coefficients.h / mass).sqrt(),
+        time: std::f64::consts::TAU / (f64::from(mode) * speed.abs()),
+        excess,
+        parameter: width,
+        pressure: (coefficients.coupling / speed).abs(),
+    }
+}
+
+/// A first wave that is wanted.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted {
+    /// Its model.
+    pub model: Model,
+    /// The parameter in which it is posed.
+    pub parameter: Parameter,
+    /// Its mode.
+    pub mode: u32,
+    /// Which of the two slip-stick waves it continues.
+    pub which: Which,
+    /// Unit of the parameter.
+    pub width: f64,
+}
+
+/// The wave of the model, as a boundary-value problem in `parameter` and its solution: the
+/// slip-stick wave in closed form or, at a mismatch where that is not admissible any more, the
+/// wave that continues it. `width` is the unit of the parameter.
+///
+/// # Errors
+/// There is no such wave, or the search does not come to it.
+pub fn first_wave(
+    model: &Model,
+    parameter: Parameter,
+    mode: u32,
+    which: Which,
+    width: f64,
+    steps: Steps,
+) -> Result<(Wave, Vector), NoStart> {
+    let wanted = Wanted {
+        model: *model,
+        parameter,
+        mode,
+        which,
+        width,
+    };
+    find(&wanted, steps, &mut |_| {})
+}
+
+/// The wave wanted and its solution, with somebody told where the search for it is.
+///
+/// # Errors
+/// There is no such wave, or the search does not come to it.
+pub fn find(wanted: &Wanted, steps: Steps, watch: Watch) -> Result<(Wave, Vector), NoStart> {
+    let mut search = Search {
+        wanted,
+        steps,
+        watch,
+    };
+    if wanted.model.damping.stiffness > 0.0 {
+        search.with_material_damping()
+    } else {
+        search.slip_stick()
+    }
+}
+
+/// A search for a first wave.
+struct Search<'a> {
+    wanted: &'a Wanted,
+    /// Step lengths and tolerance.
+    steps: Steps,
+    /// Called before each step.
+    watch: Watch<'a>,
+}
+
+impl Search<'_> {
+    /// The slip-stick wave, or the wave that continues it.
+    fn slip_stick(&mut self) -> Result<(Wave, Vector), NoStart> {
+        let Wanted {
+            ref model,
+            parameter,
+            mode,
+            which,
+            width,
+        } = *self.wanted;
+        let coulomb = Model {
+            law: FrictionLaw::Coulomb,
+            ..*model
+        };
+        let closed = start::slip_stick(&coulomb, mode, which)?;
+        let least = start::least_mismatch(&coulomb, &closed);
+        if model.mismatch > least {
+            let (wave, point) = slip_stick_wave(model, parameter, mode, &closed, width)?;
+            let examination = examine(&wave, &point)?;
+            match examination.verdict {
+                Verdict::Positive => return Ok((wave, point)),
+                _ if model.law == FrictionLaw::Coulomb => {
+                    return Err(NoStart::Newton(
+                        Inadmissible::of(&wave, &examination).into(),
+                    ));
+                }
+                _ => {}
+            }
+        }
+        // from where the wave is slip-stick, through its changes of regime, down to the δ asked for
+        let mut above = 1.05 * least.max(model.mismatch);
+        let start = loop {
+            let from = model.with(Parameter::Mismatch, above);
+            let way = above - model.mismatch;
+            let (wave, point) = slip_stick_wave(&from, Parameter::Mismatch, mode, &closed, way)?;
+            let admissible = examine(&wave, &point)?.verdict == Verdict::Positive;
+            if admissible || model.law == FrictionLaw::Coulomb || above > MOST_ABOVE * least {
+                break (wave, point);
+            }
+            above *= 2.0;
+        };
+        let scales = scales(model, mode, closed.excess, closed.least_rate, width);
+        self.lowered(start, above, least, scales)
+    }
+
+    /// Follows a wave posed in the mismatch from `above` down to that of the model, and poses it in
+    /// the parameter wanted there.
+    fn lowered(
+        &mut self,
+        start: (Wave, Vector),
+        above: f64,
+        least: f64,
+        scales: Scales,
+    ) -> Result<(Wave, Vector), NoStart> {
+        let mismatch = self.wanted.model.mismatch;
+        let range = (mismatch, above * (1.0 + 1e-9));
+        let reached = self.followed(start, range, mismatch, true);
+        let (wave, point) = reached.map_err(|reason| NoStart::Unreached {
+            mismatch,
+            least,
+            reason,
+        })?;
+        posed(
+            &wave,
+            &point,
+            &self.wanted.model,
+            self.wanted.parameter,
+            scales,
+        )
+    }
+
+    /// Follows a branch from one edge of a range of its parameter to the other, `target`, round folds or
+    /// not.
+    fn followed(
+        &mut self,
+        (wave, point): (Wave, Vector),
+        range: (f64, f64),
+        target: f64,
+        round_folds: bool,
+    ) -> Result<(Wave, Vector), Lost> {
+        let limits = Limits {
+            range,
+            stop_at: Vec::new(),
+            steps: search_steps(self.steps, wave.model.law),
+        };
+        let mut follower = Follower::new(wave, &point, target == range.1, limits)?;
+        let here = |follower: &Follower| follower.here().parameter;
+        let column = follower.curve().wave.parameter.column();
+        let begun = here(&follower);
+        let (mut nearest, mut folds) = (begun, 0);
+        for step in 0..MOST_STEPS {
+            (self.watch)(&Walk {
+                column,
+                from: begun,
+                to: target,
+                at: here(&follower),
+                step,
+            });
+            let (found, end) = follower.step();
+            for point in &found {
+                let value = point.parameter;
+                if (value - target).abs() < (nearest - target).abs() {
+                    nearest = value;
+                }
+                if !matches!(point.special, Some(Special::Fold(_))) {
+                    continue;
+                }
+                folds += 1;
+                if !round_folds {
+                    return Err(Lost::Folds { column, value });
+                }
+            }
+            let Some(end) = end else {
+                if folds >= MOST_FOLDS {
+                    return Err(Lost::Winds {
+                        folds,
+                        steps: step + 1,
+                        column,
+                        nearest,
+                    });
+                }
+                continue;
+            };
+            let (walk::End::Edge | walk::End::Closed, Some(last)) = (&end, found.last()) else {
+                return Err(Lost::Ended(Box::new(end)));
+            };
+            let value = last.wave.parameter_at(&last.node.point);
+            if (value - target).abs() > 1e-9 * target.abs() {
+                return Err(Lost::TurnsBack { column, value });
+            }
+            return Ok((last.wave.as_ref().clone(), last.node.point.clone()));
+        }
+        Err(Lost::Slow { column, nearest })
+    }
+
+    /// The wave of a model with material damping. Slip-stick waves are followed from β = 0, where they
+    /// are known in closed form, at a mismatch at which they stay in contact; the fast wave, where the
+    /// undamped one does not exist, from the Hopf point of steady sliding in f.
+    fn with_material_damping(&mut self) -> Result<(Wave, Vector), NoStart> {
+        let Wanted {
+            ref model,
+            parameter,
+            mode,
+            which,
+            width,
+        } = *self.wanted;
+        let found = self.from_undamped().or_else(|reason| match which {
+            Which::Fast => self
+                .from_hopf()
+                .map_err(|other| Lost::Both(Box::new(reason), Box::new(other))),
+            Which::Slow => Err(reason),
+        });
+        let beta = model.damping.stiffness;
+        let (wave, point) = found.map_err(|reason| NoStart::Damped { beta, reason })?;
+        let examination = examine(&wave, &point)?;
+        // in units that do not depend on where the search came from
+        let excess = wave.excess_at(&point);
+        let above = wave.model_at(&point).mismatch;
+        let largest = (above * wave.model.constants().coefficients.g - examination.least_pressure)
+            / wave.scales.pressure;
+        let scales = scales(model, mode, excess, largest, width);
+        // slip-stick waves do not depend on δ: that of the model may be one too
+        let direct = posed(&wave, &point, model, parameter, scales)?;
+        if examine(&direct.0, &direct.1)?.verdict == Verdict::Positive {
+            return Ok(direct);
+        }
+        // if not, it is followed down from where it is one, within a factor of two
+        let at = |mismatch: f64| {
+            let unit = Scales {
+                parameter: mismatch - model.mismatch,
+                ..scales
+            };
+            let here = model.with(Parameter::Mismatch, mismatch);
+            posed(&wave, &point, &here, Parameter::Mismatch, unit)
+        };
+        let mut from = (above, at(above)?);
+        while from.0 > 2.0 * model.mismatch {
+            let lower = 0.5 * from.0;
+            let (wave, point) = at(lower)?;
+            if examine(&wave, &point)?.verdict != Verdict::Positive {
+                break;
+            }
+            from = (lower, (wave, point));
+        }
+        let (above, start) = from;
+        self.lowered(start, above, model.mismatch, scales)
+    }
+
+    /// The slip-stick wave at β > 0 from that at β = 0, posed in β.
+    fn from_undamped(&mut self) -> Result<(Wave, Vector), Lost> {
+        let Wanted {
+            ref model,
+            mode,
+            which,
+            ..
+        } = *self.wanted;
+        let beta = model.damping.stiffness;
+        let undamped = model.with(Parameter::StiffnessDamping, 0.0);
+        let closed = start::slip_stick(&undamped, mode, which).map_err(NoStart::from)?;
+        let least = start::least_mismatch(&undamped, &closed);
+        let above = model.mismatch.max(ABOVE_UNDAMPED * least);
+        let from = undamped.with(Parameter::Mismatch, above);
+        let start = slip_stick_wave(&from, Parameter::StiffnessDamping, mode, &closed, beta)?;
+        self.followed(start, (0.0, beta), beta, false)
+    }
+
+    /// The slip-stick wave at this friction from the Hopf point of steady sliding, posed in f.
+    fn from_hopf(&mut self) -> Result<(Wave, Vector), Lost> {
+        let Wanted {
+            ref model, mode, ..
+        } = *self.wanted;
+        let found =
+            family(model, Parameter::Friction, mode, model.friction, 2).or_else(|error| {
+                let NoHopf::Separation { least, .. } = error else {
+                    return Err(error);
+                };
+                let above = model.with(Parameter::Mismatch, ABOVE_UNDAMPED * least);
+                family(&above, Parameter::Friction, mode, model.friction, 2)
+            })?;
+        let (wave, point) = beyond_hopf(&found, self.steps)?;
+        let at = wave.parameter_at(&point);
+        let range = (at.min(model.friction), at.max(model.friction));
+        self.followed((wave, point), range, model.friction, true)
+    }
+}
+
+/// A solved wave posed in another parameter and in other units.
+fn posed(
+    wave: &Wave,
+    point: &Vector,
+    model: &Model,
+    parameter: Parameter,
+    scales: Scales,
+) -> Result<(Wave, Vector), NoStart> {
+    let signature = wave.signature.clone();
+    let moved = Wave::new(*model, parameter, wave.mode, signature, scales);
+    let value = model.value(parameter).unwrap_or(f64::NAN);
+    let guess = moved.pack(&wave.unpack(point), wave.excess_at(point), value);
+    let point = polish(&moved, &guess)?;
+    Ok((moved, point))
+}
+
+/// Where a search for a first wave is: it follows a branch in a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Walk {
+    /// Column of the parameter.
+    pub column: &'static str,
+    /// Value it set out from.
+    pub from: f64,
+    /// Value to be reached.
+    pub to: f64,
+    /// Value reached.
+    pub at: f64,
+    /// Steps taken.
+    pub step: usize,
+}
+
+impl Walk {
+    /// Share of the way behind it.
+    pub fn part(&self) -> f64 {
+        (self.at - self.from) / (self.to - self.from)
+    }
+}
+
+impl fmt::Display for Walk {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        let Walk {
+            column,
+            from,
+            to,
+            at,
+            step,
+        } = self;
+        write!(
+            out,
+            "walking from {column} = {from:.3e} to {to:.3e} for a first wave: step {step} of at most \
+             {MOST_STEPS}, at {at:.3e}"
+        )
+    }
+}
+
+/// Who is told where a search is.
+pub type Watch<'a> = &'a mut dyn FnMut(&Walk);
+
+/// Most steps of a search for a first wave. At the default step lengths a branch takes a hundred
+/// through its parameter and up to three hundred more through its changes of regime.
+const MOST_STEPS: usize = 5_000;
+
+/// Most folds of a search for a first wave: branches that arrive have few. Others wind up, a bounce of
+/// the separated surface more with every turn, and tend to a value they never pass.
+const MOST_FOLDS: usize = 40;
+
+/// How much longer the steps of a search are where a point takes a hundred times as long.
+const INTEGRATED: f64 = 5.0;
+
+/// The step lengths of a search: those of the problem, but none finer than the defaults; only its end
+/// is wanted.
+fn search_steps(steps: Steps, law: FrictionLaw) -> Steps {
+    let longer = match law {
+        FrictionLaw::Regularised { .. } => INTEGRATED,
+        _ => 1.0,
+    };
+    Steps {
+        ds: steps.ds.max(longer * DEFAULT_DS),
+        ds_min: steps.ds_min.min(DEFAULT_DS_MIN),
+        ds_max: steps.ds_max.max(longer * DEFAULT_DS_MAX),
+        ..steps
+    }
+}
+
+/// Mismatches at which slip-stick waves with material damping are looked for, in units of the least
+/// one of the undamped wave: they stay in contact on any way between.
+const ABOVE_UNDAMPED: f64 = 1e4;
+
+/// Arclength of the first step from a Hopf point into the slip-stick branch: its stick zone is there
+/// like the square root of the distance in the parameter.
+const BEYOND_HOPF: f64 = 1e-4;
+
+/// The slip-stick wave just beyond the vertical family at a Hopf point.
+///
+/// # Errors
+/// No admissible wave with a short stick zone exists.
+pub fn beyond_hopf(family: &Family, steps: Steps) -> Result<(Wave, Vector), Lost> {
+    let beyond = change::enter(&family.opening(), BEYOND_HOPF, steps.tolerance)?;
+    let step = arclength::advance(&beyond.wave, &beyond.node, beyond.ds, steps.tolerance)?;
+    Ok((beyond.wave, step.node.point))
+}
+
+/// The mismatch is raised at most by this factor above that of the Coulomb wave in search of a
+/// slip-stick wave under another friction law.
+const MOST_ABOVE: f64 = 1e3;
+
+/// Steps in which the friction law is turned from Coulomb's into the one asked for.
+const LAW_STEPS: usize = 8;
+
+/// The slip-stick wave of a model as a boundary-value problem, admissible or not: in closed form
+/// under Coulomb's law, and from there in steps of the law.
+fn slip_stick_wave(
+    model: &Model,
+    parameter: Parameter,
+    mode: u32,
+    closed: &start::SlipStick,
+    width: f64,
+) -> Result<(Wave, Vector), NoStart> {
+    let value = model.value(parameter).unwrap_or(f64::NAN);
+    let posed = |law: FrictionLaw| {
+        Wave::new(
+            Model { law, ..*model },
+            parameter,
+            mode,
+            Signature::slip_stick(),
+            scales(model, mode, closed.excess, closed.least_rate, width),
+        )
+    };
+    let mut wave = posed(FrictionLaw::Coulomb);
+    let zones = [
+        [closed.release, 1.0, closed.slip, 0.0],
+        [closed.release - closed.stick, 1.0, closed.stick, 0.0],
+    ];
+    let mut guess = wave.pack(&zones, closed.excess, value);
+    if wave.material {
+        (wave, guess) = wave.with_layers(&guess)?;
+    }
+    let mut point = polish(&wave, &guess)?;
+    if model.law == FrictionLaw::Coulomb {
+        return Ok((wave, point));
+    }
+    if let FrictionLaw::Regularised { epsilon } = model.law {
+        return smooth_wave(&wave, &point, parameter, epsilon);
+    }
+    for step in 1..=LAW_STEPS {
+        let share = step as f64 / LAW_STEPS as f64;
+        let partly = |ratio: f64| 1.0 + share * (ratio - 1.0);
+        let law = match model.law {
+            FrictionLaw::Static { ratio } => FrictionLaw::Static {
+                ratio: partly(ratio),
+            },
+            FrictionLaw::Stribeck { ratio, velocity } => FrictionLaw::Stribeck {
+                ratio: partly(ratio),
+                velocity,
+            },
+            other => other,
+        };
+        point = polish(&posed(law), &point)?;
+    }
+    Ok((posed(model.law), point))
+}
+
+/// ε from which the regularised wave is reached if the one asked for is too far from Coulomb's, and
+/// the factor from one to the next.
+const FIRST_SMOOTHING: f64 = 0.01;
+const SMOOTHING_STEP: f64 = 1.4;
+
+/// The wave of the regularised law next to a slip-stick wave of Coulomb's: one zone of contact, cut
+/// where V̇ = 0 rises.
+fn smooth_wave(
+    sharp: &Wave,
+    at: &Vector,
+    parameter: Parameter,
+    epsilon: f64,
+) -> Result<(Wave, Vector), NoStart> {
+    let flows = sharp.flows(at)?;
+    let slip = flows.contact(Regime::Slip);
+    let slide = sharp.slide_at(at, 0);
+    let crossings = slip.extremes(&slide)?;
+    let rising = crossings.last().copied().unwrap_or(0.5 * slide.duration);
+    let [y, _] = slip.state(&slide, rising)?;
+    let period: f64 = sharp.unpack(at).iter().map(|zone| zone[2]).sum();
+    let posed = |epsilon: f64| {
+        let law = FrictionLaw::Regularised { epsilon };
+        let model = Model {
+            law,
+            ..sharp.model_at(at)
+        };
+        Wave::new(
+            model,
+            parameter,
+            sharp.mode,
+            Signature::contact(),
+            sharp.scales,
+        )
+    };
+    let guess = |wave: &Wave, zones: &[ZoneUnknowns], excess: f64| {
+        let value = wave.model.value(parameter).unwrap_or(f64::NAN);
+        wave.pack(zones, excess, value)
+    };
+    let first = [[y, 0.0, period, 0.0]];
+    let wave = posed(epsilon);
+    let reach = |wave: &Wave| {
+        let guess = guess(wave, &first, sharp.excess_at(at));
+        polish_within(wave, &guess, SMOOTH_ITERATIONS)
+    };
+    if let Ok(point) = reach(&wave) {
+        return Ok((wave, point));
+    }
+    let mut reached = FIRST_SMOOTHING.min(epsilon);
+    let mut wave = posed(reached);
+    let mut point = reach(&wave).map_err(|error| {
+        // V̇ comes to rest at 1 in layers of this length
+        let frame = &flows.frame.at;
+        let pull = frame.friction * (frame.g * frame.mismatch + frame.kappa);
+        NoStart::Smoothing {
+            epsilon: reached,
+            layer: frame.ma * reached / pull / period,
+            reason: Box::new(error),
+        }
+    })?;
+    while reached != epsilon {
+        reached = (reached * SMOOTHING_STEP).min(epsilon);
+        let next = posed(reached);
+        let start = guess(&next, &wave.unpack(&point), wave.excess_at(&point));
+        point = polish(&next, &start)?;
+        wave = next;
+    }
+    Ok((wave, point))
+}
+
+/// Iterations in which a wave of the regularised law is reached from a good guess, if at all: each
+/// integrates all its layers, and ten times as slowly where the wave cannot be resolved.
+const SMOOTH_ITERATIONS: usize = 12;
+
+/// Newton's method at the parameter value of the guess.
+pub fn polish(wave: &Wave, guess: &Vector) -> Result<Vector, NoStart> {
+    polish_within(wave, guess, 40)
+}
+
+fn polish_within(wave: &Wave, guess: &Vector, most_iterations: usize) -> Result<Vector, NoStart> {
+    let index = wave.unknowns() - 1;
+    let mut fixed = Fixed {
+        index,
+        value: guess[index],
+    };
+    let settings = newton::Settings {
+        most_iterations,
+        halvings: 10,
+        polish: 1,
+        ..newton::Settings::default()
+    };
+    newton::solve(wave, &mut fixed, guess, &settings)
+        .map(|solution| solution.point)
+        .map_err(|failure| NoStart::Newton(failure.into()))
+}

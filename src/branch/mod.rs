@@ -1,0 +1,17 @@
+//! A branch of waves in one parameter: first wave, steps, events, points and labels.
+
+mod begin;
+mod change;
+pub mod conditioning;
+mod events;
+pub mod first_wave;
+pub mod follow;
+mod point;
+pub mod row;
+pub mod run;
+mod saved;
+pub mod special;
+
+pub use change::{NotEntered, beyond};
+pub use point::*;
+pub use saved::SavedWave;

@@ -1,0 +1,83 @@
+//! Waves in physical numbers, as result folders keep them.
+
+use serde::{Deserialize, Serialize};
+
+use super::first_wave;
+use crate::linalg::Vector;
+use crate::model::signature::Signature;
+use crate::model::{Model, Parameter};
+use crate::wave::{Wave, ZoneUnknowns};
+
+/// A wave in physical numbers: what a restart needs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SavedWave {
+    /// Label.
+    pub label: usize,
+    /// Value of the continuation parameter and of all others.
+    #[serde(with = "crate::model::saved")]
+    pub model: Model,
+    /// Signature.
+    pub signature: Signature,
+    /// (Y, W, T) of each zone: Y = V − fgδ/h and W = V̇ at its entry, duration T.
+    pub zones: Vec<[f64; 3]>,
+    /// Layer G at the end of each zone; none without material damping.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<f64>,
+    /// Excess speed e = |c|/√a − 1.
+    pub excess: f64,
+}
+
+impl SavedWave {
+    /// A solved wave. The model has the value of the parameter.
+    pub fn new(label: usize, model: Model, wave: &Wave, point: &Vector) -> SavedWave {
+        let zones = wave.unpack(point);
+        let layers = zones.iter().map(|zone| zone[3]);
+        SavedWave {
+            label,
+            model,
+            signature: wave.signature.clone(),
+            zones: zones.iter().map(|[y, w, t, _]| [*y, *w, *t]).collect(),
+            layers: layers
+                .take(if wave.material { zones.len() } else { 0 })
+                .collect(),
+            excess: wave.excess_at(point),
+        }
+    }
+
+    /// Whether every zone has its numbers and all of them are finite: a damaged file may say otherwise.
+    pub fn is_whole(&self) -> bool {
+        let known = |parameter| self.model.value(parameter).is_none_or(f64::is_finite);
+        let zones = self.signature.len();
+        zones > 0
+            && self.zones.len() == zones
+            && (self.layers.is_empty() || self.layers.len() == zones)
+            && finite(self.zones.as_flattened())
+            && finite(&self.layers)
+            && Parameter::ALL.into_iter().all(known)
+            && self.excess.is_finite()
+    }
+
+    /// The wave as a boundary-value problem in `parameter`, of which `width` is the unit.
+    pub fn wave(&self, parameter: Parameter, mode: u32, width: f64) -> Wave {
+        let largest = self
+            .zones
+            .iter()
+            .fold(1.0_f64, |size, [_, w, _]| size.max(w.abs()));
+        let scales = first_wave::scales(&self.model, mode, self.excess, largest, width);
+        Wave::new(self.model, parameter, mode, self.signature.clone(), scales)
+    }
+
+    /// (Y, W, T, G) of each zone.
+    pub fn unknowns(&self) -> Vec<ZoneUnknowns> {
+        let layers = self.layers.iter().copied().chain(std::iter::repeat(0.0));
+        let zones = self.zones.iter().zip(layers);
+        zones
+            .map(|([y, w, t], layer)| [*y, *w, *t, layer])
+            .collect()
+    }
+}
+
+/// Whether all numbers are finite.
+pub(super) fn finite(numbers: &[f64]) -> bool {
+    numbers.iter().all(|number| number.is_finite())
+}

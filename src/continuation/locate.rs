@@ -1,0 +1,172 @@
+//! Points within a step: at an arclength, under a constraint, at the zero of a function.
+//!
+//! A step sets out from u₀ with tangent t₀; s = t₀·(u − u₀) orders what lies within it.
+
+use super::arclength::Node;
+use super::newton::{self, Constraint, Fixed, Plane, System};
+use crate::bracket::Bracket;
+use crate::linalg::{Factors, Matrix, Vector};
+
+/// A point within a step.
+#[derive(Clone, Debug)]
+pub struct Place {
+    /// Arclength from the beginning of the step.
+    pub s: f64,
+    /// The point, its tangent along the curve.
+    pub node: Node,
+    /// Largest component of the last Newton correction: the scaled unknowns are known no better.
+    pub blur: f64,
+}
+
+/// Settings of the Newton iterations that locate points: one iteration more than needed.
+fn settings(tolerance: f64) -> newton::Settings {
+    newton::Settings {
+        tolerance,
+        most_iterations: 12,
+        halvings: 0,
+        polish: 1,
+    }
+}
+
+/// A solved point as a node: the tangent from a Jacobian evaluated there, oriented like `along`.
+pub fn retangent<S: System>(
+    system: &S,
+    point: &Vector,
+    along: &Vector,
+    newton: usize,
+) -> Option<Node> {
+    let n = system.unknowns();
+    let mut matrix = Matrix::zeros(n, n);
+    let mut residual = Vector::zeros(n - 1);
+    system
+        .evaluate(point, residual.as_mut_slice(), &mut matrix)
+        .ok()?;
+    let relative = newton::relative_residual(&matrix, residual.as_slice());
+    for column in 0..n {
+        matrix[(n - 1, column)] = along[column];
+    }
+    let mut tangent = Vector::zeros(n);
+    tangent[n - 1] = 1.0;
+    if !Factors::new(matrix).solve(&mut tangent) {
+        return None;
+    }
+    let length = tangent.norm();
+    tangent /= length;
+    Some(Node {
+        point: point.clone(),
+        tangent,
+        newton,
+        residual: relative,
+    })
+}
+
+/// Solves the system together with a constraint, from a guess within the step that sets out from a node.
+/// The tangent comes from the arclength border: the constraint's own may be singular there.
+pub fn solve<S: System>(
+    system: &S,
+    from: &Node,
+    guess: &Vector,
+    constraint: &mut impl Constraint<S>,
+    tolerance: f64,
+) -> Option<Place> {
+    let solution = newton::solve(system, constraint, guess, &settings(tolerance)).ok()?;
+    let node = retangent(system, &solution.point, &from.tangent, solution.iterations)?;
+    Some(Place {
+        s: from.tangent.dot(&(&node.point - &from.point)),
+        node,
+        blur: solution.correction,
+    })
+}
+
+/// The node at arclength s of the step that sets out from a node.
+pub fn node_at<S: System>(system: &S, from: &Node, s: f64, tolerance: f64) -> Option<Node> {
+    let predicted = &from.point + &from.tangent * s;
+    let mut plane = Plane {
+        normal: &from.tangent,
+        through: &predicted,
+    };
+    let solution = newton::solve(system, &mut plane, &predicted, &settings(tolerance)).ok()?;
+    retangent(system, &solution.point, &from.tangent, solution.iterations)
+}
+
+/// The zero of a function along a step, from places s with values of different signs: secants in s, until
+/// `stop` accepts the value and the width of the bracket before it. Returns the value found too.
+pub fn zero<S: System>(
+    system: &S,
+    from: &Node,
+    (low, high): ((f64, f64), (f64, f64)),
+    tolerance: f64,
+    stop: impl Fn(f64, f64) -> bool,
+    mut value: impl FnMut(&Node) -> Option<f64>,
+) -> Option<(Place, f64)> {
+    /// Secants of a smooth function need about eight.
+    const MOST: usize = 80;
+    let mut bracket = Bracket::new(low, high);
+    let mut best = None;
+    for _ in 0..MOST {
+        let s = bracket.secant();
+        let node = node_at(system, from, s, tolerance)?;
+        let here = value(&node)?;
+        let done = stop(here, bracket.width().abs());
+        best = Some((s, node, here));
+        if done {
+            break;
+        }
+        bracket.shrink(s, here);
+    }
+    let (s, node, here) = best?;
+    Some((Place { s, node, blur: 0.0 }, here))
+}
+
+/// A value of one unknown to be met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// Which unknown.
+    pub index: usize,
+    /// Its value.
+    pub value: f64,
+    /// Where the target is an edge of a range, the side that lies outside: −1 below, 1 above; 0 for
+    /// a value inside.
+    pub outside: f64,
+}
+
+/// Relative distance at which a point lies on a target.
+const ON_TARGET: f64 = 1e-13;
+
+impl Target {
+    /// Whether the way from one point to another meets the target. A beginning on the target has met it
+    /// already, unless it is an edge and the way leads out.
+    fn is_met(&self, one: &Vector, other: &Vector) -> bool {
+        let (before, after) = (one[self.index] - self.value, other[self.index] - self.value);
+        if before.abs() <= ON_TARGET * self.value.abs().max(f64::MIN_POSITIVE) {
+            return after * self.outside > 0.0;
+        }
+        before * after <= 0.0
+    }
+
+    /// The points at which the target is met on a way through points of one step, between which the
+    /// unknown is monotone. `None` if one is not found.
+    pub fn meetings<S: System>(
+        &self,
+        system: &S,
+        from: &Node,
+        way: &[&Vector],
+        tolerance: f64,
+    ) -> Option<Vec<Place>> {
+        let pairs = way.windows(2).filter(|pair| self.is_met(pair[0], pair[1]));
+        let place = |pair: &[&Vector]| {
+            let (one, other) = (pair[0], pair[1]);
+            let (before, after) = (one[self.index] - self.value, other[self.index] - self.value);
+            let guess = one + (other - one) * (before / (before - after));
+            let mut fixed = Fixed {
+                index: self.index,
+                value: self.value,
+            };
+            let mut place = solve(system, from, &guess, &mut fixed, tolerance)?;
+            // exactly the value that was asked for, not the next number
+            place.node.point[self.index] = self.value;
+            Some(place)
+        };
+        pairs.map(place).collect()
+    }
+}

@@ -1,0 +1,15 @@
+//! Continuation of R(u) = 0 in one parameter: knows nothing of waves.
+//!
+//! - [`newton`]: a system, a constraint that closes it, Newton's method;
+//! - [`arclength`]: one step of pseudo-arclength;
+//! - [`locate`]: points within a step;
+//! - [`walk`]: the driver that follows a curve, event by event, to its end;
+//! - [`zero`]: zeros of functions of one variable.
+
+pub mod arclength;
+pub mod locate;
+pub mod newton;
+pub mod walk;
+pub mod zero;
+
+pub use arclength::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE, Node, Steps};

@@ -1,0 +1,402 @@
+//! Following a curve: the one driver behind every branch and every curve of events.
+//!
+//! A [`Curve`] is a zero curve of a system with functions that are watched along it. The [`Walker`] takes
+//! a step of pseudo-arclength, has the functions evaluated at its end, and halves the step where that
+//! fails. What happens within it is located, put in order and handed to the curve, which says of each
+//! event whether it goes on as before, goes on as another curve, or ends. A curve also ends where
+//! it comes back to its first point, where no step succeeds, and where its steps creep.
+
+use std::error::Error;
+
+use super::arclength::{self, Node, Steps};
+use super::locate::Place;
+use super::newton::System;
+
+/// A zero curve of a system, what is watched along it, and what happens where that vanishes.
+pub trait Curve: Sized {
+    /// Its equations.
+    type System: System;
+    /// Tells curves apart that have different equations.
+    type Name: Clone + PartialEq;
+    /// Values of the watched functions at a node.
+    type Watched: Clone;
+    /// What is located within a step.
+    type Event: Clone;
+    /// What is handed out.
+    type Found;
+    /// Why the curve refuses a step.
+    type Refusal: Error;
+    /// Why the curve ends for reasons of its own.
+    type End;
+
+    /// Creeping steps after which the curve ends, and the length below which a step creeps, in units of the
+    /// first one. Steps that short come from rejections: they grow by half from one to the next.
+    const CREEP: (usize, f64);
+
+    /// Its equations.
+    fn system(&self) -> &Self::System;
+
+    /// Its name.
+    fn name(&self) -> &Self::Name;
+
+    /// The watched functions at a node; `near` are those of a node nearby.
+    fn watch(
+        &self,
+        node: &Node,
+        near: Option<&Self::Watched>,
+    ) -> Result<Self::Watched, Self::Refusal>;
+
+    /// Whether a watched function may vanish twice within the step.
+    fn may_hide_a_pair(&self, _step: &Stretch<Self>) -> bool {
+        false
+    }
+
+    /// All that happens within a step, in any order.
+    fn locate(&self, step: &Stretch<Self>) -> Result<Vec<(Place, Self::Event)>, Self::Refusal>;
+
+    /// What comes of an event; `together` are the events at its place, itself the first.
+    fn meet(
+        &self,
+        step: &Stretch<Self>,
+        place: &Place,
+        together: &[Self::Event],
+    ) -> Result<Met<Self>, Self::Refusal>;
+
+    /// Takes note of a node that was reached.
+    fn arrive(&mut self, node: &Node);
+
+    /// A point without an event.
+    fn point(&self, s: f64, node: &Node, watched: &Self::Watched) -> Self::Found;
+
+    /// The point of a step that closes the curve: its first point is at arclength `s` of it, and it
+    /// comes to `reached`.
+    fn closing(&self, s: f64, first: &Node, reached: Self::Found) -> Self::Found;
+
+    /// Why the curve does not go on from a node that was reached.
+    fn exhausted(&self, _node: &Node) -> Option<Self::End> {
+        None
+    }
+
+    /// Whether a step refused at its shortest ends the curve itself, and not only the search for it.
+    fn ends_with(&self, _refusal: &Self::Refusal) -> Option<Self::End> {
+        None
+    }
+
+    /// The point that tells of an end other than an event.
+    fn last(&self, _end: &EndOf<Self>, _here: Self::Found) -> Option<Self::Found> {
+        None
+    }
+}
+
+/// Why a step was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refused<F: Error, R: Error> {
+    /// There is no such step.
+    #[error("{0}")]
+    Step(#[from] arclength::Refusal<F>),
+    /// A watched function may vanish twice within it.
+    #[error("two events lie closer together than a step")]
+    Pair,
+    /// The curve refuses it.
+    #[error("{0}")]
+    Curve(R),
+}
+
+/// Why a step of a curve was refused.
+pub type RefusalOf<C> = Refused<<<C as Curve>::System as System>::Failure, <C as Curve>::Refusal>;
+
+/// How a curve ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End<R, E> {
+    /// At an edge of a range.
+    Edge,
+    /// On its first point.
+    Closed,
+    /// After as many points as it may have.
+    MaxPoints {
+        /// How many.
+        most: usize,
+    },
+    /// With steps in a row so short that they do not lead on.
+    Creeps {
+        /// How many.
+        steps: usize,
+        /// All are shorter than this.
+        longest: f64,
+    },
+    /// Where no step succeeds.
+    NoStep {
+        /// The shortest one.
+        ds_min: f64,
+        /// Why it was refused.
+        reason: R,
+    },
+    /// For a reason of its own.
+    Own(E),
+}
+
+/// How a curve of a kind ended.
+pub type EndOf<C> = End<RefusalOf<C>, <C as Curve>::End>;
+
+/// What comes of an event.
+pub enum Met<C: Curve> {
+    /// The curve passes it.
+    Passed(C::Found),
+    /// Another curve goes on.
+    Entered(C::Found, Entry<C>),
+    /// The curve ends there.
+    Ended(Vec<C::Found>, EndOf<C>),
+}
+
+/// The beginning of another curve.
+pub struct Entry<C: Curve> {
+    /// The curve.
+    pub curve: C,
+    /// Its first node.
+    pub node: Node,
+    /// The watched functions there.
+    pub watched: C::Watched,
+    /// Length of its first step.
+    pub ds: f64,
+}
+
+/// A step of a curve.
+pub struct Stretch<'a, C: Curve> {
+    /// Where it sets out.
+    pub from: &'a Node,
+    /// The watched functions there.
+    pub before: &'a C::Watched,
+    /// Where it comes to.
+    pub to: &'a Node,
+    /// The watched functions there.
+    pub after: &'a C::Watched,
+    /// Its length.
+    pub ds: f64,
+    /// Step lengths and tolerance of the walk.
+    pub steps: &'a Steps,
+}
+
+impl<C: Curve> Stretch<'_, C> {
+    /// Zeros closer together than this are one event that several watched functions see.
+    pub fn at_once(&self) -> f64 {
+        /// As a part of the step.
+        const AT_ONCE: f64 = 1e-6;
+        AT_ONCE * self.ds.max(1e-3)
+    }
+}
+
+/// A curve being followed.
+#[derive(Clone, Debug)]
+pub struct Walker<C: Curve> {
+    /// The curve.
+    pub(crate) curve: C,
+    /// Where it has come.
+    pub(crate) node: Node,
+    /// The watched functions there.
+    pub(crate) watched: C::Watched,
+    /// Length of the next step.
+    pub(crate) ds: f64,
+    /// First point and name: a closed curve comes back.
+    pub(crate) origin: (C::Name, Node),
+    /// Arclength since the first point.
+    pub(crate) travelled: f64,
+    /// Steps in a row that creep.
+    pub(crate) creeping: usize,
+    /// Step lengths and tolerance.
+    pub(crate) steps: Steps,
+}
+
+/// How often a step is halved because two events may hide in it. Eight halvings resolve pairs 2⁻⁸ of a
+/// step apart.
+const HALVINGS_FOR_PAIRS: u32 = 8;
+
+/// A curve has closed when it passes this close to its first point, in units of the last step.
+const CLOSED: f64 = 1.0;
+
+impl<C: Curve> Walker<C> {
+    /// Begins at a node.
+    ///
+    /// # Errors
+    /// When the watched functions cannot be evaluated there.
+    pub fn begin(curve: C, node: Node, steps: Steps) -> Result<Walker<C>, C::Refusal> {
+        Ok(Walker {
+            watched: curve.watch(&node, None)?,
+            origin: (curve.name().clone(), node.clone()),
+            node,
+            ds: steps.ds,
+            travelled: 0.0,
+            creeping: 0,
+            steps,
+            curve,
+        })
+    }
+
+    /// The curve as it is at the point reached.
+    pub fn curve(&self) -> &C {
+        &self.curve
+    }
+
+    /// The node from which the next step sets out.
+    pub fn node(&self) -> &Node {
+        &self.node
+    }
+
+    /// The point reached.
+    pub fn here(&self) -> C::Found {
+        self.curve.point(0.0, &self.node, &self.watched)
+    }
+
+    /// Takes one step, shorter if need be. Returns the points found, in order, and how the curve ended
+    /// if it did.
+    pub fn step(&mut self) -> (Vec<C::Found>, Option<EndOf<C>>) {
+        let Steps { ds_min, ds_max, .. } = self.steps;
+        let mut ds = self.ds.clamp(ds_min, ds_max);
+        let mut halvings = 0;
+        loop {
+            let refusal = match self.attempt(ds, halvings < HALVINGS_FOR_PAIRS) {
+                Ok(taken) => return taken,
+                Err(refusal) => refusal,
+            };
+            if ds <= ds_min {
+                let own = match &refusal {
+                    Refused::Curve(reason) => self.curve.ends_with(reason),
+                    _ => None,
+                };
+                let end = match own {
+                    Some(own) => End::Own(own),
+                    None => End::NoStep {
+                        ds_min,
+                        reason: refusal,
+                    },
+                };
+                let last = self.curve.last(&end, self.here());
+                return (last.into_iter().collect(), Some(end));
+            }
+            halvings += u32::from(matches!(refusal, Refused::Pair));
+            ds = (0.5 * ds).max(ds_min);
+        }
+    }
+
+    /// One step of length `ds`.
+    #[allow(clippy::type_complexity)] // points and end, as of `step`
+    fn attempt(
+        &mut self,
+        ds: f64,
+        look_for_pairs: bool,
+    ) -> Result<(Vec<C::Found>, Option<EndOf<C>>), RefusalOf<C>> {
+        let taken = arclength::advance(self.curve.system(), &self.node, ds, self.steps.tolerance)?;
+        let refused = Refused::Curve;
+        let watched = self
+            .curve
+            .watch(&taken.node, Some(&self.watched))
+            .map_err(refused)?;
+        let step = Stretch {
+            from: &self.node,
+            before: &self.watched,
+            to: &taken.node,
+            after: &watched,
+            ds,
+            steps: &self.steps,
+        };
+        if look_for_pairs && self.curve.may_hide_a_pair(&step) {
+            return Err(Refused::Pair);
+        }
+        let mut located = self.curve.locate(&step).map_err(refused)?;
+        located.sort_by(|(one, _), (other, _)| one.s.total_cmp(&other.s));
+        let mut found = Vec::new();
+        for (index, (place, _)) in located.iter().enumerate() {
+            let together: Vec<C::Event> = located[index..]
+                .iter()
+                .filter(|(other, _)| other.s - place.s <= step.at_once())
+                .map(|(_, event)| event.clone())
+                .collect();
+            match self.curve.meet(&step, place, &together).map_err(refused)? {
+                Met::Passed(point) => found.push(point),
+                Met::Ended(points, end) => {
+                    found.extend(points);
+                    return Ok((found, Some(end)));
+                }
+                Met::Entered(point, entry) => {
+                    found.push(point);
+                    self.travelled += place.s.max(0.0);
+                    self.creeping = 0;
+                    self.curve = entry.curve;
+                    self.node = entry.node;
+                    self.watched = entry.watched;
+                    self.ds = entry.ds;
+                    return Ok((found, None));
+                }
+            }
+        }
+        let closed = self.closes(&step);
+        let from = std::mem::replace(&mut self.node, taken.node);
+        self.travelled += ds;
+        self.watched = watched;
+        self.ds = taken.next;
+        self.curve.arrive(&self.node);
+        let here = |walker: &Walker<C>| walker.curve.point(ds, &walker.node, &walker.watched);
+        if closed {
+            let (_, first) = &self.origin;
+            let s = from.tangent.dot(&(&first.point - &from.point));
+            found.push(self.curve.closing(s, first, here(self)));
+            return Ok((found, Some(End::Closed)));
+        }
+        found.push(here(self));
+        let creeps = self.creeps(ds);
+        let end = self.curve.exhausted(&self.node).map(End::Own).or(creeps);
+        if let Some(end) = &end {
+            found.extend(self.curve.last(end, here(self)));
+        }
+        Ok((found, end))
+    }
+
+    /// Counts steps that creep; the end of a curve that has taken too many in a row.
+    fn creeps(&mut self, ds: f64) -> Option<EndOf<C>> {
+        let (steps, part) = C::CREEP;
+        let longest = part * self.steps.ds;
+        self.creeping = if ds < longest { self.creeping + 1 } else { 0 };
+        (self.creeping >= steps).then_some(End::Creeps { steps, longest })
+    }
+
+    /// Whether a step passes the first point again.
+    fn closes(&self, step: &Stretch<C>) -> bool {
+        let (name, first) = &self.origin;
+        if self.travelled < 4.0 * step.ds || name != self.curve.name() {
+            return false;
+        }
+        let side = |node: &Node| first.tangent.dot(&(&node.point - &first.point));
+        side(step.from) < 0.0
+            && side(step.to) >= 0.0
+            && (&step.to.point - &first.point).norm() <= CLOSED * step.ds
+            && step.to.tangent.dot(&first.tangent) > 0.9
+    }
+}
+
+/// Lengths of the first step into another curve: each a quarter of the one before.
+const SHORTER: f64 = 0.25;
+
+/// The first step from a point along its tangent, either way, that `admit` admits, and its length. Tried from
+/// `ds` down, `tries` times. `admit` sees the node that sets out and the step or why there is none.
+pub fn enter<S: System, T>(
+    system: &S,
+    node: &Node,
+    mut ds: f64,
+    tries: usize,
+    tolerance: f64,
+    mut admit: impl FnMut(&Node, Result<Node, arclength::Refusal<S::Failure>>) -> Option<T>,
+) -> Option<(Node, f64, T)> {
+    for _ in 0..tries {
+        for sign in [1.0, -1.0] {
+            let from = Node {
+                tangent: &node.tangent * sign,
+                ..node.clone()
+            };
+            let step = arclength::advance(system, &from, ds, tolerance).map(|step| step.node);
+            if let Some(admitted) = admit(&from, step) {
+                return Some((from, ds, admitted));
+            }
+        }
+        ds *= SHORTER;
+    }
+    None
+}

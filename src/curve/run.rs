@@ -1,0 +1,647 @@
+//! A curve of events from its beginning to both ends, step by step, and its state between two steps.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::follow::{EventCurve, Gone, Refusal, Solved, Stop, What};
+use super::regions::{self, Region};
+use super::system::{Condition, EventSystem, NotEvaluated};
+use crate::branch::EventType;
+use crate::continuation::newton::{self, Plane};
+use crate::continuation::walk::{self, Refused, Walker};
+use crate::continuation::{Node, Steps};
+use crate::flow::FlowError;
+use crate::linalg::{self, Vector};
+use crate::model::Parameter;
+use crate::model::signature::{Regime, Signature};
+use crate::wave::admissibility::Watch;
+
+/// How far to follow, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Limits {
+    /// Range of each parameter.
+    pub ranges: [(f64, f64); 2],
+    /// Step lengths and tolerance.
+    pub steps: Steps,
+    /// Largest number of points in either direction.
+    pub most_points: usize,
+}
+
+/// A point of the curve: a row of `curve.csv`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// Both parameters.
+    pub parameters: [f64; 2],
+    /// Wave speed c, signed.
+    pub speed: f64,
+    /// Regimes before the event.
+    pub before: String,
+    /// Regimes after it; empty where no admissible wave was found to go on.
+    pub after: String,
+    /// ω of a Hopf point.
+    pub omega: Option<f64>,
+    /// Type of a point of codimension two, of the start and of the ends.
+    pub kind: Option<String>,
+    /// What happens there, in words; empty at ordinary points.
+    pub what: String,
+    /// Newton iterations.
+    pub newton: usize,
+    /// Largest residual relative to its row of the Jacobian.
+    pub residual: f64,
+    /// Excess speed e = |c|/√a − 1.
+    pub excess: f64,
+}
+
+/// The curve of an event.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Type of the event.
+    pub event: EventType,
+    /// Bloch sector of an HB.
+    pub sector: Option<usize>,
+    /// The two parameters.
+    pub parameters: [Parameter; 2],
+    /// Points from one end to the other.
+    pub points: Vec<Point>,
+    /// Index of the event on the branch.
+    pub start: usize,
+    /// Why the curve ends at its first and at its last point, in words.
+    pub ends: [String; 2],
+    /// Whether an end is one of Newton's method and not of the curve.
+    pub failed: bool,
+    /// Names of places beside it.
+    pub regions: Vec<Region>,
+}
+
+/// Why the curve of an event cannot be followed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Singular {
+    /// Its equations cannot be evaluated.
+    #[error("{0}")]
+    NotEvaluated(#[from] NotEvaluated),
+    /// Its test functions cannot be evaluated, or it is none.
+    #[error("{0}")]
+    Refused(#[from] Refusal),
+    /// Its wave separates, and there is material damping.
+    #[error("separation is not covered with material damping")]
+    Separation,
+    /// F_x has no null vector at a fold.
+    #[error("the fold has no null vector")]
+    NoNullVector,
+    /// No margin vanishes at a change of regime.
+    #[error("no margin vanishes at the event")]
+    NoMargin,
+    /// Its Jacobian has no null vector.
+    #[error("the event has no tangent")]
+    NoTangent,
+    /// Newton's method does not find it.
+    #[error("the event of the branch is no solution: {0}")]
+    NoSolution(#[from] newton::Failure<NotEvaluated>),
+    /// A saved event is not one of its equations.
+    #[error("the event does not fit its equations")]
+    UnfitEvent,
+    /// A saved point is not one of its equations.
+    #[error("a point does not fit its equations")]
+    UnfitPoint,
+    /// A saved state is not one of its equations.
+    #[error("the saved state does not fit its equations")]
+    UnfitState,
+    /// There are steps after the last.
+    #[error("there are steps beyond the end")]
+    BeyondEnd,
+}
+
+impl From<FlowError> for Singular {
+    fn from(error: FlowError) -> Singular {
+        Singular::NotEvaluated(error.into())
+    }
+}
+
+/// What a curve begins with: the same for all its steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Head {
+    /// Type of the event.
+    pub event: EventType,
+    /// Its equations.
+    pub system: EventSystem,
+    /// How far to follow.
+    #[serde(rename = "settings")]
+    pub limits: Limits,
+    /// The event on the branch.
+    pub point: Point,
+    /// Its unknowns.
+    pub unknowns: Vec<f64>,
+    /// Unit tangent there.
+    pub tangent: Vec<f64>,
+}
+
+/// A point with the equations that it solves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    /// The point.
+    pub point: Point,
+    signature: Signature,
+    condition: Condition,
+    unknowns: Vec<f64>,
+}
+
+/// All that the next step depends on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    signature: Signature,
+    condition: Condition,
+    unknowns: Vec<f64>,
+    tangent: Vec<f64>,
+    own: Vec<(Watch, usize)>,
+    with_fold: bool,
+    /// The left null vector behind the factor that vanishes at a cusp, for its sign.
+    left: Option<Vec<f64>>,
+    travelled: f64,
+    ds: f64,
+    /// Steps in a row that creep.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    creeping: usize,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
+/// Why a curve ends in one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reason {
+    /// For what happens at its last point, in words.
+    There(String),
+    /// The event is none any more.
+    Gone(Gone),
+    /// The curve closes on its start.
+    Closed,
+    /// It has as many points as it may.
+    MaxPoints {
+        /// How many.
+        most: usize,
+    },
+    /// Its steps creep.
+    Creeps {
+        /// How many in a row.
+        steps: usize,
+        /// All are shorter than this.
+        longest: f64,
+        /// Regime and length of the shortest zone.
+        beside: (Regime, f64),
+    },
+    /// No step succeeds.
+    NoStep {
+        /// The shortest one.
+        ds_min: f64,
+        /// Why it was refused.
+        reason: Refused<NotEvaluated, Refusal>,
+    },
+}
+
+/// A reason is saved as its sentence.
+impl Serialize for Reason {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Reason {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Reason, D::Error> {
+        let words = String::deserialize(deserializer)?;
+        Ok(match words == Reason::Closed.to_string() {
+            true => Reason::Closed,
+            false => Reason::There(words),
+        })
+    }
+}
+
+/// The end of the curve in one direction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct End {
+    /// Why.
+    pub reason: Reason,
+    /// Whether it is one of Newton's method or of `max_points` and not of the curve.
+    pub failed: bool,
+    /// Type of the last point unless it has one.
+    kind: Option<EventType>,
+}
+
+impl End {
+    fn new(reason: Reason) -> End {
+        let kind = match reason {
+            Reason::There(_) | Reason::Closed => None,
+            Reason::Gone(_) => Some(EventType::EP),
+            _ => Some(EventType::MX),
+        };
+        End {
+            reason,
+            failed: kind == Some(EventType::MX),
+            kind,
+        }
+    }
+}
+
+/// A step in either direction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    /// Points found, in order.
+    pub found: Vec<Found>,
+    /// What comes next.
+    pub next: Next,
+}
+
+/// What comes after a step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Next {
+    /// The next step.
+    Going(State),
+    /// The end in this direction.
+    Ended(End),
+}
+
+/// A curve being followed, from its event, first one way and then the other.
+pub struct Run {
+    head: Head,
+    /// Points on either side, away from the event.
+    halves: [Vec<Solved>; 2],
+    ends: Vec<End>,
+    walker: Walker<EventCurve>,
+}
+
+/// Follows an event both ways from a solution of its equations.
+///
+/// # Errors
+/// When the start does not solve the equations, or has no tangent.
+pub fn follow(
+    system: &EventSystem,
+    event: EventType,
+    start: &Vector,
+    limits: Limits,
+) -> Result<Curve, Singular> {
+    let mut run = Run::begin(system, event, start, limits)?;
+    while run.step()?.is_some() {}
+    Ok(run.curve())
+}
+
+impl Run {
+    /// Begins at a solution of the equations.
+    ///
+    /// # Errors
+    /// When it is none, or has no tangent.
+    pub fn begin(
+        system: &EventSystem,
+        event: EventType,
+        start: &Vector,
+        limits: Limits,
+    ) -> Result<Run, Singular> {
+        let mut system = system.clone();
+        let node = first_node(&system, start, limits.steps.tolerance)?;
+        system.settle(&node.point);
+        let walker = walker(&system, event, backwards(&node), limits)?;
+        let mut point = walker.here().point;
+        point.kind = Some(event.to_string());
+        point.what = What::Begins.to_string();
+        // the values of the problem where polishing moved them by rounding only
+        for (value, given) in point.parameters.iter_mut().zip(system.values(start)) {
+            if (*value - given).abs() <= 1e-13 * given.abs().max(1e-3) {
+                *value = given;
+            }
+        }
+        let head = Head {
+            event,
+            system,
+            limits,
+            point,
+            unknowns: node.point.as_slice().to_vec(),
+            tangent: node.tangent.as_slice().to_vec(),
+        };
+        Ok(Run {
+            head,
+            halves: [Vec::new(), Vec::new()],
+            ends: Vec::new(),
+            walker,
+        })
+    }
+
+    /// Goes on after the steps of an earlier run.
+    ///
+    /// # Errors
+    /// When they do not fit.
+    pub fn resume(head: Head, steps: Vec<Step>) -> Result<Run, Singular> {
+        let mut run = Run {
+            walker: head.walker(0)?,
+            head,
+            halves: [Vec::new(), Vec::new()],
+            ends: Vec::new(),
+        };
+        let count = steps.len();
+        for (index, step) in steps.into_iter().enumerate() {
+            if run.ended() {
+                return Err(Singular::BeyondEnd);
+            }
+            for found in step.found {
+                let system = run.head.system.of(found.signature, found.condition);
+                let unknowns = Vector::from_vec(found.unknowns);
+                if !system.fits(&unknowns) {
+                    return Err(Singular::UnfitPoint);
+                }
+                run.halves[run.ends.len()].push(Solved {
+                    point: found.point,
+                    system,
+                    unknowns,
+                });
+            }
+            match step.next {
+                Next::Ended(end) => run.end(end)?,
+                Next::Going(state) if index + 1 == count => {
+                    run.walker = resumed(&run.walker, &run.head, state)?;
+                }
+                Next::Going(_) => {}
+            }
+        }
+        Ok(run)
+    }
+
+    /// What the curve begins with.
+    pub fn head(&self) -> &Head {
+        &self.head
+    }
+
+    /// Where the curve is, in words.
+    pub fn position(&self) -> String {
+        let [first, second] = self.head.system.parameters().map(Parameter::column);
+        let half = &self.halves[self.ends.len().min(1)];
+        let point = half.last().map_or(&self.head.point, |solved| &solved.point);
+        format!(
+            "{} points, {first} {:.6}, {second} {:.6}",
+            1 + self.halves[0].len() + self.halves[1].len(),
+            point.parameters[0],
+            point.parameters[1]
+        )
+    }
+
+    /// The points in the order in which they were found.
+    pub fn so_far(&self) -> impl Iterator<Item = &Point> {
+        let [first, second] = &self.halves;
+        let found = first.iter().chain(second).map(|solved| &solved.point);
+        std::iter::once(&self.head.point).chain(found)
+    }
+
+    /// Whether both ends are reached.
+    fn ended(&self) -> bool {
+        self.ends.len() == 2
+    }
+
+    /// Takes a step; `None` when both ends are reached.
+    ///
+    /// # Errors
+    /// When the curve does not begin the other way.
+    pub fn step(&mut self) -> Result<Option<Step>, Singular> {
+        if self.ended() {
+            return Ok(None);
+        }
+        let half = &mut self.halves[self.ends.len()];
+        let most = self.head.limits.most_points;
+        let (found, end) = match half.len() >= most {
+            true => (Vec::new(), Some(walk::End::MaxPoints { most })),
+            false => self.walker.step(),
+        };
+        half.extend(found.iter().cloned());
+        let found = found.into_iter().map(|solved| Found {
+            point: solved.point,
+            signature: solved.system.signature().clone(),
+            condition: solved.system.condition,
+            unknowns: solved.unknowns.as_slice().to_vec(),
+        });
+        let found = found.collect();
+        let next = match end {
+            Some(end) => {
+                let end = End::new(self.reason(end));
+                self.end(end.clone())?;
+                Next::Ended(end)
+            }
+            None => Next::Going(state(&self.walker)),
+        };
+        Ok(Some(Step { found, next }))
+    }
+
+    /// Why the walk ended.
+    fn reason(&self, end: walk::EndOf<EventCurve>) -> Reason {
+        match end {
+            walk::End::Edge | walk::End::Own(Stop::There) => {
+                let last = self.halves[self.ends.len()].last();
+                Reason::There(last.map_or_else(String::new, |solved| solved.point.what.clone()))
+            }
+            walk::End::Own(Stop::Gone(gone)) => Reason::Gone(gone),
+            walk::End::Closed => Reason::Closed,
+            walk::End::MaxPoints { most } => Reason::MaxPoints { most },
+            walk::End::NoStep { ds_min, reason } => Reason::NoStep { ds_min, reason },
+            walk::End::Creeps { steps, longest } => {
+                let (wave, point) = self
+                    .walker
+                    .curve()
+                    .system
+                    .wave(&self.walker.node().point, 0);
+                let lengths = (0..wave.zones()).map(|zone| (zone, wave.duration_at(&point, zone)));
+                let shortest = lengths.min_by(|one, other| one.1.total_cmp(&other.1));
+                let (zone, duration) = shortest.unwrap_or((0, f64::NAN));
+                Reason::Creeps {
+                    steps,
+                    longest,
+                    beside: (
+                        wave.signature.zone(zone).regime,
+                        duration * wave.speed_at(&point).abs(),
+                    ),
+                }
+            }
+        }
+    }
+
+    /// Ends one direction and turns to the other.
+    fn end(&mut self, end: End) -> Result<(), Singular> {
+        if let (Some(last), Some(kind)) = (self.halves[self.ends.len()].last_mut(), end.kind) {
+            let point = &mut last.point;
+            point.kind.get_or_insert_with(|| kind.to_string());
+            if point.what.is_empty() {
+                point.what = end.reason.to_string();
+            }
+        }
+        let closed = end.reason == Reason::Closed;
+        self.ends.push(end.clone());
+        if closed && !self.ended() {
+            // the second half would be the first one backwards
+            self.ends.push(end);
+        } else if !self.ended() {
+            self.walker = self.head.walker(1)?;
+        }
+        Ok(())
+    }
+
+    /// The curve from one end to the other, with what lies beside it.
+    pub fn curve(self) -> Curve {
+        let Run {
+            head, halves, ends, ..
+        } = self;
+        let sector = head.sector();
+        let [mut points, second] = halves;
+        points.reverse();
+        let start = points.len();
+        points.push(Solved {
+            point: head.point,
+            system: head.system.clone(),
+            unknowns: Vector::from_vec(head.unknowns),
+        });
+        points.extend(second);
+        let regions = regions::regions(&points, &head.limits);
+        let word = |index: usize| ends.get(index).map(|end| end.reason.to_string());
+        Curve {
+            event: head.event,
+            sector,
+            parameters: head.system.parameters(),
+            points: points.into_iter().map(|solved| solved.point).collect(),
+            start,
+            ends: [0, 1].map(|index| word(index).unwrap_or_default()),
+            failed: ends.iter().any(|end| end.failed),
+            regions,
+        }
+    }
+}
+
+impl Head {
+    /// Bloch sector of an HB.
+    pub fn sector(&self) -> Option<usize> {
+        match self.system.condition {
+            Condition::Hopf { sector } => Some(sector),
+            _ => None,
+        }
+    }
+
+    /// A walker in the first direction (0) or the second (1).
+    fn walker(&self, half: usize) -> Result<Walker<EventCurve>, Singular> {
+        let node = Node {
+            point: Vector::from_column_slice(&self.unknowns),
+            tangent: Vector::from_column_slice(&self.tangent),
+            newton: self.point.newton,
+            residual: self.point.residual,
+        };
+        if !(self.system.fits(&node.point) && self.system.fits(&node.tangent)) {
+            return Err(Singular::UnfitEvent);
+        }
+        let node = if half == 0 { backwards(&node) } else { node };
+        walker(&self.system, self.event, node, self.limits)
+    }
+}
+
+/// A walker from a node.
+fn walker(
+    system: &EventSystem,
+    event: EventType,
+    node: Node,
+    limits: Limits,
+) -> Result<Walker<EventCurve>, Singular> {
+    let curve = EventCurve::new(system.clone(), event, &node.point, limits)?;
+    Ok(Walker::begin(curve, node, limits.steps)?)
+}
+
+/// A walker at a saved state.
+fn resumed(
+    walker: &Walker<EventCurve>,
+    head: &Head,
+    state: State,
+) -> Result<Walker<EventCurve>, Singular> {
+    let system = head.system.of(state.signature, state.condition);
+    let zones = system.signature().len();
+    let left = state.left.map(Vector::from_vec);
+    let node = Node {
+        point: Vector::from_vec(state.unknowns),
+        tangent: Vector::from_vec(state.tangent),
+        newton: 0,
+        residual: 0.0,
+    };
+    let count = system.wave_unknowns();
+    let fits = system.fits(&node.point)
+        && system.fits(&node.tangent)
+        && left.as_ref().is_none_or(|left| left.len() == count)
+        && state.own.iter().all(|(_, zone)| *zone < zones);
+    if !fits {
+        return Err(Singular::UnfitState);
+    }
+    let curve = EventCurve {
+        system,
+        own: state.own,
+        with_fold: state.with_fold,
+        ..walker.curve.clone()
+    };
+    Ok(Walker {
+        watched: curve.tests(&node, left.as_ref())?,
+        curve,
+        node,
+        ds: state.ds,
+        travelled: state.travelled,
+        creeping: state.creeping,
+        ..walker.clone()
+    })
+}
+
+/// The state of a walker.
+fn state(walker: &Walker<EventCurve>) -> State {
+    let left = walker.watched.cusp.as_ref();
+    State {
+        signature: walker.curve.system.signature().clone(),
+        condition: walker.curve.system.condition,
+        unknowns: walker.node.point.as_slice().to_vec(),
+        tangent: walker.node.tangent.as_slice().to_vec(),
+        own: walker.curve.own.clone(),
+        with_fold: walker.curve.with_fold,
+        left: left.map(|(_, left)| left.as_slice().to_vec()),
+        travelled: walker.travelled,
+        ds: walker.ds,
+        creeping: walker.creeping,
+    }
+}
+
+/// A node seen the other way.
+fn backwards(node: &Node) -> Node {
+    Node {
+        tangent: -&node.tangent,
+        ..node.clone()
+    }
+}
+
+/// The start with its unit tangent, the null vector of the Jacobian.
+fn first_node(system: &EventSystem, start: &Vector, tolerance: f64) -> Result<Node, Singular> {
+    let tangent = |point: &Vector| {
+        let (matrix, residual) = newton::jacobian(system, point)?;
+        let kernel = linalg::kernel(&matrix).ok_or(Singular::NoTangent)?;
+        Ok::<_, Singular>((kernel.null_vector, residual))
+    };
+    let (normal, _) = tangent(start)?;
+    let mut plane = Plane {
+        normal: &normal,
+        through: start,
+    };
+    let settings = newton::Settings {
+        tolerance,
+        most_iterations: 20,
+        halvings: 4,
+        polish: 1,
+    };
+    let solution = newton::solve(system, &mut plane, start, &settings)?;
+    let (mut null, residual) = tangent(&solution.point)?;
+    // towards larger values of the first parameter, the second where that is stationary
+    let count = null.len();
+    let heading = if null[count - 2].abs() > 1e-9 {
+        null[count - 2]
+    } else {
+        null[count - 1]
+    };
+    if heading < 0.0 {
+        null.neg_mut();
+    }
+    Ok(Node {
+        point: solution.point,
+        tangent: null,
+        newton: solution.iterations,
+        residual,
+    })
+}

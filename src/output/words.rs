@@ -1,0 +1,419 @@
+//! The sentences about what happens along a branch or a curve, made from data.
+
+use std::fmt::{self, Display, Formatter};
+
+use crate::branch::EventType;
+use crate::branch::Reason;
+use crate::branch::special::{Change, Failure, Inadmissible, Note, Refusal, Special, Stop, Tried};
+use crate::continuation::walk::End;
+use crate::curve::{self, Gone, What};
+use crate::stability::track::Remark;
+use crate::wave::admissibility::Watch;
+
+/// What is left of a wave where D = 0.
+const D_ZERO: &str = "D = 0: nothing drives a wave here; what is left is steady sliding with a linear wave \
+                      of arbitrary amplitude, which neither grows nor decays";
+
+impl Display for Special {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Special::Start => f.write_str("start"),
+            Special::HopfPoint => f.write_str("the Hopf point of steady sliding"),
+            Special::StickOpens => f.write_str("V̇ reaches 1: a stick zone opens"),
+            Special::Fold(parameter) => write!(f, "fold in {}", parameter.column()),
+            Special::User(parameter, value) => {
+                write!(f, "user point {} = {value}", parameter.column())
+            }
+            Special::Edge(parameter, value) => {
+                write!(f, "edge of the range, {} = {value}", parameter.column())
+            }
+            Special::Closed => f.write_str("the branch closes on its first point"),
+            Special::Change(change) => change.fmt(f),
+            Special::Crossing {
+                sector,
+                omega,
+                grows,
+            } => {
+                let what = if omega.is_some() {
+                    "complex pair"
+                } else {
+                    "real eigenvalue"
+                };
+                let becomes = if *grows { "unstable" } else { "stable" };
+                write!(f, "a {what} of sector {sector} becomes {becomes}")
+            }
+            Special::Failed(failure) => failure.fmt(f),
+        }
+    }
+}
+
+impl Change {
+    /// What happens, without what comes of it.
+    pub(crate) fn event(&self) -> String {
+        let regime = self.before.zone(self.margin.zone).regime.name();
+        let closes = self.margin.watch == Watch::Duration;
+        match self.kind {
+            EventType::GR if closes => "the separation zone closes".into(),
+            EventType::GR => {
+                format!("the pressure touches zero in a {regime} zone: separation opens")
+            }
+            EventType::RV if closes => "the reverse-slip zone closes before stick".into(),
+            EventType::RV => "reverse slip opens before stick".into(),
+            EventType::ST if closes => "the stick zone vanishes".into(),
+            EventType::ST => "a stick zone opens".into(),
+            _ if closes => {
+                let after = self.after.as_ref();
+                if after.is_some_and(|after| after.len() == self.before.len()) {
+                    format!("V̇ = 1 at both ends of a {regime} zone: it gives way to another")
+                } else {
+                    format!("the {regime} zone between its neighbours shrinks to nothing")
+                }
+            }
+            _ => match self.margin.watch {
+                Watch::Gap => "the separated surface touches the shaft".into(),
+                Watch::Rate => format!("V̇ = 1 is touched inside a {regime} zone"),
+                Watch::LandingRate => "landing passes through V̇ = 1".into(),
+                Watch::LandingPressure => "the pressure after landing reaches zero".into(),
+                Watch::Tension => "the tension after a touch reaches zero: contact begins".into(),
+                Watch::Impulse => "the impulse of landing no longer arrests the surface".into(),
+                _ => "two switching points coalesce".into(),
+            },
+        }
+    }
+}
+
+impl Display for Change {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.event())?;
+        if !self.others.is_empty() {
+            write!(f, "; also admissible: {}", list(&self.others, ", "))?;
+        }
+        if let Some(end) = &self.end {
+            write!(f, "; {end}")?;
+        }
+        if self.turned_back {
+            f.write_str("; the branch turns back in the parameter here")?;
+        }
+        if let Some(remark) = &self.spectrum {
+            write!(f, "; {remark}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Display for Remark {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Remark::Unpaid => f.write_str(
+                "more eigenvalues cross the imaginary axis here than could be located: take a smaller \
+                 `max_frequency` or `ds_max`",
+            ),
+            Remark::Lost => f.write_str(
+                "the unstable count changes here and the crossing could not be located",
+            ),
+            Remark::Jump { before, after } => {
+                let counts = |counts: &[(usize, usize)]| {
+                    let words = counts.iter();
+                    let words = words.map(|(sector, count)| format!("{count} in sector {sector}"));
+                    list(&words.collect::<Vec<_>>(), ", ")
+                };
+                write!(
+                    f,
+                    "the spectrum is discontinuous here and the unstable count jumps without a crossing: \
+                     {} before, {} after",
+                    counts(before),
+                    counts(after)
+                )
+            }
+        }
+    }
+}
+
+impl Display for Inadmissible {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Inadmissible::Margin {
+            regime,
+            watch,
+            value,
+        } = self
+        else {
+            return f.write_str(match self {
+                Inadmissible::Undecided => "an inequality is closer to zero than rounding can tell",
+                _ => "a switching condition is crossed the wrong way",
+            });
+        };
+        let what = match watch {
+            Watch::Duration => "would have a negative length",
+            Watch::Pressure | Watch::LandingPressure => "would have a negative pressure",
+            Watch::Rate | Watch::LandingRate => "would pass through V̇ = 1",
+            Watch::Gap => "would penetrate the shaft",
+            Watch::LandingSpeed => "would land from below",
+            Watch::Tension => "would stay in contact",
+            Watch::LowerForce | Watch::UpperForce => "would violate the friction law",
+            Watch::Impulse => "would land with too small an impulse",
+            Watch::Release => "would be released into reverse slip",
+            Watch::Coupling => {
+                return f.write_str("D = 0 is passed: waves run in the direction of D");
+            }
+        };
+        write!(f, "the {} zone {what} ({value:.1e})", regime.name())
+    }
+}
+
+impl Display for Refusal {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Refusal::Flow(error) => error.fmt(f),
+            Refusal::Inadmissible(reason) => reason.fmt(f),
+            Refusal::NotFound => {
+                f.write_str("a fold or a user point inside the step was not found")
+            }
+            Refusal::NotLocated(count) => write!(
+                f,
+                "{count} inequalities fail within the step and none is located"
+            ),
+            Refusal::Uncertain {
+                parameter,
+                value,
+                error,
+            } => write!(
+                f,
+                "what happens near {} = {value:.6} is known to {error:.0e} only",
+                parameter.column()
+            ),
+            Refusal::Order => f.write_str("the order of two events is not resolved"),
+        }
+    }
+}
+
+impl Display for Stop {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Stop::Undriven => f.write_str(D_ZERO),
+            Stop::Against => f.write_str(
+                "D = 0: waves run in the direction of D, and beyond it this one would run against it; \
+                 such waves are not followed",
+            ),
+            Stop::Sonic {
+                excess,
+                parameter,
+                value,
+            } => write!(
+                f,
+                "the speed tends to √a: |c|/√a − 1 = {excess:.1e} falls without end while everything \
+                 else tends to a limit, {} to {value:.6}; waves must be faster than √a",
+                parameter.column()
+            ),
+            Stop::SeparationWithMaterial => f.write_str(
+                "separation is not covered with material damping; take `damping: (stiffness: 0)` to \
+                 follow the wave through it",
+            ),
+            Stop::SlipAlone => f.write_str(
+                "what is left is one zone of slip around the whole circumference: a linear wave on \
+                 steady sliding, of arbitrary amplitude, at its Hopf point; no wave with switches \
+                 continues",
+            ),
+            Stop::NoSignature => f.write_str(
+                "no signature of the switching table solves the equations beyond this event",
+            ),
+            Stop::NoneAdmissible(tried) => write!(
+                f,
+                "no admissible signature continues beyond this event; tried {}",
+                list(tried, "; ")
+            ),
+            Stop::Flow(error) => error.fmt(f),
+        }
+    }
+}
+
+impl Display for Tried {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match &self.signature {
+            Some(signature) => write!(f, "{signature}: {}", self.reason),
+            None => self.reason.fmt(f),
+        }
+    }
+}
+
+/// Why a branch ends.
+impl<R: Display, E: Display> Display for End<R, E> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            End::Edge => f.write_str("the edge of the range is reached"),
+            End::Closed => f.write_str("the branch closes on its first point"),
+            End::MaxPoints { most } => write!(
+                f,
+                "max_points = {most} points are reached before the end of the range; raise \
+                 `max_points` to go on, or the steps `ds` and `ds_max` if they are small"
+            ),
+            End::Creeps { steps, longest } => write!(
+                f,
+                "the branch does not get on: none of its last {steps} steps is as long as \
+                 {longest:.0e}, and longer ones fail"
+            ),
+            End::NoStep { ds_min, reason } => {
+                write!(
+                    f,
+                    "no step of at least ds_min = {ds_min:e} succeeds: {reason}"
+                )
+            }
+            End::Own(end) => end.fmt(f),
+        }
+    }
+}
+
+impl Display for Failure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::Ended(end) => end.fmt(f),
+            Failure::NoLeg(reason) => reason.fmt(f),
+            Failure::Told(words) => f.write_str(words),
+        }
+    }
+}
+
+impl Display for Note {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Note::CrossingLeftOut { parameter, value } => write!(
+                f,
+                "{} = {value:.12}: the wave at a crossing of the imaginary axis before this point could \
+                 not be examined, and the crossing is left out",
+                parameter.column()
+            ),
+            Note::Spectrum {
+                parameter,
+                value,
+                remark,
+            } => write!(f, "{} = {value:.12}: {remark}", parameter.column()),
+            Note::Spent { points, allowance } => write!(
+                f,
+                "after point {points}: {} at {:.0e} a run; take a smaller `max_frequency`, fewer \
+                 sectors or fewer points",
+                Reason::Spent,
+                *allowance as f64
+            ),
+            Note::Incomplete { point, reason } => write!(
+                f,
+                "point {point}: the spectrum is {reason}; see the column `why` for others"
+            ),
+            Note::NotConverged {
+                point,
+                parameter,
+                value,
+                tolerance,
+                known,
+            } => {
+                write!(
+                    f,
+                    "point {point}, {} = {value:.12}: not converged to the tolerance {tolerance:.0e}; ",
+                    parameter.column()
+                )?;
+                if known.expected_error.is_nan() {
+                    return f.write_str("its equations are singular to rounding");
+                }
+                write!(
+                    f,
+                    "the expected error is {:.1e}, the condition number {:.1e}",
+                    known.expected_error, known.condition
+                )
+            }
+        }
+    }
+}
+
+impl Display for What {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            What::Begins => f.write_str("the event on the branch"),
+            What::Edge(parameter, value) => Special::Edge(*parameter, *value).fmt(f),
+            What::Meeting {
+                second,
+                may_go_on,
+                next,
+            } => {
+                let (event, kind) = (second.event(), second.kind);
+                write!(f, "another inequality fails: {event} ({kind})")?;
+                match next {
+                    Some(next) => write!(f, "; the curve goes on in {next}"),
+                    None if *may_go_on => f.write_str("; no curve of this event goes on from here"),
+                    None => Ok(()),
+                }
+            }
+            What::Fold => f.write_str("the wave has a fold here too"),
+            What::Cusp => f.write_str("cusp: two folds meet and vanish"),
+            What::ZeroOmega => {
+                f.write_str("ω → 0: the pair meets on the real axis, and with it a fold")
+            }
+        }
+    }
+}
+
+impl Display for Gone {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Gone::Lower(regime) => write!(
+                f,
+                "another minimum inside the {} zone falls below zero first",
+                regime.name()
+            ),
+            Gone::Left(regime) => write!(
+                f,
+                "the minimum inside the {} zone reaches an end of the zone: no inequality fails there \
+                 any more",
+                regime.name()
+            ),
+            Gone::Along(regime) => write!(
+                f,
+                "an inequality of the {} zone that vanishes along with the event fails",
+                regime.name()
+            ),
+        }
+    }
+}
+
+impl Display for curve::Refusal {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            curve::Refusal::Flow(error) => error.fmt(f),
+            curve::Refusal::Posed => f.write_str("an inequality fails as soon as it is posed"),
+            curve::Refusal::NotLocated => f.write_str("a point of codimension two was not located"),
+            curve::Refusal::Gone(gone) => gone.fmt(f),
+        }
+    }
+}
+
+impl Display for curve::Reason {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            curve::Reason::There(words) => f.write_str(words),
+            curve::Reason::Gone(gone) => gone.fmt(f),
+            curve::Reason::Closed => f.write_str("the curve closes on its start"),
+            curve::Reason::MaxPoints { most } => {
+                write!(f, "`max_points`, {most} in either direction, are reached")
+            }
+            curve::Reason::Creeps {
+                steps,
+                longest,
+                beside: (regime, length),
+            } => write!(
+                f,
+                "the last {steps} steps are all shorter than {longest:e}: Newton's method hardly \
+                 converges beside a {} zone of length {length:.1e}",
+                regime.name()
+            ),
+            curve::Reason::NoStep { ds_min, reason } => {
+                write!(
+                    f,
+                    "no step of at least ds_min = {ds_min:e} succeeds: {reason}"
+                )
+            }
+        }
+    }
+}
+
+/// A list of things.
+fn list<T: Display>(things: &[T], between: &str) -> String {
+    let words: Vec<String> = things.iter().map(T::to_string).collect();
+    words.join(between)
+}
