@@ -8,6 +8,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::model::Model;
+
 /// Kind of a special point, two letters after the habit of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum EventType {
@@ -80,31 +82,6 @@ impl FromStr for EventType {
             .find(|kind| kind.to_string() == text)
             .ok_or_else(|| format!("`{text}` is not an event type"))
     }
-}
-
-/// The parameters of a point by the names of their columns.
-///
-/// `gamma`, `nu` and `xi` are `None` where the coefficients were given directly.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct ParameterValues {
-    /// Mismatch δ = d/R.
-    pub mismatch: f64,
-    /// Friction coefficient f.
-    pub friction: f64,
-    /// Mass-proportional damping α, in units of Ω.
-    pub mass_damping: f64,
-    /// Stiffness-proportional damping β, in units of 1/Ω.
-    pub stiffness_damping: f64,
-    /// γ = ρR²Ω²/E.
-    pub gamma: Option<f64>,
-    /// Poisson's ratio ν.
-    pub nu: Option<f64>,
-    /// Ratio of the radii ξ = R*/R.
-    pub xi: Option<f64>,
-    /// ε of the regularised friction law; `None` for every other. Its column is the last one of a
-    /// table: few problems have it.
-    #[serde(skip)]
-    pub smoothing: Option<f64>,
 }
 
 impl Stability {
@@ -225,8 +202,8 @@ pub struct BranchPoint {
     pub kind: Option<EventType>,
     /// Regimes from release, time-forward, joined by `-`.
     pub regimes: String,
-    /// Parameters of the model.
-    pub parameters: ParameterValues,
+    /// Model with the parameters of the point.
+    pub model: Model,
     /// Wave speed c, signed, in units of Ω (radians of φ per unit of time).
     pub speed: f64,
     /// End of each zone: θ from release, time-forward, in (0, 2π/k].
@@ -261,8 +238,8 @@ pub struct Event {
     pub label: usize,
     /// Type of the event.
     pub kind: EventType,
-    /// Parameters at the event.
-    pub parameters: ParameterValues,
+    /// Model with the parameters of the event.
+    pub model: Model,
     /// Wave speed c at the event.
     pub speed: f64,
     /// Bloch sector (`HB`, `BP`).

@@ -1,9 +1,34 @@
 //! The tables of a branch: what stands in their rows, field by field.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
-use super::{BranchPoint, Event, EventType, ParameterValues, Stability};
+use super::{BranchPoint, Event, EventType, Stability};
+use crate::model::{Model, Parameter};
 use crate::table;
+
+/// The parameters of a model, each in its column: the later ones, or those before them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Parameters<const LATER: bool>(Option<Model>);
+
+impl<const LATER: bool> Parameters<LATER> {
+    fn columns(&self) -> impl Iterator<Item = (&'static str, Option<f64>)> {
+        let of_table = |parameter: &Parameter| parameter.is_later() == LATER;
+        let value = |parameter| self.0.and_then(|model| model.value(parameter));
+        let listed = Parameter::ALL.into_iter().filter(of_table);
+        listed.map(move |parameter| (parameter.column(), value(parameter)))
+    }
+
+    /// Whether the model has none of them.
+    fn are_absent(&self) -> bool {
+        self.columns().all(|(_, value)| value.is_none())
+    }
+}
+
+impl<const LATER: bool> Serialize for Parameters<LATER> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.columns())
+    }
+}
 
 /// Columns of `branch.csv` that hold words: no curve can be drawn of them.
 pub const WORD_COLUMNS: [&str; 4] = ["type", "regimes", "stable", "why"];
@@ -19,7 +44,7 @@ pub fn drawable_columns() -> Vec<String> {
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct WaveRow<'a> {
     regimes: &'a str,
-    parameters: ParameterValues,
+    parameters: Parameters<false>,
     speed: Option<f64>,
     switches: &'a [f64],
     min_pressure: Option<f64>,
@@ -37,7 +62,7 @@ impl<'a> WaveRow<'a> {
     pub fn new(point: &'a BranchPoint) -> WaveRow<'a> {
         WaveRow {
             regimes: &point.regimes,
-            parameters: point.parameters,
+            parameters: Parameters(Some(point.model)),
             speed: Some(point.speed),
             switches: &point.switches,
             min_pressure: Some(point.min_pressure),
@@ -52,9 +77,9 @@ impl<'a> WaveRow<'a> {
     }
 
     /// The parameters of a place where there is no wave.
-    pub fn nothing(parameters: ParameterValues) -> WaveRow<'a> {
+    pub fn nothing(model: Model) -> WaveRow<'a> {
         WaveRow {
-            parameters,
+            parameters: Parameters(Some(model)),
             ..WaveRow::default()
         }
     }
@@ -77,7 +102,7 @@ pub struct BranchRow<'a> {
     newton: usize,
     residual: f64,
     leg: usize,
-    smoothing: Option<f64>,
+    later: Parameters<true>,
     condition: Option<f64>,
     expected_error: Option<f64>,
     why: String,
@@ -95,7 +120,7 @@ impl<'a> BranchRow<'a> {
             newton: point.newton,
             residual: point.residual,
             leg,
-            smoothing: point.parameters.smoothing,
+            later: Parameters(Some(point.model)),
             condition,
             expected_error,
             why: why(point),
@@ -109,7 +134,7 @@ pub struct EventRow<'a> {
     label: usize,
     #[serde(rename = "type")]
     kind: Option<EventType>,
-    parameters: ParameterValues,
+    parameters: Parameters<false>,
     speed: f64,
     sector: Option<usize>,
     omega: Option<f64>,
@@ -117,8 +142,8 @@ pub struct EventRow<'a> {
     regimes_after: &'a str,
     uncertainty: f64,
     what: &'a str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    smoothing: Option<f64>,
+    #[serde(skip_serializing_if = "Parameters::are_absent")]
+    later: Parameters<true>,
 }
 
 impl<'a> EventRow<'a> {
@@ -127,7 +152,7 @@ impl<'a> EventRow<'a> {
         EventRow {
             label: event.label,
             kind: Some(event.kind),
-            parameters: event.parameters,
+            parameters: Parameters(Some(event.model)),
             speed: event.speed,
             sector: event.sector,
             omega: event.omega,
@@ -135,14 +160,14 @@ impl<'a> EventRow<'a> {
             regimes_after: &event.regimes_after,
             uncertainty: event.uncertainty,
             what: &event.what,
-            smoothing: event.parameters.smoothing,
+            later: Parameters(Some(event.model)),
         }
     }
 
-    /// A row for the names of its columns; only a regularised friction law has a smoothing.
-    pub fn columns(smoothing: Option<f64>) -> EventRow<'a> {
+    /// A row for the names of its columns: later parameters have one only where the model has them.
+    pub fn columns(model: Model) -> EventRow<'a> {
         EventRow {
-            smoothing,
+            later: Parameters(Some(model)),
             ..EventRow::default()
         }
     }
@@ -176,7 +201,7 @@ pub struct EigenvalueRow {
 pub struct WaveEigenvalueRow<'a> {
     eigenvalue: EigenvalueRow,
     regimes: &'a str,
-    parameters: ParameterValues,
+    parameters: Parameters<false>,
     speed: f64,
     switches: &'a [f64],
     stable: Option<&'static str>,
@@ -190,7 +215,7 @@ impl<'a> WaveEigenvalueRow<'a> {
         WaveEigenvalueRow {
             eigenvalue,
             regimes: &point.regimes,
-            parameters: point.parameters,
+            parameters: Parameters(Some(point.model)),
             speed: point.speed,
             switches: &point.switches,
             stable: point.stable.map(Stability::word),

@@ -608,7 +608,7 @@ impl Runner {
             label,
             kind,
             regimes: wave.signature.to_string(),
-            parameters: model.values(),
+            model,
             speed: wave.speed_at(unknowns),
             switches: profile::switches(wave, unknowns),
             min_pressure: examination.least_pressure,
@@ -782,7 +782,7 @@ fn event(point: &BranchPoint, label: usize, special: &Special, uncertainty: f64)
     Event {
         label,
         kind: special.kind(),
-        parameters: point.parameters,
+        model: point.model,
         speed: point.speed,
         sector,
         omega,

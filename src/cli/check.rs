@@ -149,19 +149,10 @@ fn check_file(file: &Path) -> Result<Outcome, Failure> {
 }
 
 fn column(event: &Event, name: &str) -> Option<f64> {
-    let values = &event.parameters;
     match name {
-        "mismatch" => Some(values.mismatch),
-        "friction" => Some(values.friction),
-        "mass_damping" => Some(values.mass_damping),
-        "stiffness_damping" => Some(values.stiffness_damping),
-        "gamma" => values.gamma,
-        "nu" => values.nu,
-        "xi" => values.xi,
-        "smoothing" => values.smoothing,
         "speed" => Some(event.speed),
         "omega" => event.omega,
-        _ => None,
+        name => event.model.value(Parameter::from_column(name)?),
     }
 }
 

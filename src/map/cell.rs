@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+use crate::branch::BranchPoint;
 use crate::branch::row::{WaveRow, why};
-use crate::branch::{BranchPoint, ParameterValues};
+use crate::model::Model;
 
 /// A wave that exists at a point of the plane, or the statement that none was found there.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +28,8 @@ pub enum CellPoint {
     Wave(Box<BranchPoint>),
     /// No wave of this start.
     Nothing {
-        /// Parameters of the point.
-        parameters: ParameterValues,
+        /// Model with the parameters of the point.
+        model: Box<Model>,
         /// Why the branch does not come here.
         why: String,
     },
@@ -50,7 +51,7 @@ impl<'a> CellRow<'a> {
     pub fn new(cell: &'a Cell) -> CellRow<'a> {
         let (wave, why) = match &cell.found {
             CellPoint::Wave(point) => (WaveRow::new(point), why(point)),
-            CellPoint::Nothing { parameters, why } => (WaveRow::nothing(*parameters), why.clone()),
+            CellPoint::Nothing { model, why } => (WaveRow::nothing(**model), why.clone()),
         };
         CellRow {
             row: cell.row,

@@ -90,7 +90,7 @@ pub fn row(problem: &Problem, map: &Map, index: usize) -> Result<Vec<Cell>, RunE
                     start: name,
                     passage: 0,
                     found: CellPoint::Nothing {
-                        parameters: at.values(),
+                        model: Box::new(at),
                         why: whys[column].clone(),
                     },
                 });

@@ -18,7 +18,6 @@ pub mod signature;
 
 use serde::{Deserialize, Serialize};
 
-use crate::branch::ParameterValues;
 use coefficients::{Coefficients, Geometry};
 pub use laws::{Damping, FrictionLaw, Impact};
 pub use parameter::Parameter;
@@ -197,19 +196,5 @@ impl Model {
     /// Sign of D, and of the speed of waves.
     pub fn direction(&self) -> f64 {
         self.source.coefficients().coupling.signum()
-    }
-
-    /// The parameters by column name, for tables.
-    pub fn values(&self) -> ParameterValues {
-        ParameterValues {
-            mismatch: self.mismatch,
-            friction: self.friction,
-            mass_damping: self.damping.mass,
-            stiffness_damping: self.damping.stiffness,
-            gamma: self.value(Parameter::Gamma),
-            nu: self.value(Parameter::Nu),
-            xi: self.value(Parameter::Xi),
-            smoothing: self.value(Parameter::Smoothing),
-        }
     }
 }

@@ -50,6 +50,9 @@ struct Entry {
     derivative: fn(&Model) -> Constants,
 }
 
+/// So many parameters have had their columns side by side from the beginning.
+const FIRST_COLUMNS: usize = 7;
+
 /// One entry for each parameter, in the order of the columns in tables.
 const TABLE: [Entry; 8] = [
     Entry {
@@ -201,6 +204,11 @@ impl Parameter {
     /// Name in tables and on the command line.
     pub const fn column(self) -> &'static str {
         self.entry().column
+    }
+
+    /// Whether its column stands at the end of a table: few problems have it.
+    pub fn is_later(self) -> bool {
+        self as usize >= FIRST_COLUMNS
     }
 
     /// Name on axes; empty where the symbol says all.

@@ -170,8 +170,7 @@ impl Folder {
     /// # Errors
     /// When something else is in the way, or the system refuses.
     pub fn create(store: Store, problem: &Problem, branch: &Runner) -> Result<Folder, StoreError> {
-        let smoothing = problem.model.value(Parameter::Smoothing);
-        let events = table::columns(&EventRow::columns(smoothing));
+        let events = table::columns(&EventRow::columns(problem.model));
         let spectrum = branch.with_stability().then_some(SPECTRUM);
         let pictures = problem.output.plots.iter();
         let pictures = pictures.map(|picture| pictures::file_name(picture, Format::Svg));

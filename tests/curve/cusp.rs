@@ -20,7 +20,7 @@ fn folds(beta: f64) -> Vec<f64> {
     while branch.progress().end.is_none() {
         for item in branch.step() {
             if item.point.kind == Some(EventType::LP) {
-                found.push(item.point.parameters.friction);
+                found.push(item.point.model.friction);
             }
         }
     }

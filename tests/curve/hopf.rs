@@ -58,7 +58,7 @@ fn a_pair_of_sector_0_on_its_axis() {
         while branch.progress().end.is_none() {
             for event in branch.step().into_iter().filter_map(|item| item.event) {
                 if event.kind == EventType::HB {
-                    let off = (event.parameters.mismatch / mismatch - 1.0).abs();
+                    let off = (event.model.mismatch / mismatch - 1.0).abs();
                     let turn = (event.omega.unwrap() - point.omega.unwrap()).abs();
                     best = best.min(off.max(turn));
                 }

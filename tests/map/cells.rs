@@ -32,8 +32,8 @@ fn wave(cell: &Cell) -> Option<&BranchPoint> {
 fn at(problem: &Problem, point: &BranchPoint) -> Model {
     problem
         .model
-        .with(Parameter::Friction, point.parameters.friction)
-        .with(Parameter::Mismatch, point.parameters.mismatch)
+        .with(Parameter::Friction, point.model.friction)
+        .with(Parameter::Mismatch, point.model.mismatch)
 }
 
 /// Speeds along f = 0.5 of an independent program, all digits it gives.
@@ -133,10 +133,10 @@ fn cells_without_a_wave_say_why() {
     let cells = cells(&problem, &map);
     assert_eq!(cells.len(), 2 * 3 * 2);
     for cell in cells {
-        let CellPoint::Nothing { why, parameters } = &cell.found else {
+        let CellPoint::Nothing { why, model } = &cell.found else {
             panic!("{cell:?}");
         };
-        assert!(cell.passage == 0 && parameters.friction >= 1.2);
+        assert!(cell.passage == 0 && model.friction >= 1.2);
         assert!(why.contains("fold"), "{why}");
     }
 }

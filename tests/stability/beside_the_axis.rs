@@ -31,7 +31,7 @@ fn found(start: f64, s: f64, continuation: &str) -> Vec<(f64, f64)> {
         .filter(|event| event.kind == EventType::HB)
         .map(|event| {
             let omega = event.omega.expect("a pair");
-            (event.parameters.mismatch / s, omega * s)
+            (event.model.mismatch / s, omega * s)
         })
         .collect()
 }

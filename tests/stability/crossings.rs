@@ -26,9 +26,9 @@ fn value(event: &Event, column: &str) -> f64 {
     match column {
         "omega" => event.omega.unwrap_or(f64::NAN),
         "speed" => event.speed,
-        "mismatch" => event.parameters.mismatch,
-        "friction" => event.parameters.friction,
-        "mass_damping" => event.parameters.mass_damping,
+        "mismatch" => event.model.mismatch,
+        "friction" => event.model.friction,
+        "mass_damping" => event.model.damping.mass,
         _ => unreachable!("no figure of {column}"),
     }
 }
@@ -146,7 +146,7 @@ fn accounted(name: &str, rows: &Rows, mode: usize) -> usize {
                      crossings {crossed}, jump {jump}, near the edge {near}",
                     previous.point.point,
                     item.point.point,
-                    item.point.parameters
+                    item.point.model
                 );
                 entries += 1;
             }

@@ -126,7 +126,7 @@ fn a_real_eigenvalue_that_crosses_is_found() {
                 let event = item.event.as_ref().expect("an event");
                 assert_eq!((event.sector, event.omega), (Some(3), None));
                 worst = worst.max(at_zero(item).abs());
-                events.push(event.parameters.friction);
+                events.push(event.model.friction);
             }
             // a zone without length
             Some(EventType::CO | EventType::GR | EventType::ST) => last = None,

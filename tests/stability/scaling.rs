@@ -92,7 +92,7 @@ fn answers(rows: &Rows, s: f64) -> (Vec<String>, Vec<f64>) {
         rates.extend([lead.re, lead.im]);
         rates.extend(item.eigenvalues.iter().flat_map(|(_, one)| *one));
         numbers.extend(rates.into_iter().map(|rate| rate * s));
-        numbers.push(point.parameters.mismatch / s);
+        numbers.push(point.model.mismatch / s);
         if let Some(event) = &item.event {
             numbers.extend(event.omega.map(|omega| omega * s));
         }

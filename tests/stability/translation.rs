@@ -70,7 +70,7 @@ fn zero_is_an_eigenvalue_of_every_wave() {
                 defect < BOUND,
                 "{name}, point {} ({:?}), {}: {defect:e}",
                 item.point.point,
-                item.point.parameters,
+                item.point.model,
                 item.point.regimes
             );
         }

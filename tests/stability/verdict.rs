@@ -117,7 +117,7 @@ fn coulomb_impact_is_undecided() {
         let stable = item.point.stable.expect("stability is asked for");
         if item.point.regimes.contains("separation") {
             separated += 1;
-            assert_eq!(stable, Stability::Undecided, "{:?}", item.point.parameters);
+            assert_eq!(stable, Stability::Undecided, "{:?}", item.point.model);
             assert_eq!(item.point.unstable, None);
         } else {
             assert!(item.point.unstable.is_some());

@@ -100,7 +100,7 @@ fn the_branch_begins_at_steady_sliding() {
             "slip-stick"
         };
         assert_eq!(point.regimes, regimes);
-        let friction = point.parameters.friction;
+        let friction = point.model.friction;
         if index <= opening {
             assert!((friction / critical - 1.0).abs() < 4.0 * f64::EPSILON);
         } else {

@@ -13,11 +13,11 @@ use crate::output::render::{Mark, Shape};
 
 /// The quantity in a column of `branch.csv`.
 pub fn quantity(column: &str) -> Quantity {
+    if let Some(parameter) = Parameter::from_column(column) {
+        return Quantity::new(parameter.words(), parameter.symbol());
+    }
     let spaced = column.replace('_', " ");
     let (word, symbol) = match column {
-        "gamma" => ("", ""),
-        "nu" => ("Poisson's ratio", ""),
-        "xi" => ("radius ratio", ""),
         "speed" => ("speed", "c"),
         "switches" => ("switching positions", "θ"),
         "min_pressure" => ("least pressure", "min P"),
@@ -30,8 +30,7 @@ pub fn quantity(column: &str) -> Quantity {
         "newton" => ("Newton iterations", ""),
         _ => (spaced.as_str(), ""),
     };
-    let parameter = Parameter::from_column(column);
-    Quantity::new(word, parameter.map_or(symbol, Parameter::symbol))
+    Quantity::new(word, symbol)
 }
 
 /// Place along a travelling wave.
