@@ -18,7 +18,7 @@
 
 use nalgebra::Complex;
 
-use super::characteristic::{Characteristic, Jump};
+use super::perturbation::{Characteristic, Jump};
 use crate::continuation::zero::boundary;
 use crate::model::signature::Regime;
 

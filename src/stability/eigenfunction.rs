@@ -5,12 +5,10 @@
 //! determines the whole circle. Normalised as in Nguyen et al. (2008), ψ(0)² + ψ′(0)² = 1, where
 //! θ = 0 is the release (or the first switch of a wave without stick).
 
-use nalgebra::{Complex, Vector4};
+use nalgebra::Vector4;
 
-use super::characteristic::{Characteristic, LinearZone, State};
+use super::perturbation::{C64, Characteristic, LinearZone, Perturbations, ZERO};
 use crate::model::signature::Regime;
-
-type C64 = Complex<f64>;
 
 /// A sample of an eigenfunction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,14 +36,12 @@ pub struct Eigenfunction {
 struct Trace {
     times: Vec<f64>,
     states: Vec<Vector4<C64>>,
-    /// State at the end of the wavelength.
+    /// Perturbations at the end of the wavelength.
     end: Vector4<C64>,
     equation_residual: f64,
 }
 
-const ZERO: C64 = C64::new(0.0, 0.0);
-
-/// State at the beginning of the wavelength: (η, η′) = (1, 0) behind a release (η′ is not zero
+/// Perturbations at the beginning of the wavelength: (η, η′) = (1, 0) behind a release (η′ is not zero
 /// where static friction gives way); without stick the
 /// null vector of M e^{−λT} − z.
 fn beginning(characteristic: &Characteristic, lambda: C64, z: C64) -> Vector4<C64> {
@@ -73,21 +69,21 @@ fn beginning(characteristic: &Characteristic, lambda: C64, z: C64) -> Vector4<C6
     Vector4::new(ZERO, ZERO, y / size, w / (size * period))
 }
 
-fn unit_columns() -> State {
+fn unit_columns() -> Perturbations {
     let column = |row: usize| {
         let mut column = Vector4::repeat(ZERO);
         column[row] = C64::from(1.0);
         column
     };
-    State {
+    Perturbations {
         columns: [column(2), column(3)],
         by: [Vector4::repeat(ZERO); 2],
         exponent: 0.0,
     }
 }
 
-fn single(column: Vector4<C64>) -> State {
-    State {
+fn single(column: Vector4<C64>) -> Perturbations {
+    Perturbations {
         columns: [column, Vector4::repeat(ZERO)],
         by: [Vector4::repeat(ZERO); 2],
         exponent: 0.0,

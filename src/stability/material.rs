@@ -29,7 +29,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector, Matrix3, RowVector3, Vector3};
 
-use super::characteristic::{
+use super::perturbation::{
     C64, Characteristic, Jump, LinearZone, ONE, Scaled, Value, ZERO, modulus, oscillator,
     square_root,
 };

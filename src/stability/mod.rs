@@ -10,6 +10,7 @@ pub mod characteristic;
 pub mod discretised;
 pub mod eigenfunction;
 mod material;
+mod perturbation;
 mod separation;
 pub mod spectrum;
 pub mod track;

@@ -23,7 +23,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::characteristic::{C64, ONE, State, ZERO, square_root};
+use super::perturbation::{C64, ONE, Perturbations, ZERO, square_root};
 
 /// Up to this bound of |r s| the power series is summed; beyond it, u of order (rs)³/6 is no
 /// longer a small difference of the residues.
@@ -127,7 +127,7 @@ struct Transfer {
 
 impl Separation {
     /// Carries `count` perturbations through the time s.
-    pub(super) fn flow(&self, lambda: C64, s: f64, state: &mut State, count: usize) {
+    pub(super) fn flow(&self, lambda: C64, s: f64, state: &mut Perturbations, count: usize) {
         if s == 0.0 {
             return;
         }
@@ -170,7 +170,7 @@ impl Separation {
         lambda: C64,
         s: f64,
         reach: f64,
-        state: &mut State,
+        state: &mut Perturbations,
         count: usize,
     ) {
         let mut terms = 4;
@@ -322,7 +322,7 @@ impl Separation {
         a: &Oscillator,
         b: &Oscillator,
         residues: &[Residue; 4],
-        state: &mut State,
+        state: &mut Perturbations,
         count: usize,
     ) -> bool {
         let mut columns = [[ZERO; 4]; 2];
@@ -573,7 +573,7 @@ mod tests {
                         let lambda = C64::from_polar(size, angle);
                         let column =
                             Vector4::new(ZERO, C64::new(0.5, 0.2), ONE, C64::new(-1.0, 2.0));
-                        let mut state = State {
+                        let mut state = Perturbations {
                             columns: [column; 2],
                             by: [Vector4::repeat(ZERO); 2],
                             exponent: 0.0,
