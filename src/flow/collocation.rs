@@ -9,8 +9,9 @@
 
 use std::sync::OnceLock;
 
-use super::equations::{Dual, Field};
-use super::{FlowError, Jet};
+use super::FlowError;
+use super::equations::Field;
+use super::jet::{Dual, Jet};
 use crate::flow::method::MAX_DEGREE;
 
 /// Gauss points on \[0, 1\] with the integrals of their Lagrange polynomials.

@@ -13,7 +13,8 @@
 
 use std::f64::consts::PI;
 
-use super::{DURATION, ENTRY_W, ENTRY_Y, FlowError, Frame, Jet};
+use super::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet};
+use super::{FlowError, Frame};
 
 /// Up to this |Δ|t² the series of C, S and ∂S/∂Δ are used. Their terms fall faster than
 /// 1/(2j+1)!, so [`SERIES_TERMS`] terms reach rounding; beyond it ∂S/∂Δ = (tC − S)/(2Δ) loses at
@@ -76,7 +77,7 @@ impl ContactFlow {
             p,
             q,
             shift: if sliding < 0.0 {
-                frame.steady().affine(2.0, 0.0)
+                frame.steady() * 2.0
             } else {
                 Jet::default()
             },
@@ -231,9 +232,9 @@ impl ContactFlow {
             let d01 = t * p_by * m01 + s_by;
             let d10 = t * p_by * m10 - q * s_by - q_by * propagator.s;
             let d11 = t * p_by * m11 + c_by + p * s_by + p_by * propagator.s;
-            let shift_by = self.shift.by[super::EXCESS + index];
-            y_jet.by[super::EXCESS + index] = d00 * y0 + d01 * w0 + (m00 - 1.0) * shift_by;
-            w_jet.by[super::EXCESS + index] = d10 * y0 + d11 * w0 + m10 * shift_by;
+            let shift_by = self.shift.by[EXCESS + index];
+            y_jet.by[EXCESS + index] = d00 * y0 + d01 * w0 + (m00 - 1.0) * shift_by;
+            w_jet.by[EXCESS + index] = d10 * y0 + d11 * w0 + m10 * shift_by;
         }
         Ok([y_jet, w_jet])
     }
@@ -246,24 +247,13 @@ impl ContactFlow {
         let (p, q) = (self.p, self.q);
         if (q.sqrt() + 2.0 * p.abs()) * t.abs() > SHORT_ZONE {
             let factor = t.powi(-(m as i32));
-            let mut jet = w_end.affine(factor, -factor);
+            let mut jet = w_end * factor - factor;
             jet.by[DURATION] -= m as f64 * jet.value / t;
             return jet;
         }
         // derivatives of W at the entry by W⁽ʲ⁺¹⁾ = 2pW⁽ʲ⁾ − qW⁽ʲ⁻¹⁾, starting from Ẏ = W
-        let y = Jet {
-            value: entry[0] + self.shift.value,
-            by: {
-                let mut by = self.shift.by;
-                by[ENTRY_Y] = 1.0;
-                by
-            },
-        };
-        let mut w = Jet {
-            value: entry[1],
-            ..Jet::default()
-        };
-        w.by[ENTRY_W] = 1.0;
+        let y = Jet::variable(entry[0], ENTRY_Y) + self.shift;
+        let w = Jet::variable(entry[1], ENTRY_W);
         let [p_jet, q_jet] = self.coefficients();
         let (mut before, mut current) = (y, w);
         let mut sum = Jet::default();
@@ -276,7 +266,7 @@ impl ContactFlow {
             }
             if j >= m {
                 let scale = weight / factorial;
-                sum = sum.plus(scale, current);
+                sum = sum + current * scale;
                 if j > m {
                     // weight is t^{j−m}; its derivative is (j−m)t^{j−m−1}
                     let slope = (j - m) as f64 * t.powi((j - m) as i32 - 1) / factorial;
@@ -284,7 +274,7 @@ impl ContactFlow {
                 }
                 weight *= t;
             }
-            let next = p_jet.times(current).plus(-1.0, q_jet.times(before));
+            let next = p_jet * current - q_jet * before;
             before = current;
             current = next;
         }

@@ -21,123 +21,9 @@
 //! The right sides are written once for plain numbers and for numbers with derivatives ([`Jet`]): the
 //! second integrates the variational equations with the first.
 
-use super::{DURATION, ENTRY_W, ENTRY_Y, Frame, Jet};
+use super::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet, Number};
+use super::{Frame, Quantities};
 use crate::model::FrictionLaw;
-
-/// A number or a number with derivatives.
-pub trait Number: Copy {
-    /// The number itself.
-    fn value(self) -> f64;
-    /// scale·self + offset.
-    fn affine(self, scale: f64, offset: f64) -> Self;
-    /// self + other.
-    fn add(self, other: Self) -> Self;
-    /// self·other.
-    fn times(self, other: Self) -> Self;
-    /// A function of self by its value and slope there.
-    fn map(self, value: f64, slope: f64) -> Self;
-    /// The same number without its derivatives.
-    fn of(jet: Jet) -> Self;
-}
-
-impl Number for f64 {
-    fn value(self) -> f64 {
-        self
-    }
-    fn affine(self, scale: f64, offset: f64) -> f64 {
-        scale * self + offset
-    }
-    fn add(self, other: f64) -> f64 {
-        self + other
-    }
-    fn times(self, other: f64) -> f64 {
-        self * other
-    }
-    fn map(self, value: f64, _: f64) -> f64 {
-        value
-    }
-    fn of(jet: Jet) -> f64 {
-        jet.value
-    }
-}
-
-impl Number for Jet {
-    fn value(self) -> f64 {
-        self.value
-    }
-    fn affine(self, scale: f64, offset: f64) -> Jet {
-        Jet::affine(self, scale, offset)
-    }
-    fn add(self, other: Jet) -> Jet {
-        self.plus(1.0, other)
-    }
-    fn times(self, other: Jet) -> Jet {
-        Jet::times(self, other)
-    }
-    fn map(self, value: f64, slope: f64) -> Jet {
-        Jet {
-            value,
-            by: self.by.map(|by| slope * by),
-        }
-    }
-    fn of(jet: Jet) -> Jet {
-        jet
-    }
-}
-
-/// A number with its derivatives in the D unknowns of a zone's equations.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dual<const D: usize> {
-    /// The number.
-    pub value: f64,
-    /// Its derivatives.
-    pub by: [f64; D],
-}
-
-impl<const D: usize> Dual<D> {
-    /// A number that does not vary.
-    pub fn constant(value: f64) -> Dual<D> {
-        Dual {
-            value,
-            by: [0.0; D],
-        }
-    }
-}
-
-impl<const D: usize> Number for Dual<D> {
-    fn value(self) -> f64 {
-        self.value
-    }
-    fn affine(self, scale: f64, offset: f64) -> Dual<D> {
-        Dual {
-            value: scale * self.value + offset,
-            by: self.by.map(|by| scale * by),
-        }
-    }
-    fn add(self, other: Dual<D>) -> Dual<D> {
-        Dual {
-            value: self.value + other.value,
-            by: std::array::from_fn(|index| self.by[index] + other.by[index]),
-        }
-    }
-    fn times(self, other: Dual<D>) -> Dual<D> {
-        Dual {
-            value: self.value * other.value,
-            by: std::array::from_fn(|index| {
-                self.by[index] * other.value + self.value * other.by[index]
-            }),
-        }
-    }
-    fn map(self, value: f64, slope: f64) -> Dual<D> {
-        Dual {
-            value,
-            by: self.by.map(|by| slope * by),
-        }
-    }
-    fn of(jet: Jet) -> Dual<D> {
-        Dual::constant(jet.value)
-    }
-}
 
 /// The right side of an autonomous system in D unknowns.
 pub trait Field<const D: usize, N: Number> {
@@ -176,7 +62,7 @@ pub fn multiplier<N: Number>(law: FrictionLaw, sigma: f64, w: N, smoothing: N) -
         FrictionLaw::Regularised { .. } => {
             let epsilon = smoothing.value();
             let inverse = smoothing.map(1.0 / epsilon, -1.0 / (epsilon * epsilon));
-            let argument = w.affine(-1.0, 1.0).times(inverse);
+            let argument = (w * -1.0 + 1.0) * inverse;
             let value = argument.value().tanh();
             // sech² = 1 − tanh²
             argument.map(value, (1.0 - value) * (1.0 + value))
@@ -217,22 +103,14 @@ pub struct Sliding<N> {
 
 /// The entry state and the duration as unknowns of a zone.
 fn unknowns(entry: [f64; 2], duration: f64) -> [Jet; 3] {
-    let variable = |value: f64, index: usize| {
-        let mut jet = Jet {
-            value,
-            ..Jet::default()
-        };
-        jet.by[index] = 1.0;
-        jet
-    };
     [
-        variable(entry[0], ENTRY_Y),
-        variable(entry[1], ENTRY_W),
-        variable(duration, DURATION),
+        Jet::variable(entry[0], ENTRY_Y),
+        Jet::variable(entry[1], ENTRY_W),
+        Jet::variable(duration, DURATION),
     ]
 }
 
-fn inverse(frame: &Frame, mass: f64, by: impl Fn(&super::Quantities) -> f64) -> Jet {
+fn inverse(frame: &Frame, mass: f64, by: impl Fn(&Quantities) -> f64) -> Jet {
     frame.jet(1.0 / mass, |moved| -by(moved) / (mass * mass))
 }
 
@@ -256,62 +134,31 @@ impl<N: Number> Sliding<N> {
             y0: N::of(y0),
             w0: N::of(w0),
             inverse_mass: N::of(inverse(frame, at.ma, |by| by.ma)),
-            damping: N::of(frame.jet(at.damping, |by| by.damping)),
-            stiffness: N::of(frame.jet(at.h, |by| by.h)),
-            friction: N::of(frame.jet(at.friction, |by| by.friction)),
+            damping: N::of(frame.quantity(|of| of.damping)),
+            stiffness: N::of(frame.quantity(|of| of.h)),
+            friction: N::of(frame.quantity(|of| of.friction)),
             kappa: N::of(frame.kappa()),
             weight: N::of(frame.weight()),
-            smoothing: N::of(frame.jet(at.smoothing, |by| by.smoothing)),
-        }
-    }
-
-    /// The same zone without derivatives in its entry, duration and frame.
-    pub fn frozen(&self) -> Sliding<Dual<2>> {
-        let plain = |number: N| Dual::constant(number.value());
-        Sliding {
-            law: self.law,
-            sigma: self.sigma,
-            order: self.order,
-            duration: plain(self.duration),
-            y0: plain(self.y0),
-            w0: plain(self.w0),
-            inverse_mass: plain(self.inverse_mass),
-            damping: plain(self.damping),
-            stiffness: plain(self.stiffness),
-            friction: plain(self.friction),
-            kappa: plain(self.kappa),
-            weight: plain(self.weight),
-            smoothing: plain(self.smoothing),
+            smoothing: N::of(frame.quantity(|of| of.smoothing)),
         }
     }
 
     /// V̈ at (Y, W): with hV = hY + fgδ the weight enters as f(S − 1)gδ.
     pub fn acceleration(&self, y: N, w: N) -> N {
         let s = multiplier(self.law, self.sigma, w, self.smoothing);
-        let drive = s
-            .affine(1.0, -1.0)
-            .times(self.weight)
-            .add(s.times(self.kappa).times(w))
-            .times(self.friction);
-        let resistance = self.damping.times(w).add(self.stiffness.times(y));
-        drive
-            .add(resistance.affine(-1.0, 0.0))
-            .times(self.inverse_mass)
+        let drive = ((s - 1.0) * self.weight + s * self.kappa * w) * self.friction;
+        (drive - (self.damping * w + self.stiffness * y)) * self.inverse_mass
     }
 
     /// (Y, W, ω) of a solution.
     pub fn end(&self, x: &[N; 2]) -> [N; 3] {
         let mut change = x[1];
         for _ in 0..self.order {
-            change = change.times(self.duration);
+            change = change * self.duration;
         }
-        let w = self.w0.add(change);
-        let reduced = if self.order == 0 {
-            w.affine(1.0, -1.0)
-        } else {
-            x[1]
-        };
-        [self.y0.add(self.duration.times(x[0])), w, reduced]
+        let w = self.w0 + change;
+        let reduced = if self.order == 0 { w - 1.0 } else { x[1] };
+        [self.y0 + self.duration * x[0], w, reduced]
     }
 }
 
@@ -319,24 +166,16 @@ impl<N: Number> Field<2, N> for Sliding<N> {
     fn rate(&self, x: &[N; 2]) -> [N; 2] {
         let [y, w, _] = self.end(x);
         let change = match self.order {
-            0 => self.acceleration(y, w).times(self.duration),
+            0 => self.acceleration(y, w) * self.duration,
             1 => self.acceleration(y, w),
             _ => {
-                let moved = self.duration.times(x[1]);
+                let moved = self.duration * x[1];
                 let s = multiplier(self.law, self.sigma, w, self.smoothing);
-                let quotient =
-                    multiplier_quotient(self.law, self.sigma, self.duration.times(moved));
+                let quotient = multiplier_quotient(self.law, self.sigma, self.duration * moved);
                 // S(W)κ(W − W₀) + (S − S₀)P₀, over T
-                let pressure = self.weight.add(self.kappa.times(self.w0));
-                let drive = s
-                    .times(self.kappa)
-                    .add(quotient.times(pressure))
-                    .times(moved)
-                    .times(self.friction);
-                let resistance = self.damping.times(moved).add(self.stiffness.times(x[0]));
-                drive
-                    .add(resistance.affine(-1.0, 0.0))
-                    .times(self.inverse_mass)
+                let pressure = self.weight + self.kappa * self.w0;
+                let drive = (s * self.kappa + quotient * pressure) * moved * self.friction;
+                (drive - (self.damping * moved + self.stiffness * x[0])) * self.inverse_mass
             }
         };
         [w, change]
@@ -369,52 +208,31 @@ impl<N: Number> Separated<N> {
         Separated {
             order,
             duration: N::of(duration),
-            v0: N::of(y0.plus(1.0, frame.steady())),
+            v0: N::of(y0 + frame.steady()),
             w0: N::of(w0),
             steady: N::of(frame.steady()),
             inverse_ma: N::of(inverse(frame, at.ma, |by| by.ma)),
             inverse_mb: N::of(inverse(frame, at.mb, |by| by.mb)),
-            damping: N::of(frame.jet(at.damping, |by| by.damping)),
-            g: N::of(frame.jet(at.g, |by| by.g)),
-            h: N::of(frame.jet(at.h, |by| by.h)),
+            damping: N::of(frame.quantity(|of| of.damping)),
+            g: N::of(frame.quantity(|of| of.g)),
+            h: N::of(frame.quantity(|of| of.h)),
             kappa: N::of(frame.kappa()),
             weight: N::of(frame.weight()),
-            mismatch: N::of(frame.jet(at.mismatch, |by| by.mismatch)),
-        }
-    }
-
-    /// The same zone without derivatives.
-    pub fn frozen(&self) -> Separated<Dual<4>> {
-        let plain = |number: N| Dual::constant(number.value());
-        Separated {
-            order: self.order,
-            duration: plain(self.duration),
-            v0: plain(self.v0),
-            w0: plain(self.w0),
-            steady: plain(self.steady),
-            inverse_ma: plain(self.inverse_ma),
-            inverse_mb: plain(self.inverse_mb),
-            damping: plain(self.damping),
-            g: plain(self.g),
-            h: plain(self.h),
-            kappa: plain(self.kappa),
-            weight: plain(self.weight),
-            mismatch: plain(self.mismatch),
+            mismatch: N::of(frame.quantity(|of| of.mismatch)),
         }
     }
 
     fn power(&self, x: N, count: usize) -> N {
-        (0..count).fold(x, |x, _| x.times(self.duration))
+        (0..count).fold(x, |x, _| x * self.duration)
     }
 
     /// (U, U̇, Y, W, γ) of a solution.
     pub fn end(&self, x: &[N; 4]) -> [N; 5] {
-        let minus = self.steady.affine(-1.0, 0.0);
         [
-            self.mismatch.add(self.power(x[0], self.order)),
+            self.mismatch + self.power(x[0], self.order),
             self.power(x[1], self.order.saturating_sub(1)),
-            self.v0.add(self.duration.times(x[2])).add(minus),
-            self.w0.add(self.duration.times(x[3])),
+            self.v0 + self.duration * x[2] - self.steady,
+            self.w0 + self.duration * x[3],
             x[0],
         ]
     }
@@ -423,30 +241,24 @@ impl<N: Number> Separated<N> {
 impl<N: Number> Field<4, N> for Separated<N> {
     fn rate(&self, x: &[N; 4]) -> [N; 4] {
         let [gap, beta, eta, omega] = *x;
-        let w = self.w0.add(self.duration.times(omega));
-        let v = self.v0.add(self.duration.times(eta));
+        let w = self.w0 + self.duration * omega;
+        let v = self.v0 + self.duration * eta;
         let radial_rate = self.power(beta, self.order.saturating_sub(1));
         // −m_b Ü over the power of T that β′ leaves
         let resistance = if self.order == 3 {
-            self.power(self.damping.times(beta), 1)
-                .add(self.power(self.g.times(gap), 2))
-                .add(self.kappa.times(omega))
+            self.power(self.damping * beta, 1) + self.power(self.g * gap, 2) + self.kappa * omega
         } else {
-            self.damping
-                .times(radial_rate)
-                .add(self.g.times(self.power(gap, self.order)))
-                .add(self.weight)
-                .add(self.kappa.times(w))
+            let gap = self.power(gap, self.order);
+            self.damping * radial_rate + self.g * gap + self.weight + self.kappa * w
         };
-        let mut rise = resistance.affine(-1.0, 0.0).times(self.inverse_mb);
+        let mut rise = resistance * -1.0 * self.inverse_mb;
         let mut climb = beta;
         if self.order == 0 {
-            rise = rise.times(self.duration);
-            climb = climb.times(self.duration);
+            rise = rise * self.duration;
+            climb = climb * self.duration;
         }
-        let drive = self.kappa.times(radial_rate);
-        let drag = self.damping.times(w).add(self.h.times(v));
-        let acceleration = drive.add(drag.affine(-1.0, 0.0)).times(self.inverse_ma);
+        let drag = self.damping * w + self.h * v;
+        let acceleration = (self.kappa * radial_rate - drag) * self.inverse_ma;
         [climb, rise, w, acceleration]
     }
 }

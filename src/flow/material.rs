@@ -30,9 +30,8 @@
 use crate::continuation::zero::{boundary, zero_by_slope};
 
 use super::contact::{ContactFlow, SHORT_TERMS, SHORT_ZONE};
-use super::{
-    DURATION, ENTRY_W, ENTRY_Y, EXCESS, FlowError, Frame, Jet, LAYER, SOURCES, Slide, ZoneEnd,
-};
+use super::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, SOURCES};
+use super::{FlowError, Frame, Slide, ZoneEnd};
 
 /// Smallest positive root ρ of −d + mρ + s₁ρ² + hρ³ with d = βã ≥ 0 and h > 0: the reciprocal of the
 /// largest exponent of the sliding equation. `None` where a coefficient is not finite.
@@ -228,22 +227,11 @@ impl MaterialFlow {
         let (rho, layer) = (self.rho, slide.layer);
         let u = ratio(slide.duration, rho);
         let rest = self.fast_jet(slide, u);
-        let variable = |value: f64, index: usize| {
-            let mut jet = Jet {
-                value,
-                ..Jet::default()
-            };
-            jet.by[index] = 1.0;
-            jet
-        };
         // ρG e^{−u} and ρ²G e^{−u}: the derivative in T is finite as ρ → 0
         let scaled = |power: i32| {
             let size = rho.powi(power);
             let e = decayed(u);
-            let mut jet = Jet {
-                value: size * rest.value,
-                ..Jet::default()
-            };
+            let mut jet = Jet::constant(size * rest.value);
             jet.by[DURATION] = -rho.powi(power - 1) * layer * e;
             jet.by[LAYER] = size * e;
             for index in 0..2 {
@@ -255,8 +243,8 @@ impl MaterialFlow {
             jet
         };
         [
-            variable(slide.entry[0], ENTRY_Y).plus(-1.0, scaled(2)),
-            variable(slide.entry[1], ENTRY_W).plus(-1.0, scaled(1)),
+            Jet::variable(slide.entry[0], ENTRY_Y) - scaled(2),
+            Jet::variable(slide.entry[1], ENTRY_W) - scaled(1),
             rest,
         ]
     }
@@ -264,10 +252,7 @@ impl MaterialFlow {
     /// G e^{−u}, where ρu is a time that moves with T.
     fn fast_jet(&self, slide: &Slide, u: f64) -> Jet {
         let e = decayed(u);
-        let mut jet = Jet {
-            value: slide.layer * e,
-            ..Jet::default()
-        };
+        let mut jet = Jet::constant(slide.layer * e);
         jet.by[LAYER] = e;
         if e != 0.0 && self.rho > 0.0 {
             jet.by[DURATION] = -slide.layer * e / self.rho;
@@ -281,7 +266,7 @@ impl MaterialFlow {
     /// V̈ of the oscillator as a jet.
     fn slow_acceleration(&self, [y, w]: [Jet; 2]) -> Jet {
         let [p, q] = self.slow.coefficients();
-        p.times(w).plus(-1.0, q.times(y.plus(1.0, self.slow.shift)))
+        p * w - q * (y + self.slow.shift)
     }
 
     /// (Y, W) of the oscillator at a time t as jets; `moving` if t is the duration.
@@ -312,12 +297,8 @@ impl MaterialFlow {
         let acceleration = self.slow_acceleration([y, w]);
         let fast = self.fast_jet(slide, ratio(slide.duration - t, self.rho));
         let rho = Jet::of_frame(self.rho, self.rho_by);
-        let rate = rho.times(fast);
-        let sum = [
-            y.plus(1.0, rho.times(rate)),
-            w.plus(1.0, rate),
-            acceleration.plus(1.0, fast),
-        ];
+        let rate = rho * fast;
+        let sum = [y + rho * rate, w + rate, acceleration + fast];
         if sum.iter().any(|jet| !jet.value.is_finite()) {
             return Err(FlowError::Overflow { duration: t });
         }
@@ -329,16 +310,16 @@ impl MaterialFlow {
         let entry = self.slow_entry_jets(slide);
         let [p, q] = self.slow.coefficients();
         let slow = self.slow_acceleration([entry[0], entry[1]]);
-        let jerk = p.times(slow).plus(-1.0, q.times(entry[1]));
+        let jerk = p * slow - q * entry[1];
         let rest = entry[2];
         let jerk = if rest.value == 0.0 {
             jerk
         } else {
             let rho = self.rho;
             let inverse = Jet::of_frame(1.0 / rho, self.rho_by.map(|by| -by / (rho * rho)));
-            jerk.plus(1.0, rest.times(inverse))
+            jerk + rest * inverse
         };
-        [slow.plus(1.0, rest), jerk]
+        [slow + rest, jerk]
     }
 
     /// The end of a zone. The switching function is W − 1; behind a reversal (m = 1), where W = 1 at
@@ -364,29 +345,25 @@ impl MaterialFlow {
         let slow = self.slow_jets(&entry, t, true)?;
         let slow_acceleration = self.slow_acceleration(slow);
         let rho = Jet::of_frame(self.rho, self.rho_by);
-        let mut layer = Jet {
-            value: slide.layer,
-            ..Jet::default()
-        };
-        layer.by[LAYER] = 1.0;
-        let rate = rho.times(layer);
-        let w = slow[1].plus(1.0, rate);
+        let layer = Jet::variable(slide.layer, LAYER);
+        let rate = rho * layer;
+        let w = slow[1] + rate;
         let switching = if m == 1 {
             let [first, second] = self.slow_quotients(&entry, [slow[1], slow_acceleration], t);
             let [fast_first, fast_second] = self.fast_quotients(slide);
             if arrested {
-                second.plus(1.0, fast_second)
+                second + fast_second
             } else {
-                first.plus(1.0, fast_first)
+                first + fast_first
             }
         } else {
-            w.affine(1.0, -1.0)
+            w - 1.0
         };
         Ok(ZoneEnd {
-            y: slow[0].plus(1.0, rho.times(rate)),
+            y: slow[0] + rho * rate,
             w,
             radial_rate: Jet::default(),
-            acceleration: slow_acceleration.plus(1.0, layer),
+            acceleration: slow_acceleration + layer,
             switching,
         })
     }
@@ -397,29 +374,29 @@ impl MaterialFlow {
         let [p, q] = self.slow.coefficients();
         if (self.slow.q.sqrt() + p.value.abs()) * t.abs() > SHORT_ZONE {
             let over = |jet: Jet| {
-                let mut jet = jet.affine(1.0 / t, 0.0);
+                let mut jet = jet * (1.0 / t);
                 jet.by[DURATION] -= jet.value / t;
                 jet
             };
-            let first = over(end[0].plus(-1.0, entry[1]));
-            return [first, over(end[1].plus(-1.0, first))];
+            let first = over(end[0] - entry[1]);
+            return [first, over(end[1] - first)];
         }
         // W_{j+1} = 2pW_j − qW_{j−1} from W_{−1} = y, W_0 = W
-        let (mut before, mut current) = (entry[0].plus(1.0, self.slow.shift), entry[1]);
+        let (mut before, mut current) = (entry[0] + self.slow.shift, entry[1]);
         let (mut first, mut second) = (Jet::default(), Jet::default());
         let mut factorial = 1.0;
         for j in 1..SHORT_TERMS as i32 {
             let n = f64::from(j);
             factorial *= n;
-            let next = p.times(current).plus(-1.0, q.times(before));
+            let next = p * current - q * before;
             before = current;
             current = next;
             // D₁ = Σ W_j T^{j−1}/j!,  D₂ = Σ W_j T^{j−2}(j − 1)/j!
-            first = first.plus(t.powi(j - 1) / factorial, current);
+            first = first + current * (t.powi(j - 1) / factorial);
             if j > 1 {
                 let weight = (n - 1.0) * t.powi(j - 2) / factorial;
                 first.by[DURATION] += weight * current.value;
-                second = second.plus(weight, current);
+                second = second + current * weight;
             }
             if j > 2 {
                 let weight = (n - 1.0) * (n - 2.0) * t.powi(j - 3) / factorial;
@@ -451,10 +428,7 @@ impl MaterialFlow {
             phi_slope = (e - phi) / x;
             chi_slope = -(phi_slope + chi) / x;
         }
-        let mut first = Jet {
-            value: g * phi,
-            ..Jet::default()
-        };
+        let mut first = Jet::constant(g * phi);
         first.by[LAYER] = phi;
         let mut second = Jet::default();
         if small {

@@ -18,6 +18,7 @@
 pub mod collocation;
 pub mod contact;
 pub mod equations;
+pub mod jet;
 pub mod material;
 pub mod method;
 pub mod numerical;
@@ -25,10 +26,10 @@ pub mod separation;
 pub mod shooting;
 pub mod sign;
 
-use serde::{Deserialize, Serialize};
-
-use crate::model::{Constants, FrictionLaw};
+use crate::model::Constants;
+use crate::model::FrictionLaw;
 use contact::ContactFlow;
+use jet::{DURATION, Jet};
 use material::MaterialFlow;
 use numerical::{NumericalContact, NumericalSeparation};
 use separation::SeparationFlow;
@@ -69,71 +70,6 @@ pub enum FlowError {
         /// Duration of the zone.
         duration: f64,
     },
-}
-
-/// A number with its derivatives in the six quantities a zone depends on, in the order of
-/// [`ENTRY_Y`], [`ENTRY_W`], [`DURATION`], [`EXCESS`], [`PARAMETER`], [`LAYER`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Jet {
-    /// The number.
-    pub value: f64,
-    /// Its derivatives.
-    pub by: [f64; SOURCES],
-}
-
-/// Index of Y at the entry of the zone.
-pub const ENTRY_Y: usize = 0;
-/// Index of W at the entry of the zone.
-pub const ENTRY_W: usize = 1;
-/// Index of the duration.
-pub const DURATION: usize = 2;
-/// Index of ln e, the logarithm of the excess speed.
-pub const EXCESS: usize = 3;
-/// Index of the continuation parameter.
-pub const PARAMETER: usize = 4;
-/// Index of the amplitude of the boundary layer at the end of the zone (β > 0 only).
-pub const LAYER: usize = 5;
-/// Number of quantities a zone depends on.
-pub const SOURCES: usize = 6;
-
-impl Jet {
-    /// scale·self + offset, the factors being constant.
-    pub fn affine(mut self, scale: f64, offset: f64) -> Jet {
-        self.value = scale * self.value + offset;
-        for derivative in &mut self.by {
-            *derivative *= scale;
-        }
-        self
-    }
-
-    /// self + factor·other.
-    pub fn plus(mut self, factor: f64, other: Jet) -> Jet {
-        self.value += factor * other.value;
-        for (derivative, added) in self.by.iter_mut().zip(other.by) {
-            *derivative += factor * added;
-        }
-        self
-    }
-
-    /// self·other.
-    pub fn times(self, other: Jet) -> Jet {
-        let mut by = [0.0; SOURCES];
-        for (index, derivative) in by.iter_mut().enumerate() {
-            *derivative = self.by[index] * other.value + self.value * other.by[index];
-        }
-        Jet {
-            value: self.value * other.value,
-            by,
-        }
-    }
-
-    /// A quantity of the frame: it depends on e and the parameter alone.
-    pub fn of_frame(value: f64, by: [f64; 2]) -> Jet {
-        Jet {
-            value,
-            by: [0.0, 0.0, 0.0, by[0], by[1], 0.0],
-        }
-    }
 }
 
 /// The numbers of the equations above in a frame that moves with c, or their derivatives.
@@ -246,6 +182,11 @@ impl Frame {
         Jet::of_frame(value, [gradient(&self.by[0]), gradient(&self.by[1])])
     }
 
+    /// A quantity as a jet.
+    pub fn quantity(&self, of: impl Fn(&Quantities) -> f64) -> Jet {
+        self.jet(of(&self.at), &of)
+    }
+
     /// gδ, the pressure of steady sliding.
     pub fn weight(&self) -> Jet {
         let at = &self.at;
@@ -256,7 +197,7 @@ impl Frame {
 
     /// κ as a jet.
     pub fn kappa(&self) -> Jet {
-        self.jet(self.at.kappa, |by| by.kappa)
+        self.quantity(|of| of.kappa)
     }
 
     /// fgδ/h, the tangential displacement of steady sliding.
@@ -286,18 +227,17 @@ impl Frame {
                 - by.damping
                 - value * by.h)
                 / at.h
-        })
-        .plus(-1.0, self.material())
+        }) - self.material()
     }
 
     /// β as a jet.
     pub fn material(&self) -> Jet {
-        self.jet(self.at.material, |by| by.material)
+        self.quantity(|of| of.material)
     }
 
     /// Pressure in contact P = gδ + κW for a jet of W; with material damping of W + βV̈.
     pub fn pressure(&self, w: Jet) -> Jet {
-        self.weight().plus(1.0, self.kappa().times(w))
+        self.weight() + self.kappa() * w
     }
 }
 
@@ -362,7 +302,7 @@ impl SlidingFlow {
             SlidingFlow::Exact(flow) => flow.advance(slide.entry, t)?[1],
             SlidingFlow::Material(flow) => {
                 let [_, w, acceleration] = flow.inside(slide, t)?;
-                let drive = w.plus(1.0, frame.material().times(acceleration));
+                let drive = w + frame.material() * acceleration;
                 return Ok([w, frame.pressure(drive)]);
             }
             SlidingFlow::Numerical(flow) => flow.zone(slide.entry, t, 0)?[1],
@@ -382,7 +322,7 @@ impl SlidingFlow {
             SlidingFlow::Exact(flow) => {
                 let [y, w] = flow.advance(entry, t)?;
                 let reduced = match m {
-                    0 => w.affine(1.0, -1.0),
+                    0 => w - 1.0,
                     m => flow.reduced_rate(entry, t, m, w),
                 };
                 [y, w, reduced]

@@ -3,9 +3,10 @@
 use std::cell::RefCell;
 
 use super::collocation::{self, Mesh};
-use super::equations::{Dual, Separated, Sliding};
+use super::equations::{Separated, Sliding};
+use super::jet::{Dual, Jet, Number};
 use super::shooting::{self, Steps};
-use super::{FlowError, Frame, Jet, ZoneEnd};
+use super::{FlowError, Frame, ZoneEnd};
 use crate::flow::method::Method;
 use crate::model::FrictionLaw;
 
@@ -75,12 +76,7 @@ impl NumericalContact {
         }
     }
 
-    fn field<N: super::equations::Number>(
-        &self,
-        order: usize,
-        entry: [f64; 2],
-        t: f64,
-    ) -> Sliding<N> {
+    fn field<N: Number>(&self, order: usize, entry: [f64; 2], t: f64) -> Sliding<N> {
         Sliding::new(&self.frame, self.law, self.sigma, order, entry, t)
     }
 
@@ -89,7 +85,9 @@ impl NumericalContact {
         let field: Sliding<Jet> = self.field(m, entry, t);
         let x = match self.integrator {
             Integrator::Shooting(steps) => shooting::jets::<2, 12>(&field, steps, t)?,
-            Integrator::Collocation(mesh) => collocation::jets(&field, &field.frozen(), mesh, t)?,
+            Integrator::Collocation(mesh) => {
+                collocation::jets(&field, &self.field(m, entry, t), mesh, t)?
+            }
         };
         Ok(field.end(&x))
     }
@@ -102,7 +100,9 @@ impl NumericalContact {
         let field: Sliding<f64> = self.field(0, entry, t);
         let x = match self.integrator {
             Integrator::Shooting(steps) => shooting::values(&field, steps, t)?,
-            Integrator::Collocation(mesh) => collocation::values(&field.frozen(), mesh, t)?,
+            Integrator::Collocation(mesh) => {
+                collocation::values(&self.field(0, entry, t), mesh, t)?
+            }
         };
         let [y, w, _] = field.end(&x);
         Ok([y, w])
@@ -124,7 +124,7 @@ impl NumericalContact {
 
     /// The third derivative of V at a state: V̈ differentiated along the flow.
     pub fn jerk(&self, [y, w]: [f64; 2]) -> f64 {
-        let field = self.field::<f64>(0, [y, w], 0.0).frozen();
+        let field: Sliding<Dual<2>> = self.field(0, [y, w], 0.0);
         let along = |value: f64, slope: f64| Dual {
             value,
             by: [slope, 0.0],
@@ -149,7 +149,8 @@ impl NumericalContact {
     fn sample(&self, entry: [f64; 2], duration: f64) -> Result<Samples, FlowError> {
         if let Integrator::Collocation(mesh) = self.integrator {
             let plain: Sliding<f64> = self.field(0, entry, duration);
-            let solution = collocation::at_mesh_points(&plain.frozen(), mesh, duration)?;
+            let field: Sliding<Dual<2>> = self.field(0, entry, duration);
+            let solution = collocation::at_mesh_points(&field, mesh, duration)?;
             return Ok(solution
                 .into_iter()
                 .map(|(tau, x)| {
@@ -282,11 +283,17 @@ impl NumericalSeparation {
         self.norm
     }
 
+    fn field<N: Number>(&self, order: usize, entry: [f64; 2], t: f64) -> Separated<N> {
+        Separated::new(&self.frame, order, entry, t)
+    }
+
     fn solve(&self, entry: [f64; 2], t: f64, m: usize) -> Result<[Jet; 5], FlowError> {
-        let field: Separated<Jet> = Separated::new(&self.frame, m, entry, t);
+        let field: Separated<Jet> = self.field(m, entry, t);
         let x = match self.integrator {
             Integrator::Shooting(steps) => shooting::jets::<4, 24>(&field, steps, t)?,
-            Integrator::Collocation(mesh) => collocation::jets(&field, &field.frozen(), mesh, t)?,
+            Integrator::Collocation(mesh) => {
+                collocation::jets(&field, &self.field(m, entry, t), mesh, t)?
+            }
         };
         Ok(field.end(&x))
     }
@@ -299,13 +306,15 @@ impl NumericalSeparation {
 
     /// (U, U̇, Y, W) after a time t.
     pub fn state(&self, entry: [f64; 2], t: f64) -> Result<[f64; 4], FlowError> {
-        let field: Separated<f64> = Separated::new(&self.frame, 0, entry, t);
+        let field: Separated<f64> = self.field(0, entry, t);
         if t == 0.0 {
             return Ok([self.frame.at.mismatch, 0.0, entry[0], entry[1]]);
         }
         let x = match self.integrator {
             Integrator::Shooting(steps) => shooting::values(&field, steps, t)?,
-            Integrator::Collocation(mesh) => collocation::values(&field.frozen(), mesh, t)?,
+            Integrator::Collocation(mesh) => {
+                collocation::values(&self.field(0, entry, t), mesh, t)?
+            }
         };
         let [u, rate, y, w, _] = field.end(&x);
         Ok([u, rate, y, w])
@@ -406,7 +415,7 @@ mod tests {
                     for t in [-0.01, 1e-6, 0.2, 0.9] {
                         let [y, w] = exact.advance(entry, t).unwrap();
                         let reduced = if m == 0 {
-                            w.affine(1.0, -1.0)
+                            w - 1.0
                         } else {
                             exact.reduced_rate(entry, t, m, w)
                         };

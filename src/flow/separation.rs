@@ -11,7 +11,8 @@
 use nalgebra::{Matrix4, RowVector4, Vector4};
 
 use super::contact::{SHORT_TERMS, SHORT_ZONE};
-use super::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, FlowError, Frame, Jet, PARAMETER, ZoneEnd};
+use super::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet};
+use super::{FlowError, Frame, ZoneEnd};
 
 /// Degree of the Taylor polynomial of exp(B), ‖B‖ ≤ 1: the remainder is 1/19! ≈ 8e-18.
 const TAYLOR_DEGREE: u32 = 18;
@@ -106,7 +107,7 @@ impl SeparationFlow {
             scale,
             generator: MatrixJet { at: generator, by },
             norm,
-            mismatch: frame.jet(at.mismatch, |by| by.mismatch),
+            mismatch: frame.quantity(|of| of.mismatch),
             steady: frame.steady(),
         }
     }
@@ -204,7 +205,7 @@ impl SeparationFlow {
                 0.0,
             ],
         };
-        let y = jet(2).plus(-1.0, self.steady);
+        let y = jet(2) - self.steady;
         Ok([jet(0), jet(1), y, jet(3)])
     }
 
@@ -214,7 +215,7 @@ impl SeparationFlow {
     pub fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<ZoneEnd, FlowError> {
         let [u, radial_rate, y, w] = self.advance(entry, t)?;
         let switching = if self.norm * t.abs() > SHORT_ZONE {
-            let mut gap = u.plus(-1.0, self.mismatch).affine(t.powi(-(m as i32)), 0.0);
+            let mut gap = (u - self.mismatch) * t.powi(-(m as i32));
             gap.by[DURATION] -= m as f64 * gap.value / t;
             gap
         } else {
@@ -260,7 +261,6 @@ impl SeparationFlow {
             power_before = power;
             power *= t;
         }
-        debug_assert_eq!(PARAMETER, EXCESS + 1);
         sum
     }
 }

@@ -17,8 +17,8 @@
 
 use faer::c64;
 
-use crate::flow::Jet;
 use crate::flow::equations::multiplier;
+use crate::flow::jet::Dual;
 use crate::model::{Damping, FrictionLaw};
 
 /// What the friction law is at the velocity of steady sliding, by unit of f.
@@ -39,23 +39,12 @@ impl Sliding {
 
     /// A law under the pressure P₀ = gδ.
     pub fn new(law: FrictionLaw, pressure: f64) -> Sliding {
-        let number = |value: f64| {
-            let mut jet = Jet {
-                value,
-                ..Jet::default()
-            };
-            jet.by[0] = 1.0;
-            jet
-        };
         let smoothing = match law {
             FrictionLaw::Regularised { epsilon } => epsilon,
             _ => 1.0,
         };
-        let smoothing = Jet {
-            value: smoothing,
-            ..Jet::default()
-        };
-        let found = multiplier(law, 1.0, number(0.0), smoothing);
+        let smoothing = Dual::constant(smoothing);
+        let found: Dual<1> = multiplier(law, 1.0, Dual::variable(0.0, 0), smoothing);
         // no negative zero
         Sliding {
             strength: found.value,

@@ -14,8 +14,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::continuation::newton::Constraint;
 use crate::continuation::zero::zero_by_slope;
+use crate::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet};
 use crate::flow::sign::{Bernstein, COEFFICIENTS, DEGREE, REMAINDER, Verdict};
-use crate::flow::{DURATION, ENTRY_W, ENTRY_Y, FlowError, Jet, Slide, SlidingFlow};
+use crate::flow::{FlowError, Slide, SlidingFlow};
 use crate::linalg::Vector;
 use crate::model::Impact;
 use crate::model::signature::{Entry, Regime};
@@ -250,62 +251,49 @@ fn edge_margin(
     let zone = wave.signature.zone(index);
     let entry = wave.entry_at(point, index);
     let frame = &flows.frame;
-    let variable = |value: f64, column: usize| {
-        let mut jet = Jet {
-            value,
-            ..Jet::default()
-        };
-        jet.by[column] = 1.0;
-        jet
-    };
-    let y = variable(entry[0], ENTRY_Y);
-    let w = variable(entry[1], ENTRY_W);
+    let y = Jet::variable(entry[0], ENTRY_Y);
+    let w = Jet::variable(entry[1], ENTRY_W);
     let scales = &wave.scales;
     let force = 1.0 / scales.pressure;
     // Q − fP in slip terms: hY + α − fκW, with W = 1
     let excess = |y: Jet| {
-        let h = frame.jet(frame.at.h, |by| by.h);
-        h.times(y.plus(-1.0, frame.release(wave.model.law)))
+        let h = frame.quantity(|of| of.h);
+        h * (y - frame.release(wave.model.law))
     };
     // 2rfP at W = 1, r the static by the kinetic coefficient
     let band = || {
         let r = wave.model.law.static_ratio();
         let f = frame.jet(r * frame.at.friction, |by| r * by.friction);
-        f.times(frame.weight().plus(1.0, frame.kappa()))
-            .affine(2.0, 0.0)
+        f * (frame.weight() + frame.kappa()) * 2.0
     };
     Ok(match watch {
-        Watch::Coupling => frame.kappa().affine(force, 0.0),
+        Watch::Coupling => frame.kappa() * force,
         Watch::Duration => {
-            variable(wave.duration_at(point, index), DURATION).affine(1.0 / scales.time, 0.0)
+            Jet::variable(wave.duration_at(point, index), DURATION) * (1.0 / scales.time)
         }
-        Watch::LandingRate if zone.regime == Regime::Reverse => w.affine(1.0, -1.0),
-        Watch::LandingRate => w.affine(-1.0, 1.0),
-        Watch::LandingPressure => frame.pressure(w).affine(force, 0.0),
-        Watch::Tension => frame.pressure(w).affine(-force, 0.0),
+        Watch::LandingRate if zone.regime == Regime::Reverse => w - 1.0,
+        Watch::LandingRate => -w + 1.0,
+        Watch::LandingPressure => frame.pressure(w) * force,
+        Watch::Tension => frame.pressure(w) * -force,
         // Q + fP = (Q − fP) + 2fP
-        Watch::LowerForce => excess(y).plus(1.0, band()).affine(force, 0.0),
+        Watch::LowerForce => (excess(y) + band()) * force,
         Watch::UpperForce => {
             let end = wave.zone_end(flows, point, index)?;
             // the other way round: Q > fP lets reverse slip pass into slip
-            excess(end.y).affine(force, 0.0)
+            excess(end.y) * force
         }
-        Watch::LandingSpeed => {
-            let end = wave.zone_end(flows, point, index)?;
-            end.radial_rate.affine(-1.0, 0.0)
-        }
+        Watch::LandingSpeed => -wave.zone_end(flows, point, index)?.radial_rate,
         Watch::Impulse => {
             let end = wave.zone_end(flows, point, index)?;
             let sign = if end.w.value < 1.0 { 1.0 } else { -1.0 };
             // |impulse| − |1 − W⁻|; the impulse is negative as U̇⁻ is
-            wave.impulse(flows, &end)
-                .affine(-1.0, 0.0)
-                .plus(sign, end.w.affine(1.0, -1.0))
+            -wave.impulse(flows, &end) + (end.w - 1.0) * sign
         }
         Watch::Release => match flows.contact(zone.regime) {
             // in units of V̈ per unit of time
-            SlidingFlow::Material(flow) => flow.entry_rates(&wave.slide_at(point, index))[1]
-                .affine(-scales.time / scales.layer, 0.0),
+            SlidingFlow::Material(flow) => {
+                flow.entry_rates(&wave.slide_at(point, index))[1] * (-scales.time / scales.layer)
+            }
             _ => Jet::default(),
         },
         Watch::Pressure | Watch::Rate | Watch::Gap => {
@@ -615,22 +603,20 @@ fn interior_margin(
     let regime = wave.signature.zone(index).regime;
     Ok(match watch {
         Watch::Gap => {
-            let frame = &flows.frame;
-            let mismatch = frame.jet(frame.at.mismatch, |by| by.mismatch);
-            let mut gap = flows.separation().advance(slide.entry, time)?[0]
-                .plus(-1.0, mismatch)
-                .affine(1.0 / wave.scales.time, 0.0);
+            let mismatch = flows.frame.quantity(|of| of.mismatch);
+            let u = flows.separation().advance(slide.entry, time)?[0];
+            let mut gap = (u - mismatch) * (1.0 / wave.scales.time);
             gap.by[DURATION] = 0.0;
             gap
         }
         Watch::Pressure => {
             let [_, pressure] = flows.contact(regime).inside(&flows.frame, slide, time)?;
-            pressure.affine(1.0 / wave.scales.pressure, 0.0)
+            pressure * (1.0 / wave.scales.pressure)
         }
         _ => {
             let [w, _] = flows.contact(regime).inside(&flows.frame, slide, time)?;
             let sigma = if regime == Regime::Reverse { 1.0 } else { -1.0 };
-            w.affine(sigma, -sigma)
+            w * sigma - sigma
         }
     })
 }

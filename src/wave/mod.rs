@@ -39,14 +39,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::continuation::newton::System;
 use crate::flow::contact::ContactFlow;
+use crate::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, PARAMETER, SOURCES};
 use crate::flow::material::MaterialFlow;
 use crate::flow::method::Method;
 use crate::flow::numerical::{Integrator, NumericalContact, NumericalSeparation};
 use crate::flow::separation::SeparationFlow;
-use crate::flow::{
-    DURATION, ENTRY_W, ENTRY_Y, EXCESS, FlowError, Frame, FreeFlow, Jet, LAYER, PARAMETER, SOURCES,
-    Slide, SlidingFlow, ZoneEnd,
-};
+use crate::flow::{FlowError, Frame, FreeFlow, Slide, SlidingFlow, ZoneEnd};
 use crate::linalg::{Matrix, Vector};
 use crate::model::signature::{Entry, Regime, Signature};
 use crate::model::{Constants, FrictionLaw, Model, Parameter};
@@ -396,26 +394,13 @@ impl Wave {
         let time = self.scales.time;
         match zone.regime {
             Regime::Stick => {
-                let y = Jet {
-                    value: entry[0] + duration,
-                    by: [1.0, 0.0, 1.0, 0.0, 0.0, 0.0],
-                };
-                let mut w = Jet {
-                    value: entry[1],
-                    ..Jet::default()
-                };
-                w.by[ENTRY_W] = 1.0;
+                let y = Jet::variable(entry[0], ENTRY_Y) + Jet::variable(duration, DURATION);
+                let w = Jet::variable(entry[1], ENTRY_W);
                 let switching = if self.material {
                     // there is no layer in stick; V̈ = 0 at release is the matching of V̈
-                    let mut layer = Jet {
-                        value: self.layer_at(point, index) / self.scales.layer,
-                        ..Jet::default()
-                    };
-                    layer.by[LAYER] = 1.0 / self.scales.layer;
-                    layer
+                    Jet::variable(self.layer_at(point, index), LAYER) / self.scales.layer
                 } else {
-                    y.plus(-1.0, flows.frame.release(self.model.law))
-                        .affine(1.0 / time, 0.0)
+                    (y - flows.frame.release(self.model.law)) * (1.0 / time)
                 };
                 Ok(ZoneEnd {
                     y,
@@ -431,10 +416,7 @@ impl Wave {
                 let end = flows.contact(zone.regime).zone(&slide, order, arrested)?;
                 let w = end.w;
                 let switching = if next == Entry::TakeOff {
-                    flows
-                        .frame
-                        .pressure(w)
-                        .affine(1.0 / self.scales.pressure, 0.0)
+                    flows.frame.pressure(w) * (1.0 / self.scales.pressure)
                 } else if next == Entry::Section {
                     w
                 } else if self.material {
@@ -444,21 +426,17 @@ impl Wave {
                     } else {
                         0
                     };
-                    end.switching.affine(time.powi(power), 0.0)
+                    end.switching * time.powi(power)
                 } else {
-                    end.switching.affine(time.powi(order as i32), 0.0)
+                    end.switching * time.powi(order as i32)
                 };
                 Ok(ZoneEnd { switching, ..end })
             }
             Regime::Separation => {
-                let mut end =
-                    flows
-                        .separation()
-                        .zone(entry, duration, self.order_at_entry(zone.entry))?;
+                let order = self.order_at_entry(zone.entry);
+                let mut end = flows.separation().zone(entry, duration, order)?;
                 // U − δ in units of time, duration in units of time: (U − δ)/T^m · time^{m−1}
-                end.switching = end
-                    .switching
-                    .affine(time.powi(self.order_at_entry(zone.entry) as i32 - 1), 0.0);
+                end.switching = end.switching * time.powi(order as i32 - 1);
                 Ok(end)
             }
         }
@@ -488,10 +466,9 @@ impl Wave {
         match next.entry {
             // set, not carried over: the switching function of a zone entered at W = 1 takes that for
             // granted
-            Entry::Arrest | Entry::Release | Entry::Reversal | Entry::ArrestedLanding => Jet {
-                value: 1.0,
-                ..Jet::default()
-            },
+            Entry::Arrest | Entry::Release | Entry::Reversal | Entry::ArrestedLanding => {
+                Jet::constant(1.0)
+            }
             Entry::Section => Jet::default(),
             Entry::Landing | Entry::Touch => {
                 let sign = match self.model.impact {
@@ -500,7 +477,7 @@ impl Wave {
                     // contact that would need tension has V̇ < −gδ/κ: a touch comes from slip
                     crate::model::Impact::Coulomb => -1.0,
                 };
-                end.w.plus(sign, self.impulse(flows, end))
+                end.w + self.impulse(flows, end) * sign
             }
             _ => end.w,
         }
@@ -513,7 +490,7 @@ impl Wave {
         let factor = flows.frame.jet(value, |by| {
             (by.friction * at.mb + at.friction * by.mb - value * by.ma) / at.ma
         });
-        factor.times(end.radial_rate)
+        factor * end.radial_rate
     }
 }
 
@@ -542,13 +519,9 @@ impl System for Wave {
             let after = self.rate_after_switch(&flows, &end, zone);
             let next = width * ((zone + 1) % n);
             let row = width * zone;
-            for (offset, jet) in [
-                end.y.affine(1.0 / time, 0.0),
-                after.affine(1.0 / rate, 0.0),
-                end.switching,
-            ]
-            .into_iter()
-            .enumerate()
+            for (offset, jet) in [end.y * (1.0 / time), after * (1.0 / rate), end.switching]
+                .into_iter()
+                .enumerate()
             {
                 residual[row + offset] = jet.value;
                 for (index, column) in self.columns(zone).enumerate() {
@@ -559,7 +532,7 @@ impl System for Wave {
                 let entered = self.entry_acceleration(&flows, point, zone + 1);
                 residual[row + 3] = 0.0;
                 for (at, sign, jet) in [(zone, 1.0, end.acceleration), (zone + 1, -1.0, entered)] {
-                    let jet = jet.affine(sign / self.scales.layer, 0.0);
+                    let jet = jet * (sign / self.scales.layer);
                     residual[row + 3] += jet.value;
                     for (index, column) in self.columns(at).enumerate() {
                         jacobian[(row + 3, column)] += jet.by[index] * units[index];

@@ -18,7 +18,7 @@
 //!   those, −V̈/T for m = 1 and −V⃛/T for m = 2, and −U⃛/(2T) after take-off, all at the entry.
 
 use brakewave::continuation::newton::System;
-use brakewave::flow::{DURATION, ENTRY_W, ENTRY_Y, Jet};
+use brakewave::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet};
 use brakewave::linalg::Matrix;
 use brakewave::model::signature::{Entry, Regime};
 use brakewave::wave::Wave;

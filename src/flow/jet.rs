@@ -1,0 +1,195 @@
+//! Numbers with derivatives, and the arithmetic that carries the derivatives along.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use serde::{Deserialize, Serialize};
+
+/// A number with its derivatives in D quantities.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(
+    serialize = "[f64; D]: Serialize",
+    deserialize = "[f64; D]: Deserialize<'de>"
+))]
+pub struct Dual<const D: usize> {
+    /// The number.
+    pub value: f64,
+    /// Its derivatives.
+    pub by: [f64; D],
+}
+
+/// A number with its derivatives in the six quantities a zone depends on, in the order of
+/// [`ENTRY_Y`], [`ENTRY_W`], [`DURATION`], [`EXCESS`], [`PARAMETER`], [`LAYER`].
+pub type Jet = Dual<SOURCES>;
+
+/// Index of Y at the entry of the zone.
+pub const ENTRY_Y: usize = 0;
+/// Index of W at the entry of the zone.
+pub const ENTRY_W: usize = 1;
+/// Index of the duration.
+pub const DURATION: usize = 2;
+/// Index of ln e, the logarithm of the excess speed.
+pub const EXCESS: usize = 3;
+/// Index of the continuation parameter.
+pub const PARAMETER: usize = 4;
+/// Index of the amplitude of the boundary layer at the end of the zone (β > 0 only).
+pub const LAYER: usize = 5;
+/// Number of quantities a zone depends on.
+pub const SOURCES: usize = 6;
+
+impl<const D: usize> Dual<D> {
+    /// A number that does not vary.
+    pub fn constant(value: f64) -> Dual<D> {
+        Dual {
+            value,
+            by: [0.0; D],
+        }
+    }
+
+    /// A quantity itself.
+    pub fn variable(value: f64, index: usize) -> Dual<D> {
+        let mut dual = Dual::constant(value);
+        dual.by[index] = 1.0;
+        dual
+    }
+}
+
+impl<const D: usize> Default for Dual<D> {
+    fn default() -> Dual<D> {
+        Dual::constant(0.0)
+    }
+}
+
+impl Jet {
+    /// A quantity of the frame: it depends on e and the parameter alone.
+    pub fn of_frame(value: f64, by: [f64; 2]) -> Jet {
+        Dual {
+            value,
+            by: [0.0, 0.0, 0.0, by[0], by[1], 0.0],
+        }
+    }
+}
+
+impl<const D: usize> Add for Dual<D> {
+    type Output = Dual<D>;
+    fn add(mut self, other: Dual<D>) -> Dual<D> {
+        self.value += other.value;
+        self.by
+            .iter_mut()
+            .zip(other.by)
+            .for_each(|(by, more)| *by += more);
+        self
+    }
+}
+
+impl<const D: usize> Sub for Dual<D> {
+    type Output = Dual<D>;
+    fn sub(mut self, other: Dual<D>) -> Dual<D> {
+        self.value -= other.value;
+        self.by
+            .iter_mut()
+            .zip(other.by)
+            .for_each(|(by, less)| *by -= less);
+        self
+    }
+}
+
+impl<const D: usize> Neg for Dual<D> {
+    type Output = Dual<D>;
+    fn neg(self) -> Dual<D> {
+        self * -1.0
+    }
+}
+
+impl<const D: usize> Mul for Dual<D> {
+    type Output = Dual<D>;
+    fn mul(self, other: Dual<D>) -> Dual<D> {
+        Dual {
+            value: self.value * other.value,
+            by: std::array::from_fn(|index| {
+                self.by[index] * other.value + self.value * other.by[index]
+            }),
+        }
+    }
+}
+
+impl<const D: usize> Add<f64> for Dual<D> {
+    type Output = Dual<D>;
+    fn add(mut self, constant: f64) -> Dual<D> {
+        self.value += constant;
+        self
+    }
+}
+
+impl<const D: usize> Sub<f64> for Dual<D> {
+    type Output = Dual<D>;
+    fn sub(self, constant: f64) -> Dual<D> {
+        self + -constant
+    }
+}
+
+impl<const D: usize> Mul<f64> for Dual<D> {
+    type Output = Dual<D>;
+    fn mul(mut self, factor: f64) -> Dual<D> {
+        self.value *= factor;
+        self.by.iter_mut().for_each(|by| *by *= factor);
+        self
+    }
+}
+
+impl<const D: usize> Div<f64> for Dual<D> {
+    type Output = Dual<D>;
+    fn div(mut self, divisor: f64) -> Dual<D> {
+        self.value /= divisor;
+        self.by.iter_mut().for_each(|by| *by /= divisor);
+        self
+    }
+}
+
+/// A number with derivatives or without: right sides are written once for both.
+pub trait Number:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// The number itself.
+    fn value(self) -> f64;
+    /// A function of self by its value and slope there.
+    fn map(self, value: f64, slope: f64) -> Self;
+    /// A jet, without its derivatives if the number has others or none.
+    fn of(jet: Jet) -> Self;
+}
+
+impl Number for f64 {
+    fn value(self) -> f64 {
+        self
+    }
+    fn map(self, value: f64, _: f64) -> f64 {
+        value
+    }
+    fn of(jet: Jet) -> f64 {
+        jet.value
+    }
+}
+
+impl<const D: usize> Number for Dual<D> {
+    fn value(self) -> f64 {
+        self.value
+    }
+    fn map(self, value: f64, slope: f64) -> Dual<D> {
+        Dual {
+            value,
+            ..self * slope
+        }
+    }
+    fn of(jet: Jet) -> Dual<D> {
+        let kept = |index| if D == SOURCES { jet.by[index] } else { 0.0 };
+        Dual {
+            value: jet.value,
+            by: std::array::from_fn(kept),
+        }
+    }
+}
