@@ -16,7 +16,7 @@ use crate::model::{FrictionLaw, Model, Parameter};
 use crate::wave::admissibility::examine;
 use crate::wave::hopf::{Family, NoHopf, family};
 use crate::wave::start::{self, NoWave, Which};
-use crate::wave::{RATE_UNITS, Scales, Wave, ZoneUnknowns};
+use crate::wave::{Scales, Wave, ZoneUnknowns};
 
 /// Why there is no first wave.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -143,23 +143,6 @@ impl From<NoStart> for Lost {
     }
 }
 
-/// The units of a branch that begins with a wave of this excess speed and this largest |V̇|.
-pub fn scales(model: &Model, mode: u32, excess: f64, largest_rate: f64, width: f64) -> Scales {
-    let speed = model.speed(excess);
-    let coefficients = model.constants().coefficients;
-    let rate = RATE_UNITS * largest_rate.abs().max(1.0);
-    // m_a = e(2 + e)/(1 + e)²
-    let mass = excess * (2.0 + excess) / (1.0 + excess).powi(2);
-    Scales {
-        rate,
-        layer: rate * (coefficients.h / mass).sqrt(),
-        time: std::f64::consts::TAU / (f64::from(mode) * speed.abs()),
-        excess,
-        parameter: width,
-        pressure: (coefficients.coupling / speed).abs(),
-    }
-}
-
 /// A first wave that is wanted.
 #[derive(Clone, Copy, Debug)]
 pub struct Wanted {
@@ -266,7 +249,7 @@ impl Search<'_> {
             }
             above *= 2.0;
         };
-        let scales = scales(model, mode, closed.excess, closed.least_rate, width);
+        let scales = Scales::new(model, mode, closed.excess, closed.least_rate, width);
         self.lowered(start, above, least, scales)
     }
 
@@ -385,7 +368,7 @@ impl Search<'_> {
         let above = wave.model_at(&point).mismatch;
         let largest = (above * wave.model.constants().coefficients.g - examination.least_pressure)
             / wave.scales.pressure;
-        let scales = scales(model, mode, excess, largest, width);
+        let scales = Scales::new(model, mode, excess, largest, width);
         // slip-stick waves do not depend on δ: that of the model may be one too
         let direct = posed(&wave, &point, model, parameter, scales)?;
         if examine(&direct.0, &direct.1)?.verdict == Verdict::Positive {
@@ -576,7 +559,7 @@ fn slip_stick_wave(
             parameter,
             mode,
             Signature::slip_stick(),
-            scales(model, mode, closed.excess, closed.least_rate, width),
+            Scales::new(model, mode, closed.excess, closed.least_rate, width),
         )
     };
     let mut wave = posed(FrictionLaw::Coulomb);

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::first_wave;
 use crate::linalg::Vector;
 use crate::model::signature::Signature;
 use crate::model::{Model, Parameter};
+use crate::wave::Scales;
 use crate::wave::{Wave, ZoneUnknowns};
 
 /// A wave in physical numbers: what a restart needs.
@@ -63,7 +63,7 @@ impl SavedWave {
             .zones
             .iter()
             .fold(1.0_f64, |size, [_, w, _]| size.max(w.abs()));
-        let scales = first_wave::scales(&self.model, mode, self.excess, largest, width);
+        let scales = Scales::new(&self.model, mode, self.excess, largest, width);
         Wave::new(self.model, parameter, mode, self.signature.clone(), scales)
     }
 

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::exponentials::exponentials;
+use super::esprit::exponentials;
 use super::line::Regime;
 use super::motion::Motion;
 

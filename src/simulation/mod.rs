@@ -13,7 +13,7 @@
 //! ```
 
 pub mod annulus;
-pub mod exponentials;
+pub mod esprit;
 pub mod growth;
 pub mod line;
 pub mod measure;

@@ -17,7 +17,7 @@
 
 use faer::c64;
 
-use crate::flow::equations::multiplier;
+use crate::flow::friction::multiplier;
 use crate::flow::jet::Dual;
 use crate::model::{Damping, FrictionLaw};
 

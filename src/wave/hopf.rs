@@ -17,13 +17,12 @@
 //! value of the parameter, up to Aω = 1. There V̇ touches 1 and a stick zone opens: the slip-stick wave
 //! begins with T2 = 0.
 
-use crate::branch::first_wave::scales;
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime, Signature, Zone};
 use crate::model::{Model, Parameter};
 
-use super::Wave;
 use super::successor::Candidate;
+use super::{Scales, Wave};
 
 /// Why there is no branch from a Hopf point.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -171,7 +170,7 @@ pub fn family(
             regime: Regime::Slip,
             entry: Entry::Section,
         }]),
-        scales(&model, mode, excess, 1.0, width),
+        Scales::new(&model, mode, excess, 1.0, width),
     );
     let period = std::f64::consts::TAU / frequency;
     let points = (0..count)

@@ -1,7 +1,7 @@
 //! Samples of a wave over one wavelength.
 
 use crate::branch::ProfileSample;
-use crate::flow::equations::multiplier;
+use crate::flow::friction::multiplier;
 use crate::flow::{FlowError, Slide};
 use crate::linalg::Vector;
 use crate::model::signature::Regime;

@@ -1,8 +1,8 @@
 //! Observed orders of convergence.
 
-use brakewave::flow::collocation::Mesh;
-use brakewave::flow::numerical::{Integrator, NumericalContact};
-use brakewave::flow::shooting::Steps;
+use brakewave::flow::numeric::collocation::Mesh;
+use brakewave::flow::numeric::shooting::Steps;
+use brakewave::flow::numeric::{Integrator, NumericalContact};
 use brakewave::model::FrictionLaw;
 use brakewave::model::signature::Regime;
 

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 use brakewave::model::Constants;
 use brakewave::model::coefficients::Geometry;
-use brakewave::simulation::exponentials::exponentials;
+use brakewave::simulation::esprit::exponentials;
 use brakewave::simulation::growth::{self, Eigenvalue, GrowthError, Request, place};
 use brakewave::simulation::motion::steady_growth;
 use brakewave::simulation::profile::Profile;

@@ -8,10 +8,10 @@
 
 use std::collections::BTreeSet;
 
-use brakewave::branch::first_wave::scales;
 use brakewave::continuation::newton::System;
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::model::{Damping, Model, Parameter};
+use brakewave::wave::Scales;
 use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 
@@ -120,7 +120,7 @@ fn in_parameter(wave: &Wave, point: &Vector, parameter: Parameter) -> (Wave, Vec
         parameter,
         wave.mode,
         wave.signature.clone(),
-        scales(&model, wave.mode, excess, 1.0, width),
+        Scales::new(&model, wave.mode, excess, 1.0, width),
     );
     let other_point = other.pack(&wave.unpack(point), excess, value);
     (other, other_point)

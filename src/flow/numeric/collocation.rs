@@ -9,9 +9,9 @@
 
 use std::sync::OnceLock;
 
-use super::FlowError;
 use super::equations::Field;
-use super::jet::{Dual, Jet};
+use crate::flow::FlowError;
+use crate::flow::jet::{Dual, Jet};
 use crate::flow::method::MAX_DEGREE;
 
 /// Gauss points on \[0, 1\] with the integrals of their Lagrange polynomials.

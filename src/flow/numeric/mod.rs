@@ -1,14 +1,18 @@
 //! Flows by a numerical method: for friction laws without a closed form, and for comparison.
 
+pub mod collocation;
+pub mod equations;
+pub mod shooting;
+
 use std::cell::RefCell;
 
-use super::collocation::{self, Mesh};
-use super::equations::{Separated, Sliding};
 use super::jet::{Dual, Jet, Number};
-use super::shooting::{self, Steps};
 use super::{FlowError, Frame, ZoneEnd};
 use crate::flow::method::Method;
 use crate::model::FrictionLaw;
+use collocation::Mesh;
+use equations::{Separated, Sliding};
+use shooting::Steps;
 
 /// How a zone is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]

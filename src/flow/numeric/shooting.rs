@@ -5,9 +5,9 @@
 
 use differential_equations::prelude::{ExplicitRungeKutta, IVP};
 
-use super::FlowError;
 use super::equations::Field;
-use super::jet::{Jet, LAYER};
+use crate::flow::FlowError;
+use crate::flow::jet::{Jet, LAYER};
 
 /// Most steps of one zone: beyond, the equations are stiff for an explicit method.
 const MOST_STEPS: usize = 200_000;

@@ -1,10 +1,10 @@
-//! A complex signal as a sum of exponentials: z_n = Σ w_m e^{λ_m nτ}.
+//! ESPRIT: a complex signal as a sum of exponentials, z_n = Σ w_m e^{λ_m nτ}.
 //!
 //! Every window of L samples of such a signal lies in the space spanned by the vectors
 //! (1, μ, μ², …), μ = e^{λτ}. The leading left singular vectors S of the matrix of all windows span the
 //! same space, which is mapped into itself when windows are shifted by a sample: with S₁ and S₂ for
 //! S without its last and its first row, S₁X = S₂ in the least-squares sense, and the eigenvalues of X
-//! are the μ (the method known as ESPRIT). The weights w follow by least squares.
+//! are the μ. The weights w follow by least squares.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};

@@ -1,0 +1,277 @@
+//! Margins: smooth functions of the unknowns that are positive while a signature holds.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Flows, Wave, jet_units};
+use crate::continuation::newton::Constraint;
+use crate::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet};
+use crate::flow::{FlowError, Slide, SlidingFlow};
+use crate::linalg::Vector;
+use crate::model::Impact;
+use crate::model::signature::{Entry, Regime};
+
+/// What a margin measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Watch {
+    /// Duration of the zone.
+    Duration,
+    /// A local minimum of P inside a slip zone.
+    Pressure,
+    /// P just after landing.
+    LandingPressure,
+    /// A local minimum of |1 − W| inside a sliding zone.
+    Rate,
+    /// −P that contact would have just after a touch.
+    Tension,
+    /// |1 − W| just after landing, or beyond what a Coulomb impact can take away.
+    LandingRate,
+    /// What the arresting impact has left: impulse minus |1 − W⁻|.
+    Impulse,
+    /// A local minimum of U − δ inside a separation zone.
+    Gap,
+    /// −U̇ at landing.
+    LandingSpeed,
+    /// Q + fP at the beginning of stick.
+    LowerForce,
+    /// fP − Q where slip passes into stick after an arrest that does not imply it.
+    UpperForce,
+    /// −V⃛ just after a release with material damping: Q ≤ fP at the end of stick.
+    Release,
+    /// D/c, watched only where it is not positive: waves run in the direction of D.
+    Coupling,
+}
+
+/// A margin: positive while the signature holds. Scaled to order one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Margin {
+    /// What it measures.
+    pub watch: Watch,
+    /// Zone.
+    pub zone: usize,
+    /// Time after the entry of the zone at which a local minimum lies; 0 for other margins.
+    pub time: f64,
+    /// Value with scaled derivatives in Y, W, T of the zone, c and the parameter.
+    pub jet: Jet,
+}
+
+impl Margin {
+    /// Derivative along a direction in the scaled unknowns.
+    pub fn slope(&self, wave: &Wave, direction: &Vector) -> f64 {
+        wave.columns(self.zone)
+            .zip(self.jet.by)
+            .map(|(column, by)| by * direction[column])
+            .sum()
+    }
+}
+
+/// The margins that belong to the ends of a zone.
+pub(super) fn edge_margins(
+    wave: &Wave,
+    flows: &Flows,
+    point: &Vector,
+    index: usize,
+) -> Result<Vec<(Watch, Jet)>, FlowError> {
+    let zone = wave.signature.zone(index);
+    let next = wave.signature.zone(index + 1);
+    let mut margins = Vec::with_capacity(4);
+    let watched = |watch: Watch| edge_margin(wave, flows, point, index, watch);
+    margins.push((Watch::Duration, watched(Watch::Duration)?));
+    if zone.entry == Entry::Landing && zone.regime != Regime::Contact {
+        margins.push((Watch::LandingRate, watched(Watch::LandingRate)?));
+    }
+    if matches!(zone.entry, Entry::Landing | Entry::ArrestedLanding)
+        && matches!(zone.regime, Regime::Slip | Regime::Contact)
+    {
+        margins.push((Watch::LandingPressure, watched(Watch::LandingPressure)?));
+    }
+    if zone.entry == Entry::Touch {
+        margins.push((Watch::Tension, watched(Watch::Tension)?));
+    }
+    if zone.regime == Regime::Stick {
+        margins.push((Watch::LowerForce, watched(Watch::LowerForce)?));
+    }
+    if wave.material && zone.entry == Entry::Release {
+        margins.push((Watch::Release, watched(Watch::Release)?));
+    }
+    if zone.regime == Regime::Reverse && next.entry == Entry::Reversal {
+        margins.push((Watch::UpperForce, watched(Watch::UpperForce)?));
+    }
+    if zone.regime == Regime::Separation {
+        margins.push((Watch::LandingSpeed, watched(Watch::LandingSpeed)?));
+        let coulomb = wave.model.impact == Impact::Coulomb;
+        if coulomb && next.entry == Entry::ArrestedLanding {
+            margins.push((Watch::Impulse, watched(Watch::Impulse)?));
+        }
+    }
+    Ok(margins)
+}
+
+/// One margin at an end of a zone, in physical derivatives.
+pub(super) fn edge_margin(
+    wave: &Wave,
+    flows: &Flows,
+    point: &Vector,
+    index: usize,
+    watch: Watch,
+) -> Result<Jet, FlowError> {
+    let zone = wave.signature.zone(index);
+    let entry = wave.entry_at(point, index);
+    let frame = &flows.frame;
+    let y = Jet::variable(entry[0], ENTRY_Y);
+    let w = Jet::variable(entry[1], ENTRY_W);
+    let scales = &wave.scales;
+    let force = 1.0 / scales.pressure;
+    // Q − fP in slip terms: hY + α − fκW, with W = 1
+    let excess = |y: Jet| {
+        let h = frame.quantity(|of| of.h);
+        h * (y - frame.release(wave.model.law))
+    };
+    // 2rfP at W = 1, r the static by the kinetic coefficient
+    let band = || {
+        let r = wave.model.law.static_ratio();
+        let f = frame.jet(r * frame.at.friction, |by| r * by.friction);
+        f * (frame.weight() + frame.kappa()) * 2.0
+    };
+    Ok(match watch {
+        Watch::Coupling => frame.kappa() * force,
+        Watch::Duration => {
+            Jet::variable(wave.duration_at(point, index), DURATION) * (1.0 / scales.time)
+        }
+        Watch::LandingRate if zone.regime == Regime::Reverse => w - 1.0,
+        Watch::LandingRate => -w + 1.0,
+        Watch::LandingPressure => frame.pressure(w) * force,
+        Watch::Tension => frame.pressure(w) * -force,
+        // Q + fP = (Q − fP) + 2fP
+        Watch::LowerForce => (excess(y) + band()) * force,
+        Watch::UpperForce => {
+            let end = wave.zone_end(flows, point, index)?;
+            // the other way round: Q > fP lets reverse slip pass into slip
+            excess(end.y) * force
+        }
+        Watch::LandingSpeed => -wave.zone_end(flows, point, index)?.radial_rate,
+        Watch::Impulse => {
+            let end = wave.zone_end(flows, point, index)?;
+            let sign = if end.w.value < 1.0 { 1.0 } else { -1.0 };
+            // |impulse| − |1 − W⁻|; the impulse is negative as U̇⁻ is
+            -wave.impulse(flows, &end) + (end.w - 1.0) * sign
+        }
+        Watch::Release => match flows.contact(zone.regime) {
+            // in units of V̈ per unit of time
+            SlidingFlow::Material(flow) => {
+                flow.entry_rates(&wave.slide_at(point, index))[1] * (-scales.time / scales.layer)
+            }
+            _ => Jet::default(),
+        },
+        Watch::Pressure | Watch::Rate | Watch::Gap => {
+            unreachable!("a margin inside a zone is not at its end")
+        }
+    })
+}
+
+pub(super) fn interior_margin(
+    wave: &Wave,
+    flows: &Flows,
+    watch: Watch,
+    index: usize,
+    slide: &Slide,
+    time: f64,
+) -> Result<Jet, FlowError> {
+    let regime = wave.signature.zone(index).regime;
+    Ok(match watch {
+        Watch::Gap => {
+            let mismatch = flows.frame.quantity(|of| of.mismatch);
+            let u = flows.separation().advance(slide.entry, time)?[0];
+            let mut gap = (u - mismatch) * (1.0 / wave.scales.time);
+            gap.by[DURATION] = 0.0;
+            gap
+        }
+        Watch::Pressure => {
+            let [_, pressure] = flows.contact(regime).inside(&flows.frame, slide, time)?;
+            pressure * (1.0 / wave.scales.pressure)
+        }
+        _ => {
+            let [w, _] = flows.contact(regime).inside(&flows.frame, slide, time)?;
+            let sigma = if regime == Regime::Reverse { 1.0 } else { -1.0 };
+            w * sigma - sigma
+        }
+    })
+}
+
+/// A margin as the constraint of an event: margin = 0. The place of a local minimum is followed
+/// from iterate to iterate.
+#[derive(Clone, Copy, Debug)]
+pub struct AtZero {
+    /// The margin where it was seen.
+    pub margin: Margin,
+}
+
+impl AtZero {
+    /// The margin at another point.
+    pub fn margin_at(&mut self, wave: &Wave, point: &Vector) -> Result<Margin, FlowError> {
+        let flows = wave.flows(point)?;
+        let Margin { watch, zone, .. } = self.margin;
+        let mut jet = match watch {
+            Watch::Pressure | Watch::Rate | Watch::Gap => {
+                let slide = wave.slide_at(point, zone);
+                let time = self.stationary(wave, &flows, &slide)?;
+                self.margin.time = time;
+                interior_margin(wave, &flows, watch, zone, &slide, time)?
+            }
+            _ => edge_margin(wave, &flows, point, zone, watch)?,
+        };
+        for (by, unit) in jet.by.iter_mut().zip(jet_units(&wave.scales)) {
+            *by *= unit;
+        }
+        self.margin.jet = jet;
+        Ok(self.margin)
+    }
+
+    /// The stationary place next to the last one, by Newton's method.
+    fn stationary(&self, wave: &Wave, flows: &Flows, slide: &Slide) -> Result<f64, FlowError> {
+        let mut time = self.margin.time;
+        let regime = wave.signature.zone(self.margin.zone).regime;
+        for _ in 0..8 {
+            let step = if self.margin.watch == Watch::Gap {
+                let at = &flows.frame.at;
+                let [u, rate, _, w] = flows.separation().state(slide.entry, time)?;
+                let acceleration = -(at.damping * rate + at.g * u + at.kappa * w) / at.mb;
+                rate / acceleration
+            } else {
+                let flow = flows.contact(regime);
+                match flow {
+                    SlidingFlow::Material(flow) if self.margin.watch == Watch::Pressure => {
+                        flow.pressure_step(slide, time)
+                    }
+                    _ => {
+                        let state = flow.state(slide, time)?;
+                        flow.acceleration(slide, time, state) / flow.jerk(slide, time, state)
+                    }
+                }
+            };
+            if !step.is_finite() {
+                return Err(FlowError::Overflow { duration: time });
+            }
+            time -= step;
+            // beyond this the place moves the value by less than rounding
+            if step.abs() <= 1e-9 * wave.scales.time {
+                break;
+            }
+        }
+        Ok(time)
+    }
+}
+
+impl Constraint<Wave> for AtZero {
+    fn evaluate(
+        &mut self,
+        wave: &Wave,
+        point: &Vector,
+        gradient: &mut [f64],
+    ) -> Result<f64, FlowError> {
+        let margin = self.margin_at(wave, point)?;
+        for (column, by) in wave.columns(margin.zone).zip(margin.jet.by) {
+            gradient[column] = by;
+        }
+        Ok(margin.jet.value)
+    }
+}
