@@ -130,10 +130,7 @@ impl Failure {
                 }
             }
             Failure::Plot(
-                PlotError::Read { .. }
-                | PlotError::Table { .. }
-                | PlotError::Empty { .. }
-                | PlotError::MissingColumn { .. },
+                PlotError::Read(_) | PlotError::Empty { .. } | PlotError::MissingColumn { .. },
             )
             | Failure::Output(_) => INPUT_OUTPUT,
             _ => BAD_INPUT,

@@ -6,8 +6,8 @@ pub mod map_folder;
 pub mod npy;
 #[cfg(feature = "parquet")]
 pub mod parquet;
-pub mod pictures;
-pub mod render;
+pub(crate) mod pictures;
+pub(crate) mod render;
 pub mod simulation;
 pub mod store;
 pub mod vtk;

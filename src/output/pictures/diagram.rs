@@ -4,12 +4,13 @@ use plotters::style::RGBColor;
 
 use super::error::PlotError;
 use super::names::{event, event_mark, quantity, short_signature};
-use super::tables::{Table, Tables};
+use super::tables::{Tables, kind, number};
 use crate::branch::EventType;
 use crate::output::render::axis::{Axis, Extent};
 use crate::output::render::legend::{Key, Legend};
 use crate::output::render::palette::{BLACK, CATEGORIES, GREY, Pattern, Pen};
 use crate::output::render::{Layer, Mark, Panel, Picture, Point, Shape};
+use crate::table::Table;
 
 /// Width of the curve.
 const CURVE: f64 = 2.2;
@@ -26,35 +27,33 @@ enum Standing {
     Unknown,
 }
 
-impl Standing {
-    const NAMES: [(Standing, &str); 4] = [
-        (Standing::Stable, "stable"),
-        (Standing::Unstable, "unstable"),
-        (Standing::Undecided, "undecided"),
-        (Standing::Unknown, "not examined"),
-    ];
+/// Standings, what stands in their cells, what they are called and how they are drawn.
+const STANDINGS: [(Standing, &str, &str, Pattern); 4] = [
+    (Standing::Stable, "yes", "stable", Pattern::Solid),
+    (Standing::Unstable, "no", "unstable", Pattern::Dashed),
+    (
+        Standing::Undecided,
+        "undecided",
+        "undecided",
+        Pattern::Dotted,
+    ),
+    (Standing::Unknown, "", "not examined", Pattern::Solid),
+];
 
-    fn of(text: &str) -> Self {
-        match text {
-            "yes" => Standing::Stable,
-            "no" => Standing::Unstable,
-            "undecided" => Standing::Undecided,
-            _ => Standing::Unknown,
-        }
+impl Standing {
+    fn of(branch: &Table, row: usize) -> Self {
+        let cell = branch.text(row, "stable");
+        let known = STANDINGS.iter().find(|standing| standing.1 == cell);
+        known.map_or(Standing::Unknown, |standing| standing.0)
     }
 
     /// The line of this standing; `mixed` when other stretches were examined.
     fn pen(self, colour: RGBColor, mixed: bool) -> Pen {
-        let pattern = match self {
-            Standing::Stable | Standing::Unknown => Pattern::Solid,
-            Standing::Unstable => Pattern::Dashed,
-            Standing::Undecided => Pattern::Dotted,
-        };
         let thin = mixed && self == Standing::Unknown;
         Pen {
             colour,
             width: if thin { 0.6 * CURVE } else { CURVE },
-            pattern,
+            pattern: STANDINGS[self as usize].3,
         }
     }
 }
@@ -98,11 +97,11 @@ pub fn picture(tables: &Tables, column: &str) -> Result<Picture, PlotError> {
         layers.push(Layer::Marks(points.clone(), event_mark(*kind)));
     }
     if layers.is_empty() {
-        let none = tables.branch.len() == 0;
+        let none = tables.branch.is_empty();
         layers = Layer::remark(if none { NONE } else { "no values" });
     }
 
-    let standings = Standing::NAMES.into_iter().filter(|(standing, _)| {
+    let standings = STANDINGS.into_iter().filter(|(standing, ..)| {
         let drawn = |one: &Stretch<'_>| one.standing == *standing && one.points.len() > 1;
         mixed && stretches.iter().any(drawn)
     });
@@ -121,7 +120,7 @@ pub fn picture(tables: &Tables, column: &str) -> Result<Picture, PlotError> {
     let legend = Legend::default()
         .with(
             "",
-            standings.map(|(one, name)| (Key::Line(one.pen(BLACK, mixed)), name)),
+            standings.map(|(one, _, name, _)| (Key::Line(one.pen(BLACK, mixed)), name)),
         )
         .with(
             "",
@@ -162,7 +161,7 @@ fn signatures<'a>(stretches: &[Stretch<'a>]) -> Vec<&'a str> {
 ///
 /// At an event the row shows one side only; the neighbour knows on which side the step lies.
 pub fn signature_between(branch: &Table, row: usize) -> &str {
-    if switches_regimes(branch.kind(row)) || branch.text(row, "regimes").is_empty() {
+    if switches_regimes(kind(branch, row)) || branch.text(row, "regimes").is_empty() {
         branch.text(row + 1, "regimes")
     } else {
         branch.text(row, "regimes")
@@ -182,9 +181,9 @@ fn switches_regimes(kind: Option<EventType>) -> bool {
 /// Stability of the waves between two neighbouring rows.
 fn standing_between(branch: &Table, row: usize) -> Standing {
     use EventType::{BP, HB, LP};
-    let [first, second] = [row, row + 1].map(|row| Standing::of(branch.text(row, "stable")));
+    let [first, second] = [row, row + 1].map(|row| Standing::of(branch, row));
     let [starts, ends] = [row, row + 1].map(|row| {
-        let kind = branch.kind(row);
+        let kind = kind(branch, row);
         matches!(kind, Some(LP | HB | BP)) || switches_regimes(kind)
     });
     // On the boundary itself the sign is chance.
@@ -201,7 +200,8 @@ fn standing_between(branch: &Table, row: usize) -> Standing {
 
 /// Cuts the branch where its look changes, where a value is missing and between legs.
 fn stretches<'a>(branch: &'a Table, parameter: &str, column: &str) -> Vec<Stretch<'a>> {
-    let point = |row| Some((branch.number(row, parameter)?, branch.number(row, column)?));
+    let value = |row, column: &str| number(branch, row, column);
+    let point = |row| Some((value(row, parameter)?, value(row, column)?));
     let mut stretches: Vec<Stretch<'a>> = Vec::new();
     // the row that the last stretch leads to
     let mut reached = None;
@@ -216,10 +216,7 @@ fn stretches<'a>(branch: &'a Table, parameter: &str, column: &str) -> Vec<Stretc
                 standing_between(branch, row),
             ),
             None if reached == Some(row) => continue,
-            None => {
-                let standing = Standing::of(branch.text(row, "stable"));
-                (branch.text(row, "regimes"), standing)
-            }
+            None => (branch.text(row, "regimes"), Standing::of(branch, row)),
         };
         let same = |last: &&mut Stretch<'_>| {
             reached == Some(row) && last.signature == signature && last.standing == standing

@@ -1,6 +1,5 @@
 //! What can go wrong while drawing.
 
-use std::io;
 use std::path::PathBuf;
 
 use thiserror::Error;
@@ -12,21 +11,8 @@ use crate::output::store::StoreError;
 #[derive(Debug, Error)]
 pub enum PlotError {
     /// A table or folder could not be read.
-    #[error("cannot read {}: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// A table is not comma-separated text.
-    #[error("{} is not a table: {source}", path.display())]
-    Table {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: csv::Error,
-    },
+    #[error("{0}")]
+    Read(StoreError),
     /// A table has not even a header.
     #[error("{} is empty: it has no header", path.display())]
     Empty {

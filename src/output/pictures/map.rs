@@ -7,12 +7,12 @@ use plotters::style::RGBColor;
 
 use super::error::PlotError;
 use super::names::{quantity, short_signature};
-use super::tables::Table;
 use crate::output::map_folder::TABLE;
 use crate::output::render::axis::{Axis, Extent};
 use crate::output::render::legend::{Key, Legend};
 use crate::output::render::palette::{BLACK, CATEGORIES, GREY, WHITE, mix};
 use crate::output::render::{Cell, HEIGHT, Layer, Mark, Panel, Picture, Point, Shape};
+use crate::output::store::damaged;
 use crate::problem::{Map, MapAxis, MapPoints};
 
 /// Signatures with a colour of their own, the most frequent ones; the rest share one.
@@ -156,25 +156,41 @@ fn hue(rank: usize) -> RGBColor {
     }
 }
 
-/// First passages of the table, in its order.
+/// First passages of the table, in its order, row by row: maps may be long.
 fn read(path: &Path, map: &Map) -> Result<Vec<Wave>, PlotError> {
-    let (first, second) = (map.first.parameter.column(), map.second.parameter.column());
-    let columns = [
-        "row", "column", "passage", first, second, "start", "regimes", "stable",
-    ];
-    let table = Table::select(path, &columns)?;
-    let wave = |row: usize| {
-        let place = |column: &str| table.text(row, column).parse().unwrap_or(usize::MAX - 1);
-        let value = |column: &str| table.number(row, column).unwrap_or(f64::NAN);
-        Wave {
-            row: place("row"),
-            column: place("column"),
-            at: (value(second), value(first)),
-            start: table.text(row, "start").to_owned(),
-            regimes: canonical(table.text(row, "regimes")),
-            stable: table.text(row, "stable").to_owned(),
-        }
+    let fault = |error: csv::Error| PlotError::Read(damaged(path, error.to_string()));
+    let mut reader = csv::Reader::from_path(path).map_err(fault)?;
+    let header = reader.headers().map_err(fault)?.clone();
+    let place = |column: &str| {
+        let missing = || PlotError::MissingColumn {
+            path: path.to_owned(),
+            column: column.to_owned(),
+        };
+        header
+            .iter()
+            .position(|name| name == column)
+            .ok_or_else(missing)
     };
-    let passages = (0..table.len()).filter(|row| table.text(*row, "passage") == "1");
-    Ok(passages.map(wave).collect())
+    let (row, column, passage) = (place("row")?, place("column")?, place("passage")?);
+    let x = place(map.second.parameter.column())?;
+    let y = place(map.first.parameter.column())?;
+    let (start, regimes, stable) = (place("start")?, place("regimes")?, place("stable")?);
+    let mut waves = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(fault)?;
+        let text = |index: usize| record.get(index).unwrap_or("");
+        let value = |index: usize| text(index).parse::<f64>().unwrap_or(f64::NAN);
+        let count = |index: usize| text(index).parse().unwrap_or(usize::MAX - 1);
+        if text(passage) == "1" {
+            waves.push(Wave {
+                row: count(row),
+                column: count(column),
+                at: (value(x), value(y)),
+                start: text(start).to_owned(),
+                regimes: canonical(text(regimes)),
+                stable: text(stable).to_owned(),
+            });
+        }
+    }
+    Ok(waves)
 }

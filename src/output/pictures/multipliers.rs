@@ -182,9 +182,7 @@ impl Window {
 
 /// The multipliers of a labelled wave; empty where its speed or its length is not known.
 fn multipliers(tables: &Tables, label: &str, chosen: &Chosen<'_>) -> Vec<Multiplier> {
-    let speed = tables.at_label(label, "speed");
-    // The last switching position ends the wavelength.
-    let length = tables.list_at_label(label, "switches").last().copied();
+    let (speed, length) = (tables.at_label(label, "speed"), tables.length_at(label));
     let (Some(speed), Some(length)) = (speed, length) else {
         return Vec::new();
     };

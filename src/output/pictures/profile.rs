@@ -9,11 +9,12 @@ use plotters::style::RGBColor;
 
 use super::error::PlotError;
 use super::names::quantity;
-use super::tables::{Table, Tables};
+use super::tables::{Tables, number as value_of, read};
 use crate::output::render::axis::{Quantity, drawable};
 use crate::output::render::legend::{Key, Legend};
 use crate::output::render::palette::{Pen, ordered};
 use crate::output::render::{Point, number};
+use crate::output::store::{READ, io_error};
 
 /// Most profiles shown in one picture.
 const MOST: usize = 9;
@@ -68,11 +69,11 @@ pub struct Zone<'a> {
 impl Profile {
     fn read(path: &Path, label: &str, tables: &Tables) -> Result<Self, PlotError> {
         let columns = ["theta", "U", "V", "V_dot", "P", "Q", "regime"];
-        let table = Table::select(path, &columns)?;
-        let placed = |row: &usize| table.number(*row, "theta").is_some();
+        let table = read(path, &columns)?;
+        let placed = |row: &usize| value_of(&table, *row, "theta").is_some();
         let rows: Vec<usize> = (0..table.len()).filter(placed).collect();
         let column = |name: &str| -> Vec<f64> {
-            let value = |row: &usize| table.number(*row, name).unwrap_or(f64::NAN);
+            let value = |row: &usize| value_of(&table, *row, name).unwrap_or(f64::NAN);
             rows.iter().map(value).collect()
         };
         let regime = |row: &usize| table.text(*row, "regime").to_owned();
@@ -158,10 +159,7 @@ impl Profiles {
     /// Reads the profiles of a folder, if it has any.
     pub fn read(folder: &Path, tables: &Tables) -> Result<Self, PlotError> {
         let directory = folder.join("profiles");
-        let fault = |source| PlotError::Read {
-            path: directory.clone(),
-            source,
-        };
+        let fault = |error| PlotError::Read(io_error(READ, &directory)(error));
         let mut files = Vec::new();
         match fs::read_dir(&directory) {
             Ok(entries) => {

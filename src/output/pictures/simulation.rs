@@ -2,21 +2,22 @@
 //! line at the beginning and at the end.
 
 use std::f64::consts::TAU;
-use std::fs;
 use std::path::Path;
 
 use super::error::PlotError;
 use super::names::{velocity, zone_colour, zone_keys};
 use super::phase_plane::{explained, plane, stick};
 use super::profile::evenly;
-use super::tables::Table;
+use super::tables::{column, number, read, read_if_there};
 use crate::output::npy;
 use crate::output::render::axis::{Axis, Extent, Quantity};
 use crate::output::render::legend::{Key, Legend};
 use crate::output::render::palette::{BLUE, GREY, Pen};
 use crate::output::render::{Cell, Layer, Panel, Picture, Point};
 use crate::output::simulation::{END, MEASURES, REGIMES, SERIES, START, columns};
+use crate::output::store::bytes;
 use crate::simulation::line::Regime;
+use crate::table::Table;
 
 /// Most rows of a picture of regimes.
 const ROWS: usize = 220;
@@ -41,18 +42,17 @@ struct Motion {
 /// The pictures of a simulation from the tables of its folder, in the order of their names. Without a
 /// measured speed places are those of the tube.
 pub fn pictures(folder: &Path) -> Result<[Picture; 3], PlotError> {
-    let measures = Table::if_there(Table::read(&folder.join(MEASURES)))?.unwrap_or_default();
+    let measures = read_if_there(&folder.join(MEASURES), &["name", "value"])?.unwrap_or_default();
     let speed = (0..measures.len()).find(|row| measures.text(*row, "name") == "speed");
-    let path = folder.join(REGIMES);
-    let codes = fs::read(&path).map_err(|source| PlotError::Read { path, source })?;
-    let line = |name: &str| Table::select(&folder.join(name), &["phi", "V_dot", "P"]);
+    let codes = bytes(&folder.join(REGIMES)).map_err(PlotError::Read)?;
+    let line = ["phi", "V_dot", "P"];
     let motion = Motion {
-        series: Table::select(&folder.join(SERIES), &["time", "V", "V_dot"])?,
+        series: read(&folder.join(SERIES), &["time", "V", "V_dot"])?,
         codes: codes.get(npy::HEADER..).unwrap_or_default().to_vec(),
-        start: line(START)?,
-        end: Table::if_there(line(END))?,
+        start: read(&folder.join(START), &line)?,
+        end: read_if_there(&folder.join(END), &line)?,
         speed: speed
-            .and_then(|row| measures.number(row, "value"))
+            .and_then(|row| number(&measures, row, "value"))
             .unwrap_or(0.0),
     };
     Ok([motion.space_time(), motion.phase_plane(), motion.profiles()])
@@ -61,7 +61,7 @@ pub fn pictures(folder: &Path) -> Result<[Picture; 3], PlotError> {
 impl Motion {
     /// Length of the line: one interval more than from the first to the last point.
     fn length(&self) -> f64 {
-        let angles = self.start.column("phi");
+        let angles = column(&self.start, "phi");
         let width = angles.get(1).copied().unwrap_or(TAU);
         let length = width * angles.len() as f64;
         if length.is_finite() { length } else { TAU }
@@ -69,7 +69,7 @@ impl Motion {
 
     fn space_time(&self) -> Picture {
         let columns = columns(self.start.len());
-        let times = self.series.column("time");
+        let times = column(&self.series, "time");
         // what a kill has left of the one without the other
         let kept = self.codes.len().checked_div(columns).unwrap_or(0);
         let times = &times[..times.len().min(kept)];
@@ -106,7 +106,7 @@ impl Motion {
     }
 
     fn phase_plane(&self) -> Picture {
-        let [times, v, rates] = ["time", "V", "V_dot"].map(|name| self.series.column(name));
+        let [times, v, rates] = ["time", "V", "V_dot"].map(|name| column(&self.series, name));
         let last = times.last().copied().unwrap_or(0.0);
         let first = times.partition_point(|time| *time < last - ORBIT);
         let orbit: Vec<Point> = v.into_iter().zip(rates).skip(first).collect();
@@ -123,7 +123,7 @@ impl Motion {
         let lines: Vec<(&Table, Pen, &str)> = [start].into_iter().chain(end).collect();
         let panel = |(name, quantity): (&str, Quantity)| {
             let layers = lines.iter().map(|(table, pen, _)| {
-                let points = table.column("phi").into_iter().zip(table.column(name));
+                let points = column(table, "phi").into_iter().zip(column(table, name));
                 Layer::Line(points.collect(), *pen)
             });
             let x = Axis::new(

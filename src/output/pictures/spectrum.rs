@@ -3,11 +3,12 @@
 use super::error::PlotError;
 use super::names::{occurring, quantity};
 use super::profile::evenly;
-use super::tables::{Table, Tables};
+use super::tables::{Tables, number as value_of};
 use crate::output::render::axis::{Axis, Extent, Quantity};
 use crate::output::render::legend::{Key, Legend};
 use crate::output::render::palette::{BLACK, CATEGORIES, Pen, VERMILLION, WHITE, mix};
 use crate::output::render::{Cell, Layer, Mark, Panel, Picture, Point, Shape, number};
+use crate::table::Table;
 
 /// Most labels shown in one picture.
 const MOST: usize = 4;
@@ -101,7 +102,7 @@ impl<'a> Chosen<'a> {
             Some(Eigenvalue {
                 label: labels.iter().position(|known| *known == label)?,
                 sector: sectors.iter().position(|known| *known == sector)?,
-                value: (table.number(row, "re")?, table.number(row, "im")?),
+                value: (value_of(table, row, "re")?, value_of(table, row, "im")?),
             })
         };
         Chosen {

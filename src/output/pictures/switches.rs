@@ -3,11 +3,12 @@
 use super::diagram::{NONE, same_leg, signature_between};
 use super::error::PlotError;
 use super::names::{angle, occurring, quantity, regime_colour, zone_colour, zone_keys};
-use super::tables::{Table, Tables};
+use super::tables::{Tables, list, number};
 use crate::output::render::axis::{Axis, Extent};
 use crate::output::render::legend::{Key, Legend};
 use crate::output::render::palette::{BLACK, Pen};
 use crate::output::render::{Layer, Mark, Panel, Picture, Point, Shape};
+use crate::table::Table;
 
 /// Most zones of a wave; more are no wave but a spoiled file.
 const MOST: usize = 64;
@@ -24,8 +25,8 @@ pub fn picture(tables: &Tables) -> Result<Picture, PlotError> {
     tables.check_column("switches")?;
     let branch = &tables.branch;
     let row = |row| {
-        let x = branch.number(row, &tables.parameter)?;
-        Some((x, branch.list(row, "switches")))
+        let x = number(branch, row, &tables.parameter)?;
+        Some((x, list(branch, row, "switches")))
     };
     let rows: Vec<(f64, Vec<f64>)> = (0..branch.len()).filter_map(row).collect();
     let bands = bands(branch, &tables.parameter);
@@ -43,7 +44,7 @@ pub fn picture(tables: &Tables) -> Result<Picture, PlotError> {
     };
 
     let mut layers = Vec::new();
-    if branch.len() == 0 {
+    if branch.is_empty() {
         layers = Layer::remark(NONE);
     } else if top <= 0.0 {
         layers = Layer::remark("no switching positions");
@@ -102,8 +103,8 @@ fn bands<'a>(branch: &'a Table, parameter: &str) -> Vec<Band<'a>> {
     let mut reached = None;
     for row in 0..branch.len() {
         let ends = |row| {
-            let ends = branch.list(row, "switches");
-            Some((branch.number(row, parameter)?, ends))
+            let ends = list(branch, row, "switches");
+            Some((number(branch, row, parameter)?, ends))
                 .filter(|(_, ends)| !ends.is_empty() && ends.len() <= MOST)
         };
         let next = ends(row + 1).filter(|_| same_leg(branch, row));
