@@ -5,7 +5,7 @@
 //! show in its colours.
 
 use super::names::{angle, occurring, regime_colour};
-use super::profile::{NONE, Profile, Profiles, Shown};
+use super::profile::{NONE, Profile, Profiles, Sample, Shown};
 use crate::output::render::axis::{Axis, Extent, Quantity, Tick, drawable};
 use crate::output::render::legend::{Key, Legend};
 use crate::output::render::palette::{BLACK, GREY, Pen, WHITE, mix};
@@ -45,16 +45,10 @@ pub fn picture(profiles: &Profiles) -> Picture {
         .iter()
         .enumerate()
         .map(|(index, one)| {
-            let heights = one
-                .profile
-                .gap()
-                .into_iter()
-                .map(|gap| index as f64 + scale * gap);
-            let points = one.profile.over(&heights.collect::<Vec<f64>>());
-            Raised {
-                profile: one.profile,
-                points,
-            }
+            let (profile, contact) = (one.profile, one.profile.contact());
+            let height = |sample: &Sample| index as f64 + scale * (sample.radial - contact);
+            let points = profile.over(height);
+            Raised { profile, points }
         })
         .collect();
     let changes: Vec<Vec<Change<'_>>> = raised.iter().map(Raised::changes).collect();
@@ -98,8 +92,8 @@ pub fn picture(profiles: &Profiles) -> Picture {
         HEIGHT
     };
 
-    let names = shown.iter().flat_map(|one| one.profile.regimes.iter());
-    let regimes = occurring(names.map(String::as_str)).into_iter();
+    let samples = shown.iter().flat_map(|one| &one.profile.samples);
+    let regimes = occurring(samples.map(|sample| sample.regime.as_str())).into_iter();
     let mut legend = Legend::default()
         .with(
             "",
@@ -125,13 +119,18 @@ fn along_branch(mut shown: Vec<Shown<'_>>) -> Vec<Shown<'_>> {
 
 /// The largest |U − δ|; none when the surfaces never part but for rounding.
 fn largest_gap(shown: &[Shown<'_>]) -> Option<f64> {
-    let extreme = |values: fn(&Profile) -> Vec<f64>| {
-        let all = shown.iter().flat_map(|one| values(one.profile));
-        let drawn = all.filter(|value| drawable(*value)).map(f64::abs);
-        drawn.fold(0.0, f64::max)
-    };
-    let largest = extreme(Profile::gap);
-    let whole = extreme(|profile| profile.radial.clone());
+    let (mut largest, mut whole) = (0.0_f64, 0.0_f64);
+    for Shown { profile, .. } in shown {
+        let contact = profile.contact();
+        for sample in profile
+            .samples
+            .iter()
+            .filter(|sample| drawable(sample.radial))
+        {
+            largest = largest.max((sample.radial - contact).abs());
+            whole = whole.max(sample.radial.abs());
+        }
+    }
     (largest > 1e-9 * whole && largest > 1e-200).then_some(largest)
 }
 

@@ -43,25 +43,19 @@ fn of(profile: &Profile, parameter: &str) -> (Vec<Layer>, Vec<Layer>, Legend) {
         ends: [zone.from, zone.to],
         names: vec![zone.regime.to_owned(), short_regime(zone.regime)],
     });
-    let line = |values: &[f64], pen| Layer::Line(profile.over(values), pen);
     let (curve, bound) = (Pen::solid(BLACK, 2.2), Pen::dashed(BLUE, 1.8));
-    let relative: Vec<f64> = profile
-        .tangential_rate
-        .iter()
-        .map(|rate| 1.0 - rate)
-        .collect();
     let below = vec![
         Layer::Cells(shades.collect()),
         Layer::Across(0.0, Pen::solid(GREY, 1.2)),
     ];
     let mut above = below.clone();
     above.push(Layer::Headings(headings.collect()));
-    above.push(line(&profile.shear, curve));
+    above.push(Layer::Line(profile.over(|sample| sample.shear), curve));
     let mut lines = vec![(Key::Line(curve), "Q")];
     if let Some(friction) = profile.friction {
         for coefficient in [friction, -friction] {
-            let limit: Vec<f64> = profile.pressure.iter().map(|p| coefficient * p).collect();
-            above.push(line(&limit, bound));
+            let limit = profile.over(|sample| coefficient * sample.pressure);
+            above.push(Layer::Line(limit, bound));
         }
         lines.push((Key::Line(bound), "±f P"));
     }
@@ -73,6 +67,7 @@ fn of(profile: &Profile, parameter: &str) -> (Vec<Layer>, Vec<Layer>, Legend) {
     let legend = Legend::default()
         .with(&heading, lines)
         .with("", zone_keys(&regimes));
-    let velocity = below.into_iter().chain([line(&relative, curve)]);
-    (above, velocity.collect(), legend)
+    let mut velocity = below;
+    velocity.push(Layer::Line(profile.over(|sample| 1.0 - sample.rate), curve));
+    (above, velocity, legend)
 }

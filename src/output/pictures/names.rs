@@ -16,7 +16,6 @@ pub fn quantity(column: &str) -> Quantity {
     if let Some(parameter) = Parameter::from_column(column) {
         return Quantity::new(parameter.words(), parameter.symbol());
     }
-    let spaced = column.replace('_', " ");
     let (word, symbol) = match column {
         "speed" => ("speed", "c"),
         "switches" => ("switching positions", "θ"),
@@ -28,7 +27,7 @@ pub fn quantity(column: &str) -> Quantity {
         "lead_im" => ("leading", "Im λ"),
         "lead_sector" => ("sector of the leading eigenvalue", ""),
         "newton" => ("Newton iterations", ""),
-        _ => (spaced.as_str(), ""),
+        other => return Quantity::new(&other.replace('_', " "), ""),
     };
     Quantity::new(word, symbol)
 }

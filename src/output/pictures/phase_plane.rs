@@ -47,8 +47,10 @@ pub fn explained(legend: Legend) -> Legend {
 
 /// The curve of a profile; its ends are joined when they meet but for a sample.
 fn orbit(profile: &Profile) -> Vec<Point> {
-    let rates = profile.tangential_rate.iter().copied();
-    let mut points: Vec<Point> = profile.tangential.iter().copied().zip(rates).collect();
+    let samples = profile.samples.iter();
+    let mut points: Vec<Point> = samples
+        .map(|sample| (sample.tangential, sample.rate))
+        .collect();
     let extent = |of: fn(&Point) -> f64| {
         let low = points.iter().map(of).fold(f64::INFINITY, f64::min);
         let high = points.iter().map(of).fold(f64::NEG_INFINITY, f64::max);

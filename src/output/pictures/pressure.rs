@@ -15,7 +15,7 @@ pub fn picture(profiles: &Profiles) -> Picture {
         false => vec![Layer::Across(0.0, Pen::solid(GREY, 1.2))],
     };
     layers.extend(shown.iter().map(|one| {
-        let points = one.profile.over(&one.profile.pressure);
+        let points = one.profile.over(|sample| sample.pressure);
         Layer::Line(points, Pen::solid(one.colour, 1.9))
     }));
     let x = Axis::new(angle(), Extent::Data(0.0));

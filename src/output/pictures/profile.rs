@@ -3,13 +3,13 @@
 use std::fs;
 use std::io;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use plotters::style::RGBColor;
 
 use super::error::PlotError;
 use super::names::quantity;
-use super::tables::{Tables, number as value_of, read};
+use super::tables::{Tables, number as cell, read};
 use crate::output::render::axis::{Quantity, drawable};
 use crate::output::render::legend::{Key, Legend};
 use crate::output::render::palette::{Pen, ordered};
@@ -22,8 +22,27 @@ const MOST: usize = 9;
 /// What an empty picture says.
 pub const NONE: &str = "no profiles were asked for";
 
-/// Samples of a wave.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// A wave at one place; what is not known is not a number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// θ, always known.
+    pub theta: f64,
+    /// U.
+    pub radial: f64,
+    /// V.
+    pub tangential: f64,
+    /// V̇.
+    pub rate: f64,
+    /// P.
+    pub pressure: f64,
+    /// Q.
+    pub shear: f64,
+    /// Name of the regime.
+    pub regime: String,
+}
+
+/// A sampled wave.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     /// Label of its point.
     pub label: String,
@@ -37,20 +56,8 @@ pub struct Profile {
     pub friction: Option<f64>,
     /// Whether the wave was asked for by a value of the parameter.
     pub asked_for: bool,
-    /// θ of the samples.
-    pub theta: Vec<f64>,
-    /// U; not a number where a sample has none, like all that follow.
-    pub radial: Vec<f64>,
-    /// V.
-    pub tangential: Vec<f64>,
-    /// V̇.
-    pub tangential_rate: Vec<f64>,
-    /// P.
-    pub pressure: Vec<f64>,
-    /// Q.
-    pub shear: Vec<f64>,
-    /// Names of the regimes.
-    pub regimes: Vec<String>,
+    /// The samples in the order of θ.
+    pub samples: Vec<Sample>,
 }
 
 /// Stretch of samples in the same regime.
@@ -70,13 +77,18 @@ impl Profile {
     fn read(path: &Path, label: &str, tables: &Tables) -> Result<Self, PlotError> {
         let columns = ["theta", "U", "V", "V_dot", "P", "Q", "regime"];
         let table = read(path, &columns)?;
-        let placed = |row: &usize| value_of(&table, *row, "theta").is_some();
-        let rows: Vec<usize> = (0..table.len()).filter(placed).collect();
-        let column = |name: &str| -> Vec<f64> {
-            let value = |row: &usize| value_of(&table, *row, name).unwrap_or(f64::NAN);
-            rows.iter().map(value).collect()
+        let sample = |row: usize| {
+            let value = |column: &str| cell(&table, row, column).unwrap_or(f64::NAN);
+            Some(Sample {
+                theta: cell(&table, row, "theta")?,
+                radial: value("U"),
+                tangential: value("V"),
+                rate: value("V_dot"),
+                pressure: value("P"),
+                shear: value("Q"),
+                regime: table.text(row, "regime").to_owned(),
+            })
         };
-        let regime = |row: &usize| table.text(*row, "regime").to_owned();
         Ok(Profile {
             label: label.to_owned(),
             position: tables.position(label),
@@ -84,38 +96,32 @@ impl Profile {
             mismatch: tables.at_label(label, "mismatch"),
             friction: tables.at_label(label, "friction"),
             asked_for: tables.asked_for(label),
-            theta: column("theta"),
-            radial: column("U"),
-            tangential: column("V"),
-            tangential_rate: column("V_dot"),
-            pressure: column("P"),
-            shear: column("Q"),
-            regimes: rows.iter().map(regime).collect(),
+            samples: (0..table.len()).filter_map(sample).collect(),
         })
     }
 
-    /// Values of the samples over θ.
-    pub fn over(&self, values: &[f64]) -> Vec<Point> {
-        self.theta
-            .iter()
-            .copied()
-            .zip(values.iter().copied())
+    /// What a function tells of the samples, over θ.
+    pub fn over(&self, value: impl Fn(&Sample) -> f64) -> Vec<Point> {
+        let samples = self.samples.iter();
+        samples
+            .map(|sample| (sample.theta, value(sample)))
             .collect()
     }
 
     /// The zones in the order of θ.
     pub fn zones(&self) -> Vec<Zone<'_>> {
         let mut zones: Vec<Zone<'_>> = Vec::new();
-        let mut start = 0;
-        for samples in self.regimes.chunk_by(|one, other| one == other) {
-            let end = start + samples.len();
+        for samples in self
+            .samples
+            .chunk_by(|one, other| one.regime == other.regime)
+        {
+            let start = zones.last().map_or(0, |zone| zone.samples.end);
             zones.push(Zone {
-                regime: &samples[0],
-                samples: start..end,
-                from: self.theta[start],
-                to: self.theta[end - 1],
+                regime: &samples[0].regime,
+                samples: start..start + samples.len(),
+                from: samples[0].theta,
+                to: samples[samples.len() - 1].theta,
             });
-            start = end;
         }
         // Switching points may be written once only: zones touch half-way then.
         for index in 1..zones.len() {
@@ -126,12 +132,13 @@ impl Profile {
         zones
     }
 
-    /// U − δ; U above its least value where δ is not known.
-    pub fn gap(&self) -> Vec<f64> {
-        let drawn = self.radial.iter().copied().filter(|value| drawable(*value));
-        let least = drawn.fold(f64::INFINITY, f64::min);
-        let reference = self.mismatch.unwrap_or(least);
-        self.radial.iter().map(|value| value - reference).collect()
+    /// What gaps are measured from: δ, or the least U where δ is not known.
+    pub fn contact(&self) -> f64 {
+        let radial = self.samples.iter().map(|sample| sample.radial);
+        let least = radial
+            .filter(|value| drawable(*value))
+            .fold(f64::INFINITY, f64::min);
+        self.mismatch.unwrap_or(least)
     }
 }
 
@@ -160,29 +167,25 @@ impl Profiles {
     pub fn read(folder: &Path, tables: &Tables) -> Result<Self, PlotError> {
         let directory = folder.join("profiles");
         let fault = |error| PlotError::Read(io_error(READ, &directory)(error));
-        let mut files = Vec::new();
-        match fs::read_dir(&directory) {
-            Ok(entries) => {
-                for entry in entries {
-                    let path = entry.map_err(fault)?.path();
-                    let stem = path.file_stem().and_then(|stem| stem.to_str());
-                    let label = stem.and_then(|stem| stem.parse::<u64>().ok());
-                    if let (Some(label), Some("csv")) = (
-                        label,
-                        path.extension().and_then(|extension| extension.to_str()),
-                    ) {
-                        files.push((label, path));
-                    }
-                }
+        let mut files: Vec<(u64, PathBuf)> = Vec::new();
+        let entries = match fs::read_dir(&directory) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            entries => Some(entries.map_err(fault)?),
+        };
+        for entry in entries.into_iter().flatten() {
+            let path = entry.map_err(fault)?.path();
+            let stem = path.file_stem().and_then(|stem| stem.to_str());
+            if let Some(Ok(label)) = stem.map(str::parse)
+                && path.extension().is_some_and(|extension| extension == "csv")
+            {
+                files.push((label, path));
             }
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-            Err(error) => return Err(fault(error)),
         }
         files.sort();
         let mut all = Vec::new();
         for (label, path) in files {
             match Profile::read(&path, &label.to_string(), tables) {
-                Ok(profile) if !profile.theta.is_empty() => all.push(profile),
+                Ok(profile) if !profile.samples.is_empty() => all.push(profile),
                 // A run killed at the start of a file leaves it empty.
                 Ok(_) | Err(PlotError::Empty { .. }) => {}
                 Err(error) => return Err(error),
@@ -215,14 +218,14 @@ impl Profiles {
                 Some(text) => text,
                 None => format!("label {}", profile.label),
             };
-            (index as f64 / last, text)
+            (ordered(index as f64 / last), text)
         };
-        let looks: Vec<(f64, String)> = chosen.iter().enumerate().map(show).collect();
-        let shown = chosen.into_iter().zip(looks);
-        shown
-            .map(|(profile, (position, text))| Shown {
+        let looks: Vec<(RGBColor, String)> = chosen.iter().enumerate().map(show).collect();
+        let looks = looks.into_iter().zip(&chosen);
+        looks
+            .map(|((colour, text), profile)| Shown {
                 profile,
-                colour: ordered(position),
+                colour,
                 text,
             })
             .collect()

@@ -4,7 +4,7 @@ use super::diagram::{NONE, same_leg, signature_between};
 use super::error::PlotError;
 use super::names::{angle, occurring, quantity, regime_colour, zone_colour, zone_keys};
 use super::tables::{Tables, list, number};
-use crate::output::render::axis::{Axis, Extent};
+use crate::output::render::axis::{Axis, Extent, range};
 use crate::output::render::legend::{Key, Legend};
 use crate::output::render::palette::{BLACK, Pen};
 use crate::output::render::{Layer, Mark, Panel, Picture, Point, Shape};
@@ -49,46 +49,36 @@ pub fn picture(tables: &Tables) -> Result<Picture, PlotError> {
     } else if top <= 0.0 {
         layers = Layer::remark("no switching positions");
     }
-    let zones: Vec<(&Band<'_>, usize, &str)> = bands
-        .iter()
-        .flat_map(|band| {
-            let numbered = band.regimes.iter().enumerate();
-            numbered.map(move |(zone, name)| (band, zone, *name))
-        })
-        .collect();
-    if shaded {
-        layers.extend(zones.iter().map(|(band, zone, name)| {
-            let lower = band.line(zone.checked_sub(1));
-            let upper = band.line(Some(*zone)).rev();
-            Layer::Area(lower.chain(upper).collect(), zone_colour(name))
-        }));
+    let mut lines = Vec::new();
+    for band in &bands {
+        for (zone, name) in band.regimes.iter().enumerate() {
+            let colour = if shaded { BLACK } else { regime_colour(name) };
+            let end: Vec<Point> = band.line(Some(zone)).collect();
+            if shaded {
+                let back = end.iter().rev().copied();
+                let corners = band.line(zone.checked_sub(1)).chain(back);
+                layers.push(Layer::Area(corners.collect(), zone_colour(name)));
+            }
+            lines.push(Layer::Line(end, Pen::solid(colour, 1.8)));
+        }
     }
-    layers.extend(zones.iter().map(|(band, zone, name)| {
-        let colour = if shaded { BLACK } else { regime_colour(name) };
-        Layer::Line(band.line(Some(*zone)).collect(), Pen::solid(colour, 1.8))
-    }));
+    layers.extend(lines);
     if bands.is_empty() {
         let points = rows
             .iter()
             .flat_map(|(x, ends)| ends.iter().map(|end| (*x, *end)));
-        layers.push(Layer::Marks(
-            points.collect(),
-            Mark::new(Shape::Disc, 3.4, BLACK),
-        ));
+        let mark = Mark::new(Shape::Disc, 3.4, BLACK);
+        layers.push(Layer::Marks(points.collect(), mark));
     }
     let x = Axis::new(quantity(&tables.parameter), Extent::Data(0.04));
-    let extent = if top > 0.0 {
-        Extent::Fixed(0.0, top)
-    } else {
-        Extent::Data(0.0)
-    };
-    let panel = Panel::new(x, Axis::new(angle(), extent), layers);
+    let y = Axis::new(angle(), Extent::Fixed(0.0, top));
+    let panel = Panel::new(x, y, layers);
     Ok(Picture::new(vec![panel], legend))
 }
 
 impl Band<'_> {
     /// The end of a zone, or release, over the parameter.
-    fn line(&self, zone: Option<usize>) -> impl DoubleEndedIterator<Item = Point> {
+    fn line(&self, zone: Option<usize>) -> impl Iterator<Item = Point> {
         self.columns.iter().map(move |(x, ends)| {
             let end = zone.map_or(Some(&0.0), |zone| ends.get(zone));
             (*x, end.copied().unwrap_or(f64::NAN))
@@ -203,21 +193,12 @@ fn matching(short: &[f64], long: &[f64]) -> Vec<usize> {
 
 /// Whether the branch passes every value of the parameter once.
 fn one_way(bands: &[Band<'_>]) -> bool {
-    let values =
-        |band: &Band<'_>| -> Vec<f64> { band.columns.iter().map(|column| column.0).collect() };
-    let parts: Vec<Vec<f64>> = bands.iter().map(values).collect();
-    let low = parts
-        .iter()
-        .flatten()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
-    let high = parts
-        .iter()
-        .flatten()
-        .copied()
-        .fold(f64::NEG_INFINITY, f64::max);
-    let steps = parts.iter().flat_map(|part| part.windows(2));
-    let travelled: f64 = steps.map(|pair| (pair[1] - pair[0]).abs()).sum();
+    let columns = bands.iter().flat_map(|band| &band.columns);
+    let Some((low, high)) = range(columns.map(|column| column.0)) else {
+        return true;
+    };
+    let steps = bands.iter().flat_map(|band| band.columns.windows(2));
+    let travelled: f64 = steps.map(|pair| (pair[1].0 - pair[0].0).abs()).sum();
     travelled <= (high - low) * (1.0 + 1e-9)
 }
 

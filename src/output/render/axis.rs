@@ -89,7 +89,7 @@ pub struct Tick {
     pub text: String,
 }
 
-/// An axis as it is drawn. An axis over data without any has no ticks.
+/// An axis as it is drawn; one over nothing has no ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
     /// Lower end, of the logarithm for decades.
@@ -117,7 +117,7 @@ impl Scale {
     /// The axis over these values.
     pub fn of(axis: &Axis, values: impl Iterator<Item = f64>, ticks: Ticks) -> Scale {
         let ends = match axis.extent {
-            Extent::Fixed(low, high) => Some((low, high)),
+            Extent::Fixed(low, high) => Some((low, high)).filter(|_| low < high),
             Extent::Decades => return Scale::decades(values, &axis.quantity),
             Extent::Data(room) => range(values).map(|(low, high)| {
                 let room = room * (high - low);
