@@ -26,9 +26,9 @@ pub enum Method {
 }
 
 /// Largest number of mesh intervals in a zone.
-pub const MAX_INTERVALS: usize = 2000;
+pub(crate) const MAX_INTERVALS: usize = 2000;
 /// Largest number of collocation points in an interval.
-pub const MAX_DEGREE: usize = 7;
+pub(crate) const MAX_DEGREE: usize = 7;
 
 impl Method {
     /// The cheapest method that is exact for the law, or accurate to 1e-12.

@@ -44,11 +44,21 @@ struct Entry {
     range: Range,
     /// That as a sentence.
     rule: &'static str,
+    /// What a model without it has instead, and how the problem file gives it one.
+    absent: (&'static str, &'static str),
     /// Where its value stands; `None` in a model without it.
     place: fn(&mut Model) -> Option<&mut f64>,
     /// Derivative of the constants of the equations.
     derivative: fn(&Model) -> Constants,
 }
+
+/// Every model has the parameter.
+const NEVER: (&str, &str) = ("", "");
+/// The parameter is one of the tube.
+const GIVEN: (&str, &str) = (
+    "the coefficients are `Given`",
+    "coefficients: Geometry(nu: .., xi: .., gamma: ..)",
+);
 
 /// So many parameters have had their columns side by side from the beginning.
 const FIRST_COLUMNS: usize = 7;
@@ -63,6 +73,7 @@ const TABLE: [Entry; 8] = [
         path: "model.mismatch",
         range: Range::above(0.0),
         rule: "the mismatch must be {}",
+        absent: NEVER,
         place: |model| Some(&mut model.mismatch),
         derivative: |_| Constants {
             mismatch: 1.0,
@@ -77,6 +88,7 @@ const TABLE: [Entry; 8] = [
         path: "model.friction",
         range: Range::from(0.0),
         rule: "the friction coefficient must be {}",
+        absent: NEVER,
         place: |model| Some(&mut model.friction),
         derivative: |_| Constants {
             friction: 1.0,
@@ -91,6 +103,7 @@ const TABLE: [Entry; 8] = [
         path: "model.damping.mass",
         range: Range::from(0.0),
         rule: "damping must be {}",
+        absent: NEVER,
         place: |model| Some(&mut model.damping.mass),
         derivative: |_| Constants {
             mass_damping: 1.0,
@@ -105,6 +118,7 @@ const TABLE: [Entry; 8] = [
         path: "model.damping.stiffness",
         range: Range::from(0.0),
         rule: "damping must be {}",
+        absent: NEVER,
         place: |model| Some(&mut model.damping.stiffness),
         derivative: |_| Constants {
             stiffness_damping: 1.0,
@@ -119,6 +133,7 @@ const TABLE: [Entry; 8] = [
         path: "model.coefficients.gamma",
         range: Range::above(0.0),
         rule: "gamma must be {}",
+        absent: GIVEN,
         place: |model| match &mut model.source {
             Source::Geometry { gamma, .. } => Some(gamma),
             Source::Given { .. } => None,
@@ -133,6 +148,7 @@ const TABLE: [Entry; 8] = [
         path: "model.coefficients.nu",
         range: Range::above(-1.0).below(0.5),
         rule: "Poisson's ratio must lie {}",
+        absent: GIVEN,
         place: |model| match &mut model.source {
             Source::Geometry { nu, .. } => Some(nu),
             Source::Given { .. } => None,
@@ -147,6 +163,7 @@ const TABLE: [Entry; 8] = [
         path: "model.coefficients.xi",
         range: Range::above(1.0),
         rule: "the ratio of the radii must be {}",
+        absent: GIVEN,
         place: |model| match &mut model.source {
             Source::Geometry { xi, .. } => Some(xi),
             Source::Given { .. } => None,
@@ -161,6 +178,10 @@ const TABLE: [Entry; 8] = [
         path: "model.friction_law.epsilon",
         range: Range::above(0.0),
         rule: "the smoothing must be {}",
+        absent: (
+            "the friction law has no smoothing",
+            "friction_law: Regularised(epsilon: 0.02)",
+        ),
         place: |model| match &mut model.law {
             FrictionLaw::Regularised { epsilon } => Some(epsilon),
             _ => None,
@@ -207,12 +228,12 @@ impl Parameter {
     }
 
     /// Whether its column stands at the end of a table: few problems have it.
-    pub fn is_later(self) -> bool {
+    pub(crate) fn is_later(self) -> bool {
         self as usize >= FIRST_COLUMNS
     }
 
     /// Name on axes; empty where the symbol says all.
-    pub fn words(self) -> &'static str {
+    pub(crate) fn words(self) -> &'static str {
         self.entry().words
     }
 
@@ -233,13 +254,18 @@ impl Parameter {
         self.entry().path
     }
 
+    /// What a model without it has instead, and how the problem file gives it one.
+    pub(crate) fn absent(self) -> (&'static str, &'static str) {
+        self.entry().absent
+    }
+
     /// Whether the model makes sense with this value, which may be infinite.
-    pub fn admits(self, value: f64) -> bool {
+    pub(crate) fn admits(self, value: f64) -> bool {
         self.entry().range.admits(value)
     }
 
     /// The values that are admitted, in words.
-    pub fn rule(self) -> String {
+    pub(crate) fn rule(self) -> String {
         self.entry().range.rule(self.entry().rule)
     }
 }

@@ -10,9 +10,9 @@ use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TO
 use crate::model::{FrictionLaw, Parameter};
 
 /// Largest number of points of a leg where none is given.
-pub const DEFAULT_MAX_POINTS: usize = 100_000;
+pub(crate) const DEFAULT_MAX_POINTS: usize = 100_000;
 /// The same under a `Regularised` law, whose zones are integrated: some 20 ms a point, five seconds a leg.
-pub const DEFAULT_MAX_POINTS_INTEGRATED: usize = 250;
+pub(crate) const DEFAULT_MAX_POINTS_INTEGRATED: usize = 250;
 
 /// Which way a branch leaves its first point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

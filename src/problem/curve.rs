@@ -9,7 +9,7 @@ use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TO
 use crate::model::Parameter;
 
 /// Largest number of points of a curve where none is given.
-pub const DEFAULT_CURVE_POINTS: usize = 10_000;
+pub(crate) const DEFAULT_CURVE_POINTS: usize = 10_000;
 
 /// The event a curve begins with: the first of its type along the branch of `continuation`, or the
 /// one that an earlier run labelled.

@@ -9,7 +9,7 @@ use crate::branch::EventType;
 use crate::model::Parameter;
 
 /// Most expectations of a problem.
-pub const MAX_EXPECTATIONS: usize = 1000;
+pub(crate) const MAX_EXPECTATIONS: usize = 1000;
 
 /// How many numbers of an event can be compared: ω, c, and the parameters.
 const COUNT: usize = 2 + Parameter::ALL.len();

@@ -4,10 +4,9 @@
 //! the table by its path. What values must hold to among each other is in [`super::validation`].
 
 use super::error::{Flaw, excerpt};
+use super::map::{MAX_GRID, MAX_MAP_POINTS};
 use super::outline::Outline;
-use super::{
-    MAX_GRID, MAX_MAP_POINTS, MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, MAX_WORDS, Problem, is_text,
-};
+use super::{MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, MAX_WORDS, Problem, is_text};
 use crate::flow::method::{MAX_DEGREE, MAX_INTERVALS};
 use crate::model::Parameter;
 use crate::model::range::Range;

@@ -6,9 +6,9 @@ use super::Start;
 use crate::model::Parameter;
 
 /// Most rows or columns of a grid.
-pub const MAX_GRID: usize = 100_000;
+pub(crate) const MAX_GRID: usize = 100_000;
 /// Most points of a map.
-pub const MAX_MAP_POINTS: usize = 100_000_000;
+pub(crate) const MAX_MAP_POINTS: usize = 100_000_000;
 
 /// A map of waves over a plane of two parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

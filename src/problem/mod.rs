@@ -23,13 +23,11 @@ use std::path::{Path, PathBuf};
 use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 
-pub use continuation::{
-    Continuation, DEFAULT_MAX_POINTS, DEFAULT_MAX_POINTS_INTEGRATED, StopAfter, Toward,
-};
-pub use curve::{Curve, CurveEvent, DEFAULT_CURVE_POINTS};
+pub use continuation::{Continuation, StopAfter, Toward};
+pub use curve::{Curve, CurveEvent};
 pub use error::ProblemError;
-pub use expectation::{Expectation, MAX_EXPECTATIONS};
-pub use map::{MAX_GRID, MAX_MAP_POINTS, Map, MapAxis, MapPoints};
+pub use expectation::Expectation;
+pub use map::{Map, MapAxis, MapPoints};
 
 use crate::flow::method::Method;
 use crate::model::Model;
@@ -40,22 +38,22 @@ use error::Flaw;
 use outline::Outline;
 
 /// Largest problem file accepted, in bytes.
-pub const MAX_BYTES: usize = 4 << 20;
+pub(crate) const MAX_BYTES: usize = 4 << 20;
 /// Largest number of waves around the circumference that is accepted.
-pub const MAX_MODE: u32 = 4096;
+pub(crate) const MAX_MODE: u32 = 4096;
 /// Largest number of profiles that can be asked for.
-pub const MAX_PROFILES: usize = 1000;
+pub(crate) const MAX_PROFILES: usize = 1000;
 /// Most values of [`Continuation::stop_at`].
-pub const MAX_USER_POINTS: usize = 10_000;
+pub(crate) const MAX_USER_POINTS: usize = 10_000;
 /// Longest title or path, in characters.
-pub const MAX_WORDS: usize = 4096;
+pub(crate) const MAX_WORDS: usize = 4096;
 /// Coarsest accepted [`Continuation::tolerance`].
-pub const MAX_TOLERANCE: f64 = 1e-4;
+pub(crate) const MAX_TOLERANCE: f64 = 1e-4;
 
 /// Eigenvalues kept per Bloch sector where no number is given.
-pub const DEFAULT_EIGENVALUES: usize = 6;
+pub(crate) const DEFAULT_EIGENVALUES: usize = 6;
 /// Largest |Im λ| searched where none is given, in units of Ω.
-pub const DEFAULT_MAX_FREQUENCY: f64 = 12.0;
+pub(crate) const DEFAULT_MAX_FREQUENCY: f64 = 12.0;
 
 /// A commented problem file to start from: the mode-4 branch in the mismatch.
 pub const TEMPLATE: &str = include_str!("template.ron");
@@ -102,64 +100,34 @@ impl Problem {
     ///
     /// `text` and `name` are the source of the problem and the name of its file, for the message.
     pub fn continuation(&self, text: &str, name: &str) -> Result<&Continuation, ProblemError> {
-        self.continuation.as_ref().ok_or_else(|| {
-            refuse_at(
-                text,
-                name,
-                "continuation",
-                "missing field `continuation` in the problem: there is no branch to follow",
-                "add `continuation: (parameter: Mismatch, range: (0.004, 0.2)),`",
-            )
-        })
+        let section = self.continuation.as_ref();
+        section.ok_or_else(|| missing("continuation", "no branch to follow", text, name))
     }
 
-    /// The `simulation` section, or an error that says how to write one.
-    ///
-    /// `text` and `name` are the source of the problem and the name of its file, for the message.
+    /// The `simulation` section; see [`Problem::continuation`].
     pub fn simulation(&self, text: &str, name: &str) -> Result<&Simulation, ProblemError> {
-        self.simulation.as_ref().ok_or_else(|| {
-            refuse_at(
-                text,
-                name,
-                "simulation",
-                "missing field `simulation` in the problem: there is nothing to simulate",
-                "add `simulation: (body: Ring(points: 384), start: SteadySliding, \
-                 perturbation: (mode: 4, amplitude: 1e-3), duration: 40.0),`",
-            )
-        })
+        let section = self.simulation.as_ref();
+        section.ok_or_else(|| missing("simulation", "nothing to simulate", text, name))
     }
 
-    /// The `map` section, or an error that says how to write one.
-    ///
-    /// `text` and `name` are the source of the problem and the name of its file, for the message.
+    /// The `map` section; see [`Problem::continuation`].
     pub fn map(&self, text: &str, name: &str) -> Result<&Map, ProblemError> {
-        self.map.as_ref().ok_or_else(|| {
-            refuse_at(
-                text,
-                name,
-                "map",
-                "missing field `map` in the problem: there is no plane to map",
-                "add `map: (first: (parameter: Friction, range: (0.1, 1.0)), second: (parameter: \
-                 Mismatch, range: (0.004, 0.2)), points: Grid(rows: 100, columns: 100)),`",
-            )
-        })
+        let section = self.map.as_ref();
+        section.ok_or_else(|| missing("map", "no plane to map", text, name))
     }
 
-    /// The `curve` section, or an error that says how to write one.
-    ///
-    /// `text` and `name` are the source of the problem and the name of its file, for the message.
+    /// The `curve` section; see [`Problem::continuation`].
     pub fn curve(&self, text: &str, name: &str) -> Result<&Curve, ProblemError> {
-        self.curve.as_ref().ok_or_else(|| {
-            refuse_at(
-                text,
-                name,
-                "curve",
-                "missing field `curve` in the problem: there is no event to follow",
-                "add `curve: (event: GR, parameters: (Mismatch, Friction), range: ((0.01, 0.3), \
-                 (0.1, 1.0))),`",
-            )
-        })
+        let section = self.curve.as_ref();
+        section.ok_or_else(|| missing("curve", "no event to follow", text, name))
     }
+}
+
+/// The error about a section that is not there.
+fn missing(section: &str, lack: &str, text: &str, name: &str) -> ProblemError {
+    let message = format!("missing field `{section}` in the problem: there is {lack}");
+    let example = examples::example("", section).unwrap_or_default();
+    refuse_at(text, name, section, message, format!("add `{example},`"))
 }
 
 /// The wave a computation begins with.

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use super::continuation::{DEFAULT_MAX_POINTS, DEFAULT_MAX_POINTS_INTEGRATED};
 use super::*;
 use crate::branch::EventType;
 use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE};

@@ -3,11 +3,13 @@
 use std::fmt::Debug;
 
 use super::error::{Flaw, excerpt};
+use super::expectation::MAX_EXPECTATIONS;
 use super::fields::not_admitted;
+use super::map::MAX_MAP_POINTS;
 use super::outline::Outline;
 use super::{
-    Continuation, Curve, CurveEvent, Expectation, MAX_EXPECTATIONS, MAX_MAP_POINTS,
-    MAX_USER_POINTS, Map, MapPoints, Plot, Problem, Start, Toward,
+    Continuation, Curve, CurveEvent, Expectation, MAX_USER_POINTS, Map, MapPoints, Plot, Problem,
+    Start, Toward,
 };
 use crate::branch::EventType;
 use crate::branch::row::drawable_columns;
@@ -22,7 +24,6 @@ use crate::stability::Sectors;
 type Check = Result<(), Flaw>;
 
 const ORDER: &str = "write the lower end first and the upper end, which must be greater, second";
-const NO_GEOMETRY: &str = "write `coefficients: Geometry(nu: .., xi: .., gamma: ..)`, or";
 
 /// Refuses the first values of the problem that make no sense together.
 pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
@@ -103,15 +104,9 @@ impl Checks<'_> {
         if self.problem.model.value(parameter).is_some() {
             return Ok(());
         }
-        let column = parameter.column();
-        if parameter == Parameter::Smoothing {
-            let message = format!("`{column}` is unknown: the friction law has no smoothing");
-            let help = "use `friction_law: Regularised(epsilon: 0.02)`, or another parameter";
-            return self.refuse(path, message, help);
-        }
-        let message = format!("`{column}` is unknown: the coefficients are `Given`");
-        let others = "another parameter: Mismatch, Friction, MassDamping or StiffnessDamping";
-        self.refuse(path, message, format!("{NO_GEOMETRY} use {others}"))
+        let (instead, cure) = parameter.absent();
+        let message = format!("`{}` is unknown: {instead}", parameter.column());
+        self.refuse(path, message, format!("use `{cure}`, or another parameter"))
     }
 
     /// Refuses a range in which a parameter has no sense, or which is empty.
@@ -379,7 +374,7 @@ impl Checks<'_> {
         self.admit("simulation.body.across", across, holds, &rule)?;
         if self.problem.model.source.geometry().is_none() {
             let message = "an annulus needs a geometry, but the coefficients are `Given`";
-            let help = format!("{NO_GEOMETRY} simulate a `Ring`");
+            let help = format!("write `{}`, or simulate a `Ring`", Parameter::Xi.absent().1);
             return self.refuse("simulation.body", message, help);
         }
         if section.start != SimulationStart::SteadySliding {
@@ -449,17 +444,12 @@ impl Checks<'_> {
     }
 
     /// What a plot shows but the problem does not ask for, and how to ask for it.
-    fn lacks(&self, plot: &Plot) -> Option<(&'static str, &'static str)> {
+    fn lacks(&self, plot: &Plot) -> Option<(&'static str, String)> {
         const STABILITY: (&str, &str) =
             ("the section `stability`", "add `stability: (sectors: All)`");
         const PROFILES: (&str, &str) = ("profiles", "add `profiles: 9` to `output`");
         const CONDITIONING: (&str, &str) =
             ("`conditioning`", "add `conditioning: true` to `output`");
-        const PARAMETER: (&str, &str) = (
-            "this parameter in the model",
-            "use `coefficients: Geometry(..)` for gamma, nu and xi, `friction_law: \
-             Regularised(..)` for smoothing",
-        );
         let Problem {
             stability, output, ..
         } = self.problem;
@@ -475,13 +465,16 @@ impl Checks<'_> {
                 }
                 "condition" | "expected_error" => (CONDITIONING, output.conditioning),
                 name => {
-                    let known = |parameter| self.problem.model.value(parameter).is_some();
-                    let known = Parameter::from_column(name).is_none_or(known);
-                    (PARAMETER, known || self.restarts())
+                    let lacking = Parameter::from_column(name)
+                        .filter(|&parameter| self.problem.model.value(parameter).is_none())
+                        .filter(|_| !self.restarts())?;
+                    let (_, cure) = lacking.absent();
+                    return Some(("this parameter in the model", format!("use `{cure}`")));
                 }
             },
         };
-        (!given).then_some(needed)
+        let (needed, cure) = needed;
+        (!given).then(|| (needed, cure.to_owned()))
     }
 
     /// Whether the first wave brings its own model.

@@ -8,26 +8,26 @@ use super::ring::{Law, Order};
 use crate::stability::Sectors;
 
 /// Fewest points of a ring, or of the contact line of an annulus, per wavelength simulated.
-pub const MIN_SIMULATION_POINTS: usize = 16;
+pub(crate) const MIN_SIMULATION_POINTS: usize = 16;
 /// Fewest points per wavelength for [`Growth`], which looks at half as many, too: seven points are the
 /// least on which differences of every order do not reach round a ring.
-pub const MIN_GROWTH_POINTS: usize = 14;
+pub(crate) const MIN_GROWTH_POINTS: usize = 14;
 /// Most points of a ring, and most nodes of an annulus.
-pub const MAX_SIMULATION_POINTS: usize = 1 << 20;
+pub(crate) const MAX_SIMULATION_POINTS: usize = 1 << 20;
 /// Most samples of a simulation.
-pub const MAX_SAMPLES: usize = 1 << 20;
+pub(crate) const MAX_SAMPLES: usize = 1 << 20;
 /// Most snapshots.
-pub const MAX_SNAPSHOTS: usize = 1000;
+pub(crate) const MAX_SNAPSHOTS: usize = 1000;
 /// Largest Courant number: beyond it, rates are off by a percent long before the scheme breaks.
-pub const MAX_COURANT: f64 = 0.9;
+pub(crate) const MAX_COURANT: f64 = 0.9;
 /// Courant number where none is given.
-pub const DEFAULT_COURANT: f64 = 0.3;
+pub(crate) const DEFAULT_COURANT: f64 = 0.3;
 /// Time between samples where none is given, in units of 1/Ω.
-pub const DEFAULT_EVERY: f64 = 0.05;
+pub(crate) const DEFAULT_EVERY: f64 = 0.05;
 /// Pairs of runs of [`Growth`] where none are given.
-pub const DEFAULT_PAIRS: usize = 80;
+pub(crate) const DEFAULT_PAIRS: usize = 80;
 /// Largest difference of the two runs of a pair where none is given, in units of RΩ.
-pub const DEFAULT_GROWTH_AMPLITUDE: f64 = 1e-4;
+pub(crate) const DEFAULT_GROWTH_AMPLITUDE: f64 = 1e-4;
 
 /// A simulation in time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
