@@ -12,7 +12,8 @@ use std::path::Path;
 
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Damping, Model};
-use brakewave::output::folder::Restart;
+use brakewave::output::run::Restart;
+use brakewave::output::store::Checkpoint;
 use brakewave::simulation::growth::{self, Request, SETTLING};
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Setup};

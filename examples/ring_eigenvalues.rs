@@ -10,7 +10,8 @@
 
 use std::path::Path;
 
-use brakewave::output::folder::Restart;
+use brakewave::output::run::Restart;
+use brakewave::output::store::Checkpoint;
 use brakewave::simulation::growth::{self, INSTANTS, Request, SETTLING};
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Setup};

@@ -2,10 +2,12 @@
 
 mod begin;
 mod change;
+pub mod compare;
 pub mod conditioning;
 mod events;
 pub mod first_wave;
 pub mod follow;
+pub mod passage;
 mod point;
 pub mod row;
 pub mod run;

@@ -4,6 +4,7 @@ use serde::{Serialize, Serializer};
 
 use super::{BranchPoint, Event, EventType, Stability};
 use crate::model::{Model, Parameter};
+use crate::stability::spectrum::Eigenvalue;
 use crate::table;
 
 /// The parameters of a model, each in its column: the later ones, or those before them.
@@ -193,6 +194,18 @@ pub struct EigenvalueRow {
     pub im: f64,
     /// Bound of its error; not a number where there is none.
     pub error: f64,
+}
+
+impl EigenvalueRow {
+    /// An eigenvalue of a sector.
+    pub fn new(sector: usize, eigenvalue: &Eigenvalue) -> EigenvalueRow {
+        EigenvalueRow {
+            sector,
+            re: eigenvalue.re,
+            im: eigenvalue.im,
+            error: eigenvalue.error,
+        }
+    }
 }
 
 /// A row of `brakewave spectrum`: an eigenvalue, the wave it belongs to and, where they are known, its

@@ -11,6 +11,7 @@ use super::begin::{Begun, begin};
 use super::conditioning::conditioning;
 use super::first_wave;
 use super::follow::{Follower, Found, Limits, State};
+use super::row::EigenvalueRow;
 use super::saved::{SavedWave, finite};
 use super::special::{Ending, Failure, NoFollower, Note, Special};
 use super::{BranchPoint, Event, EventType, LeadingEigenvalue, ProfileSample, Reason, Stability};
@@ -20,8 +21,8 @@ use crate::continuation::{Node, Steps};
 use crate::flow::FlowError;
 use crate::flow::method::Method;
 use crate::linalg::Vector;
-use crate::model::Model;
 use crate::model::signature::Signature;
+use crate::model::{Model, Parameter};
 use crate::problem::{Continuation, Problem, Toward};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::spectrum::{Request, Spectrum};
@@ -110,8 +111,8 @@ pub struct Item {
     pub special: Option<Special>,
     /// The wave in physical numbers, at labelled points.
     pub saved: Option<SavedWave>,
-    /// Leading eigenvalues by sector at labelled points: sector, Re λ, Im λ, error.
-    pub eigenvalues: Vec<(usize, [f64; 3])>,
+    /// Leading eigenvalues by sector at labelled points.
+    pub eigenvalues: Vec<EigenvalueRow>,
     wave: Arc<Wave>,
     unknowns: Vector,
 }
@@ -631,14 +632,8 @@ impl Runner {
         let saved = label.map(|label| SavedWave::new(label, model, wave, unknowns));
         let eigenvalues = match (label, spectrum, &self.stability) {
             (Some(_), Some(spectrum), Some(request)) => spectrum
-                .sectors
-                .iter()
-                .flat_map(|sector| {
-                    spectrum
-                        .listed(sector)
-                        .take(request.eigenvalues)
-                        .map(|one| (sector.sector, [one.re, one.im, one.error]))
-                })
+                .leading(request.eigenvalues)
+                .map(|(sector, eigenvalue)| EigenvalueRow::new(sector, eigenvalue))
                 .collect(),
             _ => Vec::new(),
         };
@@ -740,6 +735,11 @@ impl Runner {
     /// What could not be settled so far.
     pub fn notes(&self) -> &[Note] {
         &self.notes
+    }
+
+    /// The parameter that it is followed in.
+    pub fn parameter(&self) -> Parameter {
+        self.continuation.parameter
     }
 
     /// Whether stability is asked for.

@@ -1,193 +1,104 @@
 //! `brakewave accuracy`.
 
-use std::io::Write;
-use std::path::PathBuf;
-use std::time::{Duration, Instant};
-
 use clap::Args;
 
-use super::progress::Progress;
-use super::run::{Prepared, prepare};
-use super::{Failure, FormatArgument, default_folder, inputs, print, warn};
-use crate::accuracy::{self, Missed, Repeats, Row, Rung};
+use super::failure::{Exit, Failure, Usage};
+use super::options::{Task, format};
+use super::prepare::{Prepared, prepare};
+use super::progress::{Progress, drive};
+use super::{print, warn};
+use crate::accuracy::{Course, Limits, Missed, Row, Rung, ladder, reference_method};
+use crate::output::accuracy::{AccuracyFolder, Interrupted};
 use crate::output::pictures;
 use crate::output::pictures::accuracy::Series;
 use crate::output::render::Format;
-use crate::output::store::{self, Existing, Kind, Store, StoreError, damaged, io_error};
-use crate::table::{self, Table};
+use crate::output::store::Kind;
 
 #[derive(Debug, Args)]
 pub struct AccuracyArguments {
-    /// Problem file
-    problem: PathBuf,
-    /// Folder of the table and the picture [default: results/<name of the problem file>_accuracy]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Keep what an earlier run has measured and go on with the rest
-    #[arg(long, conflicts_with = "force")]
-    resume: bool,
-    /// Replace the results of an earlier run
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    task: Task,
     /// Seconds to spend: methods are repeated within it, and cut and left out when it is over
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = positive)]
     budget: f64,
     /// Most repetitions of a run, whose median time is given
     #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..))]
     repeats: u16,
-    /// Format of the picture
-    #[arg(long, value_enum, default_value = "svg")]
-    format: FormatArgument,
-    /// Print nothing but errors
-    #[arg(long)]
-    quiet: bool,
+    /// Format of the picture: svg, png or pdf
+    #[arg(long, default_value = "svg", value_parser = format)]
+    format: Format,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+fn positive(text: &str) -> Result<f64, Usage> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("give a positive number of seconds".into()),
+        _ => Err(Usage::Seconds),
     }
 }
 
-/// Name of the table.
-const TABLE: &str = "accuracy.csv";
-
-pub fn accuracy(arguments: &AccuracyArguments) -> Result<u8, Failure> {
-    let format = Format::from(arguments.format).available()?;
+pub fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
+    let (task, format) = (&arguments.task, arguments.format.available()?);
     let Prepared {
         problem,
         continuation,
         restart,
         source,
-    } = prepare(&arguments.problem)?;
+    } = prepare(&task.problem)?;
     if restart.is_some() {
-        return Err(Failure::Usage(
-            "every method begins from the closed form: give a problem that starts from `Fast` or \
-             `Slow`"
-                .into(),
-        ));
+        return Err(Usage::Restarted.into());
     }
-    let out = arguments.out.clone().unwrap_or_else(|| {
-        let mut folder = default_folder(&arguments.problem).into_os_string();
-        folder.push("_accuracy");
-        folder.into()
-    });
+    let out = task.folder("_accuracy");
     let picture = format!("accuracy.{}", format.extension());
-    let existing = Existing::of(arguments.resume, arguments.force);
-    let inputs = inputs(&arguments.problem, &problem);
-    let store = Store::open(&out, Kind::Accuracy, &problem, existing, &inputs)?;
+    let store = task.open(&out, Kind::Accuracy, &problem)?;
     let law = problem.model.law;
-    let ladder = accuracy::ladder(law);
-    let earlier = if store.resumes() {
-        earlier(&store, &ladder)?
-    } else {
-        None
-    };
-    let resumed = earlier.is_some();
-    let (mut rows, length) = earlier.unwrap_or_default();
-    let mut left_out = 0;
+    let ladder = ladder(law);
+    let earlier = AccuracyFolder::interrupted(&store, &ladder)?;
+    let measured = |earlier: &Interrupted| earlier.rows.clone();
+    let mut rows: Vec<Row> = earlier.as_ref().map(measured).unwrap_or_default();
+    let mut course = None;
     if rows.len() < ladder.len() {
-        let begun = Instant::now();
-        let until = Duration::try_from_secs_f64(arguments.budget)
-            .ok()
-            .and_then(|budget| begun.checked_add(budget));
-        let mut progress = Progress::new(arguments.quiet);
-        progress.show(f64::NAN, || "the reference".into());
-        let (stripped, continuation) = accuracy::stripped(&problem, &continuation);
-        let method = accuracy::reference_method(law);
-        let reference = accuracy::follow(&stripped, &continuation, method, until);
-        let reference = reference.map_err(|missed| match missed {
-            Missed::Run(error) => source.place(error),
-            _ => Failure::Usage(format!(
-                "the reference, {}, takes longer than --budget {}: give a larger one",
-                Rung::Flow(method),
-                arguments.budget
-            )),
-        })?;
-        let mut file = if resumed {
-            store.cut(TABLE, length)?
-        } else {
-            store.begin([TABLE.to_owned(), picture.clone()], None)?;
-            store.create(TABLE, table::header::<Row>().as_bytes())?
+        let progress = Progress::new(task.quiet);
+        progress.show(f64::NAN, "the reference".into());
+        let limits = Limits {
+            budget: arguments.budget,
+            repeats: arguments.repeats.into(),
         };
-        // the shortest time of the rung before, by method: a finer one takes no less
-        let mut least = ("", 0.0);
-        for (index, rung) in ladder.iter().enumerate() {
-            if rows.iter().any(|row| row.is_of(*rung)) {
-                continue;
-            }
-            let left = arguments.budget - begun.elapsed().as_secs_f64();
-            if left <= 0.0 || least.0 == rung.method() && least.1 > left {
-                left_out += 1;
-                continue;
-            }
-            progress.show(index as f64 / ladder.len() as f64, || rung.to_string());
-            let repeats = Repeats {
-                most: arguments.repeats.into(),
-                seconds: left / (ladder.len() - index) as f64,
-                until,
-            };
-            match accuracy::measure(&stripped, &continuation, *rung, &reference, repeats) {
-                Some(row) => {
-                    least = (rung.method(), row.seconds.unwrap_or(f64::NAN));
-                    let path = store.path().join(TABLE);
-                    (file.write_all(table::line(&row).as_bytes()))
-                        .map_err(io_error("write it", &path))?;
-                    rows.push(row);
-                }
-                None => {
-                    least = (rung.method(), f64::INFINITY);
-                    left_out += 1;
-                }
-            }
-        }
+        let begun = Course::begin(&problem, &continuation, &rows, limits);
+        course = Some(begun.map_err(|missed| match missed {
+            Missed::Run(error) => source.place(error),
+            _ => Failure::from(Usage::Budget {
+                method: Rung::Flow(reference_method(law)).to_string(),
+                budget: arguments.budget,
+            }),
+        })?);
     }
-    // those of a resumed run come after the others
-    rows.sort_by_key(|row| ladder.iter().position(|rung| row.is_of(*rung)));
-    store.replace(TABLE, table::table(rows.iter().cloned()).as_bytes())?;
-    store.claim([&picture])?;
+    let mut folder = AccuracyFolder::open(store, &picture, earlier.as_ref())?;
+    if let Some(course) = &mut course {
+        drive(task.quiet, || {
+            if let Some(row) = course.measure_next() {
+                folder.write(&row)?;
+                rows.push(row);
+            }
+            let next = course.next_rung();
+            Ok(next.map(|(index, rung)| (index as f64 / ladder.len() as f64, rung.to_string())))
+        })?;
+    }
+    folder.sort(&mut rows, &ladder)?;
+    folder.store().claim([&picture])?;
     let drawn = pictures::accuracy::picture(&series(&rows)).titled(problem.title.as_deref());
     pictures::replace(&out.join(picture), format, &drawn)?;
-    if !arguments.quiet {
+    if !task.quiet {
         print(&text(&rows, law.piecewise_linear()))?;
         print(&format!("results in {}\n", out.display()))?;
     }
+    let left_out = course.map_or(0, |course| course.left_out());
     if left_out > 0 {
         warn(&format!(
             "{left_out} of {} settings were left out: --resume with a larger --budget adds them",
             ladder.len()
         ));
     }
-    Ok(0)
-}
-
-/// The rows of an earlier run and the bytes they take with the header; none where there is no table.
-fn earlier(store: &Store, ladder: &[Rung]) -> Result<Option<(Vec<Row>, usize)>, StoreError> {
-    let path = store.path().join(TABLE);
-    if !path.exists() {
-        return Ok(None);
-    }
-    let text = store::read(&path)?;
-    // a kill may have cut the last row short
-    let length = text.rfind('\n').map_or(0, |last| last + 1);
-    let text = &text[..length];
-    if text.is_empty() {
-        return Ok(None);
-    }
-    if !text.starts_with(&table::header::<Row>()) {
-        return Err(damaged(&path, "its header is another one"));
-    }
-    let rows = Table::parse(text.as_bytes()).and_then(|table| table.rows::<Row>());
-    let rows = rows.map_err(|error| damaged(&path, error.to_string()))?;
-    let of = |row: &Row| ladder.iter().position(|rung| row.is_of(*rung));
-    for (index, row) in rows.iter().enumerate() {
-        if of(row).is_none() || rows[..index].iter().any(|other| of(other) == of(row)) {
-            let reason = format!("row {} is of no method, or of one twice", index + 1);
-            return Err(damaged(&path, reason));
-        }
-    }
-    Ok(Some((rows, length)))
+    Ok(Exit::Done)
 }
 
 /// The rows for a reader.

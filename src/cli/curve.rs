@@ -1,125 +1,101 @@
 //! `brakewave curve`.
 
-use std::path::PathBuf;
-
 use clap::Args;
 
-use super::progress::Progress;
-use super::run::{Prepared, of_mode, ready};
-use super::{Failure, FormatArgument, NUMERICAL, default_folder, inputs, print, warn};
+use super::failure::{Exit, Failure};
+use super::options::{Task, format};
+use super::prepare::{Prepared, Source, ready};
+use super::progress::{Progress, drive};
+use super::{print, report, warn};
 use crate::branch::run::Runner;
 use crate::curve::Run;
 use crate::curve::start::{self, NoCurve, Start};
-use crate::output::curve_folder::{self, CurveFolder};
-use crate::output::folder::{self, Restart};
+use crate::output::curve::CurveFolder;
 use crate::output::render::Format;
-use crate::output::store::{Existing, Kind, Store};
+use crate::output::run::labelled;
+use crate::output::store::Kind;
 use crate::problem::{self, CurveEvent, Problem};
 
 #[derive(Debug, Args)]
 pub struct CurveArguments {
-    /// Problem file with a section `curve`, and `continuation` unless the event is a label
-    problem: PathBuf,
-    /// Folder of the curve [default: results/<name of the problem file>_curve]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Format of the picture
-    #[arg(long, value_enum, default_value_t = FormatArgument::Svg)]
-    format: FormatArgument,
-    /// Go on with an interrupted curve; its files end as if it had not been interrupted
-    #[arg(long, conflicts_with = "force")]
-    resume: bool,
-    /// Replace an earlier curve
-    #[arg(long)]
-    force: bool,
-    /// Print nothing but errors
-    #[arg(long)]
-    quiet: bool,
+    /// Its problem file has a section `curve`, and `continuation` unless the event is a label
+    #[command(flatten)]
+    task: Task,
+    /// Format of the picture: svg, png or pdf
+    #[arg(long, default_value = "svg", value_parser = format)]
+    format: Format,
 }
 
-pub fn curve(arguments: &CurveArguments) -> Result<u8, Failure> {
-    let format = Format::from(arguments.format).available()?;
-    let (problem, text) = problem::read(&arguments.problem)?;
-    let section = problem.curve(&text, &arguments.problem.display().to_string())?;
-    let out = arguments.out.clone().unwrap_or_else(|| {
-        let mut name = default_folder(&arguments.problem).into_os_string();
-        name.push("_curve");
-        PathBuf::from(name)
-    });
-    let existing = Existing::of(arguments.resume, arguments.force);
-    let inputs = inputs(&arguments.problem, &problem);
-    let store = Store::open(&out, Kind::Curve, &problem, existing, &inputs)?;
-    let mut progress = Progress::new(arguments.quiet);
-    let (mut run, mut folder) = match curve_folder::interrupted(&store)? {
-        Some((run, length)) => {
-            let folder = CurveFolder::reopen(store, &run, length)?;
-            (run, folder)
+pub fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
+    let task = &arguments.task;
+    let format = arguments.format.available()?;
+    let (problem, text, name) = task.read()?;
+    let section = problem.curve(&text, &name)?;
+    let out = task.folder("_curve");
+    let store = task.open(&out, Kind::Curve, &problem)?;
+    let (mut run, mut folder) = match CurveFolder::interrupted(&store)? {
+        Some(interrupted) => {
+            let folder = CurveFolder::reopen(store, &interrupted)?;
+            (interrupted.run, folder)
         }
         None => {
-            let start = start(arguments, &problem, text, section, &mut progress)?;
+            let start = start(task, &problem, text, section)?;
             let run = Run::begin(&start.system, start.event, &start.point, start.limits)
                 .map_err(NoCurve::from)?;
             let folder = CurveFolder::create(store, &run, format)?;
             (run, folder)
         }
     };
-    while let Some(step) = run.step().map_err(NoCurve::from)? {
+    drive(task.quiet, || {
+        let Some(step) = run.step().map_err(NoCurve::from)? else {
+            return Ok(None);
+        };
         folder.write(&step)?;
-        progress.show(f64::NAN, || run.position());
-    }
-    drop(progress);
+        Ok(Some((f64::NAN, run.position())))
+    })?;
     let ranges = run.head().limits.ranges;
     let found = run.curve();
     folder.finish(&found, ranges, problem.title.as_deref(), format)?;
-    if !arguments.quiet {
+    if !task.quiet {
         if let Some(title) = &problem.title {
             print(&format!("{title}\n\n"))?;
         }
-        print(&curve_folder::summary(&found))?;
+        print(&report::curve(&found))?;
         print(&format!("curve in {}\n", out.display()))?;
     }
     if found.failed {
         for end in &found.ends {
             warn(end);
         }
-        return Ok(NUMERICAL);
+        return Ok(Exit::Numerical);
     }
-    Ok(0)
+    Ok(Exit::Done)
 }
 
 /// The event that the curve begins with.
 fn start(
-    arguments: &CurveArguments,
+    task: &Task,
     problem: &Problem,
     text: String,
     section: &problem::Curve,
-    progress: &mut Progress,
 ) -> Result<Start, Failure> {
     if let CurveEvent::Label { dir, label } = &section.event {
-        let earlier = Restart::read(dir)?;
-        of_mode(&earlier, dir, problem.wave.mode).map_err(|(message, help)| {
-            let name = arguments.problem.display().to_string();
-            problem::refuse_at(&text, &name, "wave.mode", message, help)
-        })?;
-        let event = folder::labelled(dir, *label)?;
-        return Ok(start::labelled(
-            problem,
-            earlier.wave(dir, *label)?,
-            event,
-            section,
-        )?);
+        let source = Source::new(task.problem.display().to_string(), text);
+        let earlier = source.restart(dir, problem.wave.mode)?;
+        let (event, wave) = (labelled(dir, *label)?, earlier.wave(dir, *label)?);
+        return Ok(start::labelled(problem, wave, event, section)?);
     }
     let Prepared {
         continuation,
         restart,
         source,
         ..
-    } = ready(problem.clone(), text, &arguments.problem)?;
+    } = ready(problem.clone(), text, &task.problem)?;
+    let progress = Progress::new(task.quiet);
     let mut watch = |branch: &Runner| {
         let points = branch.progress().points;
-        progress.show(f64::NAN, || {
-            format!("looking for the event: {points} points of the branch")
-        });
+        let words = format!("looking for the event: {points} points of the branch");
+        progress.show(f64::NAN, words);
     };
     start::find(
         problem,

@@ -4,32 +4,33 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Failure, FormatArgument, print};
-use crate::output::folder::Restart;
-use crate::output::store::Store;
-use crate::output::{pictures, simulation};
+use super::failure::{Exit, Failure, Usage};
+use super::options::format;
+use super::print;
+use crate::output::pictures;
+use crate::output::render::Format;
+use crate::output::run::Restart;
+use crate::output::simulation::SimulationCheckpoint;
+use crate::output::store::{Checkpoint, Store};
 use crate::problem::Plot;
 
 #[derive(Debug, Args)]
 pub struct PlotArguments {
     /// Result folder of an earlier run
     folder: PathBuf,
-    /// Format of the pictures
-    #[arg(long, value_enum, default_value = "svg")]
-    format: FormatArgument,
+    /// Format of the pictures: svg, png or pdf
+    #[arg(long, default_value = "svg", value_parser = format)]
+    format: Format,
 }
 
-pub fn plot(arguments: &PlotArguments) -> Result<u8, Failure> {
-    if arguments.folder.join(simulation::CHECKPOINT).exists() {
+pub fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
+    if arguments.folder.join(SimulationCheckpoint::FILE).exists() {
         return plot_simulation(arguments);
     }
     let restart = Restart::read(&arguments.folder)?;
     let problem = &restart.problem;
     let Some(continuation) = &problem.continuation else {
-        return Err(Failure::Usage(format!(
-            "{} holds no branch",
-            arguments.folder.display()
-        )));
+        return Err(Usage::NoBranch(arguments.folder.clone()).into());
     };
     // a run that asked for no pictures still has its diagram
     let plots = match problem.output.plots.as_slice() {
@@ -40,7 +41,7 @@ pub fn plot(arguments: &PlotArguments) -> Result<u8, Failure> {
         parameter: continuation.parameter.column().to_string(),
         title: problem.title.clone(),
     };
-    let format = arguments.format.into();
+    let format = arguments.format;
     let names = plots.iter();
     Store::visit(&arguments.folder)?.claim(names.map(|plot| pictures::file_name(plot, format)))?;
     list(&pictures::draw(
@@ -51,10 +52,10 @@ pub fn plot(arguments: &PlotArguments) -> Result<u8, Failure> {
     )?)
 }
 
-fn plot_simulation(arguments: &PlotArguments) -> Result<u8, Failure> {
-    let checkpoint = simulation::Checkpoint::read(&arguments.folder)?;
+fn plot_simulation(arguments: &PlotArguments) -> Result<Exit, Failure> {
+    let checkpoint = SimulationCheckpoint::read(&arguments.folder)?;
     let title = checkpoint.problem.title.as_deref();
-    let format = arguments.format.into();
+    let format = arguments.format;
     Store::visit(&arguments.folder)?.claim(pictures::simulation_names(format))?;
     list(&pictures::draw_simulation(
         &arguments.folder,
@@ -63,9 +64,9 @@ fn plot_simulation(arguments: &PlotArguments) -> Result<u8, Failure> {
     )?)
 }
 
-fn list(written: &[PathBuf]) -> Result<u8, Failure> {
+fn list(written: &[PathBuf]) -> Result<Exit, Failure> {
     for path in written {
         print(&format!("{}\n", path.display()))?;
     }
-    Ok(0)
+    Ok(Exit::Done)
 }

@@ -1,12 +1,15 @@
-//! How far a run is: a bar on a terminal; elsewhere a line on standard error every ten seconds, the
-//! first after one second if there is long to wait.
+//! How far work is: a bar on a terminal; elsewhere a line on standard error every ten seconds, the first
+//! after one second if there is long to wait.
 
 use std::io::{IsTerminal, Write, stderr};
-use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+
+use super::failure::Failure;
 
 /// Time between two lines.
 const EVERY: Duration = Duration::from_secs(10);
@@ -14,113 +17,128 @@ const EVERY: Duration = Duration::from_secs(10);
 /// When the first estimate is worth a line, if it is beyond [`EVERY`].
 const FIRST: Duration = Duration::from_secs(1);
 
-/// Time between two positions of the bar.
-const REDRAWN: Duration = Duration::from_millis(100);
-
 /// Parts of the bar.
 const PARTS: u64 = 1000;
 
-/// What is shown of a run.
-pub struct Progress {
+/// Where work is: the part done, not a number where nobody knows, and more in words.
+pub type Here = (f64, String);
+
+/// Takes steps until there is none left, and shows after each where the work is.
+pub fn drive(
     quiet: bool,
+    mut step: impl FnMut() -> Result<Option<Here>, Failure>,
+) -> Result<(), Failure> {
+    let progress = Progress::new(quiet);
+    while let Some((part, words)) = step()? {
+        progress.show(part, words);
+    }
+    Ok(())
+}
+
+/// What is known of the work.
+struct State {
+    part: f64,
+    words: String,
+    /// When and where it was first known to be: resumed work does not begin at 0.
+    first: Option<(Instant, f64)>,
+}
+
+impl State {
+    /// Seconds left at the pace since the first look.
+    fn left(&self) -> Option<f64> {
+        let (begun, first) = self.first?;
+        left(begun.elapsed(), first, self.part)
+    }
+}
+
+/// What is shown of work, until it is dropped.
+pub struct Progress {
+    state: Arc<Mutex<State>>,
     bar: Option<ProgressBar>,
-    begun: Instant,
-    shown: Option<Instant>,
-    /// When and where the run was first known to be: a resumed one does not begin at 0.
-    first: (Instant, f64),
+    /// Ends the thread that writes lines.
+    stop: Option<Sender<()>>,
+    thread: Option<JoinHandle<()>>,
 }
 
 impl Progress {
     /// Begins to count time.
     pub fn new(quiet: bool) -> Progress {
-        let bar = (!quiet && stderr().is_terminal()).then(|| {
-            let bar = ProgressBar::new(PARTS);
-            // the template is constant and valid
-            if let Ok(style) =
-                ProgressStyle::with_template("{spinner} [{bar:40}] {msg} ({elapsed})")
-            {
-                bar.set_style(style.progress_chars("=> "));
-            }
-            bar
-        });
+        let state = Arc::new(Mutex::new(State {
+            part: f64::NAN,
+            words: String::new(),
+            first: None,
+        }));
+        let terminal = stderr().is_terminal();
+        let (mut stop, mut thread) = (None, None);
+        if !quiet && !terminal {
+            let (sender, stopped) = channel();
+            let seen = state.clone();
+            // without a thread there are no lines
+            thread = Builder::new()
+                .spawn(move || write_lines(&seen, &stopped))
+                .ok();
+            stop = Some(sender);
+        }
         Progress {
-            quiet,
-            bar,
-            begun: Instant::now(),
-            shown: None,
-            first: (Instant::now(), f64::NAN),
+            state,
+            bar: (!quiet && terminal).then(bar),
+            stop,
+            thread,
         }
     }
 
-    /// Shows that a part from 0 to 1 is done, or that nobody knows (NaN), in the words given.
-    pub fn show(&mut self, part: f64, words: impl FnOnce() -> String) {
-        if self.quiet {
-            return;
+    /// Shows where the work is.
+    pub fn show(&self, part: f64, words: String) {
+        let mut state = lock(&self.state);
+        if state.first.is_none() && !part.is_nan() {
+            state.first = Some((Instant::now(), part));
         }
-        if self.first.1.is_nan() {
-            self.first = (Instant::now(), part);
-        }
-        let left = left(self.first.0.elapsed(), self.first.1, part);
-        let since = self.shown.unwrap_or(self.begun).elapsed();
+        (state.part, state.words) = (part, words);
         if let Some(bar) = &self.bar {
-            if self.shown.is_none() || since >= REDRAWN {
-                bar.set_position((part.clamp(0.0, 1.0) * PARTS as f64) as u64);
-                bar.set_message(line(part, left, &words()));
-                self.shown = Some(Instant::now());
-            }
-            return;
-        }
-        let long = self.shown.is_none() && left.is_some_and(|left| left > EVERY.as_secs_f64());
-        if since >= if long { FIRST } else { EVERY } {
-            let _ = writeln!(stderr(), "{}", line(part, left, &words()));
-            self.shown = Some(Instant::now());
+            bar.set_position((part.clamp(0.0, 1.0) * PARTS as f64) as u64);
+            bar.set_message(line(part, state.left(), &state.words));
         }
     }
 }
 
 impl Drop for Progress {
     fn drop(&mut self) {
+        drop(self.stop.take());
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
     }
 }
 
-/// Says every ten seconds on standard error where work is that does not say it itself, from a thread of
-/// its own; nothing on a terminal.
-pub struct Ticker {
-    stop: Option<Sender<()>>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Ticker {
-    /// Begins to count time.
-    pub fn new(quiet: bool, words: impl Fn() -> String + Send + 'static) -> Ticker {
-        if quiet || stderr().is_terminal() {
-            return Ticker {
-                stop: None,
-                thread: None,
-            };
-        }
-        let (stop, stopped) = channel::<()>();
-        // without a thread there are no lines
-        let thread = Builder::new().spawn(move || {
-            while stopped.recv_timeout(EVERY) == Err(RecvTimeoutError::Timeout) {
-                let _ = writeln!(stderr(), "{}", words());
-            }
-        });
-        Ticker {
-            stop: Some(stop),
-            thread: thread.ok(),
-        }
+fn bar() -> ProgressBar {
+    let bar = ProgressBar::new(PARTS);
+    // the template is constant and valid
+    if let Ok(style) = ProgressStyle::with_template("{spinner} [{bar:40}] {msg} ({elapsed})") {
+        bar.set_style(style.progress_chars("=> "));
     }
+    bar
 }
 
-impl Drop for Ticker {
-    fn drop(&mut self) {
-        drop(self.stop.take());
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
+/// A state is whole between any two statements.
+fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
+    state.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Writes a line now and then, also where a step takes long.
+fn write_lines(state: &Mutex<State>, stopped: &Receiver<()>) {
+    let begun = Instant::now();
+    let mut shown: Option<Instant> = None;
+    while stopped.recv_timeout(FIRST) == Err(RecvTimeoutError::Timeout) {
+        let state = lock(state);
+        let left = state.left();
+        let long = shown.is_none() && left.is_some_and(|left| left > EVERY.as_secs_f64());
+        let since = shown.unwrap_or(begun).elapsed();
+        if !state.words.is_empty() && since >= if long { FIRST } else { EVERY } {
+            let _ = writeln!(stderr(), "{}", line(state.part, left, &state.words));
+            shown = Some(Instant::now());
         }
     }
 }

@@ -1,11 +1,13 @@
-//! Text for people: the table of labelled points and the list of events.
+//! Text for people: the tables of labelled points, the lists of events and of special points.
 
 use std::fmt::Write;
 use std::path::Path;
 
 use crate::branch::EventType;
+use crate::curve::{Curve, Point};
 use crate::model::Parameter;
-use crate::output::folder::{BRANCH, EVENTS};
+use crate::output::curve::words;
+use crate::output::run::{BRANCH, EVENTS};
 use crate::output::store::{self, StoreError};
 use crate::table::Table;
 
@@ -24,8 +26,8 @@ fn figure(value: f64) -> String {
 }
 
 /// The report of a result folder, from its tables: a run that was resumed is reported as a whole.
-pub fn report(folder: &Path, parameter: Parameter) -> Result<String, StoreError> {
-    let branch = store::table(&folder.join(BRANCH))?;
+pub fn branch(folder: &Path, parameter: Parameter) -> Result<String, StoreError> {
+    let points = store::table(&folder.join(BRANCH))?;
     let events = store::table(&folder.join(EVENTS))?;
     let number =
         |table: &Table, row: usize, column: &str| table.field(row, column).unwrap_or(f64::NAN);
@@ -44,23 +46,23 @@ pub fn report(folder: &Path, parameter: Parameter) -> Result<String, StoreError>
         "speed",
         "regimes"
     );
-    for row in 0..branch.len() {
-        let label = text(&branch, row, "label");
+    for row in 0..points.len() {
+        let label = text(&points, row, "label");
         if !label.is_empty() {
             let _ = writeln!(
                 report,
                 "{:>6} {label:>5} {:<4} {} {}  {}",
-                text(&branch, row, "point"),
-                text(&branch, row, "type"),
-                figure(number(&branch, row, parameter.column())),
-                figure(number(&branch, row, "speed")),
-                text(&branch, row, "regimes")
+                text(&points, row, "point"),
+                text(&points, row, "type"),
+                figure(number(&points, row, parameter.column())),
+                figure(number(&points, row, "speed")),
+                text(&points, row, "regimes")
             );
         }
     }
     let found = |row: &usize| events.field(*row, "type") != Some(EventType::EP);
     let found: Vec<usize> = (0..events.len()).filter(found).collect();
-    let _ = writeln!(report, "\n{} points, {} events", branch.len(), found.len());
+    let _ = writeln!(report, "\n{} points, {} events", points.len(), found.len());
     for row in found {
         let _ = write!(
             report,
@@ -79,4 +81,39 @@ pub fn report(folder: &Path, parameter: Parameter) -> Result<String, StoreError>
         let _ = writeln!(report, "; {}", text(&events, row, "what"));
     }
     Ok(report)
+}
+
+/// The special points of a curve, a line each.
+pub fn curve(curve: &Curve) -> String {
+    let mut text = String::new();
+    let [first, second] = curve.parameters.map(|parameter| parameter.column());
+    let _ = writeln!(
+        text,
+        "{} points; event, {first}, {second}, speed",
+        curve.points.len()
+    );
+    let last = curve.points.len().saturating_sub(1);
+    for (index, point) in curve.points.iter().enumerate() {
+        let end = index == 0 || index == last;
+        let Point {
+            kind: Some(kind), ..
+        } = point
+        else {
+            if end {
+                let _ = writeln!(text, "  end: {}", words(curve, index));
+            }
+            continue;
+        };
+        let [one, other] = point.parameters;
+        let _ = write!(
+            text,
+            "  {kind:<6} {one:.12}  {other:.12}  {:.12}",
+            point.speed
+        );
+        if let Some(omega) = point.omega {
+            let _ = write!(text, "  ω {omega:.12}");
+        }
+        let _ = writeln!(text, "  {}", words(curve, index));
+    }
+    text
 }

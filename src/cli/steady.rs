@@ -1,19 +1,18 @@
 //! `brakewave steady`.
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use clap::Args;
 
-use super::progress::Ticker;
-use super::spectrum::{assignment, set};
-use super::{Failure, picture, print, warn};
+use super::failure::{Exit, Failure, Usage};
+use super::options::{assignment, picture, set};
+use super::progress::drive;
+use super::{print, warn};
 use crate::model::Parameter;
 use crate::output::pictures;
 use crate::problem::{self, MAX_MODE};
 use crate::steady::row::ModeRow;
-use crate::steady::{self, Mode, Settings};
+use crate::steady::{self, Mode, Settings, first_to_grow};
 use crate::table;
 
 /// Most families and radial functions that can be asked for.
@@ -44,23 +43,20 @@ pub struct SteadyArguments {
     plot: Option<PathBuf>,
 }
 
-fn modes(text: &str) -> Result<(u32, u32), String> {
+fn modes(text: &str) -> Result<(u32, u32), Usage> {
     let (first, last) = text.split_once("..").unwrap_or((text, text));
-    let parse = |part: &str| -> Result<u32, String> {
+    let parse = |part: &str| -> Result<u32, Usage> {
         let part = part.trim_start_matches('=').trim();
-        part.parse()
-            .map_err(|_| format!("`{part}` is not a number of waves; write 1..20 or 4"))
+        part.parse().map_err(|_| Usage::Waves(part.to_owned()))
     };
     let (first, last) = (parse(first)?, parse(last)?);
     if first < 1 || last > MAX_MODE || first > last {
-        return Err(format!(
-            "{first}..{last} is no range of modes: write the smaller one first, from 1 to {MAX_MODE}"
-        ));
+        return Err(Usage::Modes(first, last));
     }
     Ok((first, last))
 }
 
-pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
+pub fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
     let inputs = [arguments.problem.clone()];
     let picture = picture(arguments.plot.as_deref(), &inputs)?;
     let (mut problem, _) = problem::read(&arguments.problem)?;
@@ -81,25 +77,21 @@ pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
         families: usize::from(arguments.families),
         order: arguments.order.map(usize::from),
     };
-    let here = Arc::new(AtomicU32::new(first));
-    let seen = here.clone();
-    let ticker = Ticker::new(false, move || {
-        format!("mode {}, up to {last}", seen.load(Ordering::Relaxed))
-    });
-    let modes: Vec<Mode> = (first..=last)
-        .map(|mode| {
-            here.store(mode, Ordering::Relaxed);
-            steady::mode(&coefficients, geometry.as_ref(), mode, &settings)
-        })
-        .collect::<Result<_, _>>()?;
-    drop(ticker);
-    let reduced = first_to_go(&modes, |mode| {
-        Some((mode.reduced.hopf?.friction, mode.reduced.wave.growth))
-    });
-    let full = first_to_go(&modes, |mode| {
-        let full = mode.full.as_ref()?;
-        Some((full.first?.1.friction, full.lead_wave.growth))
-    });
+    let (mut modes, mut asked) = (Vec::<Mode>::new(), first..=last);
+    drive(false, || {
+        let Some(mode) = asked.next() else {
+            return Ok(None);
+        };
+        modes.push(steady::mode(
+            &coefficients,
+            geometry.as_ref(),
+            mode,
+            &settings,
+        )?);
+        let part = f64::from(mode + 1 - first) / f64::from(last + 1 - first);
+        Ok(Some((part, format!("mode {mode}, up to {last}"))))
+    })?;
+    let [reduced, full] = first_to_grow(&modes);
     let rows = modes
         .iter()
         .enumerate()
@@ -130,23 +122,5 @@ pub fn steady(arguments: &SteadyArguments) -> Result<u8, Failure> {
             unconverged.join(", ")
         ));
     }
-    Ok(0)
-}
-
-/// The mode with the least Hopf friction; without damping, where that is zero for all, the one
-/// that grows fastest.
-fn first_to_go(modes: &[Mode], of: impl Fn(&Mode) -> Option<(f64, f64)>) -> Option<usize> {
-    let mut best: Option<(usize, (f64, f64))> = None;
-    for (index, mode) in modes.iter().enumerate() {
-        let Some((friction, growth)) = of(mode) else {
-            continue;
-        };
-        let earlier = best.is_none_or(|(_, (least, fastest))| {
-            friction < least || (friction == least && growth > fastest)
-        });
-        if earlier {
-            best = Some((index, (friction, growth)));
-        }
-    }
-    best.map(|(index, _)| index)
+    Ok(Exit::Done)
 }

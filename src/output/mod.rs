@@ -1,13 +1,14 @@
-//! What a run leaves behind: tables, the restart file, pictures.
+//! What is left behind: tables, checkpoints and pictures, in folders.
 
-pub mod curve_folder;
-pub mod folder;
-pub mod map_folder;
+pub mod accuracy;
+pub mod curve;
+pub mod map;
 pub mod npy;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub(crate) mod pictures;
 pub(crate) mod render;
+pub mod run;
 pub mod simulation;
 pub mod store;
 pub mod vtk;

@@ -4,15 +4,13 @@
 //! replaced as a whole, never seen half written. A resumed simulation cuts everything back to the
 //! last checkpoint and goes on through the same steps as an uninterrupted one, to the same bytes.
 
-use std::fs::File;
-use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::pictures;
 use super::render::Format;
-use super::store::{self, Store, StoreError, VERSION, damaged, io_error};
+use super::store::{Checkpoint, Growing, Store, StoreError, damaged};
 use super::{npy, vtk};
 use crate::problem::Problem;
 use crate::simulation::growth::GrowthRow;
@@ -21,8 +19,6 @@ use crate::simulation::measure::{Measure, Sample};
 use crate::simulation::motion::{Motion, Saved};
 use crate::table::{self, Table};
 
-/// Name of the checkpoint.
-pub const CHECKPOINT: &str = "checkpoint.ron";
 /// Name of the time series.
 pub const SERIES: &str = "series.csv";
 /// Name of the array of regimes.
@@ -39,9 +35,19 @@ const SNAPSHOTS: &str = "snapshots";
 /// Most columns of the array of regimes.
 const COLUMNS: usize = 512;
 
+/// Every how many points one is kept in the array of regimes.
+fn stride(points: usize) -> usize {
+    points.div_ceil(COLUMNS).max(1)
+}
+
+/// Columns of the array of regimes.
+pub fn columns(points: usize) -> usize {
+    points.div_ceil(stride(points))
+}
+
 /// Content of `checkpoint.ron`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Checkpoint {
+pub struct SimulationCheckpoint {
     /// Version of brakewave that wrote it.
     pub version: String,
     /// The problem with all its settings.
@@ -58,15 +64,11 @@ pub struct Checkpoint {
     pub state: Saved,
 }
 
-impl Checkpoint {
-    /// Reads the checkpoint of a folder.
-    ///
-    /// # Errors
-    /// When it is missing or damaged.
-    pub fn read(folder: &Path) -> Result<Checkpoint, StoreError> {
-        let path = folder.join(CHECKPOINT);
-        ron::from_str(&store::read(&path)?)
-            .map_err(|error| damaged(&path, format!("it is no checkpoint: {error}")))
+impl Checkpoint for SimulationCheckpoint {
+    const FILE: &'static str = "checkpoint.ron";
+
+    fn problem(&self) -> &Problem {
+        &self.problem
     }
 }
 
@@ -74,39 +76,56 @@ impl Checkpoint {
 #[derive(Debug)]
 pub struct SimulationFolder {
     store: Store,
-    series: File,
-    regimes: File,
+    series: Growing,
+    regimes: Growing,
     samples: usize,
     snapshots: usize,
     columns: usize,
 }
 
-/// Every how many points one is kept in the array of regimes.
-fn stride(points: usize) -> usize {
-    points.div_ceil(COLUMNS).max(1)
+/// A row of a contact line.
+#[derive(Default, Serialize)]
+struct LineRow {
+    phi: f64,
+    #[serde(rename = "U")]
+    radial: f64,
+    #[serde(rename = "V")]
+    tangential: f64,
+    #[serde(rename = "U_dot")]
+    radial_rate: f64,
+    #[serde(rename = "V_dot")]
+    tangential_rate: f64,
+    #[serde(rename = "P")]
+    pressure: f64,
+    #[serde(rename = "Q")]
+    shear: f64,
+    regime: &'static str,
 }
 
-/// Columns of the array of regimes.
-pub fn columns(points: usize) -> usize {
-    points.div_ceil(stride(points))
-}
-
-const WRITE: &str = "write it";
-
+/// All fail when a file cannot be written.
 impl SimulationFolder {
-    /// Begins a simulation, in place of an earlier one.
+    /// What an interrupted simulation left; a kill before the first checkpoint leaves a header and the
+    /// sample at the beginning.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// When that is damaged.
+    pub fn interrupted(
+        store: &Store,
+        problem: &Problem,
+    ) -> Result<Option<SimulationCheckpoint>, StoreError> {
+        store.interrupted(problem, SERIES, 2)
+    }
+
+    /// Begins a simulation, in place of an earlier one.
     pub fn create(store: Store, points: usize) -> Result<SimulationFolder, StoreError> {
-        let tables = [SERIES, REGIMES, START, CHECKPOINT, END, MEASURES];
+        let checkpoint = SimulationCheckpoint::FILE;
+        let tables = [SERIES, REGIMES, START, checkpoint, END, MEASURES];
         let pictures = pictures::simulation_names(Format::Svg);
         let names = tables.map(str::to_owned).into_iter().chain(pictures);
         store.begin(names, Some(SNAPSHOTS))?;
         let columns = columns(points);
-        let header = table::header::<Sample>();
         Ok(SimulationFolder {
-            series: store.create(SERIES, header.as_bytes())?,
+            series: store.table(SERIES, &table::header::<Sample>(), None)?,
             regimes: store.create(REGIMES, &npy::header(npy::Kind::Byte, 0, columns))?,
             store,
             samples: 0,
@@ -117,19 +136,18 @@ impl SimulationFolder {
 
     /// Goes on with an interrupted simulation, cut back to its checkpoint; returns the samples taken so
     /// far as well.
-    ///
-    /// # Errors
-    /// When a file is damaged or cannot be written.
     pub fn reopen(
         store: Store,
         points: usize,
-        checkpoint: &Checkpoint,
+        checkpoint: &SimulationCheckpoint,
     ) -> Result<(SimulationFolder, Vec<Sample>), StoreError> {
-        let columns = columns(points);
-        let count = checkpoint.samples;
-        let (samples, length) = read_series(&store.path().join(SERIES), count)?;
+        let (columns, count) = (columns(points), checkpoint.samples);
+        let series = store.lines(SERIES, Some(count + 1))?;
+        let samples = Table::parse(&series).and_then(|table| table.rows());
+        let samples =
+            samples.map_err(|error| damaged(&store.path().join(SERIES), error.to_string()))?;
         let folder = SimulationFolder {
-            series: store.cut(SERIES, length)?,
+            series: store.cut(SERIES, series.len())?,
             regimes: store.cut(REGIMES, npy::HEADER + columns * count)?,
             samples: count,
             snapshots: checkpoint.snapshots,
@@ -137,23 +155,16 @@ impl SimulationFolder {
             store,
         };
         folder.store.retain(|name| {
-            let number = name.strip_prefix(SNAPSHOTS).and_then(|name| {
-                let (number, _) = name.strip_prefix('/')?.split_once('.')?;
-                number.parse::<usize>().ok()
-            });
-            number.is_none_or(|number| number <= checkpoint.snapshots)
+            let snapshot = Path::new(name).strip_prefix(SNAPSHOTS).ok();
+            let number = snapshot.and_then(|name| name.to_str()?.split('.').next()?.parse().ok());
+            number.is_none_or(|number: usize| number <= checkpoint.snapshots)
         })?;
         Ok((folder, samples))
     }
 
-    /// What keeps the files.
+    /// The folder as such.
     pub fn store(&self) -> &Store {
         &self.store
-    }
-
-    /// Samples written.
-    pub fn samples(&self) -> usize {
-        self.samples
     }
 
     /// Snapshots written.
@@ -163,17 +174,10 @@ impl SimulationFolder {
 
     /// Appends a sample.
     pub fn sample(&mut self, sample: &Sample, line: &Line) -> Result<(), StoreError> {
-        let path = self.store.path().join(SERIES);
-        let row = table::line(sample);
-        (self.series.write_all(row.as_bytes())).map_err(io_error(WRITE, &path))?;
-        let codes: Vec<u8> = line
-            .regimes
-            .iter()
-            .step_by(stride(line.regimes.len()))
-            .map(|regime| regime.code())
-            .collect();
-        let path = self.store.path().join(REGIMES);
-        (self.regimes.write_all(&codes)).map_err(io_error(WRITE, &path))?;
+        self.series.row(sample)?;
+        let kept = line.regimes.iter().step_by(stride(line.regimes.len()));
+        let codes: Vec<u8> = kept.map(|regime| regime.code()).collect();
+        self.regimes.push(&codes)?;
         self.samples += 1;
         Ok(())
     }
@@ -199,9 +203,8 @@ impl SimulationFolder {
         let (extension, content) = match motion {
             Motion::Ring(_) => {
                 let line = motion.line();
-                let angles: Vec<f64> = (0..line.radial.len())
-                    .map(|point| line.width * point as f64)
-                    .collect();
+                let points = 0..line.radial.len();
+                let angles: Vec<f64> = points.map(|point| line.width * point as f64).collect();
                 let columns: [&[f64]; 7] = [
                     &angles,
                     &line.radial,
@@ -225,31 +228,12 @@ impl SimulationFolder {
     }
 
     /// Saves the state, after what leads to it.
-    pub fn checkpoint(
-        &mut self,
-        problem: &Problem,
-        energy: f64,
-        motion: &Motion,
-    ) -> Result<(), StoreError> {
+    pub fn checkpoint(&mut self, checkpoint: &SimulationCheckpoint) -> Result<(), StoreError> {
         let header = npy::header(npy::Kind::Byte, self.samples, self.columns);
-        let regimes = &mut self.regimes;
-        regimes
-            .seek(SeekFrom::Start(0))
-            .and_then(|_| regimes.write_all(&header))
-            .and_then(|()| regimes.seek(SeekFrom::End(0)))
-            .and_then(|_| regimes.sync_data())
-            .map_err(io_error(WRITE, &self.store.path().join(REGIMES)))?;
-        (self.series.sync_data()).map_err(io_error(WRITE, &self.store.path().join(SERIES)))?;
-        let checkpoint = Checkpoint {
-            version: VERSION.to_string(),
-            problem: problem.clone(),
-            samples: self.samples,
-            snapshots: self.snapshots,
-            steps: motion.steps(),
-            energy,
-            state: motion.saved(),
-        };
-        self.store.replace_ron(CHECKPOINT, &checkpoint)
+        self.regimes.rewrite_head(&header)?;
+        self.regimes.sync()?;
+        self.series.sync()?;
+        self.store.save(checkpoint)
     }
 
     /// Writes what was measured.
@@ -258,42 +242,9 @@ impl SimulationFolder {
         self.store.replace(MEASURES, table::table(rows).as_bytes())
     }
 
-    /// Writes eigenvalues by sector, each with its residual and its difference from a coarser grid.
+    /// Writes the growth of perturbations.
     pub fn growth(&self, rows: &[GrowthRow]) -> Result<(), StoreError> {
         let rows = rows.iter().copied();
         self.store.replace(GROWTH, table::table(rows).as_bytes())
     }
 }
-
-/// A row of a contact line.
-#[derive(Default, Serialize)]
-struct LineRow {
-    phi: f64,
-    #[serde(rename = "U")]
-    radial: f64,
-    #[serde(rename = "V")]
-    tangential: f64,
-    #[serde(rename = "U_dot")]
-    radial_rate: f64,
-    #[serde(rename = "V_dot")]
-    tangential_rate: f64,
-    #[serde(rename = "P")]
-    pressure: f64,
-    #[serde(rename = "Q")]
-    shear: f64,
-    regime: &'static str,
-}
-
-/// The first rows of a time series, and the bytes they take with the header.
-pub fn read_series(path: &Path, rows: usize) -> Result<(Vec<Sample>, usize), StoreError> {
-    let bytes = store::bytes(path)?;
-    let ends = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
-    let length = ends.map(|(index, _)| index + 1).nth(rows);
-    let length = length.ok_or_else(|| damaged(path, "fewer rows than the checkpoint says"))?;
-    let samples = Table::parse(&bytes[..length]).and_then(|table| table.rows());
-    let samples = samples.map_err(|error| damaged(path, error.to_string()))?;
-    Ok((samples, length))
-}
-
-/// Names of the pictures of a simulation, without extension.
-pub const PICTURES: [&str; 3] = ["space_time", "phase_plane", "profiles"];

@@ -13,11 +13,13 @@
 //! ```
 
 pub mod annulus;
+pub mod course;
 pub mod esprit;
 pub mod growth;
 pub mod line;
 pub mod measure;
 pub mod motion;
+pub mod perturbations;
 pub mod profile;
 pub mod ring;
 pub mod task;

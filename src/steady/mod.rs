@@ -199,3 +199,36 @@ fn full(
         });
     }
 }
+
+impl Mode {
+    /// Least Hopf friction in the reduced model, and growth there.
+    fn onset(&self) -> Option<(f64, f64)> {
+        Some((self.reduced.hopf?.friction, self.reduced.wave.growth))
+    }
+
+    /// The same of the tube, among all families.
+    fn onset_of_tube(&self) -> Option<(f64, f64)> {
+        let full = self.full.as_ref()?;
+        Some((full.first?.1.friction, full.lead_wave.growth))
+    }
+}
+
+/// The modes that grow first, by their places: in the reduced model and in the tube. Such a mode has the
+/// least Hopf friction; without damping, where that is zero for all, it grows fastest.
+pub fn first_to_grow(modes: &[Mode]) -> [Option<usize>; 2] {
+    [Mode::onset, Mode::onset_of_tube].map(|onset| {
+        let mut best: Option<(usize, (f64, f64))> = None;
+        for (index, mode) in modes.iter().enumerate() {
+            let Some((friction, growth)) = onset(mode) else {
+                continue;
+            };
+            let earlier = best.is_none_or(|(_, (least, fastest))| {
+                friction < least || (friction == least && growth > fastest)
+            });
+            if earlier {
+                best = Some((index, (friction, growth)));
+            }
+        }
+        best.map(|(index, _)| index)
+    })
+}

@@ -90,13 +90,17 @@ fn answers(rows: &Rows, s: f64) -> (Vec<String>, Vec<f64>) {
         }
         let lead = point.lead.expect("there is an eigenvalue");
         rates.extend([lead.re, lead.im]);
-        rates.extend(item.eigenvalues.iter().flat_map(|(_, one)| *one));
+        rates.extend(
+            item.eigenvalues
+                .iter()
+                .flat_map(|one| [one.re, one.im, one.error]),
+        );
         numbers.extend(rates.into_iter().map(|rate| rate * s));
         numbers.push(point.model.mismatch / s);
         if let Some(event) = &item.event {
             numbers.extend(event.omega.map(|omega| omega * s));
         }
-        let sectors: Vec<usize> = item.eigenvalues.iter().map(|one| one.0).collect();
+        let sectors: Vec<usize> = item.eigenvalues.iter().map(|one| one.sector).collect();
         words.push(format!(
             "{:?} {} {:?} {:?} {} {sectors:?} {:?}",
             point.kind,

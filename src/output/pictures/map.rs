@@ -7,7 +7,7 @@ use plotters::style::RGBColor;
 
 use super::error::PlotError;
 use super::names::{quantity, short_signature};
-use crate::output::map_folder::TABLE;
+use crate::output::map::TABLE;
 use crate::output::render::axis::{Axis, Extent};
 use crate::output::render::legend::{Key, Legend};
 use crate::output::render::palette::{BLACK, CATEGORIES, GREY, WHITE, mix};

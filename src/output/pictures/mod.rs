@@ -30,7 +30,7 @@ use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 pub use error::PlotError;
 
 use super::render::{Format, Picture};
-use super::{simulation as simulation_folder, store};
+use super::store;
 use crate::problem::Plot;
 use profile::Profiles;
 use tables::Tables;
@@ -60,7 +60,7 @@ pub fn file_name(plot: &Plot, format: Format) -> String {
 
 /// Names of the files of a simulation's pictures.
 pub fn simulation_names(format: Format) -> [String; 3] {
-    simulation_folder::PICTURES.map(|name| format!("{name}.{}", format.extension()))
+    ["space_time", "phase_plane", "profiles"].map(|name| format!("{name}.{}", format.extension()))
 }
 
 /// What the pictures have in common.

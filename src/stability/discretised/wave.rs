@@ -14,6 +14,7 @@ use crate::flow::FlowError;
 use crate::linalg::Vector;
 use crate::model::signature::Regime;
 use crate::model::{Model, Parameter};
+use crate::stability::spectrum::{Request, symmetric};
 use crate::wave::Wave;
 use crate::wave::profile::{self, switches};
 
@@ -315,6 +316,29 @@ impl SemiDiscreteWave {
         found.sort_by(|one, other| other.re.total_cmp(&one.re));
         found.truncate(count);
         Ok(found)
+    }
+
+    /// The eigenvalues that a request asks for, with their sectors: the translation mode, which is the
+    /// one nearest to zero, is left out, and of conjugate pairs in a symmetric sector the member with
+    /// Im λ < 0.
+    ///
+    /// # Errors
+    /// As [`SemiDiscreteWave::eigenvalues`].
+    pub fn leading(&self, request: &Request) -> Result<Vec<(usize, c64)>, Error> {
+        let mut leading = Vec::new();
+        for &sector in &request.sectors {
+            let symmetric = symmetric(sector, self.mode);
+            let all = self.eigenvalues(sector as u32, request.max_frequency, usize::MAX)?;
+            let nearest = all.iter().map(|value| value.norm());
+            let translation = (sector == 0).then(|| nearest.fold(f64::INFINITY, f64::min));
+            let listed = all
+                .iter()
+                .filter(|value| translation != Some(value.norm()))
+                .filter(|value| !symmetric || value.im >= 0.0);
+            let first = listed.take(request.eigenvalues);
+            leading.extend(first.map(|value| (sector, *value)));
+        }
+        Ok(leading)
     }
 
     /// All multipliers of the whole ring of kn points, computed without cells, sectors or windows:

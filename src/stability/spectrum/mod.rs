@@ -189,6 +189,14 @@ impl Spectrum {
             .filter(|eigenvalue| eigenvalue.im.abs() <= self.max_frequency)
     }
 
+    /// The first eigenvalues of every sector that are listed, with their sectors.
+    pub fn leading(&self, most: usize) -> impl Iterator<Item = (usize, &Eigenvalue)> {
+        self.sectors.iter().flat_map(move |sector| {
+            let listed = self.listed(sector).take(most);
+            listed.map(|eigenvalue| (sector.sector, eigenvalue))
+        })
+    }
+
     /// The eigenvalue of largest real part, with its sector.
     pub fn lead(&self) -> Option<(Eigenvalue, usize)> {
         self.sectors

@@ -15,7 +15,7 @@ use std::sync::{Mutex, PoisonError};
 use serde::{Deserialize, Serialize};
 
 use super::store::{
-    Existing, Kind, READ, Store, StoreError, VERSION, damaged, encode, hash, io_error, read,
+    Checkpoint, READ, Store, StoreError, VERSION, damaged, encode, hash, io_error, read, refused,
     replace,
 };
 use crate::map::{Cell, CellRow, Plane};
@@ -26,7 +26,6 @@ use crate::table::{self, number};
 pub const TABLE: &str = "map.csv";
 /// The joined table as Parquet.
 pub const PARQUET: &str = "map.parquet";
-const DESCRIPTION: &str = "map.ron";
 const ROWS: &str = "rows";
 
 /// Content of `map.ron`.
@@ -38,6 +37,14 @@ pub struct Description {
     pub problem: Problem,
 }
 
+impl Checkpoint for Description {
+    const FILE: &'static str = "map.ron";
+
+    fn problem(&self) -> &Problem {
+        &self.problem
+    }
+}
+
 impl Description {
     /// The description of a problem by this version.
     pub fn new(problem: &Problem) -> Description {
@@ -47,25 +54,19 @@ impl Description {
         }
     }
 
-    /// Reads `map.ron`.
+    /// Reads `map.ron` of a shard.
     ///
     /// # Errors
     /// When it is missing, damaged, or of another version.
-    pub fn read(folder: &Path) -> Result<Description, StoreError> {
-        let path = folder.join(DESCRIPTION);
-        let found: Description = ron::from_str(&read(&path)?).map_err(|error| {
-            let reason = format!("no description of a map by version {VERSION}: {error}");
-            damaged(&path, reason)
-        })?;
+    pub fn of_shard(folder: &Path) -> Result<Description, StoreError> {
+        let found = Description::read(folder)?;
         if found.version != VERSION {
-            return Err(StoreError::Refused {
-                path,
-                reason: format!(
-                    "written by version {}, this is {VERSION}; join shards of one version by that \
-                     version",
-                    found.version
-                ),
-            });
+            let reason = format!(
+                "written by version {}, this is {VERSION}; join shards of one version by that \
+                 version",
+                found.version
+            );
+            return Err(refused(&folder.join(Description::FILE), reason));
         }
         Ok(found)
     }
@@ -91,19 +92,12 @@ pub struct MapFolder {
 }
 
 impl MapFolder {
-    /// Takes hold of a folder.
+    /// The folder of a map in a store that was opened for it.
     ///
     /// # Errors
-    /// As [`Store::open`].
-    pub fn open(
-        path: &Path,
-        description: Description,
-        kind: Kind,
-        existing: Existing,
-        inputs: &[PathBuf],
-    ) -> Result<MapFolder, StoreError> {
-        let store = Store::open(path, kind, &description.problem, existing, inputs)?;
-        let text = encode(&path.join(DESCRIPTION), &description)?;
+    /// When the description cannot be written down.
+    pub fn new(store: Store, description: Description) -> Result<MapFolder, StoreError> {
+        let text = encode(&store.path().join(Description::FILE), &description)?;
         Ok(MapFolder {
             begun: Mutex::new(false),
             identity: hash(text.as_bytes()),
@@ -121,7 +115,7 @@ impl MapFolder {
         if *begun {
             return Ok(());
         }
-        let fixed = [DESCRIPTION, TABLE].map(str::to_owned).into_iter();
+        let fixed = [Description::FILE, TABLE].map(str::to_owned).into_iter();
         let parquet = cfg!(feature = "parquet").then(|| PARQUET.to_owned());
         let rows = rows.iter().map(|row| row_name(*row));
         let names = fixed.chain(parquet).chain(rows);
@@ -131,7 +125,7 @@ impl MapFolder {
         } else {
             self.store.begin(names, Some(ROWS))?;
         }
-        self.store.replace_ron(DESCRIPTION, &self.description)?;
+        self.store.save(&self.description)?;
         *begun = true;
         Ok(())
     }
@@ -216,28 +210,24 @@ impl MapFolder {
                 if let Some(other) = rows.get(&row)
                     && self.cells(row, other)? != cells
                 {
-                    return Err(StoreError::Refused {
-                        path: file,
-                        reason: format!(
-                            "row {row} is another one than in {}: they were computed by different \
-                             programs",
-                            other.display()
-                        ),
-                    });
+                    let reason = format!(
+                        "row {row} is another one than in {}: they were computed by different \
+                         programs",
+                        other.display()
+                    );
+                    return Err(refused(&file, reason));
                 }
                 rows.insert(row, file);
             }
         }
         let mut missing = (0..all).filter(|row| !rows.contains_key(row));
         if let Some(first) = missing.next() {
-            return Err(StoreError::Refused {
-                path: self.path().to_path_buf(),
-                reason: format!(
-                    "{} of {all} rows are missing, the first of them row {first}: finish all \
-                     shards, or name all their folders",
-                    missing.count() + 1
-                ),
-            });
+            let reason = format!(
+                "{} of {all} rows are missing, the first of them row {first}: finish all shards, or \
+                 name all their folders",
+                missing.count() + 1
+            );
+            return Err(refused(self.path(), reason));
         }
         self.begin(&[])?;
         let path = self.path().join(TABLE);
@@ -270,11 +260,6 @@ impl MapFolder {
             convert(table, out, kind)
                 .map_err(|error| io_error("write it", &parquet)(io::Error::other(error)))
         })
-    }
-
-    /// The problem of the map.
-    pub fn problem(&self) -> &Problem {
-        &self.description.problem
     }
 
     /// The folder.

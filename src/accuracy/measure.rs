@@ -1,19 +1,10 @@
-//! Error against run time: one problem by every method and a ladder of its settings.
-//!
-//! The branch of the problem is followed by each method in turn. Events are paired with those of the
-//! reference in their order along the branch, waves at the user points and at the end of the range,
-//! where the parameter is the same to the last digit. The reference is the exact flow; for a slip-stick
-//! wave under Coulomb friction it is itself compared with the closed form in higher precision. Under
-//! a friction law without an exact flow the reference is collocation of order 12 on a fine mesh.
-//!
-//! The discretised ring has no branch and no switching points: it is solved at each of those
-//! waves that has no separation, and compared in speed and eigenvalues.
+//! The branch or the waves of one rung, compared with the reference.
 
 use std::cell::OnceCell;
 use std::time::Instant;
 
+use super::rung::{Row, Rung};
 use nalgebra::Complex;
-use serde::{Deserialize, Serialize};
 
 use crate::branch::EventType;
 use crate::branch::run::{End, RunError, Runner};
@@ -26,96 +17,6 @@ use crate::stability::discretised;
 use crate::stability::spectrum::{Request, spectrum};
 use crate::wave::start::{self, SlipStick};
 use crate::wave::{Wave, precise, profile};
-
-/// One rung of the ladder of a method.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rung {
-    /// A method of the boundary-value problem.
-    Flow(Method),
-    /// The discretised ring with n points per wavelength and ε.
-    Ring {
-        /// Points per wavelength.
-        points: usize,
-        /// Width of the friction law in V̇.
-        epsilon: f64,
-    },
-}
-
-impl Rung {
-    /// Name of the method.
-    pub fn method(self) -> &'static str {
-        match self {
-            Rung::Flow(Method::Exact) => "exact",
-            Rung::Flow(Method::Shooting { .. }) => "shooting",
-            Rung::Flow(Method::Collocation { .. }) => "collocation",
-            Rung::Ring { .. } => "ring",
-        }
-    }
-
-    /// The setting in words.
-    fn setting(self) -> String {
-        match self {
-            Rung::Flow(Method::Exact) => String::new(),
-            Rung::Flow(Method::Shooting { tolerance }) => format!("tolerance {tolerance:.0e}"),
-            Rung::Flow(Method::Collocation { intervals, degree }) => {
-                format!("{intervals} intervals of degree {degree}")
-            }
-            Rung::Ring { points, epsilon } => format!("{points} points, epsilon {epsilon}"),
-        }
-    }
-}
-
-impl std::fmt::Display for Rung {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        match self.setting() {
-            setting if setting.is_empty() => write!(f, "{}", self.method()),
-            setting => write!(f, "{}, {setting}", self.method()),
-        }
-    }
-}
-
-/// The ladder for a friction law, from coarse to fine within each method.
-pub fn ladder(law: FrictionLaw) -> Vec<Rung> {
-    let mut rungs = Vec::new();
-    if law.piecewise_linear() {
-        rungs.push(Rung::Flow(Method::Exact));
-    }
-    if !matches!(law, FrictionLaw::Regularised { .. }) {
-        for tolerance in [1e-5, 1e-7, 1e-9, 1e-11, 1e-13] {
-            rungs.push(Rung::Flow(Method::Shooting { tolerance }));
-        }
-        for intervals in [3, 5, 10, 20, 40] {
-            let degree = 4;
-            rungs.push(Rung::Flow(Method::Collocation { intervals, degree }));
-        }
-    } else {
-        for intervals in [50, 100, 200, 400] {
-            let degree = 4;
-            rungs.push(Rung::Flow(Method::Collocation { intervals, degree }));
-        }
-    }
-    if law == FrictionLaw::Coulomb {
-        for (points, epsilon) in [(25, 0.1), (50, 0.05), (100, 0.02), (200, 0.005)] {
-            rungs.push(Rung::Ring { points, epsilon });
-        }
-    }
-    rungs
-}
-
-/// The method of the reference under a law.
-pub fn reference_method(law: FrictionLaw) -> Method {
-    match law {
-        FrictionLaw::Coulomb | FrictionLaw::Static { .. } => Method::Exact,
-        FrictionLaw::Stribeck { .. } => Method::Collocation {
-            intervals: 60,
-            degree: 6,
-        },
-        FrictionLaw::Regularised { .. } => Method::Collocation {
-            intervals: 600,
-            degree: 5,
-        },
-    }
-}
 
 /// A wave at a value of the parameter that every method meets exactly.
 struct Compared {
@@ -141,59 +42,6 @@ pub struct Followed {
     events: Vec<(EventType, f64)>,
     waves: Vec<Compared>,
     failed: Option<String>,
-}
-
-/// What one rung achieves: a row of `accuracy.csv`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Row {
-    /// Name of the method.
-    pub method: String,
-    /// Setting of the rung, in words.
-    pub setting: String,
-    /// Points of the branch.
-    pub points: usize,
-    /// Events found.
-    pub events_found: usize,
-    /// Events of the reference.
-    pub events_expected: usize,
-    /// Largest relative error of c.
-    pub speed_error: Option<f64>,
-    /// Largest error of a switching point, in wavelengths.
-    pub switch_error: Option<f64>,
-    /// Largest relative error of the parameter at an event.
-    pub event_error: Option<f64>,
-    /// Largest error of a leading eigenvalue.
-    pub eigenvalue_error: Option<f64>,
-    /// Median run time in seconds, of the branch or of a wave of the ring.
-    pub seconds: Option<f64>,
-    /// Points per second.
-    pub points_per_second: Option<f64>,
-    /// What went wrong, if anything did.
-    pub failure: Option<String>,
-}
-
-impl Row {
-    /// Whether this is what a rung achieves.
-    pub fn is_of(&self, rung: Rung) -> bool {
-        self.method == rung.method() && self.setting == rung.setting()
-    }
-
-    /// The largest of the errors of the wave and its events.
-    pub fn error(&self) -> Option<f64> {
-        [self.speed_error, self.switch_error, self.event_error]
-            .into_iter()
-            .flatten()
-            .reduce(f64::max)
-    }
-
-    /// With this run time.
-    fn took(self, seconds: f64) -> Row {
-        Row {
-            seconds: Some(seconds),
-            points_per_second: Some(self.points as f64 / seconds),
-            ..self
-        }
-    }
 }
 
 /// Leading eigenvalues compared in each sector.
@@ -369,18 +217,12 @@ pub fn measure(
     };
     match row {
         Err(Missed::Time) => None,
-        Err(error) => Some(empty(rung, reference, error.to_string())),
+        Err(error) => Some(Row::failed(
+            rung,
+            reference.events.len(),
+            Some(error.to_string()),
+        )),
         Ok(row) => Some(row),
-    }
-}
-
-fn empty(rung: Rung, reference: &Followed, failure: String) -> Row {
-    Row {
-        method: rung.method().to_owned(),
-        setting: rung.setting(),
-        events_expected: reference.events.len(),
-        failure: Some(failure),
-        ..Row::default()
     }
 }
 
@@ -398,7 +240,7 @@ fn flow_row(
         points: found.points,
         events_found: found.events.len(),
         failure: found.failed.clone(),
-        ..empty(rung, reference, String::new())
+        ..Row::failed(rung, reference.events.len(), None)
     }
     .took(seconds);
     if method == Method::Exact && problem.model.law == FrictionLaw::Coulomb {
@@ -473,7 +315,11 @@ fn ring_row(
         .filter(|compared| !compared.signature.contains("separation"))
         .collect();
     if waves.is_empty() {
-        return Ok(empty(rung, reference, "every wave has separation".into()));
+        return Ok(Row::failed(
+            rung,
+            reference.events.len(),
+            Some("every wave has separation".into()),
+        ));
     }
     let settings = discretised::Settings {
         points,
@@ -513,9 +359,8 @@ fn ring_row(
             pairs().map(|(compared, ring)| (ring.speed / compared.speed - 1.0).abs()),
         ),
         eigenvalue_error: worst(errors.into_iter()),
-        failure: None,
         events_expected: 0,
-        ..empty(rung, reference, String::new())
+        ..Row::failed(rung, reference.events.len(), None)
     }
     .took(seconds))
 }

@@ -1,0 +1,105 @@
+//! All rungs of a ladder one after the other, within a budget of time.
+
+use std::time::{Duration, Instant};
+
+use super::measure::{Followed, Missed, Repeats, follow, measure, stripped};
+use super::rung::{Row, Rung, ladder, reference_method};
+use crate::problem::{Continuation, Problem};
+
+/// How long to measure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Seconds for all rungs and the reference.
+    pub budget: f64,
+    /// Most repetitions of a rung.
+    pub repeats: usize,
+}
+
+/// Measurements that are going on.
+pub struct Course {
+    problem: Problem,
+    continuation: Continuation,
+    reference: Followed,
+    ladder: Vec<Rung>,
+    /// Rungs that are left, by their place on the ladder.
+    left: std::vec::IntoIter<usize>,
+    limits: Limits,
+    begun: Instant,
+    until: Option<Instant>,
+    /// The shortest time of the rung before, by method: a finer one takes no less.
+    least: (&'static str, f64),
+    left_out: usize,
+}
+
+impl Course {
+    /// Computes the reference for all rungs that have no row yet.
+    ///
+    /// # Errors
+    /// When the branch does not begin, or the time does not suffice.
+    pub fn begin(
+        problem: &Problem,
+        continuation: &Continuation,
+        rows: &[Row],
+        limits: Limits,
+    ) -> Result<Course, Missed> {
+        let begun = Instant::now();
+        let budget = Duration::try_from_secs_f64(limits.budget).ok();
+        let until = budget.and_then(|budget| begun.checked_add(budget));
+        let law = problem.model.law;
+        let ladder = ladder(law);
+        let measured = |rung: &Rung| rows.iter().any(|row| row.is_of(*rung));
+        let left: Vec<usize> = (0..ladder.len())
+            .filter(|index| !measured(&ladder[*index]))
+            .collect();
+        let (problem, continuation) = stripped(problem, continuation);
+        let method = reference_method(law);
+        Ok(Course {
+            reference: follow(&problem, &continuation, method, until)?,
+            problem,
+            continuation,
+            ladder,
+            left: left.into_iter(),
+            limits,
+            begun,
+            until,
+            least: ("", 0.0),
+            left_out: 0,
+        })
+    }
+
+    /// The rung that is next, and its place on the ladder.
+    pub fn next_rung(&self) -> Option<(usize, Rung)> {
+        let index = *self.left.as_slice().first()?;
+        Some((index, self.ladder[index]))
+    }
+
+    /// Measures the next rung; none where the time does not suffice.
+    pub fn measure_next(&mut self) -> Option<Row> {
+        let (index, rung) = self.next_rung()?;
+        self.left.next();
+        let seconds = self.limits.budget - self.begun.elapsed().as_secs_f64();
+        let row = if seconds <= 0.0 || self.least.0 == rung.method() && self.least.1 > seconds {
+            None
+        } else {
+            let repeats = Repeats {
+                most: self.limits.repeats,
+                seconds: seconds / (self.ladder.len() - index) as f64,
+                until: self.until,
+            };
+            let (problem, continuation) = (&self.problem, &self.continuation);
+            let row = measure(problem, continuation, rung, &self.reference, repeats);
+            let took = row
+                .as_ref()
+                .map_or(f64::INFINITY, |row| row.seconds.unwrap_or(f64::NAN));
+            self.least = (rung.method(), took);
+            row
+        };
+        self.left_out += usize::from(row.is_none());
+        row
+    }
+
+    /// Rungs for which the time did not suffice.
+    pub fn left_out(&self) -> usize {
+        self.left_out
+    }
+}

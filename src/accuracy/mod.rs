@@ -1,0 +1,18 @@
+//! Error against run time: one problem by every method and a ladder of its settings.
+//!
+//! The branch of the problem is followed by each method in turn. Events are paired with those of the
+//! reference in their order along the branch, waves at the user points and at the end of the range,
+//! where the parameter is the same to the last digit. The reference is the exact flow; for a slip-stick
+//! wave under Coulomb friction it is itself compared with the closed form in higher precision. Under
+//! a friction law without an exact flow the reference is collocation of order 12 on a fine mesh.
+//!
+//! The discretised ring has no branch and no switching points: it is solved at each of those
+//! waves that has no separation, and compared in speed and eigenvalues.
+
+mod course;
+mod measure;
+mod rung;
+
+pub use course::{Course, Limits};
+pub use measure::Missed;
+pub use rung::{Row, Rung, ladder, reference_method};

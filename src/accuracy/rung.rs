@@ -1,0 +1,160 @@
+//! The ladder of methods and settings, and what each of them achieves.
+
+use serde::{Deserialize, Serialize};
+
+use crate::flow::method::Method;
+use crate::model::FrictionLaw;
+
+/// One rung of the ladder of a method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rung {
+    /// A method of the boundary-value problem.
+    Flow(Method),
+    /// The discretised ring with n points per wavelength and ε.
+    Ring {
+        /// Points per wavelength.
+        points: usize,
+        /// Width of the friction law in V̇.
+        epsilon: f64,
+    },
+}
+
+impl Rung {
+    /// Name of the method.
+    pub fn method(self) -> &'static str {
+        match self {
+            Rung::Flow(Method::Exact) => "exact",
+            Rung::Flow(Method::Shooting { .. }) => "shooting",
+            Rung::Flow(Method::Collocation { .. }) => "collocation",
+            Rung::Ring { .. } => "ring",
+        }
+    }
+
+    /// The setting in words.
+    fn setting(self) -> String {
+        match self {
+            Rung::Flow(Method::Exact) => String::new(),
+            Rung::Flow(Method::Shooting { tolerance }) => format!("tolerance {tolerance:.0e}"),
+            Rung::Flow(Method::Collocation { intervals, degree }) => {
+                format!("{intervals} intervals of degree {degree}")
+            }
+            Rung::Ring { points, epsilon } => format!("{points} points, epsilon {epsilon}"),
+        }
+    }
+}
+
+impl std::fmt::Display for Rung {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self.setting() {
+            setting if setting.is_empty() => write!(f, "{}", self.method()),
+            setting => write!(f, "{}, {setting}", self.method()),
+        }
+    }
+}
+
+/// The ladder for a friction law, from coarse to fine within each method.
+pub fn ladder(law: FrictionLaw) -> Vec<Rung> {
+    let mut rungs = Vec::new();
+    if law.piecewise_linear() {
+        rungs.push(Rung::Flow(Method::Exact));
+    }
+    if !matches!(law, FrictionLaw::Regularised { .. }) {
+        for tolerance in [1e-5, 1e-7, 1e-9, 1e-11, 1e-13] {
+            rungs.push(Rung::Flow(Method::Shooting { tolerance }));
+        }
+        for intervals in [3, 5, 10, 20, 40] {
+            let degree = 4;
+            rungs.push(Rung::Flow(Method::Collocation { intervals, degree }));
+        }
+    } else {
+        for intervals in [50, 100, 200, 400] {
+            let degree = 4;
+            rungs.push(Rung::Flow(Method::Collocation { intervals, degree }));
+        }
+    }
+    if law == FrictionLaw::Coulomb {
+        for (points, epsilon) in [(25, 0.1), (50, 0.05), (100, 0.02), (200, 0.005)] {
+            rungs.push(Rung::Ring { points, epsilon });
+        }
+    }
+    rungs
+}
+
+/// The method of the reference under a law.
+pub fn reference_method(law: FrictionLaw) -> Method {
+    match law {
+        FrictionLaw::Coulomb | FrictionLaw::Static { .. } => Method::Exact,
+        FrictionLaw::Stribeck { .. } => Method::Collocation {
+            intervals: 60,
+            degree: 6,
+        },
+        FrictionLaw::Regularised { .. } => Method::Collocation {
+            intervals: 600,
+            degree: 5,
+        },
+    }
+}
+
+/// What one rung achieves: a row of `accuracy.csv`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Name of the method.
+    pub method: String,
+    /// Setting of the rung, in words.
+    pub setting: String,
+    /// Points of the branch.
+    pub points: usize,
+    /// Events found.
+    pub events_found: usize,
+    /// Events of the reference.
+    pub events_expected: usize,
+    /// Largest relative error of c.
+    pub speed_error: Option<f64>,
+    /// Largest error of a switching point, in wavelengths.
+    pub switch_error: Option<f64>,
+    /// Largest relative error of the parameter at an event.
+    pub event_error: Option<f64>,
+    /// Largest error of a leading eigenvalue.
+    pub eigenvalue_error: Option<f64>,
+    /// Median run time in seconds, of the branch or of a wave of the ring.
+    pub seconds: Option<f64>,
+    /// Points per second.
+    pub points_per_second: Option<f64>,
+    /// What went wrong, if anything did.
+    pub failure: Option<String>,
+}
+
+impl Row {
+    /// Whether this is what a rung achieves.
+    pub fn is_of(&self, rung: Rung) -> bool {
+        self.method == rung.method() && self.setting == rung.setting()
+    }
+
+    /// The largest of the errors of the wave and its events.
+    pub fn error(&self) -> Option<f64> {
+        [self.speed_error, self.switch_error, self.event_error]
+            .into_iter()
+            .flatten()
+            .reduce(f64::max)
+    }
+
+    /// With this run time.
+    pub(super) fn took(self, seconds: f64) -> Row {
+        Row {
+            seconds: Some(seconds),
+            points_per_second: Some(self.points as f64 / seconds),
+            ..self
+        }
+    }
+
+    /// What a rung failed at.
+    pub(super) fn failed(rung: Rung, events_expected: usize, failure: Option<String>) -> Row {
+        Row {
+            method: rung.method().to_owned(),
+            setting: rung.setting(),
+            events_expected,
+            failure,
+            ..Row::default()
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! Events of a branch against those that are expected of it.
+
+use std::fmt;
+
+use super::Event;
+use crate::model::Parameter;
+use crate::problem::Expectation;
+
+/// One number of one expectation, compared.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// Name of its column.
+    pub name: String,
+    /// The number expected.
+    pub expected: f64,
+    /// That of the event; none where there is no event, or it has none.
+    pub found: Option<f64>,
+    /// Difference admitted.
+    pub tolerance: f64,
+}
+
+impl Comparison {
+    /// Whether the number is as expected.
+    pub fn met(&self) -> bool {
+        self.difference() <= self.tolerance
+    }
+
+    /// The difference: relative, absolute where zero is expected; infinite where there is no number.
+    pub fn difference(&self) -> f64 {
+        match self.found {
+            None => f64::INFINITY,
+            Some(found) if self.expected == 0.0 => found.abs(),
+            Some(found) => ((found - self.expected) / self.expected).abs(),
+        }
+    }
+}
+
+/// Regimes of an event that are not as expected.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OtherRegimes {
+    /// Whether it is those before the event.
+    pub before: bool,
+    /// The regimes expected.
+    pub expected: String,
+    /// Those of the event.
+    pub found: String,
+}
+
+impl fmt::Display for OtherRegimes {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let OtherRegimes {
+            before,
+            expected,
+            found,
+        } = self;
+        let side = if *before { "before" } else { "after" };
+        write!(f, "regimes {side}: expected {expected}, found {found}")
+    }
+}
+
+/// An expectation with the event it is compared with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compared<'a> {
+    /// What was expected.
+    pub expectation: &'a Expectation,
+    /// The event; none where all that it may be are compared with others.
+    pub event: Option<&'a Event>,
+    /// Its numbers.
+    pub numbers: Vec<Comparison>,
+    /// Its regimes, where they are others.
+    pub regimes: Option<OtherRegimes>,
+}
+
+impl<'a> Compared<'a> {
+    fn new(expectation: &'a Expectation, event: Option<&'a Event>) -> Compared<'a> {
+        let tolerance = expectation.tolerance;
+        let compare = |(name, expected): (&'static str, f64)| Comparison {
+            name: name.to_owned(),
+            expected,
+            found: event.and_then(|event| number(event, name)),
+            tolerance,
+        };
+        Compared {
+            expectation,
+            event,
+            numbers: expectation.numbers().into_iter().map(compare).collect(),
+            regimes: event.and_then(|event| regimes(expectation, event)),
+        }
+    }
+
+    /// Whether the event is there and as expected.
+    pub fn met(&self) -> bool {
+        self.event.is_some() && self.regimes.is_none() && self.numbers.iter().all(Comparison::met)
+    }
+
+    /// The worst difference.
+    fn distance(&self) -> f64 {
+        let differences = self.numbers.iter().map(Comparison::difference);
+        differences.fold(0.0, f64::max)
+    }
+}
+
+/// A number of an event by the name of its column.
+pub fn number(event: &Event, name: &str) -> Option<f64> {
+    match name {
+        "speed" => Some(event.speed),
+        "omega" => event.omega,
+        _ => event.model.value(Parameter::from_column(name)?),
+    }
+}
+
+fn regimes(expectation: &Expectation, event: &Event) -> Option<OtherRegimes> {
+    let sides = [
+        (true, &expectation.regimes_before, &event.regimes_before),
+        (false, &expectation.regimes_after, &event.regimes_after),
+    ];
+    let other = |(before, expected, found): (bool, &Option<String>, &String)| {
+        let expected = expected.as_ref().filter(|expected| *expected != found)?;
+        Some(OtherRegimes {
+            before,
+            expected: expected.clone(),
+            found: found.clone(),
+        })
+    };
+    sides.into_iter().find_map(other)
+}
+
+/// Whether an expectation may mean an event.
+fn may_mean(expectation: &Expectation, event: &Event) -> bool {
+    let (sector, label) = (expectation.sector, expectation.label);
+    event.kind == expectation.event
+        && (sector.is_none() || sector == event.sector)
+        && label.is_none_or(|label| label == event.label)
+}
+
+/// An event that an expectation may mean.
+struct Fit {
+    event: usize,
+    met: bool,
+    distance: f64,
+}
+
+/// Every expectation with the event it is compared with; no event serves two.
+///
+/// As many expectations as possible are met: an expectation gives way to another one if it finds an
+/// event elsewhere (augmenting paths in a bipartite graph). Those that are left are shown with the
+/// nearest event that is left.
+pub fn compare<'a>(expectations: &'a [Expectation], events: &'a [Event]) -> Vec<Compared<'a>> {
+    let fits: Vec<Vec<Fit>> = expectations
+        .iter()
+        .map(|expectation| {
+            let mut fits: Vec<Fit> = (0..events.len())
+                .filter(|event| may_mean(expectation, &events[*event]))
+                .map(|event| {
+                    let compared = Compared::new(expectation, Some(&events[event]));
+                    Fit {
+                        event,
+                        met: compared.met(),
+                        distance: compared.distance(),
+                    }
+                })
+                .collect();
+            fits.sort_by(|one, other| one.distance.total_cmp(&other.distance));
+            fits
+        })
+        .collect();
+    let assigned = assign(&fits, events.len());
+    let pairs = expectations.iter().zip(assigned);
+    pairs
+        .map(|(expectation, event)| Compared::new(expectation, event.map(|event| &events[event])))
+        .collect()
+}
+
+/// The event of each expectation.
+fn assign(fits: &[Vec<Fit>], events: usize) -> Vec<Option<usize>> {
+    /// Finds an event for an expectation, moving others if need be.
+    fn augment(
+        one: usize,
+        fits: &[Vec<Fit>],
+        seen: &mut [bool],
+        taken: &mut [Option<usize>],
+    ) -> bool {
+        for fit in fits[one].iter().filter(|fit| fit.met) {
+            if std::mem::replace(&mut seen[fit.event], true) {
+                continue;
+            }
+            if taken[fit.event].is_none_or(|other| augment(other, fits, seen, taken)) {
+                taken[fit.event] = Some(one);
+                return true;
+            }
+        }
+        false
+    }
+    let mut taken: Vec<Option<usize>> = vec![None; events];
+    for one in 0..fits.len() {
+        augment(one, fits, &mut vec![false; events], &mut taken);
+    }
+    let mut assigned = vec![None; fits.len()];
+    for (event, one) in taken.iter().enumerate() {
+        if let Some(one) = *one {
+            assigned[one] = Some(event);
+        }
+    }
+    let mut rest: Vec<(usize, &Fit)> = (0..fits.len())
+        .filter(|one| assigned[*one].is_none())
+        .flat_map(|one| fits[one].iter().map(move |fit| (one, fit)))
+        .collect();
+    rest.sort_by(|(_, one), (_, other)| one.distance.total_cmp(&other.distance));
+    for (one, fit) in rest {
+        if assigned[one].is_none() && taken[fit.event].is_none() {
+            assigned[one] = Some(fit.event);
+            taken[fit.event] = Some(one);
+        }
+    }
+    assigned
+}

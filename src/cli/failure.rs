@@ -1,0 +1,199 @@
+//! How a verb ends: exit codes, and what can end it early.
+
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::branch::run::RunError;
+use crate::curve::start::NoCurve;
+use crate::model::Parameter;
+use crate::output::pictures::PlotError;
+use crate::output::render::RenderError;
+use crate::output::store::StoreError;
+use crate::problem::ProblemError;
+use crate::simulation::course::NoCourse;
+use crate::simulation::profile::ProfileError;
+use crate::stability::discretised;
+use crate::steady::radial;
+use crate::wave::hopf::NoHopf;
+
+/// How a verb has ended; the number is the exit code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// All that was asked for is done.
+    Done = 0,
+    /// An expectation of `check` is not met.
+    Unmet = 1,
+    /// The user asked for the wrong thing.
+    BadInput = 2,
+    /// There is no start, or the branch ended before its range.
+    Numerical = 3,
+    /// Files could not be read or written.
+    InputOutput = 4,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> ExitCode {
+        ExitCode::from(exit as u8)
+    }
+}
+
+/// The exit codes for the help text.
+pub const EXIT_CODES: &str = "Exit codes: 0 done; 1 an expectation of `check` is not met; 2 bad input \
+or usage; 3 numerical failure (no start, or the branch ended before its range); 4 input or output failed \
+(full disk, no permission, damaged folder)";
+
+/// Everything that can end a verb early.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    #[error("{0}")]
+    Problem(#[from] ProblemError),
+    /// What cannot be computed, with the line of the problem file it is about.
+    #[error("{0}")]
+    Placed(ProblemError, Exit),
+    #[error("{0}")]
+    Store(#[from] StoreError),
+    #[error("{0}")]
+    Plot(#[from] PlotError),
+    #[error("{0}")]
+    Render(#[from] RenderError),
+    #[error("{0}")]
+    Run(#[from] RunError),
+    #[error("{0}")]
+    Curve(#[from] NoCurve),
+    #[error("{0}")]
+    Radial(#[from] radial::Error),
+    #[error("{0}")]
+    Usage(#[from] Usage),
+    /// Standard output.
+    #[error("{0}")]
+    Output(io::Error),
+}
+
+impl Failure {
+    /// The exit code that it means.
+    pub fn exit(&self) -> Exit {
+        match self {
+            Failure::Placed(_, exit) => *exit,
+            Failure::Run(RunError::NoHopf(NoHopf::Parameter)) => Exit::BadInput,
+            Failure::Run(RunError::NoStart(_) | RunError::NoHopf(_)) | Failure::Radial(_) => {
+                Exit::Numerical
+            }
+            Failure::Curve(
+                NoCurve::Run(RunError::Asked(_)) | NoCurve::Outside { .. } | NoCurve::Kind { .. },
+            ) => Exit::BadInput,
+            Failure::Curve(_) => Exit::Numerical,
+            Failure::Store(error) | Failure::Plot(PlotError::Store(error)) => {
+                if error.is_usage() {
+                    Exit::BadInput
+                } else {
+                    Exit::InputOutput
+                }
+            }
+            Failure::Plot(
+                PlotError::Read(_) | PlotError::Empty { .. } | PlotError::MissingColumn { .. },
+            )
+            | Failure::Output(_) => Exit::InputOutput,
+            _ => Exit::BadInput,
+        }
+    }
+}
+
+/// What the user asked for in vain, on the command line or in a problem file.
+#[derive(Debug, thiserror::Error)]
+pub enum Usage {
+    #[error("cannot start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    #[error("{}: it would be replaced, and is read as well; take another name", .0.display())]
+    Replaced(PathBuf),
+    #[error("{}: give the picture a name that ends in .svg, .png or .pdf", .0.display())]
+    PictureName(PathBuf),
+    #[error("`{0}` is no format; take svg, png or pdf")]
+    Format(String),
+    #[error("write NAME=VALUE, for example mismatch=0.045")]
+    Assignment,
+    #[error("`{name}` is no parameter; known: {known}")]
+    Parameter { name: String, known: String },
+    #[error("`{0}` is not a number")]
+    Number(String),
+    #[error("{0} is not finite")]
+    NotFinite(f64),
+    #[error("{} = {value} is not admitted: {rule}", parameter.column())]
+    NotAdmitted {
+        parameter: Parameter,
+        value: f64,
+        rule: String,
+    },
+    #[error("there is no Bloch sector {sector} for mode {mode}: take 0 to {}", mode - 1)]
+    Sector { sector: usize, mode: usize },
+    #[error(
+        "{} = {value} lies outside the range from {} to {} of the problem", parameter.column(), range.0, range.1
+    )]
+    OutOfRange {
+        parameter: Parameter,
+        value: f64,
+        range: (f64, f64),
+    },
+    #[error("`{0}` is no number of points; take {least} to {most}", least = discretised::LEAST_POINTS, most = discretised::MOST_POINTS)]
+    Points(String),
+    #[error("{0} points per wavelength do not resolve a wave; take {least} at least", least = discretised::LEAST_POINTS)]
+    FewPoints(u128),
+    #[error(
+        "the dense eigenvalue problem of {0} points per wavelength takes about {gigabytes:.0} GB; take \
+         {most} points at most",
+        gigabytes = discretised::memory(*.0 as f64) / 1e9,
+        most = discretised::MOST_POINTS
+    )]
+    ManyPoints(u128),
+    #[error("take a positive number such as 0.005")]
+    Width,
+    #[error(
+        "--epsilon smooths Coulomb's law, but `friction_law` is Regularised(epsilon: {0}); leave the \
+         option out, or give --at smoothing=VALUE"
+    )]
+    OwnWidth(f64),
+    #[error(
+        "`friction_law`: the discretised ring has Coulomb's law smoothed, or Regularised(…)\n  \
+         help: leave out --discretised for the exact eigenvalues under this one"
+    )]
+    LawOfRing,
+    #[error("`{0}` is not a number of waves; write 1..20 or 4")]
+    Waves(String),
+    #[error("{0}..{1} is no range of modes: write the smaller one first, from 1 to {most}", most = crate::problem::MAX_MODE)]
+    Modes(u32, u32),
+    #[error("give a positive number of seconds")]
+    Seconds,
+    #[error("write I/N with 1 ≤ I ≤ N, for example 2/4")]
+    Shard,
+    #[error("name a problem file")]
+    NoProblem,
+    #[error("{} and {} are shards of different maps", .0.display(), .1.display())]
+    OtherMap(PathBuf, PathBuf),
+    #[error("{} holds no branch", .0.display())]
+    NoBranch(PathBuf),
+    #[error(
+        "every method begins from the closed form: give a problem that starts from `Fast` or `Slow`"
+    )]
+    Restarted,
+    #[error("the reference, {method}, takes longer than --budget {budget}: give a larger one")]
+    Budget { method: String, budget: f64 },
+    #[error(
+        "{} is no file: name a table of a run, like results/x/profiles/3.csv, in `simulation: (start: \
+         Profile(file: .., speed: ..))`", .0.display()
+    )]
+    NoProfile(PathBuf),
+    #[error(
+        "{} holds no waves to begin with: follow them first with `brakewave run` and `output: (profiles: \
+         9)`, or name the folder of such a run in `simulation: (start: Wave(dir: ..))`", .0.display()
+    )]
+    NoWaves(PathBuf),
+    #[error(
+        "label {label} of {} has no profile; `output: (profiles: 9)` in the problem of the run has \
+         profiles written", dir.display()
+    )]
+    Unprofiled { dir: PathBuf, label: usize },
+    #[error("{0}")]
+    Profile(#[from] ProfileError),
+    #[error("{file}: {reason}")]
+    Simulation { file: String, reason: NoCourse },
+}

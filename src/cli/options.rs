@@ -1,0 +1,176 @@
+//! Arguments that verbs have in common.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::failure::{Failure, Usage};
+use crate::model::Parameter;
+use crate::output::render::Format;
+use crate::output::store::{Existing, Kind, Store, io_error};
+use crate::problem::{self, CurveEvent, Problem, Start};
+use crate::simulation::task::SimulationStart;
+
+/// A problem file, and the folder of its results.
+#[derive(Debug, Args)]
+pub struct Task {
+    /// Problem file
+    pub problem: PathBuf,
+    /// Result folder [default: results/ and the name of the problem file, with the verb but for `run`]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Go on with what was interrupted; its files end as if it had not been
+    #[arg(long, conflicts_with = "force")]
+    pub resume: bool,
+    /// Replace earlier results
+    #[arg(long)]
+    pub force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+impl Task {
+    /// The problem, its text and its name for messages.
+    pub fn read(&self) -> Result<(Problem, String, String), Failure> {
+        let (problem, text) = problem::read(&self.problem)?;
+        Ok((problem, text, self.problem.display().to_string()))
+    }
+
+    /// Where the results go: by default `results/` and the name of the problem file with an ending.
+    pub fn folder(&self, ending: &str) -> PathBuf {
+        let stem = self.problem.file_stem();
+        let mut name = stem.map_or_else(|| "problem".into(), |stem| stem.to_owned());
+        name.push(ending);
+        let default = || PathBuf::from("results").join(name);
+        self.out.clone().unwrap_or_else(default)
+    }
+
+    /// Takes hold of a folder.
+    pub fn open(&self, folder: &Path, kind: Kind, problem: &Problem) -> Result<Store, Failure> {
+        let existing = Existing::of(self.resume, self.force);
+        let inputs = self.inputs(problem);
+        Ok(Store::open(folder, kind, problem, existing, &inputs)?)
+    }
+
+    /// What the results are computed from: the problem file, and what it names.
+    pub fn inputs(&self, problem: &Problem) -> Vec<PathBuf> {
+        let mut inputs = vec![self.problem.clone()];
+        if let Start::Restart { dir, .. } = &problem.wave.start {
+            inputs.push(dir.clone());
+        }
+        let event = problem.curve.as_ref().map(|curve| &curve.event);
+        if let Some(CurveEvent::Label { dir, .. }) = event {
+            inputs.push(dir.clone());
+        }
+        match problem.simulation.as_ref().map(|section| &section.start) {
+            Some(SimulationStart::Wave { dir, .. }) => inputs.push(dir.clone()),
+            Some(SimulationStart::Profile { file, .. }) => inputs.push(file.clone()),
+            _ => {}
+        }
+        inputs
+    }
+}
+
+/// How many threads.
+#[derive(Debug, Args)]
+pub struct Threads {
+    /// Threads [default: one per core; for `run`, where they only draw, one]; the results do not depend
+    /// on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+}
+
+impl Threads {
+    /// Does work with as many threads as asked for, not more than `most`: they would only wait.
+    pub fn install<T: Send>(
+        &self,
+        default: usize,
+        most: usize,
+        work: impl FnOnce() -> Result<T, Failure> + Send,
+    ) -> Result<T, Failure> {
+        let threads = self.threads.map_or(default, usize::from).min(most).max(1);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.map_err(Usage::Threads)?.install(work)
+    }
+}
+
+/// Threads that this machine can run at a time.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// A picture format on the command line.
+pub fn format(text: &str) -> Result<Format, Usage> {
+    let mut all = [Format::Svg, Format::Png, Format::Pdf].into_iter();
+    let known = all.find(|format| format.extension() == text);
+    known.ok_or_else(|| Usage::Format(text.to_owned()))
+}
+
+/// NAME=VALUE on the command line.
+pub fn assignment(text: &str) -> Result<(Parameter, f64), Usage> {
+    let (name, value) = text.split_once('=').ok_or(Usage::Assignment)?;
+    let (name, value) = (name.trim(), value.trim());
+    let parameter = Parameter::from_column(name).ok_or_else(|| {
+        let known = Parameter::ALL.map(|parameter| parameter.column());
+        Usage::Parameter {
+            name: name.to_owned(),
+            known: known.join(", "),
+        }
+    })?;
+    let number: f64 = value.parse().map_err(|_| Usage::Number(value.to_owned()))?;
+    if !number.is_finite() {
+        return Err(Usage::NotFinite(number));
+    }
+    Ok((parameter, number))
+}
+
+/// Replaces a parameter of the model, under the rules of a problem file.
+pub fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Result<(), Usage> {
+    let rule = match problem.model.value(parameter) {
+        None => "the model has no such parameter".to_owned(),
+        Some(_) if parameter.admits(value) && value.is_finite() => {
+            problem.model = problem.model.with(parameter, value);
+            return Ok(());
+        }
+        Some(_) => parameter.rule(),
+    };
+    Err(Usage::NotAdmitted {
+        parameter,
+        value,
+        rule,
+    })
+}
+
+/// Refuses a file for output that is read as well, or that cannot be: before the computation.
+pub fn spare(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+    let canonical = |path: &Path| fs::canonicalize(path).ok();
+    let there = canonical(path);
+    if there.is_some() && inputs.iter().any(|input| canonical(input) == there) {
+        return Err(Usage::Replaced(path.to_owned()).into());
+    }
+    let folder = path.parent();
+    if let Some(folder) = folder.filter(|folder| !folder.as_os_str().is_empty()) {
+        fs::read_dir(folder).map_err(io_error("write into it", folder))?;
+    }
+    Ok(())
+}
+
+/// Writes a file that the user has named.
+pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    Ok(fs::write(path, text).map_err(io_error("write it", path))?)
+}
+
+/// File and format of a picture asked for.
+pub fn picture<'a>(
+    path: Option<&'a Path>,
+    inputs: &[PathBuf],
+) -> Result<Option<(&'a Path, Format)>, Failure> {
+    let Some(path) = path else {
+        return Ok(None);
+    };
+    let format = Format::of(path).ok_or_else(|| Usage::PictureName(path.to_owned()))?;
+    spare(path, inputs)?;
+    Ok(Some((path, format.available()?)))
+}

@@ -1,0 +1,132 @@
+//! A problem made ready to be run: the wave it restarts from, and the ways its branch can go.
+
+use std::path::Path;
+
+use super::failure::Failure;
+use crate::branch::SavedWave;
+use crate::branch::run::RunError;
+use crate::output::run::Restart;
+use crate::output::store::Checkpoint;
+use crate::problem::{self, Continuation, Problem, Start, Toward};
+
+/// A problem read and ready to run.
+pub struct Prepared {
+    pub problem: Problem,
+    pub continuation: Continuation,
+    pub restart: Option<SavedWave>,
+    pub source: Source,
+}
+
+/// The file of a problem, for messages that point into it.
+pub struct Source {
+    name: String,
+    text: String,
+}
+
+impl Source {
+    /// The text of a file.
+    pub fn new(name: String, text: String) -> Source {
+        Source { name, text }
+    }
+
+    /// A refusal of what stands at a path.
+    pub fn refuse(&self, path: &str, message: String, help: &str) -> Failure {
+        problem::refuse_at(&self.text, &self.name, path, message, help).into()
+    }
+
+    /// What ends a run before it begins, with the line it is about if there is one.
+    pub fn place(&self, error: RunError) -> Failure {
+        match error.about() {
+            None => error.into(),
+            Some((path, help)) => {
+                let message = error.to_string();
+                let place = problem::refuse_at(&self.text, &self.name, path, message, help);
+                Failure::Placed(place, Failure::Run(error).exit())
+            }
+        }
+    }
+
+    /// The run of a folder to restart from, which must hold waves of this mode.
+    pub fn restart(&self, dir: &Path, mode: u32) -> Result<Restart, Failure> {
+        let earlier = Restart::read(dir)?;
+        let known = earlier.problem.wave.mode;
+        if known != mode {
+            let message = format!(
+                "{} holds waves of mode {known}, not of mode {mode}",
+                dir.display()
+            );
+            let help = format!("write `mode: {known}`, or name another folder");
+            return Err(self.refuse("wave.mode", message, &help));
+        }
+        Ok(earlier)
+    }
+}
+
+/// Reads a problem file, and the wave it restarts from if it does.
+pub fn prepare(path: &Path) -> Result<Prepared, Failure> {
+    let (problem, text) = problem::read(path)?;
+    ready(problem, text, path)
+}
+
+/// The branch of a problem that was read, and the wave it restarts from if it does.
+pub fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepared, Failure> {
+    let source = Source::new(path.display().to_string(), text);
+    let mut continuation = problem.continuation(&source.text, &source.name)?.clone();
+    let mut restart = None;
+    if let Start::Restart { dir, label } = &problem.wave.start {
+        let earlier = source.restart(dir, problem.wave.mode)?;
+        let wave = earlier.wave(dir, *label)?.clone();
+        let law = problem.model.law;
+        let other = std::mem::discriminant(&law) != std::mem::discriminant(&wave.model.law);
+        if other && problem::says(&source.text, "model.friction_law") {
+            let message = format!(
+                "label {label} of {} was computed under another friction law",
+                dir.display()
+            );
+            let help = "leave out `friction_law`: a restart brings its own";
+            return Err(source.refuse("model.friction_law", message, help));
+        }
+        restart = Some(wave);
+    }
+    let parameter = continuation.parameter;
+    continuation.toward = match (&problem.wave.start, &restart) {
+        // there are waves on one side of it only
+        (Start::Hopf, _) => Toward::beyond_hopf(parameter),
+        (_, Some(wave)) => ways(&continuation, wave.model.value(parameter), &source)?,
+        _ => ways(&continuation, problem.model.value(parameter), &source)?,
+    };
+    Ok(Prepared {
+        problem,
+        continuation,
+        restart,
+        source,
+    })
+}
+
+/// The ways a branch can go from its first point: at an end of the range there is but one.
+fn ways(
+    continuation: &Continuation,
+    first: Option<f64>,
+    source: &Source,
+) -> Result<Toward, Failure> {
+    let (low, high) = continuation.range;
+    let first = first.unwrap_or(f64::NAN);
+    match continuation.toward {
+        Toward::Both if first == low => Ok(Toward::Up),
+        Toward::Both if first == high => Ok(Toward::Down),
+        // a problem with its own start has been checked for this; a restart brings its own value
+        toward
+            if (toward == Toward::Down && first == low)
+                || (toward == Toward::Up && first == high) =>
+        {
+            let message = format!(
+                "the branch starts at {} = {first:?}, an end of the range from {low:?} to {high:?} \
+                 with nothing beyond",
+                continuation.parameter.column()
+            );
+            let help = "go the other way, or widen the range";
+            Err(source.refuse("continuation.toward", message, help))
+        }
+        toward => Ok(toward),
+    }
+}

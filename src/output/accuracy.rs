@@ -1,0 +1,89 @@
+//! The folder of measured errors and times: a table that grows by a row for each method and setting.
+
+use super::store::{Growing, Store, StoreError, damaged};
+use crate::accuracy::{Row, Rung};
+use crate::table::{self, Table};
+
+/// Name of the table.
+const TABLE: &str = "accuracy.csv";
+
+/// The folder being written.
+#[derive(Debug)]
+pub struct AccuracyFolder {
+    store: Store,
+    table: Growing,
+}
+
+/// Rows that were measured, and the bytes of their table.
+pub struct Interrupted {
+    /// The rows.
+    pub rows: Vec<Row>,
+    length: usize,
+}
+
+impl AccuracyFolder {
+    /// The rows of an earlier run; none where there is no table.
+    ///
+    /// # Errors
+    /// When it is damaged: of another header, with a row of no rung of the ladder, or of one twice.
+    pub fn interrupted(store: &Store, ladder: &[Rung]) -> Result<Option<Interrupted>, StoreError> {
+        let path = store.path().join(TABLE);
+        if !store.resumes() || !path.exists() {
+            return Ok(None);
+        }
+        let text = store.lines(TABLE, None)?;
+        if text.is_empty() {
+            return Ok(None);
+        }
+        if !text.starts_with(table::header::<Row>().as_bytes()) {
+            return Err(damaged(&path, "its header is another one"));
+        }
+        let rows = Table::parse(&text).and_then(|table| table.rows::<Row>());
+        let rows = rows.map_err(|error| damaged(&path, error.to_string()))?;
+        let of = |row: &Row| ladder.iter().position(|rung| row.is_of(*rung));
+        for (index, row) in rows.iter().enumerate() {
+            if of(row).is_none() || rows[..index].iter().any(|other| of(other) == of(row)) {
+                let reason = format!("row {} is of no method, or of one twice", index + 1);
+                return Err(damaged(&path, reason));
+            }
+        }
+        let length = text.len();
+        Ok(Some(Interrupted { rows, length }))
+    }
+
+    /// Begins a table in place of an earlier one, or goes on with it.
+    ///
+    /// # Errors
+    /// When a file cannot be written, like all that follow.
+    pub fn open(
+        store: Store,
+        picture: &str,
+        interrupted: Option<&Interrupted>,
+    ) -> Result<AccuracyFolder, StoreError> {
+        let table = match interrupted {
+            Some(earlier) => store.cut(TABLE, earlier.length)?,
+            None => {
+                store.begin([TABLE.to_owned(), picture.to_owned()], None)?;
+                store.table(TABLE, &table::header::<Row>(), None)?
+            }
+        };
+        Ok(AccuracyFolder { store, table })
+    }
+
+    /// Appends a row.
+    pub fn write(&mut self, row: &Row) -> Result<(), StoreError> {
+        self.table.row(row)
+    }
+
+    /// Puts the rows in the order of the ladder: those of a resumed run come after the others.
+    pub fn sort(&self, rows: &mut [Row], ladder: &[Rung]) -> Result<(), StoreError> {
+        rows.sort_by_key(|row| ladder.iter().position(|rung| row.is_of(*rung)));
+        let text = table::table(rows.iter().cloned());
+        self.store.replace(TABLE, text.as_bytes())
+    }
+
+    /// The folder as such.
+    pub fn store(&self) -> &Store {
+        &self.store
+    }
+}

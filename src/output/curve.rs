@@ -1,0 +1,248 @@
+//! The folder of a curve: `curve.csv`, a picture, `curve.svg` unless another format is asked for, and
+//! `curve.steps` to go on from.
+//!
+//! Rows are appended as points are found, away from the event first one way and then the other; at the
+//! end the table is put in order from one end to the other. `curve.steps` has a line for what the curve
+//! begins with and one for every step: a checksum, and a value as RON. A resumed curve goes on after the
+//! last whole line, through the same steps as an uninterrupted one.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::pictures::{self, PlotError};
+use super::render::Format;
+use super::store::{Growing, Store, StoreError, damaged, encode, hash};
+use crate::curve::{Curve, Head, Point, Run, Step};
+use crate::model::Parameter;
+use crate::table;
+
+/// Name of the table.
+pub const TABLE: &str = "curve.csv";
+/// Name of the picture without extension.
+pub const PICTURE: &str = "curve";
+/// Name of the steps.
+pub const STEPS: &str = "curve.steps";
+
+/// The folder of a curve being written.
+#[derive(Debug)]
+pub struct CurveFolder {
+    store: Store,
+    table: Growing,
+    steps: Growing,
+    rows: usize,
+    sector: Option<usize>,
+}
+
+/// What is wrong with a line of the steps.
+#[derive(Debug, thiserror::Error)]
+enum Flaw {
+    #[error("it has no checksum")]
+    NoSum,
+    #[error("its checksum is another one")]
+    OtherSum,
+    #[error("{0}")]
+    Content(#[from] ron::error::SpannedError),
+}
+
+fn value<T: DeserializeOwned>(line: &str) -> Result<T, Flaw> {
+    let (sum, text) = line.split_once(' ').ok_or(Flaw::NoSum)?;
+    if u64::from_str_radix(sum, 16) != Ok(hash(text.as_bytes())) {
+        return Err(Flaw::OtherSum);
+    }
+    Ok(ron::from_str(text)?)
+}
+
+/// A curve to go on with.
+pub struct Interrupted {
+    /// The curve after its last step.
+    pub run: Run,
+    /// Bytes of the steps.
+    length: usize,
+}
+
+impl CurveFolder {
+    /// What an interrupted run left.
+    ///
+    /// # Errors
+    /// When that is damaged.
+    pub fn interrupted(store: &Store) -> Result<Option<Interrupted>, StoreError> {
+        let path = store.path().join(STEPS);
+        // a curve killed before it began has no points
+        if !store.resumes() || !path.exists() {
+            return Ok(None);
+        }
+        let bytes = store.lines(STEPS, None)?;
+        let text = std::str::from_utf8(&bytes).map_err(|_| damaged(&path, "it is no text"))?;
+        let wrong = |number: usize, flaw: Flaw| damaged(&path, format!("line {number}: {flaw}"));
+        let mut lines = text.lines();
+        let Some(first) = lines.next() else {
+            return Ok(None);
+        };
+        let head: Head = value(first).map_err(|flaw| wrong(1, flaw))?;
+        let steps = lines
+            .zip(2..)
+            .map(|(line, number)| value(line).map_err(|flaw| wrong(number, flaw)))
+            .collect::<Result<Vec<Step>, StoreError>>()?;
+        let run = Run::resume(head, steps).map_err(|reason| damaged(&path, reason.to_string()))?;
+        let length = bytes.len();
+        Ok(Some(Interrupted { run, length }))
+    }
+
+    /// Begins a curve, in place of an earlier one.
+    ///
+    /// # Errors
+    /// When a file cannot be written, like all that follow.
+    pub fn create(store: Store, run: &Run, format: Format) -> Result<CurveFolder, StoreError> {
+        store.begin([STEPS.into(), TABLE.into(), picture(format)], None)?;
+        let steps = store.create(STEPS, b"")?;
+        let mut folder = CurveFolder::tabulate(store, run, steps)?;
+        folder.keep(run.head())?;
+        Ok(folder)
+    }
+
+    /// Goes on with a curve.
+    pub fn reopen(store: Store, interrupted: &Interrupted) -> Result<CurveFolder, StoreError> {
+        let steps = store.cut(STEPS, interrupted.length)?;
+        CurveFolder::tabulate(store, &interrupted.run, steps)
+    }
+
+    /// The table of the points so far.
+    fn tabulate(store: Store, run: &Run, steps: Growing) -> Result<CurveFolder, StoreError> {
+        let mut folder = CurveFolder {
+            table: store.create(TABLE, header(run.head().system.parameters()).as_bytes())?,
+            steps,
+            rows: 0,
+            sector: run.head().sector(),
+            store,
+        };
+        for point in run.so_far() {
+            folder.append(point)?;
+        }
+        Ok(folder)
+    }
+
+    fn append(&mut self, point: &Point) -> Result<(), StoreError> {
+        let row = Row::new(self.rows, point, self.sector, &point.what);
+        self.table.row(&row)?;
+        self.rows += 1;
+        Ok(())
+    }
+
+    /// What keeps the files.
+    pub fn store(&self) -> &Store {
+        &self.store
+    }
+
+    /// Appends what a step found.
+    pub fn write(&mut self, step: &Step) -> Result<(), StoreError> {
+        for found in &step.found {
+            self.append(&found.point)?;
+        }
+        self.keep(step)
+    }
+
+    /// Appends a line to the steps.
+    fn keep(&mut self, value: &impl Serialize) -> Result<(), StoreError> {
+        let text = encode(&self.store.path().join(STEPS), value)?;
+        let line = format!("{:016x} {text}\n", hash(text.as_bytes()));
+        self.steps.push(line.as_bytes())
+    }
+
+    /// Puts the table in order and draws the picture.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn finish(
+        &self,
+        curve: &Curve,
+        ranges: [(f64, f64); 2],
+        title: Option<&str>,
+        format: Format,
+    ) -> Result<(), PlotError> {
+        self.store.replace(TABLE, table(curve).as_bytes())?;
+        let picture = picture(format);
+        self.store.claim([&picture])?;
+        let path = self.store.path().join(picture);
+        let drawn = pictures::curve::picture(curve, ranges).titled(title);
+        pictures::replace(&path, format, &drawn)
+    }
+}
+
+fn picture(format: Format) -> String {
+    format!("{PICTURE}.{}", format.extension())
+}
+
+/// A row of `curve.csv`; the columns of the parameters have their names.
+#[derive(Default, Serialize)]
+struct Row<'a> {
+    point: usize,
+    #[serde(rename = "type")]
+    kind: Option<&'a str>,
+    first: f64,
+    second: f64,
+    speed: f64,
+    regimes_before: &'a str,
+    regimes_after: &'a str,
+    sector: Option<usize>,
+    omega: Option<f64>,
+    newton: usize,
+    residual: f64,
+    what: &'a str,
+}
+
+fn header(parameters: [Parameter; 2]) -> String {
+    let [first, second] = parameters.map(|parameter| parameter.column());
+    let mut columns = table::columns(&Row::default());
+    for column in &mut columns {
+        match column.as_str() {
+            "first" => *column = first.to_owned(),
+            "second" => *column = second.to_owned(),
+            _ => {}
+        }
+    }
+    table::line_of(&columns)
+}
+
+impl<'a> Row<'a> {
+    fn new(index: usize, point: &'a Point, sector: Option<usize>, what: &'a str) -> Row<'a> {
+        Row {
+            point: index + 1,
+            kind: point.kind.as_deref(),
+            first: point.parameters[0],
+            second: point.parameters[1],
+            speed: point.speed,
+            regimes_before: &point.before,
+            regimes_after: &point.after,
+            sector,
+            omega: point.omega,
+            newton: point.newton,
+            residual: point.residual,
+            what,
+        }
+    }
+}
+
+/// The curve as CSV, from one end to the other.
+pub fn table(curve: &Curve) -> String {
+    let mut text = header(curve.parameters);
+    for (index, point) in curve.points.iter().enumerate() {
+        let what = words(curve, index);
+        text.push_str(&table::line(&Row::new(index, point, curve.sector, &what)));
+    }
+    text
+}
+
+/// What happens at a point; the reason of an end stands at the first and at the last one.
+pub fn words(curve: &Curve, index: usize) -> String {
+    let mut text = curve.points[index].what.clone();
+    let last = curve.points.len() - 1;
+    for (place, end) in [(0, &curve.ends[0]), (last, &curve.ends[1])] {
+        if place == index && !text.contains(end.as_str()) {
+            if !text.is_empty() {
+                text.push_str("; ");
+            }
+            text.push_str(end);
+        }
+    }
+    text
+}

@@ -1,0 +1,197 @@
+//! Single files: read, replaced as a whole, or growing at their end.
+
+use std::fs::{self, File, Metadata, OpenOptions};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::error::{READ, StoreError, damaged, io_error};
+use crate::table::{self, Table};
+
+/// The content of a file.
+///
+/// # Errors
+/// When it is missing, no file, or cannot be read.
+pub fn bytes(path: &Path) -> Result<Vec<u8>, StoreError> {
+    let found = fs::metadata(path).map_err(io_error(READ, path))?;
+    // a device or a pipe may never end
+    if !found.is_file() {
+        return Err(damaged(path, "it is no file"));
+    }
+    fs::read(path).map_err(io_error(READ, path))
+}
+
+/// The text of a file.
+///
+/// # Errors
+/// As [`bytes`], and when it is no text.
+pub fn read(path: &Path) -> Result<String, StoreError> {
+    String::from_utf8(bytes(path)?).map_err(|_| damaged(path, "it is no text"))
+}
+
+/// A table.
+///
+/// # Errors
+/// As [`bytes`], and when it is no table.
+pub fn table(path: &Path) -> Result<Table, StoreError> {
+    Table::parse(&bytes(path)?).map_err(|error| damaged(path, error.to_string()))
+}
+
+/// A value as RON.
+pub fn encode(path: &Path, value: &impl Serialize) -> Result<String, StoreError> {
+    ron::to_string(value).map_err(|error| damaged(path, error.to_string()))
+}
+
+/// FNV-1a in 64 bits: tells one content from another where nobody forges any.
+pub fn hash(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+
+/// What lies at a path, links not followed.
+pub fn found(path: &Path) -> Result<Option<Metadata>, StoreError> {
+    match fs::symlink_metadata(path) {
+        Ok(found) => Ok(Some(found)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(io_error("look at it", path)(error)),
+    }
+}
+
+/// Removes a file or a link, never what a link points to; what is not there need not be removed.
+pub fn remove(path: &Path) -> Result<(), StoreError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(io_error("remove it", path)(error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A new file, no link.
+pub fn new_file(path: &Path) -> Result<File, StoreError> {
+    remove(path)?;
+    let file = OpenOptions::new().write(true).create_new(true).open(path);
+    file.map_err(io_error("create it", path))
+}
+
+/// Where a file is written before it takes its place.
+pub fn beside(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(NEW);
+    name.into()
+}
+
+/// What the name of such a file ends in.
+pub const NEW: &str = ".new";
+
+/// Replaces a file as a whole: written beside, brought to the disk, renamed.
+///
+/// # Errors
+/// When the system refuses; the old file stays then.
+pub fn replace(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), StoreError>,
+) -> Result<(), StoreError> {
+    let new = beside(path);
+    let file = new_file(&new)?;
+    let done = (|| {
+        let mut out = BufWriter::new(file);
+        write(&mut out)?;
+        let file = out
+            .into_inner()
+            .map_err(|error| io_error("write it", path)(error.into_error()))?;
+        file.sync_all().map_err(io_error("write it", path))?;
+        fs::rename(&new, path).map_err(io_error("replace it", path))
+    })();
+    if done.is_err() {
+        // what is left of it would only take up room
+        let _ = fs::remove_file(&new);
+    }
+    done?;
+    // the renaming itself; not every file system can, and none loses the old file
+    if let Some(Ok(folder)) = path.parent().map(File::open) {
+        let _ = folder.sync_all();
+    }
+    Ok(())
+}
+
+/// Bytes that the first lines of a text take, or all lines that are finished: what follows them was cut
+/// short by a kill. None where there are fewer lines.
+pub fn length_of_lines(text: &[u8], lines: Option<usize>) -> Option<usize> {
+    let ends = text.iter().enumerate();
+    let mut ends = ends.filter_map(|(index, byte)| (*byte == b'\n').then_some(index + 1));
+    match lines {
+        None => Some(ends.last().unwrap_or(0)),
+        Some(0) => Some(0),
+        Some(lines) => ends.nth(lines - 1),
+    }
+}
+
+/// A file that grows at its end.
+#[derive(Debug)]
+pub struct Growing {
+    file: File,
+    path: PathBuf,
+}
+
+impl Growing {
+    /// A new file with this beginning.
+    pub(super) fn create(path: PathBuf, head: &[u8]) -> Result<Growing, StoreError> {
+        let file = new_file(&path)?;
+        let mut growing = Growing { file, path };
+        growing.push(head)?;
+        Ok(growing)
+    }
+
+    /// A file that is there, cut back to `length` bytes.
+    pub(super) fn cut(path: PathBuf, length: usize) -> Result<Growing, StoreError> {
+        if !found(&path)?.is_some_and(|there| there.is_file()) {
+            return Err(damaged(&path, "it is no longer there"));
+        }
+        let mut file = OpenOptions::new()
+            .write(true)
+            .open(&path)
+            .map_err(io_error("open it for writing", &path))?;
+        let there = file.metadata().map_err(io_error(READ, &path))?.len();
+        if there < length as u64 {
+            return Err(damaged(&path, "it is shorter than it was saved"));
+        }
+        file.set_len(length as u64)
+            .and_then(|()| file.seek(SeekFrom::End(0)))
+            .map_err(io_error("cut it", &path))?;
+        Ok(Growing { file, path })
+    }
+
+    /// Adds bytes.
+    ///
+    /// # Errors
+    /// When the system refuses, like all that follow.
+    pub fn push(&mut self, bytes: &[u8]) -> Result<(), StoreError> {
+        let written = self.file.write_all(bytes);
+        written.map_err(io_error("write it", &self.path))
+    }
+
+    /// Adds a row.
+    pub fn row(&mut self, row: &impl Serialize) -> Result<(), StoreError> {
+        self.push(table::line(row).as_bytes())
+    }
+
+    /// Writes the beginning anew, as long as it was.
+    pub fn rewrite_head(&mut self, head: &[u8]) -> Result<(), StoreError> {
+        let file = &mut self.file;
+        file.seek(SeekFrom::Start(0))
+            .and_then(|_| file.write_all(head))
+            .and_then(|()| file.seek(SeekFrom::End(0)))
+            .map_err(io_error("write it", &self.path))?;
+        Ok(())
+    }
+
+    /// Brings it to the disk.
+    pub fn sync(&self) -> Result<(), StoreError> {
+        self.file
+            .sync_all()
+            .map_err(io_error("write it", &self.path))
+    }
+}

@@ -1,0 +1,122 @@
+//! The list of what the program wrote in a folder.
+
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Component, Path};
+
+use super::error::{READ, StoreError, damaged, io_error};
+
+/// Name of the manifest.
+pub const MANIFEST: &str = "brakewave.manifest";
+
+/// What a folder holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A branch.
+    Run,
+    /// A map.
+    Map,
+    /// Some rows of a map.
+    MapShard,
+    /// A curve of an event.
+    Curve,
+    /// Errors and times of methods.
+    Accuracy,
+    /// A simulation.
+    Simulation,
+}
+
+impl Kind {
+    /// Its word in a manifest.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Kind::Run => "run",
+            Kind::Map => "map",
+            Kind::MapShard => "map-shard",
+            Kind::Curve => "curve",
+            Kind::Accuracy => "accuracy",
+            Kind::Simulation => "simulation",
+        }
+    }
+
+    /// Whether results of the other kind may be gone on with or replaced: a shard is a map.
+    pub(super) fn fits(self, other: &str) -> bool {
+        let family = |name: &str| name.split('-').next().map(str::to_owned);
+        family(self.name()) == family(other)
+    }
+}
+
+/// The first lines of a manifest.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Header {
+    pub version: String,
+    pub kind: String,
+    /// Hash of the problem.
+    pub problem: String,
+}
+
+impl Header {
+    pub fn text(&self) -> String {
+        format!(
+            "brakewave {}\n{} of problem {}\n",
+            self.version, self.kind, self.problem
+        )
+    }
+
+    fn parse(lines: &mut std::str::Lines) -> Option<Header> {
+        let version = lines.next()?.strip_prefix("brakewave ")?;
+        let (kind, problem) = lines.next()?.split_once(" of problem ")?;
+        Some(Header {
+            version: version.to_owned(),
+            kind: kind.to_owned(),
+            problem: problem.to_owned(),
+        })
+    }
+}
+
+/// A manifest, open for more names.
+#[derive(Debug)]
+pub(super) struct Manifest {
+    pub file: File,
+    pub header: Option<Header>,
+    pub names: BTreeSet<String>,
+}
+
+impl Manifest {
+    /// Reads a manifest; a line cut short by a power failure names no file yet and is left out.
+    pub fn read(path: &Path, mut file: File, mend: bool) -> Result<Manifest, StoreError> {
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(io_error(READ, path))?;
+        let whole = bytes.iter().rposition(|byte| *byte == b'\n');
+        let whole = whole.map_or(0, |last| last + 1);
+        if mend && whole < bytes.len() {
+            file.set_len(whole as u64)
+                .map_err(io_error("mend it", path))?;
+        }
+        let foreign = || damaged(path, "it is no manifest of brakewave");
+        let text = std::str::from_utf8(&bytes[..whole]).map_err(|_| foreign())?;
+        let mut lines = text.lines();
+        let header = Header::parse(&mut lines);
+        // cut short by a power failure, or something else altogether
+        let torn = text.is_empty() || text.starts_with("brakewave ") && text.lines().count() == 1;
+        if header.is_none() && !torn {
+            return Err(foreign());
+        }
+        let names: BTreeSet<String> = lines.map(str::to_owned).collect();
+        let inside = |name: &String| {
+            let parts = Path::new(name).components();
+            let normal = |part| matches!(part, Component::Normal(_));
+            // a file of the folder, or of a folder in it
+            matches!(parts.clone().count(), 1 | 2) && parts.into_iter().all(normal)
+        };
+        if !names.iter().all(inside) {
+            return Err(foreign());
+        }
+        Ok(Manifest {
+            file,
+            header,
+            names,
+        })
+    }
+}

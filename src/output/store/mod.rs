@@ -1,0 +1,515 @@
+//! Result folders: which files in them are the program's own, and who may write.
+//!
+//! Every folder carries a manifest, [`MANIFEST`]: version, kind of the results, hash of the problem,
+//! and the name of every file the program wrote there, a line each. A name is appended before its
+//! file is made, so that a kill leaves nothing unnamed. Only what is listed is ever replaced or
+//! removed; anything else in the way is refused, and links are not followed. The manifest is also
+//! the lock: it is held while results are written and falls with the process, however that ends.
+
+mod admit;
+mod error;
+mod file;
+mod manifest;
+mod place;
+
+use std::collections::BTreeSet;
+use std::fs::{self, OpenOptions, TryLockError};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::problem::Problem;
+
+pub use admit::Existing;
+pub use error::{READ, StoreError, damaged, io_error, refused};
+pub use file::{Growing, bytes, encode, hash, read, replace, table};
+pub use manifest::{Kind, MANIFEST};
+
+use admit::admit;
+use error::absent;
+use file::{NEW, beside, found, length_of_lines, remove};
+use manifest::{Header, Manifest};
+use place::{make, real, stranger, unmake};
+
+/// This version, as manifests and checkpoints carry it.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// What is saved to go on from: RON, replaced as a whole.
+pub trait Checkpoint: Serialize + DeserializeOwned {
+    /// Name of its file.
+    const FILE: &'static str;
+
+    /// The problem with all its settings.
+    fn problem(&self) -> &Problem;
+
+    /// What is wrong with it, if its parts do not belong together.
+    fn flaw(&self) -> Option<String> {
+        None
+    }
+
+    /// Reads that of a folder.
+    ///
+    /// # Errors
+    /// When it cannot be read, or is damaged.
+    fn read(folder: &Path) -> Result<Self, StoreError> {
+        let path = folder.join(Self::FILE);
+        let found: Self = ron::from_str(&read(&path)?).map_err(|error| {
+            let reason = format!("it is not as version {VERSION} writes it: {error}");
+            damaged(&path, reason)
+        })?;
+        match found.flaw() {
+            Some(flaw) => Err(damaged(&path, flaw)),
+            None => Ok(found),
+        }
+    }
+}
+
+/// A result folder.
+#[derive(Debug)]
+pub struct Store {
+    path: PathBuf,
+    manifest: Mutex<Manifest>,
+    header: Header,
+    /// Results are there that were not replaced yet.
+    results: bool,
+    resumes: bool,
+    /// Made by this process, outermost first: taken away again when nothing is put there.
+    made: Vec<PathBuf>,
+    kept: AtomicBool,
+}
+
+impl Store {
+    /// Takes hold of a folder. Nothing of earlier results changes before [`Store::begin`]; a folder
+    /// that is made here is gone again if that is never called.
+    ///
+    /// `inputs` are the files and folders that the results are computed from.
+    ///
+    /// # Errors
+    /// When the folder cannot be written, holds anything that is not to be touched, or is being
+    /// written by another process.
+    pub fn open(
+        path: &Path,
+        kind: Kind,
+        problem: &impl Serialize,
+        existing: Existing,
+        inputs: &[PathBuf],
+    ) -> Result<Store, StoreError> {
+        let (path, there) = real(path)?;
+        let mut made = Vec::new();
+        if !there {
+            make(&path, &mut made)?;
+        }
+        let header = Header {
+            version: VERSION.to_owned(),
+            kind: kind.name().to_owned(),
+            problem: format!("{:016x}", hash(encode(&path, problem)?.as_bytes())),
+        };
+        let opened = Store::locked(&path).and_then(|(manifest, new)| {
+            if new {
+                made.push(path.join(MANIFEST));
+            }
+            admit(&path, kind, &header, &manifest, existing, inputs).map(|left| (manifest, left))
+        });
+        let (manifest, left) = match opened {
+            Ok(opened) => opened,
+            Err(error) => {
+                unmake(&made);
+                return Err(error);
+            }
+        };
+        let store = Store {
+            results: left,
+            resumes: left && existing == Existing::Resume,
+            kept: AtomicBool::new(left && existing == Existing::Resume),
+            manifest: Mutex::new(manifest),
+            path,
+            header,
+            made,
+        };
+        if !store.results {
+            // a full disk is noticed here and not after the computation
+            store.restart()?;
+        }
+        Ok(store)
+    }
+
+    /// The manifest of a folder, locked, and whether it was made now.
+    fn locked(folder: &Path) -> Result<(Manifest, bool), StoreError> {
+        let path = folder.join(MANIFEST);
+        let new = match found(&path)? {
+            Some(there) if there.is_file() => false,
+            Some(_) => return Err(refused(&path, "in the way: it is no file")),
+            None => match stranger(folder)? {
+                None => true,
+                Some(name) => {
+                    return Err(refused(
+                        folder,
+                        format!(
+                            "holds `{name}` but no `{MANIFEST}`: it is no result folder, or one of \
+                             a version before manifests; take another with --out, or move its \
+                             files away"
+                        ),
+                    ));
+                }
+            },
+        };
+        let file = OpenOptions::new()
+            .read(true)
+            .append(true)
+            .create(true)
+            .open(&path)
+            .map_err(io_error("open it for writing", &path))?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => {
+                return Err(refused(
+                    folder,
+                    "another process is writing there; wait until it is done, or take another \
+                     folder with --out",
+                ));
+            }
+            // a file system without locks does not keep anybody from computing
+            Err(TryLockError::Error(_)) | Ok(()) => {}
+        }
+        if found(&path)?.is_none() {
+            return Err(refused(
+                folder,
+                "another process has just left it; try again",
+            ));
+        }
+        Ok((Manifest::read(&path, file, true)?, new))
+    }
+
+    /// A folder with results, to add files to while somebody else may be writing there.
+    ///
+    /// # Errors
+    /// When it has no manifest.
+    pub fn visit(path: &Path) -> Result<Store, StoreError> {
+        let (path, _) = real(path)?;
+        let file = path.join(MANIFEST);
+        if found(&file)?.is_some_and(|there| !there.is_file()) {
+            return Err(refused(&file, "in the way: it is no file"));
+        }
+        let opened = OpenOptions::new().read(true).append(true).open(&file);
+        let manifest = match opened {
+            Err(error) if absent(error.kind()) => {
+                return Err(refused(
+                    &path,
+                    format!(
+                        "has no `{MANIFEST}`: it is no result folder, or one of a version before \
+                         manifests; compute it anew into another folder"
+                    ),
+                ));
+            }
+            opened => opened.map_err(io_error("open it for writing", &file))?,
+        };
+        let manifest = Manifest::read(&file, manifest, false)?;
+        let Some(header) = manifest.header.clone() else {
+            return Err(damaged(&file, "it is no manifest of brakewave"));
+        };
+        Ok(Store {
+            path,
+            manifest: Mutex::new(manifest),
+            header,
+            results: true,
+            resumes: false,
+            made: Vec::new(),
+            kept: AtomicBool::new(true),
+        })
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether there are results to go on with.
+    pub fn resumes(&self) -> bool {
+        self.resumes
+    }
+
+    /// Whether there are results of an earlier run.
+    pub fn holds_results(&self) -> bool {
+        self.results
+    }
+
+    fn manifest(&self) -> MutexGuard<'_, Manifest> {
+        // a list of names is whole between any two statements
+        self.manifest.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Begins results anew with files of these names: what an earlier run left is removed, once it is
+    /// known that nothing else is in the way. `numbered` is a folder for files `1.csv`, `2.csv`, ….
+    ///
+    /// # Errors
+    /// When something else is in the way, or the system refuses.
+    pub fn begin(
+        &self,
+        names: impl IntoIterator<Item = String>,
+        numbered: Option<&str>,
+    ) -> Result<(), StoreError> {
+        let names: Vec<String> = names.into_iter().collect();
+        if let Some(numbered) = numbered {
+            self.guard(numbered)?;
+        }
+        for name in &names {
+            self.free(&self.manifest(), name)?;
+        }
+        self.kept.store(true, Ordering::Relaxed);
+        self.restart()?;
+        self.claim(names)
+    }
+
+    /// Refuses files with a number for a name in a folder of such that are not on the list.
+    ///
+    /// # Errors
+    /// When there is one, or the system refuses.
+    pub fn guard(&self, numbered: &str) -> Result<(), StoreError> {
+        let manifest = self.manifest();
+        let folder = self.path.join(numbered);
+        self.unlinked(&format!("{numbered}/1"))?;
+        if found(&folder)?.is_none() {
+            return Ok(());
+        }
+        for entry in fs::read_dir(&folder).map_err(io_error(READ, &folder))? {
+            let name = entry.map_err(io_error(READ, &folder))?.file_name();
+            let name = name.to_string_lossy();
+            let stem = name.split('.').next().unwrap_or_default();
+            if stem.parse::<u64>().is_ok() && !name.ends_with(NEW) {
+                self.free(&manifest, &format!("{numbered}/{name}"))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a name that something else has.
+    fn free(&self, manifest: &Manifest, name: &str) -> Result<(), StoreError> {
+        if manifest.names.contains(name) {
+            return Ok(());
+        }
+        let path = self.unlinked(name)?;
+        for path in [beside(&path), path] {
+            if found(&path)?.is_some() {
+                return Err(refused(
+                    &path,
+                    "in the way: brakewave did not write it; move it away, or take another folder \
+                     with --out",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn restart(&self) -> Result<(), StoreError> {
+        self.retain(|_| false)?;
+        let path = self.path.join(MANIFEST);
+        let mut manifest = self.manifest();
+        if !manifest.names.is_empty() || manifest.header.as_ref() != Some(&self.header) {
+            manifest.names.clear();
+            // all files of the old list are gone: nothing is lost with it
+            manifest
+                .file
+                .set_len(0)
+                .and_then(|()| manifest.file.write_all(self.header.text().as_bytes()))
+                .map_err(io_error("write it", &path))?;
+            manifest.header = Some(self.header.clone());
+        }
+        Ok(())
+    }
+
+    /// Removes the files of the list that are not to be kept, and folders that are empty then.
+    ///
+    /// # Errors
+    /// When a file cannot be removed.
+    pub fn retain(&self, keep: impl Fn(&str) -> bool) -> Result<(), StoreError> {
+        let manifest = self.manifest();
+        let mut folders = BTreeSet::new();
+        for name in &manifest.names {
+            let path = self.path.join(name);
+            remove(&beside(&self.unlinked(name)?))?;
+            if !keep(name) {
+                remove(&path)?;
+                folders.extend(path.parent().map(Path::to_path_buf));
+            }
+        }
+        folders.remove(&self.path);
+        for folder in folders {
+            // stays where it is not empty
+            let _ = fs::remove_dir(&folder);
+        }
+        Ok(())
+    }
+
+    /// The path of a file, which must not lead through a link.
+    fn unlinked(&self, name: &str) -> Result<PathBuf, StoreError> {
+        let path = self.path.join(name);
+        if let Some(folder) = path.parent().filter(|folder| *folder != self.path)
+            && found(folder)?.is_some_and(|there| !there.is_dir())
+        {
+            return Err(refused(
+                folder,
+                "in the way: it is a link or a file; move it away",
+            ));
+        }
+        Ok(path)
+    }
+
+    /// Puts names on the list, before their files are made.
+    ///
+    /// # Errors
+    /// When something else has such a name, or the manifest cannot be written.
+    pub fn claim<S: AsRef<str>>(
+        &self,
+        names: impl IntoIterator<Item = S>,
+    ) -> Result<(), StoreError> {
+        let mut manifest = self.manifest();
+        let mut text = String::new();
+        for name in names {
+            let name = name.as_ref();
+            if manifest.names.contains(name) {
+                continue;
+            }
+            self.free(&manifest, name)?;
+            text.push_str(name);
+            text.push('\n');
+        }
+        if text.is_empty() {
+            return Ok(());
+        }
+        let path = self.path.join(MANIFEST);
+        manifest
+            .file
+            .write_all(text.as_bytes())
+            .map_err(io_error("write it", &path))?;
+        manifest.names.extend(text.lines().map(str::to_owned));
+        Ok(())
+    }
+
+    /// The path of a file that is on the list, in a folder that is there.
+    fn place(&self, name: &str) -> Result<PathBuf, StoreError> {
+        self.claim([name])?;
+        let path = self.unlinked(name)?;
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).map_err(io_error("create it", folder))?;
+        }
+        Ok(path)
+    }
+
+    /// A new file that begins with `bytes`, open for more.
+    ///
+    /// # Errors
+    /// When something else has its name, or the system refuses.
+    pub fn create(&self, name: &str, head: &[u8]) -> Result<Growing, StoreError> {
+        Growing::create(self.place(name)?, head)
+    }
+
+    /// A file of an earlier run, cut back to `length` bytes and open for more.
+    ///
+    /// # Errors
+    /// When it is shorter, no file of the list, or the system refuses.
+    pub fn cut(&self, name: &str, length: usize) -> Result<Growing, StoreError> {
+        Growing::cut(self.unlinked(name)?, length)
+    }
+
+    /// The first lines of a file of an earlier run, or all that are finished.
+    ///
+    /// # Errors
+    /// When it cannot be read, or has fewer.
+    pub fn lines(&self, name: &str, lines: Option<usize>) -> Result<Vec<u8>, StoreError> {
+        let path = self.path.join(name);
+        let mut text = bytes(&path).map_err(|_| damaged(&path, "it cannot be read"))?;
+        let length = length_of_lines(&text, lines);
+        let length = length.ok_or_else(|| damaged(&path, "it has fewer rows than were saved"))?;
+        text.truncate(length);
+        Ok(text)
+    }
+
+    /// A table: new with its header, or cut back to the header and the rows kept.
+    ///
+    /// # Errors
+    /// When there are fewer rows, or the system refuses.
+    pub fn table(
+        &self,
+        name: &str,
+        header: &str,
+        kept: Option<usize>,
+    ) -> Result<Growing, StoreError> {
+        match kept {
+            None => self.create(name, header.as_bytes()),
+            Some(rows) => self.cut(name, self.lines(name, Some(rows + 1))?.len()),
+        }
+    }
+
+    /// The checkpoint of an interrupted run. There is none where nothing has been saved that would be
+    /// missed: `table` has not more than these lines then.
+    ///
+    /// # Errors
+    /// When it is damaged, or missing.
+    pub fn interrupted<C: Checkpoint>(
+        &self,
+        problem: &Problem,
+        table: &str,
+        lines: usize,
+    ) -> Result<Option<C>, StoreError> {
+        let path = self.path.join(C::FILE);
+        if !self.resumes {
+            return Ok(None);
+        }
+        if path.exists() {
+            let saved = C::read(&self.path)?;
+            if saved.problem() != problem {
+                return Err(damaged(&path, "it holds another problem than the manifest"));
+            }
+            return Ok(Some(saved));
+        }
+        let rows = bytes(&self.path.join(table)).unwrap_or_default();
+        match length_of_lines(&rows, Some(lines + 1)) {
+            Some(_) => Err(damaged(&path, "it is missing")),
+            None => Ok(None),
+        }
+    }
+
+    /// Replaces a file as a whole, never seen half written.
+    ///
+    /// # Errors
+    /// When something else has its name, or the system refuses.
+    pub fn replace(&self, name: &str, bytes: &[u8]) -> Result<(), StoreError> {
+        let path = self.place(name)?;
+        replace(&path, |out| {
+            out.write_all(bytes).map_err(io_error("write it", &path))
+        })
+    }
+
+    /// Replaces the checkpoint.
+    ///
+    /// # Errors
+    /// As [`Store::replace`].
+    pub fn save<C: Checkpoint>(&self, checkpoint: &C) -> Result<(), StoreError> {
+        let text = encode(&self.path.join(C::FILE), checkpoint)?;
+        self.replace(C::FILE, text.as_bytes())
+    }
+
+    /// Brings the list itself to the disk.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn sync(&self) -> Result<(), StoreError> {
+        let path = self.path.join(MANIFEST);
+        let manifest = self.manifest();
+        manifest
+            .file
+            .sync_all()
+            .map_err(io_error("write it", &path))
+    }
+}
+
+impl Drop for Store {
+    fn drop(&mut self) {
+        if !self.kept.load(Ordering::Relaxed) {
+            unmake(&self.made);
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! What the section `growth` of a simulation asks for: perturbations of a wave, sector by sector, on the
+//! ring of the simulation and on one of half as many points.
+
+use super::growth::{self, GrowthError, GrowthRow, Request};
+use super::motion::{Motion, MotionError, angle};
+use super::profile::Profile;
+use super::ring::Setup;
+use super::task::{Body, Circle, Simulation};
+use crate::model::Constants;
+use crate::stability::Sectors;
+
+/// Highest |Im λ| listed, in units of Ω.
+const HIGHEST: f64 = 12.0;
+
+/// |Im λ| below which an eigenvalue counts as real: rounding of a logarithm over the time of a pair.
+const REAL: f64 = 1e-6;
+
+/// Eigenvalues listed per sector.
+const LISTED: usize = 6;
+
+/// Largest residual and scatter of an eigenvalue that is listed, in units of Ω.
+const RESOLVED: f64 = 1e-2;
+
+/// Share of the work on the finer ring: half the points take a quarter of the steps of nodes.
+const FINE: f64 = 0.8;
+
+/// The perturbations of one sector.
+pub struct Perturbations {
+    setup: Setup,
+    fine: Request,
+    coarse: Request,
+    /// Whether eigenvalues come in conjugate pairs.
+    real: bool,
+    /// Steps of nodes that they take.
+    pub work: f64,
+}
+
+/// Why perturbations cannot be asked for.
+#[derive(Debug, thiserror::Error)]
+pub enum Refused {
+    /// The ring of one wavelength cannot be set up.
+    #[error("{0}")]
+    Motion(#[from] MotionError),
+    /// A ring of perturbations cannot be set up.
+    #[error("{0}")]
+    Growth(#[from] GrowthError),
+}
+
+/// What a section asks for, with every ring known to be one.
+///
+/// # Errors
+/// When one is none.
+pub fn perturbations(
+    section: &Simulation,
+    parameters: &Constants,
+    mode: u32,
+    wave: Option<&Profile>,
+) -> Result<Vec<Perturbations>, Refused> {
+    let (Some(growth), Body::Ring { points, .. }, Some(wave)) =
+        (&section.growth, section.body, wave)
+    else {
+        return Ok(Vec::new());
+    };
+    let waves = mode as usize;
+    let points = match section.circle {
+        Circle::Whole => points / waves,
+        Circle::Wavelength => points,
+    };
+    let sectors = match &growth.sectors {
+        Sectors::All => (0..=waves / 2).collect(),
+        Sectors::Only(list) => list.clone(),
+    };
+    let Motion::Ring(ring) = Motion::begin(section, parameters, None, mode, None)? else {
+        return Ok(Vec::new());
+    };
+    let setup = Setup {
+        angle: angle(section, mode),
+        ..*ring.setup()
+    };
+    sectors
+        .into_iter()
+        .map(|sector| {
+            let request = |points: usize| Request {
+                points,
+                waves: if sector == 0 { 1 } else { waves },
+                sector,
+                shift: points,
+                courant: section.courant,
+                amplitude: growth.amplitude,
+                pairs: growth.pairs,
+                settling: growth::SETTLING,
+            };
+            let (fine, coarse) = (request(points), request(points / 2));
+            let work = |request| growth::work(parameters, &setup, wave, request, growth::INSTANTS);
+            Ok(Perturbations {
+                work: work(&fine)? + work(&coarse)?,
+                real: sector == 0 || 2 * sector == waves,
+                setup,
+                fine,
+                coarse,
+            })
+        })
+        .collect()
+}
+
+impl Perturbations {
+    /// Bloch sector.
+    pub fn sector(&self) -> usize {
+        self.fine.sector
+    }
+
+    /// Growth of perturbations of the wave, with the difference from the ring of half as many points.
+    /// `tick` is told the work of every pair of runs.
+    ///
+    /// # Errors
+    /// When the wave leaves the shaft, or the eigenvalues do not converge.
+    pub fn growth(
+        &self,
+        parameters: &Constants,
+        wave: &Profile,
+        tick: &mut dyn FnMut(f64),
+    ) -> Result<Vec<GrowthRow>, GrowthError> {
+        let instants = growth::INSTANTS;
+        let count = (self.fine.pairs * instants) as f64;
+        let mut on = |request: &Request, share: f64| {
+            let mut tick = || tick(share * self.work / count);
+            growth::averaged(parameters, &self.setup, wave, request, instants, &mut tick)
+        };
+        let fine = on(&self.fine, FINE)?;
+        let coarse = on(&self.coarse, 1.0 - FINE)?;
+        let listed = fine.into_iter().filter(|value| {
+            value.residual.max(value.scatter) <= RESOLVED
+                && value.im.abs() <= HIGHEST
+                && !(self.real && value.im < -REAL)
+        });
+        let rows = listed.take(LISTED).map(|eigenvalue| GrowthRow {
+            sector: self.sector(),
+            eigenvalue,
+            grid: coarse
+                .iter()
+                .map(|other| (other.re - eigenvalue.re).hypot(other.im - eigenvalue.im))
+                .fold(f64::INFINITY, f64::min),
+        });
+        Ok(rows.collect())
+    }
+}
