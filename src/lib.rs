@@ -35,6 +35,7 @@
 pub mod accuracy;
 pub mod bracket;
 pub mod branch;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod continuation;
 pub mod curve;

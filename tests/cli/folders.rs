@@ -39,7 +39,12 @@ fn refused(bench: &Bench, arguments: &[&str], code: i32, word: &str) {
 #[test]
 fn the_manifest_lists_what_was_written() {
     let (bench, files) = finished();
-    bench.run(&["plot", "out", "--format", "pdf"]).expect(0);
+    let format = if cfg!(feature = "raster") {
+        "pdf"
+    } else {
+        "svg"
+    };
+    bench.run(&["plot", "out", "--format", format]).expect(0);
     let manifest = fs::read_to_string(bench.path("out").join(MANIFEST)).expect("a manifest");
     let mut lines = manifest.lines();
     let version = env!("CARGO_PKG_VERSION");

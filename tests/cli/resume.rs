@@ -201,7 +201,12 @@ fn force_replaces_results_and_nothing_else() {
     bench.run(&["run", "few.ron", "--out", "fresh"]).expect(0);
     let mut expected = snapshot(&bench.path("fresh"));
     bench.run(&["run", "many.ron", "--out", "out"]).expect(0);
-    bench.run(&["plot", "out", "--format", "png"]).expect(0);
+    let format = if cfg!(feature = "raster") {
+        "png"
+    } else {
+        "svg"
+    };
+    bench.run(&["plot", "out", "--format", format]).expect(0);
     fs::create_dir_all(out.join("deep/er")).expect("a folder");
     for name in [
         "notes.txt",
