@@ -32,6 +32,14 @@
 //! - [`table`] turns structures into rows of CSV and back;
 //! - [`output`] writes them, [`cli`] is the command line.
 
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+#![cfg_attr(not(feature = "cli"), allow(dead_code))] // what only results and messages need
+#![cfg_attr(
+    not(any(feature = "cli", test)),
+    deny(clippy::print_stdout, clippy::print_stderr)
+)]
+
 pub mod accuracy;
 pub mod bracket;
 pub mod branch;
