@@ -7,7 +7,7 @@ use crate::output::render::{Layer, Mark, Panel, Picture, Point, Shape};
 
 /// Points of one method.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Series {
+pub(crate) struct Series {
     /// Name of the method.
     pub name: String,
     /// (time in seconds, error), both positive, from coarse to fine.
@@ -18,7 +18,7 @@ pub struct Series {
 const SHAPES: [Shape; 4] = [Shape::Star, Shape::Disc, Shape::Square, Shape::Up];
 
 /// The picture.
-pub fn picture(series: &[Series]) -> Picture {
+pub(crate) fn picture(series: &[Series]) -> Picture {
     let mark = |index: usize| {
         let colour = CATEGORIES[index % CATEGORIES.len()];
         Mark::new(SHAPES[index % SHAPES.len()], 6.0, colour)

@@ -20,7 +20,7 @@ const SHAPES: [Shape; 5] = [
 ];
 
 /// The picture of a curve over these ranges of its parameters.
-pub fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
+pub(crate) fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
     let [x, y] = [0, 1].map(|index: usize| {
         let quantity = quantity(curve.parameters[index].column());
         Axis::new(quantity, Extent::Fixed(ranges[index].0, ranges[index].1))

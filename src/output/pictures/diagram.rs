@@ -16,7 +16,7 @@ use crate::table::Table;
 const CURVE: f64 = 2.2;
 
 /// What an empty picture says.
-pub const NONE: &str = "the branch has no points";
+pub(super) const NONE: &str = "the branch has no points";
 
 /// Stability of a stretch of the curve, as far as it was examined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +66,7 @@ struct Stretch<'a> {
 }
 
 /// The picture of a column of `branch.csv`.
-pub fn picture(tables: &Tables, column: &str) -> Result<Picture, PlotError> {
+pub(super) fn picture(tables: &Tables, column: &str) -> Result<Picture, PlotError> {
     tables.check_column(column)?;
     let stretches = stretches(&tables.branch, &tables.parameter, column);
     let marks = tables.marks(column);
@@ -160,7 +160,7 @@ fn signatures<'a>(stretches: &[Stretch<'a>]) -> Vec<&'a str> {
 /// Signature of the waves between two neighbouring rows.
 ///
 /// At an event the row shows one side only; the neighbour knows on which side the step lies.
-pub fn signature_between(branch: &Table, row: usize) -> &str {
+pub(super) fn signature_between(branch: &Table, row: usize) -> &str {
     if switches_regimes(kind(branch, row)) || branch.text(row, "regimes").is_empty() {
         branch.text(row + 1, "regimes")
     } else {
@@ -169,7 +169,7 @@ pub fn signature_between(branch: &Table, row: usize) -> &str {
 }
 
 /// Whether two neighbouring rows belong to the same leg of the branch.
-pub fn same_leg(branch: &Table, row: usize) -> bool {
+pub(super) fn same_leg(branch: &Table, row: usize) -> bool {
     row + 1 < branch.len() && branch.text(row, "leg") == branch.text(row + 1, "leg")
 }
 

@@ -31,7 +31,7 @@ struct Change<'a> {
 }
 
 /// The picture.
-pub fn picture(profiles: &Profiles) -> Picture {
+pub(super) fn picture(profiles: &Profiles) -> Picture {
     let shown = along_branch(profiles.shown());
     let x = Axis::new(angle(), Extent::Data(0.0));
     if shown.is_empty() {

@@ -8,7 +8,7 @@ use crate::output::render::palette::{BLACK, BLUE, GREY, Pen};
 use crate::output::render::{Cell, Heading, Layer, Panel, Picture, number};
 
 /// The picture.
-pub fn picture(profiles: &Profiles) -> Picture {
+pub(super) fn picture(profiles: &Profiles) -> Picture {
     // A wave that was asked for, if there is one; of several the richest; of several of these the one
     // with the least parameter, where zones are widest apart.
     let chosen = profiles

@@ -36,7 +36,7 @@ struct Wave {
 ///
 /// # Errors
 /// When the table cannot be read.
-pub fn picture(folder: &Path, map: &Map) -> Result<Picture, PlotError> {
+pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, PlotError> {
     let waves = read(&folder.join(TABLE), map)?;
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for wave in &waves {
@@ -161,34 +161,33 @@ fn read(path: &Path, map: &Map) -> Result<Vec<Wave>, PlotError> {
     let fault = |error: csv::Error| PlotError::Read(damaged(path, error.to_string()));
     let mut reader = csv::Reader::from_path(path).map_err(fault)?;
     let header = reader.headers().map_err(fault)?.clone();
-    let place = |column: &str| {
-        let missing = || PlotError::MissingColumn {
+    let (x, y) = (map.second.parameter.column(), map.first.parameter.column());
+    let columns = [
+        "row", "column", "passage", x, y, "start", "regimes", "stable",
+    ];
+    let mut places = [0; 8];
+    for (place, column) in places.iter_mut().zip(columns) {
+        let found = header.iter().position(|name| name == column);
+        *place = found.ok_or_else(|| PlotError::MissingColumn {
             path: path.to_owned(),
             column: column.to_owned(),
-        };
-        header
-            .iter()
-            .position(|name| name == column)
-            .ok_or_else(missing)
-    };
-    let (row, column, passage) = (place("row")?, place("column")?, place("passage")?);
-    let x = place(map.second.parameter.column())?;
-    let y = place(map.first.parameter.column())?;
-    let (start, regimes, stable) = (place("start")?, place("regimes")?, place("stable")?);
+        })?;
+    }
     let mut waves = Vec::new();
     for record in reader.records() {
         let record = record.map_err(fault)?;
-        let text = |index: usize| record.get(index).unwrap_or("");
-        let value = |index: usize| text(index).parse::<f64>().unwrap_or(f64::NAN);
-        let count = |index: usize| text(index).parse().unwrap_or(usize::MAX - 1);
-        if text(passage) == "1" {
+        let cells = places.map(|place| record.get(place).unwrap_or(""));
+        let [row, column, passage, x, y, start, regimes, stable] = cells;
+        let value = |cell: &str| cell.parse::<f64>().unwrap_or(f64::NAN);
+        let count = |cell: &str| cell.parse().unwrap_or(usize::MAX - 1);
+        if passage == "1" {
             waves.push(Wave {
                 row: count(row),
                 column: count(column),
                 at: (value(x), value(y)),
-                start: text(start).to_owned(),
-                regimes: canonical(text(regimes)),
-                stable: text(stable).to_owned(),
+                start: start.to_owned(),
+                regimes: canonical(regimes),
+                stable: stable.to_owned(),
             });
         }
     }

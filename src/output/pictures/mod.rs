@@ -3,13 +3,13 @@
 //! Everything is read back from the tables on disk, so that a picture can be drawn again long
 //! after the run. A description turns columns into layers; [`render`](super::render) draws them.
 
-pub mod accuracy;
-pub mod curve;
+pub(crate) mod accuracy;
+pub(crate) mod curve;
 mod diagram;
 mod displacement;
 mod error;
 mod friction;
-pub mod map;
+pub(crate) mod map;
 mod multipliers;
 mod names;
 mod phase_plane;
@@ -17,7 +17,7 @@ mod pressure;
 mod profile;
 mod simulation;
 mod spectrum;
-pub mod steady;
+pub(crate) mod steady;
 mod switches;
 mod tables;
 
@@ -36,7 +36,7 @@ use profile::Profiles;
 use tables::Tables;
 
 /// Name of a picture's file.
-pub fn file_name(plot: &Plot, format: Format) -> String {
+pub(crate) fn file_name(plot: &Plot, format: Format) -> String {
     // A column name comes from a file and must not lead out of the folder.
     let safe = |c: char| {
         if c.is_alphanumeric() || c == '-' {
@@ -59,13 +59,13 @@ pub fn file_name(plot: &Plot, format: Format) -> String {
 }
 
 /// Names of the files of a simulation's pictures.
-pub fn simulation_names(format: Format) -> [String; 3] {
+pub(crate) fn simulation_names(format: Format) -> [String; 3] {
     ["space_time", "phase_plane", "profiles"].map(|name| format!("{name}.{}", format.extension()))
 }
 
 /// What the pictures have in common.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Settings {
+pub(crate) struct Settings {
     /// Column of `branch.csv` on the horizontal axis.
     pub parameter: String,
     /// Line of text above each picture.
@@ -79,7 +79,7 @@ pub struct Settings {
 /// Returns an error when a table cannot be read or lacks a column, when the parameter or a
 /// picture's column is unknown, when the format is not compiled in, or when a file cannot be
 /// written. The other pictures are drawn all the same.
-pub fn draw(
+pub(crate) fn draw(
     folder: &Path,
     plots: &[Plot],
     format: Format,
@@ -130,7 +130,7 @@ fn describe(plot: &Plot, tables: &Tables, profiles: &Profiles) -> Result<Picture
 /// # Errors
 ///
 /// When a table cannot be read, a file cannot be written, or the format is not compiled in.
-pub fn draw_simulation(
+pub(crate) fn draw_simulation(
     folder: &Path,
     title: Option<&str>,
     format: Format,
@@ -151,7 +151,7 @@ pub fn draw_simulation(
 /// # Errors
 ///
 /// When the format is not compiled in or the file cannot be written.
-pub fn save(path: &Path, format: Format, picture: &Picture) -> Result<(), PlotError> {
+pub(crate) fn save(path: &Path, format: Format, picture: &Picture) -> Result<(), PlotError> {
     let bytes = picture.file(format)?;
     Ok(fs::write(path, bytes).map_err(store::io_error("write it", path))?)
 }
@@ -161,7 +161,7 @@ pub fn save(path: &Path, format: Format, picture: &Picture) -> Result<(), PlotEr
 /// # Errors
 ///
 /// When the format is not compiled in or the file cannot be written.
-pub fn replace(path: &Path, format: Format, picture: &Picture) -> Result<(), PlotError> {
+pub(crate) fn replace(path: &Path, format: Format, picture: &Picture) -> Result<(), PlotError> {
     let bytes = picture.file(format)?;
     Ok(store::replace(path, |out| {
         out.write_all(&bytes)

@@ -36,7 +36,7 @@ struct Window {
 }
 
 /// The picture.
-pub fn picture(tables: &Tables) -> Result<Picture, PlotError> {
+pub(super) fn picture(tables: &Tables) -> Result<Picture, PlotError> {
     let table = tables.spectrum()?;
     let chosen = Chosen::of(table.as_ref(), 1);
     let multipliers = match chosen.labels.first() {

@@ -12,7 +12,7 @@ use crate::output::render::palette::{
 use crate::output::render::{Mark, Shape};
 
 /// The quantity in a column of `branch.csv`.
-pub fn quantity(column: &str) -> Quantity {
+pub(super) fn quantity(column: &str) -> Quantity {
     if let Some(parameter) = Parameter::from_column(column) {
         return Quantity::new(parameter.words(), parameter.symbol());
     }
@@ -33,22 +33,22 @@ pub fn quantity(column: &str) -> Quantity {
 }
 
 /// Place along a travelling wave.
-pub fn angle() -> Quantity {
+pub(super) fn angle() -> Quantity {
     Quantity::new("position", "θ")
 }
 
 /// Tangential displacement.
-pub fn displacement() -> Quantity {
+pub(super) fn displacement() -> Quantity {
     Quantity::new("tangential displacement", "V")
 }
 
 /// Its rate.
-pub fn velocity() -> Quantity {
+pub(super) fn velocity() -> Quantity {
     Quantity::new("velocity", "V\u{307}")
 }
 
 /// What an event type stands for, as short as a legend needs it.
-pub fn event(kind: EventType) -> &'static str {
+pub(super) fn event(kind: EventType) -> &'static str {
     match kind {
         EventType::EP => "end",
         EventType::MX => "failure",
@@ -64,7 +64,7 @@ pub fn event(kind: EventType) -> &'static str {
 }
 
 /// Mark of an event. The shape alone tells the types apart.
-pub fn event_mark(kind: EventType) -> Mark {
+pub(super) fn event_mark(kind: EventType) -> Mark {
     let (shape, size) = match kind {
         EventType::EP => (Shape::Circle, 3.0),
         EventType::MX => (Shape::Cross, 6.5),
@@ -81,13 +81,13 @@ pub fn event_mark(kind: EventType) -> Mark {
 }
 
 /// A signature of regimes shortened: `slip-reverse-stick` becomes `sl-rev-st`.
-pub fn short_signature(regimes: &str) -> String {
+pub(super) fn short_signature(regimes: &str) -> String {
     let short: Vec<String> = regimes.split('-').map(short_regime).collect();
     short.join("-")
 }
 
 /// The name of a regime shortened.
-pub fn short_regime(name: &str) -> String {
+pub(super) fn short_regime(name: &str) -> String {
     let length = if matches!(name, "slip" | "stick") {
         2
     } else {
@@ -97,7 +97,7 @@ pub fn short_regime(name: &str) -> String {
 }
 
 /// Colour of a regime's lines.
-pub fn regime_colour(name: &str) -> RGBColor {
+pub(super) fn regime_colour(name: &str) -> RGBColor {
     match name {
         "slip" => BLUE,
         "stick" => BLACK,
@@ -108,7 +108,7 @@ pub fn regime_colour(name: &str) -> RGBColor {
 }
 
 /// Pale colour of a regime's zone, behind curves.
-pub fn zone_colour(name: &str) -> RGBColor {
+pub(super) fn zone_colour(name: &str) -> RGBColor {
     match name {
         "slip" => mix(WHITE, SKY, 0.28),
         "stick" => mix(WHITE, BLACK, 0.20),
@@ -119,13 +119,13 @@ pub fn zone_colour(name: &str) -> RGBColor {
 }
 
 /// Explanations of zones by their colour.
-pub fn zone_keys<'a>(regimes: &[&'a str]) -> Vec<(Key, &'a str)> {
+pub(super) fn zone_keys<'a>(regimes: &[&'a str]) -> Vec<(Key, &'a str)> {
     let key = |name: &&'a str| (Key::Area(zone_colour(name)), *name);
     regimes.iter().map(key).collect()
 }
 
 /// The names that occur, in the order of their appearance.
-pub fn occurring<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+pub(super) fn occurring<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut known: Vec<&str> = Vec::new();
     for name in names {
         if !known.contains(&name) {

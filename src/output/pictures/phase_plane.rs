@@ -15,7 +15,7 @@ const STICK: Pen = Pen {
 };
 
 /// The picture.
-pub fn picture(profiles: &Profiles) -> Picture {
+pub(super) fn picture(profiles: &Profiles) -> Picture {
     let shown = profiles.shown();
     let orbits = shown.iter().map(|one| {
         let points = orbit(one.profile);
@@ -29,19 +29,19 @@ pub fn picture(profiles: &Profiles) -> Picture {
 }
 
 /// A picture in the plane of V and V̇.
-pub fn plane(layers: Vec<Layer>, legend: Legend) -> Picture {
+pub(super) fn plane(layers: Vec<Layer>, legend: Legend) -> Picture {
     let x = Axis::new(displacement(), Extent::Data(0.04));
     let y = Axis::new(velocity(), Extent::Data(0.05));
     Picture::new(vec![Panel::new(x, y, layers)], legend)
 }
 
 /// The line of stick.
-pub fn stick() -> Layer {
+pub(super) fn stick() -> Layer {
     Layer::Across(1.0, STICK)
 }
 
 /// The legend with the line of stick.
-pub fn explained(legend: Legend) -> Legend {
+pub(super) fn explained(legend: Legend) -> Legend {
     legend.with("", [(Key::Line(STICK), "stick, V\u{307} = 1")])
 }
 

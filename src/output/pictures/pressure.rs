@@ -7,7 +7,7 @@ use crate::output::render::palette::{GREY, Pen};
 use crate::output::render::{Layer, Panel, Picture};
 
 /// The picture.
-pub fn picture(profiles: &Profiles) -> Picture {
+pub(super) fn picture(profiles: &Profiles) -> Picture {
     let shown = profiles.shown();
     let mut layers = match shown.is_empty() {
         true => Layer::remark(NONE),

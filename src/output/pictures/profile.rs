@@ -20,11 +20,11 @@ use crate::output::store::{READ, io_error};
 const MOST: usize = 9;
 
 /// What an empty picture says.
-pub const NONE: &str = "no profiles were asked for";
+pub(super) const NONE: &str = "no profiles were asked for";
 
 /// A wave at one place; what is not known is not a number.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sample {
+pub(super) struct Sample {
     /// θ, always known.
     pub theta: f64,
     /// U.
@@ -43,7 +43,7 @@ pub struct Sample {
 
 /// A sampled wave.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Profile {
+pub(super) struct Profile {
     /// Label of its point.
     pub label: String,
     /// Place along the branch; the second leg leads away from the first.
@@ -62,7 +62,7 @@ pub struct Profile {
 
 /// Stretch of samples in the same regime.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Zone<'a> {
+pub(super) struct Zone<'a> {
     /// Name of the regime.
     pub regime: &'a str,
     /// Its samples.
@@ -144,7 +144,7 @@ impl Profile {
 
 /// The profiles of a folder in the order of the parameter.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Profiles {
+pub(super) struct Profiles {
     /// The parameter.
     pub parameter: Quantity,
     /// Those with samples.
@@ -153,7 +153,7 @@ pub struct Profiles {
 
 /// A profile among those shown, with what tells it from the others.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shown<'a> {
+pub(super) struct Shown<'a> {
     /// The profile.
     pub profile: &'a Profile,
     /// Colour in the order of the parameter.
@@ -245,7 +245,7 @@ impl Profiles {
 }
 
 /// At most `most` of the indices below `count`, evenly spread from the first to the last.
-pub fn evenly(count: usize, most: usize) -> Vec<usize> {
+pub(super) fn evenly(count: usize, most: usize) -> Vec<usize> {
     if count <= most || most < 2 {
         return (0..count.min(most)).collect();
     }

@@ -41,7 +41,7 @@ struct Motion {
 
 /// The pictures of a simulation from the tables of its folder, in the order of their names. Without a
 /// measured speed places are those of the tube.
-pub fn pictures(folder: &Path) -> Result<[Picture; 3], PlotError> {
+pub(super) fn pictures(folder: &Path) -> Result<[Picture; 3], PlotError> {
     let measures = read_if_there(&folder.join(MEASURES), &["name", "value"])?.unwrap_or_default();
     let speed = (0..measures.len()).find(|row| measures.text(*row, "name") == "speed");
     let codes = bytes(&folder.join(REGIMES)).map_err(PlotError::Read)?;

@@ -29,7 +29,7 @@ const SHAPES: [Shape; 8] = [
 ];
 
 /// An eigenvalue.
-pub struct Eigenvalue {
+pub(super) struct Eigenvalue {
     /// Place of its label among those chosen.
     pub label: usize,
     /// Place of its sector among those that occur.
@@ -40,7 +40,7 @@ pub struct Eigenvalue {
 
 /// What is shown of `spectrum.csv`.
 #[derive(Default)]
-pub struct Chosen<'a> {
+pub(super) struct Chosen<'a> {
     /// The labels shown.
     pub labels: Vec<&'a str>,
     /// The sectors that occur at these labels, in order.
@@ -52,7 +52,7 @@ pub struct Chosen<'a> {
 }
 
 /// The picture.
-pub fn picture(tables: &Tables) -> Result<Picture, PlotError> {
+pub(super) fn picture(tables: &Tables) -> Result<Picture, PlotError> {
     let table = tables.spectrum()?;
     let chosen = Chosen::of(table.as_ref(), MOST);
     let mut layers = match chosen.eigenvalues.is_empty() {
@@ -74,7 +74,7 @@ pub fn picture(tables: &Tables) -> Result<Picture, PlotError> {
 }
 
 /// The side on which disturbances grow: right of a value.
-pub fn unstable(from: f64) -> Cell {
+pub(super) fn unstable(from: f64) -> Cell {
     Cell {
         from: (from, f64::NEG_INFINITY),
         to: (f64::INFINITY, f64::INFINITY),

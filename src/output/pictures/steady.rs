@@ -49,7 +49,7 @@ fn curves() -> [Curve; 3] {
 }
 
 /// The picture: growth rates and, with damping, the Hopf friction.
-pub fn picture(modes: &[Mode]) -> Picture {
+pub(crate) fn picture(modes: &[Mode]) -> Picture {
     let curves = curves();
     let mark = |curve: &Curve| Mark::new(curve.shape, SIZE, curve.pen.colour);
     let panel = |quantity, value: fn(&Curve) -> fn(&Mode) -> Option<f64>, height| {

@@ -21,7 +21,7 @@ struct Band<'a> {
 }
 
 /// The picture.
-pub fn picture(tables: &Tables) -> Result<Picture, PlotError> {
+pub(super) fn picture(tables: &Tables) -> Result<Picture, PlotError> {
     tables.check_column("switches")?;
     let branch = &tables.branch;
     let row = |row| {

@@ -15,7 +15,7 @@ use crate::output::store;
 use crate::table::Table;
 
 /// Reads a table, which must have these columns.
-pub fn read(path: &Path, columns: &[&str]) -> Result<Table, PlotError> {
+pub(super) fn read(path: &Path, columns: &[&str]) -> Result<Table, PlotError> {
     let table = store::table(path).map_err(PlotError::Read)?;
     let path = path.to_owned();
     if table.columns().all(str::is_empty) {
@@ -31,7 +31,7 @@ pub fn read(path: &Path, columns: &[&str]) -> Result<Table, PlotError> {
 }
 
 /// Reads a table if it is there and has a header.
-pub fn read_if_there(path: &Path, columns: &[&str]) -> Result<Option<Table>, PlotError> {
+pub(super) fn read_if_there(path: &Path, columns: &[&str]) -> Result<Option<Table>, PlotError> {
     match read(path, columns) {
         Err(PlotError::Empty { .. }) => Ok(None),
         Err(_) if !path.exists() => Ok(None),
@@ -40,31 +40,31 @@ pub fn read_if_there(path: &Path, columns: &[&str]) -> Result<Option<Table>, Plo
 }
 
 /// A cell as a number; none when it is empty, no number, or too large to draw.
-pub fn number(table: &Table, row: usize, column: &str) -> Option<f64> {
+pub(super) fn number(table: &Table, row: usize, column: &str) -> Option<f64> {
     let value = table.field(row, column);
     value.filter(|value| drawable(*value))
 }
 
 /// A column of numbers; gaps are not numbers.
-pub fn column(table: &Table, name: &str) -> Vec<f64> {
+pub(super) fn column(table: &Table, name: &str) -> Vec<f64> {
     let value = |row| number(table, row, name).unwrap_or(f64::NAN);
     (0..table.len()).map(value).collect()
 }
 
 /// A cell with a list of numbers.
-pub fn list(table: &Table, row: usize, column: &str) -> Vec<f64> {
+pub(super) fn list(table: &Table, row: usize, column: &str) -> Vec<f64> {
     let mut list = table.list(row, column);
     list.retain(|value| drawable(*value));
     list
 }
 
 /// The type of the event in a row.
-pub fn kind(table: &Table, row: usize) -> Option<EventType> {
+pub(super) fn kind(table: &Table, row: usize) -> Option<EventType> {
     table.field(row, "type")
 }
 
 /// The tables of a branch.
-pub struct Tables {
+pub(super) struct Tables {
     folder: PathBuf,
     /// Column of the parameter in all of them.
     pub parameter: String,
@@ -75,7 +75,7 @@ pub struct Tables {
 }
 
 /// Special points of one type that follow each other.
-pub type Marks = (EventType, Vec<Point>);
+pub(super) type Marks = (EventType, Vec<Point>);
 
 impl Tables {
     /// Reads the tables of a folder.

@@ -4,14 +4,14 @@ use super::number;
 use super::text::width;
 
 /// Size of the figures at the ticks.
-pub const TICK_SIZE: f64 = 16.0;
+pub(crate) const TICK_SIZE: f64 = 16.0;
 
 /// Values beyond this are taken for overflow and not drawn.
 const HUGE: f64 = 1e150;
 
 /// A quantity by its word and its symbol; either may be empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Quantity {
+pub(crate) struct Quantity {
     /// Word, such as `mismatch`.
     pub word: String,
     /// Symbol, such as `δ`.
@@ -49,7 +49,7 @@ impl Quantity {
 
 /// How far an axis reaches.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Extent {
+pub(crate) enum Extent {
     /// Over the data, with this part of their range more on either side.
     Data(f64),
     /// From one value to another.
@@ -60,7 +60,7 @@ pub enum Extent {
 
 /// An axis as it is asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
+pub(crate) struct Axis {
     /// What it shows.
     pub quantity: Quantity,
     /// How far it reaches.
@@ -82,7 +82,7 @@ impl Axis {
 
 /// A tick.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tick {
+pub(crate) struct Tick {
     /// Where.
     pub value: f64,
     /// Its figures.
@@ -91,7 +91,7 @@ pub struct Tick {
 
 /// An axis as it is drawn; one over nothing has no ticks.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scale {
+pub(crate) struct Scale {
     /// Lower end, of the logarithm for decades.
     pub low: f64,
     /// Upper end.
@@ -106,7 +106,7 @@ pub struct Scale {
 
 /// How many ticks an axis has.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Ticks {
+pub(crate) enum Ticks {
     /// About so many.
     About(usize),
     /// As many as fit beside each other on this length.
@@ -116,93 +116,41 @@ pub enum Ticks {
 impl Scale {
     /// The axis over these values.
     pub fn of(axis: &Axis, values: impl Iterator<Item = f64>, ticks: Ticks) -> Scale {
+        let quantity = &axis.quantity;
+        let logarithmic = axis.extent == Extent::Decades;
         let ends = match axis.extent {
             Extent::Fixed(low, high) => Some((low, high)).filter(|_| low < high),
-            Extent::Decades => return Scale::decades(values, &axis.quantity),
             Extent::Data(room) => range(values).map(|(low, high)| {
                 let room = room * (high - low);
                 (low - room, high + room)
             }),
+            Extent::Decades => range(values.filter(|value| *value > 0.0).map(f64::log10))
+                .map(|(low, high)| ((low - 0.2).floor(), (high + 0.2).ceil())),
         };
-        let Some((low, high)) = ends else {
-            return Scale::blank(&axis.quantity);
+        let chosen = |(low, high)| match ticks {
+            _ if !axis.ticks.is_empty() => (axis.ticks.clone(), quantity.caption()),
+            _ if logarithmic => (decades(low, high), quantity.caption()),
+            Ticks::About(count) => rounded(low, high, quantity, count),
+            Ticks::Within(length) => {
+                let needed = |ticks: &[Tick]| -> f64 {
+                    let widths = ticks.iter().map(|tick| width(&tick.text, TICK_SIZE));
+                    widths.map(|width| width + 1.1 * TICK_SIZE).sum()
+                };
+                let attempts = (4..=7).map(|count| rounded(low, high, quantity, count));
+                let fitting = attempts.take_while(|(ticks, _)| needed(ticks) <= length);
+                fitting
+                    .last()
+                    .unwrap_or_else(|| rounded(low, high, quantity, 3))
+            }
         };
-        if !axis.ticks.is_empty() {
-            return Scale {
-                low,
-                high,
-                ticks: axis.ticks.clone(),
-                ..Scale::blank(&axis.quantity)
-            };
-        }
-        let over = |count| Scale::over(low, high, &axis.quantity, count);
-        let length = match ticks {
-            Ticks::About(count) => return over(count),
-            Ticks::Within(length) => length,
-        };
-        let needed = |scale: &Scale| -> f64 {
-            let widths = scale.ticks.iter().map(|tick| width(&tick.text, TICK_SIZE));
-            widths.map(|width| width + 1.1 * TICK_SIZE).sum()
-        };
-        let fitting = (4..=7)
-            .map(over)
-            .take_while(|scale| needed(scale) <= length);
-        fitting.last().unwrap_or_else(|| over(3))
-    }
-
-    fn blank(quantity: &Quantity) -> Scale {
-        Scale {
-            low: 0.0,
-            high: 1.0,
-            logarithmic: false,
-            ticks: Vec::new(),
-            caption: quantity.caption(),
-        }
-    }
-
-    fn over(low: f64, high: f64, quantity: &Quantity, count: usize) -> Scale {
-        let step = step(low, high, count);
-        let notation = Notation::of(low, high, step);
-        let first = (low / step - 1e-9).ceil();
-        let last = (high / step + 1e-9).floor();
-        let ticks = (0..=(last - first).clamp(0.0, 50.0) as usize)
-            .map(|index| (first + index as f64) * step)
-            .filter(|value| *value <= high + 1e-9 * step)
-            .map(|value| Tick {
-                value,
-                text: notation.figures(value),
-            })
-            .collect();
+        let (ticks, caption) = ends.map_or_else(|| (Vec::new(), quantity.caption()), chosen);
+        let (low, high) = ends.unwrap_or((0.0, 1.0));
         Scale {
             low,
             high,
-            logarithmic: false,
+            logarithmic,
             ticks,
-            caption: notation.caption(quantity),
-        }
-    }
-
-    fn decades(values: impl Iterator<Item = f64>, quantity: &Quantity) -> Scale {
-        let positive = values.filter(|value| *value > 0.0 && drawable(*value));
-        let ends = positive.map(f64::log10).map(|log| (log, log));
-        let joined = ends.reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)));
-        let Some((low, high)) = joined else {
-            return Scale::blank(quantity);
-        };
-        let (low, high) = ((low - 0.2).floor(), (high + 0.2).ceil());
-        let step = ((high - low) / 7.0).ceil().max(1.0) as usize;
-        let ticks = (low as i32..=high as i32)
-            .step_by(step)
-            .map(|exponent| Tick {
-                value: 10f64.powi(exponent),
-                text: number::power_of_ten(exponent),
-            });
-        Scale {
-            low,
-            high,
-            logarithmic: true,
-            ticks: ticks.collect(),
-            caption: quantity.caption(),
+            caption,
         }
     }
 
@@ -224,12 +172,12 @@ impl Scale {
 }
 
 /// Whether a value can be drawn.
-pub fn drawable(value: f64) -> bool {
+pub(crate) fn drawable(value: f64) -> bool {
     value.is_finite() && value.abs() < HUGE
 }
 
 /// Smallest and largest drawable value; widened where they are the same up to rounding.
-pub fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+pub(crate) fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     let drawn = values.into_iter().filter(|value| drawable(*value));
     let ends = drawn.map(|value| (value, value));
     let (low, high) = ends.reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)))?;
@@ -242,6 +190,34 @@ pub fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     } else {
         Some((low - 0.05 * magnitude, high + 0.05 * magnitude))
     }
+}
+
+/// About `count` ticks at round values, and the caption that goes with their figures.
+fn rounded(low: f64, high: f64, quantity: &Quantity, count: usize) -> (Vec<Tick>, String) {
+    let step = step(low, high, count);
+    let notation = Notation::of(low, high, step);
+    let first = (low / step - 1e-9).ceil();
+    let last = (high / step + 1e-9).floor();
+    let ticks = (0..=(last - first).clamp(0.0, 50.0) as usize)
+        .map(|index| (first + index as f64) * step)
+        .filter(|value| *value <= high + 1e-9 * step)
+        .map(|value| Tick {
+            value,
+            text: notation.figures(value),
+        });
+    (ticks.collect(), notation.caption(quantity))
+}
+
+/// Ticks at powers of ten between two exponents, eight at most.
+fn decades(low: f64, high: f64) -> Vec<Tick> {
+    let step = ((high - low) / 7.0).ceil().max(1.0) as usize;
+    let exponents = (low as i32..=high as i32).step_by(step);
+    exponents
+        .map(|exponent| Tick {
+            value: 10f64.powi(exponent),
+            text: number::power_of_ten(exponent),
+        })
+        .collect()
 }
 
 /// Distance of the ticks: 1, 2 or 5 times a power of ten.
@@ -319,7 +295,8 @@ mod tests {
     use super::*;
 
     fn over(low: f64, high: f64, word: &str, symbol: &str, count: usize) -> Scale {
-        Scale::over(low, high, &Quantity::new(word, symbol), count)
+        let axis = Axis::new(Quantity::new(word, symbol), Extent::Fixed(low, high));
+        Scale::of(&axis, std::iter::empty(), Ticks::About(count))
     }
 
     fn texts(scale: &Scale) -> Vec<&str> {

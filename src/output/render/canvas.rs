@@ -21,7 +21,7 @@ use super::text::clean;
 use super::{Mark, RenderError, Shape};
 
 /// Width of every picture: 85 mm at six pixels per millimetre.
-pub const WIDTH: f64 = 510.0;
+pub(super) const WIDTH: f64 = 510.0;
 
 /// Units of the file per pixel. The backend knows whole units only; curves need finer ones.
 const UNITS: f64 = 10.0;
@@ -43,14 +43,14 @@ const COLUMN: f64 = 0.25;
 const LONG: usize = 4000;
 
 /// A position in pixels, from the upper left corner.
-pub type Place = (f64, f64);
+pub(super) type Place = (f64, f64);
 
 /// Whether something could be drawn.
-pub type Drawn = Result<(), RenderError>;
+pub(super) type Drawn = Result<(), RenderError>;
 
 /// Which point of a text, on its base line, lies at its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Align {
+pub(super) enum Align {
     /// Its left end.
     Left,
     /// Its middle.
@@ -62,7 +62,7 @@ pub enum Align {
 }
 
 /// The sheet.
-pub struct Canvas<'a> {
+pub(super) struct Canvas<'a> {
     backend: SVGBackend<'a>,
     size: (u32, u32),
     /// Marks drawn so far: place and size in units of [`COLUMN`], shape, colour.
@@ -70,7 +70,7 @@ pub struct Canvas<'a> {
 }
 
 /// Composes a picture of this height: hands a white sheet to `paint` and returns the file's text.
-pub fn compose(
+pub(super) fn compose(
     height: f64,
     paint: impl FnOnce(&mut Canvas<'_>) -> Drawn,
 ) -> Result<String, RenderError> {

@@ -8,7 +8,7 @@ use super::text::{cut, width};
 use super::{Cell, Heading, Layer, Point};
 
 /// Size of the texts along the axes.
-pub const CAPTION_SIZE: f64 = 18.0;
+pub(super) const CAPTION_SIZE: f64 = 18.0;
 
 /// Size of small texts beside a frame.
 const SMALL: f64 = 0.88 * TICK_SIZE;
@@ -24,7 +24,7 @@ const SEAM: f64 = 0.5;
 
 /// A frame on a sheet.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub(super) struct Frame {
     /// Upper left corner.
     pub from: Place,
     /// Lower right corner.

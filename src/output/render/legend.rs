@@ -24,7 +24,7 @@ const MOST: usize = 40;
 
 /// What stands in front of an explanation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Key {
+pub(crate) enum Key {
     /// A piece of line.
     Line(Pen),
     /// A point.
@@ -45,7 +45,7 @@ impl Key {
 
 /// A group of entries that starts on a line of its own.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Group {
+pub(crate) struct Group {
     /// Text in front of the entries; may be empty.
     pub heading: String,
     /// The entries.
@@ -54,7 +54,7 @@ pub struct Group {
 
 /// All explanations of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Legend {
+pub(crate) struct Legend {
     /// The groups from top to bottom.
     pub groups: Vec<Group>,
 }

@@ -5,13 +5,13 @@
 //! and figures, [`layout`] arranges panels, title and legend, [`frame`] draws the layers, [`placement`]
 //! finds room for names, and [`canvas`] writes SVG. PNG and PDF are converted from that.
 
-pub mod axis;
+pub(crate) mod axis;
 mod canvas;
 mod frame;
 mod layout;
-pub mod legend;
-pub mod number;
-pub mod palette;
+pub(crate) mod legend;
+pub(crate) mod number;
+pub(crate) mod palette;
 mod placement;
 #[cfg(feature = "raster")]
 mod raster;
@@ -27,14 +27,14 @@ use legend::Legend;
 use palette::Pen;
 
 /// Height of the only panel of a picture, in pixels of a sheet that is 510 wide.
-pub const HEIGHT: f64 = 300.0;
+pub(crate) const HEIGHT: f64 = 300.0;
 
 /// A point in the units of the axes. What is not finite is not drawn.
-pub type Point = (f64, f64);
+pub(crate) type Point = (f64, f64);
 
 /// A picture.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Picture {
+pub(crate) struct Picture {
     /// Line of text above everything.
     pub title: Option<String>,
     /// What is drawn, from top to bottom. Panels one below the other share the horizontal axis.
@@ -47,7 +47,7 @@ pub struct Picture {
 
 /// A frame with axes and what is drawn in it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Panel {
+pub(crate) struct Panel {
     /// Horizontal axis.
     pub x: Axis,
     /// Vertical axis.
@@ -60,7 +60,7 @@ pub struct Panel {
 
 /// What is drawn in a panel.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Layer {
+pub(crate) enum Layer {
     /// A line through points, broken where one cannot be drawn.
     Line(Vec<Point>, Pen),
     /// A line across the panel at a value of the vertical axis.
@@ -92,7 +92,7 @@ pub enum Layer {
 
 /// How points are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mark {
+pub(crate) struct Mark {
     /// Shape.
     pub shape: Shape,
     /// About half the width, in pixels.
@@ -103,7 +103,7 @@ pub struct Mark {
 
 /// Shape of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Shape {
+pub(crate) enum Shape {
     /// Disc.
     Disc,
     /// Circle.
@@ -132,7 +132,7 @@ pub enum Shape {
 
 /// A filled rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cell {
+pub(crate) struct Cell {
     /// Lower left corner.
     pub from: Point,
     /// Upper right corner.
@@ -143,7 +143,7 @@ pub struct Cell {
 
 /// A name in a panel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Name {
+pub(crate) struct Name {
     /// Of names with the same number the first that has room is written.
     pub group: usize,
     /// Where its middle is.
@@ -154,7 +154,7 @@ pub struct Name {
 
 /// Name of a stretch of the horizontal axis.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Heading {
+pub(crate) struct Heading {
     /// The stretch.
     pub ends: [f64; 2],
     /// Names in the order of preference: the first that fits is written.

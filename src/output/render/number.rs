@@ -1,7 +1,7 @@
 //! Numbers as text.
 
 /// `value` with `decimals` digits after the point and a typographic minus sign; never `-0`.
-pub fn fixed(value: f64, decimals: usize) -> String {
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     if text.chars().all(|c| matches!(c, '-' | '0' | '.')) {
         return "0".to_owned();
@@ -10,7 +10,7 @@ pub fn fixed(value: f64, decimals: usize) -> String {
 }
 
 /// `value` with about `digits` significant digits and without trailing zeros.
-pub fn significant(value: f64, digits: usize) -> String {
+pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".to_owned();
     }
@@ -25,7 +25,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 }
 
 /// The values with as many digits as it takes to tell them apart, four at least.
-pub fn distinct(values: &[f64]) -> Vec<String> {
+pub(crate) fn distinct(values: &[f64]) -> Vec<String> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted.dedup();
@@ -39,7 +39,7 @@ pub fn distinct(values: &[f64]) -> Vec<String> {
 }
 
 /// Exponent of the power of ten at or below |value|.
-pub fn decade(value: f64) -> i32 {
+pub(crate) fn decade(value: f64) -> i32 {
     let magnitude = value.abs();
     if magnitude < f64::MIN_POSITIVE {
         return 0;
@@ -49,7 +49,7 @@ pub fn decade(value: f64) -> i32 {
 }
 
 /// 10ⁿ with the exponent in superior figures.
-pub fn power_of_ten(exponent: i32) -> String {
+pub(crate) fn power_of_ten(exponent: i32) -> String {
     const FIGURES: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let superior = |c: char| {
         c.to_digit(10)
@@ -60,7 +60,7 @@ pub fn power_of_ten(exponent: i32) -> String {
 }
 
 /// The text without zeros at the end of its decimals.
-pub fn trimmed(text: &str) -> String {
+pub(crate) fn trimmed(text: &str) -> String {
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     } else {

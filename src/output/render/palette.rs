@@ -3,29 +3,29 @@
 use plotters::style::RGBColor;
 
 /// Black.
-pub const BLACK: RGBColor = RGBColor(0, 0, 0);
+pub(crate) const BLACK: RGBColor = RGBColor(0, 0, 0);
 /// White.
-pub const WHITE: RGBColor = RGBColor(255, 255, 255);
+pub(crate) const WHITE: RGBColor = RGBColor(255, 255, 255);
 /// For helper lines and what is left over.
-pub const GREY: RGBColor = RGBColor(130, 130, 130);
+pub(crate) const GREY: RGBColor = RGBColor(130, 130, 130);
 /// Blue.
-pub const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
 /// Vermillion.
-pub const VERMILLION: RGBColor = RGBColor(213, 94, 0);
+pub(crate) const VERMILLION: RGBColor = RGBColor(213, 94, 0);
 /// Bluish green.
-pub const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
 /// Reddish purple.
-pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
+pub(crate) const PURPLE: RGBColor = RGBColor(204, 121, 167);
 /// Orange.
-pub const ORANGE: RGBColor = RGBColor(230, 159, 0);
+pub(crate) const ORANGE: RGBColor = RGBColor(230, 159, 0);
 /// Sky blue.
-pub const SKY: RGBColor = RGBColor(86, 180, 233);
+pub(crate) const SKY: RGBColor = RGBColor(86, 180, 233);
 
 /// Colours of categories, in the order of use; yellow is left out, it is lost on white paper.
-pub const CATEGORIES: [RGBColor; 7] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK];
+pub(crate) const CATEGORIES: [RGBColor; 7] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK];
 
 /// Colour at `position` in [0, 1] of an ordered scale whose lightness only grows.
-pub fn ordered(position: f64) -> RGBColor {
+pub(crate) fn ordered(position: f64) -> RGBColor {
     const ANCHORS: [RGBColor; 4] = [RGBColor(20, 20, 40), BLUE, GREEN, ORANGE];
     let position = if position.is_finite() { position } else { 0.0 };
     let scaled = position.clamp(0.0, 1.0) * (ANCHORS.len() - 1) as f64;
@@ -34,7 +34,7 @@ pub fn ordered(position: f64) -> RGBColor {
 }
 
 /// `part` of the way from one colour to another.
-pub fn mix(from: RGBColor, to: RGBColor, part: f64) -> RGBColor {
+pub(crate) fn mix(from: RGBColor, to: RGBColor, part: f64) -> RGBColor {
     let blend = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * part).round() as u8;
     RGBColor(
         blend(from.0, to.0),
@@ -45,7 +45,7 @@ pub fn mix(from: RGBColor, to: RGBColor, part: f64) -> RGBColor {
 
 /// Pattern of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pattern {
+pub(crate) enum Pattern {
     /// Without gaps.
     Solid,
     /// Long strokes.
@@ -56,7 +56,7 @@ pub enum Pattern {
 
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pen {
+pub(crate) struct Pen {
     /// Colour.
     pub colour: RGBColor,
     /// Width in pixels of the sheet.

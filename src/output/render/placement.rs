@@ -6,7 +6,7 @@ use super::text::width;
 use super::{Layer, Name};
 
 /// Size of the names.
-pub const NAME_SIZE: f64 = 16.0;
+pub(super) const NAME_SIZE: f64 = 16.0;
 
 /// Least distance of a name from a line, and from the frame.
 const CLEAR: f64 = 4.0;
@@ -37,7 +37,11 @@ impl Room {
 
 /// The names that are written, each with its middle at its place: of each group the first that lies
 /// within the frame and covers neither a line nor another name.
-pub fn written<'a>(frame: &Frame, layers: &[Layer], names: &'a [Name]) -> Vec<(Place, &'a str)> {
+pub(super) fn written<'a>(
+    frame: &Frame,
+    layers: &[Layer],
+    names: &'a [Name],
+) -> Vec<(Place, &'a str)> {
     let lines: Vec<Vec<Place>> = layers
         .iter()
         .filter_map(|layer| match layer {

@@ -17,7 +17,7 @@ const SCALE: f32 = 3.0;
 const COLUMN: f64 = 85.0;
 
 /// The picture as PNG.
-pub fn png(svg: &str) -> Result<Vec<u8>, RenderError> {
+pub(super) fn png(svg: &str) -> Result<Vec<u8>, RenderError> {
     let tree = tree(svg, "PNG")?;
     let size = tree.size();
     let (width, height) = (
@@ -35,7 +35,7 @@ pub fn png(svg: &str) -> Result<Vec<u8>, RenderError> {
 }
 
 /// The picture as a page of PDF.
-pub fn pdf(svg: &str) -> Result<Vec<u8>, RenderError> {
+pub(super) fn pdf(svg: &str) -> Result<Vec<u8>, RenderError> {
     let tree = tree(svg, "PDF")?;
     let page = PageOptions {
         dpi: (WIDTH / (COLUMN / 25.4)) as f32,

@@ -1,7 +1,7 @@
 //! Texts of a picture: how wide they are, and what of them may be written.
 
 /// Generous estimate of a text's width; the font of the reader is not known.
-pub fn width(text: &str, size: f64) -> f64 {
+pub(super) fn width(text: &str, size: f64) -> f64 {
     let ems = text.chars().map(|c| match c {
         '\u{300}'..='\u{36f}' => 0.0,
         'i' | 'j' | 'l' | '.' | ',' | '\'' | '|' | 'I' => 0.27,
@@ -16,7 +16,7 @@ pub fn width(text: &str, size: f64) -> f64 {
 }
 
 /// The text cut to a width, with an ellipsis in place of what is lost.
-pub fn cut(text: &str, size: f64, room: f64) -> String {
+pub(super) fn cut(text: &str, size: f64, room: f64) -> String {
     if width(text, size) <= room {
         return text.to_owned();
     }
@@ -32,7 +32,7 @@ pub fn cut(text: &str, size: f64, room: f64) -> String {
 
 /// The text without characters that XML 1.0 does not allow, which would spoil the file as a whole, and
 /// without those that are not seen.
-pub fn clean(text: &str) -> String {
+pub(super) fn clean(text: &str) -> String {
     let allowed = |c: &char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');
     text.chars().filter(allowed).collect()
 }
