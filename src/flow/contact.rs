@@ -304,8 +304,7 @@ mod tests {
             friction,
             mismatch: 0.1,
             mass_damping: damping,
-            stiffness_damping: 0.0,
-            smoothing: 0.0,
+            ..Constants::default()
         };
         let derivative = Constants {
             coefficients: Coefficients::default(),

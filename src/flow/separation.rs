@@ -282,16 +282,14 @@ mod tests {
             friction: 0.5,
             mismatch: 0.05,
             mass_damping: damping,
-            stiffness_damping: 0.0,
-            smoothing: 0.0,
+            ..Constants::default()
         };
         let derivative = Constants {
             coefficients: geometry.derivative_in_nu(),
             mismatch: 0.3,
             friction: 0.2,
             mass_damping: 0.1,
-            stiffness_damping: 0.0,
-            smoothing: 0.0,
+            ..Constants::default()
         };
         Frame::new(&parameters, &derivative, excess).unwrap()
     }

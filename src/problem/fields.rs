@@ -69,8 +69,10 @@ const EXPECTED: &str =
 
 /// Refuses the first value that is not admitted whatever the others are.
 pub(super) fn check(problem: &Problem, outline: &Outline) -> Result<(), Flaw> {
-    // what has been read can be written
-    let written = ron::to_string(problem).unwrap_or_default();
+    let written = ron::to_string(problem).map_err(|error| {
+        let help = "`brakewave new` prints a problem file to start from";
+        Flaw::new(0..0, error.to_string(), help)
+    })?;
     for leaf in Outline::of(&written).leaves() {
         let found = if leaf.source.starts_with('"') {
             word(&leaf.name, leaf.source)
@@ -90,19 +92,17 @@ fn number(name: &str, source: &str) -> Option<(String, String)> {
     let field = FIELDS.iter().find(|(path, ..)| *path == name);
     let parameter = Parameter::ALL.into_iter().find(|one| one.path() == name);
     let (admitted, rule) = match (field, parameter) {
-        (Some((_, range, rule)), _) => (range.admits(value), range.rule(rule)),
-        (None, Some(parameter)) => (parameter.admits(value), parameter.rule()),
-        (None, None) => (true, "write a number".to_owned()),
+        (Some((_, range, rule)), _) => (range.admits(value), Some(range.rule(rule))),
+        (None, Some(parameter)) => (parameter.admits(value), Some(parameter.rule())),
+        (None, None) => (true, None),
     };
-    if admitted && value.is_finite() {
-        return None;
-    }
-    let finite = if value.is_finite() {
-        ""
-    } else {
-        ", and finite"
+    let help = match (rule, value.is_finite()) {
+        (None, false) => "write a finite number".to_owned(),
+        (Some(rule), false) => format!("{rule}, and finite"),
+        (Some(rule), true) if !admitted => rule,
+        _ => return None,
     };
-    Some((not_admitted(name, source), format!("{rule}{finite}")))
+    Some((not_admitted(name, source), help))
 }
 
 /// The message about a value that is not admitted.

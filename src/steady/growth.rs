@@ -39,11 +39,7 @@ impl Sliding {
 
     /// A law under the pressure P₀ = gδ.
     pub fn new(law: FrictionLaw, pressure: f64) -> Sliding {
-        let smoothing = match law {
-            FrictionLaw::Regularised { epsilon } => epsilon,
-            _ => 1.0,
-        };
-        let smoothing = Dual::constant(smoothing);
+        let smoothing = Dual::constant(law.smoothing());
         let found: Dual<1> = multiplier(law, 1.0, Dual::variable(0.0, 0), smoothing);
         // no negative zero
         Sliding {
