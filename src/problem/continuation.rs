@@ -3,7 +3,7 @@
 use std::fmt;
 
 use serde::de::{self, Deserializer, MapAccess, Visitor};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::branch::EventType;
 use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE};
@@ -56,7 +56,7 @@ pub struct Continuation {
     /// Largest step, in dimensionless scaled arclength.
     pub ds_max: f64,
     /// Largest number of points of a leg, at least 1; see [`Continuation::most_points`].
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "bare")]
     pub max_points: Option<usize>,
     /// Relative size of the Newton correction at which a point is accepted.
     pub tolerance: f64,
@@ -128,6 +128,14 @@ fn given<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {
     T::deserialize(deserializer).map(Some)
+}
+
+/// As a problem file has it, and [`given`] reads it.
+fn bare<S: Serializer>(points: &Option<usize>, serializer: S) -> Result<S::Ok, S::Error> {
+    match points {
+        Some(points) => points.serialize(serializer),
+        None => serializer.serialize_none(),
+    }
 }
 
 fn default_tolerance() -> f64 {
