@@ -18,6 +18,7 @@
 use std::cell::OnceCell;
 
 pub mod contact;
+pub(crate) mod exponential;
 mod frame;
 pub mod friction;
 pub mod jet;

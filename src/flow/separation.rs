@@ -11,51 +11,19 @@
 use nalgebra::{Matrix4, RowVector4, Vector4};
 
 use super::contact::{SHORT_TERMS, SHORT_ZONE};
+use super::exponential::MatrixJet;
 use super::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet};
 use super::{FlowError, Frame, ZoneEnd};
 
-/// Degree of the Taylor polynomial of exp(B), ‖B‖ ≤ 1: the remainder is 1/19! ≈ 8e-18.
-const TAYLOR_DEGREE: u32 = 18;
-
 /// More halvings than this mean more than 2⁴⁰ radians: the phase itself is lost.
 const MOST_HALVINGS: i32 = 40;
-
-/// A matrix with its derivatives in ln e and in the parameter.
-#[derive(Clone, Copy, Debug)]
-struct MatrixJet {
-    at: Matrix4<f64>,
-    by: [Matrix4<f64>; 2],
-}
-
-impl MatrixJet {
-    fn times(&self, other: &MatrixJet) -> MatrixJet {
-        MatrixJet {
-            at: self.at * other.at,
-            by: [0, 1].map(|i| self.by[i] * other.at + self.at * other.by[i]),
-        }
-    }
-
-    fn scaled(&self, factor: f64) -> MatrixJet {
-        MatrixJet {
-            at: self.at * factor,
-            by: [0, 1].map(|i| self.by[i] * factor),
-        }
-    }
-
-    fn plus(&self, factor: f64, other: &MatrixJet) -> MatrixJet {
-        MatrixJet {
-            at: self.at + other.at * factor,
-            by: [0, 1].map(|i| self.by[i] + other.by[i] * factor),
-        }
-    }
-}
 
 /// The equations of separation in one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct SeparationFlow {
     /// Scale of each variable: x = scale ∘ (U, U̇, V, W), held constant under differentiation.
     scale: Vector4<f64>,
-    generator: MatrixJet,
+    generator: MatrixJet<f64, 2>,
     norm: f64,
     mismatch: Jet,
     steady: Jet,
@@ -105,7 +73,11 @@ impl SeparationFlow {
             .fold(0.0, f64::max);
         SeparationFlow {
             scale,
-            generator: MatrixJet { at: generator, by },
+            generator: MatrixJet {
+                at: generator,
+                by,
+                exponent: 0.0,
+            },
             norm,
             mismatch: frame.quantity(|of| of.mismatch),
             steady: frame.steady(),
@@ -117,7 +89,8 @@ impl SeparationFlow {
         self.norm
     }
 
-    fn exponential(&self, t: f64) -> Result<MatrixJet, FlowError> {
+    /// exp(At) with derivatives in ln e and in the parameter.
+    fn exponential(&self, t: f64) -> Result<MatrixJet<f64, 2>, FlowError> {
         let size = self.norm * t.abs();
         let halvings = if size > 1.0 {
             size.log2().ceil() as i32
@@ -127,36 +100,10 @@ impl SeparationFlow {
         if !size.is_finite() || halvings > MOST_HALVINGS {
             return Err(FlowError::Overflow { duration: t });
         }
-        let b = self.generator.scaled(t * 0.5_f64.powi(halvings));
-        let identity = MatrixJet {
-            at: Matrix4::identity(),
-            by: [Matrix4::zeros(); 2],
-        };
-        // Paterson–Stockmeyer: Σ B^j/j! as a cubic in B⁵ whose coefficients are quartic in B
-        let b2 = b.times(&b);
-        let b3 = b2.times(&b);
-        let b4 = b2.times(&b2);
-        let b5 = b4.times(&b);
-        let mut result: Option<MatrixJet> = None;
-        let inverse_factorial = |j: u32| 1.0 / (1..=j).map(f64::from).product::<f64>();
-        for block in (0..=TAYLOR_DEGREE / 5).rev() {
-            let first = 5 * block;
-            let mut sum = identity.scaled(inverse_factorial(first));
-            for (offset, power) in [(1, &b), (2, &b2), (3, &b3), (4, &b4)] {
-                if first + offset <= TAYLOR_DEGREE {
-                    sum = sum.plus(inverse_factorial(first + offset), power);
-                }
-            }
-            result = Some(match result {
-                None => sum,
-                Some(higher) => sum.plus(1.0, &b5.times(&higher)),
-            });
-        }
-        let mut result = result.unwrap_or(identity);
-        for _ in 0..halvings {
-            result = result.times(&result);
-        }
-        Ok(result)
+        let short = t * 0.5_f64.powi(halvings);
+        let flow = self.generator.scaled(short).exponential(halvings as u32);
+        // 1 unless damping has left next to nothing
+        Ok(flow.scaled(flow.exponent.exp()))
     }
 
     /// x at the entry with U = δ, U̇ = 0.

@@ -109,6 +109,12 @@ impl Integrals {
     }
 }
 
+/// Lamé's C = λ + 2μ, λ and μ of a material with E = 1.
+pub fn lame(nu: f64) -> [f64; 3] {
+    let product = (1.0 + nu) * (1.0 - 2.0 * nu);
+    [(1.0 - nu) / product, nu / product, 0.5 / (1.0 + nu)]
+}
+
 /// Elastic constants with their derivatives in ν.
 struct Elastic {
     c: f64,
@@ -122,10 +128,11 @@ struct Elastic {
 impl Elastic {
     fn new(nu: f64) -> Elastic {
         let product = (1.0 + nu) * (1.0 - 2.0 * nu);
+        let [c, lambda, mu] = lame(nu);
         Elastic {
-            c: (1.0 - nu) / product,
-            lambda: nu / product,
-            mu: 0.5 / (1.0 + nu),
+            c,
+            lambda,
+            mu,
             c_in_nu: 2.0 * nu * (2.0 - nu) / (product * product),
             lambda_in_nu: (1.0 + 2.0 * nu * nu) / (product * product),
             mu_in_nu: -0.5 / ((1.0 + nu) * (1.0 + nu)),

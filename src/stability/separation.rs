@@ -24,6 +24,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::perturbation::{C64, ONE, Perturbations, ZERO, square_root};
+use crate::flow::exponential::MatrixJet;
 
 /// Up to this bound of |r s| the power series is summed; beyond it, u of order (rs)³/6 is no
 /// longer a small difference of the residues.
@@ -117,14 +118,6 @@ struct Residue {
     coupling_by: C64,
 }
 
-/// A matrix that depends on λ, times e^{exponent}.
-#[derive(Clone, Copy)]
-struct Transfer {
-    at: Matrix4<C64>,
-    by: Matrix4<C64>,
-    exponent: f64,
-}
-
 impl Separation {
     /// Carries `count` perturbations through the time s.
     pub(super) fn flow(&self, lambda: C64, s: f64, state: &mut Perturbations, count: usize) {
@@ -155,7 +148,8 @@ impl Separation {
         }
         let transfer = self.matrix(lambda, s);
         for column in 0..count {
-            state.by[column] = transfer.at * state.by[column] + transfer.by * state.columns[column];
+            state.by[column] =
+                transfer.at * state.by[column] + transfer.by[0] * state.columns[column];
             state.columns[column] = transfer.at * state.columns[column];
         }
         state.exponent += transfer.exponent;
@@ -387,7 +381,7 @@ impl Separation {
     }
 
     /// exp(As) of a separation zone on (u, u′, η, η′).
-    fn matrix(&self, lambda: C64, s: f64) -> Transfer {
+    fn matrix(&self, lambda: C64, s: f64) -> MatrixJet<C64, 1> {
         let square = lambda * lambda;
         let (mb, ma) = (1.0 / self.mb, 1.0 / self.ma);
         let (ub, ua) = (
@@ -426,106 +420,25 @@ impl Separation {
             Matrix4::from_fn(|i, j| matrix[(i, j)] * (scale[i] / scale[j]).powf(power))
         };
         let (at, by) = (weigh(at, 1.0), weigh(by, 1.0));
-        let mut transfer = exponential(&at, &by, s);
+        let norm = (0..4)
+            .map(|j| at.column(j).iter().map(|x| x.norm()).sum::<f64>())
+            .fold(0.0, f64::max)
+            * s.abs();
+        let halvings = if norm > 1.0 { norm.log2().ceil() } else { 0.0 };
+        let generator = MatrixJet {
+            at,
+            by: [by],
+            exponent: 0.0,
+        };
+        let short = generator.scaled(s * (-halvings).exp2());
+        let transfer = short.exponential(halvings as u32);
         let turn = C64::from_polar(1.0, shift.im * s);
-        transfer.exponent += shift.re * s;
         let matrix = weigh(transfer.at, -1.0) * turn;
-        Transfer {
+        MatrixJet {
             at: matrix,
-            by: weigh(transfer.by, -1.0) * turn + matrix * (shift_by * s),
-            exponent: transfer.exponent,
+            by: [weigh(transfer.by[0], -1.0) * turn + matrix * (shift_by * s)],
+            exponent: transfer.exponent + shift.re * s,
         }
-    }
-}
-
-/// A product of 4 × 4 matrices, unrolled: the general one of the library takes twice as long.
-fn times(x: &Matrix4<C64>, y: &Matrix4<C64>) -> Matrix4<C64> {
-    let mut out = Matrix4::repeat(ZERO);
-    for j in 0..4 {
-        let mut re = [0.0_f64; 4];
-        let mut im = [0.0_f64; 4];
-        for k in 0..4 {
-            let f = y[(k, j)];
-            for i in 0..4 {
-                let e = x[(i, k)];
-                re[i] += e.re * f.re - e.im * f.im;
-                im[i] += e.re * f.im + e.im * f.re;
-            }
-        }
-        for i in 0..4 {
-            out[(i, j)] = C64::new(re[i], im[i]);
-        }
-    }
-    out
-}
-
-/// exp(As) and its derivative along `by`, by scaling and squaring; after every squaring the scale
-/// is taken out, so that nothing overflows.
-fn exponential(at: &Matrix4<C64>, by: &Matrix4<C64>, s: f64) -> Transfer {
-    /// ‖B‖ ≤ 1: the remainder of degree 18 is 1/19! ≈ 8e-18.
-    const DEGREE: u32 = 18;
-    let norm = (0..4)
-        .map(|j| at.column(j).iter().map(|x| x.norm()).sum::<f64>())
-        .fold(0.0, f64::max)
-        * s.abs();
-    let halvings = if norm > 1.0 { norm.log2().ceil() } else { 0.0 };
-    let scale = C64::from(s * (-halvings).exp2());
-    let (b, d) = (at * scale, by * scale);
-    let product = |(x, dx): (&Matrix4<C64>, &Matrix4<C64>),
-                   (y, dy): (&Matrix4<C64>, &Matrix4<C64>)| {
-        (times(x, y), times(dx, y) + times(x, dy))
-    };
-    let inverse_factorial = |j: u32| C64::from(1.0 / (1..=j).map(f64::from).product::<f64>());
-    let (b2, d2) = product((&b, &d), (&b, &d));
-    let (b3, d3) = product((&b2, &d2), (&b, &d));
-    let (b4, d4) = product((&b2, &d2), (&b2, &d2));
-    let (b5, d5) = product((&b4, &d4), (&b, &d));
-    let mut result = (Matrix4::repeat(ZERO), Matrix4::repeat(ZERO));
-    for block in (0..=DEGREE / 5).rev() {
-        let first = 5 * block;
-        let mut sum = (
-            Matrix4::from_diagonal_element(inverse_factorial(first)),
-            Matrix4::repeat(ZERO),
-        );
-        for (offset, (power, slope)) in [
-            (1, (&b, &d)),
-            (2, (&b2, &d2)),
-            (3, (&b3, &d3)),
-            (4, (&b4, &d4)),
-        ] {
-            if first + offset <= DEGREE {
-                let factor = inverse_factorial(first + offset);
-                sum.0 += power * factor;
-                sum.1 += slope * factor;
-            }
-        }
-        if block < DEGREE / 5 {
-            let (x, dx) = product((&b5, &d5), (&result.0, &result.1));
-            sum.0 += x;
-            sum.1 += dx;
-        }
-        result = sum;
-    }
-    let mut exponent = 0.0;
-    for _ in 0..halvings as u32 {
-        result = product((&result.0, &result.1), (&result.0, &result.1));
-        exponent *= 2.0;
-        let size = result
-            .0
-            .iter()
-            .fold(0.0_f64, |size, x| size.max(x.norm_sqr()));
-        if size > 1e60 || size < 1e-60 && size > 0.0 {
-            let shift = 0.5 * size.ln();
-            let factor = C64::from((-shift).exp());
-            result.0 *= factor;
-            result.1 *= factor;
-            exponent += shift;
-        }
-    }
-    Transfer {
-        at: result.0,
-        by: result.1,
-        exponent,
     }
 }
 
@@ -585,7 +498,7 @@ mod tests {
                         let weights = weights(&zone, lambda);
                         let pairs = [
                             (transfer.at * column, state.columns[0] * rescale),
-                            (transfer.by * column, state.by[0] * rescale),
+                            (transfer.by[0] * column, state.by[0] * rescale),
                         ];
                         for (kind, (exact, found)) in pairs.iter().enumerate() {
                             let sum = |vector: &Vector4<C64>| -> f64 {

@@ -48,7 +48,7 @@ use gauss_quad::GaussLegendre;
 
 use super::growth::{Hopf, Sliding, eigenvalues, stiffness_at};
 use crate::model::Damping;
-use crate::model::coefficients::Geometry;
+use crate::model::coefficients::{Geometry, lame};
 
 /// Points of the quadrature beyond those that integrate products of the polynomials: e^{2x} and
 /// the hyperbolic functions of X are entire, and 32 more points leave less than rounding for
@@ -138,9 +138,7 @@ impl Radial {
     /// Mode k of a tube with `order` ≥ 1 radial functions per component.
     pub fn new(geometry: &Geometry, mode: u32, order: usize) -> Radial {
         let order = order.max(1);
-        let nu = geometry.nu;
-        let product = (1.0 + nu) * (1.0 - 2.0 * nu);
-        let (c, lambda, mu) = ((1.0 - nu) / product, nu / product, 0.5 / (1.0 + nu));
+        let [c, lambda, mu] = lame(geometry.nu);
         let k = f64::from(mode);
         let length = (geometry.xi - 1.0).ln_1p();
         // grows with the exponentials that X and e^{2x} contain

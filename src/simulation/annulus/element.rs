@@ -13,7 +13,7 @@
 //! each circle: a node is coupled to its eight neighbours and itself by blocks of 2 × 2 that depend
 //! on its radius only. Masses are lumped: a node has the share ∫N r dr dφ.
 
-use crate::model::coefficients::Geometry;
+use crate::model::coefficients::{Geometry, lame};
 
 /// Coupling of a node to its neighbourhood: `[dr][dφ][row][column]`, offsets −1, 0, 1 stored from 0,
 /// rows and columns u, v.
@@ -39,12 +39,6 @@ const GAUSS: [(f64, f64); 3] = [
 
 /// Corner of an element: offsets in φ and r.
 const CORNERS: [(usize, usize); 4] = [(0, 0), (1, 0), (0, 1), (1, 1)];
-
-/// Lamé's C = λ + 2μ, λ and μ of a material with E = 1.
-pub fn lame(nu: f64) -> [f64; 3] {
-    let product = (1.0 + nu) * (1.0 - 2.0 * nu);
-    [(1.0 - nu) / product, nu / product, 0.5 / (1.0 + nu)]
-}
 
 /// The elements of a tube with `across` elements of equal height, each of the angle `width`.
 pub fn circles(geometry: &Geometry, across: usize, width: f64) -> Circles {

@@ -23,8 +23,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::ring::friction::{Coulomb, Friction};
-use crate::model::coefficients::Geometry;
-use element::{Block, Circles, circles, lame};
+use crate::model::coefficients::{Geometry, lame};
+use element::{Block, Circles, circles};
 
 /// Mesh, steps and numbers of an annulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
