@@ -14,7 +14,7 @@ use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Damping, Model};
 use brakewave::output::run::Restart;
 use brakewave::output::store::Checkpoint;
-use brakewave::simulation::growth::{self, Request, SETTLING};
+use brakewave::simulation::growth::{self, Listing, Request};
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Setup};
 use brakewave::stability::discretised::{Settings, solve};
@@ -59,9 +59,12 @@ const HIGHEST: f64 = 12.0;
 const POINTS: [usize; 3] = [48, 96, 192];
 const PAIRS: usize = 40;
 const INSTANTS: usize = 2;
-const LISTED: usize = 4;
-/// Scatter below which an eigenvalue is listed, and |Im λ| below which it is real.
-const RESOLVED: f64 = 1e-3;
+const LISTING: Listing = Listing {
+    resolved: 1e-3,
+    highest: HIGHEST,
+    real: 1e-3,
+    most: 4,
+};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     discretised()?;
@@ -148,14 +151,9 @@ fn simulated(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
         for sector in 0..=mode / 2 {
             for points in POINTS {
                 let request = Request {
-                    points,
-                    waves: if sector == 0 { 1 } else { mode },
-                    sector,
-                    shift: points,
                     courant: 0.4,
-                    amplitude: 1e-6,
                     pairs: PAIRS,
-                    settling: SETTLING,
+                    ..Request::of_sector(sector, mode, points)
                 };
                 let found = growth::averaged(
                     &parameters,
@@ -165,13 +163,7 @@ fn simulated(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
                     INSTANTS,
                     &mut || (),
                 )?;
-                let real = sector == 0 || 2 * sector == mode;
-                let listed = found.iter().filter(|value| {
-                    value.scatter < RESOLVED
-                        && value.im.abs() < HIGHEST
-                        && !(real && value.im < -RESOLVED)
-                });
-                for value in listed.take(LISTED) {
+                for value in LISTING.of(&request, found) {
                     println!(
                         "| {} | {} | {sector} | {points} | {:+.6} {:+.6}i | {:.0e} |",
                         saved.label,

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use brakewave::output::run::Restart;
 use brakewave::output::store::Checkpoint;
-use brakewave::simulation::growth::{self, INSTANTS, Request, SETTLING};
+use brakewave::simulation::growth::{self, INSTANTS, Listing, Request};
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Setup};
 
@@ -26,10 +26,12 @@ const WAVES: [(f64, &[usize], f64); 4] = [
 ];
 const POINTS: [usize; 3] = [96, 192, 384];
 const MODE: usize = 4;
-const PAIRS: usize = 80;
-const RESOLVED: f64 = 5e-3;
-const HIGHEST: f64 = 12.0;
-const LISTED: usize = 4;
+const LISTING: Listing = Listing {
+    resolved: 5e-3,
+    highest: 12.0,
+    real: 5e-3,
+    most: 4,
+};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let argument = std::env::args().nth(1);
@@ -58,14 +60,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for &sector in sectors {
             for points in POINTS {
                 let request = Request {
-                    points,
-                    waves: if sector == 0 { 1 } else { MODE },
-                    sector,
-                    shift: points,
-                    courant: 0.2,
                     amplitude,
-                    pairs: PAIRS,
-                    settling: SETTLING,
+                    ..Request::of_sector(sector, MODE, points)
                 };
                 let parameters = saved.model.constants();
                 let found = growth::averaged(
@@ -76,13 +72,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     INSTANTS,
                     &mut || (),
                 )?;
-                let real = sector == 0 || 2 * sector == MODE;
-                let listed = found.iter().filter(|value| {
-                    value.residual.max(value.scatter) < RESOLVED
-                        && value.im.abs() < HIGHEST
-                        && !(real && value.im < -RESOLVED)
-                });
-                for value in listed.take(LISTED) {
+                for value in LISTING.of(&request, found) {
                     println!(
                         "| {mismatch} | {sector} | {points} | {:+.5} {:+.5}i | {:.0e} | {:.0e} |",
                         value.re, value.im, value.scatter, value.residual

@@ -47,6 +47,58 @@ pub struct Request {
     pub settling: f64,
 }
 
+impl Request {
+    /// What a Bloch sector of a wave of mode k takes: T is the time in which the wave moves by its own
+    /// length, and sector 0 needs one wave alone.
+    pub fn of_sector(sector: usize, mode: usize, points: usize) -> Request {
+        Request {
+            points,
+            waves: if sector == 0 { 1 } else { mode },
+            sector,
+            shift: points,
+            courant: 0.2,
+            amplitude: 1e-6,
+            pairs: 80,
+            settling: SETTLING,
+        }
+    }
+
+    /// Whether the sector is its own conjugate.
+    pub fn real(&self) -> bool {
+        self.sector == 0 || 2 * self.sector == self.waves
+    }
+}
+
+/// Which eigenvalues are worth a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Listing {
+    /// Largest residual and scatter.
+    pub resolved: f64,
+    /// Largest |Im λ|.
+    pub highest: f64,
+    /// |Im λ| below which an eigenvalue counts as real.
+    pub real: f64,
+    /// Most of them.
+    pub most: usize,
+}
+
+impl Listing {
+    /// The eigenvalues of a request that are listed: of conjugate pairs the upper member.
+    pub fn of(
+        self,
+        request: &Request,
+        found: Vec<Eigenvalue>,
+    ) -> impl Iterator<Item = Eigenvalue> + use<> {
+        let both = !request.real();
+        let listed = move |value: &Eigenvalue| {
+            value.residual.max(value.scatter) <= self.resolved
+                && value.im.abs() <= self.highest
+                && (both || value.im >= -self.real)
+        };
+        found.into_iter().filter(listed).take(self.most)
+    }
+}
+
 /// Time that suffices for the wave of a table to become that of the grid: fronts settle within a
 /// few steps, and a wavelength passes in about this time at the speeds of thin tubes.
 pub const SETTLING: f64 = 1.0;
@@ -191,7 +243,7 @@ pub fn eigenvalues(
         points,
         waves,
         phase: -profile.speed().signum() * TAU * sector as f64 / waves as f64,
-        real: sector == 0 || 2 * sector == waves,
+        real: request.real(),
         shift: shift as isize * profile.speed().signum() as isize,
         steps: steps as u64,
         amplitude: request.amplitude,

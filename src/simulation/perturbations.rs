@@ -1,7 +1,7 @@
 //! What the section `growth` of a simulation asks for: perturbations of a wave, sector by sector, on the
 //! ring of the simulation and on one of half as many points.
 
-use super::growth::{self, GrowthError, GrowthRow, Request};
+use super::growth::{self, GrowthError, GrowthRow, Listing, Request};
 use super::motion::{Motion, MotionError, angle};
 use super::profile::Profile;
 use super::ring::Setup;
@@ -9,17 +9,14 @@ use super::task::{Body, Circle, Simulation};
 use crate::model::Constants;
 use crate::stability::Sectors;
 
-/// Highest |Im λ| listed, in units of Ω.
-const HIGHEST: f64 = 12.0;
-
-/// |Im λ| below which an eigenvalue counts as real: rounding of a logarithm over the time of a pair.
-const REAL: f64 = 1e-6;
-
-/// Eigenvalues listed per sector.
-const LISTED: usize = 6;
-
-/// Largest residual and scatter of an eigenvalue that is listed, in units of Ω.
-const RESOLVED: f64 = 1e-2;
+/// Eigenvalues listed per sector, as those of `spectrum` are. |Im λ| below `real` is rounding of a
+/// logarithm over the time of a pair.
+const LISTING: Listing = Listing {
+    resolved: 1e-2,
+    highest: 12.0,
+    real: 1e-6,
+    most: 6,
+};
 
 /// Share of the work on the finer ring: half the points take a quarter of the steps of nodes.
 const FINE: f64 = 0.8;
@@ -29,8 +26,6 @@ pub struct Perturbations {
     setup: Setup,
     fine: Request,
     coarse: Request,
-    /// Whether eigenvalues come in conjugate pairs.
-    real: bool,
     /// Steps of nodes that they take.
     pub work: f64,
 }
@@ -81,20 +76,15 @@ pub fn perturbations(
         .into_iter()
         .map(|sector| {
             let request = |points: usize| Request {
-                points,
-                waves: if sector == 0 { 1 } else { waves },
-                sector,
-                shift: points,
                 courant: section.courant,
                 amplitude: growth.amplitude,
                 pairs: growth.pairs,
-                settling: growth::SETTLING,
+                ..Request::of_sector(sector, waves, points)
             };
             let (fine, coarse) = (request(points), request(points / 2));
             let work = |request| growth::work(parameters, &setup, wave, request, growth::INSTANTS);
             Ok(Perturbations {
                 work: work(&fine)? + work(&coarse)?,
-                real: sector == 0 || 2 * sector == waves,
                 setup,
                 fine,
                 coarse,
@@ -128,12 +118,7 @@ impl Perturbations {
         };
         let fine = on(&self.fine, FINE)?;
         let coarse = on(&self.coarse, 1.0 - FINE)?;
-        let listed = fine.into_iter().filter(|value| {
-            value.residual.max(value.scatter) <= RESOLVED
-                && value.im.abs() <= HIGHEST
-                && !(self.real && value.im < -REAL)
-        });
-        let rows = listed.take(LISTED).map(|eigenvalue| GrowthRow {
+        let rows = LISTING.of(&self.fine, fine).map(|eigenvalue| GrowthRow {
             sector: self.sector(),
             eigenvalue,
             grid: coarse

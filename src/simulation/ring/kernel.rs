@@ -104,8 +104,8 @@ impl Nodes {
         }
     }
 
-    /// All quantities.
-    fn lists(&self) -> [&Vec<f64>; 9] {
+    /// All quantities, accounts of work last.
+    pub(super) fn lists(&self) -> [&Vec<f64>; 9] {
         [
             &self.radial,
             &self.tangential,
@@ -116,6 +116,21 @@ impl Nodes {
             &self.friction_work,
             &self.contact_work,
             &self.damping_work,
+        ]
+    }
+
+    /// The same to write to.
+    pub(super) fn lists_mut(&mut self) -> [&mut Vec<f64>; 9] {
+        [
+            &mut self.radial,
+            &mut self.tangential,
+            &mut self.effective,
+            &mut self.radial_rate,
+            &mut self.tangential_rate,
+            &mut self.share,
+            &mut self.friction_work,
+            &mut self.contact_work,
+            &mut self.damping_work,
         ]
     }
 

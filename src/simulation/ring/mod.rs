@@ -493,37 +493,26 @@ impl Ring {
 }
 
 impl Stretch {
-    /// Copies the stretch with `margin` neighbours on either side.
+    /// Copies the stretch with `margin` neighbours on either side; of work, what the core has done.
     fn load(&mut self, ring: &Nodes, margin: usize) {
+        /// Lists before the accounts of work.
+        const STATE: usize = 6;
         let (from, to) = (self.from, self.to);
-        let copy = |here: &mut [f64], there: &[f64]| {
+        let lists = self.nodes.lists_mut().into_iter().zip(ring.lists());
+        for (index, (here, there)) in lists.enumerate() {
             let count = there.len();
-            for (k, value) in here[..margin].iter_mut().enumerate() {
-                *value = there[(from + (margin / count + 1) * count + k - margin) % count];
+            if count == 0 {
+                continue;
             }
-            here[margin..margin + to - from].copy_from_slice(&there[from..to]);
             let end = margin + to - from;
-            for (k, value) in here[end..end + margin].iter_mut().enumerate() {
-                *value = there[(to + k) % count];
-            }
-        };
-        copy(&mut self.nodes.radial, &ring.radial);
-        copy(&mut self.nodes.tangential, &ring.tangential);
-        copy(&mut self.nodes.radial_rate, &ring.radial_rate);
-        copy(&mut self.nodes.tangential_rate, &ring.tangential_rate);
-        copy(&mut self.nodes.share, &ring.share);
-        if !ring.effective.is_empty() {
-            copy(&mut self.nodes.effective, &ring.effective);
-        }
-        // account is kept of the core alone
-        let ledgers = [
-            (&mut self.nodes.friction_work, &ring.friction_work),
-            (&mut self.nodes.contact_work, &ring.contact_work),
-            (&mut self.nodes.damping_work, &ring.damping_work),
-        ];
-        for (here, there) in ledgers {
-            if !there.is_empty() {
-                here[margin..margin + to - from].copy_from_slice(&there[from..to]);
+            here[margin..end].copy_from_slice(&there[from..to]);
+            if index < STATE {
+                for (k, value) in here[..margin].iter_mut().enumerate() {
+                    *value = there[(from + (margin / count + 1) * count + k - margin) % count];
+                }
+                for (k, value) in here[end..end + margin].iter_mut().enumerate() {
+                    *value = there[(to + k) % count];
+                }
             }
         }
     }
@@ -556,18 +545,7 @@ impl Stretch {
     fn store(&self, ring: &mut Nodes, margin: usize) {
         let (from, to) = (self.from, self.to);
         let core = margin..margin + to - from;
-        let pairs = [
-            (&mut ring.radial, &self.nodes.radial),
-            (&mut ring.tangential, &self.nodes.tangential),
-            (&mut ring.radial_rate, &self.nodes.radial_rate),
-            (&mut ring.tangential_rate, &self.nodes.tangential_rate),
-            (&mut ring.share, &self.nodes.share),
-            (&mut ring.effective, &self.nodes.effective),
-            (&mut ring.friction_work, &self.nodes.friction_work),
-            (&mut ring.contact_work, &self.nodes.contact_work),
-            (&mut ring.damping_work, &self.nodes.damping_work),
-        ];
-        for (there, here) in pairs {
+        for (there, here) in ring.lists_mut().into_iter().zip(self.nodes.lists()) {
             if !there.is_empty() {
                 there[from..to].copy_from_slice(&here[core.clone()]);
             }
