@@ -52,7 +52,7 @@ struct Propagator {
 
 impl ContactFlow {
     /// The equation for σ = +1 (slip) or −1 (reverse slip).
-    pub fn new(frame: &Frame, sliding: f64) -> ContactFlow {
+    pub(crate) fn new(frame: &Frame, sliding: f64) -> ContactFlow {
         let at = &frame.at;
         let s = sliding * at.friction * at.kappa - at.damping;
         let by = frame.by.map(|by| {
@@ -63,7 +63,12 @@ impl ContactFlow {
     }
 
     /// The equation mÿ − sẏ + hy = 0 from (m, s) and their derivatives in the frame.
-    pub fn of(frame: &Frame, sliding: f64, [m, s]: [f64; 2], by: [[f64; 2]; 2]) -> ContactFlow {
+    pub(crate) fn of(
+        frame: &Frame,
+        sliding: f64,
+        [m, s]: [f64; 2],
+        by: [[f64; 2]; 2],
+    ) -> ContactFlow {
         let h = frame.at.h;
         let p = 0.5 * s / m;
         let q = h / m;
@@ -205,7 +210,7 @@ impl ContactFlow {
     }
 
     /// (Y, W) after a time t from the entry (Y, W), with all derivatives.
-    pub fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 2], FlowError> {
+    pub(crate) fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 2], FlowError> {
         let propagator = self.propagator(t);
         let [[m00, m01], [m10, m11]] = propagator.matrix;
         let (p, q) = (self.p, self.q);
@@ -243,7 +248,7 @@ impl ContactFlow {
     ///
     /// For short zones the quotient comes from the power series of W with its first m terms left
     /// out, so that it is exact down to t = 0 and beyond: a zone that vanishes is a regular point.
-    pub fn reduced_rate(&self, entry: [f64; 2], t: f64, m: usize, w_end: Jet) -> Jet {
+    pub(crate) fn reduced_rate(&self, entry: [f64; 2], t: f64, m: usize, w_end: Jet) -> Jet {
         let (p, q) = (self.p, self.q);
         if (q.sqrt() + 2.0 * p.abs()) * t.abs() > SHORT_ZONE {
             let factor = t.powi(-(m as i32));

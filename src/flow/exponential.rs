@@ -79,7 +79,7 @@ impl<T: Entry, const D: usize> MatrixJet<T, D> {
     }
 
     /// Matrix and derivatives times a number.
-    pub fn scaled(&self, factor: f64) -> MatrixJet<T, D> {
+    pub(crate) fn scaled(&self, factor: f64) -> MatrixJet<T, D> {
         MatrixJet {
             at: self.at.map(|x| x.scaled(factor)),
             by: self.by.map(|by| by.map(|x| x.scaled(factor))),
@@ -109,7 +109,7 @@ impl<T: Entry, const D: usize> MatrixJet<T, D> {
     }
 
     /// exp(2ⁿB) of this matrix B, ‖B‖ ≤ 1, with its derivatives.
-    pub fn exponential(&self, n: u32) -> MatrixJet<T, D> {
+    pub(crate) fn exponential(&self, n: u32) -> MatrixJet<T, D> {
         let zero = T::from(0.0);
         let multiple = |factor: f64| MatrixJet {
             at: Matrix4::from_fn(|i, j| if i == j { T::from(factor) } else { zero }),

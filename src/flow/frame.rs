@@ -54,7 +54,7 @@ pub struct Frame {
 impl Frame {
     /// The frame of a wave of excess speed e; `derivative` is that of the parameters in the
     /// continuation parameter. Fails unless e > 0.
-    pub fn new(
+    pub(crate) fn new(
         parameters: &Constants,
         derivative: &Constants,
         excess: f64,
@@ -111,17 +111,17 @@ impl Frame {
     }
 
     /// A jet of the frame from a function's gradient: `value` and Σ ∂(value)/∂q · q′.
-    pub fn jet(&self, value: f64, gradient: impl Fn(&Quantities) -> f64) -> Jet {
+    pub(crate) fn jet(&self, value: f64, gradient: impl Fn(&Quantities) -> f64) -> Jet {
         Jet::of_frame(value, [gradient(&self.by[0]), gradient(&self.by[1])])
     }
 
     /// A quantity as a jet.
-    pub fn quantity(&self, of: impl Fn(&Quantities) -> f64) -> Jet {
+    pub(crate) fn quantity(&self, of: impl Fn(&Quantities) -> f64) -> Jet {
         self.jet(of(&self.at), &of)
     }
 
     /// gδ, the pressure of steady sliding.
-    pub fn weight(&self) -> Jet {
+    pub(crate) fn weight(&self) -> Jet {
         let at = &self.at;
         self.jet(at.g * at.mismatch, |by| {
             by.g * at.mismatch + at.g * by.mismatch
@@ -129,7 +129,7 @@ impl Frame {
     }
 
     /// κ as a jet.
-    pub fn kappa(&self) -> Jet {
+    pub(crate) fn kappa(&self) -> Jet {
         self.quantity(|of| of.kappa)
     }
 
@@ -148,7 +148,7 @@ impl Frame {
 
     /// Y at which Q = rfP in stick, r being the static by the kinetic coefficient:
     /// hY = rfκ + (r − 1)fgδ − α − βh. Without material damping release happens there.
-    pub fn release(&self, law: FrictionLaw) -> Jet {
+    pub(crate) fn release(&self, law: FrictionLaw) -> Jet {
         let at = &self.at;
         let r = law.static_ratio();
         let value =
@@ -164,12 +164,12 @@ impl Frame {
     }
 
     /// β as a jet.
-    pub fn material(&self) -> Jet {
+    pub(crate) fn material(&self) -> Jet {
         self.quantity(|of| of.material)
     }
 
     /// Pressure in contact P = gδ + κW for a jet of W; with material damping of W + βV̈.
-    pub fn pressure(&self, w: Jet) -> Jet {
+    pub(crate) fn pressure(&self, w: Jet) -> Jet {
         self.weight() + self.kappa() * w
     }
 }

@@ -28,17 +28,17 @@ pub const ENTRY_W: usize = 1;
 /// Index of the duration.
 pub const DURATION: usize = 2;
 /// Index of ln e, the logarithm of the excess speed.
-pub const EXCESS: usize = 3;
+pub(crate) const EXCESS: usize = 3;
 /// Index of the continuation parameter.
-pub const PARAMETER: usize = 4;
+pub(crate) const PARAMETER: usize = 4;
 /// Index of the amplitude of the boundary layer at the end of the zone (β > 0 only).
-pub const LAYER: usize = 5;
+pub(crate) const LAYER: usize = 5;
 /// Number of quantities a zone depends on.
-pub const SOURCES: usize = 6;
+pub(crate) const SOURCES: usize = 6;
 
 impl<const D: usize> Dual<D> {
     /// A number that does not vary.
-    pub fn constant(value: f64) -> Dual<D> {
+    pub(crate) fn constant(value: f64) -> Dual<D> {
         Dual {
             value,
             by: [0.0; D],
@@ -46,7 +46,7 @@ impl<const D: usize> Dual<D> {
     }
 
     /// A quantity itself.
-    pub fn variable(value: f64, index: usize) -> Dual<D> {
+    pub(crate) fn variable(value: f64, index: usize) -> Dual<D> {
         let mut dual = Dual::constant(value);
         dual.by[index] = 1.0;
         dual
@@ -61,7 +61,7 @@ impl<const D: usize> Default for Dual<D> {
 
 impl Jet {
     /// A quantity of the frame: it depends on e and the parameter alone.
-    pub fn of_frame(value: f64, by: [f64; 2]) -> Jet {
+    pub(crate) fn of_frame(value: f64, by: [f64; 2]) -> Jet {
         Dual {
             value,
             by: [0.0, 0.0, 0.0, by[0], by[1], 0.0],

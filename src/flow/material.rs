@@ -143,7 +143,7 @@ fn quotients(x: f64) -> [f64; 2] {
 impl MaterialFlow {
     /// The equation for σ = +1 (slip) or −1 (reverse slip). Where its exponents cannot be told apart ρ
     /// is not a number, and [`MaterialFlow::zone`] says so.
-    pub fn new(frame: &Frame, sigma: f64) -> MaterialFlow {
+    pub(crate) fn new(frame: &Frame, sigma: f64) -> MaterialFlow {
         let at = &frame.at;
         let beta = at.material;
         let drive = sigma * at.friction * at.kappa;
@@ -200,7 +200,7 @@ impl MaterialFlow {
     }
 
     /// The motion at a time t after the entry.
-    pub fn motion(&self, slide: &Slide, t: f64) -> Motion {
+    pub(crate) fn motion(&self, slide: &Slide, t: f64) -> Motion {
         let [y, w] = self.slow.state(self.slow_entry(slide), t);
         let [acceleration, jerk] = self.slow_rates([y, w]);
         let fast = slide.layer * decayed(ratio(slide.duration - t, self.rho));
@@ -216,7 +216,7 @@ impl MaterialFlow {
     }
 
     /// The layer G of a zone of no duration that is entered with this V̈.
-    pub fn layer_of(&self, entry: [f64; 2], acceleration: f64) -> f64 {
+    pub(crate) fn layer_of(&self, entry: [f64; 2], acceleration: f64) -> f64 {
         let ContactFlow { p, q, .. } = self.slow;
         let rho = self.rho;
         (acceleration - self.slow.acceleration(entry)) / (1.0 - rho * (2.0 * p - rho * q))
@@ -291,7 +291,7 @@ impl MaterialFlow {
     }
 
     /// Y, W and V̈ at a fixed time t inside the zone, with all derivatives.
-    pub fn inside(&self, slide: &Slide, t: f64) -> Result<[Jet; 3], FlowError> {
+    pub(crate) fn inside(&self, slide: &Slide, t: f64) -> Result<[Jet; 3], FlowError> {
         let entry = self.slow_entry_jets(slide);
         let [y, w] = self.slow_jets(&entry, t, false)?;
         let acceleration = self.slow_acceleration([y, w]);
@@ -306,7 +306,7 @@ impl MaterialFlow {
     }
 
     /// V̈ and V⃛ at the entry.
-    pub fn entry_rates(&self, slide: &Slide) -> [Jet; 2] {
+    pub(crate) fn entry_rates(&self, slide: &Slide) -> [Jet; 2] {
         let entry = self.slow_entry_jets(slide);
         let [p, q] = self.slow.coefficients();
         let slow = self.slow_acceleration([entry[0], entry[1]]);
@@ -330,7 +330,12 @@ impl MaterialFlow {
     /// ```
     ///
     /// both stay regular while the zone shrinks to nothing.
-    pub fn zone(&self, slide: &Slide, m: usize, arrested: bool) -> Result<ZoneEnd, FlowError> {
+    pub(crate) fn zone(
+        &self,
+        slide: &Slide,
+        m: usize,
+        arrested: bool,
+    ) -> Result<ZoneEnd, FlowError> {
         let entry = self.slow_entry_jets(slide);
         let t = slide.duration;
         if self.rho.is_nan() {
@@ -462,7 +467,7 @@ impl MaterialFlow {
 
     /// Times in (0, T) at which V̈ vanishes, that of the end left out, and that of the beginning where
     /// V̈ vanishes there (`at_rest`).
-    pub fn turning_points(&self, slide: &Slide, at_rest: bool) -> Vec<f64> {
+    pub(crate) fn turning_points(&self, slide: &Slide, at_rest: bool) -> Vec<f64> {
         let entry = self.slow_entry(slide);
         let [acceleration, jerk] = self.slow_rates(entry);
         let mut times = self.zeros([acceleration, jerk], slide.layer, slide.duration);
@@ -490,7 +495,7 @@ impl MaterialFlow {
     }
 
     /// Times in (0, T) at which Ṗ = κ(V̈ + βV⃛) vanishes.
-    pub fn pressure_extremes(&self, slide: &Slide) -> Vec<f64> {
+    pub(crate) fn pressure_extremes(&self, slide: &Slide) -> Vec<f64> {
         self.zeros(
             self.slow_pressure_rates(self.slow_entry(slide)),
             slide.layer * self.layer_pressure(),
@@ -499,13 +504,13 @@ impl MaterialFlow {
     }
 
     /// Ṗ/P̈ at a time: Newton's step towards an extreme of P.
-    pub fn pressure_step(&self, slide: &Slide, t: f64) -> f64 {
+    pub(crate) fn pressure_step(&self, slide: &Slide, t: f64) -> f64 {
         let [slope, curvature] = self.pressure_rates(slide, t);
         slope / curvature
     }
 
     /// Whether P̈ > 0 at a time.
-    pub fn pressure_bends_up(&self, slide: &Slide, t: f64) -> bool {
+    pub(crate) fn pressure_bends_up(&self, slide: &Slide, t: f64) -> bool {
         self.pressure_rates(slide, t)[1] > 0.0
     }
 
@@ -523,7 +528,7 @@ impl MaterialFlow {
     }
 
     /// Times in (0, T) at which W vanishes.
-    pub fn extremes(&self, slide: &Slide) -> Vec<f64> {
+    pub(crate) fn extremes(&self, slide: &Slide) -> Vec<f64> {
         let entry = self.slow_entry(slide);
         let acceleration = self.slow.acceleration(entry);
         self.zeros(

@@ -32,7 +32,7 @@ pub(crate) const MAX_DEGREE: usize = 7;
 
 impl Method {
     /// The cheapest method that is exact for the law, or accurate to 1e-12.
-    pub fn cheapest(law: FrictionLaw) -> Method {
+    pub(crate) fn cheapest(law: FrictionLaw) -> Method {
         match law {
             FrictionLaw::Coulomb | FrictionLaw::Static { .. } => Method::Exact,
             FrictionLaw::Stribeck { .. } => Method::Shooting { tolerance: 1e-13 },

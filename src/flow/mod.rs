@@ -124,7 +124,7 @@ impl SlidingFlow {
     }
 
     /// (Y, W) at increasing times within a zone.
-    pub fn states(&self, slide: &Slide, times: &[f64]) -> Result<Vec<[f64; 2]>, FlowError> {
+    pub(crate) fn states(&self, slide: &Slide, times: &[f64]) -> Result<Vec<[f64; 2]>, FlowError> {
         match self {
             SlidingFlow::Numerical(flow) => flow.states(slide.entry, slide.duration, times),
             _ => times.iter().map(|time| self.state(slide, *time)).collect(),
@@ -132,7 +132,12 @@ impl SlidingFlow {
     }
 
     /// W and P at a fixed time t inside the zone, with all derivatives.
-    pub fn inside(&self, frame: &Frame, slide: &Slide, t: f64) -> Result<[Jet; 2], FlowError> {
+    pub(crate) fn inside(
+        &self,
+        frame: &Frame,
+        slide: &Slide,
+        t: f64,
+    ) -> Result<[Jet; 2], FlowError> {
         let mut w = match self {
             SlidingFlow::Exact(flow) => flow.advance(slide.entry, t)?[1],
             SlidingFlow::Material(flow) => {
@@ -149,7 +154,12 @@ impl SlidingFlow {
     /// The end of a zone. Its switching function is (W − 1)/t^m, m being the order of the zero of
     /// W − 1 at the entry; for m = 0 W − 1. With material damping: [`MaterialFlow::zone`];
     /// `arrested` says that the zone ends in stick.
-    pub fn zone(&self, slide: &Slide, m: usize, arrested: bool) -> Result<ZoneEnd, FlowError> {
+    pub(crate) fn zone(
+        &self,
+        slide: &Slide,
+        m: usize,
+        arrested: bool,
+    ) -> Result<ZoneEnd, FlowError> {
         let Slide {
             entry, duration: t, ..
         } = *slide;
@@ -174,7 +184,7 @@ impl SlidingFlow {
     }
 
     /// V̈ at a time t, where the state is `state`.
-    pub fn acceleration(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
+    pub(crate) fn acceleration(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
         match self {
             SlidingFlow::Exact(flow) => flow.acceleration(state),
             SlidingFlow::Material(flow) => flow.motion(slide, t).acceleration,
@@ -183,7 +193,7 @@ impl SlidingFlow {
     }
 
     /// W + βV̈ at a time t, where the state is `state`: P = gδ + κ(W + βV̈).
-    pub fn drive(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
+    pub(crate) fn drive(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
         match self {
             SlidingFlow::Material(flow) => {
                 state[1] + flow.beta * flow.motion(slide, t).acceleration
@@ -193,7 +203,7 @@ impl SlidingFlow {
     }
 
     /// V̈ at a state as it is without the layer of material damping.
-    pub fn outer_acceleration(&self, state: [f64; 2]) -> f64 {
+    pub(crate) fn outer_acceleration(&self, state: [f64; 2]) -> f64 {
         match self {
             SlidingFlow::Exact(flow) => flow.acceleration(state),
             SlidingFlow::Material(flow) => flow.slow.acceleration(state),
@@ -202,7 +212,7 @@ impl SlidingFlow {
     }
 
     /// The third derivative of V at a time t, where the state is `state`.
-    pub fn jerk(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
+    pub(crate) fn jerk(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
         match self {
             SlidingFlow::Exact(flow) => 2.0 * flow.p * flow.acceleration(state) - flow.q * state[1],
             SlidingFlow::Material(flow) => flow.motion(slide, t).jerk,
@@ -213,7 +223,11 @@ impl SlidingFlow {
     /// Times in (0, duration) at which V̈ vanishes, the beginning left out where it vanishes there
     /// (`at_rest`: W − 1 has a double zero at the entry). In closed form all of them; by a numerical
     /// method those that its samples show.
-    pub fn turning_points(&self, slide: &Slide, at_rest: bool) -> Result<Vec<f64>, FlowError> {
+    pub(crate) fn turning_points(
+        &self,
+        slide: &Slide,
+        at_rest: bool,
+    ) -> Result<Vec<f64>, FlowError> {
         /// A zero of V̈ closer to a release than this, in radians, is the release itself.
         const AT_RELEASE: f64 = 1e-6;
         let Slide {
@@ -239,7 +253,7 @@ impl SlidingFlow {
     }
 
     /// Times in (0, duration) at which W vanishes: extremes of V.
-    pub fn extremes(&self, slide: &Slide) -> Result<Vec<f64>, FlowError> {
+    pub(crate) fn extremes(&self, slide: &Slide) -> Result<Vec<f64>, FlowError> {
         let Slide {
             entry, duration, ..
         } = *slide;
@@ -280,7 +294,7 @@ impl FreeFlow {
     }
 
     /// (U, U̇, Y, W) after a time t with all derivatives.
-    pub fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 4], FlowError> {
+    pub(crate) fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 4], FlowError> {
         match self {
             FreeFlow::Exact(flow) => flow.advance(entry, t),
             FreeFlow::Numerical(flow) => flow.advance(entry, t),
@@ -288,7 +302,7 @@ impl FreeFlow {
     }
 
     /// The zone to its end; the switching function is (U − δ)/t^m.
-    pub fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<ZoneEnd, FlowError> {
+    pub(crate) fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<ZoneEnd, FlowError> {
         match self {
             FreeFlow::Exact(flow) => flow.zone(entry, t, m),
             FreeFlow::Numerical(flow) => flow.zone(entry, t, m),
@@ -310,7 +324,7 @@ pub struct Flows {
 
 impl Flows {
     /// The flows of a frame by a method; `material` says whether material damping enters.
-    pub fn new(frame: Frame, law: FrictionLaw, method: Method, material: bool) -> Flows {
+    pub(crate) fn new(frame: Frame, law: FrictionLaw, method: Method, material: bool) -> Flows {
         Flows {
             frame,
             law,

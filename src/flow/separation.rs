@@ -31,7 +31,7 @@ pub struct SeparationFlow {
 
 impl SeparationFlow {
     /// The equations in this frame. m_a and m_b are positive there.
-    pub fn new(frame: &Frame) -> SeparationFlow {
+    pub(crate) fn new(frame: &Frame) -> SeparationFlow {
         let at = &frame.at;
         let scale = Vector4::new(at.g.sqrt(), at.mb.sqrt(), at.h.sqrt(), at.ma.sqrt());
         // entries of the physical matrix by their numerators and masses
@@ -85,7 +85,7 @@ impl SeparationFlow {
     }
 
     /// Radians per unit of time: a bound of the rates of the flow.
-    pub fn norm(&self) -> f64 {
+    pub(crate) fn norm(&self) -> f64 {
         self.norm
     }
 
@@ -129,13 +129,13 @@ impl SeparationFlow {
     }
 
     /// (U, U̇, Y, W) after a time t from the entry (Y, W).
-    pub fn state(&self, entry: [f64; 2], t: f64) -> Result<[f64; 4], FlowError> {
+    pub(crate) fn state(&self, entry: [f64; 2], t: f64) -> Result<[f64; 4], FlowError> {
         let x = (self.exponential(t)?.at * self.entry(entry)).component_div(&self.scale);
         Ok([x[0], x[1], x[2] - self.steady.value, x[3]])
     }
 
     /// (U, U̇, Y, W) after a time t from the entry (Y, W), with all derivatives.
-    pub fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 4], FlowError> {
+    pub(crate) fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 4], FlowError> {
         let flow = self.exponential(t)?;
         let x0 = self.entry(entry);
         let x = flow.at * x0;
@@ -159,7 +159,7 @@ impl SeparationFlow {
     /// The zone from (Y, W) to its end after a time t; the switching function is (U − δ)/t^m, from
     /// the power series with its first m terms left out for short zones: m = 3 after take-off,
     /// 2 after a touch.
-    pub fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<ZoneEnd, FlowError> {
+    pub(crate) fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<ZoneEnd, FlowError> {
         let [u, radial_rate, y, w] = self.advance(entry, t)?;
         let switching = if self.norm * t.abs() > SHORT_ZONE {
             let mut gap = (u - self.mismatch) * t.powi(-(m as i32));

@@ -14,13 +14,13 @@ use crate::continuation::zero::{Bracket, zero};
 
 /// Degree of the Taylor polynomials. For pieces of one radian the remainder is 1/17! ≈ 3e-15 of
 /// the amplitude.
-pub const DEGREE: usize = 16;
+pub(crate) const DEGREE: usize = 16;
 
 /// Number of coefficients.
-pub const COEFFICIENTS: usize = DEGREE + 1;
+pub(crate) const COEFFICIENTS: usize = DEGREE + 1;
 
 /// 1/17!.
-pub const REMAINDER: f64 = 2.8114572543455206e-15;
+pub(crate) const REMAINDER: f64 = 2.8114572543455206e-15;
 
 /// Halvings after which a piece is given up as undecided: 2⁻⁵⁰ of a piece is below rounding.
 const DEEPEST: u32 = 50;
@@ -57,7 +57,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// The verdict for two functions together.
-    pub fn and(self, other: Verdict) -> Verdict {
+    pub(crate) fn and(self, other: Verdict) -> Verdict {
         use Verdict::{Negative, Positive, Undecided};
         match (self, other) {
             (Negative, _) | (_, Negative) => Negative,
@@ -86,7 +86,7 @@ const CONVERSION: [[f64; COEFFICIENTS]; COEFFICIENTS] = {
 
 impl Bernstein {
     /// The polynomial Σ aᵢtⁱ on \[0, 1\]; `remainder` bounds what the series leaves out.
-    pub fn from_taylor(taylor: &[f64; COEFFICIENTS], remainder: f64) -> Bernstein {
+    pub(crate) fn from_taylor(taylor: &[f64; COEFFICIENTS], remainder: f64) -> Bernstein {
         let mut coefficients = [0.0; COEFFICIENTS];
         for (coefficient, row) in coefficients.iter_mut().zip(&CONVERSION) {
             *coefficient = row.iter().zip(taylor).map(|(c, a)| c * a).sum();
@@ -119,7 +119,7 @@ impl Bernstein {
 
     /// Whether the function is positive on \[0, 1\], with a zero of order `at_start` known at 0
     /// and of order `at_end` known at 1.
-    pub fn verdict(&self, at_start: usize, at_end: usize) -> Verdict {
+    pub(crate) fn verdict(&self, at_start: usize, at_end: usize) -> Verdict {
         self.verdict_at(at_start, at_end, 0)
     }
 
@@ -154,23 +154,18 @@ impl Bernstein {
     }
 
     /// scale·self + offset.
-    pub fn affine(&self, scale: f64, offset: f64) -> Bernstein {
+    pub(crate) fn affine(&self, scale: f64, offset: f64) -> Bernstein {
         Bernstein {
             coefficients: self.coefficients.map(|b| scale * b + offset),
             noise: self.noise * scale.abs() + f64::EPSILON * offset.abs(),
         }
     }
 
-    /// Value at 1.
-    pub fn at_end(&self) -> f64 {
-        self.coefficients[DEGREE]
-    }
-
     /// The place in \[0, 1) of every local minimum, in order.
     ///
     /// `falling` says whether the function fell at the end of the piece before (false at the
     /// first piece) and is brought up to date: a minimum may lie where two pieces meet.
-    pub fn minima(&self, falling: &mut bool) -> Vec<f64> {
+    pub(crate) fn minima(&self, falling: &mut bool) -> Vec<f64> {
         let mut places = Vec::new();
         let slopes = self.slopes();
         if *falling && slopes.first > 0.0 {
@@ -186,7 +181,7 @@ impl Bernstein {
     }
 
     /// Upper bound of the number of zeros of the derivative inside.
-    pub fn turns(&self) -> usize {
+    pub(crate) fn turns(&self) -> usize {
         self.slopes().changes
     }
 

@@ -64,7 +64,7 @@ impl Request {
     }
 
     /// Whether the sector is its own conjugate.
-    pub fn real(&self) -> bool {
+    pub(crate) fn real(&self) -> bool {
         self.sector == 0 || 2 * self.sector == self.waves
     }
 }
@@ -207,7 +207,7 @@ fn begin(
 ///
 /// # Errors
 /// When the ring cannot be set up.
-pub fn work(
+pub(crate) fn work(
     parameters: &Constants,
     setup: &Setup,
     profile: &Profile,

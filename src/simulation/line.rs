@@ -15,7 +15,7 @@ pub enum Regime {
 
 impl Regime {
     /// All regimes in the order of their codes.
-    pub const ALL: [Regime; 4] = [
+    pub(crate) const ALL: [Regime; 4] = [
         Regime::Separation,
         Regime::Slip,
         Regime::Stick,
@@ -72,7 +72,7 @@ pub struct Line {
 
 impl Line {
     /// Share of the line in each regime, in the order of [`Regime::ALL`].
-    pub fn fractions(&self) -> [f64; 4] {
+    pub(crate) fn fractions(&self) -> [f64; 4] {
         Regime::ALL.map(|regime| {
             let count = self.regimes.iter().filter(|one| **one == regime).count();
             count as f64 / self.regimes.len().max(1) as f64
@@ -80,7 +80,7 @@ impl Line {
     }
 
     /// (2/N) Σ V e^{−ikφ}: half-range amplitude and phase of a mode of V.
-    pub fn harmonic(&self, mode: u32) -> [f64; 2] {
+    pub(crate) fn harmonic(&self, mode: u32) -> [f64; 2] {
         let scale = 2.0 / self.tangential.len().max(1) as f64;
         let mut sum = [0.0; 2];
         for (point, value) in self.tangential.iter().enumerate() {

@@ -64,7 +64,7 @@ pub enum MotionError {
 
 impl MotionError {
     /// The path of the field of the problem that this is about, and what would be right there.
-    pub fn about(&self) -> (&'static str, &'static str) {
+    pub(crate) fn about(&self) -> (&'static str, &'static str) {
         match self {
             MotionError::Ring(ring::SetupError::Step { .. })
             | MotionError::Annulus(annulus::SetupError::Step { .. }) => (
@@ -84,7 +84,7 @@ impl MotionError {
 const SAME_LENGTH: f64 = 1e-9;
 
 /// Angle of the part of the circle that is simulated.
-pub fn angle(section: &Simulation, mode: u32) -> f64 {
+pub(crate) fn angle(section: &Simulation, mode: u32) -> f64 {
     match section.circle {
         Circle::Whole => TAU,
         Circle::Wavelength => TAU / f64::from(mode),
@@ -105,7 +105,7 @@ pub fn steady_growth(parameters: &Constants, mode: u32) -> [f64; 2] {
 
 impl Motion {
     /// The body of a section, at its beginning.
-    pub fn begin(
+    pub(crate) fn begin(
         section: &Simulation,
         parameters: &Constants,
         geometry: Option<Geometry>,
@@ -191,12 +191,12 @@ impl Motion {
     }
 
     /// Steps, none longer than those of the motion, that a time is a whole number of.
-    pub fn steps_within(&self, time: f64) -> u64 {
+    pub(crate) fn steps_within(&self, time: f64) -> u64 {
         (time / self.time_step()).ceil().max(1.0) as u64
     }
 
     /// Goes on with [`Motion::steps_within`] a time; takes the first and returns how many are left.
-    pub fn shorten(&mut self, time: f64) -> u64 {
+    pub(crate) fn shorten(&mut self, time: f64) -> u64 {
         let steps = self.steps_within(time);
         match self {
             Motion::Ring(ring) => ring.shorten(time / steps as f64),
@@ -207,7 +207,7 @@ impl Motion {
 
     /// Whether the motion is still one whose equations hold: a ring with β > 0 must not leave the
     /// shaft.
-    pub fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         match self {
             Motion::Ring(ring) => ring.in_contact(),
             Motion::Annulus(_) => true,
@@ -215,7 +215,7 @@ impl Motion {
     }
 
     /// Steps taken.
-    pub fn steps(&self) -> u64 {
+    pub(crate) fn steps(&self) -> u64 {
         match self {
             Motion::Ring(ring) => ring.steps(),
             Motion::Annulus(annulus) => annulus.steps(),
@@ -239,7 +239,7 @@ impl Motion {
     }
 
     /// Nodes that move.
-    pub fn size(&self) -> usize {
+    pub(crate) fn size(&self) -> usize {
         match self {
             Motion::Ring(ring) => ring.setup().points,
             Motion::Annulus(annulus) => annulus.state().radial.len(),
@@ -255,7 +255,7 @@ impl Motion {
     }
 
     /// The state to go on from.
-    pub fn saved(&self) -> Saved {
+    pub(crate) fn saved(&self) -> Saved {
         match self {
             Motion::Ring(ring) => Saved::Ring(ring.nodes().clone()),
             Motion::Annulus(annulus) => Saved::Annulus(annulus.state().clone()),
@@ -263,7 +263,7 @@ impl Motion {
     }
 
     /// Goes on from a state.
-    pub fn resume(&mut self, saved: Saved, steps: u64) -> Result<(), MotionError> {
+    pub(crate) fn resume(&mut self, saved: Saved, steps: u64) -> Result<(), MotionError> {
         match (self, saved) {
             (Motion::Ring(ring), Saved::Ring(nodes)) => Ok(ring.resume(nodes, steps)?),
             (Motion::Annulus(annulus), Saved::Annulus(state)) => Ok(annulus.resume(state, steps)?),

@@ -61,7 +61,7 @@ pub struct Simulation {
 
 impl Simulation {
     /// Whole intervals between samples, and the time that they leave of the duration, 0 for none.
-    pub fn intervals(&self) -> (usize, f64) {
+    pub(crate) fn intervals(&self) -> (usize, f64) {
         let ratio = self.duration / self.every;
         // both were rounded once, and so was their ratio: two units of it
         if (ratio - ratio.round()).abs() <= 2.0 * f64::EPSILON * ratio {

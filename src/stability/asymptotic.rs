@@ -162,7 +162,7 @@ impl HighFrequency {
     }
 
     /// Σ |a_p| e^{−ρτ_p}: below 1, no zero at high frequency lies to the right of ρ.
-    pub fn size(&self, rho: f64) -> f64 {
+    pub(crate) fn size(&self, rho: f64) -> f64 {
         if let Some((decay, period)) = self.damped {
             return (-decay - rho * period).exp();
         }
@@ -187,7 +187,7 @@ impl HighFrequency {
     }
 
     /// t(λ) in the limit.
-    pub fn trace_at(&self, lambda: Complex<f64>) -> Complex<f64> {
+    pub(crate) fn trace_at(&self, lambda: Complex<f64>) -> Complex<f64> {
         self.trace
             .iter()
             .map(|(factor, delay)| (-lambda * *delay).exp() * *factor)

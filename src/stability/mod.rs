@@ -29,7 +29,7 @@ pub enum Sectors {
 
 impl Sectors {
     /// The sectors in ascending order, for waves of a mode.
-    pub fn list(&self, mode: u32) -> Vec<usize> {
+    pub(crate) fn list(&self, mode: u32) -> Vec<usize> {
         match self {
             Sectors::All => (0..=mode as usize / 2).collect(),
             Sectors::Only(list) => {

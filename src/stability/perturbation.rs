@@ -109,7 +109,7 @@ impl Value {
     }
 
     /// |t| + |d| in units of what stands for 1: below 1 there is no zero in any sector.
-    pub fn size(&self) -> f64 {
+    pub(crate) fn size(&self) -> f64 {
         let unit = self.unit;
         let part =
             |scaled: &Scaled| modulus(scaled.value) * (scaled.exponent - unit.exponent).exp();

@@ -68,7 +68,7 @@ impl Wave {
     }
 
     /// The wave of an eigenvalue λ.
-    pub fn of(lambda: c64, mode: u32) -> Wave {
+    pub(crate) fn of(lambda: c64, mode: u32) -> Wave {
         Wave {
             // no negative zero
             growth: lambda.re + 0.0,

@@ -63,7 +63,7 @@ impl Reduced {
     }
 
     /// The Hopf point under a friction law; `None` where the mode is damped at any friction.
-    pub fn hopf_sliding(&self, damping: Damping, sliding: Sliding) -> Option<Hopf> {
+    pub(crate) fn hopf_sliding(&self, damping: Damping, sliding: Sliding) -> Option<Hopf> {
         let (beta, drag) = (damping.stiffness, sliding.drag);
         let coupling = self.coupling.abs() * sliding.strength;
         if drag == 0.0 {

@@ -44,7 +44,7 @@ struct TubeRow {
 
 impl ModeRow {
     /// A mode; `first` where it is the first to grow in the reduced model, `tube_first` in the tube.
-    pub fn new(mode: &Mode, first: bool, tube_first: bool) -> ModeRow {
+    pub(crate) fn new(mode: &Mode, first: bool, tube_first: bool) -> ModeRow {
         let (wave, hopf) = (mode.reduced.wave, mode.reduced.hopf);
         let tube = mode.full.as_ref();
         ModeRow {

@@ -38,7 +38,7 @@ pub struct Examination {
 
 impl Examination {
     /// The margin of the same kind in the same zone, if there is one.
-    pub fn find(&self, watch: Watch, zone: usize) -> Option<&Margin> {
+    pub(crate) fn find(&self, watch: Watch, zone: usize) -> Option<&Margin> {
         self.margins
             .iter()
             .find(|margin| margin.watch == watch && margin.zone == zone)

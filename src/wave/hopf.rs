@@ -81,7 +81,7 @@ pub struct Family {
 
 impl Family {
     /// The wave at the end of the family as a slip-stick wave whose stick zone has no length yet.
-    pub fn opening(&self) -> Candidate {
+    pub(crate) fn opening(&self) -> Candidate {
         let wave = self.wave.with_signature(Signature::slip_stick());
         let last = &self.points[self.points.len() - 1];
         let excess = self.wave.excess_at(last);

@@ -112,7 +112,7 @@ impl Wave {
     }
 
     /// The same problem in the unknowns of material damping, or not.
-    pub fn with_material(mut self, material: bool) -> Wave {
+    pub(crate) fn with_material(mut self, material: bool) -> Wave {
         self.material = material;
         self
     }
@@ -122,7 +122,7 @@ impl Wave {
     ///
     /// # Errors
     /// The flow cannot be evaluated.
-    pub fn with_layers(&self, point: &Vector) -> Result<(Wave, Vector), FlowError> {
+    pub(crate) fn with_layers(&self, point: &Vector) -> Result<(Wave, Vector), FlowError> {
         let wave = self.clone().with_material(true);
         let (excess, parameter) = (self.excess_at(point), self.parameter_at(point));
         let mut zones = self.unpack(point);
@@ -140,7 +140,7 @@ impl Wave {
     }
 
     /// The same wave under another signature.
-    pub fn with_signature(&self, signature: Signature) -> Wave {
+    pub(crate) fn with_signature(&self, signature: Signature) -> Wave {
         Wave {
             signature,
             ..self.clone()
@@ -153,12 +153,12 @@ impl Wave {
     }
 
     /// Unknowns of a zone: Y, W, T, and G with material damping.
-    pub fn width(&self) -> usize {
+    pub(crate) fn width(&self) -> usize {
         if self.material { 4 } else { 3 }
     }
 
     /// Columns of the derivatives of a jet of a zone, in the order of the jet.
-    pub fn columns(&self, zone: usize) -> impl Iterator<Item = usize> + use<> {
+    pub(crate) fn columns(&self, zone: usize) -> impl Iterator<Item = usize> + use<> {
         let width = self.width();
         let first = width * (zone % self.zones());
         let last = width * self.zones();
@@ -193,7 +193,7 @@ impl Wave {
 
     /// Layer G at the end of a zone: the part of V̈ there that grows by e^{T/ρ} over it; 0 without
     /// material damping.
-    pub fn layer_at(&self, point: &Vector, zone: usize) -> f64 {
+    pub(crate) fn layer_at(&self, point: &Vector, zone: usize) -> f64 {
         if self.material {
             point[4 * (zone % self.zones()) + 3] * self.scales.layer
         } else {

@@ -56,7 +56,7 @@ pub struct Margin {
 
 impl Margin {
     /// Derivative along a direction in the scaled unknowns.
-    pub fn slope(&self, wave: &Wave, direction: &Vector) -> f64 {
+    pub(crate) fn slope(&self, wave: &Wave, direction: &Vector) -> f64 {
         wave.columns(self.zone)
             .zip(self.jet.by)
             .map(|(column, by)| by * direction[column])
@@ -207,7 +207,7 @@ pub struct AtZero {
 
 impl AtZero {
     /// The margin at another point.
-    pub fn margin_at(&mut self, wave: &Wave, point: &Vector) -> Result<Margin, FlowError> {
+    pub(crate) fn margin_at(&mut self, wave: &Wave, point: &Vector) -> Result<Margin, FlowError> {
         let flows = wave.flows(point)?;
         let Margin { watch, zone, .. } = self.margin;
         let mut jet = match watch {

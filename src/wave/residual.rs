@@ -74,7 +74,7 @@ impl Wave {
 
     /// Whether a regime exists under the model: with material damping there is no theory of landing
     /// yet, and branches end where separation opens.
-    pub fn has(&self, regime: Regime) -> bool {
+    pub(crate) fn has(&self, regime: Regime) -> bool {
         self.model.law.has(regime) && !(self.material && regime == Regime::Separation)
     }
 
@@ -91,7 +91,7 @@ impl Wave {
     }
 
     /// W just after the switch that ends a zone.
-    pub fn rate_after_switch(&self, flows: &Flows, end: &ZoneEnd, index: usize) -> Jet {
+    pub(crate) fn rate_after_switch(&self, flows: &Flows, end: &ZoneEnd, index: usize) -> Jet {
         let next = self.signature.zone(index + 1);
         match next.entry {
             // set, not carried over: the switching function of a zone entered at W = 1 takes that for
@@ -114,7 +114,7 @@ impl Wave {
     }
 
     /// f m_b U̇⁻/m_a, the largest jump of W that a Coulomb impact can make (negative: U̇⁻ < 0).
-    pub fn impulse(&self, flows: &Flows, end: &ZoneEnd) -> Jet {
+    pub(crate) fn impulse(&self, flows: &Flows, end: &ZoneEnd) -> Jet {
         let at = &flows.frame.at;
         let value = at.friction * at.mb / at.ma;
         let factor = flows.frame.jet(value, |by| {

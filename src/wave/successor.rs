@@ -43,7 +43,7 @@ struct Opened {
 }
 
 /// Every candidate for the signature beyond an event.
-pub fn candidates(
+pub(crate) fn candidates(
     wave: &Wave,
     point: &Vector,
     margin: &Margin,

@@ -459,7 +459,7 @@ fn adapted<const D: usize>(
 
 /// x(1) of dx/dτ = F(x), x(0) = 0, with all derivatives of `field`; `frozen` is the same field
 /// without derivatives.
-pub fn jets<const D: usize>(
+pub(crate) fn jets<const D: usize>(
     field: &impl Field<D, Jet>,
     frozen: &impl Field<D, Dual<D>>,
     mesh: Mesh,
@@ -494,7 +494,7 @@ fn mesh_points<const D: usize>(
 }
 
 /// The solution at the mesh points, with their τ.
-pub fn at_mesh_points<const D: usize>(
+pub(crate) fn at_mesh_points<const D: usize>(
     frozen: &impl Field<D, Dual<D>>,
     mesh: Mesh,
     duration: f64,
@@ -513,7 +513,7 @@ pub fn at_mesh_points<const D: usize>(
 }
 
 /// x(1) without derivatives.
-pub fn values<const D: usize>(
+pub(crate) fn values<const D: usize>(
     frozen: &impl Field<D, Dual<D>>,
     mesh: Mesh,
     duration: f64,

@@ -65,7 +65,7 @@ fn inverse(frame: &Frame, mass: f64, by: impl Fn(&Quantities) -> f64) -> Jet {
 
 impl<N: Number> Sliding<N> {
     /// The zone of this frame, entry and duration.
-    pub fn new(
+    pub(crate) fn new(
         frame: &Frame,
         law: FrictionLaw,
         sigma: f64,
@@ -93,14 +93,14 @@ impl<N: Number> Sliding<N> {
     }
 
     /// V̈ at (Y, W): with hV = hY + fgδ the weight enters as f(S − 1)gδ.
-    pub fn acceleration(&self, y: N, w: N) -> N {
+    pub(crate) fn acceleration(&self, y: N, w: N) -> N {
         let s = multiplier(self.law, self.sigma, w, self.smoothing);
         let drive = ((s - 1.0) * self.weight + s * self.kappa * w) * self.friction;
         (drive - (self.damping * w + self.stiffness * y)) * self.inverse_mass
     }
 
     /// (Y, W, ω) of a solution.
-    pub fn end(&self, x: &[N; 2]) -> [N; 3] {
+    pub(crate) fn end(&self, x: &[N; 2]) -> [N; 3] {
         let mut change = x[1];
         for _ in 0..self.order {
             change = change * self.duration;
@@ -151,7 +151,7 @@ pub struct Separated<N> {
 
 impl<N: Number> Separated<N> {
     /// The zone of this frame, entry and duration.
-    pub fn new(frame: &Frame, order: usize, entry: [f64; 2], duration: f64) -> Separated<N> {
+    pub(crate) fn new(frame: &Frame, order: usize, entry: [f64; 2], duration: f64) -> Separated<N> {
         let [y0, w0, duration] = unknowns(entry, duration);
         let at = &frame.at;
         Separated {
@@ -176,7 +176,7 @@ impl<N: Number> Separated<N> {
     }
 
     /// (U, U̇, Y, W, γ) of a solution.
-    pub fn end(&self, x: &[N; 4]) -> [N; 5] {
+    pub(crate) fn end(&self, x: &[N; 4]) -> [N; 5] {
         [
             self.mismatch + self.power(x[0], self.order),
             self.power(x[1], self.order.saturating_sub(1)),

@@ -25,7 +25,7 @@ pub enum Integrator {
 
 impl Integrator {
     /// The integrator of a method under a friction law; `None` for the exact flow.
-    pub fn of(method: Method, law: FrictionLaw) -> Option<Integrator> {
+    pub(crate) fn of(method: Method, law: FrictionLaw) -> Option<Integrator> {
         match method {
             Method::Exact => None,
             Method::Shooting { tolerance } => Some(Integrator::Shooting(Steps {
@@ -85,7 +85,7 @@ impl NumericalContact {
     }
 
     /// (Y, W) and the switching function (W − 1)/t^m at the end of a zone, with all derivatives.
-    pub fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<[Jet; 3], FlowError> {
+    pub(crate) fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<[Jet; 3], FlowError> {
         let field: Sliding<Jet> = self.field(m, entry, t);
         let x = match self.integrator {
             Integrator::Shooting(steps) => shooting::jets::<2, 12>(&field, steps, t)?,
@@ -114,7 +114,12 @@ impl NumericalContact {
 
     /// (Y, W) after a time t within a zone: on a mesh from the solution of the whole zone, which is
     /// then known.
-    pub fn within(&self, entry: [f64; 2], duration: f64, t: f64) -> Result<[f64; 2], FlowError> {
+    pub(crate) fn within(
+        &self,
+        entry: [f64; 2],
+        duration: f64,
+        t: f64,
+    ) -> Result<[f64; 2], FlowError> {
         match self.integrator {
             Integrator::Collocation(_) if t > 0.0 => Ok(self.states(entry, duration, &[t])?[0]),
             _ => self.state(entry, t),
@@ -122,12 +127,12 @@ impl NumericalContact {
     }
 
     /// V̈ at a state.
-    pub fn acceleration(&self, [y, w]: [f64; 2]) -> f64 {
+    pub(crate) fn acceleration(&self, [y, w]: [f64; 2]) -> f64 {
         self.field::<f64>(0, [y, w], 0.0).acceleration(y, w)
     }
 
     /// The third derivative of V at a state: V̈ differentiated along the flow.
-    pub fn jerk(&self, [y, w]: [f64; 2]) -> f64 {
+    pub(crate) fn jerk(&self, [y, w]: [f64; 2]) -> f64 {
         let field: Sliding<Dual<2>> = self.field(0, [y, w], 0.0);
         let along = |value: f64, slope: f64| Dual {
             value,
@@ -190,7 +195,7 @@ impl NumericalContact {
     }
 
     /// (Y, W) at increasing times within a zone.
-    pub fn states(
+    pub(crate) fn states(
         &self,
         entry: [f64; 2],
         duration: f64,
@@ -249,7 +254,7 @@ impl NumericalContact {
     }
 
     /// Times in (0, duration) at which V̈ vanishes, as far as the samples show.
-    pub fn turning_points(
+    pub(crate) fn turning_points(
         &self,
         entry: [f64; 2],
         duration: f64,
@@ -259,7 +264,7 @@ impl NumericalContact {
     }
 
     /// Times in (0, duration) at which W vanishes, as far as the samples show.
-    pub fn extremes(&self, entry: [f64; 2], duration: f64) -> Result<Vec<f64>, FlowError> {
+    pub(crate) fn extremes(&self, entry: [f64; 2], duration: f64) -> Result<Vec<f64>, FlowError> {
         self.zeros(entry, duration, false, |[_, w]| w)
     }
 }
@@ -274,7 +279,7 @@ pub struct NumericalSeparation {
 
 impl NumericalSeparation {
     /// The equations in this frame; `norm` bounds their rates.
-    pub fn new(frame: &Frame, norm: f64, integrator: Integrator) -> NumericalSeparation {
+    pub(crate) fn new(frame: &Frame, norm: f64, integrator: Integrator) -> NumericalSeparation {
         NumericalSeparation {
             frame: *frame,
             norm,
@@ -283,7 +288,7 @@ impl NumericalSeparation {
     }
 
     /// Radians per unit of time.
-    pub fn norm(&self) -> f64 {
+    pub(crate) fn norm(&self) -> f64 {
         self.norm
     }
 
@@ -303,13 +308,13 @@ impl NumericalSeparation {
     }
 
     /// (U, U̇, Y, W) after a time t with all derivatives.
-    pub fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 4], FlowError> {
+    pub(crate) fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 4], FlowError> {
         let [u, rate, y, w, _] = self.solve(entry, t, 0)?;
         Ok([u, rate, y, w])
     }
 
     /// (U, U̇, Y, W) after a time t.
-    pub fn state(&self, entry: [f64; 2], t: f64) -> Result<[f64; 4], FlowError> {
+    pub(crate) fn state(&self, entry: [f64; 2], t: f64) -> Result<[f64; 4], FlowError> {
         let field: Separated<f64> = self.field(0, entry, t);
         if t == 0.0 {
             return Ok([self.frame.at.mismatch, 0.0, entry[0], entry[1]]);
@@ -325,7 +330,7 @@ impl NumericalSeparation {
     }
 
     /// The zone to its end after a time t; the switching function is (U − δ)/t^m.
-    pub fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<ZoneEnd, FlowError> {
+    pub(crate) fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<ZoneEnd, FlowError> {
         let [_, radial_rate, y, w, switching] = self.solve(entry, t, m)?;
         Ok(ZoneEnd {
             y,

@@ -47,7 +47,7 @@ fn solve<const S: usize>(
 }
 
 /// x(1) of dx/dτ = F(x), x(0) = 0.
-pub fn values<const D: usize>(
+pub(crate) fn values<const D: usize>(
     field: &impl Field<D, f64>,
     steps: Steps,
     duration: f64,
@@ -57,7 +57,7 @@ pub fn values<const D: usize>(
 }
 
 /// x(1) with all derivatives; S = 6D is the size of a state with its derivatives.
-pub fn jets<const D: usize, const S: usize>(
+pub(crate) fn jets<const D: usize, const S: usize>(
     field: &impl Field<D, Jet>,
     steps: Steps,
     duration: f64,

@@ -41,7 +41,7 @@ const GAUSS: [(f64, f64); 3] = [
 const CORNERS: [(usize, usize); 4] = [(0, 0), (1, 0), (0, 1), (1, 1)];
 
 /// The elements of a tube with `across` elements of equal height, each of the angle `width`.
-pub fn circles(geometry: &Geometry, across: usize, width: f64) -> Circles {
+pub(crate) fn circles(geometry: &Geometry, across: usize, width: f64) -> Circles {
     let [c, lambda, mu] = lame(geometry.nu);
     let radii: Vec<f64> = (0..=across)
         .map(|j| 1.0 + (geometry.xi - 1.0) * j as f64 / across as f64)

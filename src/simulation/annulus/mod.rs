@@ -48,7 +48,7 @@ pub struct Setup {
 }
 
 /// Part of the bound of the stability limit that a time step may take.
-pub const LARGEST_PART: f64 = 0.98;
+pub(crate) const LARGEST_PART: f64 = 0.98;
 
 /// Why there is no annulus.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -115,7 +115,7 @@ const PARALLEL: usize = 1 << 14;
 
 /// The largest stable time step: 2/ω of the fastest vibration, bounded by the largest sum of
 /// absolute values in a row of M⁻¹K/γ.
-pub fn stable_step(geometry: &Geometry, around: usize, across: usize, angle: f64) -> f64 {
+pub(crate) fn stable_step(geometry: &Geometry, around: usize, across: usize, angle: f64) -> f64 {
     let circles = circles(geometry, across, angle / around as f64);
     let square = circles
         .blocks
@@ -218,24 +218,24 @@ impl Annulus {
     }
 
     /// Angle between neighbouring nodes.
-    pub fn width(&self) -> f64 {
+    pub(crate) fn width(&self) -> f64 {
         self.setup.angle / self.setup.around as f64
     }
 
     /// Steps taken.
-    pub fn steps(&self) -> u64 {
+    pub(crate) fn steps(&self) -> u64 {
         self.steps
     }
 
     /// Time since the start.
-    pub fn time(&self) -> f64 {
+    pub(crate) fn time(&self) -> f64 {
         let (steps, time) = self.since;
         time + (self.steps - steps) as f64 * self.setup.time_step
     }
 
     /// Goes on with a shorter time step, and takes the first one: the rates stand half an old step
     /// before the instant, so that the mean of both steps brings them half a new one beyond it.
-    pub fn shorten(&mut self, time_step: f64) {
+    pub(crate) fn shorten(&mut self, time_step: f64) {
         self.since = (self.steps, self.time());
         self.kick = 0.5 * (self.setup.time_step + time_step);
         self.setup.time_step = time_step;
@@ -244,7 +244,7 @@ impl Annulus {
     }
 
     /// Goes on from a state after `steps` steps.
-    pub fn resume(&mut self, state: State, steps: u64) -> Result<(), SetupError> {
+    pub(crate) fn resume(&mut self, state: State, steps: u64) -> Result<(), SetupError> {
         let inner = self.setup.around;
         let all = inner * self.setup.across;
         let lists = [
@@ -423,7 +423,7 @@ impl Annulus {
     }
 
     /// Cartesian places of the nodes of a circle's point, for drawing.
-    pub fn place(&self, circle: usize, point: usize) -> [f64; 2] {
+    pub(crate) fn place(&self, circle: usize, point: usize) -> [f64; 2] {
         let (sine, cosine) = (self.width() * point as f64).sin_cos();
         [
             self.circles.radii[circle] * cosine,
@@ -432,7 +432,7 @@ impl Annulus {
     }
 
     /// Whether the mesh goes all the way round.
-    pub fn closed(&self) -> bool {
+    pub(crate) fn closed(&self) -> bool {
         // the angle of the whole circle is written as 2π exactly
         self.setup.angle >= TAU
     }

@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use super::friction::Friction;
 
 /// Most neighbours on either side that a difference reaches to.
-pub const MOST_REACH: usize = 3;
+pub(crate) const MOST_REACH: usize = 3;
 
 /// Numbers of the step, the same for all nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,7 +135,7 @@ impl Nodes {
     }
 
     /// Whether there are as many of every quantity as there are of the other, all of them finite.
-    pub fn fits(&self, other: &Nodes) -> bool {
+    pub(crate) fn fits(&self, other: &Nodes) -> bool {
         let mut pairs = self.lists().into_iter().zip(other.lists());
         pairs.all(|(one, other)| one.len() == other.len() && one.iter().all(|x| x.is_finite()))
     }
@@ -143,11 +143,6 @@ impl Nodes {
     /// Number of nodes.
     pub fn len(&self) -> usize {
         self.radial.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.radial.is_empty()
     }
 }
 
@@ -165,7 +160,7 @@ pub(super) fn windows<const R: usize>(values: &[f64], from: usize, to: usize) ->
 /// Takes the nodes `from..to` of a stretch through one step. U and V of the next instant go to
 /// `next`; the nodes within `R` of the range are read. `WATCHED` keeps account of work.
 #[inline(always)]
-pub fn step<const R: usize, const WATCHED: bool, F: Friction>(
+pub(crate) fn step<const R: usize, const WATCHED: bool, F: Friction>(
     constants: &StepConstants,
     law: F,
     nodes: &mut Nodes,

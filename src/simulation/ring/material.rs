@@ -33,7 +33,7 @@ use super::kernel::{Nodes, StepConstants, windows};
 /// Takes the nodes `from..to` of a stretch through one step. V̂ and V of the next instant go to
 /// `next`; V̂ of the nodes within `R` of the range is read, and V if account is kept.
 #[inline(always)]
-pub fn step<const R: usize, const WATCHED: bool, F: Friction>(
+pub(crate) fn step<const R: usize, const WATCHED: bool, F: Friction>(
     constants: &StepConstants,
     law: F,
     nodes: &mut Nodes,

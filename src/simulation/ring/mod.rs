@@ -47,7 +47,7 @@ pub enum Order {
 
 impl Order {
     /// Neighbours on either side.
-    pub fn reach(self) -> usize {
+    pub(crate) fn reach(self) -> usize {
         match self {
             Order::Second => 1,
             Order::Fourth => 2,
@@ -108,7 +108,7 @@ pub struct Setup {
 }
 
 /// Fewest points: differences must not reach round the ring.
-pub const LEAST_POINTS: usize = 2 * MOST_REACH + 1;
+pub(crate) const LEAST_POINTS: usize = 2 * MOST_REACH + 1;
 
 /// Part of the limit of linear stability that a time step may take. The limit itself is exact for
 /// the free ring; contact and friction only take energy out, landing moves a node by less than a step.
@@ -298,7 +298,7 @@ impl Ring {
     }
 
     /// Steps taken.
-    pub fn steps(&self) -> u64 {
+    pub(crate) fn steps(&self) -> u64 {
         self.steps
     }
 
@@ -310,7 +310,7 @@ impl Ring {
 
     /// Goes on with a shorter time step, and takes the first one: the rates stand half an old step
     /// before the instant, so that the mean of both steps brings them half a new one beyond it.
-    pub fn shorten(&mut self, time_step: f64) {
+    pub(crate) fn shorten(&mut self, time_step: f64) {
         self.since = (self.steps, self.time());
         let mean = 0.5 * (self.setup.time_step + time_step);
         self.setup.time_step = time_step;
@@ -460,7 +460,7 @@ impl Ring {
     }
 
     /// Shear that keeps V̈ = 0 at V̇ = 1: Q = α − a∂²V̂ + D∂U + hV̂.
-    pub fn holding_shear(&self, point: usize) -> f64 {
+    pub(crate) fn holding_shear(&self, point: usize) -> f64 {
         let (nodes, effective) = (&self.nodes, self.effective());
         let count = nodes.len();
         let c = &self.constants;

@@ -115,13 +115,13 @@ impl Default for Settings {
 }
 
 /// Fewer points do not resolve a wave.
-pub const LEAST_POINTS: usize = 8;
+pub(crate) const LEAST_POINTS: usize = 8;
 
 /// With more points the dense matrices take more than [`memory`] of this many, 3 GB, and hours.
-pub const MOST_POINTS: usize = 4000;
+pub(crate) const MOST_POINTS: usize = 4000;
 
 /// Bytes that the eigenvalues of a cell of n points take: three complex matrices of 2n rows.
-pub fn memory(points: f64) -> f64 {
+pub(crate) fn memory(points: f64) -> f64 {
     3.0 * 16.0 * (2.0 * points).powi(2)
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
 
-use super::band::{Band, Fan};
+use super::band::Band;
 use super::ring::{CLOSE, Failure, Linear, MOST_ITERATIONS, Ring, State, TOO_LARGE, size_of};
 use super::{Error, Settings};
 use crate::branch::first_wave::first_wave;
@@ -187,7 +187,7 @@ fn sampled(wave: &Wave, point: &Vector, points: usize) -> Result<State, FlowErro
 
 impl SemiDiscreteWave {
     /// T = Δφ/|c|.
-    pub fn period(&self) -> f64 {
+    pub(crate) fn period(&self) -> f64 {
         self.ring.spacing / self.speed.abs()
     }
 
@@ -339,36 +339,6 @@ impl SemiDiscreteWave {
             leading.extend(first.map(|value| (sector, *value)));
         }
         Ok(leading)
-    }
-
-    /// All multipliers of the whole ring of kn points, computed without cells, sectors or windows:
-    /// the union of those of all sectors. The work grows like (kn)³.
-    ///
-    /// # Errors
-    /// When the iteration for the eigenvalues fails.
-    pub fn whole_ring_multipliers(&self) -> Result<Vec<c64>, Error> {
-        let points = self.values.len();
-        let nodes = points * self.mode as usize;
-        let size = 2 * nodes;
-        let mut fan = Fan::new(0, nodes, 0, nodes, true);
-        for step in &self.steps {
-            if !fan.advance(&self.ring, step) {
-                return Err(Error::Eigenvalues { size });
-            }
-        }
-        let direction = direction(self.speed);
-        let mut matrix = Mat::<f64>::zeros(size, size);
-        for row in 0..nodes {
-            let shifted = (row as isize + direction).rem_euclid(nodes as isize) as usize;
-            for component in 0..2 {
-                for (column, value) in fan.row(row, component).iter().enumerate() {
-                    matrix[(2 * shifted + component, column)] = *value;
-                }
-            }
-        }
-        matrix
-            .eigenvalues()
-            .map_err(|_| Error::Eigenvalues { size })
     }
 }
 

@@ -125,17 +125,17 @@ fn unknown() -> f64 {
 /// In units of 1/T: an eigenvalue with a smaller |Re λ| cannot be told from one on the imaginary axis,
 /// and counts neither as growing nor as decaying. It is the default tolerance of a wave, whose rounding
 /// leaves 1e-15 to 1e-12.
-pub const ON_AXIS: f64 = 1e-10;
+pub(crate) const ON_AXIS: f64 = 1e-10;
 
 /// Whether a sector of a wave of mode k is its own conjugate: 0 and k/2.
-pub fn symmetric(sector: usize, mode: u32) -> bool {
+pub(crate) fn symmetric(sector: usize, mode: u32) -> bool {
     sector == 0 || 2 * sector == mode as usize
 }
 
 impl Spectrum {
     /// Unstable eigenvalues of one sector with |Im λ| up to the largest frequency that counts: counted,
     /// or else listed.
-    pub fn unstable_in(&self, sector: &Sector) -> usize {
+    pub(crate) fn unstable_in(&self, sector: &Sector) -> usize {
         let place = self
             .sectors
             .iter()

@@ -212,16 +212,6 @@ impl Radial {
         c64::new(0.0, 1.0) * pair.left[(self.order - 1, 0)] * pressure
     }
 
-    /// All eigenvalues κ at a friction coefficient by increasing modulus. Those beyond about half
-    /// of them belong to the discretisation, not to the tube.
-    ///
-    /// # Errors
-    /// When the QZ iteration does not converge.
-    pub fn eigenvalues(&self, friction: f64) -> Result<Vec<c64>, Error> {
-        let found = self.scaled_eigenvalues(friction)?;
-        Ok(found.into_iter().map(|kappa| kappa / self.gamma).collect())
-    }
-
     /// All γκ by increasing modulus.
     fn scaled_eigenvalues(&self, friction: f64) -> Result<Vec<c64>, Error> {
         let failed = Error::Eigenvalues {
