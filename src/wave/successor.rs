@@ -29,11 +29,20 @@ pub struct Candidate {
     pub nascent: Vec<usize>,
 }
 
-/// A wave cut open at one instant: zones in order from just after the instant to just before it.
+/// A zone of a cycle that may become a wave.
+#[derive(Clone, Copy)]
+struct Piece {
+    zone: Zone,
+    /// (Y, W, T, G).
+    unknowns: ZoneUnknowns,
+    /// Whether it has no length yet.
+    nascent: bool,
+}
+
+/// A wave cut open at one instant.
 struct Opened {
-    zones: Vec<Zone>,
-    /// (Y, W, T, G) of each.
-    states: Vec<ZoneUnknowns>,
+    /// From just after the instant to just before it.
+    pieces: Vec<Piece>,
     /// (Y, W) at the instant.
     instant: [f64; 2],
     /// V̈ there, with material damping.
@@ -43,7 +52,7 @@ struct Opened {
 }
 
 /// Every candidate for the signature beyond an event.
-pub(crate) fn candidates(
+pub fn candidates(
     wave: &Wave,
     point: &Vector,
     margin: &Margin,
@@ -55,60 +64,61 @@ pub(crate) fn candidates(
     let parameter = wave.parameter_at(point);
     let flows = wave.flows(point)?;
     let mut found = Vec::new();
-    let mut add = |zones: Vec<Zone>, states: Vec<ZoneUnknowns>, nascent: Vec<usize>| {
-        let (zones, states, nascent) = match sectioned(wave, &flows, zones, states, nascent) {
-            Some(cut) => cut,
-            // one zone alone has no switch that could fix its phase
-            None => return,
+    let mut add = |pieces: Vec<Piece>| {
+        // one zone alone has no switch that could fix its phase
+        let Some(pieces) = sectioned(wave, &flows, pieces).map(from_release) else {
+            return;
         };
-        let (zones, states, nascent) = from_release(zones, states, nascent);
-        let signature = Signature(zones);
+        let signature = Signature(pieces.iter().map(|piece| piece.zone).collect());
         if signature.is_rotation_of(&wave.signature) {
             return;
         }
         let candidate = wave.with_signature(signature);
-        let point = candidate.pack(&states, excess, parameter);
+        let unknowns: Vec<ZoneUnknowns> = pieces.iter().map(|piece| piece.unknowns).collect();
         found.push(Candidate {
+            point: candidate.pack(&unknowns, excess, parameter),
             wave: candidate,
-            point,
-            nascent,
+            nascent: (0..pieces.len())
+                .filter(|index| pieces[*index].nascent)
+                .collect(),
         });
     };
-    let count = opened.zones.len();
-    let (first, last) = (opened.zones[0], opened.zones[count - 1]);
+    let pieces = &opened.pieces;
+    let count = pieces.len();
+    let (first, last) = (pieces[0], pieces[count - 1]);
     // both sides in the same regime: they may become one zone
-    if first.regime == last.regime && count > 1 && !opened.joined {
-        let mut zones = opened.zones[1..].to_vec();
-        let mut states = opened.states[1..].to_vec();
-        let merged = states.len() - 1;
-        states[merged][2] += opened.states[0][2];
-        states[merged][3] = opened.states[0][3];
+    if first.zone.regime == last.zone.regime && count > 1 && !opened.joined {
+        let mut pieces = pieces[1..].to_vec();
+        let merged = &mut pieces[count - 2].unknowns;
+        merged[2] += first.unknowns[2];
+        merged[3] = first.unknowns[3];
         // the merged zone closes the cycle
-        zones.rotate_right(1);
-        states.rotate_right(1);
-        add(zones, states, Vec::new());
+        pieces.rotate_right(1);
+        add(pieces);
     }
     // a contact zone that is left alone closes on itself
-    if count == 1 && first.regime == Regime::Contact && !opened.joined {
-        add(opened.zones.clone(), opened.states.clone(), Vec::new());
+    if count == 1 && first.zone.regime == Regime::Contact && !opened.joined {
+        add(pieces.clone());
     }
-    for chain in paths(last.regime, first.regime, LONGEST_CHAIN, wave.model.impact) {
+    let (from, to) = (last.zone.regime, first.zone.regime);
+    for chain in paths(from, to, LONGEST_CHAIN, wave.model.impact) {
         if !chain.iter().all(|zone| wave.has(zone.regime)) {
             continue;
         }
         let inserted = chain.len() - 1;
         let [y, w] = opened.instant;
-        let mut states: Vec<ZoneUnknowns> = chain[..inserted]
-            .iter()
-            .map(|zone| {
-                let layer = nascent_layer(&flows, zone.regime, [y, w], opened.acceleration);
-                [y, w, 0.0, layer]
-            })
-            .collect();
-        let mut zones = chain;
-        zones.extend_from_slice(&opened.zones[1..]);
-        states.extend_from_slice(&opened.states);
-        add(zones, states, (0..inserted).collect());
+        let nascent = |zone: &Zone| {
+            let layer = nascent_layer(&flows, zone.regime, [y, w], opened.acceleration);
+            Piece {
+                zone: *zone,
+                unknowns: [y, w, 0.0, layer],
+                nascent: true,
+            }
+        };
+        let mut cycle: Vec<Piece> = chain[..inserted].iter().map(nascent).collect();
+        cycle.extend_from_slice(pieces);
+        cycle[inserted].zone = chain[inserted];
+        add(cycle);
     }
     Ok(found)
 }
@@ -125,20 +135,13 @@ fn nascent_layer(flows: &Flows, regime: Regime, instant: [f64; 2], acceleration:
 
 /// A cycle that can be posed: one contact zone alone is cut at V̇ = 0, and a wave with switches of
 /// its own is not. `None` for one zone of any other regime.
-#[allow(clippy::type_complexity)]
-fn sectioned(
-    wave: &Wave,
-    flows: &Flows,
-    mut zones: Vec<Zone>,
-    mut states: Vec<ZoneUnknowns>,
-    mut nascent: Vec<usize>,
-) -> Option<(Vec<Zone>, Vec<ZoneUnknowns>, Vec<usize>)> {
-    if zones.len() == 1 {
-        if !wave.model.law.has(zones[0].regime) || zones[0].regime != Regime::Contact {
+fn sectioned(wave: &Wave, flows: &Flows, mut pieces: Vec<Piece>) -> Option<Vec<Piece>> {
+    if let [piece] = pieces[..] {
+        if !wave.model.law.has(piece.zone.regime) || piece.zone.regime != Regime::Contact {
             return None;
         }
         let flow = flows.contact(Regime::Contact);
-        let [y, w, duration, layer] = states[0];
+        let [y, w, duration, layer] = piece.unknowns;
         let slide = Slide {
             entry: [y, w],
             duration,
@@ -151,64 +154,58 @@ fn sectioned(
             .filter_map(|time| Some((time, flow.state(&slide, time).ok()?)))
             .find(|(time, state)| flow.acceleration(&slide, *time, *state) > 0.0)?
             .1;
-        return Some((
-            Signature::contact().0,
-            vec![[rising[0], 0.0, duration, 0.0]],
-            Vec::new(),
-        ));
+        return Some(vec![Piece {
+            zone: Signature::contact().zone(0),
+            unknowns: [rising[0], 0.0, duration, 0.0],
+            nascent: false,
+        }]);
     }
-    let section = zones.iter().position(|zone| zone.entry == Entry::Section);
-    if let Some(index) = section {
-        let before = (index + zones.len() - 1) % zones.len();
-        if zones[before].regime == zones[index].regime {
-            states[before][2] += states[index][2];
-            zones.remove(index);
-            states.remove(index);
-            nascent.retain(|zone| *zone != index);
-            for zone in &mut nascent {
-                *zone -= usize::from(*zone > index);
-            }
+    let section = |piece: &Piece| piece.zone.entry == Entry::Section;
+    if let Some(index) = pieces.iter().position(section) {
+        let before = (index + pieces.len() - 1) % pieces.len();
+        if pieces[before].zone.regime == pieces[index].zone.regime {
+            pieces[before].unknowns[2] += pieces[index].unknowns[2];
+            pieces.remove(index);
         }
     }
-    Some((zones, states, nascent))
+    Some(pieces)
 }
 
 /// Rotates a cycle so that it begins at a release, if there is one.
-fn from_release(
-    mut zones: Vec<Zone>,
-    mut states: Vec<ZoneUnknowns>,
-    nascent: Vec<usize>,
-) -> (Vec<Zone>, Vec<ZoneUnknowns>, Vec<usize>) {
-    let count = zones.len();
+fn from_release(mut pieces: Vec<Piece>) -> Vec<Piece> {
     // among several releases the one before the longest zones keeps the origin steady
-    let start = (0..count)
-        .filter(|&index| zones[index].entry == Entry::Release)
-        .max_by(|&one, &other| states[one][2].total_cmp(&states[other][2]))
+    let start = (0..pieces.len())
+        .filter(|&index| pieces[index].zone.entry == Entry::Release)
+        .max_by(|&one, &other| pieces[one].unknowns[2].total_cmp(&pieces[other].unknowns[2]))
         .unwrap_or(0);
-    zones.rotate_left(start);
-    states.rotate_left(start);
-    let nascent = nascent
-        .into_iter()
-        .map(|index| (index + count - start) % count)
-        .collect();
-    (zones, states, nascent)
+    pieces.rotate_left(start);
+    pieces
 }
 
 /// Cuts a wave open where a margin is zero.
 fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, FlowError> {
-    let count = wave.zones();
-    let zones = &wave.signature.0;
-    let mut states = wave.unpack(point);
+    let zones = wave.signature.0.iter().zip(wave.unpack(point));
+    let mut pieces: Vec<Piece> = zones
+        .map(|(&zone, unknowns)| Piece {
+            zone,
+            unknowns,
+            nascent: false,
+        })
+        .collect();
+    let count = pieces.len();
     let index = margin.zone;
     let flows = wave.flows(point)?;
     let entered = |index: usize| wave.entry_acceleration(&flows, point, index).value;
-    let rotated = |start: usize, zones: &[Zone], states: &[ZoneUnknowns]| {
-        let mut zones = zones.to_vec();
-        let mut states = states.to_vec();
-        let length = zones.len();
-        zones.rotate_left(start % length);
-        states.rotate_left(start % length);
-        (zones, states)
+    // at the beginning of a zone
+    let at_entry = |index: usize, mut pieces: Vec<Piece>| {
+        pieces.rotate_left(index % count);
+        let [y, w, ..] = pieces[0].unknowns;
+        Opened {
+            pieces,
+            instant: [y, w],
+            acceleration: entered(index),
+            joined: false,
+        }
     };
     Ok(Some(match margin.watch {
         Watch::Coupling => return Ok(None),
@@ -216,20 +213,13 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
             if count < 2 {
                 return Ok(None);
             }
-            let (mut zones, mut states) = rotated(index, zones, &states);
-            zones.remove(0);
-            let [y, w, ..] = states.remove(0);
-            Opened {
-                zones,
-                states,
-                instant: [y, w],
-                acceleration: entered(index),
-                joined: false,
-            }
+            let mut opened = at_entry(index, pieces);
+            opened.pieces.remove(0);
+            opened
         }
         Watch::Pressure | Watch::Rate | Watch::Gap => {
             // split: the second part keeps the regime, the first keeps the entry
-            let zone = zones[index];
+            let zone = pieces[index].zone;
             let slide = wave.slide_at(point, index);
             let (instant, acceleration) = match zone.regime {
                 Regime::Separation => {
@@ -243,17 +233,20 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
                 }
             };
             let rest = slide.duration - margin.time;
-            states[index][2] = margin.time;
+            pieces[index].unknowns[2] = margin.time;
             if let (true, SlidingFlow::Material(flow)) = (wave.material, flows.contact(zone.regime))
             {
-                states[index][3] = slide.layer * (-rest / flow.rho).exp();
+                pieces[index].unknowns[3] = slide.layer * (-rest / flow.rho).exp();
             }
-            let (mut zones, mut states) = rotated(index + 1, zones, &states);
-            zones.insert(0, zone);
-            states.insert(0, [instant[0], instant[1], rest, slide.layer]);
+            pieces.rotate_left((index + 1) % count);
+            let second = Piece {
+                zone,
+                unknowns: [instant[0], instant[1], rest, slide.layer],
+                nascent: false,
+            };
+            pieces.insert(0, second);
             Opened {
-                zones,
-                states,
+                pieces,
                 instant,
                 acceleration,
                 joined: true,
@@ -263,27 +256,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
         | Watch::Tension
         | Watch::LandingRate
         | Watch::LowerForce
-        | Watch::Release => {
-            let (zones, states) = rotated(index, zones, &states);
-            let instant = [states[0][0], states[0][1]];
-            Opened {
-                zones,
-                states,
-                instant,
-                acceleration: entered(index),
-                joined: false,
-            }
-        }
-        Watch::UpperForce | Watch::Impulse | Watch::LandingSpeed => {
-            let (zones, states) = rotated(index + 1, zones, &states);
-            let instant = [states[0][0], states[0][1]];
-            Opened {
-                zones,
-                states,
-                instant,
-                acceleration: entered(index + 1),
-                joined: false,
-            }
-        }
+        | Watch::Release => at_entry(index, pieces),
+        Watch::UpperForce | Watch::Impulse | Watch::LandingSpeed => at_entry(index + 1, pieces),
     }))
 }

@@ -1,7 +1,7 @@
 //! The fundamental matrix over T as a band.
 
 use super::chain::{Nodes, Stages, rows};
-use super::ring::{Linear, Ring, dot, radau};
+use super::ring::{Equations, Linear, dot, radau};
 
 /// Perturbations of some points, followed at those and further points: rows for V and V̇ of each
 /// point, and in them a column for V and for V̇ of each perturbed point.
@@ -46,7 +46,7 @@ impl Fan {
     }
 
     /// Takes the perturbations through a time step. False where it is singular.
-    pub(super) fn advance(&mut self, ring: &Ring, linear: &Linear) -> bool {
+    pub(super) fn advance(&mut self, ring: &Equations, linear: &Linear) -> bool {
         let Some(factors) = ring.factors(linear, self.nodes) else {
             return false;
         };
@@ -113,7 +113,12 @@ pub(super) struct Band {
 }
 
 impl Band {
-    pub(super) fn new(ring: &Ring, steps: &[Linear], points: usize, reach: usize) -> Option<Band> {
+    pub(super) fn new(
+        ring: &Equations,
+        steps: &[Linear],
+        points: usize,
+        reach: usize,
+    ) -> Option<Band> {
         // points that respond
         let width = 2 * reach + 1;
         let mut values = Vec::with_capacity(points * width);

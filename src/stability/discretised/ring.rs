@@ -49,11 +49,11 @@ pub enum Failure {
 }
 
 /// V and V̇ at the points of a cell.
-pub(super) type State = Vec<[f64; 2]>;
+pub(super) type Values = Vec<[f64; 2]>;
 
 /// Coefficients of the semi-discrete system.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ring {
+pub(super) struct Equations {
     pub(super) spacing: f64,
     /// a/Δφ².
     pub(super) tension: f64,
@@ -119,7 +119,7 @@ pub(super) struct Taken {
 }
 
 impl Taken {
-    fn end(&self) -> State {
+    fn end(&self) -> Values {
         self.displacement
             .iter()
             .zip(&self.rate)
@@ -130,17 +130,17 @@ impl Taken {
 
 /// The map of T and its derivative with respect to T.
 pub(super) struct Flow {
-    pub(super) end: State,
-    pub(super) by_period: State,
+    pub(super) end: Values,
+    pub(super) by_period: Values,
     pub(super) steps: Vec<Linear>,
 }
 
-impl Ring {
-    pub(super) fn new(model: &Model, mode: u32, points: usize, epsilon: f64) -> Ring {
+impl Equations {
+    pub(super) fn new(model: &Model, mode: u32, points: usize, epsilon: f64) -> Equations {
         let parameters = model.constants();
         let coefficients = parameters.coefficients;
         let spacing = TAU / (f64::from(mode) * points as f64);
-        Ring {
+        Equations {
             spacing,
             tension: coefficients.a / (spacing * spacing),
             stiffness: coefficients.h,
@@ -237,7 +237,7 @@ impl Ring {
     }
 
     /// One time step.
-    pub(super) fn step(&self, from: &State, step: f64) -> Result<Taken, Failure> {
+    pub(super) fn step(&self, from: &Values, step: f64) -> Result<Taken, Failure> {
         let points = from.len();
         let nodes = Nodes {
             first: 0,
@@ -302,7 +302,7 @@ impl Ring {
     /// Fractions of T at which no step errs by more than the tolerance, by step doubling.
     pub(super) fn fractions(
         &self,
-        from: &State,
+        from: &Values,
         period: f64,
         tolerance: f64,
     ) -> Result<Vec<f64>, Failure> {
@@ -354,7 +354,7 @@ impl Ring {
     /// The map of T with given time steps.
     pub(super) fn flow(
         &self,
-        from: &State,
+        from: &Values,
         period: f64,
         fractions: &[f64],
     ) -> Result<Flow, Failure> {

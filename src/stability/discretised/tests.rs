@@ -3,7 +3,7 @@
 use faer::{Mat, c64};
 
 use super::band::{Band, Fan};
-use super::ring::State;
+use super::ring::Values;
 use super::*;
 use crate::model::coefficients::Geometry;
 use crate::model::{Damping, Model, Source};
@@ -114,8 +114,8 @@ fn fundamental_matrix_is_the_derivative_of_the_map() {
 fn derivatives_agree(wave: &SemiDiscreteWave, by: f64, bound: f64) {
     let (ring, period) = (wave.ring, wave.period());
     let fractions: Vec<f64> = wave.steps.iter().map(|step| step.step / period).collect();
-    let map = |state: &State, period| ring.flow(state, period, &fractions).unwrap();
-    let derivative = |moved: &dyn Fn(f64) -> State| -> State {
+    let map = |state: &Values, period| ring.flow(state, period, &fractions).unwrap();
+    let derivative = |moved: &dyn Fn(f64) -> Values| -> Values {
         let ends = [-2.0, -1.0, 1.0, 2.0].map(|steps| moved(steps * by));
         (0..16)
             .map(|index| {

@@ -6,7 +6,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
 
 use super::band::Band;
-use super::ring::{CLOSE, Failure, Linear, MOST_ITERATIONS, Ring, State, TOO_LARGE, size_of};
+use super::ring::{CLOSE, Equations, Failure, Linear, MOST_ITERATIONS, TOO_LARGE, Values, size_of};
 use super::{Error, Settings};
 use crate::branch::first_wave::first_wave;
 use crate::continuation;
@@ -53,7 +53,7 @@ pub struct SemiDiscreteWave {
     /// Iterations of Newton's method spent on the way.
     pub newton: usize,
     tolerance: f64,
-    pub(super) ring: Ring,
+    pub(super) ring: Equations,
     /// Linearised time steps.
     pub(super) steps: Vec<Linear>,
     pub(super) band: Band,
@@ -61,13 +61,13 @@ pub struct SemiDiscreteWave {
 
 /// Where Newton's method starts.
 struct Guess {
-    state: State,
+    state: Values,
     period: f64,
 }
 
 /// A wave found.
 struct Found {
-    state: State,
+    state: Values,
     period: f64,
     steps: Vec<Linear>,
     band: Band,
@@ -116,7 +116,7 @@ pub fn solve_from(
         });
     }
     let mut first = settings.epsilon.max(FIRST_EPSILON);
-    let mut ring = Ring::new(&model, wave.mode, settings.points, first);
+    let mut ring = Equations::new(&model, wave.mode, settings.points, first);
     let speed = wave.speed_at(point);
     let guess = Guess {
         state: sampled(wave, point, settings.points)?,
@@ -157,7 +157,7 @@ pub fn solve_from(
 
 /// The exact wave at the points of a cell, in the order of φ. Points lie half a spacing off the
 /// release.
-fn sampled(wave: &Wave, point: &Vector, points: usize) -> Result<State, FlowError> {
+fn sampled(wave: &Wave, point: &Vector, points: usize) -> Result<Values, FlowError> {
     /// Samples per point: linear interpolation between them is closer to the exact wave than the
     /// semi-discrete one is.
     const FINER: usize = 16;
@@ -206,7 +206,7 @@ impl SemiDiscreteWave {
         }
         let mut factor = FIRST_FACTOR;
         // ε, values and T of the wave before
-        let mut before: Option<(f64, State, f64)> = None;
+        let mut before: Option<(f64, Values, f64)> = None;
         while self.epsilon != epsilon {
             let next = if epsilon < self.epsilon {
                 // no tiny last step
@@ -215,7 +215,7 @@ impl SemiDiscreteWave {
             } else {
                 (self.epsilon / factor).min(epsilon)
             };
-            let ring = Ring {
+            let ring = Equations {
                 epsilon: next,
                 ..self.ring
             };
@@ -250,7 +250,7 @@ impl SemiDiscreteWave {
     }
 
     /// Secant in ε through this wave and the one before.
-    fn predict(&self, epsilon: f64, before: Option<&(f64, State, f64)>) -> Guess {
+    fn predict(&self, epsilon: f64, before: Option<&(f64, Values, f64)>) -> Guess {
         let mut guess = Guess {
             state: self.values.clone(),
             period: self.period(),
@@ -348,7 +348,7 @@ fn direction(speed: f64) -> isize {
 }
 
 /// Newton's method for a wave that runs in the direction of `speed`.
-fn correct(ring: &Ring, guess: &Guess, speed: f64, tolerance: f64) -> Result<Found, Failure> {
+fn correct(ring: &Equations, guess: &Guess, speed: f64, tolerance: f64) -> Result<Found, Failure> {
     let points = guess.state.len();
     let size = 2 * points + 1;
     let direction = direction(speed);
@@ -408,7 +408,7 @@ fn correct(ring: &Ring, guess: &Guess, speed: f64, tolerance: f64) -> Result<Fou
 }
 
 /// Largest less least V̇.
-fn range(state: &State) -> f64 {
+fn range(state: &Values) -> f64 {
     let rates = || state.iter().map(|&[_, rate]| rate);
     rates().fold(f64::NEG_INFINITY, f64::max) - rates().fold(f64::INFINITY, f64::min)
 }
