@@ -9,7 +9,7 @@
 use brakewave::branch::conditioning::conditioning;
 use brakewave::branch::first_wave::first_wave;
 use brakewave::continuation::newton::{self, Fixed, System};
-use brakewave::continuation::{Node, Settings};
+use brakewave::continuation::{Node, Steps};
 use brakewave::flow::method::Method;
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
@@ -17,7 +17,7 @@ use brakewave::model::{FrictionLaw, Model, Parameter};
 use brakewave::wave::start::{self, Which, fold_in_friction, least_mismatch, slip_stick};
 use brakewave::wave::{Wave, precise};
 
-const STEPS: Settings = Settings {
+const STEPS: Steps = Steps {
     ds: 0.005,
     ds_min: 1e-12,
     ds_max: 0.01,

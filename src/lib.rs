@@ -22,7 +22,7 @@
 //! - [`flow`] is the exact flow of one regime with its derivatives, and proofs of sign;
 //! - [`wave`] poses a wave as a boundary-value problem for one signature, has its closed form, examines
 //!   it, and finds candidates for its successor;
-//! - [`continuation`] follows curves and knows nothing of waves; [`linalg`] and [`bracket`] serve it;
+//! - [`continuation`] follows curves and knows nothing of waves; [`linalg`] serves it;
 //! - [`branch`] follows waves in one parameter: first wave, changes of regime, points and labels;
 //! - [`accuracy`] runs one problem by every method and compares errors and times;
 //! - [`steady`] has the stability of steady sliding, where the waves come from;
@@ -41,7 +41,6 @@
 )]
 
 pub mod accuracy;
-pub mod bracket;
 pub mod branch;
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -138,10 +138,10 @@ fn fold(wave: &Wave, step: &Step) -> Option<Option<(Place, Located)>> {
     if low.1 * high.1 >= 0.0 {
         return Some(None);
     }
-    let found =
-        |slope: f64, width: f64| slope.abs() < FOLD_SLOPE || width < 4.0 * f64::EPSILON * step.ds;
     let slope_at = |node: &arclength::Node| Some(node.tangent[last]);
-    let (place, slope) = locate::zero(wave, step.from, (low, high), tolerance, found, slope_at)?;
+    let small = (FOLD_SLOPE, 4.0 * f64::EPSILON * step.ds);
+    let (place, slope) =
+        locate::zero_along(wave, step.from, (low, high), small, tolerance, slope_at)?;
     let mut plane = Plane {
         normal: &step.from.tangent,
         through: &place.node.point,

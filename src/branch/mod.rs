@@ -7,13 +7,17 @@ pub mod conditioning;
 mod events;
 pub mod first_wave;
 pub mod follow;
+mod item;
 pub mod passage;
 mod point;
+mod progress;
 pub mod row;
 pub mod run;
 mod saved;
+mod slip_stick;
 pub mod special;
 
 pub use change::{NotEntered, beyond};
 pub use point::*;
 pub use saved::SavedWave;
+pub use slip_stick::polish;

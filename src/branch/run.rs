@@ -5,219 +5,43 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::begin::{Begun, begin};
 use super::conditioning::conditioning;
-use super::first_wave;
-use super::follow::{Follower, Found, Limits, State};
+use super::first_wave::{NoStart, Watch};
+use super::follow::{Follower, Found};
+use super::item::{event, row};
+use super::progress::legs;
 use super::row::EigenvalueRow;
-use super::saved::{SavedWave, finite};
-use super::special::{Ending, Failure, NoFollower, Note, Special};
-use super::{BranchPoint, Event, EventType, LeadingEigenvalue, ProfileSample, Reason, Stability};
-use crate::continuation::newton::System;
-use crate::continuation::walk;
-use crate::continuation::{Node, Steps};
-use crate::flow::FlowError;
+use super::saved::SavedWave;
+use super::special::{Ending, Failure, Note, Special};
+use super::{BranchPoint, EventType, Reason, Stability};
+use crate::continuation::{Node, walk};
 use crate::flow::method::Method;
 use crate::linalg::Vector;
-use crate::model::signature::Signature;
 use crate::model::{Model, Parameter};
-use crate::problem::{Continuation, Problem, Toward};
-use crate::stability::characteristic::Characteristic;
-use crate::stability::spectrum::{Request, Spectrum};
+use crate::problem::{Continuation, Problem};
+use crate::stability::spectrum::Spectrum;
 use crate::stability::track::{ALLOWANCE, Crossing, PER_POINT, Passed, Tracked, Tracker};
+use crate::wave::Wave;
 use crate::wave::admissibility::examine;
 use crate::wave::hopf::Family;
-use crate::wave::{Scales, Wave, profile};
 
 pub use super::begin::{Refused, RunError};
-
-/// How a run ended.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum End {
-    /// All that was asked for was done.
-    Finished,
-    /// The branch ended before its range.
-    Failed(Failure),
-}
-
-/// Saved progress that is none of its problem.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Unfit {
-    /// It is of another problem.
-    #[error("the saved progress does not fit its problem")]
-    Progress,
-    /// The first wave has other unknowns.
-    #[error("the first wave does not fit its signature")]
-    FirstWave,
-    /// The branch does not go on from it.
-    #[error("{0}")]
-    State(#[from] NoFollower),
-}
-
-/// The state of a run between two steps.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Progress {
-    /// Leg being followed, from 1.
-    pub leg: usize,
-    /// Points handed out so far.
-    pub points: usize,
-    /// Labels handed out so far.
-    pub labels: usize,
-    /// Events handed out so far.
-    pub events: usize,
-    /// Points handed out before this leg began: `max_points` counts from there.
-    #[serde(default)]
-    pub before_leg: usize,
-    /// Rows of `spectrum.csv` handed out so far.
-    pub eigenvalues: usize,
-    /// How often each `stop_after` entry has been met.
-    pub met: Vec<usize>,
-    /// Parts of the range from which this leg has a profile.
-    pub passed: Vec<bool>,
-    /// First wave of the run.
-    pub first: (Signature, Vec<f64>),
-    /// Units of the unknowns: [time, rate, excess, parameter, pressure, layer].
-    pub scales: [f64; 6],
-    /// State of the branch; `None` before the first step of a leg.
-    pub state: Option<State>,
-    /// Spectrum at the point the branch has reached, where stability is asked for.
-    pub spectrum: Option<Spectrum>,
-    /// Eigenvalues that may still be computed; zero once no more spectra are taken.
-    #[serde(default = "allowance")]
-    pub allowance: usize,
-    /// Reason why an earlier leg ended before its range.
-    pub failure: Option<Failure>,
-    /// How the run ended; `None` while it goes on.
-    pub end: Option<End>,
-}
-
-/// Allowance of a run that begins, or was saved without one.
-fn allowance() -> usize {
-    ALLOWANCE
-}
-
-/// A row of the branch, with the wave behind it.
-#[derive(Clone, Debug)]
-pub struct Item {
-    /// The row.
-    pub point: BranchPoint,
-    /// Leg it belongs to.
-    pub leg: usize,
-    /// The event, at special points.
-    pub event: Option<Event>,
-    /// What makes the point special.
-    pub special: Option<Special>,
-    /// The wave in physical numbers, at labelled points.
-    pub saved: Option<SavedWave>,
-    /// Leading eigenvalues by sector at labelled points.
-    pub eigenvalues: Vec<EigenvalueRow>,
-    wave: Arc<Wave>,
-    unknowns: Vector,
-}
-
-impl Item {
-    /// The wave as a boundary-value problem and its solution in scaled unknowns.
-    pub fn wave(&self) -> (&Wave, &Vector) {
-        (&self.wave, &self.unknowns)
-    }
-
-    /// Samples of the wave over one wavelength.
-    pub fn profile(&self, resolution: usize) -> Result<Vec<ProfileSample>, FlowError> {
-        profile::sample(&self.wave, &self.unknowns, resolution)
-    }
-}
+pub use super::item::{Item, answer};
+pub use super::progress::{End, Progress, Unfit};
 
 /// A branch being computed from a problem.
 pub struct Runner {
-    model: Model,
-    mode: u32,
-    method: Method,
+    problem: Problem,
     continuation: Continuation,
-    profiles: usize,
-    conditioning: bool,
+    /// The model of the first wave.
+    model: Model,
+    method: Method,
+    /// The vertical family before the first wave, until it is handed out.
     family: Option<Family>,
     progress: Progress,
     follower: Follower,
-    stability: Option<Request>,
     notes: Vec<Note>,
-    /// Whether an incomplete spectrum has been noted.
-    incomplete: bool,
-}
-
-/// Writes the stability of a wave into its point; `None` where its spectrum is not known.
-pub fn answer(
-    point: &mut BranchPoint,
-    spectrum: Option<&Spectrum>,
-    wave: &Wave,
-    unknowns: &Vector,
-) {
-    let spectrum = spectrum.filter(|spectrum| !spectrum.sectors.is_empty());
-    let lead = spectrum.and_then(Spectrum::lead);
-    point.stable = Some(spectrum.map_or(Stability::Undecided, |spectrum| spectrum.stable));
-    point.unstable = spectrum.map(Spectrum::unstable);
-    point.lead = lead.map(|(eigenvalue, sector)| LeadingEigenvalue {
-        re: eigenvalue.re,
-        im: eigenvalue.im,
-        sector,
-    });
-    point.why = match spectrum {
-        Some(spectrum) => spectrum.reasons.clone(),
-        None => vec![match Characteristic::new(wave, unknowns) {
-            Err(error) => Reason::NotLinearised(error.to_string()),
-            Ok(_) => Reason::NoWindow,
-        }],
-    };
-}
-
-fn limits(continuation: &Continuation) -> Limits {
-    Limits {
-        range: continuation.range,
-        stop_at: continuation.stop_at.clone(),
-        steps: steps(continuation),
-    }
-}
-
-/// Step lengths and tolerance of a problem.
-pub(super) fn steps(continuation: &Continuation) -> Steps {
-    Steps {
-        ds: continuation.ds,
-        ds_min: continuation.ds_min,
-        ds_max: continuation.ds_max,
-        tolerance: continuation.tolerance,
-    }
-}
-
-fn pack_scales(scales: &Scales) -> [f64; 6] {
-    [
-        scales.time,
-        scales.rate,
-        scales.excess,
-        scales.parameter,
-        scales.pressure,
-        scales.layer,
-    ]
-}
-
-fn unpack_scales([time, rate, excess, parameter, pressure, layer]: [f64; 6]) -> Scales {
-    Scales {
-        time,
-        rate,
-        excess,
-        parameter,
-        pressure,
-        layer,
-    }
-}
-
-/// Directions of the legs.
-fn legs(toward: Toward) -> &'static [bool] {
-    match toward {
-        Toward::Down => &[false],
-        Toward::Up => &[true],
-        Toward::Both => &[false, true],
-    }
 }
 
 impl Runner {
@@ -241,7 +65,7 @@ impl Runner {
         problem: &Problem,
         continuation: &Continuation,
         restart: Option<&SavedWave>,
-        watch: first_wave::Watch,
+        watch: Watch,
     ) -> Result<Runner, RunError> {
         let Begun {
             wave,
@@ -249,58 +73,15 @@ impl Runner {
             model,
             family,
         } = begin(problem, continuation, restart, watch)?;
-        let progress = Progress {
-            leg: 1,
-            points: 0,
-            before_leg: 0,
-            labels: 0,
-            events: 0,
-            eigenvalues: 0,
-            spectrum: None,
-            allowance: ALLOWANCE,
-            met: vec![0; continuation.stop_after.len()],
-            passed: vec![false; problem.output.profiles],
-            first: (wave.signature.clone(), point.iter().copied().collect()),
-            scales: pack_scales(&wave.scales),
-            state: None,
-            failure: None,
-            end: None,
-        };
-        let up = legs(continuation.toward)[0];
-        let method = wave.method;
-        let follower = Follower::new(wave, &point, up, limits(continuation))
-            .map_err(|reason| first_wave::NoStart::Newton(reason.into()))?;
+        let progress = Progress::new(&wave, &point, problem, continuation);
+        let runner = Runner::at(problem, continuation, model, wave.method, progress);
         Ok(Runner {
             family,
-            method,
-            ..Runner::at(problem, continuation, model, progress, follower)
+            ..runner.map_err(|reason| NoStart::Newton(reason.into()))?
         })
     }
 
-    fn at(
-        problem: &Problem,
-        continuation: &Continuation,
-        model: Model,
-        progress: Progress,
-        follower: Follower,
-    ) -> Runner {
-        Runner {
-            model,
-            mode: problem.wave.mode,
-            method: problem.method.unwrap_or(Method::cheapest(model.law)),
-            continuation: continuation.clone(),
-            profiles: problem.output.profiles,
-            conditioning: problem.output.conditioning,
-            family: None,
-            progress,
-            follower,
-            stability: problem.request(),
-            notes: Vec::new(),
-            incomplete: false,
-        }
-    }
-
-    /// Goes on from saved progress.
+    /// Goes on from saved progress. A vertical family was handed out before anything was saved.
     ///
     /// # Errors
     /// When the progress is not one that a run of this problem leaves.
@@ -311,40 +92,27 @@ impl Runner {
         progress: Progress,
     ) -> Result<Runner, Unfit> {
         let model = saved.model;
-        let (signature, point) = progress.first.clone();
-        let leg = progress.leg.checked_sub(1);
-        let up = leg.and_then(|leg| legs(continuation.toward).get(leg));
-        let fits = progress.met.len() == continuation.stop_after.len()
-            && progress.passed.len() == problem.output.profiles
-            && progress.spectrum.iter().all(|spectrum| {
-                let found = spectrum.sectors.iter().map(|sector| sector.sector);
-                problem
-                    .request()
-                    .is_some_and(|request| found.eq(request.sectors))
-            })
-            && !signature.is_empty()
-            && finite(&progress.scales)
-            && finite(&point);
-        let (Some(up), true) = (up, fits) else {
-            return Err(Unfit::Progress);
-        };
-        let first = Wave::new(
+        let method = problem.method.unwrap_or(Method::cheapest(model.law));
+        Runner::at(problem, continuation, model, method, progress)
+    }
+
+    fn at(
+        problem: &Problem,
+        continuation: &Continuation,
+        model: Model,
+        method: Method,
+        progress: Progress,
+    ) -> Result<Runner, Unfit> {
+        Ok(Runner {
+            follower: progress.follower(problem, continuation, model, method)?,
+            problem: problem.clone(),
+            continuation: continuation.clone(),
             model,
-            continuation.parameter,
-            problem.wave.mode,
-            signature,
-            unpack_scales(progress.scales),
-        )
-        .with_method(problem.method.unwrap_or(Method::cheapest(model.law)));
-        if point.len() != first.unknowns() {
-            return Err(Unfit::FirstWave);
-        }
-        let follower = match &progress.state {
-            Some(state) => Follower::resume(&first, state.clone(), limits(continuation)),
-            None => Follower::new(first, &Vector::from_vec(point), *up, limits(continuation)),
-        }?;
-        // a vertical family was handed out before anything was saved
-        Ok(Runner::at(problem, continuation, model, progress, follower))
+            method,
+            family: None,
+            progress,
+            notes: Vec::new(),
+        })
     }
 
     /// The state after the last step.
@@ -357,7 +125,7 @@ impl Runner {
         if self.progress.end.is_some() {
             return Vec::new();
         }
-        let mut tracker = self.stability.clone().map(|request| {
+        let mut tracker = self.problem.request().map(|request| {
             let (last, left) = (self.progress.spectrum.take(), self.progress.allowance);
             Tracker::new(request, last, self.continuation.tolerance, left)
         });
@@ -513,7 +281,7 @@ impl Runner {
                 uncertainty: 8.0 * f64::EPSILON * family.critical,
             };
             let mut item = self.item(found, None);
-            if self.stability.is_some() {
+            if self.with_stability() {
                 item.point.why = vec![Reason::Family];
             }
             items.push(item);
@@ -558,25 +326,20 @@ impl Runner {
         if let Some(reason) = failure {
             self.progress.failure.get_or_insert(reason);
         }
-        let directions = legs(self.continuation.toward);
-        if let Some(up) = directions.get(self.progress.leg).filter(|_| !stop) {
-            let (signature, point) = self.progress.first.clone();
-            let first = Wave::new(
-                self.model,
-                self.continuation.parameter,
-                self.mode,
-                signature,
-                unpack_scales(self.progress.scales),
-            )
-            .with_method(self.method);
-            let point = Vector::from_vec(point);
-            match Follower::new(first, &point, *up, limits(&self.continuation)) {
+        let another = self.progress.leg < legs(self.continuation.toward).len();
+        if another && !stop {
+            let next = Progress {
+                leg: self.progress.leg + 1,
+                before_leg: self.progress.points,
+                state: None,
+                passed: vec![false; self.problem.output.profiles],
+                ..self.progress.clone()
+            };
+            let (problem, continuation) = (&self.problem, &self.continuation);
+            match next.follower(problem, continuation, self.model, self.method) {
                 Ok(follower) => {
                     self.follower = follower;
-                    self.progress.leg += 1;
-                    self.progress.before_leg = self.progress.points;
-                    self.progress.state = None;
-                    self.progress.passed = vec![false; self.profiles];
+                    self.progress = next;
                     return;
                 }
                 Err(reason) => {
@@ -591,53 +354,32 @@ impl Runner {
     }
 
     fn item(&mut self, found: Found, spectrum: Option<&Spectrum>) -> Item {
-        let wave = &found.wave;
-        let unknowns = &found.node.point;
-        let model = self.model.with(wave.parameter, found.parameter);
-        let kind = found.kind();
+        let model = self.model.with(found.wave.parameter, found.parameter);
+        let mut point = row(&found, &model);
         self.progress.points += 1;
+        point.point = self.progress.points;
         // a special point serves as the sample of its part of the range
         let sampled = self.passes_profile_target(found.parameter);
-        let label = (kind.is_some() || sampled).then(|| {
+        if point.kind.is_some() || sampled {
             self.progress.labels += 1;
-            self.progress.labels
-        });
-        let examination = &found.examination;
-        let (low, high) = examination.tangential;
-        let mut point = BranchPoint {
-            point: self.progress.points,
-            label,
-            kind,
-            regimes: wave.signature.to_string(),
-            model,
-            speed: wave.speed_at(unknowns),
-            switches: profile::switches(wave, unknowns),
-            min_pressure: examination.least_pressure,
-            max_gap: examination.largest_gap,
-            amplitude: 0.5 * (high - low),
-            stable: None,
-            unstable: None,
-            lead: None,
-            why: Vec::new(),
-            newton: found.node.newton,
-            residual: found.node.residual,
-            conditioning: self.known_to(wave, &found.node),
-        };
-        let event = match (&found.special, label) {
-            (Some(special), Some(label)) => Some(event(&point, label, special, found.uncertainty)),
-            _ => None,
-        };
+            point.label = Some(self.progress.labels);
+        }
+        point.conditioning = self.known_to(&found.wave, &found.node);
+        let special = found.special.as_ref();
+        let event = special.map(|special| event(&point, special, found.uncertainty));
         self.progress.events += usize::from(event.is_some());
         self.judge(&mut point, &found, spectrum);
-        let saved = label.map(|label| SavedWave::new(label, model, wave, unknowns));
-        let eigenvalues = match (label, spectrum, &self.stability) {
-            (Some(_), Some(spectrum), Some(request)) => spectrum
-                .leading(request.eigenvalues)
+        let eigenvalues = match (point.label, spectrum, &self.problem.stability) {
+            (Some(_), Some(spectrum), Some(section)) => spectrum
+                .leading(section.eigenvalues)
                 .map(|(sector, eigenvalue)| EigenvalueRow::new(sector, eigenvalue))
                 .collect(),
             _ => Vec::new(),
         };
         self.progress.eigenvalues += eigenvalues.len();
+        let unknowns = found.node.point;
+        let saved = point.label;
+        let saved = saved.map(|label| SavedWave::new(label, model, &found.wave, &unknowns));
         Item {
             point,
             leg: self.progress.leg,
@@ -645,14 +387,14 @@ impl Runner {
             event,
             special: found.special,
             saved,
-            unknowns: found.node.point,
+            unknowns,
             wave: found.wave,
         }
     }
 
     /// Writes the stability of a point found into its row.
     fn judge(&mut self, point: &mut BranchPoint, found: &Found, spectrum: Option<&Spectrum>) {
-        if self.stability.is_none() {
+        if !self.with_stability() {
             return;
         }
         answer(point, spectrum, &found.wave, &found.node.point);
@@ -669,8 +411,9 @@ impl Runner {
         }
         let mut reasons = point.why.iter();
         let incomplete = reasons.find(|reason| matches!(reason, Reason::Incomplete { .. }));
-        if let (Some(reason), false) = (incomplete, self.incomplete) {
-            self.incomplete = true;
+        let mut notes = self.notes.iter();
+        let noted = notes.any(|note| matches!(note, Note::Incomplete { .. }));
+        if let (Some(reason), false) = (incomplete, noted) {
             self.notes.push(Note::Incomplete {
                 point: point.point,
                 reason: reason.clone(),
@@ -698,7 +441,7 @@ impl Runner {
     /// Conditioning of a point, where asked for; a point known less well than the tolerance asks is
     /// noted as not converged to it.
     fn known_to(&mut self, wave: &Wave, node: &Node) -> Option<(f64, f64)> {
-        if !self.conditioning {
+        if !self.problem.output.conditioning {
             return None;
         }
         let known = conditioning(wave, node).ok()?;
@@ -744,7 +487,7 @@ impl Runner {
 
     /// Whether stability is asked for.
     pub fn with_stability(&self) -> bool {
-        self.stability.is_some()
+        self.problem.stability.is_some()
     }
 
     /// Share of the way to the ends of the range behind the branch, for progress.
@@ -769,26 +512,5 @@ fn passed(found: &Found) -> Passed<'_> {
         node: &found.node,
         folds: matches!(found.special, Some(Special::Fold(_))),
         entered: entered.map(|(wave, node)| (wave.as_ref(), node)),
-    }
-}
-
-/// The row of an event at a point.
-fn event(point: &BranchPoint, label: usize, special: &Special, uncertainty: f64) -> Event {
-    let (sector, omega) = match special {
-        Special::Crossing { sector, omega, .. } => (Some(*sector), *omega),
-        _ => (None, None),
-    };
-    let after = special.after();
-    Event {
-        label,
-        kind: special.kind(),
-        model: point.model,
-        speed: point.speed,
-        sector,
-        omega,
-        regimes_before: point.regimes.clone(),
-        regimes_after: after.map_or_else(|| point.regimes.clone(), |after| after.to_string()),
-        uncertainty,
-        what: special.to_string(),
     }
 }

@@ -5,8 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::linalg::Vector;
 use crate::model::signature::Signature;
 use crate::model::{Model, Parameter};
-use crate::wave::Scales;
-use crate::wave::{Wave, ZoneUnknowns};
+use crate::wave::{Scales, Wave, ZoneUnknowns};
 
 /// A wave in physical numbers: what a restart needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,6 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::conditioning::Conditioning;
 use super::follow::Branch;
+use super::progress::Unfit;
 use super::{EventType, Reason};
 use crate::continuation::walk::{EndOf, RefusalOf};
 use crate::flow::FlowError;
@@ -230,7 +231,7 @@ pub enum Failure {
     /// As the walk along it ended.
     Ended(Box<Ending>),
     /// A leg does not begin.
-    NoLeg(NoFollower),
+    NoLeg(Unfit),
     /// As a saved run tells.
     Told(String),
 }

@@ -4,7 +4,7 @@
 
 use super::arclength::Node;
 use super::newton::{self, Constraint, Fixed, Plane, System};
-use crate::bracket::Bracket;
+use super::zero::{Bracket, zero};
 use crate::linalg::{Factors, Matrix, Vector};
 
 /// A point within a step.
@@ -89,32 +89,33 @@ pub fn node_at<S: System>(system: &S, from: &Node, s: f64, tolerance: f64) -> Op
     retangent(system, &solution.point, &from.tangent, solution.iterations)
 }
 
-/// The zero of a function along a step, from places s with values of different signs: secants in s, until
-/// `stop` accepts the value and the width of the bracket before it. Returns the value found too.
-pub fn zero<S: System>(
+/// The zero of a function along a step, from places s with values of different signs, and the value
+/// found. `size` is a value that is zero but for rounding; from a bracket as narrow as `width` one more
+/// value is taken.
+pub fn zero_along<S: System>(
     system: &S,
     from: &Node,
     (low, high): ((f64, f64), (f64, f64)),
+    (size, width): (f64, f64),
     tolerance: f64,
-    stop: impl Fn(f64, f64) -> bool,
     mut value: impl FnMut(&Node) -> Option<f64>,
 ) -> Option<(Place, f64)> {
-    /// Secants of a smooth function need about eight.
-    const MOST: usize = 80;
-    let mut bracket = Bracket::new(low, high);
-    let mut best = None;
-    for _ in 0..MOST {
-        let s = bracket.secant();
-        let node = node_at(system, from, s, tolerance)?;
-        let here = value(&node)?;
-        let done = stop(here, bracket.width().abs());
-        best = Some((s, node, here));
-        if done {
-            break;
-        }
-        bracket.shrink(s, here);
-    }
-    let (s, node, here) = best?;
+    let mut ends = (low.0, high.0);
+    let at = |s: f64| {
+        let node = node_at(system, from, s, tolerance).ok_or(())?;
+        let here = value(&node).ok_or(())?;
+        let vanishes = here.abs() <= size || (ends.1 - ends.0).abs() <= width;
+        let end = if (here > 0.0) == (low.1 > 0.0) {
+            &mut ends.0
+        } else {
+            &mut ends.1
+        };
+        *end = s;
+        Ok::<_, ()>((if vanishes { 0.0 } else { here }, (node, here)))
+    };
+    let zero = zero(Bracket::new(low, high), 0.0, at).ok()?;
+    let (node, here) = zero.found;
+    let s = zero.place;
     Some((Place { s, node, blur: 0.0 }, here))
 }
 

@@ -1,6 +1,6 @@
 //! An event in two parameters as a curve for the walker.
 
-use super::run::{Limits, Point};
+use super::point::{Limits, Point};
 use super::system::{Condition, EventSystem};
 use crate::branch::special::Change;
 use crate::branch::{EventType, beyond};
@@ -258,11 +258,10 @@ impl EventCurve {
         /// Relative width of the bracket, or value, at which the place is known to rounding.
         const EXACT: f64 = 1e-14;
         let size = before.abs().max(after.abs());
-        let found =
-            |value: f64, width: f64| value.abs() <= EXACT * size || width <= EXACT * step.ds;
+        let small = (EXACT * size, EXACT * step.ds);
         let ends = ((0.0, before), (step.ds, after));
         let tolerance = step.steps.tolerance;
-        let (place, _) = locate::zero(&self.system, step.from, ends, tolerance, found, value)
+        let (place, _) = locate::zero_along(&self.system, step.from, ends, small, tolerance, value)
             .ok_or(Refusal::NotLocated)?;
         Ok((place, event))
     }

@@ -21,11 +21,15 @@
 //! stationary at the opening of a zone, and its spectrum is not the continuation of the one before.
 
 mod follow;
+mod point;
 mod regions;
 mod run;
+mod saved;
 pub mod start;
 pub mod system;
 
 pub use follow::{Gone, Refusal, What};
+pub use point::{Curve, Limits, Point};
 pub use regions::Region;
-pub use run::{Curve, End, Head, Limits, Next, Point, Reason, Run, Singular, Step, follow};
+pub use run::{Run, Singular, follow};
+pub use saved::{End, Found, Head, Next, Reason, State, Step};

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use nalgebra::Complex;
 
 use super::follow::{INTO, Solved};
-use super::run::Limits;
+use super::point::Limits;
 use super::system::{Condition, EventSystem};
 use crate::branch::EventType::{EP, LP, RV, ST, UZ};
 use crate::branch::beyond;
@@ -32,6 +32,7 @@ use crate::continuation::walk;
 use crate::flow::sign::Verdict;
 use crate::linalg::Vector;
 use crate::stability::characteristic::Characteristic;
+use crate::stability::track;
 use crate::wave::Wave;
 use crate::wave::admissibility::AtZero;
 
@@ -65,8 +66,8 @@ const ACROSS: f64 = 0.35;
 /// chatter; nothing near the curve is missed with them.
 const MOST_STEPS: usize = 1200;
 const MOST_ZONES: usize = 10;
-/// Steps below this are those of an arm about to fail.
-const CREEPING: f64 = 1e-6;
+/// The shortest step of an arm: shorter ones are those of an arm about to fail.
+const SHORTEST: f64 = 1e-6;
 /// Most steps of all arms together: about as long as the curve itself took, or a second.
 const ALL_STEPS: usize = 20_000;
 /// Longest step while a pair is followed, in units of the range: its eigenvalue moves little.
@@ -233,7 +234,7 @@ impl Section {
             complete: arms.len() == 2,
         };
         let mut steps = limits.steps;
-        steps.ds_min = steps.ds_min.max(CREEPING);
+        steps.ds_min = steps.ds_min.max(SHORTEST);
         let (mut low, mut high) = limits.ranges[axis];
         match system.condition {
             Condition::Hopf { .. } => {
@@ -340,26 +341,12 @@ struct Pair {
 impl Pair {
     /// Follows it to the next wave. `None` where it may have been mistaken for another one.
     fn follow(&mut self, wave: &Wave, point: &Vector) -> Option<f64> {
-        /// Relative correction of λ at which Newton's method, which converges quadratically, is
-        /// there, and most corrections.
-        const CONVERGED: f64 = 1e-10;
-        const MOST: usize = 20;
         let characteristic = Characteristic::new(wave, point).ok()?;
         let z = characteristic.multiplier(self.sector);
-        let mut lambda = self.lambda;
-        for _ in 0..MOST {
-            let (value, by) = characteristic.evaluate(lambda).sector(z);
-            let step = value / by;
-            lambda -= step;
-            if !(step.norm() <= self.most && (lambda - self.lambda).norm() <= self.most) {
-                return None;
-            }
-            if step.norm() <= CONVERGED * lambda.norm() {
-                self.lambda = lambda;
-                return Some(lambda.re);
-            }
-        }
-        None
+        let lambda = track::follow(&characteristic, z, self.lambda)?;
+        let near = (lambda - self.lambda).norm() <= self.most;
+        self.lambda = lambda;
+        near.then_some(lambda.re)
     }
 }
 

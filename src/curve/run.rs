@@ -1,76 +1,17 @@
 //! A curve of events from its beginning to both ends, step by step, and its state between two steps.
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-use super::follow::{EventCurve, Gone, Refusal, Solved, Stop, What};
-use super::regions::{self, Region};
+use super::follow::{EventCurve, Refusal, Solved, Stop, What};
+use super::point::{Curve, Limits, Point};
+use super::regions;
+use super::saved::{End, Found, Head, Next, Reason, State, Step};
 use super::system::{Condition, EventSystem, NotEvaluated};
 use crate::branch::EventType;
+use crate::continuation::Node;
 use crate::continuation::newton::{self, Plane};
-use crate::continuation::walk::{self, Refused, Walker};
-use crate::continuation::{Node, Steps};
+use crate::continuation::walk::{self, Walker};
 use crate::flow::FlowError;
 use crate::linalg::{self, Vector};
 use crate::model::Parameter;
-use crate::model::signature::{Regime, Signature};
-use crate::wave::admissibility::Watch;
-
-/// How far to follow, and how.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Limits {
-    /// Range of each parameter.
-    pub ranges: [(f64, f64); 2],
-    /// Step lengths and tolerance.
-    pub steps: Steps,
-    /// Largest number of points in either direction.
-    pub most_points: usize,
-}
-
-/// A point of the curve: a row of `curve.csv`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
-    /// Both parameters.
-    pub parameters: [f64; 2],
-    /// Wave speed c, signed.
-    pub speed: f64,
-    /// Regimes before the event.
-    pub before: String,
-    /// Regimes after it; empty where no admissible wave was found to go on.
-    pub after: String,
-    /// ω of a Hopf point.
-    pub omega: Option<f64>,
-    /// Type of a point of codimension two, of the start and of the ends.
-    pub kind: Option<String>,
-    /// What happens there, in words; empty at ordinary points.
-    pub what: String,
-    /// Newton iterations.
-    pub newton: usize,
-    /// Largest residual relative to its row of the Jacobian.
-    pub residual: f64,
-    /// Excess speed e = |c|/√a − 1.
-    pub excess: f64,
-}
-
-/// The curve of an event.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    /// Type of the event.
-    pub event: EventType,
-    /// Bloch sector of an HB.
-    pub sector: Option<usize>,
-    /// The two parameters.
-    pub parameters: [Parameter; 2],
-    /// Points from one end to the other.
-    pub points: Vec<Point>,
-    /// Index of the event on the branch.
-    pub start: usize,
-    /// Why the curve ends at its first and at its last point, in words.
-    pub ends: [String; 2],
-    /// Whether an end is one of Newton's method and not of the curve.
-    pub failed: bool,
-    /// Names of places beside it.
-    pub regions: Vec<Region>,
-}
 
 /// Why the curve of an event cannot be followed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -114,149 +55,6 @@ impl From<FlowError> for Singular {
     fn from(error: FlowError) -> Singular {
         Singular::NotEvaluated(error.into())
     }
-}
-
-/// What a curve begins with: the same for all its steps.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Head {
-    /// Type of the event.
-    pub event: EventType,
-    /// Its equations.
-    pub system: EventSystem,
-    /// How far to follow.
-    #[serde(rename = "settings")]
-    pub limits: Limits,
-    /// The event on the branch.
-    pub point: Point,
-    /// Its unknowns.
-    pub unknowns: Vec<f64>,
-    /// Unit tangent there.
-    pub tangent: Vec<f64>,
-}
-
-/// A point with the equations that it solves.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Found {
-    /// The point.
-    pub point: Point,
-    signature: Signature,
-    condition: Condition,
-    unknowns: Vec<f64>,
-}
-
-/// All that the next step depends on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    signature: Signature,
-    condition: Condition,
-    unknowns: Vec<f64>,
-    tangent: Vec<f64>,
-    own: Vec<(Watch, usize)>,
-    with_fold: bool,
-    /// The left null vector behind the factor that vanishes at a cusp, for its sign.
-    left: Option<Vec<f64>>,
-    travelled: f64,
-    ds: f64,
-    /// Steps in a row that creep.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    creeping: usize,
-}
-
-fn is_zero(count: &usize) -> bool {
-    *count == 0
-}
-
-/// Why a curve ends in one direction.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Reason {
-    /// For what happens at its last point, in words.
-    There(String),
-    /// The event is none any more.
-    Gone(Gone),
-    /// The curve closes on its start.
-    Closed,
-    /// It has as many points as it may.
-    MaxPoints {
-        /// How many.
-        most: usize,
-    },
-    /// Its steps creep.
-    Creeps {
-        /// How many in a row.
-        steps: usize,
-        /// All are shorter than this.
-        longest: f64,
-        /// Regime and length of the shortest zone.
-        beside: (Regime, f64),
-    },
-    /// No step succeeds.
-    NoStep {
-        /// The shortest one.
-        ds_min: f64,
-        /// Why it was refused.
-        reason: Refused<NotEvaluated, Refusal>,
-    },
-}
-
-/// A reason is saved as its sentence.
-impl Serialize for Reason {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
-impl<'de> Deserialize<'de> for Reason {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Reason, D::Error> {
-        let words = String::deserialize(deserializer)?;
-        Ok(match words == Reason::Closed.to_string() {
-            true => Reason::Closed,
-            false => Reason::There(words),
-        })
-    }
-}
-
-/// The end of the curve in one direction.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct End {
-    /// Why.
-    pub reason: Reason,
-    /// Whether it is one of Newton's method or of `max_points` and not of the curve.
-    pub failed: bool,
-    /// Type of the last point unless it has one.
-    kind: Option<EventType>,
-}
-
-impl End {
-    fn new(reason: Reason) -> End {
-        let kind = match reason {
-            Reason::There(_) | Reason::Closed => None,
-            Reason::Gone(_) => Some(EventType::EP),
-            _ => Some(EventType::MX),
-        };
-        End {
-            reason,
-            failed: kind == Some(EventType::MX),
-            kind,
-        }
-    }
-}
-
-/// A step in either direction.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Step {
-    /// Points found, in order.
-    pub found: Vec<Found>,
-    /// What comes next.
-    pub next: Next,
-}
-
-/// What comes after a step.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Next {
-    /// The next step.
-    Going(State),
-    /// The end in this direction.
-    Ended(End),
 }
 
 /// A curve being followed, from its event, first one way and then the other.

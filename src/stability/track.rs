@@ -14,10 +14,10 @@ use nalgebra::Complex;
 
 use super::characteristic::Characteristic;
 use super::spectrum::{Eigenvalue, Request, Spectrum, beside_translation, margin, spectrum};
-use crate::bracket::Bracket;
 use crate::continuation::Node;
 use crate::continuation::arclength::advance;
 use crate::continuation::locate::node_at;
+use crate::continuation::zero::{Bracket, Zero, zero};
 use crate::wave::Wave;
 
 type C64 = Complex<f64>;
@@ -493,39 +493,45 @@ impl Search<'_> {
         Some(changes)
     }
 
-    /// The zero of Re λ(s) between two ends, by the Illinois variant of the secant rule.
+    /// The zero of Re λ(s) between two ends.
     fn locate(&self, one: &End, other: &End, change: &Change) -> Option<Located> {
-        let (mut at_low, mut at_high) = (change.from, change.to);
-        let mut bracket = Bracket::new((one.s, at_low.re), (other.s, at_high.re));
-        let mut best = None;
-        // width of the last bracket tells the error
-        for _ in 0..60 {
+        // places and eigenvalues on both sides
+        let (mut low, mut high) = ((one.s, change.from), (other.s, change.to));
+        let at = |s: f64| {
             self.tracker.spend(1);
-            let s = bracket.secant();
-            let (low, width) = (bracket.low.0, bracket.width());
-            let share = if width > 0.0 { (s - low) / width } else { 0.0 };
-            let guess = at_low + (at_high - at_low) * share;
-            let node = node_at(self.wave, self.from, s, self.tracker.tolerance)?;
-            let characteristic = Characteristic::new(self.wave, &node.point).ok()?;
-            let value = reach(&characteristic, change.sector, guess)?;
+            let width = high.0 - low.0;
+            let share = if width > 0.0 {
+                (s - low.0) / width
+            } else {
+                0.0
+            };
+            let guess = low.1 + (high.1 - low.1) * share;
+            let node = node_at(self.wave, self.from, s, self.tracker.tolerance).ok_or(())?;
+            let characteristic = Characteristic::new(self.wave, &node.point).map_err(|_| ())?;
+            let value = reach(&characteristic, change.sector, guess).ok_or(())?;
             let rate = characteristic.period.recip();
             // another eigenvalue was caught
-            if (value - guess).norm() > 0.5 * (at_high - at_low).norm() + SAME * rate {
-                return None;
+            if (value - guess).norm() > 0.5 * (high.1 - low.1).norm() + SAME * rate {
+                return Err(());
             }
             let size = rate + value.norm();
+            let slope = (high.1.re - low.1.re) / width;
             let real = value.im.abs() < REAL * rate;
-            best = Some((s, node, value, (at_high.re - at_low.re) / width, size, real));
-            if value.re.abs() <= 4.0 * f64::EPSILON * size || width <= 1e-15 * other.s {
-                break;
-            }
-            if bracket.shrink(s, value.re) {
-                at_low = value;
+            let side = if (value.re > 0.0) == (low.1.re > 0.0) {
+                &mut low
             } else {
-                at_high = value;
-            }
-        }
-        let (s, node, value, slope, size, real) = best?;
+                &mut high
+            };
+            *side = (s, value);
+            let rounded = value.re.abs() <= 4.0 * f64::EPSILON * size || width <= 1e-15 * other.s;
+            let re = if rounded { 0.0 } else { value.re };
+            Ok((re, (node, value, slope, size, real)))
+        };
+        let ends = Bracket::new((one.s, change.from.re), (other.s, change.to.re));
+        let Zero {
+            place: s, found, ..
+        } = zero(ends, 0.0, at).ok()?;
+        let (node, value, slope, size, real) = found;
         let last = node.tangent.len() - 1;
         // rounding of λ, carried to s by the slope of Re λ, and to the parameter by the tangent
         let error = (value.re.abs() + 1e-14 * size) / slope.abs();
@@ -561,8 +567,9 @@ fn reach(characteristic: &Characteristic, sector: usize, start: C64) -> Option<C
     follow(characteristic, characteristic.multiplier(sector), start)
 }
 
-/// Newton's method on F_j from a value known nearby.
-fn follow(characteristic: &Characteristic, z: C64, start: C64) -> Option<C64> {
+/// Newton's method on F_j, z = e^{2πij/k}, from a value known nearby. `None` where it leads away by more than
+/// half a period's rate in one step.
+pub(crate) fn follow(characteristic: &Characteristic, z: C64, start: C64) -> Option<C64> {
     /// A step below this, in units of 1/T, is the last but one: the next is its square.
     const ARRIVED: f64 = 1e-9;
     let mut value = start;

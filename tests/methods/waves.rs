@@ -1,6 +1,7 @@
 //! Waves that the claims are about.
 
-use brakewave::branch::first_wave::{first_wave, polish};
+use brakewave::branch::first_wave::first_wave;
+use brakewave::branch::polish;
 use brakewave::continuation::Steps;
 use brakewave::flow::method::Method;
 use brakewave::linalg::Vector;

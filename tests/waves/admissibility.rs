@@ -5,8 +5,8 @@
 //! coefficients); dense samples must never contradict it. Samples carry the rounding of the flow:
 //! of W in terms of the largest |W|, of P in terms of gδ + κ·max|W|, of U in terms of U itself.
 
-use brakewave::branch::first_wave::polish;
 use brakewave::branch::follow::Found;
+use brakewave::branch::polish;
 use brakewave::branch::{EventType, ProfileSample};
 use brakewave::continuation::newton::System;
 use brakewave::flow::sign::Verdict;

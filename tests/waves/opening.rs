@@ -10,7 +10,7 @@
 //!   at P = 0.
 
 use brakewave::branch::EventType;
-use brakewave::branch::first_wave::polish;
+use brakewave::branch::polish;
 use brakewave::linalg::Vector;
 use brakewave::model::signature::Regime;
 use brakewave::wave::Wave;

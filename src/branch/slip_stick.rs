@@ -1,0 +1,160 @@
+//! The slip-stick wave of a model under every friction law, as a boundary-value problem.
+
+use super::first_wave::NoStart;
+use crate::continuation::newton::{self, Fixed, System};
+use crate::linalg::Vector;
+use crate::model::signature::{Regime, Signature};
+use crate::model::{FrictionLaw, Model, Parameter};
+use crate::wave::start;
+use crate::wave::{Scales, Wave, ZoneUnknowns};
+
+/// Steps in which the friction law is turned from Coulomb's into the one asked for.
+const LAW_STEPS: usize = 8;
+
+/// The slip-stick wave of a model as a boundary-value problem, admissible or not: in closed form
+/// under Coulomb's law, and from there in steps of the law.
+pub(super) fn slip_stick_wave(
+    model: &Model,
+    parameter: Parameter,
+    mode: u32,
+    closed: &start::SlipStick,
+    width: f64,
+) -> Result<(Wave, Vector), NoStart> {
+    let value = model.value(parameter).unwrap_or(f64::NAN);
+    let posed = |law: FrictionLaw| {
+        Wave::new(
+            Model { law, ..*model },
+            parameter,
+            mode,
+            Signature::slip_stick(),
+            Scales::new(model, mode, closed.excess, closed.least_rate, width),
+        )
+    };
+    let mut wave = posed(FrictionLaw::Coulomb);
+    let zones = [
+        [closed.release, 1.0, closed.slip, 0.0],
+        [closed.release - closed.stick, 1.0, closed.stick, 0.0],
+    ];
+    let mut guess = wave.pack(&zones, closed.excess, value);
+    if wave.material {
+        (wave, guess) = wave.with_layers(&guess)?;
+    }
+    let mut point = polish(&wave, &guess)?;
+    if model.law == FrictionLaw::Coulomb {
+        return Ok((wave, point));
+    }
+    if let FrictionLaw::Regularised { epsilon } = model.law {
+        return smooth_wave(&wave, &point, parameter, epsilon);
+    }
+    for step in 1..=LAW_STEPS {
+        let share = step as f64 / LAW_STEPS as f64;
+        let partly = |ratio: f64| 1.0 + share * (ratio - 1.0);
+        let law = match model.law {
+            FrictionLaw::Static { ratio } => FrictionLaw::Static {
+                ratio: partly(ratio),
+            },
+            FrictionLaw::Stribeck { ratio, velocity } => FrictionLaw::Stribeck {
+                ratio: partly(ratio),
+                velocity,
+            },
+            other => other,
+        };
+        point = polish(&posed(law), &point)?;
+    }
+    Ok((posed(model.law), point))
+}
+
+/// ε from which the regularised wave is reached if the one asked for is too far from Coulomb's, and
+/// the factor from one to the next.
+const FIRST_SMOOTHING: f64 = 0.01;
+const SMOOTHING_STEP: f64 = 1.4;
+
+/// The wave of the regularised law next to a slip-stick wave of Coulomb's: one zone of contact, cut
+/// where V̇ = 0 rises.
+fn smooth_wave(
+    sharp: &Wave,
+    at: &Vector,
+    parameter: Parameter,
+    epsilon: f64,
+) -> Result<(Wave, Vector), NoStart> {
+    let flows = sharp.flows(at)?;
+    let slip = flows.contact(Regime::Slip);
+    let slide = sharp.slide_at(at, 0);
+    let crossings = slip.extremes(&slide)?;
+    let rising = crossings.last().copied().unwrap_or(0.5 * slide.duration);
+    let [y, _] = slip.state(&slide, rising)?;
+    let period: f64 = sharp.unpack(at).iter().map(|zone| zone[2]).sum();
+    let posed = |epsilon: f64| {
+        let law = FrictionLaw::Regularised { epsilon };
+        let model = Model {
+            law,
+            ..sharp.model_at(at)
+        };
+        Wave::new(
+            model,
+            parameter,
+            sharp.mode,
+            Signature::contact(),
+            sharp.scales,
+        )
+    };
+    let guess = |wave: &Wave, zones: &[ZoneUnknowns], excess: f64| {
+        let value = wave.model.value(parameter).unwrap_or(f64::NAN);
+        wave.pack(zones, excess, value)
+    };
+    let first = [[y, 0.0, period, 0.0]];
+    let wave = posed(epsilon);
+    let reach = |wave: &Wave| {
+        let guess = guess(wave, &first, sharp.excess_at(at));
+        polish_within(wave, &guess, SMOOTH_ITERATIONS)
+    };
+    if let Ok(point) = reach(&wave) {
+        return Ok((wave, point));
+    }
+    let mut reached = FIRST_SMOOTHING.min(epsilon);
+    let mut wave = posed(reached);
+    let mut point = reach(&wave).map_err(|error| {
+        // V̇ comes to rest at 1 in layers of this length
+        let frame = &flows.frame.at;
+        let pull = frame.friction * (frame.g * frame.mismatch + frame.kappa);
+        NoStart::Smoothing {
+            epsilon: reached,
+            layer: frame.ma * reached / pull / period,
+            reason: Box::new(error),
+        }
+    })?;
+    while reached != epsilon {
+        reached = (reached * SMOOTHING_STEP).min(epsilon);
+        let next = posed(reached);
+        let start = guess(&next, &wave.unpack(&point), wave.excess_at(&point));
+        point = polish(&next, &start)?;
+        wave = next;
+    }
+    Ok((wave, point))
+}
+
+/// Iterations in which a wave of the regularised law is reached from a good guess, if at all: each
+/// integrates all its layers, and ten times as slowly where the wave cannot be resolved.
+const SMOOTH_ITERATIONS: usize = 12;
+
+/// Newton's method at the parameter value of the guess.
+pub fn polish(wave: &Wave, guess: &Vector) -> Result<Vector, NoStart> {
+    polish_within(wave, guess, 40)
+}
+
+fn polish_within(wave: &Wave, guess: &Vector, most_iterations: usize) -> Result<Vector, NoStart> {
+    let index = wave.unknowns() - 1;
+    let mut fixed = Fixed {
+        index,
+        value: guess[index],
+    };
+    let settings = newton::Settings {
+        most_iterations,
+        halvings: 10,
+        polish: 1,
+        ..newton::Settings::default()
+    };
+    newton::solve(wave, &mut fixed, guess, &settings)
+        .map(|solution| solution.point)
+        .map_err(|failure| NoStart::Newton(failure.into()))
+}
