@@ -24,12 +24,12 @@
 //!   it, and finds candidates for its successor;
 //! - [`continuation`] follows curves and knows nothing of waves; [`linalg`] serves it;
 //! - [`branch`] follows waves in one parameter: first wave, changes of regime, points and labels;
-//! - [`accuracy`] runs one problem by every method and compares errors and times;
+//! - `accuracy` runs one problem by every method and compares errors and times;
 //! - [`steady`] has the stability of steady sliding, where the waves come from;
 //! - [`curve`] follows one event in two parameters;
 //! - [`map`] lays branches through a plane of two parameters;
 //! - [`simulation`] moves a ring or the whole tube in time, with the model and none of the above;
-//! - [`table`] turns structures into rows of CSV and back;
+//! - `table` turns structures into rows of CSV and back;
 //! - [`output`] writes them, [`cli`] is the command line.
 
 #![forbid(unsafe_code)]
@@ -40,7 +40,7 @@
     deny(clippy::print_stdout, clippy::print_stderr)
 )]
 
-pub mod accuracy;
+mod accuracy;
 pub mod branch;
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -55,5 +55,5 @@ pub mod problem;
 pub mod simulation;
 pub mod stability;
 pub mod steady;
-pub mod table;
+mod table;
 pub mod wave;

@@ -9,12 +9,10 @@ use std::str::FromStr;
 
 use csv::StringRecord;
 use serde::de::DeserializeOwned;
-use serde::ser::{
-    Impossible, Serialize, SerializeMap, SerializeSeq, SerializeStruct, SerializeTuple, Serializer,
-};
+use serde::ser::{Impossible, Serialize, SerializeMap, SerializeSeq, SerializeStruct, Serializer};
 
 /// A number with 17 significant digits; empty where it is not finite.
-pub fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if value.is_finite() {
         format!("{value:.16e}")
     } else {
@@ -23,22 +21,22 @@ pub fn number(value: f64) -> String {
 }
 
 /// Names of the columns of a row; its values do not matter.
-pub fn columns(row: &impl Serialize) -> Vec<String> {
+pub(crate) fn columns(row: &impl Serialize) -> Vec<String> {
     cells(row).0
 }
 
 /// The header of a table of such rows.
-pub fn header<Row: Serialize + Default>() -> String {
+pub(crate) fn header<Row: Serialize + Default>() -> String {
     line_of(&columns(&Row::default()))
 }
 
 /// A row as a line.
-pub fn line(row: &impl Serialize) -> String {
+pub(crate) fn line(row: &impl Serialize) -> String {
     line_of(&cells(row).1)
 }
 
 /// Rows below their header.
-pub fn table<Row: Serialize + Default>(rows: impl IntoIterator<Item = Row>) -> String {
+pub(crate) fn table<Row: Serialize + Default>(rows: impl IntoIterator<Item = Row>) -> String {
     let mut text = header::<Row>();
     for row in rows {
         text.push_str(&line(&row));
@@ -47,7 +45,7 @@ pub fn table<Row: Serialize + Default>(rows: impl IntoIterator<Item = Row>) -> S
 }
 
 /// Cells as a line of CSV.
-pub fn line_of(cells: &[String]) -> String {
+pub(crate) fn line_of(cells: &[String]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::with_capacity(512));
     // writing to memory does not fail
     let _ = writer.write_record(cells);
@@ -82,15 +80,6 @@ impl Cells {
 /// A list being put into one cell: all cells from an index on.
 struct List<'a>(&'a mut Cells, usize);
 
-impl List<'_> {
-    fn end(self) -> fmt::Result {
-        let List(cells, from) = self;
-        let text = cells.texts.split_off(from).join(" ");
-        cells.names.truncate(from);
-        cells.put(text)
-    }
-}
-
 macro_rules! scalars {
     ($($name:ident: $type:ty),*) => {
         $(fn $name(self, value: $type) -> fmt::Result {
@@ -99,11 +88,20 @@ macro_rules! scalars {
     };
 }
 
+/// What is no part of a row.
+macro_rules! refused {
+    ($($name:ident($($type:ty),*) -> $part:ident),*) => {
+        $(fn $name(self, $(_: $type),*) -> Result<Self::$part, fmt::Error> {
+            Err(fmt::Error)
+        })*
+    };
+}
+
 impl<'a> Serializer for &'a mut Cells {
     type Ok = ();
     type Error = fmt::Error;
     type SerializeSeq = List<'a>;
-    type SerializeTuple = List<'a>;
+    type SerializeTuple = Impossible<(), fmt::Error>;
     type SerializeTupleStruct = Impossible<(), fmt::Error>;
     type SerializeTupleVariant = Impossible<(), fmt::Error>;
     type SerializeMap = Self;
@@ -116,6 +114,14 @@ impl<'a> Serializer for &'a mut Cells {
         serialize_u8: u8, serialize_u16: u16, serialize_u32: u32, serialize_u64: u64
     );
 
+    refused!(
+        serialize_bytes(&[u8]) -> Ok,
+        serialize_tuple(usize) -> SerializeTuple,
+        serialize_tuple_struct(&'static str, usize) -> SerializeTupleStruct,
+        serialize_tuple_variant(&'static str, u32, &'static str, usize) -> SerializeTupleVariant,
+        serialize_struct_variant(&'static str, u32, &'static str, usize) -> SerializeStructVariant
+    );
+
     fn serialize_f32(self, value: f32) -> fmt::Result {
         self.put(number(value.into()))
     }
@@ -124,16 +130,8 @@ impl<'a> Serializer for &'a mut Cells {
         self.put(number(value))
     }
 
-    fn serialize_bytes(self, _: &[u8]) -> fmt::Result {
-        Err(fmt::Error)
-    }
-
     fn serialize_none(self) -> fmt::Result {
         self.put(String::new())
-    }
-
-    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> fmt::Result {
-        value.serialize(self)
     }
 
     fn serialize_unit(self) -> fmt::Result {
@@ -146,6 +144,10 @@ impl<'a> Serializer for &'a mut Cells {
 
     fn serialize_unit_variant(self, _: &'static str, _: u32, name: &'static str) -> fmt::Result {
         self.put(name.to_owned())
+    }
+
+    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> fmt::Result {
+        value.serialize(self)
     }
 
     fn serialize_newtype_struct<T: Serialize + ?Sized>(
@@ -171,44 +173,12 @@ impl<'a> Serializer for &'a mut Cells {
         Ok(List(self, from))
     }
 
-    fn serialize_tuple(self, _: usize) -> Result<List<'a>, fmt::Error> {
-        self.serialize_seq(None)
-    }
-
-    fn serialize_tuple_struct(
-        self,
-        _: &'static str,
-        _: usize,
-    ) -> Result<Self::SerializeTupleStruct, fmt::Error> {
-        Err(fmt::Error)
-    }
-
-    fn serialize_tuple_variant(
-        self,
-        _: &'static str,
-        _: u32,
-        _: &'static str,
-        _: usize,
-    ) -> Result<Self::SerializeTupleVariant, fmt::Error> {
-        Err(fmt::Error)
-    }
-
     fn serialize_map(self, _: Option<usize>) -> Result<Self, fmt::Error> {
         Ok(self)
     }
 
     fn serialize_struct(self, _: &'static str, _: usize) -> Result<Self, fmt::Error> {
         Ok(self)
-    }
-
-    fn serialize_struct_variant(
-        self,
-        _: &'static str,
-        _: u32,
-        _: &'static str,
-        _: usize,
-    ) -> Result<Self::SerializeStructVariant, fmt::Error> {
-        Err(fmt::Error)
     }
 }
 
@@ -259,26 +229,16 @@ impl SerializeSeq for List<'_> {
     }
 
     fn end(self) -> fmt::Result {
-        List::end(self)
-    }
-}
-
-impl SerializeTuple for List<'_> {
-    type Ok = ();
-    type Error = fmt::Error;
-
-    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> fmt::Result {
-        value.serialize(&mut *self.0)
-    }
-
-    fn end(self) -> fmt::Result {
-        List::end(self)
+        let List(cells, from) = self;
+        let text = cells.texts.split_off(from).join(" ");
+        cells.names.truncate(from);
+        cells.put(text)
     }
 }
 
 /// A table that was read: a header, and all rows that are finished.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Table {
+pub(crate) struct Table {
     header: StringRecord,
     rows: Vec<StringRecord>,
 }
@@ -289,7 +249,7 @@ impl Table {
     ///
     /// # Errors
     /// When it is no CSV.
-    pub fn parse(bytes: &[u8]) -> Result<Table, csv::Error> {
+    pub(crate) fn parse(bytes: &[u8]) -> Result<Table, csv::Error> {
         let whole = bytes.iter().rposition(|byte| *byte == b'\n');
         let text = String::from_utf8_lossy(&bytes[..whole.map_or(0, |last| last + 1)]);
         let mut reader = csv::ReaderBuilder::new()
@@ -303,27 +263,27 @@ impl Table {
     }
 
     /// Number of rows.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.rows.len()
     }
 
     /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
     /// Names of the columns.
-    pub fn columns(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn columns(&self) -> impl Iterator<Item = &str> {
         self.header.iter()
     }
 
     /// Whether there is a column of this name.
-    pub fn has(&self, column: &str) -> bool {
+    pub(crate) fn has(&self, column: &str) -> bool {
         self.columns().any(|name| name == column)
     }
 
     /// A cell; empty when there is none.
-    pub fn text(&self, row: usize, column: &str) -> &str {
+    pub(crate) fn text(&self, row: usize, column: &str) -> &str {
         self.columns()
             .position(|name| name == column)
             .and_then(|index| self.rows.get(row)?.get(index))
@@ -331,18 +291,18 @@ impl Table {
     }
 
     /// A cell as a value; none when it is empty or something else.
-    pub fn field<T: FromStr>(&self, row: usize, column: &str) -> Option<T> {
+    pub(crate) fn field<T: FromStr>(&self, row: usize, column: &str) -> Option<T> {
         self.text(row, column).parse().ok()
     }
 
     /// A cell with a list of numbers.
-    pub fn list(&self, row: usize, column: &str) -> Vec<f64> {
+    pub(crate) fn list(&self, row: usize, column: &str) -> Vec<f64> {
         let words = self.text(row, column).split_whitespace();
         words.filter_map(|word| word.parse().ok()).collect()
     }
 
     /// The first row that has this in its column `label`.
-    pub fn labelled(&self, label: &str) -> Option<usize> {
+    pub(crate) fn labelled(&self, label: &str) -> Option<usize> {
         (0..self.len()).find(|row| !label.is_empty() && self.text(*row, "label") == label)
     }
 
@@ -350,7 +310,7 @@ impl Table {
     ///
     /// # Errors
     /// When a column is missing, or a cell is not of its type.
-    pub fn rows<T: DeserializeOwned>(&self) -> Result<Vec<T>, csv::Error> {
+    pub(crate) fn rows<T: DeserializeOwned>(&self) -> Result<Vec<T>, csv::Error> {
         let rows = self.rows.iter();
         rows.map(|row| row.deserialize(Some(&self.header)))
             .collect()

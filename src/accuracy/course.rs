@@ -8,7 +8,7 @@ use crate::problem::{Continuation, Problem};
 
 /// How long to measure.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Seconds for all rungs and the reference.
     pub budget: f64,
     /// Most repetitions of a rung.
@@ -16,7 +16,7 @@ pub struct Limits {
 }
 
 /// Measurements that are going on.
-pub struct Course {
+pub(crate) struct Course {
     problem: Problem,
     continuation: Continuation,
     reference: Followed,
@@ -36,7 +36,7 @@ impl Course {
     ///
     /// # Errors
     /// When the branch does not begin, or the time does not suffice.
-    pub fn begin(
+    pub(crate) fn begin(
         problem: &Problem,
         continuation: &Continuation,
         rows: &[Row],
@@ -68,13 +68,13 @@ impl Course {
     }
 
     /// The rung that is next, and its place on the ladder.
-    pub fn next_rung(&self) -> Option<(usize, Rung)> {
+    pub(crate) fn next_rung(&self) -> Option<(usize, Rung)> {
         let index = *self.left.as_slice().first()?;
         Some((index, self.ladder[index]))
     }
 
     /// Measures the next rung; none where the time does not suffice.
-    pub fn measure_next(&mut self) -> Option<Row> {
+    pub(crate) fn measure_next(&mut self) -> Option<Row> {
         let (index, rung) = self.next_rung()?;
         self.left.next();
         let seconds = self.limits.budget - self.begun.elapsed().as_secs_f64();
@@ -99,7 +99,7 @@ impl Course {
     }
 
     /// Rungs for which the time did not suffice.
-    pub fn left_out(&self) -> usize {
+    pub(crate) fn left_out(&self) -> usize {
         self.left_out
     }
 }

@@ -37,7 +37,7 @@ impl Compared {
 }
 
 /// A branch followed by one method.
-pub struct Followed {
+pub(crate) struct Followed {
     points: usize,
     events: Vec<(EventType, f64)>,
     waves: Vec<Compared>,
@@ -52,7 +52,7 @@ const HIGHEST: f64 = 8.0;
 
 /// The problem as every method follows it: without stability and profiles, with a few user points
 /// if it has none.
-pub fn stripped(problem: &Problem, continuation: &Continuation) -> (Problem, Continuation) {
+pub(crate) fn stripped(problem: &Problem, continuation: &Continuation) -> (Problem, Continuation) {
     let mut problem = problem.clone();
     problem.stability = None;
     problem.output = Default::default();
@@ -69,7 +69,7 @@ pub fn stripped(problem: &Problem, continuation: &Continuation) -> (Problem, Con
 
 /// Why a method has no answer.
 #[derive(Debug, thiserror::Error)]
-pub enum Missed {
+pub(crate) enum Missed {
     /// The branch does not begin.
     #[error("{0}")]
     Run(#[from] RunError),
@@ -93,7 +93,7 @@ fn in_time(until: Option<Instant>) -> Result<(), Missed> {
 ///
 /// # Errors
 /// When it does not begin, or not end in time.
-pub fn follow(
+pub(crate) fn follow(
     problem: &Problem,
     continuation: &Continuation,
     method: Method,
@@ -176,7 +176,7 @@ fn eigenvalue_error(reference: &[Vec<Complex<f64>>], found: &[Vec<Complex<f64>>]
 
 /// How often a rung is repeated, and for how long at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Repeats {
+pub(crate) struct Repeats {
     /// Most repetitions.
     pub most: usize,
     /// Seconds after which no further one begins.
@@ -204,7 +204,7 @@ fn timed<T>(repeats: Repeats, work: impl Fn() -> Result<T, Missed>) -> Result<(f
 }
 
 /// Measures one rung against the reference; none if the time does not suffice.
-pub fn measure(
+pub(crate) fn measure(
     problem: &Problem,
     continuation: &Continuation,
     rung: Rung,

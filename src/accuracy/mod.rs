@@ -13,6 +13,6 @@ mod course;
 mod measure;
 mod rung;
 
-pub use course::{Course, Limits};
-pub use measure::Missed;
-pub use rung::{Row, Rung, ladder, reference_method};
+pub(crate) use course::{Course, Limits};
+pub(crate) use measure::Missed;
+pub(crate) use rung::{Row, Rung, ladder, reference_method};

@@ -7,7 +7,7 @@ use crate::model::FrictionLaw;
 
 /// One rung of the ladder of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rung {
+pub(crate) enum Rung {
     /// A method of the boundary-value problem.
     Flow(Method),
     /// The discretised ring with n points per wavelength and ε.
@@ -21,7 +21,7 @@ pub enum Rung {
 
 impl Rung {
     /// Name of the method.
-    pub fn method(self) -> &'static str {
+    pub(crate) fn method(self) -> &'static str {
         match self {
             Rung::Flow(Method::Exact) => "exact",
             Rung::Flow(Method::Shooting { .. }) => "shooting",
@@ -53,7 +53,7 @@ impl std::fmt::Display for Rung {
 }
 
 /// The ladder for a friction law, from coarse to fine within each method.
-pub fn ladder(law: FrictionLaw) -> Vec<Rung> {
+pub(crate) fn ladder(law: FrictionLaw) -> Vec<Rung> {
     let mut rungs = Vec::new();
     if law.piecewise_linear() {
         rungs.push(Rung::Flow(Method::Exact));
@@ -81,7 +81,7 @@ pub fn ladder(law: FrictionLaw) -> Vec<Rung> {
 }
 
 /// The method of the reference under a law.
-pub fn reference_method(law: FrictionLaw) -> Method {
+pub(crate) fn reference_method(law: FrictionLaw) -> Method {
     match law {
         FrictionLaw::Coulomb | FrictionLaw::Static { .. } => Method::Exact,
         FrictionLaw::Stribeck { .. } => Method::Collocation {
@@ -97,7 +97,7 @@ pub fn reference_method(law: FrictionLaw) -> Method {
 
 /// What one rung achieves: a row of `accuracy.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// Name of the method.
     pub method: String,
     /// Setting of the rung, in words.
@@ -126,12 +126,12 @@ pub struct Row {
 
 impl Row {
     /// Whether this is what a rung achieves.
-    pub fn is_of(&self, rung: Rung) -> bool {
+    pub(crate) fn is_of(&self, rung: Rung) -> bool {
         self.method == rung.method() && self.setting == rung.setting()
     }
 
     /// The largest of the errors of the wave and its events.
-    pub fn error(&self) -> Option<f64> {
+    pub(crate) fn error(&self) -> Option<f64> {
         [self.speed_error, self.switch_error, self.event_error]
             .into_iter()
             .flatten()

@@ -15,7 +15,7 @@ use crate::output::render::Format;
 use crate::output::store::Kind;
 
 #[derive(Debug, Args)]
-pub struct AccuracyArguments {
+pub(crate) struct AccuracyArguments {
     #[command(flatten)]
     task: Task,
     /// Seconds to spend: methods are repeated within it, and cut and left out when it is over
@@ -36,7 +36,7 @@ fn positive(text: &str) -> Result<f64, Usage> {
     }
 }
 
-pub fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
+pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
     let (task, format) = (&arguments.task, arguments.format.available()?);
     let Prepared {
         problem,

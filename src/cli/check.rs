@@ -17,7 +17,7 @@ use crate::model::Parameter;
 use crate::problem::{self, Problem};
 
 #[derive(Debug, Args)]
-pub struct CheckArguments {
+pub(crate) struct CheckArguments {
     /// Problem files
     #[arg(required = true)]
     problems: Vec<PathBuf>,
@@ -51,7 +51,7 @@ impl Outcome {
 
 const SKIPPED: &str = "nothing expected: the list `expect` is empty";
 
-pub fn check(arguments: &CheckArguments) -> Result<Exit, Failure> {
+pub(crate) fn check(arguments: &CheckArguments) -> Result<Exit, Failure> {
     if let Some(path) = &arguments.junit {
         spare(path, &arguments.problems)?;
     }

@@ -17,7 +17,7 @@ use crate::output::store::Kind;
 use crate::problem::{self, CurveEvent, Problem};
 
 #[derive(Debug, Args)]
-pub struct CurveArguments {
+pub(crate) struct CurveArguments {
     /// Its problem file has a section `curve`, and `continuation` unless the event is a label
     #[command(flatten)]
     task: Task,
@@ -26,7 +26,7 @@ pub struct CurveArguments {
     format: Format,
 }
 
-pub fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
+pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
     let task = &arguments.task;
     let format = arguments.format.available()?;
     let (problem, text, name) = task.read()?;

@@ -19,7 +19,7 @@ use crate::wave::hopf::NoHopf;
 
 /// How a verb has ended; the number is the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Exit {
+pub(crate) enum Exit {
     /// All that was asked for is done.
     Done = 0,
     /// An expectation of `check` is not met.
@@ -39,13 +39,13 @@ impl From<Exit> for ExitCode {
 }
 
 /// The exit codes for the help text.
-pub const EXIT_CODES: &str = "Exit codes: 0 done; 1 an expectation of `check` is not met; 2 bad input \
+pub(crate) const EXIT_CODES: &str = "Exit codes: 0 done; 1 an expectation of `check` is not met; 2 bad input \
 or usage; 3 numerical failure (no start, or the branch ended before its range); 4 input or output failed \
 (full disk, no permission, damaged folder)";
 
 /// Everything that can end a verb early.
 #[derive(Debug, thiserror::Error)]
-pub enum Failure {
+pub(crate) enum Failure {
     #[error("{0}")]
     Problem(#[from] ProblemError),
     /// What cannot be computed, with the line of the problem file it is about.
@@ -72,7 +72,7 @@ pub enum Failure {
 
 impl Failure {
     /// The exit code that it means.
-    pub fn exit(&self) -> Exit {
+    pub(crate) fn exit(&self) -> Exit {
         match self {
             Failure::Placed(_, exit) => *exit,
             Failure::Run(RunError::NoHopf(NoHopf::Parameter)) => Exit::BadInput,
@@ -101,7 +101,7 @@ impl Failure {
 
 /// What the user asked for in vain, on the command line or in a problem file.
 #[derive(Debug, thiserror::Error)]
-pub enum Usage {
+pub(crate) enum Usage {
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
     #[error("{}: it would be replaced, and is read as well; take another name", .0.display())]

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 /// How a test case has come out.
-pub enum Verdict {
+pub(crate) enum Verdict {
     Passed,
     /// With what was found instead.
     Failed(String),
@@ -14,13 +14,13 @@ pub enum Verdict {
 }
 
 /// A test case by its name.
-pub struct Case {
+pub(crate) struct Case {
     pub name: String,
     pub verdict: Verdict,
 }
 
 /// The test cases of a file.
-pub struct Suite {
+pub(crate) struct Suite {
     pub name: String,
     pub cases: Vec<Case>,
 }
@@ -41,7 +41,7 @@ fn counts<'a>(cases: impl Iterator<Item = &'a Case>) -> String {
 }
 
 /// All suites as a report.
-pub fn report(suites: &[Suite]) -> String {
+pub(crate) fn report(suites: &[Suite]) -> String {
     let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     let all = counts(suites.iter().flat_map(|suite| &suite.cases));
     // writing to a string does not fail

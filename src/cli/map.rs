@@ -21,7 +21,7 @@ use crate::problem::Problem;
 
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
-pub struct MapArguments {
+pub(crate) struct MapArguments {
     #[command(subcommand)]
     verb: Option<MapVerb>,
     /// Its problem file has a section `map`
@@ -86,7 +86,7 @@ impl FromStr for Shard {
 /// More threads than this are not started, nor more than there are rows: they would only wait.
 const MOST_THREADS: usize = 256;
 
-pub fn map(arguments: &MapArguments) -> Result<Exit, Failure> {
+pub(crate) fn map(arguments: &MapArguments) -> Result<Exit, Failure> {
     match (&arguments.verb, &arguments.task) {
         (Some(MapVerb::Merge(arguments)), _) => merge(arguments),
         (None, Some(task)) => run(arguments, task),

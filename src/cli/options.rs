@@ -14,7 +14,7 @@ use crate::simulation::task::SimulationStart;
 
 /// A problem file, and the folder of its results.
 #[derive(Debug, Args)]
-pub struct Task {
+pub(crate) struct Task {
     /// Problem file
     pub problem: PathBuf,
     /// Result folder [default: results/ and the name of the problem file, with the verb but for `run`]
@@ -33,13 +33,13 @@ pub struct Task {
 
 impl Task {
     /// The problem, its text and its name for messages.
-    pub fn read(&self) -> Result<(Problem, String, String), Failure> {
+    pub(crate) fn read(&self) -> Result<(Problem, String, String), Failure> {
         let (problem, text) = problem::read(&self.problem)?;
         Ok((problem, text, self.problem.display().to_string()))
     }
 
     /// Where the results go: by default `results/` and the name of the problem file with an ending.
-    pub fn folder(&self, ending: &str) -> PathBuf {
+    pub(crate) fn folder(&self, ending: &str) -> PathBuf {
         let stem = self.problem.file_stem();
         let mut name = stem.map_or_else(|| "problem".into(), |stem| stem.to_owned());
         name.push(ending);
@@ -48,14 +48,19 @@ impl Task {
     }
 
     /// Takes hold of a folder.
-    pub fn open(&self, folder: &Path, kind: Kind, problem: &Problem) -> Result<Store, Failure> {
+    pub(crate) fn open(
+        &self,
+        folder: &Path,
+        kind: Kind,
+        problem: &Problem,
+    ) -> Result<Store, Failure> {
         let existing = Existing::of(self.resume, self.force);
         let inputs = self.inputs(problem);
         Ok(Store::open(folder, kind, problem, existing, &inputs)?)
     }
 
     /// What the results are computed from: the problem file, and what it names.
-    pub fn inputs(&self, problem: &Problem) -> Vec<PathBuf> {
+    pub(crate) fn inputs(&self, problem: &Problem) -> Vec<PathBuf> {
         let mut inputs = vec![self.problem.clone()];
         if let Start::Restart { dir, .. } = &problem.wave.start {
             inputs.push(dir.clone());
@@ -75,7 +80,7 @@ impl Task {
 
 /// How many threads.
 #[derive(Debug, Args)]
-pub struct Threads {
+pub(crate) struct Threads {
     /// Threads [default: one per core; for `run`, where they only draw, one]; the results do not depend
     /// on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
@@ -84,7 +89,7 @@ pub struct Threads {
 
 impl Threads {
     /// Does work with as many threads as asked for, not more than `most`: they would only wait.
-    pub fn install<T: Send>(
+    pub(crate) fn install<T: Send>(
         &self,
         default: usize,
         most: usize,
@@ -97,19 +102,19 @@ impl Threads {
 }
 
 /// Threads that this machine can run at a time.
-pub fn cores() -> usize {
+pub(crate) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// A picture format on the command line.
-pub fn format(text: &str) -> Result<Format, Usage> {
+pub(crate) fn format(text: &str) -> Result<Format, Usage> {
     let mut all = [Format::Svg, Format::Png, Format::Pdf].into_iter();
     let known = all.find(|format| format.extension() == text);
     known.ok_or_else(|| Usage::Format(text.to_owned()))
 }
 
 /// NAME=VALUE on the command line.
-pub fn assignment(text: &str) -> Result<(Parameter, f64), Usage> {
+pub(crate) fn assignment(text: &str) -> Result<(Parameter, f64), Usage> {
     let (name, value) = text.split_once('=').ok_or(Usage::Assignment)?;
     let (name, value) = (name.trim(), value.trim());
     let parameter = Parameter::from_column(name).ok_or_else(|| {
@@ -127,7 +132,7 @@ pub fn assignment(text: &str) -> Result<(Parameter, f64), Usage> {
 }
 
 /// Replaces a parameter of the model, under the rules of a problem file.
-pub fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Result<(), Usage> {
+pub(crate) fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Result<(), Usage> {
     let rule = match problem.model.value(parameter) {
         None => "the model has no such parameter".to_owned(),
         Some(_) if parameter.admits(value) && value.is_finite() => {
@@ -144,7 +149,7 @@ pub fn set(problem: &mut Problem, parameter: Parameter, value: f64) -> Result<()
 }
 
 /// Refuses a file for output that is read as well, or that cannot be: before the computation.
-pub fn spare(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+pub(crate) fn spare(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let canonical = |path: &Path| fs::canonicalize(path).ok();
     let there = canonical(path);
     if there.is_some() && inputs.iter().any(|input| canonical(input) == there) {
@@ -158,12 +163,12 @@ pub fn spare(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
 }
 
 /// Writes a file that the user has named.
-pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
+pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     Ok(fs::write(path, text).map_err(io_error("write it", path))?)
 }
 
 /// File and format of a picture asked for.
-pub fn picture<'a>(
+pub(crate) fn picture<'a>(
     path: Option<&'a Path>,
     inputs: &[PathBuf],
 ) -> Result<Option<(&'a Path, Format)>, Failure> {

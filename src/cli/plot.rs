@@ -15,7 +15,7 @@ use crate::output::store::{Checkpoint, Store};
 use crate::problem::Plot;
 
 #[derive(Debug, Args)]
-pub struct PlotArguments {
+pub(crate) struct PlotArguments {
     /// Result folder of an earlier run
     folder: PathBuf,
     /// Format of the pictures: svg, png or pdf
@@ -23,7 +23,7 @@ pub struct PlotArguments {
     format: Format,
 }
 
-pub fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
+pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
     if arguments.folder.join(SimulationCheckpoint::FILE).exists() {
         return plot_simulation(arguments);
     }

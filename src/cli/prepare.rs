@@ -10,7 +10,7 @@ use crate::output::store::Checkpoint;
 use crate::problem::{self, Continuation, Problem, Start, Toward};
 
 /// A problem read and ready to run.
-pub struct Prepared {
+pub(crate) struct Prepared {
     pub problem: Problem,
     pub continuation: Continuation,
     pub restart: Option<SavedWave>,
@@ -18,24 +18,24 @@ pub struct Prepared {
 }
 
 /// The file of a problem, for messages that point into it.
-pub struct Source {
+pub(crate) struct Source {
     name: String,
     text: String,
 }
 
 impl Source {
     /// The text of a file.
-    pub fn new(name: String, text: String) -> Source {
+    pub(crate) fn new(name: String, text: String) -> Source {
         Source { name, text }
     }
 
     /// A refusal of what stands at a path.
-    pub fn refuse(&self, path: &str, message: String, help: &str) -> Failure {
+    pub(crate) fn refuse(&self, path: &str, message: String, help: &str) -> Failure {
         problem::refuse_at(&self.text, &self.name, path, message, help).into()
     }
 
     /// What ends a run before it begins, with the line it is about if there is one.
-    pub fn place(&self, error: RunError) -> Failure {
+    pub(crate) fn place(&self, error: RunError) -> Failure {
         match error.about() {
             None => error.into(),
             Some((path, help)) => {
@@ -47,7 +47,7 @@ impl Source {
     }
 
     /// The run of a folder to restart from, which must hold waves of this mode.
-    pub fn restart(&self, dir: &Path, mode: u32) -> Result<Restart, Failure> {
+    pub(crate) fn restart(&self, dir: &Path, mode: u32) -> Result<Restart, Failure> {
         let earlier = Restart::read(dir)?;
         let known = earlier.problem.wave.mode;
         if known != mode {
@@ -63,13 +63,13 @@ impl Source {
 }
 
 /// Reads a problem file, and the wave it restarts from if it does.
-pub fn prepare(path: &Path) -> Result<Prepared, Failure> {
+pub(crate) fn prepare(path: &Path) -> Result<Prepared, Failure> {
     let (problem, text) = problem::read(path)?;
     ready(problem, text, path)
 }
 
 /// The branch of a problem that was read, and the wave it restarts from if it does.
-pub fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepared, Failure> {
+pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepared, Failure> {
     let source = Source::new(path.display().to_string(), text);
     let mut continuation = problem.continuation(&source.text, &source.name)?.clone();
     let mut restart = None;

@@ -21,10 +21,10 @@ const FIRST: Duration = Duration::from_secs(1);
 const PARTS: u64 = 1000;
 
 /// Where work is: the part done, not a number where nobody knows, and more in words.
-pub type Here = (f64, String);
+pub(crate) type Here = (f64, String);
 
 /// Takes steps until there is none left, and shows after each where the work is.
-pub fn drive(
+pub(crate) fn drive(
     quiet: bool,
     mut step: impl FnMut() -> Result<Option<Here>, Failure>,
 ) -> Result<(), Failure> {
@@ -52,7 +52,7 @@ impl State {
 }
 
 /// What is shown of work, until it is dropped.
-pub struct Progress {
+pub(crate) struct Progress {
     state: Arc<Mutex<State>>,
     bar: Option<ProgressBar>,
     /// Ends the thread that writes lines.
@@ -62,7 +62,7 @@ pub struct Progress {
 
 impl Progress {
     /// Begins to count time.
-    pub fn new(quiet: bool) -> Progress {
+    pub(crate) fn new(quiet: bool) -> Progress {
         let state = Arc::new(Mutex::new(State {
             part: f64::NAN,
             words: String::new(),
@@ -88,7 +88,7 @@ impl Progress {
     }
 
     /// Shows where the work is.
-    pub fn show(&self, part: f64, words: String) {
+    pub(crate) fn show(&self, part: f64, words: String) {
         let mut state = lock(&self.state);
         if state.first.is_none() && !part.is_nan() {
             state.first = Some((Instant::now(), part));
@@ -162,7 +162,7 @@ fn line(part: f64, left: Option<f64>, words: &str) -> String {
 }
 
 /// Seconds as a reader wants them: a number below 120 of the largest fitting unit.
-pub fn duration(seconds: f64) -> String {
+pub(crate) fn duration(seconds: f64) -> String {
     let units = [
         (60.0, "s"),
         (60.0, "min"),

@@ -26,7 +26,7 @@ fn figure(value: f64) -> String {
 }
 
 /// The report of a result folder, from its tables: a run that was resumed is reported as a whole.
-pub fn branch(folder: &Path, parameter: Parameter) -> Result<String, StoreError> {
+pub(crate) fn branch(folder: &Path, parameter: Parameter) -> Result<String, StoreError> {
     let points = store::table(&folder.join(BRANCH))?;
     let events = store::table(&folder.join(EVENTS))?;
     let number =
@@ -84,7 +84,7 @@ pub fn branch(folder: &Path, parameter: Parameter) -> Result<String, StoreError>
 }
 
 /// The special points of a curve, a line each.
-pub fn curve(curve: &Curve) -> String {
+pub(crate) fn curve(curve: &Curve) -> String {
     let mut text = String::new();
     let [first, second] = curve.parameters.map(|parameter| parameter.column());
     let _ = writeln!(

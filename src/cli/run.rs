@@ -15,14 +15,14 @@ use crate::output::run::{Restart, RunFolder};
 use crate::output::store::{Checkpoint, Kind, damaged};
 
 #[derive(Debug, Args)]
-pub struct RunArguments {
+pub(crate) struct RunArguments {
     #[command(flatten)]
     task: Task,
     #[command(flatten)]
     threads: Threads,
 }
 
-pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
+pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     let task = &arguments.task;
     let Prepared {
         problem,

@@ -24,7 +24,7 @@ use crate::simulation::profile::Profile;
 use crate::simulation::task::{Simulation, SimulationStart};
 
 #[derive(Debug, Args)]
-pub struct SimulateArguments {
+pub(crate) struct SimulateArguments {
     /// Its problem file has a section `simulation`
     #[command(flatten)]
     task: Task,
@@ -75,7 +75,7 @@ fn beginning(problem: &Problem, section: &Simulation) -> Result<(Model, Option<P
     Ok((saved.model, Some(wave)))
 }
 
-pub fn simulate(arguments: &SimulateArguments) -> Result<Exit, Failure> {
+pub(crate) fn simulate(arguments: &SimulateArguments) -> Result<Exit, Failure> {
     let (threads, task) = (&arguments.threads, &arguments.task);
     threads.install(cores(), cores(), || simulate_with(task))
 }

@@ -23,7 +23,7 @@ use crate::stability::spectrum::{Request, spectrum as compute};
 use crate::table;
 
 #[derive(Debug, Args)]
-pub struct SpectrumArguments {
+pub(crate) struct SpectrumArguments {
     /// Problem file
     problem: PathBuf,
     /// Parameter value by its column, e.g. mismatch=0.045; the continuation parameter is reached
@@ -100,7 +100,7 @@ fn request(problem: &Problem, sector: Option<usize>) -> Result<Request, Usage> {
     Ok(request)
 }
 
-pub fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
+pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
     let Prepared {
         mut problem,
         mut continuation,

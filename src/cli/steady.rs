@@ -23,7 +23,7 @@ const LEAST_MODES: u32 = 12;
 const PROMISED: f64 = 1e-10;
 
 #[derive(Debug, Args)]
-pub struct SteadyArguments {
+pub(crate) struct SteadyArguments {
     /// Problem file
     problem: PathBuf,
     /// Parameter value by its column instead of that of the file, e.g. stiffness_damping=0.003
@@ -56,7 +56,7 @@ fn modes(text: &str) -> Result<(u32, u32), Usage> {
     Ok((first, last))
 }
 
-pub fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
+pub(crate) fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
     let inputs = [arguments.problem.clone()];
     let picture = picture(arguments.plot.as_deref(), &inputs)?;
     let (mut problem, _) = problem::read(&arguments.problem)?;

@@ -9,13 +9,13 @@ const TABLE: &str = "accuracy.csv";
 
 /// The folder being written.
 #[derive(Debug)]
-pub struct AccuracyFolder {
+pub(crate) struct AccuracyFolder {
     store: Store,
     table: Growing,
 }
 
 /// Rows that were measured, and the bytes of their table.
-pub struct Interrupted {
+pub(crate) struct Interrupted {
     /// The rows.
     pub rows: Vec<Row>,
     length: usize,
@@ -26,7 +26,10 @@ impl AccuracyFolder {
     ///
     /// # Errors
     /// When it is damaged: of another header, with a row of no rung of the ladder, or of one twice.
-    pub fn interrupted(store: &Store, ladder: &[Rung]) -> Result<Option<Interrupted>, StoreError> {
+    pub(crate) fn interrupted(
+        store: &Store,
+        ladder: &[Rung],
+    ) -> Result<Option<Interrupted>, StoreError> {
         let path = store.path().join(TABLE);
         if !store.resumes() || !path.exists() {
             return Ok(None);
@@ -55,7 +58,7 @@ impl AccuracyFolder {
     ///
     /// # Errors
     /// When a file cannot be written, like all that follow.
-    pub fn open(
+    pub(crate) fn open(
         store: Store,
         picture: &str,
         interrupted: Option<&Interrupted>,
@@ -71,19 +74,19 @@ impl AccuracyFolder {
     }
 
     /// Appends a row.
-    pub fn write(&mut self, row: &Row) -> Result<(), StoreError> {
+    pub(crate) fn write(&mut self, row: &Row) -> Result<(), StoreError> {
         self.table.row(row)
     }
 
     /// Puts the rows in the order of the ladder: those of a resumed run come after the others.
-    pub fn sort(&self, rows: &mut [Row], ladder: &[Rung]) -> Result<(), StoreError> {
+    pub(crate) fn sort(&self, rows: &mut [Row], ladder: &[Rung]) -> Result<(), StoreError> {
         rows.sort_by_key(|row| ladder.iter().position(|rung| row.is_of(*rung)));
         let text = table::table(rows.iter().cloned());
         self.store.replace(TABLE, text.as_bytes())
     }
 
     /// The folder as such.
-    pub fn store(&self) -> &Store {
+    pub(crate) fn store(&self) -> &Store {
         &self.store
     }
 }

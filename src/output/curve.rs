@@ -17,15 +17,15 @@ use crate::model::Parameter;
 use crate::table;
 
 /// Name of the table.
-pub const TABLE: &str = "curve.csv";
+pub(crate) const TABLE: &str = "curve.csv";
 /// Name of the picture without extension.
-pub const PICTURE: &str = "curve";
+pub(crate) const PICTURE: &str = "curve";
 /// Name of the steps.
-pub const STEPS: &str = "curve.steps";
+pub(crate) const STEPS: &str = "curve.steps";
 
 /// The folder of a curve being written.
 #[derive(Debug)]
-pub struct CurveFolder {
+pub(crate) struct CurveFolder {
     store: Store,
     table: Growing,
     steps: Growing,
@@ -53,7 +53,7 @@ fn value<T: DeserializeOwned>(line: &str) -> Result<T, Flaw> {
 }
 
 /// A curve to go on with.
-pub struct Interrupted {
+pub(crate) struct Interrupted {
     /// The curve after its last step.
     pub run: Run,
     /// Bytes of the steps.
@@ -65,7 +65,7 @@ impl CurveFolder {
     ///
     /// # Errors
     /// When that is damaged.
-    pub fn interrupted(store: &Store) -> Result<Option<Interrupted>, StoreError> {
+    pub(crate) fn interrupted(store: &Store) -> Result<Option<Interrupted>, StoreError> {
         let path = store.path().join(STEPS);
         // a curve killed before it began has no points
         if !store.resumes() || !path.exists() {
@@ -92,7 +92,11 @@ impl CurveFolder {
     ///
     /// # Errors
     /// When a file cannot be written, like all that follow.
-    pub fn create(store: Store, run: &Run, format: Format) -> Result<CurveFolder, StoreError> {
+    pub(crate) fn create(
+        store: Store,
+        run: &Run,
+        format: Format,
+    ) -> Result<CurveFolder, StoreError> {
         store.begin([STEPS.into(), TABLE.into(), picture(format)], None)?;
         let steps = store.create(STEPS, b"")?;
         let mut folder = CurveFolder::tabulate(store, run, steps)?;
@@ -101,7 +105,10 @@ impl CurveFolder {
     }
 
     /// Goes on with a curve.
-    pub fn reopen(store: Store, interrupted: &Interrupted) -> Result<CurveFolder, StoreError> {
+    pub(crate) fn reopen(
+        store: Store,
+        interrupted: &Interrupted,
+    ) -> Result<CurveFolder, StoreError> {
         let steps = store.cut(STEPS, interrupted.length)?;
         CurveFolder::tabulate(store, &interrupted.run, steps)
     }
@@ -129,12 +136,12 @@ impl CurveFolder {
     }
 
     /// What keeps the files.
-    pub fn store(&self) -> &Store {
+    pub(crate) fn store(&self) -> &Store {
         &self.store
     }
 
     /// Appends what a step found.
-    pub fn write(&mut self, step: &Step) -> Result<(), StoreError> {
+    pub(crate) fn write(&mut self, step: &Step) -> Result<(), StoreError> {
         for found in &step.found {
             self.append(&found.point)?;
         }
@@ -152,7 +159,7 @@ impl CurveFolder {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn finish(
+    pub(crate) fn finish(
         &self,
         curve: &Curve,
         ranges: [(f64, f64); 2],
@@ -223,7 +230,7 @@ impl<'a> Row<'a> {
 }
 
 /// The curve as CSV, from one end to the other.
-pub fn table(curve: &Curve) -> String {
+pub(crate) fn table(curve: &Curve) -> String {
     let mut text = header(curve.parameters);
     for (index, point) in curve.points.iter().enumerate() {
         let what = words(curve, index);
@@ -233,7 +240,7 @@ pub fn table(curve: &Curve) -> String {
 }
 
 /// What happens at a point; the reason of an end stands at the first and at the last one.
-pub fn words(curve: &Curve, index: usize) -> String {
+pub(crate) fn words(curve: &Curve, index: usize) -> String {
     let mut text = curve.points[index].what.clone();
     let last = curve.points.len() - 1;
     for (place, end) in [(0, &curve.ends[0]), (last, &curve.ends[1])] {

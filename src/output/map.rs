@@ -23,14 +23,14 @@ use crate::problem::Problem;
 use crate::table::{self, number};
 
 /// The joined table.
-pub const TABLE: &str = "map.csv";
+pub(crate) const TABLE: &str = "map.csv";
 /// The joined table as Parquet.
-pub const PARQUET: &str = "map.parquet";
+pub(crate) const PARQUET: &str = "map.parquet";
 const ROWS: &str = "rows";
 
 /// Content of `map.ron`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Description {
+pub(crate) struct Description {
     /// Version of brakewave that wrote it.
     pub version: String,
     /// The problem.
@@ -47,7 +47,7 @@ impl Checkpoint for Description {
 
 impl Description {
     /// The description of a problem by this version.
-    pub fn new(problem: &Problem) -> Description {
+    pub(crate) fn new(problem: &Problem) -> Description {
         Description {
             version: VERSION.to_owned(),
             problem: problem.clone(),
@@ -58,7 +58,7 @@ impl Description {
     ///
     /// # Errors
     /// When it is missing, damaged, or of another version.
-    pub fn of_shard(folder: &Path) -> Result<Description, StoreError> {
+    pub(crate) fn of_shard(folder: &Path) -> Result<Description, StoreError> {
         let found = Description::read(folder)?;
         if found.version != VERSION {
             let reason = format!(
@@ -72,7 +72,7 @@ impl Description {
     }
 
     /// Number of rows of the map; zero without a `map` section.
-    pub fn rows(&self) -> usize {
+    pub(crate) fn rows(&self) -> usize {
         self.plane().map_or(0, |plane| plane.rows())
     }
 
@@ -83,7 +83,7 @@ impl Description {
 
 /// The folder of a map, or of a shard of it.
 #[derive(Debug)]
-pub struct MapFolder {
+pub(crate) struct MapFolder {
     store: Store,
     description: Description,
     /// Hash of the description: which map this is.
@@ -96,7 +96,7 @@ impl MapFolder {
     ///
     /// # Errors
     /// When the description cannot be written down.
-    pub fn new(store: Store, description: Description) -> Result<MapFolder, StoreError> {
+    pub(crate) fn new(store: Store, description: Description) -> Result<MapFolder, StoreError> {
         let text = encode(&store.path().join(Description::FILE), &description)?;
         Ok(MapFolder {
             begun: Mutex::new(false),
@@ -110,7 +110,7 @@ impl MapFolder {
     ///
     /// # Errors
     /// When something else is in the way, or the system refuses.
-    pub fn begin(&self, rows: &[usize]) -> Result<(), StoreError> {
+    pub(crate) fn begin(&self, rows: &[usize]) -> Result<(), StoreError> {
         let mut begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
         if *begun {
             return Ok(());
@@ -134,7 +134,7 @@ impl MapFolder {
     ///
     /// # Errors
     /// When the folder cannot be read.
-    pub fn finished(&self) -> Result<Vec<usize>, StoreError> {
+    pub(crate) fn finished(&self) -> Result<Vec<usize>, StoreError> {
         if !self.store.resumes() {
             return Ok(Vec::new());
         }
@@ -151,7 +151,7 @@ impl MapFolder {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn write(&self, row: usize, cells: &[Cell]) -> Result<(), StoreError> {
+    pub(crate) fn write(&self, row: usize, cells: &[Cell]) -> Result<(), StoreError> {
         let rows = cells.iter().map(CellRow::new);
         let cells: String = rows.map(|row| table::line(&row)).collect();
         let text = self.head(row, &cells) + &cells;
@@ -201,7 +201,7 @@ impl MapFolder {
     ///
     /// # Errors
     /// When a row is missing or damaged, when folders disagree, or when the system refuses.
-    pub fn join(&self, from: &[PathBuf]) -> Result<(), StoreError> {
+    pub(crate) fn join(&self, from: &[PathBuf]) -> Result<(), StoreError> {
         let mut rows: BTreeMap<usize, PathBuf> = BTreeMap::new();
         let all = self.description.rows();
         for folder in from {
@@ -263,7 +263,7 @@ impl MapFolder {
     }
 
     /// The folder.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         self.store.path()
     }
 }

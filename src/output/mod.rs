@@ -1,15 +1,15 @@
 //! What is left behind: tables, checkpoints and pictures, in folders.
 
 #[cfg(feature = "cli")]
-pub mod accuracy;
+pub(crate) mod accuracy;
 #[cfg(feature = "cli")]
-pub mod curve;
+pub(crate) mod curve;
 #[cfg(feature = "cli")]
-pub mod map;
+pub(crate) mod map;
 #[cfg(feature = "cli")]
-pub mod npy;
+pub(crate) mod npy;
 #[cfg(feature = "parquet")]
-pub mod parquet;
+pub(crate) mod parquet;
 #[cfg(feature = "cli")]
 pub(crate) mod pictures;
 #[cfg(feature = "cli")]
@@ -17,9 +17,9 @@ pub(crate) mod render;
 #[cfg(feature = "cli")]
 pub mod run;
 #[cfg(feature = "cli")]
-pub mod simulation;
+pub(crate) mod simulation;
 #[cfg(feature = "cli")]
 pub mod store;
 #[cfg(feature = "cli")]
-pub mod vtk;
+pub(crate) mod vtk;
 mod words;

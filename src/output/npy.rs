@@ -3,11 +3,11 @@
 use std::fmt::Write;
 
 /// Bytes of every header written here, so that the number of rows can be changed in place.
-pub const HEADER: usize = 128;
+pub(crate) const HEADER: usize = 128;
 
 /// Kind of the numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// 64-bit floating point, little-endian.
     Double,
     /// Unsigned bytes.
@@ -15,7 +15,7 @@ pub enum Kind {
 }
 
 /// The header of an array of `rows` × `columns`.
-pub fn header(kind: Kind, rows: usize, columns: usize) -> [u8; HEADER] {
+pub(crate) fn header(kind: Kind, rows: usize, columns: usize) -> [u8; HEADER] {
     let descriptor = match kind {
         Kind::Double => "<f8",
         Kind::Byte => "|u1",
@@ -36,7 +36,7 @@ pub fn header(kind: Kind, rows: usize, columns: usize) -> [u8; HEADER] {
 }
 
 /// An array of doubles, given by columns.
-pub fn doubles(columns: &[&[f64]]) -> Vec<u8> {
+pub(crate) fn doubles(columns: &[&[f64]]) -> Vec<u8> {
     let rows = columns.iter().map(|column| column.len()).min().unwrap_or(0);
     let mut bytes = Vec::with_capacity(HEADER + 8 * rows * columns.len());
     bytes.extend_from_slice(&header(Kind::Double, rows, columns.len()));

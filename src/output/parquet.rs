@@ -16,7 +16,7 @@ const GROUP: usize = 1 << 16;
 
 /// Type of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// 64-bit integer.
     Integer,
     /// Double.
@@ -27,7 +27,7 @@ pub enum Kind {
 
 /// A table could not be converted.
 #[derive(Debug, thiserror::Error)]
-pub enum ConvertError {
+pub(crate) enum ConvertError {
     /// The table is no CSV.
     #[error("{0}")]
     Csv(#[from] csv::Error),
@@ -51,7 +51,7 @@ pub enum ConvertError {
 ///
 /// # Errors
 /// When the table cannot be read, a field does not fit its type, or `out` cannot be written.
-pub fn convert(
+pub(crate) fn convert(
     table: &Path,
     out: &mut (impl Write + Send),
     kind: impl Fn(&str) -> Kind,

@@ -82,7 +82,7 @@ impl Restart {
 ///
 /// # Errors
 /// The file is missing or damaged, or has no such label.
-pub fn labelled(folder: &Path, label: usize) -> Result<Labelled, StoreError> {
+pub(crate) fn labelled(folder: &Path, label: usize) -> Result<Labelled, StoreError> {
     #[derive(Deserialize)]
     struct Row {
         label: usize,
@@ -105,14 +105,14 @@ pub fn labelled(folder: &Path, label: usize) -> Result<Labelled, StoreError> {
 }
 
 /// Name of the table of points.
-pub const BRANCH: &str = "branch.csv";
+pub(crate) const BRANCH: &str = "branch.csv";
 /// Name of the table of events.
-pub const EVENTS: &str = "events.csv";
+pub(crate) const EVENTS: &str = "events.csv";
 const SPECTRUM: &str = "spectrum.csv";
 const PROFILES: &str = "profiles";
 
 /// The file of the profile of a label.
-pub fn profile_file(label: usize) -> String {
+pub(crate) fn profile_file(label: usize) -> String {
     format!("{PROFILES}/{label}.csv")
 }
 
@@ -125,7 +125,7 @@ const SAVED_EVERY: u32 = 20;
 
 /// The folder of a run being written.
 #[derive(Debug)]
-pub struct RunFolder {
+pub(crate) struct RunFolder {
     store: Store,
     branch: Growing,
     events: Growing,
@@ -143,7 +143,10 @@ impl RunFolder {
     ///
     /// # Errors
     /// When that is damaged.
-    pub fn interrupted(store: &Store, problem: &Problem) -> Result<Option<Restart>, StoreError> {
+    pub(crate) fn interrupted(
+        store: &Store,
+        problem: &Problem,
+    ) -> Result<Option<Restart>, StoreError> {
         let saved: Option<Restart> = store.interrupted(problem, BRANCH, 1)?;
         Ok(saved.filter(|saved| saved.progress.points > 0))
     }
@@ -154,7 +157,7 @@ impl RunFolder {
     /// # Errors
     /// When something else is in the way, when there is less than was saved, or when the system
     /// refuses.
-    pub fn open(
+    pub(crate) fn open(
         store: Store,
         problem: &Problem,
         branch: &Runner,
@@ -210,7 +213,7 @@ impl RunFolder {
     }
 
     /// The folder as such.
-    pub fn store(&self) -> &Store {
+    pub(crate) fn store(&self) -> &Store {
         &self.store
     }
 
@@ -218,7 +221,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the system refuses.
-    pub fn write(&mut self, items: &[Item], branch: &Runner) -> Result<(), StoreError> {
+    pub(crate) fn write(&mut self, items: &[Item], branch: &Runner) -> Result<(), StoreError> {
         for item in items {
             self.append(item)?;
         }

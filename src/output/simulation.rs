@@ -20,15 +20,15 @@ use crate::simulation::motion::{Motion, Saved};
 use crate::table::{self, Table};
 
 /// Name of the time series.
-pub const SERIES: &str = "series.csv";
+pub(crate) const SERIES: &str = "series.csv";
 /// Name of the array of regimes.
-pub const REGIMES: &str = "regimes.npy";
+pub(crate) const REGIMES: &str = "regimes.npy";
 /// Name of the contact line at the beginning.
-pub const START: &str = "start.csv";
+pub(crate) const START: &str = "start.csv";
 /// Name of the contact line at the end.
-pub const END: &str = "end.csv";
+pub(crate) const END: &str = "end.csv";
 /// Name of the table of measures.
-pub const MEASURES: &str = "measures.csv";
+pub(crate) const MEASURES: &str = "measures.csv";
 const GROWTH: &str = "growth.csv";
 const SNAPSHOTS: &str = "snapshots";
 
@@ -41,13 +41,13 @@ fn stride(points: usize) -> usize {
 }
 
 /// Columns of the array of regimes.
-pub fn columns(points: usize) -> usize {
+pub(crate) fn columns(points: usize) -> usize {
     points.div_ceil(stride(points))
 }
 
 /// Content of `checkpoint.ron`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SimulationCheckpoint {
+pub(crate) struct SimulationCheckpoint {
     /// Version of brakewave that wrote it.
     pub version: String,
     /// The problem with all its settings.
@@ -74,7 +74,7 @@ impl Checkpoint for SimulationCheckpoint {
 
 /// The folder of a simulation being written.
 #[derive(Debug)]
-pub struct SimulationFolder {
+pub(crate) struct SimulationFolder {
     store: Store,
     series: Growing,
     regimes: Growing,
@@ -109,7 +109,7 @@ impl SimulationFolder {
     ///
     /// # Errors
     /// When that is damaged.
-    pub fn interrupted(
+    pub(crate) fn interrupted(
         store: &Store,
         problem: &Problem,
     ) -> Result<Option<SimulationCheckpoint>, StoreError> {
@@ -117,7 +117,7 @@ impl SimulationFolder {
     }
 
     /// Begins a simulation, in place of an earlier one.
-    pub fn create(store: Store, points: usize) -> Result<SimulationFolder, StoreError> {
+    pub(crate) fn create(store: Store, points: usize) -> Result<SimulationFolder, StoreError> {
         let checkpoint = SimulationCheckpoint::FILE;
         let tables = [SERIES, REGIMES, START, checkpoint, END, MEASURES];
         let pictures = pictures::simulation_names(Format::Svg);
@@ -136,7 +136,7 @@ impl SimulationFolder {
 
     /// Goes on with an interrupted simulation, cut back to its checkpoint; returns the samples taken so
     /// far as well.
-    pub fn reopen(
+    pub(crate) fn reopen(
         store: Store,
         points: usize,
         checkpoint: &SimulationCheckpoint,
@@ -163,17 +163,17 @@ impl SimulationFolder {
     }
 
     /// The folder as such.
-    pub fn store(&self) -> &Store {
+    pub(crate) fn store(&self) -> &Store {
         &self.store
     }
 
     /// Snapshots written.
-    pub fn snapshots(&self) -> usize {
+    pub(crate) fn snapshots(&self) -> usize {
         self.snapshots
     }
 
     /// Appends a sample.
-    pub fn sample(&mut self, sample: &Sample, line: &Line) -> Result<(), StoreError> {
+    pub(crate) fn sample(&mut self, sample: &Sample, line: &Line) -> Result<(), StoreError> {
         self.series.row(sample)?;
         let kept = line.regimes.iter().step_by(stride(line.regimes.len()));
         let codes: Vec<u8> = kept.map(|regime| regime.code()).collect();
@@ -183,7 +183,7 @@ impl SimulationFolder {
     }
 
     /// Writes the contact line as a table.
-    pub fn line(&self, name: &str, line: &Line) -> Result<(), StoreError> {
+    pub(crate) fn line(&self, name: &str, line: &Line) -> Result<(), StoreError> {
         let rows = (0..line.radial.len()).map(|point| LineRow {
             phi: line.width * point as f64,
             radial: line.radial[point],
@@ -198,7 +198,7 @@ impl SimulationFolder {
     }
 
     /// Writes a snapshot: an array of φ, U, V, U̇, V̇, P, Q for a ring, the mesh for an annulus.
-    pub fn snapshot(&mut self, motion: &Motion) -> Result<(), StoreError> {
+    pub(crate) fn snapshot(&mut self, motion: &Motion) -> Result<(), StoreError> {
         let number = self.snapshots + 1;
         let (extension, content) = match motion {
             Motion::Ring(_) => {
@@ -228,7 +228,10 @@ impl SimulationFolder {
     }
 
     /// Saves the state, after what leads to it.
-    pub fn checkpoint(&mut self, checkpoint: &SimulationCheckpoint) -> Result<(), StoreError> {
+    pub(crate) fn checkpoint(
+        &mut self,
+        checkpoint: &SimulationCheckpoint,
+    ) -> Result<(), StoreError> {
         let header = npy::header(npy::Kind::Byte, self.samples, self.columns);
         self.regimes.rewrite_head(&header)?;
         self.regimes.sync()?;
@@ -237,13 +240,13 @@ impl SimulationFolder {
     }
 
     /// Writes what was measured.
-    pub fn measures(&self, measures: &[Measure]) -> Result<(), StoreError> {
+    pub(crate) fn measures(&self, measures: &[Measure]) -> Result<(), StoreError> {
         let rows = measures.iter().copied();
         self.store.replace(MEASURES, table::table(rows).as_bytes())
     }
 
     /// Writes the growth of perturbations.
-    pub fn growth(&self, rows: &[GrowthRow]) -> Result<(), StoreError> {
+    pub(crate) fn growth(&self, rows: &[GrowthRow]) -> Result<(), StoreError> {
         let rows = rows.iter().copied();
         self.store.replace(GROWTH, table::table(rows).as_bytes())
     }

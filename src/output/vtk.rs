@@ -6,7 +6,7 @@ use crate::simulation::annulus::Annulus;
 
 /// A structured grid: nodes from the inner circle outwards, with displacement and velocity as
 /// vectors, their radial and tangential parts, and pressure and shear on the inner circle.
-pub fn annulus(annulus: &Annulus, title: &str) -> String {
+pub(crate) fn annulus(annulus: &Annulus, title: &str) -> String {
     let setup = annulus.setup();
     let (around, across) = (setup.around, setup.across);
     // a whole circle repeats its first points, so that the last elements are drawn too

@@ -10,7 +10,7 @@ use super::place::stranger;
 
 /// What is to be done with results that are there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Existing {
+pub(crate) enum Existing {
     /// Leave them alone.
     Refuse,
     /// Go on with them.
@@ -21,7 +21,7 @@ pub enum Existing {
 
 impl Existing {
     /// As `--resume` and `--force` say.
-    pub fn of(resume: bool, force: bool) -> Existing {
+    pub(crate) fn of(resume: bool, force: bool) -> Existing {
         match (resume, force) {
             (true, _) => Existing::Resume,
             (_, true) => Existing::Replace,

@@ -49,10 +49,10 @@ impl StoreError {
 }
 
 /// What is being done to a file that is read; what is missing then was wrongly named by the user.
-pub const READ: &str = "read it";
+pub(crate) const READ: &str = "read it";
 
 /// Whether what was named is not there.
-pub fn absent(kind: io::ErrorKind) -> bool {
+pub(crate) fn absent(kind: io::ErrorKind) -> bool {
     matches!(kind, io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
 }
 
@@ -73,7 +73,7 @@ fn cure(doing: &str, kind: io::ErrorKind) -> &'static str {
 }
 
 /// An error of the operating system, with what was being done.
-pub fn io_error<'a>(
+pub(crate) fn io_error<'a>(
     doing: &'static str,
     path: &'a Path,
 ) -> impl FnOnce(io::Error) -> StoreError + 'a {
@@ -85,7 +85,7 @@ pub fn io_error<'a>(
 }
 
 /// What may not be used like this.
-pub fn refused(path: &Path, reason: impl Into<String>) -> StoreError {
+pub(crate) fn refused(path: &Path, reason: impl Into<String>) -> StoreError {
     StoreError::Refused {
         path: path.to_path_buf(),
         reason: reason.into(),
@@ -93,7 +93,7 @@ pub fn refused(path: &Path, reason: impl Into<String>) -> StoreError {
 }
 
 /// A damaged file.
-pub fn damaged(path: &Path, reason: impl Into<String>) -> StoreError {
+pub(crate) fn damaged(path: &Path, reason: impl Into<String>) -> StoreError {
     StoreError::Damaged {
         path: path.to_path_buf(),
         reason: reason.into(),

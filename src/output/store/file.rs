@@ -13,7 +13,7 @@ use crate::table::{self, Table};
 ///
 /// # Errors
 /// When it is missing, no file, or cannot be read.
-pub fn bytes(path: &Path) -> Result<Vec<u8>, StoreError> {
+pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, StoreError> {
     let found = fs::metadata(path).map_err(io_error(READ, path))?;
     // a device or a pipe may never end
     if !found.is_file() {
@@ -26,7 +26,7 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, StoreError> {
 ///
 /// # Errors
 /// As [`bytes`], and when it is no text.
-pub fn read(path: &Path) -> Result<String, StoreError> {
+pub(crate) fn read(path: &Path) -> Result<String, StoreError> {
     String::from_utf8(bytes(path)?).map_err(|_| damaged(path, "it is no text"))
 }
 
@@ -34,24 +34,24 @@ pub fn read(path: &Path) -> Result<String, StoreError> {
 ///
 /// # Errors
 /// As [`bytes`], and when it is no table.
-pub fn table(path: &Path) -> Result<Table, StoreError> {
+pub(crate) fn table(path: &Path) -> Result<Table, StoreError> {
     Table::parse(&bytes(path)?).map_err(|error| damaged(path, error.to_string()))
 }
 
 /// A value as RON.
-pub fn encode(path: &Path, value: &impl Serialize) -> Result<String, StoreError> {
+pub(crate) fn encode(path: &Path, value: &impl Serialize) -> Result<String, StoreError> {
     ron::to_string(value).map_err(|error| damaged(path, error.to_string()))
 }
 
 /// FNV-1a in 64 bits: tells one content from another where nobody forges any.
-pub fn hash(bytes: &[u8]) -> u64 {
+pub(crate) fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
     })
 }
 
 /// What lies at a path, links not followed.
-pub fn found(path: &Path) -> Result<Option<Metadata>, StoreError> {
+pub(crate) fn found(path: &Path) -> Result<Option<Metadata>, StoreError> {
     match fs::symlink_metadata(path) {
         Ok(found) => Ok(Some(found)),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
@@ -60,7 +60,7 @@ pub fn found(path: &Path) -> Result<Option<Metadata>, StoreError> {
 }
 
 /// Removes a file or a link, never what a link points to; what is not there need not be removed.
-pub fn remove(path: &Path) -> Result<(), StoreError> {
+pub(crate) fn remove(path: &Path) -> Result<(), StoreError> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
             Err(io_error("remove it", path)(error))
@@ -70,27 +70,27 @@ pub fn remove(path: &Path) -> Result<(), StoreError> {
 }
 
 /// A new file, no link.
-pub fn new_file(path: &Path) -> Result<File, StoreError> {
+pub(crate) fn new_file(path: &Path) -> Result<File, StoreError> {
     remove(path)?;
     let file = OpenOptions::new().write(true).create_new(true).open(path);
     file.map_err(io_error("create it", path))
 }
 
 /// Where a file is written before it takes its place.
-pub fn beside(path: &Path) -> PathBuf {
+pub(crate) fn beside(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(NEW);
     name.into()
 }
 
 /// What the name of such a file ends in.
-pub const NEW: &str = ".new";
+pub(crate) const NEW: &str = ".new";
 
 /// Replaces a file as a whole: written beside, brought to the disk, renamed.
 ///
 /// # Errors
 /// When the system refuses; the old file stays then.
-pub fn replace(
+pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
@@ -119,7 +119,7 @@ pub fn replace(
 
 /// Bytes that the first lines of a text take, or all lines that are finished: what follows them was cut
 /// short by a kill. None where there are fewer lines.
-pub fn length_of_lines(text: &[u8], lines: Option<usize>) -> Option<usize> {
+pub(crate) fn length_of_lines(text: &[u8], lines: Option<usize>) -> Option<usize> {
     let ends = text.iter().enumerate();
     let mut ends = ends.filter_map(|(index, byte)| (*byte == b'\n').then_some(index + 1));
     match lines {
@@ -131,7 +131,7 @@ pub fn length_of_lines(text: &[u8], lines: Option<usize>) -> Option<usize> {
 
 /// A file that grows at its end.
 #[derive(Debug)]
-pub struct Growing {
+pub(crate) struct Growing {
     file: File,
     path: PathBuf,
 }
@@ -168,18 +168,18 @@ impl Growing {
     ///
     /// # Errors
     /// When the system refuses, like all that follow.
-    pub fn push(&mut self, bytes: &[u8]) -> Result<(), StoreError> {
+    pub(crate) fn push(&mut self, bytes: &[u8]) -> Result<(), StoreError> {
         let written = self.file.write_all(bytes);
         written.map_err(io_error("write it", &self.path))
     }
 
     /// Adds a row.
-    pub fn row(&mut self, row: &impl Serialize) -> Result<(), StoreError> {
+    pub(crate) fn row(&mut self, row: &impl Serialize) -> Result<(), StoreError> {
         self.push(table::line(row).as_bytes())
     }
 
     /// Writes the beginning anew, as long as it was.
-    pub fn rewrite_head(&mut self, head: &[u8]) -> Result<(), StoreError> {
+    pub(crate) fn rewrite_head(&mut self, head: &[u8]) -> Result<(), StoreError> {
         let file = &mut self.file;
         file.seek(SeekFrom::Start(0))
             .and_then(|_| file.write_all(head))
@@ -189,7 +189,7 @@ impl Growing {
     }
 
     /// Brings it to the disk.
-    pub fn sync(&self) -> Result<(), StoreError> {
+    pub(crate) fn sync(&self) -> Result<(), StoreError> {
         self.file
             .sync_all()
             .map_err(io_error("write it", &self.path))

@@ -8,11 +8,11 @@ use std::path::{Component, Path};
 use super::error::{READ, StoreError, damaged, io_error};
 
 /// Name of the manifest.
-pub const MANIFEST: &str = "brakewave.manifest";
+pub(crate) const MANIFEST: &str = "brakewave.manifest";
 
 /// What a folder holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// A branch.
     Run,
     /// A map.
@@ -57,7 +57,7 @@ pub(super) struct Header {
 }
 
 impl Header {
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         format!(
             "brakewave {}\n{} of problem {}\n",
             self.version, self.kind, self.problem
@@ -85,7 +85,7 @@ pub(super) struct Manifest {
 
 impl Manifest {
     /// Reads a manifest; a line cut short by a power failure names no file yet and is left out.
-    pub fn read(path: &Path, mut file: File, mend: bool) -> Result<Manifest, StoreError> {
+    pub(crate) fn read(path: &Path, mut file: File, mend: bool) -> Result<Manifest, StoreError> {
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(io_error(READ, path))?;
         let whole = bytes.iter().rposition(|byte| *byte == b'\n');

@@ -24,10 +24,11 @@ use serde::de::DeserializeOwned;
 
 use crate::problem::Problem;
 
-pub use admit::Existing;
-pub use error::{READ, StoreError, damaged, io_error, refused};
-pub use file::{Growing, bytes, encode, hash, read, replace, table};
-pub use manifest::{Kind, MANIFEST};
+pub(crate) use admit::Existing;
+pub use error::StoreError;
+pub(crate) use error::{READ, damaged, io_error, refused};
+pub(crate) use file::{Growing, bytes, encode, hash, read, replace, table};
+pub(crate) use manifest::{Kind, MANIFEST};
 
 use admit::admit;
 use error::absent;
@@ -36,7 +37,7 @@ use manifest::{Header, Manifest};
 use place::{make, real, stranger, unmake};
 
 /// This version, as manifests and checkpoints carry it.
-pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// What is saved to go on from: RON, replaced as a whole.
 pub trait Checkpoint: Serialize + DeserializeOwned {
@@ -70,7 +71,7 @@ pub trait Checkpoint: Serialize + DeserializeOwned {
 
 /// A result folder.
 #[derive(Debug)]
-pub struct Store {
+pub(crate) struct Store {
     path: PathBuf,
     manifest: Mutex<Manifest>,
     header: Header,
@@ -91,7 +92,7 @@ impl Store {
     /// # Errors
     /// When the folder cannot be written, holds anything that is not to be touched, or is being
     /// written by another process.
-    pub fn open(
+    pub(crate) fn open(
         path: &Path,
         kind: Kind,
         problem: &impl Serialize,
@@ -187,7 +188,7 @@ impl Store {
     ///
     /// # Errors
     /// When it has no manifest.
-    pub fn visit(path: &Path) -> Result<Store, StoreError> {
+    pub(crate) fn visit(path: &Path) -> Result<Store, StoreError> {
         let (path, _) = real(path)?;
         let file = path.join(MANIFEST);
         if found(&file)?.is_some_and(|there| !there.is_file()) {
@@ -222,17 +223,17 @@ impl Store {
     }
 
     /// The folder.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// Whether there are results to go on with.
-    pub fn resumes(&self) -> bool {
+    pub(crate) fn resumes(&self) -> bool {
         self.resumes
     }
 
     /// Whether there are results of an earlier run.
-    pub fn holds_results(&self) -> bool {
+    pub(crate) fn holds_results(&self) -> bool {
         self.results
     }
 
@@ -246,7 +247,7 @@ impl Store {
     ///
     /// # Errors
     /// When something else is in the way, or the system refuses.
-    pub fn begin(
+    pub(crate) fn begin(
         &self,
         names: impl IntoIterator<Item = String>,
         numbered: Option<&str>,
@@ -267,7 +268,7 @@ impl Store {
     ///
     /// # Errors
     /// When there is one, or the system refuses.
-    pub fn guard(&self, numbered: &str) -> Result<(), StoreError> {
+    pub(crate) fn guard(&self, numbered: &str) -> Result<(), StoreError> {
         let manifest = self.manifest();
         let folder = self.path.join(numbered);
         self.unlinked(&format!("{numbered}/1"))?;
@@ -324,7 +325,7 @@ impl Store {
     ///
     /// # Errors
     /// When a file cannot be removed.
-    pub fn retain(&self, keep: impl Fn(&str) -> bool) -> Result<(), StoreError> {
+    pub(crate) fn retain(&self, keep: impl Fn(&str) -> bool) -> Result<(), StoreError> {
         let manifest = self.manifest();
         let mut folders = BTreeSet::new();
         for name in &manifest.names {
@@ -361,7 +362,7 @@ impl Store {
     ///
     /// # Errors
     /// When something else has such a name, or the manifest cannot be written.
-    pub fn claim<S: AsRef<str>>(
+    pub(crate) fn claim<S: AsRef<str>>(
         &self,
         names: impl IntoIterator<Item = S>,
     ) -> Result<(), StoreError> {
@@ -402,7 +403,7 @@ impl Store {
     ///
     /// # Errors
     /// When something else has its name, or the system refuses.
-    pub fn create(&self, name: &str, head: &[u8]) -> Result<Growing, StoreError> {
+    pub(crate) fn create(&self, name: &str, head: &[u8]) -> Result<Growing, StoreError> {
         Growing::create(self.place(name)?, head)
     }
 
@@ -410,7 +411,7 @@ impl Store {
     ///
     /// # Errors
     /// When it is shorter, no file of the list, or the system refuses.
-    pub fn cut(&self, name: &str, length: usize) -> Result<Growing, StoreError> {
+    pub(crate) fn cut(&self, name: &str, length: usize) -> Result<Growing, StoreError> {
         Growing::cut(self.unlinked(name)?, length)
     }
 
@@ -418,7 +419,7 @@ impl Store {
     ///
     /// # Errors
     /// When it cannot be read, or has fewer.
-    pub fn lines(&self, name: &str, lines: Option<usize>) -> Result<Vec<u8>, StoreError> {
+    pub(crate) fn lines(&self, name: &str, lines: Option<usize>) -> Result<Vec<u8>, StoreError> {
         let path = self.path.join(name);
         let mut text = bytes(&path).map_err(|_| damaged(&path, "it cannot be read"))?;
         let length = length_of_lines(&text, lines);
@@ -431,7 +432,7 @@ impl Store {
     ///
     /// # Errors
     /// When there are fewer rows, or the system refuses.
-    pub fn table(
+    pub(crate) fn table(
         &self,
         name: &str,
         header: &str,
@@ -448,7 +449,7 @@ impl Store {
     ///
     /// # Errors
     /// When it is damaged, or missing.
-    pub fn interrupted<C: Checkpoint>(
+    pub(crate) fn interrupted<C: Checkpoint>(
         &self,
         problem: &Problem,
         table: &str,
@@ -476,7 +477,7 @@ impl Store {
     ///
     /// # Errors
     /// When something else has its name, or the system refuses.
-    pub fn replace(&self, name: &str, bytes: &[u8]) -> Result<(), StoreError> {
+    pub(crate) fn replace(&self, name: &str, bytes: &[u8]) -> Result<(), StoreError> {
         let path = self.place(name)?;
         replace(&path, |out| {
             out.write_all(bytes).map_err(io_error("write it", &path))
@@ -487,7 +488,7 @@ impl Store {
     ///
     /// # Errors
     /// As [`Store::replace`].
-    pub fn save<C: Checkpoint>(&self, checkpoint: &C) -> Result<(), StoreError> {
+    pub(crate) fn save<C: Checkpoint>(&self, checkpoint: &C) -> Result<(), StoreError> {
         let text = encode(&self.path.join(C::FILE), checkpoint)?;
         self.replace(C::FILE, text.as_bytes())
     }
@@ -496,7 +497,7 @@ impl Store {
     ///
     /// # Errors
     /// When the system refuses.
-    pub fn sync(&self) -> Result<(), StoreError> {
+    pub(crate) fn sync(&self) -> Result<(), StoreError> {
         let path = self.path.join(MANIFEST);
         let manifest = self.manifest();
         manifest

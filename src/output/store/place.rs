@@ -9,7 +9,7 @@ use super::file::found;
 use super::manifest::MANIFEST;
 
 /// A folder by its name, and whether it is there; a link to one is refused.
-pub fn real(path: &Path) -> Result<(PathBuf, bool), StoreError> {
+pub(crate) fn real(path: &Path) -> Result<(PathBuf, bool), StoreError> {
     // without the separator at its end, which would follow a link
     let path: PathBuf = path.components().collect();
     let there = match found(&path)? {
@@ -31,7 +31,7 @@ pub fn real(path: &Path) -> Result<(PathBuf, bool), StoreError> {
 }
 
 /// Makes a folder and those above it.
-pub fn make(path: &Path, made: &mut Vec<PathBuf>) -> Result<(), StoreError> {
+pub(crate) fn make(path: &Path, made: &mut Vec<PathBuf>) -> Result<(), StoreError> {
     if let Some(above) = path.parent()
         && !above.as_os_str().is_empty()
         && !above.exists()
@@ -51,7 +51,7 @@ pub fn make(path: &Path, made: &mut Vec<PathBuf>) -> Result<(), StoreError> {
 }
 
 /// Takes away again what was made and not used.
-pub fn unmake(made: &[PathBuf]) {
+pub(crate) fn unmake(made: &[PathBuf]) {
     for path in made.iter().rev() {
         // a folder stays where it is not empty
         let _ = fs::remove_file(path).or_else(|_| fs::remove_dir(path));
@@ -59,7 +59,7 @@ pub fn unmake(made: &[PathBuf]) {
 }
 
 /// An entry of a folder that is neither its manifest nor a result folder of its own.
-pub fn stranger(folder: &Path) -> Result<Option<String>, StoreError> {
+pub(crate) fn stranger(folder: &Path) -> Result<Option<String>, StoreError> {
     for entry in fs::read_dir(folder).map_err(io_error(READ, folder))? {
         let entry = entry.map_err(io_error(READ, folder))?;
         let own = entry.file_name() == MANIFEST;
