@@ -135,11 +135,6 @@ impl CurveFolder {
         Ok(())
     }
 
-    /// What keeps the files.
-    pub(crate) fn store(&self) -> &Store {
-        &self.store
-    }
-
     /// Appends what a step found.
     pub(crate) fn write(&mut self, step: &Step) -> Result<(), StoreError> {
         for found in &step.found {

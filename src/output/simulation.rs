@@ -162,11 +162,6 @@ impl SimulationFolder {
         Ok((folder, samples))
     }
 
-    /// The folder as such.
-    pub(crate) fn store(&self) -> &Store {
-        &self.store
-    }
-
     /// Snapshots written.
     pub(crate) fn snapshots(&self) -> usize {
         self.snapshots
