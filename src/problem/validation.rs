@@ -239,7 +239,7 @@ impl Checks<'_> {
             Toward::Up if value == upper => ("upper", "Down"),
             _ => return Ok(()),
         };
-        let message = format!("{begins}, the {edge} end of the range: there is no way on");
+        let message = format!("{begins}, the {edge} end of the range: nothing in this direction");
         let help = format!("write `toward: {opposite}`, or move this end of the range");
         self.refuse("continuation.toward", message, help)
     }
