@@ -144,6 +144,23 @@ fn subtract(x: &mut [f64], factor: f64, y: &[f64]) {
     x.iter_mut().zip(y).for_each(|(x, y)| *x -= factor * y);
 }
 
+/// Calls a function for matrices of a size with that size as a constant, so that its loops are unrolled:
+/// sizes are D·m, for D = 2 or 4 equations and m ≤ [`MAX_DEGREE`] Gauss points.
+macro_rules! of_size {
+    ($size:expr, $N:ident => $call:expr, $otherwise:expr) => {
+        of_size!($size, $N => $call, $otherwise, 2 4 6 8 10 12 14 16 20 24 28)
+    };
+    ($size:expr, $N:ident => $call:expr, $otherwise:expr, $($known:literal)*) => {
+        match $size {
+            $($known => {
+                const $N: usize = $known;
+                $call
+            })*
+            _ => $otherwise,
+        }
+    };
+}
+
 impl Local {
     fn new(size: usize) -> Local {
         Local {
@@ -155,47 +172,59 @@ impl Local {
     /// Factorises in place, with partial pivoting. False when the matrix is singular.
     fn factorise(&mut self) -> bool {
         let n = self.pivots.len();
-        for k in 0..n {
-            let diagonal = &self.entries[k * n..][..n];
-            let larger = |one: usize, other: usize| {
-                let larger = diagonal[other].abs() > diagonal[one].abs();
-                if larger { other } else { one }
-            };
-            let pivot = (k + 1..n).fold(k, larger);
-            if diagonal[pivot] == 0.0 {
-                return false;
-            }
-            self.pivots[k] = pivot;
-            let columns = self.entries.chunks_exact_mut(n);
-            columns.for_each(|column| column.swap(k, pivot));
-            let (known, rest) = self.entries.split_at_mut((k + 1) * n);
-            let column = &mut known[k * n + k..];
-            let inverse = 1.0 / column[0];
-            column[0] = inverse;
-            let below = &mut column[1..];
-            below.iter_mut().for_each(|entry| *entry *= inverse);
-            for other in rest.chunks_exact_mut(n) {
-                let factor = other[k];
-                subtract(&mut other[k + 1..], factor, below);
-            }
-        }
-        true
+        let entries = &mut self.entries;
+        of_size!(n, N => factorise(entries.as_chunks_mut::<N>().0, &mut self.pivots), false)
     }
 
     fn solve(&self, right: &mut [f64]) {
         let n = self.pivots.len();
-        for (row, pivot) in self.pivots.iter().enumerate() {
-            right.swap(row, *pivot);
+        of_size!(n, N => solve(self.entries.as_chunks::<N>().0, &self.pivots, right), ())
+    }
+}
+
+fn factorise<const N: usize>(columns: &mut [[f64; N]], pivots: &mut [usize]) -> bool {
+    for k in 0..N {
+        let diagonal = &columns[k];
+        let larger = |one: usize, other: usize| {
+            let larger = diagonal[other].abs() > diagonal[one].abs();
+            if larger { other } else { one }
+        };
+        let pivot = (k + 1..N).fold(k, larger);
+        if diagonal[pivot] == 0.0 {
+            return false;
         }
-        for (k, column) in self.entries.chunks_exact(n).enumerate() {
-            let factor = right[k];
-            subtract(&mut right[k + 1..], factor, &column[k + 1..]);
+        pivots[k] = pivot;
+        columns.iter_mut().for_each(|column| column.swap(k, pivot));
+        let (known, rest) = columns.split_at_mut(k + 1);
+        let column = &mut known[k];
+        let inverse = 1.0 / column[k];
+        column[k] = inverse;
+        column[k + 1..]
+            .iter_mut()
+            .for_each(|entry| *entry *= inverse);
+        // zeros above the diagonal let the whole column be subtracted at once
+        let mut below = *column;
+        below[..=k].fill(0.0);
+        for other in rest {
+            let factor = other[k];
+            subtract(other, factor, &below);
         }
-        for (k, column) in self.entries.chunks_exact(n).enumerate().rev() {
-            right[k] *= column[k];
-            let factor = right[k];
-            subtract(&mut right[..k], factor, &column[..k]);
-        }
+    }
+    true
+}
+
+fn solve<const N: usize>(columns: &[[f64; N]], pivots: &[usize], right: &mut [f64]) {
+    for (row, pivot) in pivots.iter().enumerate() {
+        right.swap(row, *pivot);
+    }
+    for (k, column) in columns.iter().enumerate() {
+        let factor = right[k];
+        subtract(&mut right[k + 1..], factor, &column[k + 1..]);
+    }
+    for (k, column) in columns.iter().enumerate().rev() {
+        right[k] *= column[k];
+        let factor = right[k];
+        subtract(&mut right[..k], factor, &column[..k]);
     }
 }
 
