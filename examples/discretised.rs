@@ -9,9 +9,9 @@ use std::ops::Range;
 use std::path::Path;
 use std::time::Instant;
 
+use brakewave::discretised::{SemiDiscreteWave, Settings, solve};
 use brakewave::model::Model;
 use brakewave::model::coefficients::Geometry;
-use brakewave::stability::discretised::{SemiDiscreteWave, Settings, solve};
 use faer::c64;
 use plotters::coord::Shift;
 use plotters::prelude::*;

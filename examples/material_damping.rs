@@ -10,6 +10,7 @@
 
 use std::path::Path;
 
+use brakewave::discretised::{Settings, solve};
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Damping, Model};
 use brakewave::output::run::Restart;
@@ -17,7 +18,6 @@ use brakewave::output::store::Checkpoint;
 use brakewave::simulation::growth::{self, Listing, Request};
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Setup};
-use brakewave::stability::discretised::{Settings, solve};
 use faer::c64;
 
 const MODEL: Model = Model {

@@ -8,10 +8,10 @@ use std::time::Instant;
 use brakewave::branch::first_wave::first_wave;
 use brakewave::branch::follow::{Follower, Limits};
 use brakewave::continuation::Steps;
+use brakewave::discretised;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Model, Parameter};
 use brakewave::stability::characteristic::Characteristic;
-use brakewave::stability::discretised;
 use brakewave::stability::spectrum::{Request, spectrum};
 use brakewave::wave::start::{Which, slip_stick};
 

@@ -46,6 +46,7 @@ pub mod branch;
 pub mod cli;
 pub mod continuation;
 pub mod curve;
+pub mod discretised;
 pub mod flow;
 pub mod linalg;
 pub mod map;

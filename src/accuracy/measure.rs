@@ -6,14 +6,14 @@ use std::time::Instant;
 use super::rung::{Row, Rung};
 use nalgebra::Complex;
 
-use crate::branch::EventType;
 use crate::branch::run::{End, RunError, Runner};
+use crate::discretised;
 use crate::flow::method::Method;
 use crate::linalg::Vector;
+use crate::model::EventType;
 use crate::model::FrictionLaw;
 use crate::problem::{Continuation, Problem};
 use crate::stability::characteristic::Characteristic;
-use crate::stability::discretised;
 use crate::stability::spectrum::{Request, spectrum};
 use crate::wave::start::{self, SlipStick};
 use crate::wave::{Wave, precise, profile};

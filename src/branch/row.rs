@@ -5,7 +5,6 @@ use serde::{Serialize, Serializer};
 use super::{BranchPoint, Event, EventType, Stability};
 use crate::model::{Model, Parameter};
 use crate::stability::spectrum::Eigenvalue;
-use crate::table;
 
 /// The parameters of a model, each in its column: the later ones, or those before them.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,13 +32,6 @@ impl<const LATER: bool> Serialize for Parameters<LATER> {
 
 /// Columns of `branch.csv` that hold words: no curve can be drawn of them.
 pub const WORD_COLUMNS: [&str; 4] = ["type", "regimes", "stable", "why"];
-
-/// Columns of `branch.csv` of which a curve can be drawn.
-pub fn drawable_columns() -> Vec<String> {
-    let mut columns = table::columns(&BranchRow::default());
-    columns.retain(|column| !WORD_COLUMNS.contains(&column.as_str()));
-    columns
-}
 
 /// A wave and its stability, as the tables of branches and of maps have them.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -257,4 +249,19 @@ pub struct EigenfunctionRow {
     pub slope_re: f64,
     /// Im ψ′.
     pub slope_im: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::drawable_columns;
+    use crate::table;
+
+    /// A problem file may ask for a picture of every column of numbers, and of no other.
+    #[test]
+    fn columns_of_numbers_can_be_drawn() {
+        let mut columns = table::columns(&BranchRow::default());
+        columns.retain(|column| !WORD_COLUMNS.contains(&column.as_str()));
+        assert_eq!(columns, drawable_columns());
+    }
 }

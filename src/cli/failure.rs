@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use crate::branch::run::RunError;
 use crate::curve::start::NoCurve;
+use crate::discretised;
 use crate::model::Parameter;
 use crate::output::pictures::PlotError;
 use crate::output::render::RenderError;
@@ -13,7 +14,6 @@ use crate::output::store::StoreError;
 use crate::problem::ProblemError;
 use crate::simulation::course::NoCourse;
 use crate::simulation::profile::ProfileError;
-use crate::stability::discretised;
 use crate::steady::radial;
 use crate::wave::hopf::NoHopf;
 

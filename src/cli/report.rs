@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::branch::EventType;
 use crate::curve::{Curve, Point};
+use crate::model::EventType;
 use crate::model::Parameter;
 use crate::output::curve::words;
 use crate::output::run::{BRANCH, EVENTS};

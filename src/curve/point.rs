@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::regions::Region;
-use crate::branch::EventType;
 use crate::continuation::Steps;
+use crate::model::EventType;
 use crate::model::Parameter;
 
 /// How far to follow, and how.

@@ -5,12 +5,12 @@ use super::point::{Curve, Limits, Point};
 use super::regions;
 use super::saved::{End, Found, Head, Next, Reason, State, Step};
 use super::system::{Condition, EventSystem, NotEvaluated};
-use crate::branch::EventType;
 use crate::continuation::Node;
 use crate::continuation::newton::{self, Plane};
 use crate::continuation::walk::{self, Walker};
 use crate::flow::FlowError;
 use crate::linalg::{self, Vector};
+use crate::model::EventType;
 use crate::model::Parameter;
 
 /// Why the curve of an event cannot be followed.

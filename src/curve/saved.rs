@@ -5,8 +5,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::follow::{Gone, Refusal};
 use super::point::{Limits, Point};
 use super::system::{Condition, EventSystem, NotEvaluated};
-use crate::branch::EventType;
 use crate::continuation::walk::Refused;
+use crate::model::EventType;
 use crate::model::signature::{Regime, Signature};
 use crate::wave::admissibility::Watch;
 

@@ -1,15 +1,15 @@
 //! The event that a curve begins with, found on a branch.
 
-use crate::branch::EventType;
 use crate::branch::SavedWave;
 use crate::branch::run::{End, Item, RunError, Runner};
 use crate::continuation::Steps;
 use crate::continuation::newton;
 use crate::linalg::{self, Vector};
+use crate::model::EventType;
 use crate::model::Parameter;
+use crate::model::Sectors;
 use crate::model::signature::Regime;
 use crate::problem::{self, Continuation, Problem, StabilitySection};
-use crate::stability::Sectors;
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch, examine};
 

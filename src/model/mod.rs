@@ -10,17 +10,21 @@
 //! Lengths are measured by the inner radius R, stresses by E, time by 1/Ω.
 
 pub mod coefficients;
+mod event;
 mod laws;
 mod parameter;
 pub(crate) mod range;
 pub(crate) mod saved;
+mod sectors;
 pub mod signature;
 
 use serde::{Deserialize, Serialize};
 
 use coefficients::{Coefficients, Geometry};
+pub use event::EventType;
 pub use laws::{Damping, FrictionLaw, Impact};
 pub use parameter::Parameter;
+pub use sectors::Sectors;
 
 /// The constants of the equations of one wave. The same structure holds their derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,11 +2,11 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use crate::branch::EventType;
 use crate::branch::Reason;
 use crate::branch::special::{Change, Failure, Inadmissible, Note, Refusal, Special, Stop, Tried};
 use crate::continuation::walk::End;
 use crate::curve::{self, Gone, What};
+use crate::model::EventType;
 use crate::stability::track::Remark;
 use crate::wave::admissibility::Watch;
 

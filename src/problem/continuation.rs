@@ -5,8 +5,8 @@ use std::fmt;
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::branch::EventType;
 use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE};
+use crate::model::EventType;
 use crate::model::{FrictionLaw, Parameter};
 
 /// Largest number of points of a leg where none is given.

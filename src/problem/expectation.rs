@@ -5,7 +5,7 @@ use std::fmt;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-use crate::branch::EventType;
+use crate::model::EventType;
 use crate::model::Parameter;
 
 /// Most expectations of a problem.

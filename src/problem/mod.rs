@@ -30,9 +30,8 @@ pub use expectation::Expectation;
 pub use map::{Map, MapAxis, MapPoints};
 
 use crate::flow::method::Method;
-use crate::model::Model;
+use crate::model::{Model, Parameter, Sectors};
 use crate::simulation::task::Simulation;
-use crate::stability::Sectors;
 use crate::stability::spectrum::Request;
 use error::Flaw;
 use outline::Outline;
@@ -203,6 +202,21 @@ pub struct Output {
     pub profiles: usize,
     /// Whether to give the condition number and the expected error of every point.
     pub conditioning: bool,
+}
+
+/// Columns of `branch.csv` of which a curve can be drawn, in their order.
+pub(crate) fn drawable_columns() -> Vec<String> {
+    let later = |wanted: bool| {
+        let of_table = move |parameter: &Parameter| parameter.is_later() == wanted;
+        let listed = Parameter::ALL.into_iter().filter(of_table);
+        listed.map(Parameter::column)
+    };
+    let wave = "speed switches min_pressure max_gap amplitude unstable lead_re lead_im lead_sector newton \
+                residual leg";
+    let names = ["point", "label"].into_iter().chain(later(false));
+    let names = names.chain(wave.split_whitespace()).chain(later(true));
+    let names = names.chain(["condition", "expected_error"]);
+    names.map(str::to_owned).collect()
 }
 
 /// A kind of plot.

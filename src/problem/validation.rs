@@ -9,17 +9,14 @@ use super::map::MAX_MAP_POINTS;
 use super::outline::Outline;
 use super::{
     Continuation, Curve, CurveEvent, Expectation, MAX_USER_POINTS, Map, MapPoints, Plot, Problem,
-    Start, Toward,
+    Start, Toward, drawable_columns,
 };
-use crate::branch::EventType;
-use crate::branch::row::drawable_columns;
 use crate::flow::method::Method;
-use crate::model::{FrictionLaw, Impact, Parameter, Source};
+use crate::model::{EventType, FrictionLaw, Impact, Parameter, Sectors, Source};
 use crate::simulation::task::{
     Body, Circle, Growth, MAX_SAMPLES, MAX_SIMULATION_POINTS, MIN_GROWTH_POINTS, Perturbation,
     Simulation, SimulationStart,
 };
-use crate::stability::Sectors;
 
 type Check = Result<(), Flaw>;
 

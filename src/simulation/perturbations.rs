@@ -7,7 +7,7 @@ use super::profile::Profile;
 use super::ring::Setup;
 use super::task::{Body, Circle, Simulation};
 use crate::model::Constants;
-use crate::stability::Sectors;
+use crate::model::Sectors;
 
 /// Eigenvalues listed per sector, as those of `spectrum` are. |Im λ| below `real` is rounding of a
 /// logarithm over the time of a pair.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::ring::{Law, Order};
-use crate::stability::Sectors;
+use crate::model::Sectors;
 
 /// Fewest points of a ring, or of the contact line of an annulus, per wavelength simulated.
 pub(crate) const MIN_SIMULATION_POINTS: usize = 16;

@@ -516,6 +516,5 @@ mod tests {
                 }
             }
         }
-        println!("observed: {worst:?} units of rounding");
     }
 }

@@ -1,12 +1,40 @@
 //! Samples of a wave over one wavelength.
 
-use crate::branch::ProfileSample;
+use serde::Serialize;
+
 use crate::flow::friction::multiplier;
 use crate::flow::{FlowError, Slide};
 use crate::linalg::Vector;
 use crate::model::signature::Regime;
 
 use super::Wave;
+
+/// One sample of a wave over its wavelength: a row of `profiles/LABEL.csv`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ProfileSample {
+    /// θ from release, time-forward, in [0, 2π/k].
+    pub theta: f64,
+    /// Radial displacement U at the contact surface.
+    #[serde(rename = "U")]
+    pub radial: f64,
+    /// Tangential displacement V at the contact surface.
+    #[serde(rename = "V")]
+    pub tangential: f64,
+    /// U̇ following the material point.
+    #[serde(rename = "U_dot")]
+    pub radial_rate: f64,
+    /// V̇ following the material point.
+    #[serde(rename = "V_dot")]
+    pub tangential_rate: f64,
+    /// Contact pressure P.
+    #[serde(rename = "P")]
+    pub pressure: f64,
+    /// Friction force Q.
+    #[serde(rename = "Q")]
+    pub shear: f64,
+    /// Name of the regime.
+    pub regime: &'static str,
+}
 
 /// End of each zone as θ from release, time-forward: the last is 2π/k.
 pub fn switches(wave: &Wave, point: &Vector) -> Vec<f64> {

@@ -3,9 +3,9 @@
 //! Shooting errs by its tolerance times the growth of a zone and the condition of the wave, below
 //! 10³ together here; collocation with forty intervals of degree four by h⁸ of them.
 
+use brakewave::discretised;
 use brakewave::flow::method::Method;
 use brakewave::model::FrictionLaw;
-use brakewave::stability::discretised;
 use brakewave::wave::precise;
 use brakewave::wave::start::{Which, slip_stick};
 

@@ -1,9 +1,9 @@
 //! Material damping β > 0: the discretised ring, which knows neither fronts nor layers, against the
 //! eigenfunction problem of third order.
 
+use brakewave::discretised::{SemiDiscreteWave, Settings, solve};
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Damping, Model};
-use brakewave::stability::discretised::{SemiDiscreteWave, Settings, solve};
 use faer::c64;
 
 use crate::observed;

@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use super::error::PlotError;
 use super::names::{event, event_mark, quantity, short_signature};
 use super::tables::{Tables, kind, number};
-use crate::branch::EventType;
+use crate::model::EventType;
 use crate::output::render::axis::{Axis, Extent};
 use crate::output::render::legend::{Key, Legend};
 use crate::output::render::palette::{BLACK, CATEGORIES, GREY, Pattern, Pen};

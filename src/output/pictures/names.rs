@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use crate::branch::EventType;
+use crate::model::EventType;
 use crate::model::Parameter;
 use crate::output::render::axis::Quantity;
 use crate::output::render::legend::Key;

@@ -7,8 +7,8 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use super::error::PlotError;
-use crate::branch::EventType;
 use crate::branch::row::WORD_COLUMNS;
+use crate::model::EventType;
 use crate::output::render::Point;
 use crate::output::render::axis::drawable;
 use crate::output::store;

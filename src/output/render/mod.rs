@@ -172,6 +172,7 @@ pub enum RenderError {
     Compose(Box<dyn Error + Send + Sync>),
     /// The picture could not be converted.
     #[error("cannot convert the picture to {format}: {source}")]
+    #[cfg_attr(not(feature = "raster"), allow(dead_code))] // SVG needs no conversion
     Convert {
         /// The format asked for.
         format: &'static str,

@@ -26,7 +26,7 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::characteristic::Characteristic;
-use crate::branch::{Reason, Stability};
+use crate::stability::verdict::{Reason, Stability};
 
 type C64 = Complex<f64>;
 

@@ -5,9 +5,9 @@ use super::find::SAME_ZERO;
 use super::translation::remove_translation;
 use super::verdict::verdict;
 use super::{C64, Eigenvalue, ON_AXIS, Request, Sector, Spectrum, margin, symmetric};
-use crate::branch::{Reason, Stability};
 use crate::stability::asymptotic::HighFrequency;
 use crate::stability::characteristic::Characteristic;
+use crate::stability::verdict::{Reason, Stability};
 
 /// Most zeros expected in a window, over all sectors. Where c² → a one delay grows without bound
 /// and zeros lie that dense; beyond this number the window is cut and the answer left open.

@@ -2,9 +2,9 @@
 
 use super::count::{EDGE, Search, Window};
 use super::{C64, Eigenvalue, Request, Spectrum};
-use crate::branch::{Reason, Stability};
 use crate::stability::asymptotic::HighFrequency;
 use crate::stability::characteristic::Characteristic;
+use crate::stability::verdict::{Reason, Stability};
 
 /// The strips of a verdict are at least and at most this high, in units of 1/T.
 const STRIPS: (f64, f64) = (15.0, 600.0);

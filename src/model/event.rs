@@ -1,0 +1,80 @@
+//! The types of special points: what a problem file asks for and a branch finds.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+/// Kind of a special point, two letters after the habit of the field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum EventType {
+    /// End point of the branch: an edge of the range, the start, or a requested stop.
+    EP,
+    /// The continuation failed here; the reason is in [`Event::what`].
+    MX,
+    /// User point: a value asked for in `stop_at`.
+    UZ,
+    /// Limit point (fold) in the continuation parameter.
+    LP,
+    /// A complex pair of eigenvalues crosses Re λ = 0 in the named Bloch sector.
+    HB,
+    /// A real eigenvalue crosses zero in the named Bloch sector other than by a fold.
+    BP,
+    /// Take-off at zero pressure: a separation zone opens or closes.
+    GR,
+    /// A reverse-slip zone opens or closes between slip and stick.
+    RV,
+    /// Two switching points coalesce: a zone vanishes or is born between others.
+    CO,
+    /// The stick zone vanishes.
+    ST,
+}
+
+impl EventType {
+    /// All types, in the order in which legends list them.
+    pub const ALL: [EventType; 10] = [
+        EventType::EP,
+        EventType::MX,
+        EventType::UZ,
+        EventType::LP,
+        EventType::HB,
+        EventType::BP,
+        EventType::GR,
+        EventType::RV,
+        EventType::CO,
+        EventType::ST,
+    ];
+
+    /// Whether events of this type are found in the spectrum: they have a sector and an Im λ.
+    pub fn of_spectrum(self) -> bool {
+        matches!(self, EventType::HB | EventType::BP)
+    }
+}
+
+impl fmt::Display for EventType {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(match self {
+            EventType::EP => "EP",
+            EventType::MX => "MX",
+            EventType::UZ => "UZ",
+            EventType::LP => "LP",
+            EventType::HB => "HB",
+            EventType::BP => "BP",
+            EventType::GR => "GR",
+            EventType::RV => "RV",
+            EventType::CO => "CO",
+            EventType::ST => "ST",
+        })
+    }
+}
+
+impl FromStr for EventType {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        EventType::ALL
+            .into_iter()
+            .find(|kind| kind.to_string() == text)
+            .ok_or_else(|| format!("`{text}` is not an event type"))
+    }
+}

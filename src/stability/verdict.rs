@@ -1,0 +1,101 @@
+//! The verdict on a wave, and what it rests on.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// Stability of a wave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Stability {
+    /// Proven stable against every perturbation of the full circle.
+    Yes,
+    /// At least one growing mode.
+    No,
+    /// Neither could be shown.
+    Undecided,
+}
+
+impl Stability {
+    /// As a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Stability::Yes => "yes",
+            Stability::No => "no",
+            Stability::Undecided => "undecided",
+        }
+    }
+}
+
+/// What a verdict or a count rests on, where the count of growing eigenvalues does not say it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Reason {
+    /// A growing eigenvalue at a frequency above those that count.
+    BeyondWindow {
+        /// Re λ.
+        re: f64,
+        /// Im λ.
+        im: f64,
+        /// Bloch sector.
+        sector: usize,
+    },
+    /// Eigenvalues grow at high frequency: the limit of sup Re λ, infinite with static friction.
+    HighFrequency(f64),
+    /// No growth was found, and the limit of sup Re λ at high frequency is positive but only a bound,
+    /// or negative but not shown to hold beyond the frequencies searched.
+    Unsettled(f64),
+    /// Bloch sectors that were not asked for, and may hold growth.
+    Sectors(Vec<usize>),
+    /// Fewer eigenvalues are listed than there are.
+    Incomplete {
+        /// Growing ones in the list, on the full circle.
+        listed: usize,
+        /// Growing ones by the argument principle, where they could be counted.
+        counted: Option<usize>,
+    },
+    /// An eigenvalue lies on the imaginary axis.
+    OnAxis,
+    /// No window could be searched: a zone without length makes its switch 0/0.
+    NoWindow,
+    /// The eigenvalues that a run may compute are used up.
+    Spent,
+    /// There is no eigenvalue problem for this wave.
+    NotLinearised(String),
+    /// Waves of the vertical family at a Hopf point are not examined.
+    Family,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Reason::BeyondWindow { re, im, sector } => write!(
+                f,
+                "grows beyond max_frequency: {re:.3e} at frequency {im:.4e} of sector {sector}"
+            ),
+            Reason::HighFrequency(limit) if limit.is_infinite() => {
+                f.write_str("grows at high frequency without bound")
+            }
+            Reason::HighFrequency(limit) => {
+                write!(f, "grows at high frequency: sup Re = {limit:.3e}")
+            }
+            Reason::Unsettled(limit) => {
+                write!(f, "high frequency is not settled: sup Re <= {limit:.3e}")
+            }
+            Reason::Sectors(sectors) => {
+                let list: Vec<String> = sectors.iter().map(usize::to_string).collect();
+                write!(f, "sectors not asked for: {}", list.join(" "))
+            }
+            Reason::Incomplete { listed, counted } => {
+                write!(f, "incomplete: {listed} growing eigenvalues listed")?;
+                match counted {
+                    Some(counted) => write!(f, " of {counted} counted"),
+                    None => f.write_str(" and not counted: a lower bound"),
+                }
+            }
+            Reason::OnAxis => f.write_str("an eigenvalue is on the imaginary axis"),
+            Reason::NoWindow => f.write_str("a zone without length makes the spectrum singular"),
+            Reason::Spent => f.write_str("the eigenvalues that a run may compute are used up"),
+            Reason::NotLinearised(reason) => f.write_str(reason),
+            Reason::Family => f.write_str("the vertical family at a Hopf point is not examined"),
+        }
+    }
+}
