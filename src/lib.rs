@@ -35,11 +35,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 #![cfg_attr(not(feature = "cli"), allow(dead_code))] // what only results and messages need
-#![cfg_attr(
-    not(any(feature = "cli", test)),
-    deny(clippy::print_stdout, clippy::print_stderr)
-)]
-
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 mod accuracy;
 pub mod branch;
 #[cfg(feature = "cli")]
