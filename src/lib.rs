@@ -6,36 +6,58 @@
 //! locates every change of the sequence of regimes on the way. It implements and extends
 //! Q.S. Nguyen, A. Oueslati, A. Steindl, A. Teufel, H. Troger, C. R. Mecanique 336 (2008).
 //!
-//! Data flows one way:
+//! A branch is an iterator of points, the special ones with their events:
 //!
-//! ```text
-//! problem ──► model ──► flow ──► wave ──► branch ──► output
-//!  RON file   a b D g h  exact    boundary-  first wave,   tables,
-//!             signature  flow,    value      events, legs, restart,
-//!             switches   signs    problem    labels        pictures
-//!                                              ▲
-//!                                        continuation: newton, arclength, walk
+//! ```
+//! use brakewave::{Branch, EventType, problem};
+//!
+//! let text = "(
+//!     model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.5, mismatch: 0.2),
+//!     wave: (mode: 4, start: Fast),
+//!     continuation: (parameter: Mismatch, range: (0.045, 0.2), toward: Down),
+//! )";
+//! let problem = problem::parse(text, "mode 4")?;
+//! let branch = Branch::follow(&problem, problem.continuation(text, "mode 4")?)?;
+//! let mut events = branch.filter_map(|point| point.event);
+//! let take_off = events.find(|event| event.kind == EventType::GR);
+//! let mismatch = take_off.map(|event| event.model.mismatch).unwrap_or_default();
+//! assert!((mismatch - 0.050228410362756).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! - [`problem`] reads and validates problem files;
-//! - [`model`] has the coefficients, the regimes and the table of switches between them;
+//! Data flows one way, and what stands further left imports nothing from further right:
+//!
+//! ```text
+//! linalg ─► continuation ─┐
+//! model ──────────────────┴─► flow ─► wave ─► stability ─► problem ─► branch ─► curve, map,
+//!   │                          └──► steady                  ▲           │       discretised, accuracy
+//!   └─► simulation ─────────────────────────────────────────┘           └───────► output ─► cli
+//!                                                              table ─────────────┘
+//! ```
+//!
+//! - [`model`] has the parameters, the laws of friction and impact, the coefficients, the regimes and the
+//!   table of switches between them;
 //! - [`flow`] is the exact flow of one regime with its derivatives, and proofs of sign;
+//! - [`continuation`] follows zero curves of any system and knows nothing of waves; [`linalg`] serves it;
 //! - [`wave`] poses a wave as a boundary-value problem for one signature, has its closed form, examines
 //!   it, and finds candidates for its successor;
-//! - [`continuation`] follows curves and knows nothing of waves; [`linalg`] serves it;
-//! - [`branch`] follows waves in one parameter: first wave, changes of regime, points and labels;
-//! - `accuracy` runs one problem by every method and compares errors and times;
+//! - [`stability`] has all eigenvalues of a wave from its eigenfunction problem, and the verdict;
 //! - [`steady`] has the stability of steady sliding, where the waves come from;
-//! - [`curve`] follows one event in two parameters;
-//! - [`map`] lays branches through a plane of two parameters;
-//! - [`simulation`] moves a ring or the whole tube in time, with the model and none of the above;
-//! - `table` turns structures into rows of CSV and back;
-//! - [`output`] writes them, [`cli`] is the command line.
+//! - [`simulation`] moves a ring or the whole tube in time, with the model and none of the above, so that
+//!   agreement is evidence;
+//! - [`problem`] reads and checks problem files;
+//! - [`branch`] follows waves in one parameter: first wave, changes of regime, points and labels;
+//! - [`curve`] follows one event in two parameters, [`map`] lays branches through a plane of them;
+//! - [`discretised`] has the eigenvalues of a ring of points, as a check;
+//! - `accuracy` runs one problem by every method and compares errors and times;
+//! - `table` turns structures into rows of CSV and back, [`output`] keeps them in folders and draws
+//!   pictures, `cli` is the command line.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 #![cfg_attr(not(feature = "cli"), allow(dead_code))] // what only results and messages need
 #![deny(clippy::print_stdout, clippy::print_stderr)]
+
 mod accuracy;
 pub mod branch;
 #[cfg(feature = "cli")]
@@ -54,3 +76,9 @@ pub mod stability;
 pub mod steady;
 mod table;
 pub mod wave;
+
+pub use branch::{Branch, BranchPoint, Event, EventType};
+pub use model::{Model, Parameter};
+pub use problem::Problem;
+pub use stability::spectrum::Spectrum;
+pub use wave::Wave;

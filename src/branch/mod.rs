@@ -8,6 +8,7 @@ mod events;
 pub mod first_wave;
 pub mod follow;
 mod item;
+mod iterator;
 pub mod passage;
 mod point;
 mod progress;
@@ -18,6 +19,7 @@ mod slip_stick;
 pub mod special;
 
 pub use change::{NotEntered, beyond};
+pub use iterator::Branch;
 pub use point::*;
 pub use saved::SavedWave;
 pub use slip_stick::polish;

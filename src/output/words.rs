@@ -398,7 +398,7 @@ impl Display for curve::Reason {
                 beside: (regime, length),
             } => write!(
                 f,
-                "the last {steps} steps are all shorter than {longest:e}: Newton's method hardly \
+                "the last {steps} steps are all shorter than {longest:.0e}: Newton's method hardly \
                  converges beside a {} zone of length {length:.1e}",
                 regime.name()
             ),
