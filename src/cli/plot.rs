@@ -41,7 +41,7 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
         parameter: continuation.parameter.column().to_string(),
         title: problem.title.clone(),
     };
-    let format = arguments.format;
+    let format = arguments.format.available()?;
     let names = plots.iter();
     Store::visit(&arguments.folder)?.claim(names.map(|plot| pictures::file_name(plot, format)))?;
     list(&pictures::draw(
@@ -55,7 +55,7 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
 fn plot_simulation(arguments: &PlotArguments) -> Result<Exit, Failure> {
     let checkpoint = SimulationCheckpoint::read(&arguments.folder)?;
     let title = checkpoint.problem.title.as_deref();
-    let format = arguments.format;
+    let format = arguments.format.available()?;
     Store::visit(&arguments.folder)?.claim(pictures::simulation_names(format))?;
     list(&pictures::draw_simulation(
         &arguments.folder,
