@@ -68,13 +68,17 @@ impl fmt::Display for EventType {
     }
 }
 
-impl FromStr for EventType {
-    type Err = String;
+/// A text that names no type of special point.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is not an event type")]
+pub struct UnknownType(String);
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        EventType::ALL
-            .into_iter()
-            .find(|kind| kind.to_string() == text)
-            .ok_or_else(|| format!("`{text}` is not an event type"))
+impl FromStr for EventType {
+    type Err = UnknownType;
+
+    fn from_str(text: &str) -> Result<Self, UnknownType> {
+        let named = |kind: &EventType| kind.to_string() == text;
+        let kind = EventType::ALL.into_iter().find(named);
+        kind.ok_or_else(|| UnknownType(text.to_owned()))
     }
 }
