@@ -358,9 +358,9 @@ impl Search<'_> {
             which,
             width,
         } = *self.wanted;
-        let found = self.from_undamped().or_else(|reason| match which {
+        let found = self.begin_undamped().or_else(|reason| match which {
             Which::Fast => self
-                .from_hopf()
+                .begin_at_hopf()
                 .map_err(|other| Lost::Both(Box::new(reason), Box::new(other))),
             Which::Slow => Err(reason),
         });
@@ -401,7 +401,7 @@ impl Search<'_> {
     }
 
     /// The slip-stick wave at β > 0 from that at β = 0, posed in β.
-    fn from_undamped(&mut self) -> Result<(Wave, Vector), Lost> {
+    fn begin_undamped(&mut self) -> Result<(Wave, Vector), Lost> {
         let Wanted {
             ref model,
             mode,
@@ -419,7 +419,7 @@ impl Search<'_> {
     }
 
     /// The slip-stick wave at this friction from the Hopf point of steady sliding, posed in f.
-    fn from_hopf(&mut self) -> Result<(Wave, Vector), Lost> {
+    fn begin_at_hopf(&mut self) -> Result<(Wave, Vector), Lost> {
         let Wanted {
             ref model, mode, ..
         } = *self.wanted;

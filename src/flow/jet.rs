@@ -100,6 +100,7 @@ impl<const D: usize> Neg for Dual<D> {
     }
 }
 
+#[allow(clippy::suspicious_arithmetic_impl)] // the product rule adds
 impl<const D: usize> Mul for Dual<D> {
     type Output = Dual<D>;
     fn mul(self, other: Dual<D>) -> Dual<D> {

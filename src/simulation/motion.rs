@@ -299,7 +299,7 @@ impl Motion {
 /// The ring is its contact line. Q follows from the law, and in stick from V̈ = 0.
 fn ring_line(ring: &Ring) -> Line {
     let nodes = ring.nodes();
-    let count = nodes.len();
+    let count = nodes.count();
     let parameters = ring.constants();
     let within = match ring.setup().law {
         Law::Coulomb => 0.0,

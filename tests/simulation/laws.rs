@@ -40,7 +40,7 @@ struct Forces {
 
 fn forces(ring: &Ring, before: &Nodes, after: &Nodes, i: usize) -> Forces {
     let (c, f) = (ring.constants().coefficients, ring.constants());
-    let (count, h, dt) = (before.len(), ring.spacing(), ring.setup().time_step);
+    let (count, h, dt) = (before.count(), ring.spacing(), ring.setup().time_step);
     let (l, r) = ((i + count - 1) % count, (i + 1) % count);
     let (u, v) = (&before.radial, &before.tangential);
     let slope = |y: &[f64]| (y[r] - y[l]) / (2.0 * h);
@@ -77,7 +77,7 @@ fn friction_and_contact_hold_at_every_node_and_step() {
             let before = ring.nodes().clone();
             ring.advance(1);
             let after = ring.nodes();
-            for i in 0..before.len() {
+            for i in 0..before.count() {
                 let Forces {
                     pressure,
                     radial,

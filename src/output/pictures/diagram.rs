@@ -187,11 +187,8 @@ fn standing_between(branch: &Table, row: usize) -> Standing {
         matches!(kind, Some(LP | HB | BP)) || switches_regimes(kind)
     });
     // On the boundary itself the sign is chance.
-    if starts {
-        second
-    } else if ends {
-        first
-    } else if first == Standing::Unknown {
+    let first_tells = ends || first == Standing::Unknown;
+    if first_tells && !starts {
         first
     } else {
         second

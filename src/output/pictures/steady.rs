@@ -12,13 +12,16 @@ const HALF_HEIGHT: f64 = 210.0;
 /// Size of the points.
 const SIZE: f64 = 3.6;
 
+/// What a curve shows of a mode.
+type Value = fn(&Mode) -> Option<f64>;
+
 /// A curve over the modes.
 struct Curve {
     name: &'static str,
     shape: Shape,
     pen: Pen,
-    growth: fn(&Mode) -> Option<f64>,
-    hopf: fn(&Mode) -> Option<f64>,
+    growth: Value,
+    hopf: Value,
 }
 
 /// What is drawn, the last one on top.
@@ -52,7 +55,7 @@ fn curves() -> [Curve; 3] {
 pub(crate) fn picture(modes: &[Mode]) -> Picture {
     let curves = curves();
     let mark = |curve: &Curve| Mark::new(curve.shape, SIZE, curve.pen.colour);
-    let panel = |quantity, value: fn(&Curve) -> fn(&Mode) -> Option<f64>, height| {
+    let panel = |quantity, value: fn(&Curve) -> Value, height| {
         let mut layers = match modes {
             [] => Layer::remark("no mode was asked for"),
             _ => vec![Layer::Across(0.0, Pen::solid(GREY, 1.0))],

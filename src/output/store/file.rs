@@ -123,7 +123,7 @@ pub(crate) fn length_of_lines(text: &[u8], lines: Option<usize>) -> Option<usize
     let ends = text.iter().enumerate();
     let mut ends = ends.filter_map(|(index, byte)| (*byte == b'\n').then_some(index + 1));
     match lines {
-        None => Some(ends.last().unwrap_or(0)),
+        None => Some(ends.next_back().unwrap_or(0)),
         Some(0) => Some(0),
         Some(lines) => ends.nth(lines - 1),
     }

@@ -141,7 +141,7 @@ impl Nodes {
     }
 
     /// Number of nodes.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.radial.len()
     }
 }

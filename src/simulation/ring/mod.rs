@@ -424,7 +424,7 @@ impl Ring {
     /// Energy of the ring, see the module.
     pub fn energy(&self) -> f64 {
         let nodes = &self.nodes;
-        let count = nodes.len();
+        let count = nodes.count();
         let reach = self.setup.order.reach();
         let c = &self.constants;
         let dt = c.dt;
@@ -462,7 +462,7 @@ impl Ring {
     /// Shear that keeps V̈ = 0 at V̇ = 1: Q = α − a∂²V̂ + D∂U + hV̂.
     pub(crate) fn holding_shear(&self, point: usize) -> f64 {
         let (nodes, effective) = (&self.nodes, self.effective());
-        let count = nodes.len();
+        let count = nodes.count();
         let c = &self.constants;
         let mut shear = self.parameters.mass_damping + (c.h - c.a[0]) * effective[point];
         for k in 1..=self.setup.order.reach() {
