@@ -58,6 +58,7 @@
 #![cfg_attr(not(feature = "cli"), allow(dead_code))] // what only results and messages need
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+#[cfg(feature = "cli")]
 mod accuracy;
 pub mod branch;
 #[cfg(feature = "cli")]
