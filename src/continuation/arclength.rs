@@ -157,31 +157,8 @@ pub fn advance<S: System>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::continuation::circle::Circle;
     use crate::continuation::newton::Fixed;
-    use crate::linalg::Matrix;
-
-    /// x² + y² = 1, with y as parameter: two folds, closed.
-    struct Circle;
-
-    impl System for Circle {
-        type Failure = std::convert::Infallible;
-
-        fn unknowns(&self) -> usize {
-            2
-        }
-
-        fn evaluate(
-            &self,
-            point: &Vector,
-            residual: &mut [f64],
-            jacobian: &mut Matrix,
-        ) -> Result<(), Self::Failure> {
-            residual[0] = point.norm_squared() - 1.0;
-            jacobian[(0, 0)] = 2.0 * point[0];
-            jacobian[(0, 1)] = 2.0 * point[1];
-            Ok(())
-        }
-    }
 
     /// Round both folds and back to the start; every point lies on the circle to rounding.
     #[test]

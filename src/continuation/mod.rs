@@ -7,6 +7,8 @@
 //! - [`zero`]: zeros of functions of one variable.
 
 pub mod arclength;
+#[cfg(test)]
+mod circle;
 pub mod locate;
 pub mod newton;
 pub mod walk;

@@ -375,29 +375,7 @@ pub fn jacobian<S: System>(system: &S, point: &Vector) -> Result<(Matrix, f64), 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// x² + y² = 1 in the plane.
-    struct Circle;
-
-    impl System for Circle {
-        type Failure = std::convert::Infallible;
-
-        fn unknowns(&self) -> usize {
-            2
-        }
-
-        fn evaluate(
-            &self,
-            point: &Vector,
-            residual: &mut [f64],
-            jacobian: &mut Matrix,
-        ) -> Result<(), Self::Failure> {
-            residual[0] = point.norm_squared() - 1.0;
-            jacobian[(0, 0)] = 2.0 * point[0];
-            jacobian[(0, 1)] = 2.0 * point[1];
-            Ok(())
-        }
-    }
+    use crate::continuation::circle::Circle;
 
     /// x_i² = x_{i+1} + 2 in 300 unknowns, the last of them given: as large as a wave with many zones.
     struct Chain;

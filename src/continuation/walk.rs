@@ -404,31 +404,9 @@ pub fn enter<S: System, T>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::continuation::circle::Circle;
     use crate::continuation::locate::{Target, zero_along};
-    use crate::linalg::{Matrix, Vector};
-
-    /// x² + y² = 1, with y as parameter.
-    struct Circle;
-
-    impl System for Circle {
-        type Failure = std::convert::Infallible;
-
-        fn unknowns(&self) -> usize {
-            2
-        }
-
-        fn evaluate(
-            &self,
-            point: &Vector,
-            residual: &mut [f64],
-            jacobian: &mut Matrix,
-        ) -> Result<(), Self::Failure> {
-            residual[0] = point.norm_squared() - 1.0;
-            jacobian[(0, 0)] = 2.0 * point[0];
-            jacobian[(0, 1)] = 2.0 * point[1];
-            Ok(())
-        }
-    }
+    use crate::linalg::Vector;
 
     /// The circle beyond x = 1/2 is not there.
     #[derive(Clone, Debug, PartialEq, thiserror::Error)]
