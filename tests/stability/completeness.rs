@@ -99,3 +99,20 @@ fn found_are_as_many_as_counted() {
     println!("observed: {total} eigenvalues, the closest two {least:.1e} apart");
     observed("distance of the eigenvalues from the zeros", defect);
 }
+
+/// Asked for more eigenvalues than any window has, a spectrum lists those that it has.
+#[test]
+fn the_largest_number_of_eigenvalues_is_a_number_like_others() {
+    let characteristic = linearised(&mode4(0.2), 4, Which::Fast);
+    let listed = |eigenvalues| {
+        let request = Request {
+            sectors: vec![0],
+            eigenvalues,
+            max_frequency: 3.0,
+        };
+        spectrum(&characteristic, &request, None).sectors[0]
+            .eigenvalues
+            .len()
+    };
+    assert!(listed(usize::MAX) >= listed(2) && listed(2) >= 2);
+}

@@ -91,8 +91,8 @@ pub fn spectrum(
                 .iter()
                 .filter(|zero| !symmetric || zero.im >= 0.0)
                 .count();
-            // one more for the translation mode
-            listed < request.eigenvalues + 1
+            // one more is wanted, for the translation mode
+            listed <= request.eigenvalues
         });
         result = Some((found, complete, window));
         let deep = window.left * characteristic.period < -DEEPEST;
