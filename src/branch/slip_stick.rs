@@ -2,8 +2,9 @@
 
 use super::first_wave::NoStart;
 use crate::continuation::newton::{self, Fixed, System};
+use crate::flow::FlowError;
 use crate::linalg::Vector;
-use crate::model::signature::{Regime, Signature};
+use crate::model::signature::{Entry, Regime, Signature, Zone};
 use crate::model::{FrictionLaw, Model, Parameter};
 use crate::wave::start;
 use crate::wave::{Scales, Wave, ZoneUnknowns};
@@ -69,21 +70,50 @@ pub(super) fn slip_stick_wave(
 const FIRST_SMOOTHING: f64 = 0.01;
 const SMOOTHING_STEP: f64 = 1.4;
 
-/// The wave of the regularised law next to a slip-stick wave of Coulomb's: one zone of contact, cut
-/// where V̇ = 0 rises.
-fn smooth_wave(
+/// The zones that a wave of Coulomb's law has under the regularised one: stick and both directions of
+/// sliding are one zone of contact, cut where V̇ = 0 rises if the surface never separates.
+fn smoothed(sharp: &Wave, at: &Vector) -> Result<(Signature, Vec<ZoneUnknowns>), FlowError> {
+    let zones = sharp.unpack(at);
+    let free = |index: usize| sharp.signature.zone(index).regime == Regime::Separation;
+    let Some(first) = (0..zones.len()).find(|&index| free(index)) else {
+        let slip = sharp.flows(at)?.contact(Regime::Slip).clone();
+        let slide = sharp.slide_at(at, 0);
+        let crossings = slip.extremes(&slide)?;
+        let rising = crossings.last().copied().unwrap_or(0.5 * slide.duration);
+        let [y, _] = slip.state(&slide, rising)?;
+        let period: f64 = zones.iter().map(|zone| zone[2]).sum();
+        return Ok((Signature::contact(), vec![[y, 0.0, period, 0.0]]));
+    };
+    let mut signature = Vec::new();
+    let mut merged: Vec<ZoneUnknowns> = Vec::new();
+    for index in first..first + zones.len() {
+        let zone = zones[index % zones.len()];
+        match merged.last_mut() {
+            Some(contact) if !free(index) && !free(index - 1) => contact[2] += zone[2],
+            _ => {
+                let entered = sharp.signature.zone(index);
+                signature.push(match entered.regime {
+                    Regime::Separation => entered,
+                    _ => Zone {
+                        regime: Regime::Contact,
+                        entry: Entry::Landing,
+                    },
+                });
+                merged.push(zone);
+            }
+        }
+    }
+    Ok((Signature(signature), merged))
+}
+
+/// The wave of the regularised law next to a wave of Coulomb's.
+pub(super) fn smooth_wave(
     sharp: &Wave,
     at: &Vector,
     parameter: Parameter,
     epsilon: f64,
 ) -> Result<(Wave, Vector), NoStart> {
-    let flows = sharp.flows(at)?;
-    let slip = flows.contact(Regime::Slip);
-    let slide = sharp.slide_at(at, 0);
-    let crossings = slip.extremes(&slide)?;
-    let rising = crossings.last().copied().unwrap_or(0.5 * slide.duration);
-    let [y, _] = slip.state(&slide, rising)?;
-    let period: f64 = sharp.unpack(at).iter().map(|zone| zone[2]).sum();
+    let (signature, first) = smoothed(sharp, at)?;
     let posed = |epsilon: f64| {
         let law = FrictionLaw::Regularised { epsilon };
         let model = Model {
@@ -94,7 +124,7 @@ fn smooth_wave(
             model,
             parameter,
             sharp.mode,
-            Signature::contact(),
+            signature.clone(),
             sharp.scales,
         )
     };
@@ -102,7 +132,6 @@ fn smooth_wave(
         let value = wave.model.value(parameter).unwrap_or(f64::NAN);
         wave.pack(zones, excess, value)
     };
-    let first = [[y, 0.0, period, 0.0]];
     let wave = posed(epsilon);
     let reach = |wave: &Wave| {
         let guess = guess(wave, &first, sharp.excess_at(at));
@@ -111,11 +140,12 @@ fn smooth_wave(
     if let Ok(point) = reach(&wave) {
         return Ok((wave, point));
     }
+    let frame = sharp.flows(at)?.frame.at;
     let mut reached = FIRST_SMOOTHING.min(epsilon);
     let mut wave = posed(reached);
     let mut point = reach(&wave).map_err(|error| {
         // V̇ comes to rest at 1 in layers of this length
-        let frame = &flows.frame.at;
+        let period: f64 = first.iter().map(|zone| zone[2]).sum();
         let pull = frame.friction * (frame.g * frame.mismatch + frame.kappa);
         NoStart::Smoothing {
             epsilon: reached,

@@ -8,11 +8,11 @@ use clap::Args;
 use super::failure::{Exit, Failure};
 use super::junit::{self, Case, Suite, Verdict};
 use super::options::{spare, write};
-use super::prepare::{Prepared, ready};
+use super::prepare::{Prepared, begin, ready};
 use super::progress::drive;
 use super::{print, warn};
 use crate::branch::compare::{Compared, Comparison, compare, number};
-use crate::branch::run::{End, Runner};
+use crate::branch::run::End;
 use crate::model::Parameter;
 use crate::problem::{self, Problem};
 
@@ -115,7 +115,7 @@ fn check_file(path: &Path) -> Result<Outcome, Failure> {
         restart,
         source,
     } = ready(problem, text, path)?;
-    let mut branch = Runner::begin(&problem, &continuation, restart.as_ref())
+    let mut branch = begin(false, &problem, &continuation, restart.as_ref())
         .map_err(|error| source.place(error))?;
     let mut events = Vec::new();
     drive(false, || {

@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure};
 use super::options::{Task, format};
-use super::prepare::{Prepared, Source, ready};
+use super::prepare::{Prepared, Source, begin, ready};
 use super::progress::{Progress, drive};
 use super::{print, report, warn};
 use crate::branch::run::Runner;
@@ -97,14 +97,8 @@ fn start(
         let words = format!("looking for the event: {points} points of the branch");
         progress.show(f64::NAN, words);
     };
-    start::find(
-        problem,
-        &continuation,
-        restart.as_ref(),
-        section,
-        &mut watch,
-    )
-    .map_err(|error| match error {
+    let begun = |problem: &Problem| begin(task.quiet, problem, &continuation, restart.as_ref());
+    start::find(problem, section, begun, &mut watch).map_err(|error| match error {
         NoCurve::Run(error) => source.place(error),
         error => error.into(),
     })

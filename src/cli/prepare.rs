@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use super::failure::Failure;
+use super::progress::Progress;
 use crate::branch::SavedWave;
-use crate::branch::run::RunError;
+use crate::branch::run::{RunError, Runner};
 use crate::output::run::Restart;
 use crate::output::store::Checkpoint;
 use crate::problem::{self, Continuation, Problem, Start, Toward};
@@ -15,6 +16,19 @@ pub(crate) struct Prepared {
     pub continuation: Continuation,
     pub restart: Option<SavedWave>,
     pub source: Source,
+}
+
+/// The beginning of a branch, with the search for its first wave shown.
+pub(crate) fn begin(
+    quiet: bool,
+    problem: &Problem,
+    continuation: &Continuation,
+    restart: Option<&SavedWave>,
+) -> Result<Runner, RunError> {
+    let progress = Progress::new(quiet);
+    Runner::begin_watched(problem, continuation, restart, &mut |walk| {
+        progress.show(walk.part(), walk.to_string());
+    })
 }
 
 /// The file of a problem, for messages that point into it.

@@ -4,8 +4,8 @@ use clap::Args;
 
 use super::failure::{Exit, Failure};
 use super::options::{Task, Threads};
-use super::prepare::{Prepared, prepare};
-use super::progress::{Progress, drive};
+use super::prepare::{Prepared, begin, prepare};
+use super::progress::drive;
 use super::report;
 use super::{print, warn};
 use crate::branch::run::{End, Runner};
@@ -38,11 +38,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         Runner::resume(&problem, &continuation, first, progress)
             .map_err(|reason| damaged(&out.join(Restart::FILE), reason.to_string()))?
     } else {
-        let progress = Progress::new(task.quiet);
-        let begun = Runner::begin_watched(&problem, &continuation, restart.as_ref(), &mut |walk| {
-            progress.show(walk.part(), walk.to_string());
-        });
-        drop(progress);
+        let begun = begin(task.quiet, &problem, &continuation, restart.as_ref());
         if begun.is_err() && store.holds_results() {
             warn(&format!(
                 "nothing was computed; {} keeps the results of the earlier run",

@@ -7,13 +7,13 @@ use faer::c64;
 
 use super::failure::{Exit, Failure, Usage};
 use super::options::{assignment, set, spare, write};
-use super::prepare::{Prepared, prepare};
+use super::prepare::{Prepared, begin, prepare};
 use super::progress::drive;
 use super::{print, warn};
 use crate::branch::BranchPoint;
 use crate::branch::passage::Passage;
 use crate::branch::row::{EigenfunctionRow, EigenvalueRow, WaveEigenvalueRow};
-use crate::branch::run::{End, Item, Runner, answer};
+use crate::branch::run::{End, Item, answer};
 use crate::discretised;
 use crate::model::{FrictionLaw, Parameter};
 use crate::problem::{DEFAULT_EIGENVALUES, DEFAULT_MAX_FREQUENCY, Problem};
@@ -144,7 +144,7 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
             continuation.stop_at.push(value);
         }
     }
-    let branch = Runner::begin(&problem, &continuation, restart.as_ref());
+    let branch = begin(false, &problem, &continuation, restart.as_ref());
     let branch = branch.map_err(|error| match of_file {
         true => source.place(error),
         false => error.into(),

@@ -9,7 +9,7 @@ use crate::model::EventType;
 use crate::model::Parameter;
 use crate::model::Sectors;
 use crate::model::signature::Regime;
-use crate::problem::{self, Continuation, Problem, StabilitySection};
+use crate::problem::{self, Problem, StabilitySection};
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch, examine};
 
@@ -80,17 +80,16 @@ pub struct Start {
 /// A scaled margin below this vanishes at a located event.
 const VANISHED: f64 = 1e-9;
 
-/// Follows the branch of a problem to the event that its curve begins with. `watch` sees the branch after
-/// every step.
+/// Follows the branch of a problem, which `begin` begins, to the event that its curve begins with. `watch`
+/// sees the branch after every step.
 ///
 /// # Errors
 /// When the branch does not begin or does not have the event, when that lies outside the ranges,
 /// or when its equations are singular.
 pub fn find(
     problem: &Problem,
-    continuation: &Continuation,
-    restart: Option<&SavedWave>,
     curve: &problem::Curve,
+    begin: impl FnOnce(&Problem) -> Result<Runner, RunError>,
     watch: &mut dyn FnMut(&Runner),
 ) -> Result<Start, NoCurve> {
     let mut plain = problem.clone();
@@ -103,7 +102,7 @@ pub fn find(
     };
     let event = curve.event.kind();
     plain.stability = (event == Some(EventType::HB)).then_some(of_sector);
-    let mut branch = Runner::begin(&plain, continuation, restart)?;
+    let mut branch = begin(&plain)?;
     let mut found = 0;
     while branch.progress().end.is_none() {
         watch(&branch);

@@ -10,6 +10,7 @@ mod meeting;
 mod regions;
 mod resume;
 
+use brakewave::branch::run::Runner;
 use brakewave::curve::start::{NoCurve, Start, find};
 use brakewave::curve::{Curve, follow};
 use brakewave::problem::{Problem, parse};
@@ -33,7 +34,8 @@ fn start(problem: &Problem) -> Result<Start, NoCurve> {
     let (Some(continuation), Some(curve)) = (&problem.continuation, &problem.curve) else {
         panic!("the problem has no curve");
     };
-    find(problem, continuation, None, curve, &mut |_| ())
+    let begin = |problem: &Problem| Runner::begin(problem, continuation, None);
+    find(problem, curve, begin, &mut |_| ())
 }
 
 fn curve(problem: &Problem) -> Curve {

@@ -83,8 +83,10 @@ impl Record {
         }
         // a run may be long if it says where it is
         let said_where = |words: &&str| said.contains(words);
-        let announced =
-            ended.code.is_none() && [" left", " points", "step "].iter().any(said_where);
+        let announced = ended.code.is_none()
+            && [" left", " points", " rows", "step "]
+                .iter()
+                .any(said_where);
         let key = match ended.code {
             Some(code) => code.to_string(),
             None if announced => "stopped, having said how long it takes".into(),
