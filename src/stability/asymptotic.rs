@@ -6,11 +6,11 @@
 //! x₁ = q/(1+q),  x₂ = −q/(1−q),   y_i = ±[(F − α)x_i − F]/(2q),   F = σfκ (0 in separation),
 //! ```
 //!
-//! with the upper sign for i = 1. Separation decouples to this order: u is O(1/λ) of η, and so is what it gives back
-//! at landing. Reversals multiply η′ by V̈⁺/V̈⁻ and mix the two branches. The characteristic function
-//! becomes a sum of exponentials Σ a_p e^{−λτ_p} over the paths through the branches, and lim sup
-//! Re λ is the root ρ of Σ |a_p| e^{−ρτ_p} = 1: attained where the delays are rationally independent,
-//! a bound always.
+//! with the upper sign for i = 1. Separation decouples to this order: u is O(1/λ) of η, and so is what it
+//! gives back at landing, with friction or without: λu is of the order of η, and η′ of that of λη.
+//! Reversals multiply η′ by V̈⁺/V̈⁻ and mix the two branches. The characteristic function becomes a sum
+//! of exponentials Σ a_p e^{−λτ_p} over the paths through the branches, and lim sup Re λ is the root ρ
+//! of Σ |a_p| e^{−ρτ_p} = 1: attained where the delays are rationally independent, a bound always.
 //!
 //! Material damping β > 0 takes both branches away: r = λ ± √(λ/(ãβ)) + … and r = −1/β + …, so that
 //! |N| → e^{−T_s/β}, T_s being the time of sliding, and Re λ → −T_s/(βT). What is left of the branches

@@ -22,6 +22,16 @@
 //! | landing | τ = −u/U̇⁻; u, u′ dropped; η continuous, η′ := η′ − (V̈⁺ − V̈⁻)τ |
 //! | touch | τ = −u/U̇⁻; u := 0, u′ := −Ü⁺τ, η continuous, η′ := η′ − (V̈⁺ − V̈⁻)τ |
 //!
+//! A Coulomb impact of the sliding direction σ lets V̇ jump by [V̇] = −μU̇⁻, μ = σfm_b/m_a. The front of a
+//! perturbed wave moves with c/(1 + λτ), which changes m_a and m_b by −2ãλτ and −2b̃λτ, so that of
+//! m_a[V̇] = −σfm_bU̇⁻ there remains in first order, with τ = −u/U̇⁻ as above,
+//!
+//! ```text
+//! η := η − [V̇]τ,   η′ := η′ − [V̈]τ − μ(u′ + Ü⁻τ) − 2λσf(ã − b̃)U̇⁻τ/m_a².
+//! ```
+//!
+//! Where the impact brings V̇ to 1, V̇ = 1 is what remains: η′ := −V̈⁺τ.
+//!
 //! A stick zone forgets everything but η: with N(λ) = η at the beginning of stick for η = 1, η′ = 0
 //! at release, the spectrum in Bloch sector j is N(λ)e^{−λT} = e^{2πij/k}. Without one the transfer
 //! M(λ) over a period is 2 × 2 and the condition is det(M e^{−λT} − e^{2πij/k}) = 0. Both are
@@ -34,7 +44,9 @@
 
 use nalgebra::Vector4;
 
-use super::perturbation::{C64, Jump, LinearZone, ONE, Perturbations, ZERO, oscillator};
+use super::perturbation::{
+    C64, FrictionImpact, Jump, LinearZone, ONE, Perturbations, ZERO, oscillator,
+};
 pub use super::perturbation::{Characteristic, Scaled, Value};
 use super::separation::Separation;
 use crate::flow::FlowError;
@@ -55,10 +67,6 @@ pub enum NotLinearised {
          stability is undecided"
     )]
     FrictionLaw,
-    /// Landing with a Coulomb impact: the jump depends on the slope of the front, which changes
-    /// m_a and m_b; the first-order theory above does not cover it.
-    #[error("the perturbation of a Coulomb impact is not known: stability is undecided")]
-    CoulombImpact,
     /// Material damping without a stick zone.
     #[error(
         "with material damping the eigenfunction problem is posed for waves that stick: stability is \
@@ -79,7 +87,11 @@ impl Characteristic {
         let count = wave.zones();
         let weight = flows.frame.weight().value;
         let steady = flows.frame.steady().value;
-        let impact = wave.model.impact;
+        let coefficients = wave.model_at(point).constants().coefficients;
+        let excess = wave.excess_at(point);
+        // a/c² = 1/(1 + e)²
+        let a = (1.0 + excess).powi(-2);
+        let b = coefficients.b / coefficients.a * a;
         let mut zones = Vec::with_capacity(count);
         for index in 0..count {
             let zone = wave.signature.zone(index);
@@ -104,13 +116,39 @@ impl Characteristic {
                     Jump::Bend(jerk / leaving.acceleration(&slide, t, [y, w]))
                 }
                 Entry::Reversal => Jump::Reversal(sliding(next.regime) / sliding(zone.regime)),
-                Entry::Landing | Entry::ArrestedLanding | Entry::Touch
-                    if impact == Impact::Coulomb =>
+                Entry::ArrestedLanding | Entry::Landing | Entry::Touch
+                    if wave.model.impact == Impact::Coulomb =>
                 {
-                    return Err(NotLinearised::CoulombImpact);
+                    let after = wave.rate_after_switch(&flows, &end, index).value;
+                    let free = |w: f64, radial: f64| {
+                        (at.kappa * radial - at.damping * w - at.h * (y + steady)) / at.ma
+                    };
+                    let (slide, bounce) = match next.regime {
+                        Regime::Separation => {
+                            (free(after, 0.0), -(weight + at.kappa * after) / at.mb)
+                        }
+                        Regime::Stick => (0.0, 0.0),
+                        _ => {
+                            let flow = flows.contact(next.regime);
+                            (flow.outer_acceleration([y, after]), 0.0)
+                        }
+                    };
+                    let arrested = next.entry == Entry::ArrestedLanding;
+                    let friction = next.regime.sliding().unwrap_or(1.0) * at.friction;
+                    let share = friction * at.mb / at.ma;
+                    let normal = -(weight + at.kappa * w + at.damping * radial) / at.mb;
+                    let bent = slide - free(w, radial) + share * normal;
+                    Jump::Impact(FrictionImpact {
+                        eta: (after - w) / radial,
+                        rate: if arrested { slide } else { bent } / radial,
+                        slope: 2.0 * friction * (a - b) / (at.ma * at.ma),
+                        share,
+                        arrested,
+                        bounce: bounce / radial,
+                    })
                 }
-                Entry::ArrestedLanding => return Err(NotLinearised::CoulombImpact),
-                Entry::Landing => {
+                // only a Coulomb impact brings V̇ to 1
+                Entry::ArrestedLanding | Entry::Landing => {
                     let free = (at.kappa * radial - at.damping * w - at.h * (y + steady)) / at.ma;
                     Jump::Landing((sliding(next.regime) - free) / radial)
                 }
@@ -133,10 +171,6 @@ impl Characteristic {
         let contact =
             (0..count).find(|&index| wave.signature.zone(index).regime.sliding().is_some());
         zones.rotate_left(release.or(contact).unwrap_or(0));
-        let coefficients = wave.model_at(point).constants().coefficients;
-        let excess = wave.excess_at(point);
-        // a/c² = 1/(1 + e)²
-        let a = (1.0 + excess).powi(-2);
         let mut characteristic = Characteristic {
             period: zones.iter().map(|zone| zone.duration).sum(),
             stick: release.is_some(),
@@ -146,7 +180,7 @@ impl Characteristic {
             mb: at.mb,
             excess,
             a,
-            b: coefficients.b / coefficients.a * a,
+            b,
             kappa: at.kappa,
             g: at.g,
             h: at.h,
@@ -331,11 +365,31 @@ impl Characteristic {
             }
             return;
         }
+        if let Jump::Impact(impact) = jump {
+            for column in 0..count {
+                let (at, by) = (&mut state.columns[column], &mut state.by[column]);
+                let slope = C64::from(if impact.arrested { 0.0 } else { impact.slope });
+                by[3] += slope * at[0];
+                for vector in [at, by] {
+                    let [u, u_rate, ..] = vector.data.0[0];
+                    if impact.arrested {
+                        vector[3] = ZERO;
+                    } else {
+                        vector[3] += slope * lambda * u - u_rate * impact.share;
+                    }
+                    vector[3] += u * impact.rate;
+                    vector[2] += u * impact.eta;
+                    vector[1] = u * impact.bounce;
+                    vector[0] = ZERO;
+                }
+            }
+            return;
+        }
         for column in 0..count {
             for vector in [&mut state.columns[column], &mut state.by[column]] {
                 let u = vector[0];
                 match jump {
-                    Jump::None | Jump::StaticRelease(_) | Jump::Bend(_) => {}
+                    Jump::None | Jump::StaticRelease(_) | Jump::Bend(_) | Jump::Impact(_) => {}
                     Jump::Arrest => vector[3] = ZERO,
                     Jump::Reversal(ratio) => vector[3] *= ratio,
                     Jump::TakeOff => {

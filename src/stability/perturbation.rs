@@ -153,6 +153,25 @@ pub(super) enum Jump {
     Landing(f64),
     /// η′ := η′ + tangential·u, u′ := radial·u, then u := 0.
     Touch { tangential: f64, radial: f64 },
+    /// Landing or touch with friction.
+    Impact(FrictionImpact),
+}
+
+/// What a Coulomb impact does to a perturbation, in units of u or u′ before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FrictionImpact {
+    /// [V̇]/U̇⁻: η := η + eta·u.
+    pub(super) eta: f64,
+    /// η′ := η′ + rate·u, and a part of each of the following two.
+    pub(super) rate: f64,
+    /// slope·λu, of the changed speed of the front.
+    pub(super) slope: f64,
+    /// −share·u′, μ = share.
+    pub(super) share: f64,
+    /// V̇ comes to 1: η′ := rate·u is all.
+    pub(super) arrested: bool,
+    /// Ü⁺/U̇⁻: u′ := bounce·u, 0 in contact.
+    pub(super) bounce: f64,
 }
 
 /// One zone with the switch at its end.

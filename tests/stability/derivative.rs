@@ -77,7 +77,7 @@ fn derivative_in_lambda() {
     for item in follow(&problem, &text).items {
         let (wave, point) = item.wave();
         if item.point.kind.is_none() && seen.insert(item.point.regimes.clone()) {
-            let characteristic = Characteristic::new(wave, point).expect("no Coulomb impact");
+            let characteristic = Characteristic::new(wave, point).expect("a linear law");
             check(&item.point.regimes, &characteristic);
         }
     }

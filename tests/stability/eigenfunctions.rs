@@ -6,7 +6,7 @@ use brakewave::stability::eigenfunction::{Eigenfunction, eigenfunction};
 use brakewave::wave::start::Which;
 
 use crate::observed;
-use crate::waves::{C64, mode4, tube, wave, window};
+use crate::waves::{C64, mode4, tube, wave, window, with_coulomb_impact};
 
 const RESOLUTION: usize = 120;
 
@@ -21,7 +21,7 @@ fn overlap(one: &Eigenfunction, other: &Eigenfunction) -> f64 {
 
 #[test]
 fn equations_closure_norm_and_bloch_factor() {
-    let cases: [(Model, u32); 8] = [
+    let cases: [(Model, u32); 10] = [
         (mode4(0.2), 4),
         (mode4(0.08), 4),
         (mode4(0.045), 4),
@@ -30,12 +30,14 @@ fn equations_closure_norm_and_bloch_factor() {
         (tube(0.25, 1.25, 0.446, 0.06), 8),
         (tube(0.45, 1.25, 0.1, 0.1), 4),
         (tube(0.45, 1.25, 0.1, 0.01), 4),
+        (with_coulomb_impact(0.045), 4),
+        (with_coulomb_impact(0.01), 4),
     ];
     let [mut equation, mut closure, mut norm, mut bloch] = [0.0_f64; 4];
     let mut largest_overlap = 0.0_f64;
     for (model, mode) in cases {
         let (wave, point) = wave(&model, mode, Which::Fast);
-        let characteristic = Characteristic::new(&wave, &point).expect("no Coulomb impact");
+        let characteristic = Characteristic::new(&wave, &point).expect("a linear law");
         let speed = wave.speed_at(&point);
         let spectrum = window(&characteristic);
         let translation = eigenfunction(&characteristic, speed, 0, C64::new(0.0, 0.0), RESOLUTION);

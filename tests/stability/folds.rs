@@ -20,7 +20,7 @@ fn run(text: &str) -> Rows {
 
 fn linearised(item: &Item) -> Characteristic {
     let (wave, point) = item.wave();
-    Characteristic::new(wave, point).expect("no Coulomb impact")
+    Characteristic::new(wave, point).expect("a linear law")
 }
 
 /// F_j at a real λ, without the factor that keeps it of order one.

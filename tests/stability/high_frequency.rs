@@ -14,7 +14,7 @@ use brakewave::stability::spectrum::{Request, spectrum};
 use brakewave::wave::start::Which;
 
 use crate::observed;
-use crate::waves::{damped, linearised, mode4, tube, wave};
+use crate::waves::{damped, linearised, mode4, tube, wave, with_coulomb_impact};
 
 /// The closed form, by Newton's method on a falling convex function from the left.
 fn closed_form(model: &Model, mode: u32, which: Which) -> f64 {
@@ -121,9 +121,11 @@ fn no_eigenvalue_exceeds_the_limit() {
         (mode4(0.02), 4),
         (mode4(0.001), 4),
         (tube(0.45, 1.25, 0.1, 0.01), 4),
+        (with_coulomb_impact(0.045), 4),
+        (with_coulomb_impact(0.01), 4),
     ] {
         let (wave, point) = wave(&model, mode, Which::Fast);
-        let characteristic = Characteristic::new(&wave, &point).expect("no Coulomb impact");
+        let characteristic = Characteristic::new(&wave, &point).expect("a linear law");
         let limit = HighFrequency::new(&characteristic).limit();
         let found = largest(&characteristic, 100.0, 200.0);
         println!(

@@ -23,6 +23,7 @@ mod scaling;
 mod seeds;
 mod translation;
 mod verdict;
+mod wavelength;
 mod waves;
 
 /// Shows the worst error of a claim.

@@ -1,12 +1,9 @@
 //! A wave is called stable only when that is proven.
 
 use brakewave::branch::{Reason, Stability};
-use brakewave::model::{Impact, Model};
-use brakewave::problem::StabilitySection;
-use brakewave::stability::characteristic::{Characteristic, NotLinearised};
 use brakewave::wave::start::Which;
 
-use crate::waves::{C64, damped, follow, linearised, mode4, problem, wave, window};
+use crate::waves::{C64, damped, follow, linearised, mode4, window};
 
 /// Above α = 0.3151 no eigenvalue grows, and the limit at high frequency is negative.
 #[test]
@@ -86,42 +83,4 @@ fn growth_beyond_a_narrow_window_is_named() {
         assert!((re * 1e-4 - 0.04781284620294).abs() < 1e-9, "{re}");
         assert!((im.abs() * 1e-4 - 0.8714186486489).abs() < 1e-9, "{im}");
     }
-}
-
-#[test]
-fn coulomb_impact_is_undecided() {
-    let model = Model {
-        impact: Impact::Coulomb,
-        ..mode4(0.045)
-    };
-    let (wave, point) = wave(&model, 4, Which::Fast);
-    assert!(wave.signature.to_string().contains("separation"));
-    assert_eq!(
-        Characteristic::new(&wave, &point).err(),
-        Some(NotLinearised::CoulombImpact)
-    );
-    // without separation there is no impact
-    let (wave, point) = crate::waves::wave(&mode4(0.2), 4, Which::Fast);
-    assert!(Characteristic::new(&wave, &point).is_ok());
-
-    let (mut problem, text) = problem("mode4_mismatch.ron");
-    problem.model.impact = Impact::Coulomb;
-    problem.stability = Some(StabilitySection::default());
-    let continuation = problem.continuation.as_mut().expect("there is a branch");
-    continuation.range = (0.04, 0.06);
-    continuation.stop_at = Vec::new();
-    problem.model.mismatch = 0.06;
-    let rows = follow(&problem, &text);
-    let mut separated = 0;
-    for item in &rows.items {
-        let stable = item.point.stable.expect("stability is asked for");
-        if item.point.regimes.contains("separation") {
-            separated += 1;
-            assert_eq!(stable, Stability::Undecided, "{:?}", item.point.model);
-            assert_eq!(item.point.unstable, None);
-        } else {
-            assert!(item.point.unstable.is_some());
-        }
-    }
-    assert!(separated > 2, "the branch separates");
 }

@@ -8,7 +8,7 @@ use brakewave::branch::special::Note;
 use brakewave::continuation;
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Damping, Model, Parameter};
+use brakewave::model::{Damping, Impact, Model, Parameter};
 use brakewave::problem::{self, Problem};
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::spectrum::{Request, Spectrum, spectrum};
@@ -34,6 +34,14 @@ pub fn tube(nu: f64, xi: f64, friction: f64, mismatch: f64) -> Model {
 /// The tube of the mode-4 branches.
 pub fn mode4(mismatch: f64) -> Model {
     tube(0.3, 1.5, 0.5, mismatch)
+}
+
+/// The same tube, where landing is a Coulomb impact.
+pub fn with_coulomb_impact(mismatch: f64) -> Model {
+    Model {
+        impact: Impact::Coulomb,
+        ..mode4(mismatch)
+    }
 }
 
 /// The same tube with mass-proportional damping, where the wave is slip-stick.
