@@ -1,0 +1,285 @@
+"""Result folders of brakewave as tables of pandas, and pictures of them.
+
+One file without a build: put it beside your script, or its folder on PYTHONPATH. It needs pandas, and
+matplotlib for the pictures. docs/files.md of brakewave describes every column.
+
+    import brakewave
+    run = brakewave.Folder("results/mode4_mismatch")
+    print(run.events[["type", "mismatch", "speed", "what"]])
+    brakewave.draw_branch(run).figure.savefig("branch.png")
+"""
+
+from dataclasses import dataclass
+from math import log, pi
+from pathlib import Path
+
+import numpy
+import pandas
+
+PARAMETERS = ["mismatch", "friction", "mass_damping", "stiffness_damping", "gamma", "nu", "xi", "smoothing"]
+REGIMES = ["separation", "slip", "stick", "reverse"]
+"""Regimes in the order of their codes in regimes.npy."""
+COLOURS = dict(zip(REGIMES + ["contact"], ["#ffffff", "#fdd49e", "#9e9ac8", "#74c476", "#d9d9d9"]))
+
+_TEXT = (
+    "type regimes regimes_before regimes_after regime switches stable why what start name method setting failure "
+    "direction full_direction lead_direction first lead_first proven inequalities"
+).split()
+_WHOLE = (
+    "point label leg unstable lead_sector sector newton row column passage mode points events_found "
+    "events_expected radial_order lead_family lead_hopf_family"
+).split()
+
+
+def read(source):
+    """A table that brakewave has written, from a file or from an open stream.
+
+    Numbers are those of the file to the last bit. An empty text is "", an empty number NaN or NA.
+    """
+    # read as text: whether read_csv rounds correctly depends on the version of pandas
+    table = pandas.read_csv(source, dtype=str, keep_default_na=False)
+    table = table.apply(_column)
+    return table.astype({name: "Int64" for name in table if name in _WHOLE})
+
+
+def _column(cells):
+    if cells.name in _TEXT:
+        return cells
+    try:
+        return pandas.Series([float(cell or "nan") for cell in cells], cells.index, float)
+    except ValueError:
+        return cells
+
+
+class Folder:
+    """A result folder of `run`, `map`, `curve`, `simulate` or `accuracy`.
+
+    Nothing is kept: every access reads the file, so that a computation that is still going on can be looked at.
+    """
+
+    def __init__(self, path):
+        self.path = Path(path)
+        manifest = self.path / "brakewave.manifest"
+        if not manifest.is_file():
+            raise FileNotFoundError(f"{self.path} is no result folder of brakewave: it has no {manifest.name}")
+        self.version, kind = manifest.read_text(encoding="utf-8").splitlines()[:2]
+        self.kind = kind.split()[0]
+        """What the folder holds: run, map, curve, simulation, accuracy."""
+
+    def table(self, name):
+        """The table `name`.csv."""
+        path = self.path / f"{name}.csv"
+        if not path.is_file():
+            raise FileNotFoundError(f"{self.path}, the folder of a {self.kind}, has no {path.name}")
+        return read(path)
+
+    # of a run
+    branch = property(lambda self: self.table("branch"))
+    events = property(lambda self: self.table("events"))
+    spectrum = property(lambda self: self.table("spectrum"))
+    # of a map, a curve, a comparison of methods
+    map = property(lambda self: self.table("map"))
+    curve = property(lambda self: self.table("curve"))
+    accuracy = property(lambda self: self.table("accuracy"))
+    # of a simulation
+    series = property(lambda self: self.table("series"))
+    measures = property(lambda self: self.table("measures"))
+    growth = property(lambda self: self.table("growth"))
+    start = property(lambda self: self.table("start"))
+    end = property(lambda self: self.table("end"))
+
+    def profile(self, label):
+        """The wave of a labelled point: theta, U, V, U_dot, V_dot, P, Q, regime."""
+        return self.table(f"profiles/{label}")
+
+    @property
+    def profiles(self):
+        """Labels of which there are profiles."""
+        return sorted(int(path.stem) for path in self.path.glob("profiles/*.csv"))
+
+    @property
+    def zones(self):
+        """The zones of every wave of a branch or a map, a row each: `regime`, `begin` and `end` in θ, and the
+        index of the wave's row in its table as `wave`."""
+        table = self.map if self.kind == "map" else self.branch
+        return zones(table)
+
+    @property
+    def regimes(self):
+        """Regime of each place (columns, φ) at each sample (rows, time) of a simulation, as codes of `REGIMES`."""
+        codes = numpy.load(self.path / "regimes.npy")
+        place, time = self.start["phi"].to_numpy(), self.series["time"].to_numpy()
+        # every so many points one is kept, at most 512 of them
+        place = place[:: max(1, -(-len(place) // 512))]
+        # a simulation that is going on may have come further in one file than in the other
+        count = min(len(time), len(codes))
+        return pandas.DataFrame(
+            codes[:count], pandas.Index(time[:count], name="time"), pandas.Index(place, name="phi")
+        )
+
+    def snapshot(self, number):
+        """A snapshot of a ring, from 1: phi, U, V, U_dot, V_dot, P, Q. Those of a tube are for ParaView."""
+        array = numpy.load(self.path / "snapshots" / f"{number:04}.npy")
+        return pandas.DataFrame(array, columns=["phi", "U", "V", "U_dot", "V_dot", "P", "Q"])
+
+
+def zones(table):
+    """The zones of the waves of a table with the columns `regimes` and `switches`; see `Folder.zones`."""
+    rows = []
+    for wave, regimes, switches in zip(table.index, table["regimes"], table["switches"]):
+        ends = [float(end) for end in switches.split()]
+        for regime, begin, end in zip(regimes.split("-"), [0.0] + ends, ends):
+            rows.append((wave, regime, begin, end))
+    return pandas.DataFrame(rows, columns=["wave", "regime", "begin", "end"])
+
+
+@dataclass
+class Tube:
+    """A tube on a shaft in SI units, and the dimensionless numbers of a problem file. docs/units.md derives them."""
+
+    young: float
+    """Young's modulus E, Pa."""
+    density: float
+    """Density ρ, kg/m³."""
+    poisson: float
+    """Poisson's ratio ν."""
+    inner: float
+    """Inner radius R of the tube when it is not on the shaft, m."""
+    outer: float
+    """Outer radius R*, held, m."""
+    oversize: float
+    """Radius of the shaft less R, d, m."""
+    rotation: float
+    """Angular velocity Ω of the shaft, rad/s."""
+
+    @property
+    def gamma(self):
+        return self.density * (self.inner * self.rotation) ** 2 / self.young
+
+    @property
+    def xi(self):
+        return self.outer / self.inner
+
+    @property
+    def mismatch(self):
+        return self.oversize / self.inner
+
+    def model(self, friction):
+        """The section `model` of a problem file."""
+        geometry = f"nu: {float(self.poisson)!r}, xi: {self.xi!r}, gamma: {self.gamma!r}"
+        return (
+            f"model: (coefficients: Geometry({geometry}), "
+            f"friction: {float(friction)!r}, mismatch: {self.mismatch!r}),"
+        )
+
+    def hertz(self, speed, mode):
+        """Frequency that a point at rest hears from a wave of `mode` crests and the speed c of the tables, Hz."""
+        return mode * abs(speed) * self.rotation / (2 * pi)
+
+    def pascal(self, pressure):
+        """Contact pressure or shear stress of P or Q of the tables, Pa."""
+        return self.young * self.gamma * inertia(self.xi) * pressure
+
+
+def inertia(xi):
+    """I₀ = ∫X²r dr over the wall, X(r) = (ξ²/r − r)/(ξ² − 1)."""
+    w = (xi - 1) * (xi + 1)
+    if w < 0.5:
+        # its Taylor series, for the closed form cancels like w³; the fortieth term is below 1e-17
+        return sum((-1) ** (n + 1) * w ** (n - 2) / (n * (n - 1) * (n - 2)) for n in range(3, 43))
+    return ((w + 1) ** 2 * log(xi) - (w + 1) * w + w * (w + 2) / 4) / w**2
+
+
+def varying(table):
+    """The parameters that are not the same in all rows of a table."""
+    return [name for name in PARAMETERS if name in table and table[name].nunique() > 1]
+
+
+def _axes(axes):
+    if axes is None:
+        import matplotlib.pyplot
+
+        axes = matplotlib.pyplot.subplots(layout="constrained")[1]
+    return axes
+
+
+def draw_branch(run, x=None, y="speed", axes=None):
+    """A branch diagram: solid where stable, dashed where unstable, dotted where undecided or not asked for, and
+    a marker for every event. `x` is the parameter of the run unless given."""
+    axes, table = _axes(axes), run.branch
+    x = x or (varying(table) or ["mismatch"])[0]
+    style = {"yes": "-", "no": "--"}
+    # a piece ends where the leg or the answer changes; it goes on to the next point of its leg
+    same = (table["leg"] == table["leg"].shift()) & (table["stable"] == table["stable"].shift())
+    for _, piece in table.groupby((~same).cumsum()):
+        first, last = piece.index[0], piece.index[-1]
+        if last + 1 in table.index and table["leg"][last + 1] == table["leg"][last]:
+            last += 1
+        piece = table.loc[first:last]
+        axes.plot(piece[x], piece[y], style.get(piece["stable"].iloc[0], ":"), color="black", lw=1)
+    for kind, points in table[table["type"] != ""].groupby("type"):
+        # Hopf points are many: ticks
+        axes.plot(points[x], points[y], "|" if kind == "HB" else "o", ms=5, label=kind)
+    axes.set(xlabel=x, ylabel=y)
+    axes.legend()
+    return axes
+
+
+def draw_profile(run, label, y="P", axes=None):
+    """A column of the wave of a label over θ, its zones behind it."""
+    axes, wave = _axes(axes), run.profile(label)
+    for _, zone in wave.groupby((wave["regime"] != wave["regime"].shift()).cumsum()):
+        regime, theta = zone["regime"].iloc[0], zone["theta"]
+        axes.axvspan(theta.iloc[0], theta.iloc[-1], color=COLOURS[regime], lw=0, label=regime)
+    axes.plot(wave["theta"], wave[y], color="black")
+    axes.set(xlabel="θ", ylabel=y)
+    handles = dict(zip(*reversed(axes.get_legend_handles_labels())))
+    axes.legend(handles.values(), handles.keys())
+    return axes
+
+
+def draw_spectrum(run, label, axes=None):
+    """The eigenvalues of a label in the complex plane, a colour for each Bloch sector."""
+    axes, table = _axes(axes), run.spectrum
+    for sector, values in table[table["label"] == label].groupby("sector"):
+        axes.plot(values["re"], values["im"], "o", ms=4, label=f"sector {sector}")
+    axes.axvline(0, color="black", lw=0.5)
+    axes.set(xlabel="Re λ", ylabel="Im λ")
+    axes.legend()
+    return axes
+
+
+def draw_map(folder, start="fast", axes=None):
+    """The regimes of the first passage over the plane of a map."""
+    axes, table = _axes(axes), folder.map
+    x, y = (varying(table) + PARAMETERS)[:2]
+    table = table[(table["start"] == start) & (table["passage"] == 1)]
+    for regimes, waves in table.groupby("regimes"):
+        axes.plot(waves[x], waves[y], "s", ms=2, label=regimes)
+    axes.set(xlabel=x, ylabel=y)
+    axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
+    return axes
+
+
+def draw_curve(folder, axes=None):
+    """The curve of an event in the plane of its two parameters, special points named."""
+    axes, table = _axes(axes), folder.curve
+    first, second = [name for name in table if name in PARAMETERS]
+    axes.plot(table[first], table[second], color="black")
+    for kind, points in table[table["type"] != ""].groupby("type"):
+        axes.plot(points[first], points[second], "o", label=kind)
+    axes.set(xlabel=first, ylabel=second)
+    axes.legend()
+    return axes
+
+
+def draw_regimes(simulation, axes=None):
+    """Regimes over place and time."""
+    from matplotlib.colors import ListedColormap
+
+    axes, table = _axes(axes), simulation.regimes
+    colours = ListedColormap([COLOURS[regime] for regime in REGIMES])
+    image = axes.pcolormesh(table.columns, table.index, table, cmap=colours, vmin=-0.5, vmax=3.5, shading="nearest")
+    axes.figure.colorbar(image, ticks=range(4)).ax.set_yticklabels(REGIMES)
+    axes.set(xlabel="φ", ylabel="time")
+    return axes
