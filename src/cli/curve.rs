@@ -6,7 +6,7 @@ use super::failure::{Exit, Failure};
 use super::options::{Task, format};
 use super::prepare::{Prepared, Source, begin, ready};
 use super::progress::{Progress, drive};
-use super::{print, report, warn};
+use super::{print, summary, warn};
 use crate::branch::run::Runner;
 use crate::curve::Run;
 use crate::curve::start::{self, NoCurve, Start};
@@ -60,7 +60,7 @@ pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
         if let Some(title) = &problem.title {
             print(&format!("{title}\n\n"))?;
         }
-        print(&report::curve(&found))?;
+        print(&summary::curve(&found))?;
         print(&format!("curve in {}\n", out.display()))?;
     }
     if found.failed {

@@ -15,11 +15,12 @@ mod run;
 mod simulate;
 mod spectrum;
 mod steady;
+mod summary;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::problem;
 use failure::{EXIT_CODES, Exit, Failure};
@@ -53,8 +54,38 @@ enum Verb {
     Steady(steady::SteadyArguments),
     /// Simulate the motion in time as the section `simulation` of a problem file says
     Simulate(simulate::SimulateArguments),
+    /// Write one page of HTML with everything of a result folder, to be opened without a network
+    Report(report::ReportArguments),
     /// Print a commented problem file
-    New,
+    New(NewArguments),
+}
+
+#[derive(Debug, Args)]
+struct NewArguments {
+    /// The verb that the file is for: its section is there, those of others are comments
+    #[arg(long = "for", value_enum, default_value_t = Purpose::Run, value_name = "VERB")]
+    purpose: Purpose,
+}
+
+/// What a new problem file is for.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Purpose {
+    Run,
+    Map,
+    Curve,
+    Simulate,
+    Steady,
+}
+
+impl Purpose {
+    fn template(self) -> String {
+        match self {
+            Purpose::Run | Purpose::Steady => problem::TEMPLATE.to_owned(),
+            Purpose::Map => problem::template_with("map"),
+            Purpose::Curve => problem::template_with("curve"),
+            Purpose::Simulate => problem::template_with("simulation"),
+        }
+    }
 }
 
 /// Runs the command line of this process and returns its exit code.
@@ -70,7 +101,8 @@ pub fn main() -> ExitCode {
         Verb::Map(arguments) => map::map(&arguments),
         Verb::Steady(arguments) => steady::steady(&arguments),
         Verb::Simulate(arguments) => simulate::simulate(&arguments),
-        Verb::New => print(problem::TEMPLATE).map(|()| Exit::Done),
+        Verb::Report(arguments) => report::report(&arguments),
+        Verb::New(arguments) => print(&arguments.purpose.template()).map(|()| Exit::Done),
     };
     match result {
         Ok(exit) => exit.into(),

@@ -6,9 +6,10 @@ use super::failure::{Exit, Failure};
 use super::options::{Task, Threads};
 use super::prepare::{Prepared, begin, prepare};
 use super::progress::drive;
-use super::report;
+use super::summary;
 use super::{print, warn};
 use crate::branch::run::{End, Runner};
+use crate::model::Sectors;
 use crate::output::pictures;
 use crate::output::render::Format;
 use crate::output::run::{Restart, RunFolder};
@@ -73,7 +74,13 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         if let Some(title) = &problem.title {
             print(&format!("{title}\n\n"))?;
         }
-        print(&report::branch(&out, continuation.parameter)?)?;
+        let section = problem.stability.as_ref();
+        let whole_circle = section.is_some_and(|section| section.sectors == Sectors::All);
+        print(&summary::branch(
+            &out,
+            continuation.parameter,
+            whole_circle,
+        )?)?;
         if finished {
             print("the run was finished already: nothing was left to compute\n")?;
         }

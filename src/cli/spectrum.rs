@@ -1,5 +1,6 @@
 //! `brakewave spectrum`.
 
+use std::io::{self, IsTerminal};
 use std::path::PathBuf;
 
 use clap::Args;
@@ -9,7 +10,7 @@ use super::failure::{Exit, Failure, Usage};
 use super::options::{assignment, set, spare, write};
 use super::prepare::{Prepared, begin, prepare};
 use super::progress::drive;
-use super::{print, warn};
+use super::{print, summary, warn};
 use crate::branch::BranchPoint;
 use crate::branch::passage::Passage;
 use crate::branch::row::{EigenfunctionRow, EigenvalueRow, WaveEigenvalueRow};
@@ -20,6 +21,7 @@ use crate::problem::{DEFAULT_EIGENVALUES, DEFAULT_MAX_FREQUENCY, Problem};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::eigenfunction::eigenfunction;
 use crate::stability::spectrum::{Request, spectrum as compute};
+use crate::stability::verdict::Stability;
 use crate::table;
 
 #[derive(Debug, Args)]
@@ -30,6 +32,9 @@ pub(crate) struct SpectrumArguments {
     /// along the branch, any other replaces the value in the file [default: the first wave]
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     at: Vec<(Parameter, f64)>,
+    /// CSV on a terminal too
+    #[arg(long)]
+    csv: bool,
     /// Bloch sector [default: those of the file, or all]
     #[arg(long, value_name = "J")]
     sector: Option<usize>,
@@ -218,7 +223,7 @@ fn write_spectrum(
                     speed,
                     ..item.point.clone()
                 };
-                print(&eigenvalue_table(&eigenvalues, &point))?;
+                print(&eigenvalue_table(&eigenvalues, &point, arguments.csv))?;
                 Ok(Exit::Done)
             }
             Err(error) => {
@@ -241,7 +246,7 @@ fn write_spectrum(
         .leading(request.eigenvalues)
         .map(|(sector, eigenvalue)| EigenvalueRow::new(sector, eigenvalue))
         .collect();
-    print(&eigenvalue_table(&eigenvalues, &point))?;
+    print(&eigenvalue_table(&eigenvalues, &point, arguments.csv))?;
     if let Some(path) = &arguments.eigenfunctions {
         let modes = eigenvalues.iter().flat_map(|row| {
             let value = c64::new(row.re, row.im);
@@ -269,7 +274,17 @@ fn write_spectrum(
     })
 }
 
-fn eigenvalue_table(eigenvalues: &[EigenvalueRow], point: &BranchPoint) -> String {
+/// The table of the eigenvalues; a terminal shows what all rows have in common in a line above it.
+fn eigenvalue_table(eigenvalues: &[EigenvalueRow], point: &BranchPoint, csv: bool) -> String {
     let rows = eigenvalues.iter();
-    table::table(rows.map(|row| WaveEigenvalueRow::new(*row, point)))
+    let text = table::table(rows.map(|row| WaveEigenvalueRow::new(*row, point)));
+    let shown = summary::table(text, csv, &["sector", "re", "im", "error"]);
+    if csv || !io::stdout().is_terminal() {
+        return shown;
+    }
+    let stable = point.stable.map_or("", Stability::word);
+    format!(
+        "{}, c = {:.12}, stable: {stable}\n\n{shown}",
+        point.regimes, point.speed
+    )
 }

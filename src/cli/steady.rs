@@ -7,7 +7,7 @@ use clap::Args;
 use super::failure::{Exit, Failure, Usage};
 use super::options::{assignment, picture, set};
 use super::progress::drive;
-use super::{print, warn};
+use super::{print, summary, warn};
 use crate::model::Parameter;
 use crate::output::pictures;
 use crate::problem::{self, MAX_MODE};
@@ -21,6 +21,21 @@ const MOST_FAMILIES: u16 = 64;
 const LEAST_MODES: u32 = 12;
 /// Relative difference between radial orders above which a warning is due: what is promised.
 const PROMISED: f64 = 1e-10;
+
+/// Columns that a terminal shows.
+const SHOWN: [&str; 11] = [
+    "mode",
+    "growth",
+    "omega",
+    "speed",
+    "hopf_friction",
+    "first",
+    "full_growth",
+    "full_omega",
+    "lead_growth",
+    "lead_hopf_friction",
+    "lead_first",
+];
 
 #[derive(Debug, Args)]
 pub(crate) struct SteadyArguments {
@@ -38,6 +53,9 @@ pub(crate) struct SteadyArguments {
     /// Radial functions per component [default: as many as convergence takes]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=400))]
     order: Option<u16>,
+    /// CSV on a terminal too
+    #[arg(long)]
+    csv: bool,
     /// Draw growth against the mode: FILE.svg, .png or .pdf
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -77,26 +95,34 @@ pub(crate) fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
         families: usize::from(arguments.families),
         order: arguments.order.map(usize::from),
     };
-    let (mut modes, mut asked) = (Vec::<Mode>::new(), first..=last);
+    let (mut modes, mut begun) = (Vec::<Mode>::new(), false);
+    let all = last + 1 - first;
     drive(false, || {
-        let Some(mode) = asked.next() else {
+        let done = modes.len() as u32;
+        // the first one may take long
+        if !begun {
+            begun = true;
+            return Ok(Some((0.0, format!("0 of {all} modes"))));
+        }
+        if done == all {
             return Ok(None);
-        };
+        }
+        let mode = first + done;
         modes.push(steady::mode(
             &coefficients,
             geometry.as_ref(),
             mode,
             &settings,
         )?);
-        let part = f64::from(mode + 1 - first) / f64::from(last + 1 - first);
-        Ok(Some((part, format!("mode {mode}, up to {last}"))))
+        let part = f64::from(done + 1) / f64::from(all);
+        Ok(Some((part, format!("{} of {all} modes", done + 1))))
     })?;
     let [reduced, full] = first_to_grow(&modes);
     let rows = modes
         .iter()
         .enumerate()
         .map(|(index, mode)| ModeRow::new(mode, reduced == Some(index), full == Some(index)));
-    print(&table::table(rows))?;
+    print(&summary::table(table::table(rows), arguments.csv, &SHOWN))?;
     if let Some((path, format)) = picture {
         let drawn = pictures::steady::picture(&modes).titled(problem.title.as_deref());
         pictures::save(path, format, &drawn)?;

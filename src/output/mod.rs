@@ -15,6 +15,8 @@ pub(crate) mod pictures;
 #[cfg(feature = "cli")]
 pub(crate) mod render;
 #[cfg(feature = "cli")]
+pub(crate) mod report;
+#[cfg(feature = "cli")]
 pub mod run;
 #[cfg(feature = "cli")]
 pub(crate) mod simulation;

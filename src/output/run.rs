@@ -108,7 +108,8 @@ pub(crate) fn labelled(folder: &Path, label: usize) -> Result<Labelled, StoreErr
 pub(crate) const BRANCH: &str = "branch.csv";
 /// Name of the table of events.
 pub(crate) const EVENTS: &str = "events.csv";
-const SPECTRUM: &str = "spectrum.csv";
+/// Name of the table of eigenvalues.
+pub(crate) const SPECTRUM: &str = "spectrum.csv";
 const PROFILES: &str = "profiles";
 
 /// The file of the profile of a label.

@@ -57,6 +57,27 @@ pub(crate) const DEFAULT_MAX_FREQUENCY: f64 = 12.0;
 /// A commented problem file to start from: the mode-4 branch in the mismatch.
 pub const TEMPLATE: &str = include_str!("template.ron");
 
+/// [`TEMPLATE`] with a section that is a comment there: `map`, `curve` or `simulation`.
+pub fn template_with(section: &str) -> String {
+    uncommented(TEMPLATE, section)
+}
+
+/// A commented problem file with one of its commented sections.
+fn uncommented(template: &str, section: &str) -> String {
+    let opening = format!("    // {section}: (");
+    let mut inside = false;
+    let lines = template.lines().map(|line| {
+        inside |= line == opening;
+        let plain = match line.strip_prefix("    // ") {
+            Some(rest) if inside => format!("    {rest}\n"),
+            _ => format!("{line}\n"),
+        };
+        inside &= line != "    // ),";
+        plain
+    });
+    lines.collect()
+}
+
 /// A problem that has passed every check.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -12,6 +12,7 @@ mod folders;
 mod harness;
 mod pipe;
 mod plots;
+mod report;
 mod restart;
 mod resume;
 mod stability;

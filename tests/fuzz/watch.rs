@@ -84,7 +84,7 @@ impl Record {
         // a run may be long if it says where it is
         let said_where = |words: &&str| said.contains(words);
         let announced = ended.code.is_none()
-            && [" left", " points", " rows", "step "]
+            && [" left", " points", " rows", " modes", "step "]
                 .iter()
                 .any(said_where);
         let key = match ended.code {

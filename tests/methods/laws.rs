@@ -1,6 +1,5 @@
 //! Friction laws beyond Coulomb's.
 
-use brakewave::continuation::newton::System;
 use brakewave::flow::method::Method;
 use brakewave::flow::sign::Verdict;
 use brakewave::model::FrictionLaw;

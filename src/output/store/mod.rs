@@ -227,6 +227,16 @@ impl Store {
         &self.path
     }
 
+    /// What the folder holds, in the word of its manifest.
+    pub(crate) fn kind(&self) -> String {
+        self.header.kind.clone()
+    }
+
+    /// Names of the files of the program, in alphabetical order.
+    pub(crate) fn names(&self) -> Vec<String> {
+        self.manifest().names.iter().cloned().collect()
+    }
+
     /// Whether there are results to go on with.
     pub(crate) fn resumes(&self) -> bool {
         self.resumes

@@ -1,0 +1,228 @@
+//! Text for people: the tables of labelled points, the lists of events and of special points.
+
+use std::fmt::Write;
+use std::io::{self, IsTerminal};
+use std::path::Path;
+
+use crate::curve::{Curve, Point};
+use crate::model::EventType;
+use crate::model::Parameter;
+use crate::output::curve::words;
+use crate::output::run::{BRANCH, EVENTS};
+use crate::output::store::{self, StoreError};
+use crate::table::Table;
+
+/// A number for a table: 12 significant digits, in a width of 18.
+fn figure(value: f64) -> String {
+    if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e6) {
+        format!("{value:>18.11e}")
+    } else {
+        let before = if value.abs() < 1.0 {
+            0
+        } else {
+            value.abs().log10().floor() as usize
+        };
+        format!("{value:>18.*}", 12 - before.min(11))
+    }
+}
+
+/// The report of a result folder, from its tables: a run that was resumed is reported as a whole.
+/// `whole_circle` says that all sectors were asked for.
+pub(crate) fn branch(
+    folder: &Path,
+    parameter: Parameter,
+    whole_circle: bool,
+) -> Result<String, StoreError> {
+    let points = store::table(&folder.join(BRANCH))?;
+    let events = store::table(&folder.join(EVENTS))?;
+    let number =
+        |table: &Table, row: usize, column: &str| table.field(row, column).unwrap_or(f64::NAN);
+    let text = |table: &Table, row: usize, column: &str| -> String {
+        table.field(row, column).unwrap_or_default()
+    };
+    let asked = (0..points.len()).any(|row| !points.text(row, "stable").is_empty());
+    let mut report = String::new();
+    // writing to a string does not fail
+    let _ = writeln!(
+        report,
+        "{:>6} {:>5} {:<4} {:>18} {:>18} {} {:<}",
+        "point",
+        "label",
+        "type",
+        parameter.column(),
+        "speed",
+        if asked { "stable     " } else { "" },
+        "regimes"
+    );
+    for row in 0..points.len() {
+        let label = text(&points, row, "label");
+        if !label.is_empty() {
+            let _ = writeln!(
+                report,
+                "{:>6} {label:>5} {:<4} {} {} {} {}",
+                text(&points, row, "point"),
+                text(&points, row, "type"),
+                figure(number(&points, row, parameter.column())),
+                figure(number(&points, row, "speed")),
+                if asked {
+                    stability(&points, row)
+                } else {
+                    String::new()
+                },
+                text(&points, row, "regimes")
+            );
+        }
+    }
+    let found = |row: &usize| events.field(*row, "type") != Some(EventType::EP);
+    let found: Vec<usize> = (0..events.len()).filter(found).collect();
+    let _ = writeln!(report, "\n{} points, {} events", points.len(), found.len());
+    for row in found {
+        let _ = write!(
+            report,
+            "  {} at {} = {:.15} ± {:.0e}, c = {:.15}",
+            text(&events, row, "type"),
+            parameter.symbol(),
+            number(&events, row, parameter.column()),
+            number(&events, row, "uncertainty"),
+            number(&events, row, "speed")
+        );
+        let pair = events
+            .field::<f64>(row, "omega")
+            .zip(events.field::<usize>(row, "sector"));
+        if let Some((omega, sector)) = pair {
+            let _ = write!(report, ", ω = {omega:.12} in sector {sector}");
+        }
+        let [before, after] =
+            ["regimes_before", "regimes_after"].map(|column| text(&events, row, column));
+        if before != after {
+            let _ = write!(report, ": {before} → {after}");
+        }
+        let _ = writeln!(report, "; {}", text(&events, row, "what"));
+    }
+    if asked {
+        report.push_str(&stable_parts(&points, parameter, whole_circle));
+    }
+    Ok(report)
+}
+
+/// Eleven characters on the stability of a point: the verdict, and how many eigenvalues grow.
+fn stability(points: &Table, row: usize) -> String {
+    let growing = match points.text(row, "unstable") {
+        "" | "0" => String::new(),
+        count => format!(" ({count})"),
+    };
+    format!("{:<11}", format!("{}{growing}", points.text(row, "stable")))
+}
+
+/// Where along a branch the wave is stable, in a sentence. A part ends at the event that ends it.
+fn stable_parts(points: &Table, parameter: Parameter, whole_circle: bool) -> String {
+    let stable = |row: &usize| points.text(*row, "stable") == "yes";
+    let value = |row: usize| points.field(row, parameter.column()).unwrap_or(f64::NAN);
+    let special = |row: &usize| *row < points.len() && !points.text(*row, "type").is_empty();
+    let mut parts = Vec::new();
+    let mut row = 0;
+    while row < points.len() {
+        let length = (row..points.len()).take_while(stable).count();
+        if length > 0 {
+            let first = row.checked_sub(1).filter(special).unwrap_or(row);
+            let last = Some(row + length)
+                .filter(special)
+                .unwrap_or(row + length - 1);
+            let (one, other) = (value(first), value(last));
+            parts.push((one.min(other), one.max(other)));
+        }
+        row += length + 1;
+    }
+    let circle = if whole_circle {
+        "on the whole circle"
+    } else {
+        "in the sectors asked for"
+    };
+    if parts.is_empty() {
+        return format!("no point is stable {circle}\n");
+    }
+    let symbol = parameter.symbol();
+    let parts = parts
+        .iter()
+        .map(|(low, high)| format!("{low:.9} < {symbol} < {high:.9}"));
+    format!(
+        "stable {circle} for {}\n",
+        parts.collect::<Vec<_>>().join(", ")
+    )
+}
+
+/// A table of results: CSV, or with `chosen` columns in line for reading on a terminal.
+pub(crate) fn table(csv: String, always_csv: bool, chosen: &[&str]) -> String {
+    if always_csv || !io::stdout().is_terminal() {
+        return csv;
+    }
+    match Table::parse(csv.as_bytes()) {
+        Ok(table) => aligned(&table, chosen),
+        Err(_) => csv,
+    }
+}
+
+/// Columns of a table in line, with seven digits; those without content are left out.
+fn aligned(table: &Table, chosen: &[&str]) -> String {
+    let rows = 0..table.len();
+    let filled = |column: &&&str| rows.clone().any(|row| !table.text(row, column).is_empty());
+    let mut lines = vec![String::new(); table.len() + 1];
+    for column in chosen.iter().filter(filled) {
+        let cell = |row: usize| {
+            let text = table.text(row, column);
+            let number: Option<f64> = text.parse().ok().filter(|_| text.contains('.'));
+            number.map_or(text.to_owned(), |number| match number.abs() {
+                size if size == 0.0 || (1e-3..1e6).contains(&size) => format!("{number:.6}"),
+                _ => format!("{number:.3e}"),
+            })
+        };
+        let cells: Vec<String> = std::iter::once(column.to_string())
+            .chain(rows.clone().map(cell))
+            .collect();
+        let width = cells
+            .iter()
+            .map(|cell| cell.chars().count())
+            .max()
+            .unwrap_or(0);
+        for (line, cell) in lines.iter_mut().zip(cells) {
+            let _ = write!(line, "{cell:>width$}  ");
+        }
+    }
+    let lines = lines.iter().map(|line| line.trim_end());
+    lines.map(|line| format!("{line}\n")).collect()
+}
+
+/// The special points of a curve, a line each.
+pub(crate) fn curve(curve: &Curve) -> String {
+    let mut text = String::new();
+    let [first, second] = curve.parameters.map(|parameter| parameter.column());
+    let _ = writeln!(
+        text,
+        "{} points; event, {first}, {second}, speed",
+        curve.points.len()
+    );
+    let last = curve.points.len().saturating_sub(1);
+    for (index, point) in curve.points.iter().enumerate() {
+        let end = index == 0 || index == last;
+        let Point {
+            kind: Some(kind), ..
+        } = point
+        else {
+            if end {
+                let _ = writeln!(text, "  end: {}", words(curve, index));
+            }
+            continue;
+        };
+        let [one, other] = point.parameters;
+        let _ = write!(
+            text,
+            "  {kind:<6} {one:.12}  {other:.12}  {:.12}",
+            point.speed
+        );
+        if let Some(omega) = point.omega {
+            let _ = write!(text, "  ω {omega:.12}");
+        }
+        let _ = writeln!(text, "  {}", words(curve, index));
+    }
+    text
+}

@@ -1,0 +1,104 @@
+//! A result folder as one page.
+
+use std::fs;
+use std::process::Command;
+
+use crate::harness::{Bench, SMALL, changed};
+
+/// The page holds what the folder says, opens without a network, is small, and is the same twice.
+#[test]
+fn a_report_is_one_page_by_itself() {
+    let bench = Bench::new();
+    let title = "(\n    title: \"Squeal & <noise>\",\n    model:";
+    let problem = changed(SMALL, "(\n    model:", title);
+    let wanted =
+        "stability: (sectors: Only([0]), eigenvalues: 3, max_frequency: 6.0),\n    output:";
+    bench.put("problem.ron", changed(&problem, "output:", wanted));
+    bench.run(&["run", "problem.ron", "--out", "out"]).expect(0);
+    let said = bench.run(&["report", "out"]).expect(0).stdout;
+    assert!(said.trim_end().ends_with("report.html"), "{said}");
+    let page = fs::read_to_string(bench.path("out/report.html")).expect("the page");
+    assert!(page.len() < 1_000_000, "{} bytes", page.len());
+    // names of formats are URLs that nothing is loaded from
+    let loads = page.replace("http://www.w3.org/", "");
+    assert!(!loads.contains("http://") && !loads.contains("https://"));
+    assert!(page.contains("Squeal &amp; &lt;noise&gt;") && !page.contains("<noise>"));
+    for part in [
+        "user point mismatch = 0.195",
+        "id=\"profile-1\"",
+        "id=\"spectrum\"",
+        "events.csv",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    bench.run(&["report", "out"]).expect(0);
+    assert_eq!(
+        page,
+        fs::read_to_string(bench.path("out/report.html")).unwrap()
+    );
+    // the folder stays a result folder
+    bench.run(&["plot", "out"]).expect(0);
+    bench
+        .run(&["run", "problem.ron", "--out", "out", "--resume"])
+        .expect(0);
+    opens_in_a_browser(&bench);
+}
+
+/// The script of the page runs to its end in a browser, if one is there.
+fn opens_in_a_browser(bench: &Bench) {
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    let there = |name: &&str| {
+        let version = Command::new(name).arg("--version").output();
+        version.is_ok_and(|said| said.status.success())
+    };
+    let Some(browser) = names.into_iter().find(|name| there(&name)) else {
+        println!("skipped: there is no browser to open the page in");
+        return;
+    };
+    let page = format!("file://{}", bench.path("out/report.html").display());
+    let opened = Command::new(browser)
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--dump-dom",
+            &page,
+        ])
+        .env("HOME", bench.path(""))
+        .output()
+        .expect("the browser runs");
+    let text = String::from_utf8_lossy(&opened.stdout);
+    assert!(text.contains("class=\"ready\" data-label=\"1\""), "{text}");
+    assert!(text.contains("stable: "), "the sentence of the first point");
+}
+
+/// Any kind of result folder has a page; what is no result folder is refused.
+#[test]
+fn every_kind_of_folder_has_a_page() {
+    let bench = Bench::new();
+    let map = "map: (first: (parameter: Friction, range: (0.4, 0.5)), second: (parameter: Mismatch, \
+               range: (0.19, 0.2)), points: Grid(rows: 2, columns: 2), starts: [Fast]),\n    output:";
+    bench.put("problem.ron", changed(SMALL, "output:", map));
+    bench.run(&["map", "problem.ron", "--out", "map"]).expect(0);
+    bench.run(&["report", "map"]).expect(0);
+    let page = fs::read_to_string(bench.path("map/report.html")).expect("the page");
+    assert!(page.contains("map.csv"), "{page}");
+    fs::create_dir(bench.path("other")).expect("a folder");
+    let refused = bench.run(&["report", "other"]).expect(2).stderr;
+    assert!(refused.contains("no result folder"), "{refused}");
+}
+
+/// A new problem file for a verb is one that the verb takes.
+#[test]
+fn a_new_file_for_a_verb_runs() {
+    let bench = Bench::new();
+    for verb in ["curve", "steady"] {
+        let text = bench.run(&["new", "--for", verb]).expect(0).stdout;
+        bench.put("new.ron", text);
+        bench.run(&[verb, "new.ron"]).expect(0);
+    }
+    for (verb, section) in [("map", "map: ("), ("simulate", "simulation: (")] {
+        let text = bench.run(&["new", "--for", verb]).expect(0).stdout;
+        assert!(text.contains(&format!("\n    {section}")), "{text}");
+    }
+}
