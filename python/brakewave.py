@@ -19,7 +19,7 @@ import pandas
 PARAMETERS = ["mismatch", "friction", "mass_damping", "stiffness_damping", "gamma", "nu", "xi", "smoothing"]
 REGIMES = ["separation", "slip", "stick", "reverse"]
 """Regimes in the order of their codes in regimes.npy."""
-COLOURS = dict(zip(REGIMES + ["contact"], ["#ffffff", "#fdd49e", "#9e9ac8", "#74c476", "#d9d9d9"]))
+COLOURS = dict(zip(REGIMES + ["contact"], ["#ffffff", "#fdd49e", "#9e9ac8", "#2c9c56", "#d9d9d9"]))
 
 _TEXT = (
     "type regimes regimes_before regimes_after regime switches stable why what start name method setting failure "
@@ -166,10 +166,10 @@ class Tube:
 
     def model(self, friction):
         """The section `model` of a problem file."""
-        geometry = f"nu: {float(self.poisson)!r}, xi: {self.xi!r}, gamma: {self.gamma!r}"
+        geometry = f"nu: {self.poisson:.15g}, xi: {self.xi:.15g}, gamma: {self.gamma:.15g}"
         return (
             f"model: (coefficients: Geometry({geometry}), "
-            f"friction: {float(friction)!r}, mismatch: {self.mismatch!r}),"
+            f"friction: {friction:.15g}, mismatch: {self.mismatch:.15g}),"
         )
 
     def hertz(self, speed, mode):
