@@ -7,7 +7,6 @@ use super::slip_stick::polish;
 use crate::continuation::newton;
 use crate::flow::method::Method;
 use crate::linalg::Vector;
-use crate::model::signature::Regime;
 use crate::model::{FrictionLaw, Model, Parameter};
 use crate::problem::{Continuation, Problem, Start};
 use crate::wave::Wave;
@@ -67,9 +66,6 @@ pub enum Refused {
         /// Upper end.
         high: f64,
     },
-    /// The wave to restart from separates, and there is material damping.
-    #[error("label {0} is a wave with separation, which is not covered with material damping")]
-    LabelSeparates(usize),
     /// The wave to restart from is not given.
     #[error("the wave to restart from is missing")]
     NoRestart,
@@ -104,10 +100,6 @@ impl Refused {
             Refused::LabelOutside { .. } => (
                 "continuation.range",
                 "widen the range to contain the point to restart from",
-            ),
-            Refused::LabelSeparates(_) => (
-                "wave.start.label",
-                "restart from a wave in contact all round",
             ),
             Refused::NoRestart => return None,
             Refused::Eigenvalues { .. } => (
@@ -319,9 +311,6 @@ fn restarted(
     };
     let mut wave = saved.wave(parameter, problem.wave.mode, high - low);
     let mut point = wave.pack(&saved.unknowns(), saved.excess, value);
-    if wave.material && wave.signature.has(Regime::Separation) {
-        return Err(Refused::LabelSeparates(saved.label).into());
-    }
     if wave.material && saved.layers.is_empty() {
         (wave, point) = wave.with_layers(&point).map_err(NoStart::Flow)?;
     }

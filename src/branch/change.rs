@@ -115,8 +115,50 @@ pub fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, N
         newton: 0,
         residual,
     };
-    let mut refused = Err(nothing);
-    let entered = walk::enter(wave, &node, ds, TRIES, tolerance, |from, step| {
+    let refused = match enter_along(wave, &node, ds, tolerance) {
+        Ok(beyond) => return Ok(beyond),
+        Err(refused) => refused,
+    };
+    // a layer thinner than any step turns the tangent within the first one
+    let settled = wave
+        .material
+        .then(|| settled(wave, &node, INSIDE * ds, tolerance));
+    match settled.flatten() {
+        Some(node) => enter_along(wave, &node, ds, tolerance),
+        None => Err(refused),
+    }
+}
+
+/// Part of a step after which the tangent beyond a layer is looked for.
+const INSIDE: f64 = 1e-2;
+
+/// An event with the tangent that the branch has a short way beyond it.
+fn settled(wave: &Wave, node: &Node, ds: f64, tolerance: f64) -> Option<Node> {
+    let beyond = &node.point + &node.tangent * ds;
+    let mut plane = newton::Plane {
+        normal: &node.tangent,
+        through: &beyond,
+    };
+    let settings = newton::Settings {
+        tolerance,
+        ..newton::Settings::default()
+    };
+    let inside = newton::solve(wave, &mut plane, &beyond, &settings).ok()?;
+    let (matrix, _) = newton::jacobian(wave, &inside.point).ok()?;
+    let mut tangent = linalg::kernel(&matrix)?.null_vector;
+    if tangent.dot(&node.tangent) < 0.0 {
+        tangent.neg_mut();
+    }
+    Some(Node {
+        tangent,
+        ..node.clone()
+    })
+}
+
+/// The first admissible step from an event along its tangent.
+fn enter_along(wave: &Wave, node: &Node, ds: f64, tolerance: f64) -> Result<Beyond, NotEntered> {
+    let mut refused = Err(NotEntered::NoSolution);
+    let entered = walk::enter(wave, node, ds, TRIES, tolerance, |from, step| {
         let forwards = from.tangent == node.tangent;
         let refusal = match step.map(|to| examine(wave, &to.point)) {
             Ok(Ok(examination)) if examination.verdict == Verdict::Positive => return Some(()),
@@ -166,9 +208,6 @@ fn growth(candidate: &Candidate, tangent: &Vector) -> f64 {
 pub(super) fn ending(wave: &Wave, point: &Vector, margin: &Margin, refused: Vec<Tried>) -> Stop {
     if events::is_undriven(wave, point) {
         return Stop::Undriven;
-    }
-    if wave.material && margin.watch == Watch::Pressure {
-        return Stop::SeparationWithMaterial;
     }
     if margin.watch == Watch::Duration && wave.zones() == 2 {
         return Stop::SlipAlone;

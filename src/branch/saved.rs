@@ -22,6 +22,9 @@ pub struct SavedWave {
     /// Layer G at the end of each zone; none without material damping.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub layers: Vec<f64>,
+    /// Layer G_U at the end of each zone; none unless a wave with material damping separates.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub radial_layers: Vec<f64>,
     /// Excess speed e = |c|/√a − 1.
     pub excess: f64,
 }
@@ -30,15 +33,18 @@ impl SavedWave {
     /// A solved wave. The model has the value of the parameter.
     pub fn new(label: usize, model: Model, wave: &Wave, point: &Vector) -> SavedWave {
         let zones = wave.unpack(point);
-        let layers = zones.iter().map(|zone| zone[3]);
+        let width = wave.width();
+        let layers = |index: usize| {
+            let layers = zones.iter().map(move |zone| zone[index]);
+            layers.take(if index < width { zones.len() } else { 0 })
+        };
         SavedWave {
             label,
             model,
             signature: wave.signature.clone(),
-            zones: zones.iter().map(|[y, w, t, _]| [*y, *w, *t]).collect(),
-            layers: layers
-                .take(if wave.material { zones.len() } else { 0 })
-                .collect(),
+            zones: zones.iter().map(|[y, w, t, ..]| [*y, *w, *t]).collect(),
+            layers: layers(3).collect(),
+            radial_layers: layers(4).collect(),
             excess: wave.excess_at(point),
         }
     }
@@ -49,9 +55,10 @@ impl SavedWave {
         let zones = self.signature.len();
         zones > 0
             && self.zones.len() == zones
-            && (self.layers.is_empty() || self.layers.len() == zones)
             && finite(self.zones.as_flattened())
-            && finite(&self.layers)
+            && [&self.layers, &self.radial_layers]
+                .into_iter()
+                .all(|layers| (layers.is_empty() || layers.len() == zones) && finite(layers))
             && Parameter::ALL.into_iter().all(known)
             && self.excess.is_finite()
     }
@@ -66,12 +73,15 @@ impl SavedWave {
         Wave::new(self.model, parameter, mode, self.signature.clone(), scales)
     }
 
-    /// (Y, W, T, G) of each zone.
+    /// (Y, W, T, G, G_U) of each zone.
     pub fn unknowns(&self) -> Vec<ZoneUnknowns> {
-        let layers = self.layers.iter().copied().chain(std::iter::repeat(0.0));
-        let zones = self.zones.iter().zip(layers);
+        let of = |layers: &[f64], index: usize| layers.get(index).copied().unwrap_or(0.0);
+        let zones = self.zones.iter().enumerate();
         zones
-            .map(|([y, w, t], layer)| [*y, *w, *t, layer])
+            .map(|(index, [y, w, t])| {
+                let layers = [&self.layers, &self.radial_layers].map(|layers| of(layers, index));
+                [*y, *w, *t, layers[0], layers[1]]
+            })
             .collect()
     }
 }

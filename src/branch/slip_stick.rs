@@ -33,8 +33,8 @@ pub(super) fn slip_stick_wave(
     };
     let mut wave = posed(FrictionLaw::Coulomb);
     let zones = [
-        [closed.release, 1.0, closed.slip, 0.0],
-        [closed.release - closed.stick, 1.0, closed.stick, 0.0],
+        [closed.release, 1.0, closed.slip, 0.0, 0.0],
+        [closed.release - closed.stick, 1.0, closed.stick, 0.0, 0.0],
     ];
     let mut guess = wave.pack(&zones, closed.excess, value);
     if wave.material {
@@ -82,7 +82,7 @@ fn smoothed(sharp: &Wave, at: &Vector) -> Result<(Signature, Vec<ZoneUnknowns>),
         let rising = crossings.last().copied().unwrap_or(0.5 * slide.duration);
         let [y, _] = slip.state(&slide, rising)?;
         let period: f64 = zones.iter().map(|zone| zone[2]).sum();
-        return Ok((Signature::contact(), vec![[y, 0.0, period, 0.0]]));
+        return Ok((Signature::contact(), vec![[y, 0.0, period, 0.0, 0.0]]));
     };
     let mut signature = Vec::new();
     let mut merged: Vec<ZoneUnknowns> = Vec::new();

@@ -187,8 +187,6 @@ pub enum Stop {
         /// Its value.
         value: f64,
     },
-    /// Separation opens, which is not covered with material damping.
-    SeparationWithMaterial,
     /// One zone of slip is left: steady sliding at its Hopf point.
     SlipAlone,
     /// No signature of the switching table solves the equations beyond the event.

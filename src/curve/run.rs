@@ -22,9 +22,6 @@ pub enum Singular {
     /// Its test functions cannot be evaluated, or it is none.
     #[error("{0}")]
     Refused(#[from] Refusal),
-    /// Its wave separates, and there is material damping.
-    #[error("separation is not covered with material damping")]
-    Separation,
     /// F_x has no null vector at a fold.
     #[error("the fold has no null vector")]
     NoNullVector,

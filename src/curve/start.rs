@@ -8,7 +8,6 @@ use crate::linalg::{self, Vector};
 use crate::model::EventType;
 use crate::model::Parameter;
 use crate::model::Sectors;
-use crate::model::signature::Regime;
 use crate::problem::{self, Problem, StabilitySection};
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch, examine};
@@ -200,9 +199,6 @@ fn pose(
 ) -> Result<Start, NoCurve> {
     let parameters = [curve.parameters.0, curve.parameters.1];
     let material = wave.material || parameters.contains(&Parameter::StiffnessDamping);
-    if material && wave.signature.has(Regime::Separation) {
-        return Err(Singular::Separation.into());
-    }
     let layered;
     let (wave, point) = if material && !wave.material {
         layered = wave.with_layers(point).map_err(Singular::from)?;

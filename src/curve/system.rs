@@ -25,6 +25,7 @@ use crate::model::signature::Signature;
 use crate::model::{Model, Parameter};
 use crate::stability::characteristic::{Characteristic, NotLinearised};
 use crate::wave::admissibility::{AtZero, Margin};
+use crate::wave::width;
 use crate::wave::{Scales, Wave};
 
 /// Step of central differences in scaled unknowns of order one: truncation and rounding both stay
@@ -111,8 +112,7 @@ impl EventSystem {
 
     /// Number of unknowns of the wave, its parameter left out.
     pub fn wave_unknowns(&self) -> usize {
-        let width = if self.material { 4 } else { 3 };
-        width * self.signature.len() + 1
+        width(self.material, &self.signature) * self.signature.len() + 1
     }
 
     /// Whether these can be unknowns of the event.

@@ -222,11 +222,11 @@ impl ContactFlow {
         }
         let mut y_jet = Jet {
             value: y - self.shift.value,
-            by: [m00, m01, w, 0.0, 0.0, 0.0],
+            by: [m00, m01, w, 0.0, 0.0, 0.0, 0.0],
         };
         let mut w_jet = Jet {
             value: w,
-            by: [m10, m11, 2.0 * p * w - q * y, 0.0, 0.0, 0.0],
+            by: [m10, m11, 2.0 * p * w - q * y, 0.0, 0.0, 0.0, 0.0],
         };
         for index in 0..2 {
             let (p_by, q_by) = (self.p_by[index], self.q_by[index]);

@@ -28,6 +28,8 @@ pub struct Quantities {
     pub material: f64,
     /// ã = a/c² = 1 − m_a, without the cancellation.
     pub stress: f64,
+    /// b̃ = b/c² = 1 − m_b.
+    pub radial_stress: f64,
     /// ε of the regularised friction law; zero for every other.
     pub smoothing: f64,
 }
@@ -81,6 +83,7 @@ impl Frame {
                 damping: parameters.mass_damping,
                 material: parameters.stiffness_damping,
                 stress: square,
+                radial_stress: ratio * square,
                 smoothing: parameters.smoothing,
             },
             by: [
@@ -89,6 +92,7 @@ impl Frame {
                     mb: 2.0 * ratio * excess * square * inverse,
                     kappa: -kappa * excess * inverse,
                     stress: -2.0 * excess * square * inverse,
+                    radial_stress: -2.0 * ratio * excess * square * inverse,
                     ..Quantities::default()
                 },
                 Quantities {
@@ -104,6 +108,7 @@ impl Frame {
                     damping: derivative.mass_damping,
                     material: derivative.stiffness_damping,
                     stress: 0.0,
+                    radial_stress: (moved.b - ratio * moved.a) / value.a * square,
                     smoothing: derivative.smoothing,
                 },
             ],

@@ -6,19 +6,16 @@ use serde::{Deserialize, Serialize};
 
 /// A number with its derivatives in D quantities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound(
-    serialize = "[f64; D]: Serialize",
-    deserialize = "[f64; D]: Deserialize<'de>"
-))]
 pub struct Dual<const D: usize> {
     /// The number.
     pub value: f64,
     /// Its derivatives.
+    #[serde(with = "saved")]
     pub by: [f64; D],
 }
 
-/// A number with its derivatives in the six quantities a zone depends on, in the order of
-/// [`ENTRY_Y`], [`ENTRY_W`], [`DURATION`], [`EXCESS`], [`PARAMETER`], [`LAYER`].
+/// A number with its derivatives in the seven quantities a zone depends on, in the order of
+/// [`ENTRY_Y`], [`ENTRY_W`], [`DURATION`], [`EXCESS`], [`PARAMETER`], [`LAYER`], [`RADIAL_LAYER`].
 pub type Jet = Dual<SOURCES>;
 
 /// Index of Y at the entry of the zone.
@@ -33,8 +30,65 @@ pub(crate) const EXCESS: usize = 3;
 pub(crate) const PARAMETER: usize = 4;
 /// Index of the amplitude of the boundary layer at the end of the zone (β > 0 only).
 pub(crate) const LAYER: usize = 5;
+/// Index of the amplitude of the radial boundary layer at the end of separation (β > 0 only).
+pub(crate) const RADIAL_LAYER: usize = 6;
 /// Number of quantities a zone depends on.
-pub(crate) const SOURCES: usize = 6;
+pub(crate) const SOURCES: usize = 7;
+
+/// Derivatives as files keep them: without the last one where it is zero.
+mod saved {
+    use std::fmt;
+
+    use serde::de::{Error, SeqAccess, Visitor};
+    use serde::ser::SerializeTuple;
+    use serde::{Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer, const D: usize>(
+        by: &[f64; D],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let kept = match by.split_last() {
+            Some((0.0, rest)) => rest,
+            _ => by,
+        };
+        let mut tuple = serializer.serialize_tuple(kept.len())?;
+        for number in kept {
+            tuple.serialize_element(number)?;
+        }
+        tuple.end()
+    }
+
+    struct Derivatives<const D: usize>;
+
+    impl<'de, const D: usize> Visitor<'de> for Derivatives<D> {
+        type Value = [f64; D];
+
+        fn expecting(&self, out: &mut fmt::Formatter) -> fmt::Result {
+            write!(
+                out,
+                "{D} derivatives, the last one left out where it is zero"
+            )
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut numbers: A) -> Result<[f64; D], A::Error> {
+            let mut by = [0.0; D];
+            for (index, slot) in by.iter_mut().enumerate() {
+                match numbers.next_element()? {
+                    Some(number) => *slot = number,
+                    None if index + 1 == D => {}
+                    None => return Err(A::Error::invalid_length(index, &self)),
+                }
+            }
+            Ok(by)
+        }
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>, const N: usize>(
+        deserializer: D,
+    ) -> Result<[f64; N], D::Error> {
+        deserializer.deserialize_tuple(N, Derivatives)
+    }
+}
 
 impl<const D: usize> Dual<D> {
     /// A number that does not vary.
@@ -64,7 +118,7 @@ impl Jet {
     pub(crate) fn of_frame(value: f64, by: [f64; 2]) -> Jet {
         Dual {
             value,
-            by: [0.0, 0.0, 0.0, by[0], by[1], 0.0],
+            by: [0.0, 0.0, 0.0, by[0], by[1], 0.0, 0.0],
         }
     }
 }

@@ -35,7 +35,7 @@ use super::{FlowError, Frame, Slide, ZoneEnd};
 
 /// Smallest positive root ρ of −d + mρ + s₁ρ² + hρ³ with d = βã ≥ 0 and h > 0: the reciprocal of the
 /// largest exponent of the sliding equation. `None` where a coefficient is not finite.
-fn layer_time(d: f64, m: f64, s: f64, h: f64) -> Option<f64> {
+pub(super) fn layer_time(d: f64, m: f64, s: f64, h: f64) -> Option<f64> {
     let at = |x: f64| -d + x * (m + x * (s + x * h));
     let slope = |x: f64| m + x * (2.0 * s + x * (3.0 * h));
     if d == 0.0 && m > 0.0 {
@@ -367,9 +367,9 @@ impl MaterialFlow {
         Ok(ZoneEnd {
             y: slow[0] + rho * rate,
             w,
-            radial_rate: Jet::default(),
             acceleration: slow_acceleration + layer,
             switching,
+            ..ZoneEnd::default()
         })
     }
 

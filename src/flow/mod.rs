@@ -22,17 +22,20 @@ pub(crate) mod exponential;
 mod frame;
 pub mod friction;
 pub mod jet;
+pub mod layered;
 pub mod material;
 pub mod method;
 pub mod numeric;
 pub mod separation;
 pub mod sign;
+mod square;
 
 use crate::model::FrictionLaw;
 use crate::model::signature::Regime;
 use contact::ContactFlow;
 pub use frame::{Frame, Quantities};
 use jet::{DURATION, Jet};
+use layered::LayeredFlow;
 use material::MaterialFlow;
 use method::Method;
 use numeric::{Integrator, NumericalContact, NumericalSeparation};
@@ -76,15 +79,18 @@ pub enum FlowError {
     },
 }
 
-/// A sliding zone: where it begins, how long it lasts and, with material damping, how it ends.
+/// A zone: where it begins, how long it lasts and, with material damping, how it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slide {
     /// (Y, W) at the entry.
     pub entry: [f64; 2],
     /// Duration.
     pub duration: f64,
-    /// Amplitude G of the boundary layer at the end, see [`material`]; 0 without material damping.
+    /// Amplitude G of the boundary layer at the end, see [`material`], in separation G_V of
+    /// [`layered`]; 0 without material damping.
     pub layer: f64,
+    /// Amplitude G_U of the radial layer at the end of separation, see [`layered`]; otherwise 0.
+    pub radial: f64,
 }
 
 /// End of a zone: state and the function whose zero ends the zone.
@@ -100,6 +106,10 @@ pub struct ZoneEnd {
     pub acceleration: Jet,
     /// The switching function, divided by duration^m where it has an m-fold zero at the entry.
     pub switching: Jet,
+    /// The second condition of a landing with material damping, see [`LayeredFlow::zone`].
+    pub second: Jet,
+    /// β(Ü, V̈) at the end of separation with material damping: what is left of an impulse.
+    pub impulse: [Jet; 2],
 }
 
 /// Flow of a sliding zone, by the method of the problem.
@@ -184,7 +194,7 @@ impl SlidingFlow {
     }
 
     /// V̈ at a time t, where the state is `state`.
-    pub(crate) fn acceleration(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
+    pub fn acceleration(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
         match self {
             SlidingFlow::Exact(flow) => flow.acceleration(state),
             SlidingFlow::Material(flow) => flow.motion(slide, t).acceleration,
@@ -193,7 +203,7 @@ impl SlidingFlow {
     }
 
     /// W + βV̈ at a time t, where the state is `state`: P = gδ + κ(W + βV̈).
-    pub(crate) fn drive(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
+    pub fn drive(&self, slide: &Slide, t: f64, state: [f64; 2]) -> f64 {
         match self {
             SlidingFlow::Material(flow) => {
                 state[1] + flow.beta * flow.motion(slide, t).acceleration
@@ -272,40 +282,79 @@ impl SlidingFlow {
 pub enum FreeFlow {
     /// By the matrix exponential.
     Exact(Box<SeparationFlow>),
+    /// By matrix exponentials, with material damping; or why there is none in this frame.
+    Material(Result<Box<LayeredFlow>, FlowError>),
     /// By integration.
     Numerical(Box<NumericalSeparation>),
 }
 
 impl FreeFlow {
+    /// The flow with material damping.
+    pub(crate) fn layered(&self) -> Result<Option<&LayeredFlow>, FlowError> {
+        match self {
+            FreeFlow::Material(Ok(flow)) => Ok(Some(flow)),
+            FreeFlow::Material(Err(error)) => Err(*error),
+            _ => Ok(None),
+        }
+    }
+
     /// Radians per unit of time: a bound of the rates of the flow.
     pub fn norm(&self) -> f64 {
         match self {
             FreeFlow::Exact(flow) => flow.norm(),
+            FreeFlow::Material(flow) => flow.as_ref().map_or(f64::NAN, |flow| flow.norm()),
             FreeFlow::Numerical(flow) => flow.norm(),
         }
     }
 
-    /// (U, U̇, Y, W) after a time t from the entry (Y, W).
-    pub fn state(&self, entry: [f64; 2], t: f64) -> Result<[f64; 4], FlowError> {
+    /// (U, U̇, Y, W) at a time t within a zone.
+    pub fn state(&self, slide: &Slide, t: f64) -> Result<[f64; 4], FlowError> {
         match self {
-            FreeFlow::Exact(flow) => flow.state(entry, t),
-            FreeFlow::Numerical(flow) => flow.state(entry, t),
+            FreeFlow::Exact(flow) => flow.state(slide.entry, t),
+            FreeFlow::Material(flow) => flow.as_ref().map_err(|error| *error)?.state(slide, t),
+            FreeFlow::Numerical(flow) => flow.state(slide.entry, t),
         }
     }
 
-    /// (U, U̇, Y, W) after a time t with all derivatives.
-    pub(crate) fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 4], FlowError> {
-        match self {
-            FreeFlow::Exact(flow) => flow.advance(entry, t),
-            FreeFlow::Numerical(flow) => flow.advance(entry, t),
-        }
+    /// U at a time t within a zone, with all derivatives at this time held fixed.
+    pub(crate) fn radial(&self, slide: &Slide, t: f64) -> Result<Jet, FlowError> {
+        let mut u = match self {
+            FreeFlow::Exact(flow) => flow.advance(slide.entry, t)?[0],
+            FreeFlow::Material(flow) => {
+                let flow = flow.as_ref().map_err(|error| *error)?;
+                return Ok(flow.motion(slide, t)?.position[0]);
+            }
+            FreeFlow::Numerical(flow) => flow.advance(slide.entry, t)?[0],
+        };
+        u.by[DURATION] = 0.0;
+        Ok(u)
     }
 
-    /// The zone to its end; the switching function is (U − δ)/t^m.
-    pub(crate) fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<ZoneEnd, FlowError> {
+    /// U̇/Ü at a time t within a zone: Newton's step towards an extreme of U.
+    pub(crate) fn step_to_extreme(
+        &self,
+        frame: &Frame,
+        slide: &Slide,
+        t: f64,
+    ) -> Result<f64, FlowError> {
+        if let Some(flow) = self.layered()? {
+            let motion = flow.motion::<0>(slide, t)?;
+            return Ok(motion.rate[0].value / motion.acceleration[0].value);
+        }
+        let at = &frame.at;
+        let [u, rate, _, w] = self.state(slide, t)?;
+        let acceleration = -(at.damping * rate + at.g * u + at.kappa * w) / at.mb;
+        Ok(rate / acceleration)
+    }
+
+    /// The zone to its end; the switching function is (U − δ)/t^m, with material damping see
+    /// [`LayeredFlow::zone`].
+    pub(crate) fn zone(&self, slide: &Slide, m: usize) -> Result<ZoneEnd, FlowError> {
+        let t = slide.duration;
         match self {
-            FreeFlow::Exact(flow) => flow.zone(entry, t, m),
-            FreeFlow::Numerical(flow) => flow.zone(entry, t, m),
+            FreeFlow::Exact(flow) => flow.zone(slide.entry, t, m),
+            FreeFlow::Material(flow) => flow.as_ref().map_err(|error| *error)?.zone(slide, m),
+            FreeFlow::Numerical(flow) => flow.zone(slide.entry, t, m),
         }
     }
 }
@@ -362,6 +411,9 @@ impl Flows {
     /// Flow of separation.
     pub fn separation(&self) -> &FreeFlow {
         self.separation.get_or_init(|| {
+            if self.material {
+                return FreeFlow::Material(LayeredFlow::new(&self.frame).map(Box::new));
+            }
             let exact = SeparationFlow::new(&self.frame);
             // friction does not enter: the dearest of the laws takes the closed form
             let smooth = matches!(self.law, FrictionLaw::Regularised { .. });

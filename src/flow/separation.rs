@@ -12,7 +12,8 @@ use nalgebra::{Matrix4, RowVector4, Vector4};
 
 use super::contact::{SHORT_TERMS, SHORT_ZONE};
 use super::exponential::MatrixJet;
-use super::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet};
+use super::jet::{DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet, PARAMETER, SOURCES};
+use super::square::{Pair, Square};
 use super::{FlowError, Frame, ZoneEnd};
 
 /// More halvings than this mean more than 2⁴⁰ radians: the phase itself is lost.
@@ -67,6 +68,34 @@ impl SeparationFlow {
                 0.0,
             )
         });
+        SeparationFlow::moved_by(frame, scale, generator, by)
+    }
+
+    /// The flow of z̈ = −(drag·ż + stiffness·z), z = (U, V), in this frame.
+    pub(super) fn of(frame: &Frame, drag: &Square<2>, stiffness: &Square<2>) -> SeparationFlow {
+        let at = &frame.at;
+        let scale = Vector4::new(at.g.sqrt(), at.mb.sqrt(), at.h.sqrt(), at.ma.sqrt());
+        let fill = |unit: f64, of: &dyn Fn(&Dual<2>) -> f64| {
+            Matrix4::from_fn(|i, j| {
+                let entry = match (i % 2, j % 2) {
+                    (0, 1) if i / 2 == j / 2 => unit,
+                    (0, _) => 0.0,
+                    (_, 0) => -of(&stiffness.0[i / 2][j / 2]),
+                    _ => -of(&drag.0[i / 2][j / 2]),
+                };
+                entry * scale[i] / scale[j]
+            })
+        };
+        let by = [0, 1].map(|index| fill(0.0, &|entry| entry.by[index]));
+        SeparationFlow::moved_by(frame, scale, fill(1.0, &|entry| entry.value), by)
+    }
+
+    fn moved_by(
+        frame: &Frame,
+        scale: Vector4<f64>,
+        generator: Matrix4<f64>,
+        by: [Matrix4<f64>; 2],
+    ) -> SeparationFlow {
         // the largest column sum of a nearly skew matrix bounds its spectral norm
         let norm = (0..4)
             .map(|j| generator.column(j).abs().sum())
@@ -82,6 +111,41 @@ impl SeparationFlow {
             mismatch: frame.quantity(|of| of.mismatch),
             steady: frame.steady(),
         }
+    }
+
+    /// (U, V) and (U̇, V̇) after a time t from these; with derivatives `moving` says that t is the
+    /// duration of the zone.
+    pub(super) fn carried<const D: usize>(
+        &self,
+        [position, rate]: [Pair<D>; 2],
+        t: f64,
+        moving: bool,
+    ) -> Result<[Pair<D>; 2], FlowError> {
+        let flow = self.exponential(t)?;
+        let from = [position[0], rate[0], position[1], rate[1]];
+        let x0 = Vector4::from_fn(|i, _| from[i].value * self.scale[i]);
+        let x = flow.at * x0;
+        let slope = self.generator.at * x;
+        let by = flow.by.map(|by| by * x0);
+        let jet = |row: usize| {
+            let mut jet = Dual::<D>::constant(x[row] / self.scale[row]);
+            for (index, slot) in jet.by.iter_mut().enumerate() {
+                *slot = (0..4)
+                    .map(|i| flow.at[(row, i)] * self.scale[i] * from[i].by[index])
+                    .sum::<f64>();
+                if D == SOURCES {
+                    *slot += match index {
+                        DURATION if moving => slope[row],
+                        EXCESS => by[0][row],
+                        PARAMETER => by[1][row],
+                        _ => 0.0,
+                    };
+                }
+                *slot /= self.scale[row];
+            }
+            jet
+        };
+        Ok([[jet(0), jet(2)], [jet(1), jet(3)]])
     }
 
     /// Radians per unit of time: a bound of the rates of the flow.
@@ -149,6 +213,7 @@ impl SeparationFlow {
                 rate[row] / self.scale[row],
                 by[0][row] / self.scale[row],
                 by[1][row] / self.scale[row],
+                0.0,
                 0.0,
             ],
         };

@@ -6,7 +6,7 @@
 //! | slip | U = δ, V̇ < 1, P > 0 | V̇ = 1 → stick or reverse; P = 0 → separation |
 //! | reverse | U = δ, V̇ > 1, P > 0 | V̇ = 1 → stick or slip; P = 0 → separation |
 //! | contact | U = δ, P > 0, friction a smooth function of V̇ | P = 0 → separation |
-//! | separation | U > δ, P = Q = 0 | landing U = δ → slip, reverse, contact (or stick with a Coulomb impact); touch U = δ → separation |
+//! | separation | U > δ, P = Q = 0 | landing U = δ → slip, reverse, contact (or stick with a Coulomb impact, or with β > 0); touch U = δ → separation |
 
 use std::fmt;
 
@@ -64,12 +64,14 @@ pub enum Entry {
     TakeOff,
     /// Landing at U = δ; the velocity stays on its side of V̇ = 1.
     Landing,
-    /// Landing with a Coulomb impact large enough to bring V̇ to 1.
+    /// Landing with a Coulomb impact large enough to bring V̇ to 1; with stiffness-proportional damping
+    /// landing at V̇ = 1.
     ArrestedLanding,
     /// V̇ = 0 rising: nothing switches, but a wave without switches needs a phase. V is periodic, so
     /// that V̇ passes zero in every wave.
     Section,
-    /// Landing where contact would need tension: the impact stops U̇, and separation goes on.
+    /// Landing where contact would need tension: the impact stops U̇, and separation goes on. With
+    /// stiffness-proportional damping a concentrated reaction that takes a part of Ü.
     Touch,
 }
 

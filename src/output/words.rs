@@ -204,10 +204,6 @@ impl Display for Stop {
                  else tends to a limit, {} to {value:.6}; waves must be faster than √a",
                 parameter.column()
             ),
-            Stop::SeparationWithMaterial => f.write_str(
-                "separation is not covered with material damping; take `damping: (stiffness: 0)` to \
-                 follow the wave through it",
-            ),
             Stop::SlipAlone => f.write_str(
                 "what is left is one zone of slip around the whole circumference: a linear wave on \
                  steady sliding, of arbitrary amplitude, at its Hopf point; no wave with switches \

@@ -73,6 +73,11 @@ pub enum NotLinearised {
          undecided"
     )]
     MaterialDamping,
+    /// Material damping and separation.
+    #[error(
+        "with material damping the eigenfunction problem is posed for waves in contact: stability is          undecided"
+    )]
+    MaterialSeparation,
 }
 
 impl Characteristic {
@@ -81,6 +86,9 @@ impl Characteristic {
         let law = wave.model.law;
         if !law.piecewise_linear() {
             return Err(NotLinearised::FrictionLaw);
+        }
+        if wave.material && wave.signature.has(Regime::Separation) {
+            return Err(NotLinearised::MaterialSeparation);
         }
         let flows = wave.flows(point)?;
         let at = flows.frame.at;

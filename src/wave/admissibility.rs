@@ -12,6 +12,7 @@
 
 use crate::continuation::zero::zero_by_slope;
 use crate::flow::jet::Jet;
+use crate::flow::layered::LayeredFlow;
 use crate::flow::sign::{Bernstein, COEFFICIENTS, DEGREE, REMAINDER, Verdict};
 use crate::flow::{FlowError, Slide, SlidingFlow};
 use crate::linalg::Vector;
@@ -19,7 +20,7 @@ use crate::model::signature::{Entry, Regime};
 
 pub use super::margin::{AtZero, Margin, Watch};
 use super::margin::{edge_margin, edge_margins, interior_margin};
-use super::{Flows, Wave, jet_units};
+use super::{Flows, Wave};
 
 /// What an examination found.
 #[derive(Clone, Debug)]
@@ -52,11 +53,9 @@ struct Collector<'a> {
 }
 
 impl Collector<'_> {
-    fn margin(&mut self, watch: Watch, zone: usize, time: f64, jet: Jet) {
-        let mut jet = jet;
-        for (by, unit) in jet.by.iter_mut().zip(jet_units(&self.wave.scales)) {
-            *by *= unit;
-        }
+    fn margin(&mut self, watch: Watch, zone: usize, time: f64, [mut jet, mut beyond]: [Jet; 2]) {
+        self.wave.scale(&mut jet, zone);
+        self.wave.scale(&mut beyond, zone + 1);
         if let Some(known) = self
             .examination
             .margins
@@ -66,6 +65,7 @@ impl Collector<'_> {
             if jet.value < known.jet.value {
                 known.time = time;
                 known.jet = jet;
+                known.beyond = beyond;
             }
             return;
         }
@@ -74,6 +74,7 @@ impl Collector<'_> {
             zone,
             time,
             jet,
+            beyond,
         });
     }
 
@@ -112,7 +113,7 @@ pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
         let duration = wave.duration_at(point, index);
         let regime = wave.signature.zone(index).regime;
         for margin in edge_margins(wave, &flows, point, index)? {
-            let positive = if margin.1.value > 0.0 {
+            let positive = if margin.1[0].value > 0.0 {
                 Verdict::Positive
             } else {
                 Verdict::Negative
@@ -135,7 +136,7 @@ pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
                 contact_zone(&mut collector, &flows, index, &wave.slide_at(point, index))?;
             }
             Regime::Separation => {
-                separation_zone(&mut collector, &flows, index, entry, duration)?;
+                separation_zone(&mut collector, &flows, index, &wave.slide_at(point, index))?;
             }
         }
     }
@@ -177,7 +178,8 @@ fn contact_zone(
     // a smooth law has no direction of sliding to keep
     let mut decided = zone.regime == Regime::Contact;
     let mut press = |collector: &mut Collector, at_end: bool, drive: f64| {
-        if at_end && takes_off {
+        // with material damping P jumps to 0 from a positive value
+        if at_end && takes_off && !wave.material {
             least_pressure = least_pressure.min(0.0);
             return;
         }
@@ -259,50 +261,116 @@ const LOST: f64 = 1e-10;
 /// would take longer than a second.
 const MOST_PIECES: f64 = 1e5;
 
-/// Taylor coefficients of U − δ, U̇ and V, W on a piece of a separation zone.
+/// A piece of a separation zone: Taylor coefficients of U − δ and of V, and how much the former leave
+/// out.
 struct SeparationPiece {
+    start: f64,
+    length: f64,
     gap: [f64; COEFFICIENTS],
     tangential: [f64; COEFFICIENTS],
+    remainder: f64,
 }
 
-fn separation_piece(flows: &Flows, state: [f64; 4], h: f64, order: usize) -> SeparationPiece {
+/// The pieces of a zone without material damping, of at most one radian.
+fn undamped_pieces(
+    wave: &Wave,
+    flows: &Flows,
+    index: usize,
+    slide: &Slide,
+) -> Result<Vec<SeparationPiece>, FlowError> {
     let at = &flows.frame.at;
-    let mut gap = [0.0; COEFFICIENTS];
-    let mut tangential = [0.0; COEFFICIENTS];
-    gap[0] = state[0];
-    gap[1] = h * state[1];
-    tangential[0] = state[2] + flows.frame.steady().value;
-    tangential[1] = h * state[3];
-    for j in 0..DEGREE - 1 {
-        let n = j as f64;
-        let scale = 1.0 / ((n + 2.0) * (n + 1.0));
-        let u = if j == 0 { gap[0] + at.mismatch } else { gap[j] };
-        let rates = h * (n + 1.0);
-        gap[j + 2] = -(rates * (at.damping * gap[j + 1] + at.kappa * tangential[j + 1])
-            + at.g * h * h * u)
-            * scale
-            / at.mb;
-        if j == 0 && order == 3 {
-            // P = 0 at take-off
-            gap[2] = 0.0;
+    let steady = flows.frame.steady().value;
+    let duration = slide.duration;
+    let radians = flows.separation().norm() * duration;
+    let count = radians.ceil().max(1.0) as usize;
+    let h = duration / count as f64;
+    // U − δ, U̇, Y, W
+    let mut state = [0.0, 0.0, slide.entry[0], slide.entry[1]];
+    let order = wave.order_at_entry(wave.signature.zone(index).entry);
+    let pieces = (0..count).map(|piece| {
+        let mut gap = [0.0; COEFFICIENTS];
+        let mut tangential = [0.0; COEFFICIENTS];
+        gap[0] = state[0];
+        gap[1] = h * state[1];
+        tangential[0] = state[2] + steady;
+        tangential[1] = h * state[3];
+        for j in 0..DEGREE - 1 {
+            let n = j as f64;
+            let scale = 1.0 / ((n + 2.0) * (n + 1.0));
+            let u = if j == 0 { gap[0] + at.mismatch } else { gap[j] };
+            let rates = h * (n + 1.0);
+            gap[j + 2] = -(rates * (at.damping * gap[j + 1] + at.kappa * tangential[j + 1])
+                + at.g * h * h * u)
+                * scale
+                / at.mb;
+            if j == 0 && piece == 0 && order == 3 {
+                // P = 0 at take-off
+                gap[2] = 0.0;
+            }
+            tangential[j + 2] = (rates * (at.kappa * gap[j + 1] - at.damping * tangential[j + 1])
+                - at.h * h * h * tangential[j])
+                * scale
+                / at.ma;
         }
-        tangential[j + 2] = (rates * (at.kappa * gap[j + 1] - at.damping * tangential[j + 1])
-            - at.h * h * h * tangential[j])
-            * scale
-            / at.ma;
-    }
-    SeparationPiece { gap, tangential }
+        let energy = at.g * (state[0] + at.mismatch).powi(2)
+            + at.mb * state[1].powi(2)
+            + at.h * (state[2] + steady).powi(2)
+            + at.ma * state[3].powi(2);
+        let w_end = horner_slope(&tangential, 1.0) / h;
+        state = [
+            horner(&gap, 1.0),
+            horner_slope(&gap, 1.0) / h,
+            horner(&tangential, 1.0) - steady,
+            w_end,
+        ];
+        SeparationPiece {
+            start: piece as f64 * h,
+            length: h,
+            gap,
+            tangential,
+            remainder: REMAINDER * (radians / count as f64).powi(17) * (energy / at.g).sqrt(),
+        }
+    });
+    Ok(pieces.collect())
+}
+
+/// The pieces of a zone with material damping.
+fn layered_pieces(
+    flow: &LayeredFlow,
+    slide: &Slide,
+    order: usize,
+) -> Result<Vec<SeparationPiece>, FlowError> {
+    let pieces = flow.pieces(slide.duration);
+    let pieces = pieces.into_iter().enumerate().map(|(index, piece)| {
+        let known = if index == 0 { order } else { 0 };
+        let ([gap, tangential], remainder) = flow.taylor(slide, &piece, known)?;
+        Ok(SeparationPiece {
+            start: piece.start,
+            length: piece.length,
+            gap,
+            tangential,
+            remainder,
+        })
+    });
+    pieces.collect()
 }
 
 fn separation_zone(
     collector: &mut Collector,
     flows: &Flows,
     index: usize,
-    entry: [f64; 2],
-    duration: f64,
+    slide: &Slide,
 ) -> Result<(), FlowError> {
+    /// With material damping U̇ = 0 at the end: an extreme closer to it than this part of the last
+    /// piece is the end.
+    const AT_LANDING: f64 = 1e-3;
+    let Slide {
+        entry, duration, ..
+    } = *slide;
+    let wave = collector.wave;
     let flow = flows.separation();
     let steady = flows.frame.steady().value;
+    let layered = flow.layered()?;
     let radians = flow.norm() * duration;
     if radians.is_nan() || radians > MOST_PIECES {
         return Err(FlowError::Winding {
@@ -311,62 +379,39 @@ fn separation_zone(
             most: MOST_PIECES,
         });
     }
-    let pieces = radians.ceil().max(1.0) as usize;
-    let h = duration / pieces as f64;
-    // U − δ, U̇, Y, W
-    let mut state = [0.0, 0.0, entry[0], entry[1]];
+    let order = wave.order_at_entry(wave.signature.zone(index).entry);
+    let pieces = match layered {
+        Some(flow) => layered_pieces(flow, slide, order)?,
+        None => undamped_pieces(wave, flows, index, slide)?,
+    };
+    let at_landing = if layered.is_some() { 2 } else { 1 };
     let mut falling = false;
     let mut rising = false;
     collector.visit(entry[0] + steady);
-    for piece in 0..pieces {
-        let start = piece as f64 * h;
-        let order = if piece == 0 {
-            collector
-                .wave
-                .order_at_entry(collector.wave.signature.zone(index).entry)
-        } else {
-            0
-        };
-        let last = piece + 1 == pieces;
-        let taylor = separation_piece(flows, state, h, order);
-        let at = &flows.frame.at;
-        let energy = at.g * (state[0] + at.mismatch).powi(2)
-            + at.mb * state[1].powi(2)
-            + at.h * (state[2] + steady).powi(2)
-            + at.ma * state[3].powi(2);
-        let remainder = REMAINDER * (radians / pieces as f64).powi(17) * (energy / at.g).sqrt();
-        let gap = Bernstein::from_taylor(&taylor.gap, remainder);
-        collector.judge(gap.verdict(order, usize::from(last)));
+    let count = pieces.len();
+    for (piece, taylor) in pieces.into_iter().enumerate() {
+        let order = if piece == 0 { order } else { 0 };
+        let last = piece + 1 == count;
+        let gap = Bernstein::from_taylor(&taylor.gap, taylor.remainder);
+        collector.judge(gap.verdict(order, if last { at_landing } else { 0 }));
         for place in gap.minima(&mut falling) {
-            interior(
-                collector,
-                flows,
-                Watch::Gap,
-                index,
-                &Slide {
-                    entry,
-                    duration,
-                    layer: 0.0,
-                },
-                start + place * h,
-            )?;
+            if layered.is_some() && last && place > 1.0 - AT_LANDING {
+                continue;
+            }
+            let time = taylor.start + place * taylor.length;
+            interior(collector, flows, Watch::Gap, index, slide, time)?;
         }
         for place in gap.affine(-1.0, 0.0).minima(&mut rising) {
             let known = collector.examination.largest_gap;
             collector.examination.largest_gap = known.max(horner(&taylor.gap, place));
         }
-        let w_end = horner_slope(&taylor.tangential, 1.0) / h;
         for place in tangential_extremes(&taylor.tangential) {
             collector.visit(horner(&taylor.tangential, place));
         }
-        state = [
-            horner(&taylor.gap, 1.0),
-            horner_slope(&taylor.gap, 1.0) / h,
-            horner(&taylor.tangential, 1.0) - steady,
-            w_end,
-        ];
+        if last {
+            collector.visit(horner(&taylor.tangential, 1.0) - steady + steady);
+        }
     }
-    collector.visit(state[2] + steady);
     Ok(())
 }
 
@@ -428,6 +473,6 @@ fn interior(
     time: f64,
 ) -> Result<(), FlowError> {
     let jet = interior_margin(collector.wave, flows, watch, index, slide, time)?;
-    collector.margin(watch, index, time, jet);
+    collector.margin(watch, index, time, [jet, Jet::default()]);
     Ok(())
 }

@@ -86,7 +86,7 @@ impl Family {
         let last = &self.points[self.points.len() - 1];
         let excess = self.wave.excess_at(last);
         let period = self.wave.duration_at(last, 0);
-        let zones = [[0.0, 1.0, period, 0.0], [0.0, 1.0, 0.0, 0.0]];
+        let zones = [[0.0, 1.0, period, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0, 0.0]];
         let point = wave.pack(&zones, excess, self.critical);
         Candidate {
             wave,
@@ -176,7 +176,7 @@ pub fn family(
     let points = (0..count)
         .map(|index| {
             let amplitude = index as f64 / (count - 1).max(1) as f64 / frequency;
-            wave.pack(&[[-amplitude, 0.0, period, 0.0]], excess, critical)
+            wave.pack(&[[-amplitude, 0.0, period, 0.0, 0.0]], excess, critical)
         })
         .collect();
     Ok(Family {

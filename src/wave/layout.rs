@@ -2,12 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, LAYER, PARAMETER, SOURCES};
+use crate::flow::jet::{
+    DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, PARAMETER, RADIAL_LAYER, SOURCES,
+};
 use crate::flow::method::Method;
 use crate::flow::{FlowError, Flows, Frame, Slide};
 use crate::linalg::Vector;
-use crate::model::signature::{Entry, Signature};
-use crate::model::{Constants, Model, Parameter};
+use crate::model::signature::{Entry, Regime, Signature};
+use crate::model::{Constants, Impact, Model, Parameter};
 
 /// Units of the unknowns, constant along a branch: they make every scaled unknown of order one,
 /// and they follow the exact scaling (γ, δ, c) → (s²γ, sδ, c/s) of the model.
@@ -53,8 +55,17 @@ impl Scales {
 /// See [`Scales::rate`].
 const RATE_UNITS: f64 = 4.0;
 
-/// (Y, W, T, G) of a zone: see [`Wave::unpack`].
-pub type ZoneUnknowns = [f64; 4];
+/// (Y, W, T, G, G_U) of a zone: see [`Wave::unpack`].
+pub type ZoneUnknowns = [f64; 5];
+
+/// Unknowns of each zone of a wave: Y, W, T, with material damping G, and G_U where a zone separates.
+pub(crate) fn width(material: bool, signature: &Signature) -> usize {
+    match material {
+        false => 3,
+        true if signature.has(Regime::Separation) => 5,
+        true => 4,
+    }
+}
 
 /// The boundary-value problem of one signature.
 #[derive(Clone, Debug)]
@@ -118,7 +129,7 @@ impl Wave {
     }
 
     /// An undamped wave in the unknowns of material damping: the layers take V̈ at the end of each zone
-    /// to its value at the next entry.
+    /// to its value at the next entry, and in separation they are the jump of the impact.
     ///
     /// # Errors
     /// The flow cannot be evaluated.
@@ -129,10 +140,14 @@ impl Wave {
         let bare = wave.pack(&zones, excess, parameter);
         let flows = wave.flows(&bare)?;
         for (index, zone) in zones.iter_mut().enumerate() {
-            if self.signature.zone(index).regime.sliding().is_some() {
-                let end = wave.zone_end(&flows, &bare, index)?.acceleration;
-                let next = wave.entry_acceleration(&flows, &bare, index + 1);
-                zone[3] = next.value - end.value;
+            let regime = self.signature.zone(index).regime;
+            let end = wave.zone_end(&flows, &bare, index)?;
+            if regime == Regime::Separation {
+                zone[3] = self.entry_at(point, index + 1)[1] - end.w.value;
+                zone[4] = -end.radial_rate.value;
+            } else if regime.sliding().is_some() {
+                let [_, next] = wave.entry_acceleration(&flows, &bare, index + 1)?;
+                zone[3] = next.value - end.acceleration.value;
             }
         }
         let point = wave.pack(&zones, excess, parameter);
@@ -152,9 +167,19 @@ impl Wave {
         self.signature.len()
     }
 
-    /// Unknowns of a zone: Y, W, T, and G with material damping.
+    /// Unknowns of a zone.
     pub(crate) fn width(&self) -> usize {
-        if self.material { 4 } else { 3 }
+        width(self.material, &self.signature)
+    }
+
+    /// Law of the impact that decides which switches there are. With material damping there is no
+    /// impact, but a concentrated reaction with its friction: the same switches, whatever the law.
+    pub(crate) fn impact(&self) -> Impact {
+        if self.material {
+            Impact::Coulomb
+        } else {
+            self.model.impact
+        }
     }
 
     /// Columns of the derivatives of a jet of a zone, in the order of the jet.
@@ -162,8 +187,10 @@ impl Wave {
         let width = self.width();
         let first = width * (zone % self.zones());
         let last = width * self.zones();
-        [first, first + 1, first + 2, last, last + 1, first + 3]
+        let layers = [first + 3, first + 4];
+        [first, first + 1, first + 2, last, last + 1]
             .into_iter()
+            .chain(layers)
             .take(width + 2)
     }
 
@@ -191,22 +218,57 @@ impl Wave {
         ]
     }
 
-    /// Layer G at the end of a zone: the part of V̈ there that grows by e^{T/ρ} over it; 0 without
-    /// material damping.
-    pub(crate) fn layer_at(&self, point: &Vector, zone: usize) -> f64 {
-        if self.material {
-            point[4 * (zone % self.zones()) + 3] * self.scales.layer
-        } else {
-            0.0
+    /// Layers G and G_U at the end of a zone: in sliding the part of V̈ there that grows by e^{T/ρ} over
+    /// it, in separation the parts of V̇ and U̇; 0 without material damping.
+    pub(crate) fn layers_at(&self, point: &Vector, zone: usize) -> [f64; 2] {
+        let width = self.width();
+        let first = width * (zone % self.zones());
+        let at = |offset: usize| {
+            if offset < width {
+                point[first + offset]
+            } else {
+                0.0
+            }
+        };
+        [at(3) * self.layer_unit(zone), at(4) * self.scales.rate]
+    }
+
+    /// Unit of G of a zone.
+    fn layer_unit(&self, zone: usize) -> f64 {
+        match self.signature.zone(zone).regime {
+            Regime::Separation => self.scales.rate,
+            _ => self.scales.layer,
         }
     }
 
-    /// A sliding zone as its flow takes it.
+    /// Derivatives of a jet of a zone in the scaled unknowns.
+    pub(super) fn scale(&self, jet: &mut Jet, zone: usize) {
+        for (by, unit) in jet.by.iter_mut().zip(self.jet_units(zone)) {
+            *by *= unit;
+        }
+    }
+
+    /// Units of the derivatives of a jet of a zone in the scaled unknowns.
+    pub(super) fn jet_units(&self, zone: usize) -> [f64; SOURCES] {
+        let mut units = [0.0; SOURCES];
+        units[ENTRY_Y] = self.scales.time;
+        units[ENTRY_W] = self.scales.rate;
+        units[DURATION] = self.scales.time;
+        units[EXCESS] = 1.0;
+        units[PARAMETER] = self.scales.parameter;
+        units[LAYER] = self.layer_unit(zone);
+        units[RADIAL_LAYER] = self.scales.rate;
+        units
+    }
+
+    /// A zone as its flow takes it.
     pub fn slide_at(&self, point: &Vector, zone: usize) -> Slide {
+        let [layer, radial] = self.layers_at(point, zone);
         Slide {
             entry: self.entry_at(point, zone),
             duration: self.duration_at(point, zone),
-            layer: self.layer_at(point, zone),
+            layer,
+            radial,
         }
     }
 
@@ -220,16 +282,21 @@ impl Wave {
         self.model.with(self.parameter, self.parameter_at(point))
     }
 
-    /// Scaled unknowns from physical ones: (Y, W, T, G) for each zone, e, parameter. G counts with
-    /// material damping only.
+    /// Scaled unknowns from physical ones: (Y, W, T, G, G_U) for each zone, e, parameter. G and G_U count
+    /// with material damping only.
     pub fn pack(&self, zones: &[ZoneUnknowns], excess: f64, parameter: f64) -> Vector {
         let time = self.scales.time;
-        let mut point = Vec::with_capacity(4 * zones.len() + 2);
-        for [y, w, duration, layer] in zones {
-            point.extend([y / time, w / self.scales.rate, duration / time]);
-            if self.material {
-                point.push(layer / self.scales.layer);
-            }
+        let width = self.width();
+        let mut point = Vec::with_capacity(width * zones.len() + 2);
+        for (index, [y, w, duration, layer, radial]) in zones.iter().enumerate() {
+            let unknowns = [
+                y / time,
+                w / self.scales.rate,
+                duration / time,
+                layer / self.layer_unit(index),
+                radial / self.scales.rate,
+            ];
+            point.extend(&unknowns[..width]);
         }
         point.extend([
             (excess / self.scales.excess).ln(),
@@ -238,7 +305,7 @@ impl Wave {
         Vector::from_vec(point)
     }
 
-    /// Physical (Y, W, T, G) of each zone.
+    /// Physical (Y, W, T, G, G_U) of each zone.
     pub fn unpack(&self, point: &Vector) -> Vec<ZoneUnknowns> {
         (0..self.zones())
             .map(|zone| {
@@ -246,8 +313,9 @@ impl Wave {
                     entry: [y, w],
                     duration,
                     layer,
+                    radial,
                 } = self.slide_at(point, zone);
-                [y, w, duration, layer]
+                [y, w, duration, layer, radial]
             })
             .collect()
     }
@@ -293,16 +361,4 @@ impl Wave {
             Entry::Arrest | Entry::Landing | Entry::Section => 0,
         }
     }
-}
-
-/// Units of the derivatives of a jet in the scaled unknowns.
-pub fn jet_units(scales: &Scales) -> [f64; SOURCES] {
-    let mut units = [0.0; SOURCES];
-    units[ENTRY_Y] = scales.time;
-    units[ENTRY_W] = scales.rate;
-    units[DURATION] = scales.time;
-    units[EXCESS] = 1.0;
-    units[PARAMETER] = scales.parameter;
-    units[LAYER] = scales.layer;
-    units
 }

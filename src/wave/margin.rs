@@ -2,12 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Flows, Wave, jet_units};
+use super::{Flows, Wave};
 use crate::continuation::newton::Constraint;
-use crate::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet};
+use crate::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet, PARAMETER};
 use crate::flow::{FlowError, Slide, SlidingFlow};
 use crate::linalg::Vector;
-use crate::model::Impact;
 use crate::model::signature::{Entry, Regime};
 
 /// What a margin measures.
@@ -21,15 +20,16 @@ pub enum Watch {
     LandingPressure,
     /// A local minimum of |1 − W| inside a sliding zone.
     Rate,
-    /// −P that contact would have just after a touch.
+    /// −P that contact would have just after a touch; with material damping Ü there.
     Tension,
     /// |1 − W| just after landing, or beyond what a Coulomb impact can take away.
     LandingRate,
-    /// What the arresting impact has left: impulse minus |1 − W⁻|.
+    /// What the arresting impact has left: impulse minus |1 − W⁻|; with material damping the friction of
+    /// the concentrated reaction, minus what takes V̈ to 0.
     Impulse,
     /// A local minimum of U − δ inside a separation zone.
     Gap,
-    /// −U̇ at landing.
+    /// −U̇ at landing; with material damping βÜ.
     LandingSpeed,
     /// Q + fP at the beginning of stick.
     LowerForce,
@@ -52,15 +52,21 @@ pub struct Margin {
     pub time: f64,
     /// Value with scaled derivatives in Y, W, T of the zone, c and the parameter.
     pub jet: Jet,
+    /// Scaled derivatives in the unknowns of the next zone, where they enter.
+    #[serde(skip)]
+    pub beyond: Jet,
 }
 
 impl Margin {
     /// Derivative along a direction in the scaled unknowns.
     pub(crate) fn slope(&self, wave: &Wave, direction: &Vector) -> f64 {
-        wave.columns(self.zone)
-            .zip(self.jet.by)
-            .map(|(column, by)| by * direction[column])
-            .sum()
+        let along = |zone: usize, jet: &Jet| -> f64 {
+            wave.columns(zone)
+                .zip(jet.by)
+                .map(|(column, by)| by * direction[column])
+                .sum()
+        };
+        along(self.zone, &self.jet) + along(self.zone + 1, &self.beyond)
     }
 }
 
@@ -70,7 +76,7 @@ pub(super) fn edge_margins(
     flows: &Flows,
     point: &Vector,
     index: usize,
-) -> Result<Vec<(Watch, Jet)>, FlowError> {
+) -> Result<Vec<(Watch, [Jet; 2])>, FlowError> {
     let zone = wave.signature.zone(index);
     let next = wave.signature.zone(index + 1);
     let mut margins = Vec::with_capacity(4);
@@ -84,7 +90,13 @@ pub(super) fn edge_margins(
     {
         margins.push((Watch::LandingPressure, watched(Watch::LandingPressure)?));
     }
-    if zone.entry == Entry::Touch {
+    // both vanish like a power of the duration, which is watched
+    let vanished = wave.material && wave.duration_at(point, index) <= 0.0;
+    if zone.entry == Entry::Touch && !vanished {
+        if wave.material {
+            // it slides as slip does
+            margins.push((Watch::LandingRate, watched(Watch::LandingRate)?));
+        }
         margins.push((Watch::Tension, watched(Watch::Tension)?));
     }
     if zone.regime == Regime::Stick {
@@ -96,18 +108,57 @@ pub(super) fn edge_margins(
     if zone.regime == Regime::Reverse && next.entry == Entry::Reversal {
         margins.push((Watch::UpperForce, watched(Watch::UpperForce)?));
     }
-    if zone.regime == Regime::Separation {
+    if zone.regime == Regime::Separation && !vanished {
         margins.push((Watch::LandingSpeed, watched(Watch::LandingSpeed)?));
-        let coulomb = wave.model.impact == Impact::Coulomb;
-        if coulomb && next.entry == Entry::ArrestedLanding {
+        if next.entry == Entry::ArrestedLanding {
             margins.push((Watch::Impulse, watched(Watch::Impulse)?));
         }
     }
     Ok(margins)
 }
 
-/// One margin at an end of a zone, in physical derivatives.
+/// One margin at an end of a zone, in physical derivatives: in the unknowns of the zone and, without a
+/// value, in those of the next.
 pub(super) fn edge_margin(
+    wave: &Wave,
+    flows: &Flows,
+    point: &Vector,
+    index: usize,
+    watch: Watch,
+) -> Result<[Jet; 2], FlowError> {
+    let reacts = wave.material && matches!(watch, Watch::LandingSpeed | Watch::Impulse);
+    if !reacts {
+        let margin = edge_margin_of_zone(wave, flows, point, index, watch)?;
+        return Ok([margin, Jet::default()]);
+    }
+    // β times what a concentrated reaction takes of Ü, and its friction against what that takes of V̈
+    let unit = 1.0 / wave.scales.rate;
+    let [lifted, dragged] = wave.zone_end(flows, point, index)?.impulse;
+    let entered = wave.entry_acceleration(flows, point, index + 1)?;
+    let [radial, tangential] = entered.map(|jet| flows.frame.material() * jet);
+    let [mut own, mut beyond] = if watch == Watch::LandingSpeed {
+        [lifted * unit, radial * -unit]
+    } else {
+        let drag = dragged.value - tangential.value;
+        let sign = unit.copysign(drag);
+        let largest = wave.reaction(flows, Regime::Slip) * unit;
+        [
+            largest * lifted - dragged * sign,
+            tangential * sign - largest * radial,
+        ]
+    };
+    own.value += beyond.value;
+    beyond.value = 0.0;
+    // the frame is one for both
+    for index in [EXCESS, PARAMETER] {
+        own.by[index] += beyond.by[index];
+        beyond.by[index] = 0.0;
+    }
+    Ok([own, beyond])
+}
+
+/// A margin that depends on one zone.
+fn edge_margin_of_zone(
     wave: &Wave,
     flows: &Flows,
     point: &Vector,
@@ -139,7 +190,15 @@ pub(super) fn edge_margin(
         }
         Watch::LandingRate if zone.regime == Regime::Reverse => w - 1.0,
         Watch::LandingRate => -w + 1.0,
+        Watch::LandingPressure if wave.material => {
+            let [_, acceleration] = wave.entry_acceleration(flows, point, index)?;
+            frame.pressure(w + frame.material() * acceleration) * force
+        }
         Watch::LandingPressure => frame.pressure(w) * force,
+        // a touch takes no more of Ü than there is
+        Watch::Tension if wave.material => {
+            wave.entry_acceleration(flows, point, index)?[0] * (1.0 / scales.layer)
+        }
         Watch::Tension => frame.pressure(w) * -force,
         // Q + fP = (Q − fP) + 2fP
         Watch::LowerForce => (excess(y) + band()) * force,
@@ -180,10 +239,8 @@ pub(super) fn interior_margin(
     Ok(match watch {
         Watch::Gap => {
             let mismatch = flows.frame.quantity(|of| of.mismatch);
-            let u = flows.separation().advance(slide.entry, time)?[0];
-            let mut gap = (u - mismatch) * (1.0 / wave.scales.time);
-            gap.by[DURATION] = 0.0;
-            gap
+            let u = flows.separation().radial(slide, time)?;
+            (u - mismatch) * (1.0 / wave.scales.time)
         }
         Watch::Pressure => {
             let [_, pressure] = flows.contact(regime).inside(&flows.frame, slide, time)?;
@@ -210,19 +267,20 @@ impl AtZero {
     pub(crate) fn margin_at(&mut self, wave: &Wave, point: &Vector) -> Result<Margin, FlowError> {
         let flows = wave.flows(point)?;
         let Margin { watch, zone, .. } = self.margin;
-        let mut jet = match watch {
+        let [mut jet, mut beyond] = match watch {
             Watch::Pressure | Watch::Rate | Watch::Gap => {
                 let slide = wave.slide_at(point, zone);
                 let time = self.stationary(wave, &flows, &slide)?;
                 self.margin.time = time;
-                interior_margin(wave, &flows, watch, zone, &slide, time)?
+                let jet = interior_margin(wave, &flows, watch, zone, &slide, time)?;
+                [jet, Jet::default()]
             }
             _ => edge_margin(wave, &flows, point, zone, watch)?,
         };
-        for (by, unit) in jet.by.iter_mut().zip(jet_units(&wave.scales)) {
-            *by *= unit;
-        }
+        wave.scale(&mut jet, zone);
+        wave.scale(&mut beyond, zone + 1);
         self.margin.jet = jet;
+        self.margin.beyond = beyond;
         Ok(self.margin)
     }
 
@@ -232,10 +290,9 @@ impl AtZero {
         let regime = wave.signature.zone(self.margin.zone).regime;
         for _ in 0..8 {
             let step = if self.margin.watch == Watch::Gap {
-                let at = &flows.frame.at;
-                let [u, rate, _, w] = flows.separation().state(slide.entry, time)?;
-                let acceleration = -(at.damping * rate + at.g * u + at.kappa * w) / at.mb;
-                rate / acceleration
+                flows
+                    .separation()
+                    .step_to_extreme(&flows.frame, slide, time)?
             } else {
                 let flow = flows.contact(regime);
                 match flow {
@@ -269,8 +326,10 @@ impl Constraint<Wave> for AtZero {
         gradient: &mut [f64],
     ) -> Result<f64, FlowError> {
         let margin = self.margin_at(wave, point)?;
-        for (column, by) in wave.columns(margin.zone).zip(margin.jet.by) {
-            gradient[column] = by;
+        for (zone, jet) in [(margin.zone, margin.jet), (margin.zone + 1, margin.beyond)] {
+            for (column, by) in wave.columns(zone).zip(jet.by) {
+                gradient[column] += by;
+            }
         }
         Ok(margin.jet.value)
     }

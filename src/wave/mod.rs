@@ -36,4 +36,5 @@ pub mod start;
 pub mod successor;
 
 pub use crate::flow::Flows;
-pub use layout::{Scales, Wave, ZoneUnknowns, jet_units};
+pub(crate) use layout::width;
+pub use layout::{Scales, Wave, ZoneUnknowns};

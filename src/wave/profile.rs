@@ -82,7 +82,7 @@ pub fn sample(
             let (radial, radial_rate, [y, w]) = match regime {
                 Regime::Stick => (at.mismatch, 0.0, [entry[0] + time, entry[1]]),
                 Regime::Separation => {
-                    let [u, rate, y, w] = flows.separation().state(entry, time)?;
+                    let [u, rate, y, w] = flows.separation().state(&slide, time)?;
                     (u, rate, [y, w])
                 }
                 _ => (at.mismatch, 0.0, sliding[index]),

@@ -2,11 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use super::{Scales, Wave, jet_units};
+use super::{Scales, Wave};
 use crate::continuation::newton::System;
-use crate::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet, LAYER};
+use crate::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet, LAYER, RADIAL_LAYER};
 use crate::flow::{FlowError, Flows, Frame, SlidingFlow, ZoneEnd};
 use crate::linalg::{Matrix, Vector};
+use crate::model::Impact;
 use crate::model::signature::{Entry, Regime};
 
 impl Wave {
@@ -28,7 +29,7 @@ impl Wave {
                 let w = Jet::variable(entry[1], ENTRY_W);
                 let switching = if self.material {
                     // there is no layer in stick; V̈ = 0 at release is the matching of V̈
-                    Jet::variable(self.layer_at(point, index), LAYER) / self.scales.layer
+                    Jet::variable(self.layers_at(point, index)[0], LAYER) / self.scales.layer
                 } else {
                     (y - flows.frame.release(self.model.law)) * (1.0 / time)
                 };
@@ -45,7 +46,10 @@ impl Wave {
                 let arrested = next == Entry::Arrest;
                 let end = flows.contact(zone.regime).zone(&slide, order, arrested)?;
                 let w = end.w;
-                let switching = if next == Entry::TakeOff {
+                let switching = if next == Entry::TakeOff && self.material {
+                    // Ü = 0 just after it takes the place of P = 0
+                    Jet::default()
+                } else if next == Entry::TakeOff {
                     flows.frame.pressure(w) * (1.0 / self.scales.pressure)
                 } else if next == Entry::Section {
                     w
@@ -64,30 +68,92 @@ impl Wave {
             }
             Regime::Separation => {
                 let order = self.order_at_entry(zone.entry);
-                let mut end = flows.separation().zone(entry, duration, order)?;
+                let slide = self.slide_at(point, index);
+                let mut end = flows.separation().zone(&slide, order)?;
                 // U − δ in units of time, duration in units of time: (U − δ)/T^m · time^{m−1}
-                end.switching = end.switching * time.powi(order as i32 - 1);
+                let power = if self.material { 1 } else { order as i32 - 1 };
+                end.switching = end.switching * time.powi(power);
+                end.second = end.second * time.powi(order as i32 - 1);
                 Ok(end)
             }
         }
     }
 
-    /// Whether a regime exists under the model: with material damping there is no theory of landing
-    /// yet, and branches end where separation opens.
-    pub(crate) fn has(&self, regime: Regime) -> bool {
-        self.model.law.has(regime) && !(self.material && regime == Regime::Separation)
+    /// (Ü, V̈) just after the entry of a zone, with material damping.
+    pub(crate) fn entry_acceleration(
+        &self,
+        flows: &Flows,
+        point: &Vector,
+        index: usize,
+    ) -> Result<[Jet; 2], FlowError> {
+        let slide = self.slide_at(point, index);
+        let regime = self.signature.zone(index).regime;
+        if regime == Regime::Separation {
+            let flow = flows.separation().layered()?;
+            return Ok(flow.map_or_else(Default::default, |flow| flow.entry_acceleration(&slide)));
+        }
+        Ok(match (regime, flows.contact(regime)) {
+            (Regime::Slip | Regime::Reverse, SlidingFlow::Material(flow)) => {
+                [Jet::default(), flow.entry_rates(&slide)[0]]
+            }
+            _ => Default::default(),
+        })
     }
 
-    /// V̈ just after the entry of a zone, with material damping.
-    pub(crate) fn entry_acceleration(&self, flows: &Flows, point: &Vector, index: usize) -> Jet {
-        let index = index % self.zones();
-        let regime = self.signature.zone(index).regime;
-        match (regime, flows.contact(regime)) {
-            (Regime::Slip | Regime::Reverse, SlidingFlow::Material(flow)) => {
-                flow.entry_rates(&self.slide_at(point, index))[0]
+    /// What material damping asks of a switch besides: a row, the zone whose unknowns enter, the jet.
+    ///
+    /// Row 3 is the tangential condition. In contact and at a take-off V̈ is continuous. At a landing
+    /// friction goes with the concentrated reaction βb̃Ü⁻: aV̈ − σfbÜ is continuous, written with the
+    /// factor β with which it tends to the law of the Coulomb impact. At an arrested landing it is
+    /// V̇ = 1. Row 2 at a take-off is Ü = 0 just after it; row 4 the second condition of a landing.
+    fn layer_conditions(
+        &self,
+        flows: &Flows,
+        point: &Vector,
+        index: usize,
+        end: &ZoneEnd,
+    ) -> Result<Vec<(usize, usize, Jet)>, FlowError> {
+        let next = self.signature.zone(index + 1);
+        let scales = &self.scales;
+        let [radial, tangential] = self.entry_acceleration(flows, point, index + 1)?;
+        let mut conditions = Vec::with_capacity(4);
+        if self.signature.zone(index).regime == Regime::Separation {
+            conditions.push((4, index, end.second));
+            if next.entry == Entry::ArrestedLanding {
+                conditions.push((3, index, end.w - 1.0));
+            } else {
+                let friction = self.reaction(flows, next.regime);
+                let beta = flows.frame.material() * (1.0 / scales.rate);
+                let [lifted, dragged] = end.impulse;
+                let before = (dragged - friction * lifted) * (1.0 / scales.rate);
+                conditions.push((3, index, before));
+                conditions.push((3, index + 1, beta * (friction * radial - tangential)));
             }
-            _ => Jet::default(),
+            return Ok(conditions);
         }
+        if self.width() > 4 {
+            let [_, layer] = self.layers_at(point, index);
+            let none = Jet::variable(layer, RADIAL_LAYER) * (1.0 / scales.rate);
+            conditions.push((4, index, none));
+        }
+        if next.entry == Entry::TakeOff {
+            conditions.push((2, index + 1, radial * (1.0 / scales.layer)));
+        }
+        conditions.push((3, index, end.acceleration * (1.0 / scales.layer)));
+        conditions.push((3, index + 1, tangential * (-1.0 / scales.layer)));
+        Ok(conditions)
+    }
+
+    /// σf b/a: the friction of a concentrated reaction in terms of V̈ for one of Ü.
+    pub(crate) fn reaction(&self, flows: &Flows, after: Regime) -> Jet {
+        let sigma = after.sliding().unwrap_or(1.0);
+        let at = &flows.frame.at;
+        let value = sigma * at.friction * at.radial_stress / at.stress;
+        flows.frame.jet(value, |by| {
+            (sigma * (by.friction * at.radial_stress + at.friction * by.radial_stress)
+                - value * by.stress)
+                / at.stress
+        })
     }
 
     /// W just after the switch that ends a zone.
@@ -102,10 +168,11 @@ impl Wave {
             Entry::Section => Jet::default(),
             Entry::Landing | Entry::Touch => {
                 let sign = match self.model.impact {
-                    crate::model::Impact::Frictionless => return end.w,
-                    crate::model::Impact::Coulomb if next.regime == Regime::Reverse => 1.0,
+                    _ if self.material => return end.w,
+                    Impact::Frictionless => return end.w,
+                    Impact::Coulomb if next.regime == Regime::Reverse => 1.0,
                     // contact that would need tension has V̇ < −gδ/κ: a touch comes from slip
-                    crate::model::Impact::Coulomb => -1.0,
+                    Impact::Coulomb => -1.0,
                 };
                 end.w + self.impulse(flows, end) * sign
             }
@@ -143,7 +210,6 @@ impl System for Wave {
         let n = self.zones();
         let width = self.width();
         let Scales { time, rate, .. } = self.scales;
-        let units = jet_units(&self.scales);
         for zone in 0..n {
             let end = self.zone_end(&flows, point, zone)?;
             let after = self.rate_after_switch(&flows, &end, zone);
@@ -153,19 +219,19 @@ impl System for Wave {
                 .into_iter()
                 .enumerate()
             {
+                let units = self.jet_units(zone);
                 residual[row + offset] = jet.value;
                 for (index, column) in self.columns(zone).enumerate() {
                     jacobian[(row + offset, column)] += jet.by[index] * units[index];
                 }
             }
             if self.material {
-                let entered = self.entry_acceleration(&flows, point, zone + 1);
-                residual[row + 3] = 0.0;
-                for (at, sign, jet) in [(zone, 1.0, end.acceleration), (zone + 1, -1.0, entered)] {
-                    let jet = jet * (sign / self.scales.layer);
-                    residual[row + 3] += jet.value;
+                residual[row + 3..row + width].fill(0.0);
+                for (offset, at, jet) in self.layer_conditions(&flows, point, zone, &end)? {
+                    let units = self.jet_units(at);
+                    residual[row + offset] += jet.value;
                     for (index, column) in self.columns(at).enumerate() {
-                        jacobian[(row + 3, column)] += jet.by[index] * units[index];
+                        jacobian[(row + offset, column)] += jet.by[index] * units[index];
                     }
                 }
             }

@@ -33,7 +33,7 @@ pub struct Candidate {
 #[derive(Clone, Copy)]
 struct Piece {
     zone: Zone,
-    /// (Y, W, T, G).
+    /// (Y, W, T, G, G_U).
     unknowns: ZoneUnknowns,
     /// Whether it has no length yet.
     nascent: bool,
@@ -91,7 +91,7 @@ pub fn candidates(
         let mut pieces = pieces[1..].to_vec();
         let merged = &mut pieces[count - 2].unknowns;
         merged[2] += first.unknowns[2];
-        merged[3] = first.unknowns[3];
+        merged[3..].copy_from_slice(&first.unknowns[3..]);
         // the merged zone closes the cycle
         pieces.rotate_right(1);
         add(pieces);
@@ -101,21 +101,22 @@ pub fn candidates(
         add(pieces.clone());
     }
     let (from, to) = (last.zone.regime, first.zone.regime);
-    for chain in paths(from, to, LONGEST_CHAIN, wave.model.impact) {
-        if !chain.iter().all(|zone| wave.has(zone.regime)) {
+    for chain in paths(from, to, LONGEST_CHAIN, wave.impact()) {
+        if !chain.iter().all(|zone| wave.model.law.has(zone.regime)) {
             continue;
         }
         let inserted = chain.len() - 1;
         let [y, w] = opened.instant;
         let nascent = |zone: &Zone| {
-            let layer = nascent_layer(&flows, zone.regime, [y, w], opened.acceleration);
-            Piece {
+            let [layer, radial] = nascent_layers(&flows, zone.regime, [y, w], opened.acceleration)?;
+            Ok(Piece {
                 zone: *zone,
-                unknowns: [y, w, 0.0, layer],
+                unknowns: [y, w, 0.0, layer, radial],
                 nascent: true,
-            }
+            })
         };
-        let mut cycle: Vec<Piece> = chain[..inserted].iter().map(nascent).collect();
+        let nascent: Result<_, FlowError> = chain[..inserted].iter().map(nascent).collect();
+        let mut cycle: Vec<Piece> = nascent?;
         cycle.extend_from_slice(pieces);
         cycle[inserted].zone = chain[inserted];
         add(cycle);
@@ -123,14 +124,24 @@ pub fn candidates(
     Ok(found)
 }
 
-/// G of a zone that has no length yet and is entered with this V̈.
-fn nascent_layer(flows: &Flows, regime: Regime, instant: [f64; 2], acceleration: f64) -> f64 {
-    match (regime, flows.contact(regime)) {
-        (Regime::Slip | Regime::Reverse, SlidingFlow::Material(flow)) => {
-            flow.layer_of(instant, acceleration)
-        }
-        _ => 0.0,
-    }
+/// G and G_U of a zone that has no length yet and is entered with this V̈, and Ü = 0.
+fn nascent_layers(
+    flows: &Flows,
+    regime: Regime,
+    instant: [f64; 2],
+    acceleration: f64,
+) -> Result<[f64; 2], FlowError> {
+    Ok(match regime {
+        Regime::Stick => [0.0; 2],
+        Regime::Separation => match flows.separation().layered()? {
+            Some(flow) => flow.layers_of(instant, acceleration),
+            None => [0.0; 2],
+        },
+        regime => match flows.contact(regime) {
+            SlidingFlow::Material(flow) => [flow.layer_of(instant, acceleration), 0.0],
+            _ => [0.0; 2],
+        },
+    })
 }
 
 /// A cycle that can be posed: one contact zone alone is cut at V̇ = 0, and a wave with switches of
@@ -141,11 +152,12 @@ fn sectioned(wave: &Wave, flows: &Flows, mut pieces: Vec<Piece>) -> Option<Vec<P
             return None;
         }
         let flow = flows.contact(Regime::Contact);
-        let [y, w, duration, layer] = piece.unknowns;
+        let [y, w, duration, layer, radial] = piece.unknowns;
         let slide = Slide {
             entry: [y, w],
             duration,
             layer,
+            radial,
         };
         let rising = flow
             .extremes(&slide)
@@ -156,7 +168,7 @@ fn sectioned(wave: &Wave, flows: &Flows, mut pieces: Vec<Piece>) -> Option<Vec<P
             .1;
         return Some(vec![Piece {
             zone: Signature::contact().zone(0),
-            unknowns: [rising[0], 0.0, duration, 0.0],
+            unknowns: [rising[0], 0.0, duration, 0.0, 0.0],
             nascent: false,
         }]);
     }
@@ -195,17 +207,17 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
     let count = pieces.len();
     let index = margin.zone;
     let flows = wave.flows(point)?;
-    let entered = |index: usize| wave.entry_acceleration(&flows, point, index).value;
     // at the beginning of a zone
     let at_entry = |index: usize, mut pieces: Vec<Piece>| {
         pieces.rotate_left(index % count);
         let [y, w, ..] = pieces[0].unknowns;
-        Opened {
+        let [_, acceleration] = wave.entry_acceleration(&flows, point, index)?;
+        Ok::<_, FlowError>(Opened {
             pieces,
             instant: [y, w],
-            acceleration: entered(index),
+            acceleration: acceleration.value,
             joined: false,
-        }
+        })
     };
     Ok(Some(match margin.watch {
         Watch::Coupling => return Ok(None),
@@ -213,7 +225,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
             if count < 2 {
                 return Ok(None);
             }
-            let mut opened = at_entry(index, pieces);
+            let mut opened = at_entry(index, pieces)?;
             opened.pieces.remove(0);
             opened
         }
@@ -223,7 +235,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
             let slide = wave.slide_at(point, index);
             let (instant, acceleration) = match zone.regime {
                 Regime::Separation => {
-                    let [_, _, y, w] = flows.separation().state(slide.entry, margin.time)?;
+                    let [_, _, y, w] = flows.separation().state(&slide, margin.time)?;
                     ([y, w], 0.0)
                 }
                 regime => {
@@ -233,15 +245,19 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
                 }
             };
             let rest = slide.duration - margin.time;
-            pieces[index].unknowns[2] = margin.time;
-            if let (true, SlidingFlow::Material(flow)) = (wave.material, flows.contact(zone.regime))
-            {
-                pieces[index].unknowns[3] = slide.layer * (-rest / flow.rho).exp();
+            let first = &mut pieces[index].unknowns;
+            first[2] = margin.time;
+            if zone.regime == Regime::Separation {
+                if let Some(flow) = flows.separation().layered()? {
+                    [first[3], first[4]] = flow.layers_at(&slide, margin.time);
+                }
+            } else if let SlidingFlow::Material(flow) = flows.contact(zone.regime) {
+                first[3] = slide.layer * (-rest / flow.rho).exp();
             }
             pieces.rotate_left((index + 1) % count);
             let second = Piece {
                 zone,
-                unknowns: [instant[0], instant[1], rest, slide.layer],
+                unknowns: [instant[0], instant[1], rest, slide.layer, slide.radial],
                 nascent: false,
             };
             pieces.insert(0, second);
@@ -256,7 +272,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
         | Watch::Tension
         | Watch::LandingRate
         | Watch::LowerForce
-        | Watch::Release => at_entry(index, pieces),
-        Watch::UpperForce | Watch::Impulse | Watch::LandingSpeed => at_entry(index + 1, pieces),
+        | Watch::Release => at_entry(index, pieces)?,
+        Watch::UpperForce | Watch::Impulse | Watch::LandingSpeed => at_entry(index + 1, pieces)?,
     }))
 }

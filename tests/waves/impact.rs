@@ -112,7 +112,7 @@ fn a_touch_obeys_the_law_of_the_impact() {
             let [_, normal, y, w] = flows
                 .separation()
                 .state(
-                    wave.entry_at(point, before),
+                    &wave.slide_at(point, before),
                     wave.duration_at(point, before),
                 )
                 .expect("a state");

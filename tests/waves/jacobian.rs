@@ -10,6 +10,7 @@ use std::collections::BTreeSet;
 
 use brakewave::continuation::newton::System;
 use brakewave::linalg::{Matrix, Vector};
+use brakewave::model::signature::Regime;
 use brakewave::model::{Damping, Model, Parameter};
 use brakewave::wave::Scales;
 use brakewave::wave::Wave;
@@ -26,6 +27,9 @@ const STEP: f64 = 6e-6;
 
 /// Operations behind one residual: series of 20 terms, or up to 40 halvings of an exponential.
 const OPERATIONS: f64 = 64.0;
+/// The same in separation with material damping, where U − δ over the square of the duration is formed
+/// from a U that is ten times as large.
+const LAYERED_OPERATIONS: f64 = 640.0;
 
 /// The comparison is worth something only while the allowed error is below this fraction of the
 /// largest entry of the row.
@@ -87,7 +91,13 @@ fn compare(wave: &Wave, point: &Vector, most_allowed: f64) -> f64 {
             // ln(e/e₀) is near 0, but e carries the rounding of a number of its own size
             let extent = |j: usize| if j == n - 2 { 1.0 } else { point[j].abs() };
             let size: f64 = (0..n).map(|j| matrix[(row, j)].abs() * extent(j)).sum();
-            let rounding = OPERATIONS * f64::EPSILON * size / STEP;
+            let layered = wave.material && wave.signature.has(Regime::Separation);
+            let operations = if layered {
+                LAYERED_OPERATIONS
+            } else {
+                OPERATIONS
+            };
+            let rounding = operations * f64::EPSILON * size / STEP;
             let difference = (4.0 * near[row] - far[row]) / 3.0;
             // the derivative itself is a number in units that were taken out and put in again
             let own = 2.0 * f64::EPSILON * difference.abs();

@@ -18,6 +18,7 @@ mod hopf;
 mod impact;
 mod integration;
 mod jacobian;
+mod landing;
 mod material;
 mod opening;
 mod reference;

@@ -1,0 +1,621 @@
+//! Separation with material damping β > 0: four slow motions forward, two layers backward.
+//!
+//! With z = (U, V) the equations of (M) without contact are, along a material point,
+//!
+//! ```text
+//! −βBz⃛ + Mz̈ + Sż + Hz = 0,     B = diag(b̃, ã),   H = diag(g, h),
+//! M = [ m_b  βκ ]     S = [ α + βg     κ    ]
+//!     [ −βκ  m_a ],       [  −κ     α + βh  ].
+//! ```
+//!
+//! For every β > 0 two of the six exponents grow, about m_b/(βb̃) and m_a/(βã); the others are those of
+//! the undamped motion, damped. As in [`super::material`] the two are taken out of the matrix
+//! polynomial, here by a matrix R, the smallest solution of
+//!
+//! ```text
+//! −βB + MR + SR² + HR³ = 0,        growing motions:  ż = R⁻¹z,
+//! ```
+//!
+//! and the rest is a second-order system, M̂z̈ + Ŝż + Hz = 0 with Ŝ = S + LH, M̂ = M + LŜ, where L
+//! solves the same equation with R on the left: by the symmetry of M and S, L = (JRJ)ᵀ, J = diag(1, −1).
+//! (Solvents of matrix polynomials: Gohberg, Lancaster & Rodman, Matrix Polynomials, 1982.) A zone is
+//!
+//! ```text
+//! z = slow motion from the entry + R e^{−(T−s)R⁻¹} G,
+//! ```
+//!
+//! with the layers given by the velocity G = (G_U, G_V) that they have at its end: every number is of
+//! order one for any β. As β → 0, R → βM⁻¹B: G becomes the jump of the velocity in the impact, and
+//! N = βR⁻¹ → B⁻¹M makes of the concentrated reaction β(Ü, V̈)⁻ its impulse.
+
+use nalgebra::{Matrix4, Vector4};
+
+use super::jet::{
+    DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, PARAMETER, RADIAL_LAYER, SOURCES,
+};
+use super::material::layer_time;
+use super::separation::SeparationFlow;
+use super::sign::{COEFFICIENTS, REMAINDER};
+use super::square::{Pair, Square};
+use super::{FlowError, Frame, Quantities, Slide, ZoneEnd};
+
+/// Newton iterations for R from its value without coupling, and the steps in which the coupling is
+/// put in where one step does not do.
+const ITERATIONS: usize = 30;
+const COUPLING_STEPS: [u32; 3] = [1, 8, 64];
+
+/// e^{−x} beyond this is nothing.
+const UNDERFLOW: f64 = 708.0;
+
+/// Zones shorter than this many radians use the power series of the slow motion, where U − δ is not
+/// lost in U; 36 terms leave 3³⁶/36! ≈ 4e-25.
+const SHORT_ZONE: f64 = 3.0;
+const SHORT_TERMS: usize = 36;
+
+/// Layers within which one decays below rounding.
+const LAYERS: f64 = 50.0;
+
+/// The equations of separation with material damping in one frame.
+#[derive(Clone, Copy, Debug)]
+pub struct LayeredFlow {
+    /// The slow motions.
+    slow: SeparationFlow,
+    /// R.
+    layers: Square<2>,
+    /// N = βR⁻¹.
+    rates: Square<2>,
+    /// M̂⁻¹Ŝ and M̂⁻¹H: z̈ = −M̂⁻¹(Ŝż + Hz).
+    drag: Square<2>,
+    stiffness: Square<2>,
+    /// β.
+    beta: Dual<2>,
+    mismatch: Dual<2>,
+    steady: Dual<2>,
+}
+
+/// z and its derivatives at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Free<const D: usize> {
+    /// (U, V).
+    pub position: Pair<D>,
+    /// (U̇, V̇).
+    pub rate: Pair<D>,
+    /// (Ü, V̈).
+    pub acceleration: Pair<D>,
+}
+
+/// A number of the frame with its two derivatives.
+fn of_frame(frame: &Frame, of: impl Fn(&Quantities) -> f64) -> Dual<2> {
+    Dual {
+        value: of(&frame.at),
+        by: [of(&frame.by[0]), of(&frame.by[1])],
+    }
+}
+
+/// A number of the frame among others: all derivatives of a zone, or none.
+fn lifted<const D: usize>(of: Dual<2>) -> Dual<D> {
+    let mut lifted = Dual::constant(of.value);
+    if D == SOURCES {
+        lifted.by[EXCESS] = of.by[0];
+        lifted.by[PARAMETER] = of.by[1];
+    }
+    lifted
+}
+
+fn plus<const D: usize>(x: Pair<D>, y: Pair<D>) -> Pair<D> {
+    [x[0] + y[0], x[1] + y[1]]
+}
+
+/// The coefficients −βB, M, S, H.
+type Polynomial = [Square<2>; 4];
+
+fn polynomial(frame: &Frame) -> Polynomial {
+    let of = |of: &dyn Fn(&Quantities) -> f64| of_frame(frame, of);
+    let beta = of(&|q| q.material);
+    let kappa = of(&|q| q.kappa);
+    let alpha = of(&|q| q.damping);
+    let (g, h) = (of(&|q| q.g), of(&|q| q.h));
+    let turned = beta * kappa;
+    [
+        Square::diagonal(-beta * of(&|q| q.radial_stress), -beta * of(&|q| q.stress)),
+        Square([[of(&|q| q.mb), turned], [-turned, of(&|q| q.ma)]]),
+        Square([[alpha + beta * g, kappa], [-kappa, alpha + beta * h]]),
+        Square::diagonal(g, h),
+    ]
+}
+
+/// The coupling taken down to a part of it.
+fn partly_coupled(of: &Polynomial, part: f64) -> [Square<0>; 4] {
+    of.map(|square| {
+        let mut square = square.map(|entry| Dual::constant(entry.value));
+        square.0[0][1].value *= part;
+        square.0[1][0].value *= part;
+        square
+    })
+}
+
+/// X with MX + S(RX + XR) + H(XR² + RXR + R²X) = right: what Newton's method and derivatives solve.
+fn linearised([_, m, s, h]: &[Square<0>; 4], r: Square<0>, right: Square<0>) -> Option<Square<0>> {
+    let square = r * r;
+    let mut matrix = Matrix4::zeros();
+    for column in 0..4 {
+        let mut x = Square::<0>::unit(0.0);
+        x.0[column / 2][column % 2].value = 1.0;
+        let image = *m * x + *s * (r * x + x * r) + *h * (x * square + r * x * r + square * x);
+        for row in 0..4 {
+            matrix[(row, column)] = image.0[row / 2][row % 2].value;
+        }
+    }
+    let right = Vector4::from_fn(|row, _| right.0[row / 2][row % 2].value);
+    let x = matrix.lu().solve(&right)?;
+    let entry = |row: usize| Dual::constant(x[row]);
+    Some(Square([[entry(0), entry(1)], [entry(2), entry(3)]]))
+}
+
+/// R; `None` if Newton's method does not find a matrix whose exponents grow.
+fn solvent(of: &Polynomial) -> Option<Square<2>> {
+    let value =
+        |[first, m, s, h]: &[Square<0>; 4], r: Square<0>| *first + (*m + (*s + *h * r) * r) * r;
+    let [first, m, s, h] = of;
+    let bare = |i: usize| {
+        let entry = |of: &Square<2>| of.0[i][i].value;
+        Some(Dual::constant(layer_time(
+            -entry(first),
+            entry(m),
+            entry(s),
+            entry(h),
+        )?))
+    };
+    let uncoupled = Square::<0>::diagonal(bare(0)?, bare(1)?);
+    let found = COUPLING_STEPS.into_iter().find_map(|steps| {
+        let mut r = uncoupled;
+        for step in 1..=steps {
+            let partly = partly_coupled(of, f64::from(step) / f64::from(steps));
+            let mut last = f64::INFINITY;
+            for _ in 0..ITERATIONS {
+                let correction = linearised(&partly, r, value(&partly, r))?;
+                r = r - correction;
+                let moved = correction.norm() / r.norm();
+                // quadratic until rounding stops it
+                if correction.norm() == 0.0 || moved < 1e-8 && moved >= 0.5 * last {
+                    break;
+                }
+                last = moved;
+            }
+            if last.is_nan() || last > 1e-8 && last.is_finite() {
+                return None;
+            }
+        }
+        let [[a, b], [c, d]] = r.0.map(|row| row.map(|entry| entry.value));
+        let grow = a + d > 0.0 && a * d - b * c > 0.0;
+        (grow || first.norm() == 0.0).then_some(r)
+    })?;
+    let full = partly_coupled(of, 1.0);
+    // the derivatives: those of the coefficients at R held fixed
+    let mut r = found.map(|entry| Dual::<2>::constant(entry.value));
+    let fixed = *first + (*m + (*s + *h * r) * r) * r;
+    for index in 0..2 {
+        let moved = linearised(
+            &full,
+            found,
+            fixed.map(|entry| Dual::constant(-entry.by[index])),
+        )?;
+        for i in 0..2 {
+            for j in 0..2 {
+                r.0[i][j].by[index] = moved.0[i][j].value;
+            }
+        }
+    }
+    Some(r)
+}
+
+impl LayeredFlow {
+    /// The equations in this frame.
+    ///
+    /// # Errors
+    /// Growing and other exponents cannot be told apart.
+    pub(crate) fn new(frame: &Frame) -> Result<LayeredFlow, FlowError> {
+        let of = polynomial(frame);
+        let failed = FlowError::Integration {
+            duration: 0.0,
+            reason: "the exponents of separation with material damping cannot be told apart",
+        };
+        let layers = solvent(&of).ok_or(failed)?;
+        let [_, m, s, h] = of;
+        let [[a, b], [c, d]] = layers.0;
+        let left = Square([[a, -c], [-b, d]]);
+        let slow_drag = s + left * h;
+        let mass = (m + left * slow_drag).inverse();
+        let inverse = |of: Dual<2>| {
+            let inverse = 1.0 / of.value;
+            Dual {
+                value: inverse,
+                by: of.by.map(|by| -by * inverse * inverse),
+            }
+        };
+        let stress = Square::diagonal(
+            inverse(of_frame(frame, |q| q.radial_stress)),
+            inverse(of_frame(frame, |q| q.stress)),
+        );
+        let (drag, stiffness) = (mass * slow_drag, mass * h);
+        let entries = [drag, stiffness, layers];
+        if !entries.iter().all(|entry| entry.norm().is_finite()) {
+            return Err(failed);
+        }
+        let steady = frame.steady();
+        Ok(LayeredFlow {
+            slow: SeparationFlow::of(frame, &drag, &stiffness),
+            layers,
+            rates: stress * (m + (s + h * layers) * layers),
+            drag,
+            stiffness,
+            beta: of_frame(frame, |q| q.material),
+            mismatch: of_frame(frame, |q| q.mismatch),
+            steady: Dual {
+                value: steady.value,
+                by: [steady.by[EXCESS], steady.by[PARAMETER]],
+            },
+        })
+    }
+
+    /// Radians per unit of time: a bound of the rates of the slow motions.
+    pub(crate) fn norm(&self) -> f64 {
+        self.slow.norm()
+    }
+
+    fn matrix<const D: usize>(&self, of: &Square<2>) -> Square<D> {
+        of.map(lifted)
+    }
+
+    /// R⁻¹, for β > 0.
+    fn inverse<const D: usize>(&self) -> Square<D> {
+        let beta = self.beta;
+        let inverse = 1.0 / beta.value;
+        let inverse = Dual {
+            value: inverse,
+            by: beta.by.map(|by| -by * inverse * inverse),
+        };
+        self.matrix(&(self.rates * inverse))
+    }
+
+    /// Whether nothing is left of the layers this long before the end.
+    fn forgotten(&self, time: f64) -> bool {
+        time > 0.0 && time >= UNDERFLOW * self.layers.norm()
+    }
+
+    /// What is left of the layers' velocity, and of their acceleration, a time before the end.
+    fn rest<const D: usize>(&self, time: Dual<D>, end: Pair<D>) -> [Pair<D>; 2] {
+        if self.forgotten(time.value) {
+            return Default::default();
+        }
+        let inverse = self.inverse();
+        let rate = (inverse * time).moments()[0] * end;
+        [rate, inverse * rate]
+    }
+
+    /// (G_U, G_V) and (V, V̇) at the entry as the zone's own unknowns, and its duration.
+    fn sources<const D: usize>(&self, slide: &Slide) -> ([Pair<D>; 2], Dual<D>) {
+        let own = |value: f64, index: usize| {
+            let mut own = Dual::constant(value);
+            if D == SOURCES {
+                own.by[index] = 1.0;
+            }
+            own
+        };
+        let [y, w] = slide.entry;
+        let end = [own(slide.radial, RADIAL_LAYER), own(slide.layer, LAYER)];
+        let entry = [own(y, ENTRY_Y) + lifted(self.steady), own(w, ENTRY_W)];
+        ([end, entry], own(slide.duration, DURATION))
+    }
+
+    /// The slow motion and the acceleration at the entry.
+    fn entry<const D: usize>(&self, slide: &Slide) -> ([Pair<D>; 2], Pair<D>) {
+        let ([end, [v, w]], duration) = self.sources(slide);
+        let [rate, acceleration] = self.rest(duration, end);
+        let place = self.matrix(&self.layers) * rate;
+        let position = [lifted::<D>(self.mismatch) - place[0], v - place[1]];
+        let slow = [position, [-rate[0], w - rate[1]]];
+        (slow, plus(self.slow_acceleration(slow), acceleration))
+    }
+
+    fn slow_acceleration<const D: usize>(&self, [position, rate]: [Pair<D>; 2]) -> Pair<D> {
+        let [x, y] = plus(
+            self.matrix(&self.drag) * rate,
+            self.matrix(&self.stiffness) * position,
+        );
+        [-x, -y]
+    }
+
+    /// (Ü, V̈) just after the entry.
+    pub(crate) fn entry_acceleration(&self, slide: &Slide) -> Pair<SOURCES> {
+        self.entry(slide).1
+    }
+
+    /// The motion at a time after the entry, with all derivatives at this time held fixed or none.
+    pub(crate) fn motion<const D: usize>(
+        &self,
+        slide: &Slide,
+        t: f64,
+    ) -> Result<Free<D>, FlowError> {
+        let (slow, _) = self.entry::<D>(slide);
+        let slow = self.slow.carried(slow, t, false)?;
+        let ([end, _], duration) = self.sources(slide);
+        let [rate, acceleration] = self.rest(duration - t, end);
+        let moved = Free {
+            position: plus(slow[0], self.matrix(&self.layers) * rate),
+            rate: plus(slow[1], rate),
+            acceleration: plus(self.slow_acceleration(slow), acceleration),
+        };
+        let finite = moved.position.iter().chain(&moved.rate);
+        if !finite.into_iter().all(|number| number.value.is_finite()) {
+            return Err(FlowError::Overflow { duration: t });
+        }
+        Ok(moved)
+    }
+
+    /// (U, U̇, Y, W) at a time after the entry.
+    pub(crate) fn state(&self, slide: &Slide, t: f64) -> Result<[f64; 4], FlowError> {
+        let Free { position, rate, .. } = self.motion::<0>(slide, t)?;
+        Ok([
+            position[0].value,
+            rate[0].value,
+            position[1].value - self.steady.value,
+            rate[1].value,
+        ])
+    }
+
+    /// (G, G_U) of the first part of a zone that is cut at a time.
+    pub(crate) fn layers_at(&self, slide: &Slide, t: f64) -> [f64; 2] {
+        let ([end, _], _) = self.sources::<0>(slide);
+        let [[radial, layer], _] = self.rest(Dual::constant(slide.duration - t), end);
+        [layer.value, radial.value]
+    }
+
+    /// (G, G_U) of a zone of no duration that is entered at (Y, W) with this V̈, and U̇ = Ü = 0.
+    pub(crate) fn layers_of(&self, [y, w]: [f64; 2], acceleration: f64) -> [f64; 2] {
+        let acceleration = [0.0, acceleration];
+        let number = Dual::<0>::constant;
+        let position = [number(self.mismatch.value), number(y + self.steady.value)];
+        let slow = self.slow_acceleration([position, [number(0.0), number(w)]]);
+        // R⁻¹G + M̂⁻¹(ŜG + HRG) is what the slow motion lacks
+        let beta = self.beta.value;
+        let own =
+            self.matrix::<0>(&self.drag) + self.matrix(&self.stiffness) * self.matrix(&self.layers);
+        let matrix = self.matrix(&self.rates) + own * beta;
+        let lacking = [0, 1].map(|i| number((acceleration[i] - slow[i].value) * beta));
+        let [radial, layer] = matrix.inverse() * lacking;
+        [layer.value, radial.value]
+    }
+
+    /// The end of a zone. U − δ has an m-fold zero at the entry, m = 3 after a take-off and 2 after a
+    /// touch, and U = δ, U̇ = 0 hold at the end. As the zone shrinks both become the same condition;
+    /// they are posed as
+    ///
+    /// ```text
+    /// A = (U − δ)/T^m,     C = (U̇ − m(U − δ)/T)/T^m,
+    /// ```
+    ///
+    /// the two lowest moments of the m-th derivative of U, with the factors (ρ + T)^{m−2} and
+    /// (ρ + T)C − A/(m + 1) that keep them of order one where T is small against the layer ρ or large.
+    pub(crate) fn zone(&self, slide: &Slide, m: usize) -> Result<ZoneEnd, FlowError> {
+        let t = slide.duration;
+        let (entry, _) = self.entry::<SOURCES>(slide);
+        let ([end, _], duration) = self.sources::<SOURCES>(slide);
+        let slow = self.slow.carried(entry, t, true)?;
+        let layers = self.matrix(&self.layers);
+        let position = plus(slow[0], layers * end);
+        let rate = plus(slow[1], end);
+        let beta = lifted(self.beta);
+        let impulse = plus(
+            self.slow_acceleration(slow).map(|x| beta * x),
+            self.matrix(&self.rates) * end,
+        );
+        let power = |n: usize| (0..n).fold(Jet::constant(1.0), |power, _| power * duration);
+        let over = |jet: Jet| {
+            let inverse = 1.0 / jet.value;
+            let by = jet.by.map(|by| -by * inverse * inverse);
+            Jet { value: inverse, by }
+        };
+        let order = m as f64;
+        let [gap, slope] = if self.norm() * t.abs() > SHORT_ZONE {
+            let factor = over(power(m));
+            let gap = position[0] - lifted(self.mismatch);
+            [
+                gap * factor,
+                (rate[0] - gap * over(duration) * order) * factor,
+            ]
+        } else {
+            let [gap, slope] = self.short_moments(entry, duration, m);
+            if self.forgotten(t) {
+                let factor = over(power(m));
+                let gap_of_layers = (layers * end)[0] * factor;
+                let slope_of_layers = end[0] * factor - gap_of_layers * over(duration) * order;
+                [gap + gap_of_layers, slope + slope_of_layers]
+            } else {
+                let inverse = self.inverse();
+                let moments = (inverse * duration).moments();
+                let high = (1..m).fold(end, |high, _| inverse * high);
+                [
+                    gap + (moments[m] * high)[0],
+                    slope + ((moments[m] - moments[m + 1] * order) * (inverse * high))[0],
+                ]
+            }
+        };
+        let scale = layers.0[0][0] + duration;
+        let first = if m == 3 { scale * gap } else { gap };
+        let jets = [first, position[1], rate[1]];
+        if !jets.iter().all(|jet| jet.value.is_finite()) {
+            return Err(FlowError::Overflow { duration: t });
+        }
+        Ok(ZoneEnd {
+            y: position[1] - lifted(self.steady),
+            w: rate[1],
+            radial_rate: rate[0],
+            switching: first,
+            second: scale * slope - gap * (1.0 / (order + 1.0)),
+            impulse,
+            ..ZoneEnd::default()
+        })
+    }
+
+    /// Σ_{j≥m} T^{j−m}U⁽ʲ⁾/j! and Σ_{j>m} (j−m)T^{j−m−1}U⁽ʲ⁾/j! of the slow motion.
+    fn short_moments(&self, entry: [Pair<SOURCES>; 2], duration: Jet, m: usize) -> [Jet; 2] {
+        let (mut gap, mut slope) = (Jet::default(), Jet::default());
+        let [mut before, mut current] = entry;
+        let mut factorial = 1.0;
+        let mut power = [Jet::default(), Jet::constant(1.0)];
+        for j in 2..SHORT_TERMS {
+            let next = self.slow_acceleration([before, current]);
+            (before, current) = (current, next);
+            factorial *= j as f64;
+            if j < m {
+                continue;
+            }
+            let derivative = current[0] * (1.0 / factorial);
+            gap = gap + derivative * power[1];
+            slope = slope + derivative * power[0] * (j - m) as f64;
+            power = [power[1], power[1] * duration];
+        }
+        [gap, slope]
+    }
+
+    /// Times in which the layers decay, the shorter first: the same twice where they are of about one
+    /// length, or turn.
+    fn layer_times(&self) -> [f64; 2] {
+        let [[a, b], [c, d]] = self.layers.0.map(|row| row.map(|entry| entry.value));
+        let (half, determinant) = (0.5 * (a + d), a * d - b * c);
+        let discriminant = half * half - determinant;
+        let long = half + discriminant.max(0.0).sqrt();
+        let short = if long > 0.0 { determinant / long } else { 0.0 };
+        if discriminant > 0.0 && short < 0.5 * long {
+            return [short, long];
+        }
+        [determinant.max(0.0).sqrt(); 2]
+    }
+
+    /// A zone cut into pieces on which a power series does: thinner towards the end, where the layers
+    /// are.
+    pub(crate) fn pieces(&self, duration: f64) -> Vec<Piece> {
+        let radian = 1.0 / self.norm();
+        let [short, long] = self.layer_times();
+        // distances from the end up to which the longer, and both layers, are there
+        let from = |time: f64| (duration - LAYERS * time).max(0.0);
+        let mut pieces = Vec::new();
+        let mut start = 0.0;
+        for (end, longest, layers) in [
+            (from(long), radian, 0),
+            (from(short), radian.min(long), 1),
+            (duration, radian.min(short), 2),
+        ] {
+            let length = end - start;
+            // what is left of a layer without thickness is no piece
+            if length <= 0.0 || longest <= 0.0 {
+                continue;
+            }
+            let count = (length / longest).ceil().max(1.0) as usize;
+            let length = length / count as f64;
+            pieces.extend((0..count).map(|index| Piece {
+                start: start + length * index as f64,
+                length,
+                layers,
+            }));
+            start = end;
+        }
+        pieces
+    }
+
+    /// Taylor coefficients of U − δ and of V in the time of a piece over its length, the first m of
+    /// U − δ zero, and a bound of what they leave out of U.
+    pub(crate) fn taylor(
+        &self,
+        slide: &Slide,
+        piece: &Piece,
+        m: usize,
+    ) -> Result<([[f64; COEFFICIENTS]; 2], f64), FlowError> {
+        let Piece {
+            start,
+            length,
+            layers,
+        } = *piece;
+        let (slow, _) = self.entry::<0>(slide);
+        let [mut before, mut current] = self.slow.carried(slow, start, false)?;
+        let size = |pair: Pair<0>| pair[0].value.abs().max(pair[1].value.abs());
+        let unit = 1.0 / self.norm();
+        let mut remainder = (length / unit).powi(17) * (size(before) + unit * size(current));
+        let ([end, _], duration) = self.sources::<0>(slide);
+        let [short, long] = self.layer_times();
+        let mut rate = if layers > 0 {
+            self.rest(duration - start, end)[0]
+        } else {
+            Pair::default()
+        };
+        let matrix = self.matrix::<0>(&self.layers);
+        if layers == 1 {
+            // the shorter layer is not there yet, but its rounding would grow
+            rate = (matrix - Square::unit(short)) * (1.0 / (long - short)) * rate;
+        }
+        let thickness = if layers == 1 { long } else { short };
+        if layers > 0 {
+            // the layers grow by e at most
+            remainder += (length / thickness).powi(17) * std::f64::consts::E * size(matrix * rate);
+        }
+        let mut layer = matrix * rate;
+        let mut taylor = [[0.0; COEFFICIENTS]; 2];
+        let mut scale = 1.0;
+        for j in 0..COEFFICIENTS {
+            for (row, taylor) in taylor.iter_mut().enumerate() {
+                taylor[j] = (before[row] + layer[row]).value * scale;
+            }
+            layer = rate;
+            if layers > 0 {
+                rate = self.inverse() * rate;
+            }
+            (before, current) = (current, self.slow_acceleration([before, current]));
+            scale *= length / (j + 1) as f64;
+        }
+        taylor[0][0] -= self.mismatch.value;
+        let distance = slide.duration - start;
+        if layers > 0 && self.norm() * distance <= SHORT_ZONE {
+            let [gap, slope] = self.before_landing(slide, distance)?;
+            taylor[0][0] = gap;
+            taylor[0][1] = slope * length;
+        }
+        taylor[0][..m].fill(0.0);
+        Ok((taylor, REMAINDER * remainder))
+    }
+
+    /// U − δ and U̇ a short time d before a landing, where U = δ and U̇ = 0, from the accelerations
+    /// there: nothing is lost in U. With p_m the moments of dR⁻¹ the layers add
+    /// d²R⁻¹(p₁ − p₂)G and −dR⁻¹p₁G, the slow motion its power series from the second derivative on.
+    fn before_landing(&self, slide: &Slide, distance: f64) -> Result<[f64; 2], FlowError> {
+        let (entry, _) = self.entry::<0>(slide);
+        let [mut before, mut current] = self.slow.carried(entry, slide.duration, false)?;
+        let ([end, _], _) = self.sources::<0>(slide);
+        let inverse = self.inverse::<0>();
+        let [_, first, second, ..] = (inverse * distance).moments();
+        let layer = (inverse * (first - second) * end)[0].value * distance * distance;
+        let layer_rate = -(inverse * first * end)[0].value * distance;
+        let (mut gap, mut slope) = (0.0, 0.0);
+        let mut power = -distance;
+        for j in 2..SHORT_TERMS {
+            let next = self.slow_acceleration([before, current]);
+            (before, current) = (current, next);
+            // power is (−d)^{j−1}/(j−1)!
+            slope += current[0].value * power;
+            power *= -distance / j as f64;
+            gap += current[0].value * power;
+        }
+        Ok([gap + layer, slope + layer_rate])
+    }
+}
+
+/// A piece of a zone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Piece {
+    /// Its beginning after the entry.
+    pub start: f64,
+    /// Its length.
+    pub length: f64,
+    /// How many of the layers are felt on it.
+    layers: usize,
+}
