@@ -23,11 +23,11 @@ COLOURS = dict(zip(REGIMES + ["contact"], ["#ffffff", "#fdd49e", "#9e9ac8", "#2c
 
 _TEXT = (
     "type regimes regimes_before regimes_after regime switches stable why what start name method setting failure "
-    "direction full_direction lead_direction first lead_first proven inequalities"
+    "direction full_direction lead_direction first lead_first proven parameter"
 ).split()
 _WHOLE = (
     "point label leg unstable lead_sector sector newton row column passage mode points events_found "
-    "events_expected radial_order lead_family lead_hopf_family"
+    "events_expected radial_order lead_family lead_hopf_family inequalities"
 ).split()
 
 
@@ -77,10 +77,11 @@ class Folder:
     branch = property(lambda self: self.table("branch"))
     events = property(lambda self: self.table("events"))
     spectrum = property(lambda self: self.table("spectrum"))
-    # of a map, a curve, a comparison of methods
+    # of a map, a curve, a comparison of methods, of proofs
     map = property(lambda self: self.table("map"))
     curve = property(lambda self: self.table("curve"))
     accuracy = property(lambda self: self.table("accuracy"))
+    certificates = property(lambda self: self.table("certificates"))
     # of a simulation
     series = property(lambda self: self.table("series"))
     measures = property(lambda self: self.table("measures"))

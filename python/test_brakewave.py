@@ -7,6 +7,7 @@ not there the tests are skipped, and say so.
 """
 
 import csv
+import io
 import os
 import shutil
 import subprocess
@@ -255,11 +256,13 @@ class Folders(unittest.TestCase):
         h = shear * integral(shearing**2) / inertia
         g = integral(stiff * (slope**2 + hoop**2) + 2 * lame * slope * hoop) / inertia
         coupling = -integral((lame * slope + stiff * hoop - shear * shearing) * hoop) / inertia
-        text = self.call("steady", self.problem(RUN, "steady"), "--modes", "1..6")
-        for line in csv.DictReader(text.splitlines()):
-            k = int(line["mode"])
-            square = (float(line["growth"]) + 1j * float(line["omega"])) ** 2
-            self.assertLess(abs(square + a * k**2 + h + 1j * k * friction * coupling) / abs(square), 1e-12)
+        printed = self.call("steady", self.problem(RUN, "steady"), "--modes", "1..6")
+        table = brakewave.read(io.StringIO(printed))
+        self.assertEqual(list(table["mode"]), [1, 2, 3, 4, 5, 6])
+        self.assertEqual(set(table["direction"]), {"against"})
+        k = table["mode"].to_numpy(float)
+        square = (table["growth"] + 1j * table["omega"]).to_numpy() ** 2
+        self.assertLess(max(abs(square + a * k**2 + h + 1j * k * friction * coupling) / abs(square)), 1e-12)
         tube = brakewave.Tube(2e9, 2000, nu, 0.1, 0.1 * xi, 50e-6, 2 * pi * 10)
         pascal = 2e9 * 5e-4 * (xi**2 + 1 / (1 - 2 * nu)) / ((xi**2 - 1) * (1 + nu))
         self.assertAlmostEqual(tube.pascal(g / tube.gamma * 5e-4) / pascal, 1, delta=1e-12)
