@@ -267,15 +267,22 @@ class Folders(unittest.TestCase):
         pascal = 2e9 * 5e-4 * (xi**2 + 1 / (1 - 2 * nu)) / ((xi**2 - 1) * (1 + nu))
         self.assertAlmostEqual(tube.pascal(g / tube.gamma * 5e-4) / pascal, 1, delta=1e-12)
 
-    def test_pictures_show_every_point(self):
+    def test_pictures_show_every_step(self):
         run = self.run_folder
-        table = run.branch
-        axes = brakewave.draw_branch(run)
-        lines = [line for line in axes.lines if line.get_color() == "black"]
-        drawn = {tuple(point) for line in lines for point in line.get_xydata()}
-        self.assertEqual(drawn, set(zip(table["mismatch"], table["speed"])))
+        # one that becomes stable; a step is drawn as the point it begins with
+        problem = (ROOT / "problems" / "mode4_damping.ron").read_text(encoding="utf-8")
+        damped = self.compute("run", problem, "damped")
         style = {"yes": "-", "no": "--", "undecided": ":"}
-        self.assertEqual({line.get_linestyle() for line in lines}, {style[word] for word in table["stable"]})
+        for folder, x in [(damped, "mass_damping"), (run, "mismatch")]:
+            axes, branch = brakewave.draw_branch(folder), folder.branch
+            drawn = [
+                (tuple(one), tuple(other), line.get_linestyle())
+                for line in axes.lines
+                if line.get_color() == "black"
+                for one, other in zip(line.get_xydata(), line.get_xydata()[1:])
+            ]
+            points = list(zip(branch[x], branch["speed"]))
+            self.assertEqual(drawn, list(zip(points, points[1:], map(style.get, branch["stable"]))))
         simulation = self.simulate(96, "regimes")
         pictures = {
             "branch": axes,
