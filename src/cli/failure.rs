@@ -110,6 +110,8 @@ pub(crate) enum Usage {
     PictureName(PathBuf),
     #[error("`{0}` is no format; take svg, png or pdf")]
     Format(String),
+    #[error("`{0}` is no range: write LOW,HIGH, for example 0.001,0.01")]
+    Ends(String),
     #[error("write NAME=VALUE, for example mismatch=0.045")]
     Assignment,
     #[error("`{name}` is no parameter; known: {known}")]

@@ -7,7 +7,7 @@ use clap::Args;
 use super::failure::{Exit, Failure, Usage};
 use super::options::format;
 use super::print;
-use crate::output::pictures;
+use crate::output::pictures::{self, View};
 use crate::output::render::Format;
 use crate::output::run::Restart;
 use crate::output::simulation::SimulationCheckpoint;
@@ -21,6 +21,31 @@ pub(crate) struct PlotArguments {
     /// Format of the pictures: svg, png or pdf
     #[arg(long, default_value = "svg", value_parser = format)]
     format: Format,
+    /// Draw one diagram instead, view.svg, with this column of branch.csv on the horizontal axis
+    #[arg(long, value_name = "COLUMN")]
+    x: Option<String>,
+    /// The column on its vertical axis [default: speed]
+    #[arg(long, value_name = "COLUMN")]
+    y: Option<String>,
+    /// A logarithmic horizontal axis
+    #[arg(long)]
+    log: bool,
+    /// Part of the horizontal axis
+    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
+    range: Option<(f64, f64)>,
+}
+
+fn range(text: &str) -> Result<(f64, f64), Usage> {
+    let number = |text: &str| {
+        text.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|value| !value.is_nan())
+    };
+    let ends = text.split_once(',');
+    let ends = ends.and_then(|(low, high)| number(low).zip(number(high)));
+    ends.filter(|(low, high)| low < high)
+        .ok_or_else(|| Usage::Ends(text.to_owned()))
 }
 
 pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
@@ -37,11 +62,23 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
         [] => &[Plot::Diagram],
         plots => plots,
     };
-    let settings = pictures::Settings {
-        parameter: continuation.parameter.column().to_string(),
-        title: problem.title.clone(),
-    };
     let format = arguments.format.available()?;
+    let (x, y) = (arguments.x.as_deref(), arguments.y.as_deref());
+    let parameter = continuation.parameter;
+    let mut settings = pictures::Settings::of(problem, parameter);
+    if x.is_some() || y.is_some() || arguments.log || arguments.range.is_some() {
+        settings.parameter = x.unwrap_or(parameter.column()).to_owned();
+        let view = View {
+            range: arguments
+                .range
+                .unwrap_or((f64::NEG_INFINITY, f64::INFINITY)),
+            logarithmic: arguments.log,
+            ..View::whole(y.unwrap_or("speed"))
+        };
+        Store::visit(&arguments.folder)?.claim([pictures::view_name(format)])?;
+        let folder = &arguments.folder;
+        return list(&[pictures::draw_view(folder, &view, format, &settings)?]);
+    }
     let names = plots.iter();
     Store::visit(&arguments.folder)?.claim(names.map(|plot| pictures::file_name(plot, format)))?;
     list(&pictures::draw(

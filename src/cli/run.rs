@@ -61,10 +61,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         Ok(Some((branch.position(), words)))
     })?;
     if !problem.output.plots.is_empty() {
-        let settings = pictures::Settings {
-            parameter: continuation.parameter.column().to_string(),
-            title: problem.title.clone(),
-        };
+        let settings = pictures::Settings::of(&problem, continuation.parameter);
         let (folder, plots) = (folder.store().path(), &problem.output.plots);
         arguments.threads.install(1, usize::MAX, || {
             Ok(pictures::draw(folder, plots, Format::Svg, &settings)?)

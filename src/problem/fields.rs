@@ -21,7 +21,7 @@ const AROUND: Range = Range::from(MIN_SIMULATION_POINTS as f64).to(MAX_SIMULATIO
 
 /// Path, admitted values, and the rule in words, with `{}` for the values.
 #[rustfmt::skip] // one field a line
-const FIELDS: [(&str, Range, &str); 39] = [
+const FIELDS: [(&str, Range, &str); 40] = [
     ("model.coefficients.b", POSITIVE, "b must be {}"),
     ("model.coefficients.g", POSITIVE, "g must be {}"),
     ("model.coefficients.h", POSITIVE, "h must be {}"),
@@ -58,6 +58,7 @@ const FIELDS: [(&str, Range, &str); 39] = [
     ("curve.ds_max", POSITIVE, STEP),
     ("curve.max_points", COUNT, "a curve has {} point"),
     ("curve.tolerance", POSITIVE.to(MAX_TOLERANCE), "the tolerance must be {}"),
+    ("output.labels", COUNT, "labels run from 1"),
     ("output.profiles", Range::upto(MAX_PROFILES as f64), "ask for {} profiles"),
     ("expect.label", COUNT, "labels run from 1"),
     ("expect.tolerance", POSITIVE.to(0.1), EXPECTED),

@@ -219,6 +219,10 @@ impl StabilitySection {
 pub struct Output {
     /// Plots to draw.
     pub plots: Vec<Plot>,
+    /// Labels of the waves in pictures of waves; without them one of each sequence of regimes, user points
+    /// and some in between, nine at most.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub labels: Vec<usize>,
     /// Number of wave profiles to tabulate, at most [`MAX_PROFILES`].
     pub profiles: usize,
     /// Whether to give the condition number and the expected error of every point.

@@ -502,6 +502,12 @@ const TABLE: &[Row] = &[
     ),
     row("profiles", "profiles: 1", "profiles: 2", "hhh-------"),
     row(
+        "labels",
+        "conditioning: false",
+        "conditioning: false, labels: [2]",
+        "h-h-------",
+    ),
+    row(
         "conditioning",
         "conditioning: false",
         "conditioning: true",

@@ -3,14 +3,17 @@
 use plotters::style::RGBColor;
 
 use super::error::PlotError;
-use super::names::{event, event_mark, quantity, short_signature};
+use super::names::{event, event_mark, quantity, short_signature, signature_colour};
 use super::tables::{Tables, kind, number};
 use crate::model::EventType;
-use crate::output::render::axis::{Axis, Extent};
+use crate::output::render::axis::{Axis, Extent, Quantity};
 use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLACK, CATEGORIES, GREY, Pattern, Pen};
-use crate::output::render::{Layer, Mark, Panel, Picture, Point, Shape};
+use crate::output::render::palette::{BLACK, GREY, Pattern, Pen};
+use crate::output::render::{HEIGHT, Layer, Mark, Panel, Picture, Point, Shape};
 use crate::table::Table;
+
+/// Most signatures in the legend.
+const MOST_NAMED: usize = 9;
 
 /// Width of the curve.
 const CURVE: f64 = 2.2;
@@ -65,19 +68,102 @@ struct Stretch<'a> {
     points: Vec<Point>,
 }
 
+/// What of a column of `branch.csv` is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct View {
+    /// The column.
+    pub column: String,
+    /// Part of the horizontal axis.
+    pub range: (f64, f64),
+    /// Whether the horizontal axis is logarithmic.
+    pub logarithmic: bool,
+}
+
+impl View {
+    /// A column over the whole branch.
+    pub(crate) fn whole(column: &str) -> View {
+        View {
+            column: column.to_owned(),
+            range: (f64::NEG_INFINITY, f64::INFINITY),
+            logarithmic: false,
+        }
+    }
+
+    fn shows(&self, (x, _): &Point) -> bool {
+        let (low, high) = self.range;
+        (low..=high).contains(x) && (*x > 0.0 || !self.logarithmic)
+    }
+
+    fn axis(&self, parameter: &str) -> Axis {
+        let extent = match self.logarithmic {
+            true => Extent::Decades,
+            false => Extent::Data(0.04),
+        };
+        Axis::new(quantity(parameter), extent)
+    }
+}
+
+/// More Hopf points than this are strokes on the line: stars would hide it.
+const MOST_STARS: usize = 8;
+
+/// Height of the panel with the count of growing eigenvalues.
+const COUNT_HEIGHT: f64 = 0.35 * HEIGHT;
+
+/// The branch diagram: the speed and, if stability was asked for, how many eigenvalues grow.
+pub(super) fn diagram(tables: &Tables) -> Result<Picture, PlotError> {
+    let view = View::whole("speed");
+    let mut picture = picture(tables, &view)?;
+    let branch = &tables.branch;
+    let count = |row: usize| number(branch, row, "unstable");
+    let place = |row: usize| number(branch, row, &tables.parameter);
+    let mut steps = Vec::new();
+    for row in 0..branch.len() {
+        if let (Some(x), Some(y)) = (place(row), count(row)) {
+            // the count changes at an event and not on the way to it
+            if let Some(&(_, before)) = steps
+                .last()
+                .filter(|_| row > 0 && same_leg(branch, row - 1))
+            {
+                steps.push((x, before));
+            } else {
+                steps.push((f64::NAN, f64::NAN));
+            }
+            steps.push((x, y));
+        }
+    }
+    if !steps.is_empty() {
+        let y = Axis::new(Quantity::new("growing", ""), Extent::Data(0.15));
+        let layers = vec![Layer::Line(steps, Pen::solid(BLACK, 1.6))];
+        let panel = Panel::new(view.axis(&tables.parameter), y, layers);
+        picture.panels.push(panel.high(COUNT_HEIGHT));
+    }
+    Ok(picture)
+}
+
 /// The picture of a column of `branch.csv`.
-pub(super) fn picture(tables: &Tables, column: &str) -> Result<Picture, PlotError> {
+pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, PlotError> {
+    let column = view.column.as_str();
     tables.check_column(column)?;
-    let stretches = stretches(&tables.branch, &tables.parameter, column);
-    let marks = tables.marks(column);
+    let mut stretches = stretches(&tables.branch, &tables.parameter, column);
+    for stretch in &mut stretches {
+        stretch.points.retain(|point| view.shows(point));
+    }
+    stretches.retain(|stretch| !stretch.points.is_empty());
+    let mut marks = tables.marks(column);
+    for (_, points) in &mut marks {
+        points.retain(|point| view.shows(point));
+    }
+    marks.retain(|(_, points)| !points.is_empty());
     let signatures = signatures(&stretches);
     let colour = |signature: &str| match signatures.len() {
         0 | 1 => BLACK,
-        _ => {
-            let rank = signatures.iter().position(|known| *known == signature);
-            rank.and_then(|rank| CATEGORIES.get(rank))
-                .map_or(GREY, |colour| *colour)
-        }
+        _ => signature_colour(signature),
+    };
+    let hopf = marks.iter().filter(|(kind, _)| *kind == EventType::HB);
+    let crowded = hopf.map(|(_, points)| points.len()).sum::<usize>() > MOST_STARS;
+    let mark = |kind: EventType| match kind {
+        EventType::HB if crowded => Mark::new(Shape::Tick, 6.0, BLACK),
+        kind => event_mark(kind),
     };
     let mixed = stretches
         .iter()
@@ -94,7 +180,7 @@ pub(super) fn picture(tables: &Tables, column: &str) -> Result<Picture, PlotErro
         });
     }
     for (kind, points) in &marks {
-        layers.push(Layer::Marks(points.clone(), event_mark(*kind)));
+        layers.push(Layer::Marks(points.clone(), mark(*kind)));
     }
     if layers.is_empty() {
         let none = tables.branch.is_empty();
@@ -107,15 +193,13 @@ pub(super) fn picture(tables: &Tables, column: &str) -> Result<Picture, PlotErro
     });
     let kinds = EventType::ALL.into_iter();
     let present = kinds.filter(|kind| marks.iter().any(|mark| mark.0 == *kind));
-    let named = signatures
-        .iter()
-        .zip(CATEGORIES)
-        .map(|(signature, colour)| {
-            let key = Key::Line(Pen::solid(colour, CURVE + 0.6));
-            (key, short_signature(signature))
-        });
-    let others = (Key::Line(Pen::solid(GREY, CURVE)), "others".to_owned());
-    let others = (signatures.len() > CATEGORIES.len()).then_some(others);
+    let named = signatures.iter().take(MOST_NAMED).map(|signature| {
+        let key = Key::Line(Pen::solid(colour(signature), CURVE + 0.6));
+        (key, short_signature(signature))
+    });
+    let others = format!("and {} others", signatures.len().saturating_sub(MOST_NAMED));
+    let others = (Key::Line(Pen::solid(GREY, CURVE)), others);
+    let others = (signatures.len() > MOST_NAMED).then_some(others);
     let coloured = named.chain(others).filter(|_| signatures.len() > 1);
     let legend = Legend::default()
         .with(
@@ -124,21 +208,16 @@ pub(super) fn picture(tables: &Tables, column: &str) -> Result<Picture, PlotErro
         )
         .with(
             "",
-            present.map(|kind| {
-                (
-                    Key::Mark(event_mark(kind)),
-                    format!("{kind} {}", event(kind)),
-                )
-            }),
+            present.map(|kind| (Key::Mark(mark(kind)), format!("{kind} {}", event(kind)))),
         )
         .with("", coloured);
-    let x = Axis::new(quantity(&tables.parameter), Extent::Data(0.04));
+    let x = view.axis(&tables.parameter);
     let y = Axis::new(quantity(column), Extent::Data(0.05));
     Ok(Picture::new(vec![Panel::new(x, y, layers)], legend))
 }
 
-/// Signatures in the order of their length along the branch, which decides on the colours when
-/// there are more than colours; otherwise in the order of appearance.
+/// Signatures in the order of their length along the branch, when there are more than the legend names;
+/// otherwise in the order of appearance.
 fn signatures<'a>(stretches: &[Stretch<'a>]) -> Vec<&'a str> {
     let mut found: Vec<(&str, usize)> = Vec::new();
     for stretch in stretches
@@ -151,7 +230,7 @@ fn signatures<'a>(stretches: &[Stretch<'a>]) -> Vec<&'a str> {
             None => found.push((stretch.signature, count)),
         }
     }
-    if found.len() > CATEGORIES.len() {
+    if found.len() > MOST_NAMED {
         found.sort_by_key(|known| std::cmp::Reverse(known.1));
     }
     found.into_iter().map(|known| known.0).collect()

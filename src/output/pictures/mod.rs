@@ -29,9 +29,11 @@ use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
 pub use error::PlotError;
 
-use super::render::{Format, Picture};
+use super::render::{Format, Picture, number};
 use super::store;
-use crate::problem::Plot;
+use crate::model::Parameter;
+use crate::problem::{Plot, Problem};
+pub(crate) use diagram::View;
 use profile::Profiles;
 use tables::Tables;
 
@@ -70,6 +72,66 @@ pub(crate) struct Settings {
     pub parameter: String,
     /// Line of text above each picture.
     pub title: Option<String>,
+    /// The parameters that are the same along the branch.
+    pub subtitle: String,
+    /// Labels of the waves to draw; chosen where it is empty.
+    pub labels: Vec<usize>,
+}
+
+impl Settings {
+    /// Those of a problem.
+    pub(crate) fn of(problem: &Problem, parameter: Parameter) -> Settings {
+        Settings {
+            parameter: parameter.column().to_owned(),
+            title: problem.title.clone(),
+            subtitle: constant_parameters(problem, parameter),
+            labels: problem.output.labels.clone(),
+        }
+    }
+
+    /// A picture with its title and subtitle.
+    fn above(&self, picture: Picture) -> Picture {
+        Picture {
+            subtitle: Some(self.subtitle.clone()).filter(|text| !text.is_empty()),
+            ..picture.titled(self.title.as_deref())
+        }
+    }
+}
+
+/// The mode and the parameters that differ from zero, but for the one on the axis.
+fn constant_parameters(problem: &Problem, axis: Parameter) -> String {
+    let others = Parameter::ALL.into_iter().filter(|one| *one != axis);
+    let values = others.filter_map(|one| Some((one, problem.model.value(one)?)));
+    let mut words = vec![format!("k = {}", problem.wave.mode)];
+    words.extend(
+        values
+            .filter(|(_, value)| *value != 0.0)
+            .map(|(one, value)| format!("{} = {}", one.symbol(), number::significant(value, 4))),
+    );
+    words.join(", ")
+}
+
+/// Draws one column of the branch, the parameter of the settings on the horizontal axis.
+///
+/// # Errors
+///
+/// As [`draw`].
+pub(crate) fn draw_view(
+    folder: &Path,
+    view: &View,
+    format: Format,
+    settings: &Settings,
+) -> Result<PathBuf, PlotError> {
+    let tables = Tables::read(folder, &settings.parameter)?;
+    let drawn = diagram::picture(&tables, view)?;
+    let path = folder.join(view_name(format));
+    replace(&path, format, &settings.above(drawn))?;
+    Ok(path)
+}
+
+/// Name of the picture of a view.
+pub(crate) fn view_name(format: Format) -> String {
+    format!("view.{}", format.extension())
 }
 
 /// Draws the pictures into the folder and returns the files written.
@@ -88,7 +150,7 @@ pub(crate) fn draw(
     let format = format.available()?;
     let tables = Tables::read(folder, &settings.parameter)?;
     let profiles = match plots.iter().any(of_waves) {
-        true => Profiles::read(folder, &tables)?,
+        true => Profiles::read(folder, &tables, &settings.labels)?,
         false => Profiles::default(),
     };
     let drawn: Vec<Result<PathBuf, PlotError>> = plots
@@ -96,7 +158,7 @@ pub(crate) fn draw(
         .map(|plot| {
             let path = folder.join(file_name(plot, format));
             let picture = describe(plot, &tables, &profiles)?;
-            replace(&path, format, &picture.titled(settings.title.as_deref()))?;
+            replace(&path, format, &settings.above(picture))?;
             Ok(path)
         })
         .collect();
@@ -113,9 +175,9 @@ fn of_waves(plot: &Plot) -> bool {
 /// The picture that is asked for.
 fn describe(plot: &Plot, tables: &Tables, profiles: &Profiles) -> Result<Picture, PlotError> {
     Ok(match plot {
-        Plot::Diagram => diagram::picture(tables, "speed")?,
+        Plot::Diagram => diagram::diagram(tables)?,
         Plot::Column(name) if name == "switches" => switches::picture(tables)?,
-        Plot::Column(name) => diagram::picture(tables, name)?,
+        Plot::Column(name) => diagram::picture(tables, &View::whole(name))?,
         Plot::Pressure => pressure::picture(profiles),
         Plot::Displacement => displacement::picture(profiles),
         Plot::PhasePlane => phase_plane::picture(profiles),

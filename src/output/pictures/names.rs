@@ -7,7 +7,7 @@ use crate::model::Parameter;
 use crate::output::render::axis::Quantity;
 use crate::output::render::legend::Key;
 use crate::output::render::palette::{
-    BLACK, BLUE, GREEN, GREY, PURPLE, SKY, VERMILLION, WHITE, mix,
+    BLACK, BLUE, CATEGORIES, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, WHITE, mix,
 };
 use crate::output::render::{Mark, Shape};
 
@@ -80,6 +80,32 @@ pub(super) fn event_mark(kind: EventType) -> Mark {
     Mark::new(shape, size, BLACK)
 }
 
+/// Colour of a regime sequence, the same in every picture of every run. Beyond the commonest ones it follows
+/// from the letters of the sequence, and two may share one.
+pub(super) fn signature_colour(regimes: &str) -> RGBColor {
+    let common = match regimes {
+        "slip-stick" => BLUE,
+        "slip-reverse-stick" => VERMILLION,
+        "slip-separation-slip-reverse-stick" => GREEN,
+        "slip-separation-reverse-stick" => PURPLE,
+        "slip-separation-slip-stick" => ORANGE,
+        "slip-separation-stick" => SKY,
+        "slip-separation-reverse" => BLACK,
+        _ => {
+            let sum = regimes.bytes().fold(0_usize, |sum, byte| {
+                sum.wrapping_mul(31).wrapping_add(usize::from(byte))
+            });
+            let base = CATEGORIES[sum % (CATEGORIES.len() - 1)];
+            // darker or paler than the commonest
+            return match sum / 7 % 2 {
+                0 => mix(base, BLACK, 0.45),
+                _ => mix(base, WHITE, 0.35),
+            };
+        }
+    };
+    common
+}
+
 /// A signature of regimes shortened: `slip-reverse-stick` becomes `sl-rev-st`.
 pub(super) fn short_signature(regimes: &str) -> String {
     let short: Vec<String> = regimes.split('-').map(short_regime).collect();
@@ -107,12 +133,13 @@ pub(super) fn regime_colour(name: &str) -> RGBColor {
     }
 }
 
-/// Pale colour of a regime's zone, behind curves.
+/// Pale colour of a regime's zone, behind curves; their luminances 0.88, 0.78, 0.59 and 0.45 tell them apart
+/// in grey too.
 pub(super) fn zone_colour(name: &str) -> RGBColor {
     match name {
-        "slip" => mix(WHITE, SKY, 0.28),
-        "stick" => mix(WHITE, BLACK, 0.20),
-        "separation" => mix(WHITE, GREEN, 0.30),
+        "slip" => mix(WHITE, SKY, 0.15),
+        "stick" => mix(WHITE, BLACK, 0.30),
+        "separation" => mix(WHITE, GREEN, 0.20),
         "reverse" => mix(WHITE, VERMILLION, 0.38),
         _ => mix(WHITE, PURPLE, 0.3),
     }

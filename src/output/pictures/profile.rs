@@ -54,6 +54,8 @@ pub(super) struct Profile {
     pub mismatch: Option<f64>,
     /// Friction coefficient f, when known.
     pub friction: Option<f64>,
+    /// Sequence of its regimes.
+    pub regimes: String,
     /// Whether the wave was asked for by a value of the parameter.
     pub asked_for: bool,
     /// The samples in the order of θ.
@@ -96,6 +98,7 @@ impl Profile {
             mismatch: tables.at_label(label, "mismatch"),
             friction: tables.at_label(label, "friction"),
             asked_for: tables.asked_for(label),
+            regimes: tables.regimes_at(label),
             samples: (0..table.len()).filter_map(sample).collect(),
         })
     }
@@ -149,6 +152,8 @@ pub(super) struct Profiles {
     pub parameter: Quantity,
     /// Those with samples.
     pub all: Vec<Profile>,
+    /// Labels of those to show; where there are none they are chosen.
+    pub wanted: Vec<String>,
 }
 
 /// A profile among those shown, with what tells it from the others.
@@ -164,7 +169,10 @@ pub(super) struct Shown<'a> {
 
 impl Profiles {
     /// Reads the profiles of a folder, if it has any.
-    pub fn read(folder: &Path, tables: &Tables) -> Result<Self, PlotError> {
+    ///
+    /// # Errors
+    /// One of them cannot be read.
+    pub fn read(folder: &Path, tables: &Tables, labels: &[usize]) -> Result<Self, PlotError> {
         let directory = folder.join("profiles");
         let fault = |error| PlotError::Read(io_error(READ, &directory)(error));
         let mut files: Vec<(u64, PathBuf)> = Vec::new();
@@ -196,13 +204,48 @@ impl Profiles {
             (a, b) => b.is_some().cmp(&a.is_some()),
         });
         let parameter = quantity(&tables.parameter);
-        Ok(Profiles { parameter, all })
+        let wanted = labels.iter().map(usize::to_string).collect();
+        Ok(Profiles {
+            parameter,
+            all,
+            wanted,
+        })
     }
 
-    /// At most nine profiles, evenly chosen with both ends.
+    /// The profiles to show: those wanted, or else at most nine, one of every sequence of regimes before
+    /// those that were asked for by a value and those in between.
+    fn chosen(&self) -> Vec<&Profile> {
+        let all = &self.all;
+        if !self.wanted.is_empty() {
+            let wanted = all.iter().filter(|one| self.wanted.contains(&one.label));
+            return wanted.collect();
+        }
+        let mut order: Vec<usize> = Vec::new();
+        let regimes = |index: &usize| all[*index].regimes.as_str();
+        for index in 0..all.len() {
+            let of_kind: Vec<usize> = (0..all.len())
+                .filter(|other| regimes(other) == regimes(&index))
+                .collect();
+            // the middle one of its kind
+            if of_kind[of_kind.len() / 2] == index {
+                order.push(index);
+            }
+        }
+        order.extend((0..all.len()).filter(|index| all[*index].asked_for));
+        order.extend(evenly(all.len(), MOST));
+        let mut taken: Vec<usize> = Vec::new();
+        for index in order {
+            if taken.len() < MOST && !taken.contains(&index) {
+                taken.push(index);
+            }
+        }
+        taken.sort_unstable();
+        taken.into_iter().map(|index| &all[index]).collect()
+    }
+
+    /// The profiles to show, each with its look.
     pub fn shown(&self) -> Vec<Shown<'_>> {
-        let chosen = evenly(self.all.len(), MOST).into_iter();
-        let chosen: Vec<&Profile> = chosen.map(|index| &self.all[index]).collect();
+        let chosen = self.chosen();
         let values: Vec<f64> = chosen
             .iter()
             .filter_map(|profile| profile.parameter)

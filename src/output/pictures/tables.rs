@@ -131,6 +131,14 @@ impl Tables {
         self.at_label(label, &self.parameter)
     }
 
+    /// Sequence of the regimes at a labelled point.
+    pub fn regimes_at(&self, label: &str) -> String {
+        let row = self.branch.labelled(label);
+        row.map_or_else(String::new, |row| {
+            self.branch.text(row, "regimes").to_owned()
+        })
+    }
+
     /// Length of a labelled wave: where its last zone ends.
     pub fn length_at(&self, label: &str) -> Option<f64> {
         self.labelled(label, |table, row| {

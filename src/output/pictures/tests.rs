@@ -56,6 +56,8 @@ fn settings() -> Settings {
     Settings {
         parameter: "mismatch".to_owned(),
         title: None,
+        subtitle: String::new(),
+        labels: Vec::new(),
     }
 }
 
@@ -83,7 +85,7 @@ fn svg(folder: &TempDir, picture: Plot) -> String {
 /// The value of a picture.
 fn picture(folder: &TempDir, plot: Plot) -> Picture {
     let tables = Tables::read(folder.path(), "mismatch").unwrap();
-    let profiles = Profiles::read(folder.path(), &tables).unwrap();
+    let profiles = Profiles::read(folder.path(), &tables, &[]).unwrap();
     describe(&plot, &tables, &profiles).unwrap()
 }
 
@@ -198,6 +200,8 @@ fn unknown_columns_are_refused_with_the_known_ones() {
     let settings = Settings {
         parameter: "switches".to_owned(),
         title: None,
+        subtitle: String::new(),
+        labels: Vec::new(),
     };
     let error = draw(folder.path(), &[Plot::Diagram], Format::Svg, &settings).unwrap_err();
     assert!(matches!(error, PlotError::UnknownColumn { .. }));
@@ -403,6 +407,8 @@ fn odd_cells_do_no_harm() {
     let settings = Settings {
         parameter: "mismatch".to_owned(),
         title: Some("a & b < c \u{0} \"d\" ".repeat(20)),
+        subtitle: String::new(),
+        labels: Vec::new(),
     };
     draw(folder.path(), &all(), Format::Svg, &settings).unwrap();
     #[cfg(feature = "raster")]

@@ -3,12 +3,15 @@
 use super::axis::{Scale, TICK_SIZE, Ticks};
 use super::canvas::{Align, WIDTH, compose};
 use super::frame::{CAPTION_SIZE, Frame};
-use super::palette::BLACK;
+use super::palette::{BLACK, GREY};
 use super::text::{cut, width};
 use super::{Layer, Panel, Picture, RenderError};
 
 /// Size of the title.
 const TITLE_SIZE: f64 = 18.0;
+
+/// Size of the line below it.
+const SUBTITLE_SIZE: f64 = 14.0;
 
 /// Size that a long title shrinks to before it is cut.
 const SMALLEST_TITLE: f64 = 14.0;
@@ -47,6 +50,11 @@ impl Picture {
                     .clamp(SMALLEST_TITLE, TITLE_SIZE);
                 canvas.text(place, &cut(title, size, room), size, Align::Middle, BLACK)?;
             }
+            if let Some(subtitle) = &self.subtitle {
+                let place = (0.5 * WIDTH, self.top() - 12.0);
+                let text = cut(subtitle, SUBTITLE_SIZE, WIDTH - 20.0);
+                canvas.text(place, &text, SUBTITLE_SIZE, Align::Middle, GREY)?;
+            }
             for (frame, panel) in frames.iter().zip(&self.panels) {
                 frame.paint(canvas, &panel.layers)?;
             }
@@ -59,10 +67,9 @@ impl Picture {
 
     /// Where the frames begin.
     fn top(&self) -> f64 {
-        match self.title {
-            Some(_) => 12.0 + 1.5 * TITLE_SIZE,
-            None => 12.0,
-        }
+        let title = self.title.as_ref().map_or(0.0, |_| 1.5 * TITLE_SIZE);
+        let subtitle = self.subtitle.as_ref().map_or(0.0, |_| 1.4 * SUBTITLE_SIZE);
+        12.0 + title + subtitle
     }
 
     /// Frames from top to bottom, and where they end.

@@ -37,6 +37,8 @@ pub(crate) type Point = (f64, f64);
 pub(crate) struct Picture {
     /// Line of text above everything.
     pub title: Option<String>,
+    /// Smaller line below it.
+    pub subtitle: Option<String>,
     /// What is drawn, from top to bottom. Panels one below the other share the horizontal axis.
     pub panels: Vec<Panel>,
     /// Whether the panels are square and stand beside each other instead.
