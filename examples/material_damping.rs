@@ -12,7 +12,7 @@ use std::path::Path;
 
 use brakewave::discretised::{Settings, solve};
 use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Damping, Model};
+use brakewave::model::{Damping, Impact, Model};
 use brakewave::output::run::Restart;
 use brakewave::output::store::Checkpoint;
 use brakewave::simulation::growth::{self, Listing, Request};
@@ -146,6 +146,7 @@ fn simulated(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
             order: Order::Fourth,
             time_step: 1.0,
             law: Law::Coulomb,
+            impact: Impact::Frictionless,
             watched: false,
         };
         for sector in 0..=mode / 2 {

@@ -10,6 +10,7 @@
 
 use std::path::Path;
 
+use brakewave::model::Impact;
 use brakewave::output::run::Restart;
 use brakewave::output::store::Checkpoint;
 use brakewave::simulation::growth::{self, INSTANTS, Listing, Request};
@@ -55,6 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             order: Order::Fourth,
             time_step: 1.0,
             law: Law::Coulomb,
+            impact: Impact::Frictionless,
             watched: false,
         };
         for &sector in sectors {

@@ -10,8 +10,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use brakewave::model::Constants;
 use brakewave::model::coefficients::Geometry;
+use brakewave::model::{Constants, Impact};
 use brakewave::simulation::annulus::{self, Annulus};
 use brakewave::simulation::ring::{self, Law, Order, Ring};
 use rayon::prelude::*;
@@ -51,6 +51,7 @@ fn ring(order: Order, watched: bool) -> f64 {
         order,
         time_step: ring::courant_step(&parameters, POINTS, angle, 0.3),
         law: Law::Coulomb,
+        impact: Impact::Frictionless,
         watched,
     };
     let mut ring = Ring::new(&parameters, setup).expect("the ring can be set up");

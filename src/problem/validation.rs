@@ -355,13 +355,6 @@ impl Checks<'_> {
                 "leave it out; a ring has `friction: Tanh(epsilon: 0.01)` in its section",
             );
         }
-        if self.problem.model.impact == Impact::Coulomb {
-            return self.refuse(
-                "model.impact",
-                "`model.impact` is Coulomb, which is not simulated",
-                "write `impact: Frictionless` in a file with a section `simulation`",
-            );
-        }
         Ok(())
     }
 

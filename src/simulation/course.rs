@@ -71,12 +71,6 @@ pub enum NoCourse {
 /// Why a simulation ends early.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Stopped {
-    /// β > 0 and a point is no longer in contact.
-    #[error(
-        "a point left the shaft before t = {0}: with stiffness damping only contact is simulated; take a \
-         larger mismatch"
-    )]
-    LeftShaft(f64),
     /// The state has overflowed.
     #[error("the motion is no longer finite at t = {0}")]
     NotFinite(f64),
@@ -108,9 +102,8 @@ impl Course {
         wave: Option<Profile>,
     ) -> Result<Course, NoCourse> {
         let parameters = model.constants();
-        let geometry = model.source.geometry();
-        let motion = Motion::begin(section, &parameters, geometry, mode, wave.as_ref())?;
-        let perturbations = perturbations(section, &parameters, mode, wave.as_ref())?;
+        let motion = Motion::begin(section, model, mode, wave.as_ref())?;
+        let perturbations = perturbations(section, model, mode, wave.as_ref())?;
         let (whole, rest) = section.intervals();
         let mut course = Course {
             watched: match (&section.start, section.perturbation) {
@@ -206,9 +199,6 @@ impl Course {
         self.left -= some;
         if self.left > 0 {
             return Ok(Some(Piece::Between));
-        }
-        if !self.motion.holds() {
-            return Err(Stopped::LeftShaft(self.motion.time()));
         }
         let mut sample = self.sample();
         if last {

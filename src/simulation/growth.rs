@@ -139,21 +139,6 @@ pub enum GrowthError {
     /// There is no such sector.
     #[error("there is no sector {0} on a ring of {1} waves")]
     Sector(usize, usize),
-    /// β > 0 and a point has left the shaft.
-    #[error(
-        "with stiffness damping β = {0} only contact is simulated, but a point left the shaft; take a \
-         larger mismatch"
-    )]
-    Separation(f64),
-}
-
-/// That the ring is still one whose equations hold.
-fn checked(ring: &Ring) -> Result<(), GrowthError> {
-    if ring.in_contact() {
-        Ok(())
-    } else {
-        Err(GrowthError::Separation(ring.constants().stiffness_damping))
-    }
 }
 
 /// Puts a wave on the ring, as many times as it fits.
@@ -238,7 +223,6 @@ pub fn eigenvalues(
     } = *request;
     let (mut ring, interval, steps) = begin(parameters, setup, profile, request)?;
     ring.advance((request.settling / ring.setup().time_step).round() as u64);
-    checked(&ring)?;
     let map = Map {
         points,
         waves,
@@ -249,7 +233,7 @@ pub fn eigenvalues(
         amplitude: request.amplitude,
         ring,
     };
-    let (matrix, basis, last) = arnoldi(&map, request.pairs, tick)?;
+    let (matrix, basis, last) = arnoldi(&map, request.pairs, tick);
     let size = matrix.nrows();
     let decomposition = matrix.eigen().map_err(|_| GrowthError::Eigenvalues(size))?;
     let (values, shapes) = (decomposition.S().column_vector(), decomposition.U());
@@ -437,11 +421,15 @@ impl Map {
         for value in &mut nodes.radial {
             *value = value.max(mismatch);
         }
-        // V̂ moves with V and V̇
+        // Û and V̂ move with U, V and their rates
         let before = self.ring.nodes();
         for (point, value) in nodes.effective.iter_mut().enumerate() {
             *value += nodes.tangential[point] - before.tangential[point]
                 + beta * (nodes.tangential_rate[point] - before.tangential_rate[point]);
+        }
+        for (point, value) in nodes.effective_radial.iter_mut().enumerate() {
+            *value += nodes.radial[point] - before.radial[point]
+                + beta * (nodes.radial_rate[point] - before.radial_rate[point]);
         }
         // the number of nodes is the same
         let _ = ring.resume(nodes, steps);
@@ -449,17 +437,15 @@ impl Map {
     }
 
     /// Mψ.
-    fn apply(&self, shape: &[c64]) -> Result<Vec<c64>, GrowthError> {
+    fn apply(&self, shape: &[c64]) -> Vec<c64> {
         let largest = shape.iter().map(|value| value.norm()).fold(0.0, f64::max);
         let factor = self.amplitude / largest.max(f64::MIN_POSITIVE);
-        let run = |factor: f64| -> Result<Nodes, GrowthError> {
+        let run = |factor: f64| {
             let mut ring = self.perturbed(shape, factor);
             ring.advance(self.steps);
-            checked(&ring)?;
-            Ok(ring.nodes().clone())
+            ring.nodes().clone()
         };
-        let (plus, minus) = rayon::join(|| run(factor), || run(-factor));
-        let (mut plus, mut minus) = (plus?, minus?);
+        let (mut plus, mut minus) = rayon::join(|| run(factor), || run(-factor));
         // where one run has landed and the other not, the difference of U̇ is no derivative
         let apart: Vec<bool> = plus
             .share
@@ -470,7 +456,7 @@ impl Map {
         let (plus, minus) = (fields(&mut plus), fields(&mut minus));
         let count = self.points as isize;
         let share = if self.real { 1.0 } else { 2.0 } / self.waves as f64;
-        let image = (0..self.size())
+        (0..self.size())
             .map(|entry| {
                 if !self.free(entry) {
                     return c64::new(0.0, 0.0);
@@ -496,8 +482,7 @@ impl Map {
                     turned
                 }
             })
-            .collect();
-        Ok(image)
+            .collect()
     }
 }
 
@@ -545,8 +530,8 @@ const EXHAUSTED: f64 = 1e-12;
 /// out.
 type Arnoldi = (Mat<c64>, Vec<Vec<c64>>, f64);
 
-/// See [`Arnoldi`]; a wave that leaves the shaft has none where β > 0.
-fn arnoldi(map: &Map, pairs: usize, tick: &mut dyn FnMut()) -> Result<Arnoldi, GrowthError> {
+/// See [`Arnoldi`].
+fn arnoldi(map: &Map, pairs: usize, tick: &mut dyn FnMut()) -> Arnoldi {
     let length = |shape: &[c64]| {
         shape
             .iter()
@@ -561,7 +546,7 @@ fn arnoldi(map: &Map, pairs: usize, tick: &mut dyn FnMut()) -> Result<Arnoldi, G
     let mut columns: Vec<Vec<c64>> = Vec::new();
     let mut last = 0.0;
     while columns.len() < pairs.min(map.size()) {
-        let mut image = map.apply(&shapes[shapes.len() - 1])?;
+        let mut image = map.apply(&shapes[shapes.len() - 1]);
         tick();
         let whole = length(&image);
         let mut column = vec![c64::new(0.0, 0.0); shapes.len()];
@@ -595,5 +580,5 @@ fn arnoldi(map: &Map, pairs: usize, tick: &mut dyn FnMut()) -> Result<Arnoldi, G
             .copied()
             .unwrap_or(c64::new(0.0, 0.0))
     });
-    Ok((matrix, shapes, last))
+    (matrix, shapes, last)
 }

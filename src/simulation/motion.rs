@@ -11,8 +11,7 @@ use super::line::{Line, Regime};
 use super::profile::Profile;
 use super::ring::kernel::Nodes;
 use super::ring::{self, Law, Ring};
-use crate::model::Constants;
-use crate::model::coefficients::Geometry;
+use crate::model::{Constants, Model};
 use crate::simulation::task::{Body, Circle, Simulation};
 
 /// A body in motion.
@@ -107,11 +106,11 @@ impl Motion {
     /// The body of a section, at its beginning.
     pub(crate) fn begin(
         section: &Simulation,
-        parameters: &Constants,
-        geometry: Option<Geometry>,
+        model: &Model,
         mode: u32,
         wave: Option<&Profile>,
     ) -> Result<Motion, MotionError> {
+        let parameters = &model.constants();
         let angle = angle(section, mode);
         let whole_steps = |longest: f64| section.every / (section.every / longest).ceil();
         let mut motion = match section.body {
@@ -127,12 +126,13 @@ impl Motion {
                     order,
                     time_step: whole_steps(longest),
                     law: friction,
+                    impact: model.impact,
                     watched: true,
                 };
                 Motion::Ring(Box::new(Ring::new(parameters, setup)?))
             }
             Body::Annulus { around, across } => {
-                let geometry = geometry.ok_or(MotionError::Geometry)?;
+                let geometry = model.source.geometry().ok_or(MotionError::Geometry)?;
                 let longest =
                     annulus::courant_step(&geometry, around, across, angle, section.courant);
                 let setup = annulus::Setup {
@@ -203,15 +203,6 @@ impl Motion {
             Motion::Annulus(annulus) => annulus.shorten(time / steps as f64),
         }
         steps - 1
-    }
-
-    /// Whether the motion is still one whose equations hold: a ring with β > 0 must not leave the
-    /// shaft.
-    pub(crate) fn holds(&self) -> bool {
-        match self {
-            Motion::Ring(ring) => ring.in_contact(),
-            Motion::Annulus(_) => true,
-        }
     }
 
     /// Steps taken.

@@ -6,8 +6,7 @@ use super::motion::{Motion, MotionError, angle};
 use super::profile::Profile;
 use super::ring::Setup;
 use super::task::{Body, Circle, Simulation};
-use crate::model::Constants;
-use crate::model::Sectors;
+use crate::model::{Constants, Model, Sectors};
 
 /// Eigenvalues listed per sector, as those of `spectrum` are. |Im λ| below `real` is rounding of a
 /// logarithm over the time of a pair.
@@ -47,7 +46,7 @@ pub enum Refused {
 /// When one is none.
 pub fn perturbations(
     section: &Simulation,
-    parameters: &Constants,
+    model: &Model,
     mode: u32,
     wave: Option<&Profile>,
 ) -> Result<Vec<Perturbations>, Refused> {
@@ -65,9 +64,10 @@ pub fn perturbations(
         Sectors::All => (0..=waves / 2).collect(),
         Sectors::Only(list) => list.clone(),
     };
-    let Motion::Ring(ring) = Motion::begin(section, parameters, None, mode, None)? else {
+    let Motion::Ring(ring) = Motion::begin(section, model, mode, None)? else {
         return Ok(Vec::new());
     };
+    let parameters = &model.constants();
     let setup = Setup {
         angle: angle(section, mode),
         ..*ring.setup()
@@ -103,7 +103,7 @@ impl Perturbations {
     /// `tick` is told the work of every pair of runs.
     ///
     /// # Errors
-    /// When the wave leaves the shaft, or the eigenvalues do not converge.
+    /// When the eigenvalues do not converge.
     pub fn growth(
         &self,
         parameters: &Constants,

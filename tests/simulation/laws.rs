@@ -3,21 +3,31 @@
 
 use std::f64::consts::TAU;
 
+use brakewave::model::{Constants, Impact};
 use brakewave::simulation::ring::kernel::Nodes;
 use brakewave::simulation::ring::{Law, Order, Ring, Setup, courant_step};
 
-use crate::{parameters, scramble};
+use crate::{parameters, scramble, setup};
 
-/// A ring thrown into rough motion, with every regime in it.
-fn rough(points: usize, order: Order, law: Law, mass_damping: f64, courant: f64) -> Ring {
-    let parameters = parameters(0.05, mass_damping);
+/// A ring with α, β thrown into rough motion, with every regime in it.
+pub fn rough(
+    points: usize,
+    order: Order,
+    law: Law,
+    [mass_damping, stiffness_damping]: [f64; 2],
+    impact: Impact,
+    courant: f64,
+) -> Ring {
+    let parameters = Constants {
+        stiffness_damping,
+        ..parameters(0.05, mass_damping)
+    };
+    let time_step = courant_step(&parameters, points, TAU, courant);
     let setup = Setup {
-        points,
-        angle: TAU,
-        order,
-        time_step: courant_step(&parameters, points, TAU, courant),
         law,
+        impact,
         watched: true,
+        ..setup(points, TAU, order, time_step)
     };
     let mut ring = Ring::new(&parameters, setup).expect("a ring");
     for point in 0..points {
@@ -66,7 +76,14 @@ fn forces(ring: &Ring, before: &Nodes, after: &Nodes, i: usize) -> Forces {
 #[test]
 fn friction_and_contact_hold_at_every_node_and_step() {
     for mass_damping in [0.0, 0.3] {
-        let mut ring = rough(96, Order::Second, Law::Coulomb, mass_damping, 0.4);
+        let mut ring = rough(
+            96,
+            Order::Second,
+            Law::Coulomb,
+            [mass_damping, 0.0],
+            Impact::Frictionless,
+            0.4,
+        );
         let friction = ring.constants().friction;
         let mismatch = ring.constants().mismatch;
         let dt = ring.setup().time_step;
@@ -176,8 +193,8 @@ struct Balance {
     scale: f64,
 }
 
-fn balance(order: Order, law: Law, mass_damping: f64, courant: f64) -> Balance {
-    let mut ring = rough(96, order, law, mass_damping, courant);
+fn balance(order: Order, law: Law, damping: [f64; 2], impact: Impact, courant: f64) -> Balance {
+    let mut ring = rough(96, order, law, damping, impact, courant);
     let (dt, width) = (ring.setup().time_step, ring.spacing());
     let start = ring.energy();
     let (mut kinks, mut rounding, mut scale) = (0.0, 0.0, start.abs());
@@ -235,9 +252,14 @@ const ROUNDINGS: f64 = 6.0;
 fn energy_is_balanced() {
     for order in [Order::Second, Order::Fourth, Order::Sixth] {
         for law in [Law::Coulomb, Law::Smoothed { epsilon: 0.01 }] {
-            for mass_damping in [0.0, 0.2] {
+            for (damping, impact) in [
+                ([0.0, 0.0], Impact::Frictionless),
+                ([0.2, 0.0], Impact::Frictionless),
+                ([0.2, 0.0], Impact::Coulomb),
+                ([0.2, 0.002], Impact::Coulomb),
+            ] {
                 let parts = [0.4, 0.1].map(|courant| {
-                    let found = balance(order, law, mass_damping, courant);
+                    let found = balance(order, law, damping, impact, courant);
                     let Balance {
                         imbalance,
                         kinks,
@@ -252,8 +274,11 @@ fn energy_is_balanced() {
                     assert!(rounding < 1e-10 * scale, "{rounding:e}");
                     kinks.abs() / scale
                 });
-                // two halvings of the step at order 2 would be a factor of 16
-                assert!(parts[1] < parts[0] / 16.0, "{law:?} {parts:?}");
+                // two halvings of the step at order 2 would be a factor of 16; concentrated reactions start and
+                // end at instants of their own, which leave the first order
+                let concentrated = impact == Impact::Coulomb;
+                let factor = if concentrated { 4.0 } else { 16.0 };
+                assert!(parts[1] < parts[0] / factor, "{law:?} {parts:?}");
             }
         }
     }
@@ -266,12 +291,14 @@ fn smooth_friction_in_contact_has_no_kinks() {
     let mut ring = Ring::new(
         &parameters,
         Setup {
-            points: 96,
-            angle: TAU,
-            order: Order::Fourth,
-            time_step: courant_step(&parameters, 96, TAU, 0.4),
             law: Law::Smoothed { epsilon: 0.01 },
             watched: true,
+            ..setup(
+                96,
+                TAU,
+                Order::Fourth,
+                courant_step(&parameters, 96, TAU, 0.4),
+            )
         },
     )
     .expect("a ring");
@@ -303,7 +330,24 @@ fn smooth_friction_in_contact_has_no_kinks() {
 #[test]
 fn cutting_and_threads_change_nothing() {
     crate::cutting_and_threads_change_nothing(|| {
-        rough(2500, Order::Fourth, Law::Coulomb, 0.0, 0.4)
+        rough(
+            2500,
+            Order::Fourth,
+            Law::Coulomb,
+            [0.0; 2],
+            Impact::Frictionless,
+            0.4,
+        )
+    });
+    crate::cutting_and_threads_change_nothing(|| {
+        rough(
+            2500,
+            Order::Fourth,
+            Law::Coulomb,
+            [0.0, 0.001],
+            Impact::Coulomb,
+            0.4,
+        )
     });
 }
 
@@ -313,13 +357,10 @@ fn cutting_and_threads_change_nothing() {
 fn smoothed_friction_tends_to_coulomb() {
     let run = |law| {
         let parameters = parameters(0.3, 0.2);
+        let time_step = courant_step(&parameters, 64, TAU / 4.0, 0.2);
         let setup = Setup {
-            points: 64,
-            angle: TAU / 4.0,
-            order: Order::Fourth,
-            time_step: courant_step(&parameters, 64, TAU / 4.0, 0.2),
             law,
-            watched: false,
+            ..setup(64, TAU / 4.0, Order::Fourth, time_step)
         };
         let mut ring = Ring::new(&parameters, setup).expect("a ring");
         for point in 0..64 {
@@ -347,14 +388,7 @@ fn smoothed_friction_tends_to_coulomb() {
 #[test]
 fn what_cannot_be_is_refused() {
     let parameters = parameters(0.2, 0.0);
-    let setup = Setup {
-        points: 64,
-        angle: TAU,
-        order: Order::Second,
-        time_step: 0.01,
-        law: Law::Coulomb,
-        watched: false,
-    };
+    let setup = setup(64, TAU, Order::Second, 0.01);
     for wrong in [
         Setup { points: 3, ..setup },
         Setup {

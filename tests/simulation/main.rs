@@ -2,6 +2,7 @@
 //! waves and eigenvalues that other parts of the crate compute in other ways.
 
 mod annulus;
+mod landing;
 mod laws;
 mod material;
 mod steady;
@@ -13,8 +14,8 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::OnceLock;
 
-use brakewave::model::Constants;
 use brakewave::model::coefficients::Geometry;
+use brakewave::model::{Constants, Impact};
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Ring, Setup};
 use tempfile::TempDir;
@@ -46,6 +47,7 @@ fn setup(points: usize, angle: f64, order: Order, time_step: f64) -> Setup {
         order,
         time_step,
         law: Law::Coulomb,
+        impact: Impact::Frictionless,
         watched: false,
     }
 }

@@ -68,6 +68,10 @@ fn mode2() -> Profile {
     wave_at(folder, "mismatch", MISMATCH).0
 }
 
+fn in_contact(ring: &Ring) -> bool {
+    ring.nodes().share.iter().all(|share| *share != 0.0)
+}
+
 /// A ring in contact, thrown into motion with stick, slip and reverse slip in it.
 fn rough(points: usize, order: Order, stiffness_damping: f64, part: f64) -> Ring {
     let parameters = parameters(GEOMETRY, stiffness_damping);
@@ -142,7 +146,7 @@ fn friction_holds_at_every_node_and_step() {
     }
     // stick, slip, reverse slip and crossings all occurred
     assert!(seen.iter().all(|count| *count > 20), "{seen:?}");
-    assert!(ring.in_contact());
+    assert!(in_contact(&ring));
 }
 
 /// E − (work of friction and damping) stays what it was, up to what crossings of V̇ = 1 within a step
@@ -282,7 +286,7 @@ fn errors(points: usize, order: Order) -> [f64; 2] {
         })
         .fold(0.0, f64::max);
     ring.advance(steps as u64);
-    assert!(ring.in_contact());
+    assert!(in_contact(&ring));
     [
         short(phase(&ring) - once).abs() / TAU * angle / period,
         worst,
@@ -428,7 +432,7 @@ fn the_stable_wave_forgets_a_perturbation_on_the_whole_circle() {
         signal.push(sum);
         sizes.push(size);
     }
-    assert!(ring.in_contact());
+    assert!(in_contact(&ring));
     let [_, [rate, frequency]] = LEADING;
     // from t = 20 to 60; e^{(−1.27 + 0.07)·20} of the next is left, and of the nonlinear part (2 %)² e^{−0.07·20}
     let found = exponentials(&signal[200..600], 0.1);
@@ -448,26 +452,4 @@ fn the_stable_wave_forgets_a_perturbation_on_the_whole_circle() {
     );
     assert!((measured - rate).abs() < 1e-3, "{measured}");
     assert!(end < 1e-3 * start);
-}
-
-/// A pressure below zero ends what is simulated, and is not forgotten.
-#[test]
-fn what_leaves_the_shaft_is_noticed() {
-    let parameters = Constants {
-        mismatch: 0.05,
-        ..parameters(GEOMETRY, 0.002)
-    };
-    let time_step = courant_step(&parameters, 96, TAU, 0.4);
-    let mut ring =
-        Ring::new(&parameters, setup(96, TAU, Order::Fourth, time_step)).expect("a ring");
-    assert!(ring.in_contact());
-    for point in 0..96 {
-        let (sine, cosine) = (TAU * 4.0 * point as f64 / 96.0).sin_cos();
-        ring.push(point, 0.3 * cosine, -0.5 * sine);
-    }
-    for _ in 0..50 {
-        ring.advance(20);
-    }
-    assert!(!ring.in_contact());
-    assert!((0..96).any(|point| ring.pressure(point) == 0.0));
 }

@@ -4,20 +4,17 @@
 use std::f64::consts::TAU;
 
 use brakewave::simulation::motion::steady_growth;
-use brakewave::simulation::ring::{Law, Order, Ring, Setup, courant_step};
+use brakewave::simulation::ring::{Order, Ring, Setup, courant_step};
 
-use crate::parameters;
+use crate::{parameters, setup};
 
 #[test]
 fn steady_sliding_stays() {
     let parameters = parameters(0.2, 0.0);
+    let time_step = courant_step(&parameters, 132, TAU, 0.4);
     let setup = Setup {
-        points: 132,
-        angle: TAU,
-        order: Order::Fourth,
-        time_step: courant_step(&parameters, 132, TAU, 0.4),
-        law: Law::Coulomb,
         watched: true,
+        ..setup(132, TAU, Order::Fourth, time_step)
     };
     let mut ring = Ring::new(&parameters, setup).expect("a ring");
     let start = ring.nodes().clone();
@@ -38,14 +35,8 @@ fn small_waves_grow_at_the_rate_of_the_closed_form() {
     for (mode, mass_damping) in [(4, 0.0), (4, 0.1), (3, 0.0)] {
         let parameters = parameters(0.2, mass_damping);
         let points = 240;
-        let setup = Setup {
-            points,
-            angle: TAU,
-            order: Order::Sixth,
-            time_step: courant_step(&parameters, points, TAU, 0.4),
-            law: Law::Coulomb,
-            watched: false,
-        };
+        let time_step = courant_step(&parameters, points, TAU, 0.4);
+        let setup = setup(points, TAU, Order::Sixth, time_step);
         let [growth, frequency] = steady_growth(&parameters, mode);
         // the square satisfies the equation
         let k = f64::from(mode);

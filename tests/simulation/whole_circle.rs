@@ -6,22 +6,16 @@ use std::f64::consts::TAU;
 use brakewave::simulation::growth::place;
 use brakewave::simulation::motion::Motion;
 use brakewave::simulation::profile::Profile;
-use brakewave::simulation::ring::{Law, Order, Ring, Setup, courant_step};
+use brakewave::simulation::ring::{Order, Ring, courant_step};
 
-use crate::{damped_wave, parameters, wave};
+use crate::{damped_wave, parameters, setup, wave};
 
 /// Unlikeness of the four waves at the beginning and after a time, perturbed by a harmonic of mode 1.
 fn unlikeness(profile: &Profile, mass_damping: f64, time: f64) -> [f64; 2] {
     let parameters = parameters(0.2, mass_damping);
     let points = 256;
-    let setup = Setup {
-        points,
-        angle: TAU,
-        order: Order::Fourth,
-        time_step: courant_step(&parameters, points, TAU, 0.4),
-        law: Law::Coulomb,
-        watched: false,
-    };
+    let time_step = courant_step(&parameters, points, TAU, 0.4);
+    let setup = setup(points, TAU, Order::Fourth, time_step);
     let mut ring = Ring::new(&parameters, setup).expect("a ring");
     place(&mut ring, profile);
     for point in 0..points {

@@ -60,6 +60,8 @@ pub struct StepConstants {
     pub gain: f64,
     /// Material damping β.
     pub material: f64,
+    /// Steps over which a concentrated reaction is handed out, see [`super::impulse`].
+    pub window: f64,
 }
 
 /// Nodes side by side, one array per quantity.
@@ -69,9 +71,19 @@ pub struct Nodes {
     pub radial: Vec<f64>,
     /// V at n.
     pub tangential: Vec<f64>,
-    /// V̂ = V + βV̇ at n; empty for β = 0.
+    /// V̂ = V + βV̇ at n; empty where reactions have no concentrated part with friction, and so are the
+    /// next three.
     #[serde(default)]
     pub effective: Vec<f64>,
+    /// Û = U + βU̇ at n.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effective_radial: Vec<f64>,
+    /// Concentrated reaction that has not yet acted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub impulse: Vec<f64>,
+    /// Steps since landing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub age: Vec<f64>,
     /// U̇ at n − ½.
     pub radial_rate: Vec<f64>,
     /// V̇ at n − ½.
@@ -86,15 +98,23 @@ pub struct Nodes {
     pub damping_work: Vec<f64>,
 }
 
+/// Lists of [`Nodes`], and how many of them, the first, are its state; the others are accounts of work.
+const LISTS: usize = 12;
+pub(super) const STATE: usize = 9;
+
 impl Nodes {
-    /// Zeros, for β > 0 or not.
-    pub fn new(count: usize, watched: bool, material: bool) -> Nodes {
+    /// Zeros; `concentrated` says whether reactions have such a part with friction.
+    pub fn new(count: usize, watched: bool, concentrated: bool) -> Nodes {
         let zeros = || vec![0.0; count];
+        let some = || vec![0.0; if concentrated { count } else { 0 }];
         let ledger = || vec![0.0; if watched { count } else { 0 }];
         Nodes {
             radial: zeros(),
             tangential: zeros(),
-            effective: vec![0.0; if material { count } else { 0 }],
+            effective: some(),
+            effective_radial: some(),
+            impulse: some(),
+            age: some(),
             radial_rate: zeros(),
             tangential_rate: zeros(),
             share: zeros(),
@@ -105,11 +125,14 @@ impl Nodes {
     }
 
     /// All quantities, accounts of work last.
-    pub(super) fn lists(&self) -> [&Vec<f64>; 9] {
+    pub(super) fn lists(&self) -> [&Vec<f64>; LISTS] {
         [
             &self.radial,
             &self.tangential,
             &self.effective,
+            &self.effective_radial,
+            &self.impulse,
+            &self.age,
             &self.radial_rate,
             &self.tangential_rate,
             &self.share,
@@ -120,11 +143,14 @@ impl Nodes {
     }
 
     /// The same to write to.
-    pub(super) fn lists_mut(&mut self) -> [&mut Vec<f64>; 9] {
+    pub(super) fn lists_mut(&mut self) -> [&mut Vec<f64>; LISTS] {
         [
             &mut self.radial,
             &mut self.tangential,
             &mut self.effective,
+            &mut self.effective_radial,
+            &mut self.impulse,
+            &mut self.age,
             &mut self.radial_rate,
             &mut self.tangential_rate,
             &mut self.share,

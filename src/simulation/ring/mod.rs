@@ -1,6 +1,7 @@
 //! The ring: system (M) on N points of one wavelength or of the whole circle.
 //!
-//! [`kernel`] has the equations of a step, [`material`] those for β > 0, [`friction`] the law of a node.
+//! [`kernel`] has the equations of a step, [`impulse`] those for β > 0 and for Coulomb impacts, [`friction`] the
+//! law of a node.
 //! This file has the grid, the limit of the time step, the balance of energy, and the way a long ring is
 //! cut up.
 //!
@@ -23,15 +24,15 @@
 //! operations on the same numbers: the result has the same bits for any number of threads.
 
 pub mod friction;
+pub mod impulse;
 pub mod kernel;
-pub mod material;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::model::Constants;
+use crate::model::{Constants, Impact};
 use friction::{Coulomb, Friction, Smoothed};
-use kernel::{MOST_REACH, Nodes, StepConstants, step};
+use kernel::{MOST_REACH, Nodes, STATE, StepConstants, step};
 
 /// Accuracy of the space differences.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -103,6 +104,8 @@ pub struct Setup {
     pub time_step: f64,
     /// Friction law.
     pub law: Law,
+    /// What a landing does to V̇ for β = 0; with β > 0 there is no impact.
+    pub impact: Impact,
     /// Whether account of work is kept.
     pub watched: bool,
 }
@@ -147,13 +150,16 @@ pub struct Ring {
     depth: usize,
 }
 
+/// Age of a contact that nobody saw begin.
+const LONG_AGO: f64 = f64::MAX;
+
 /// A piece of the ring that is worked on by itself.
 #[derive(Clone, Debug)]
 struct Stretch {
     from: usize,
     to: usize,
     nodes: Nodes,
-    next: (Vec<f64>, Vec<f64>),
+    next: [Vec<f64>; 4],
 }
 
 /// Points of a stretch: its arrays stay in the second-level cache, and a block of steps takes long
@@ -168,7 +174,7 @@ fn spacing(points: usize, angle: f64) -> f64 {
     angle / points as f64
 }
 
-/// The largest stable time step: √(4β² + 4/ω²) − 2β for the fastest motion of the grid (see [`material`]),
+/// The largest stable time step: √(4β² + 4/ω²) − 2β for the fastest motion of the grid (see [`impulse`]),
 /// 2/ω for β = 0; ω² is bounded by the largest sum of absolute values in a row of the stiffness.
 pub fn stable_step(parameters: &Constants, points: usize, angle: f64, order: Order) -> f64 {
     let c = parameters.coefficients;
@@ -185,9 +191,9 @@ pub fn stable_step(parameters: &Constants, points: usize, angle: f64, order: Ord
     let tangential = c.a * second / (width * width) + c.h + coupling;
     let beta = parameters.stiffness_damping;
     if beta > 0.0 {
-        // U rests in contact; friction joins neighbours through the pressure
+        // friction joins neighbours through the pressure
         let joined = tangential + coupling.abs() * (parameters.friction - 1.0).max(0.0);
-        return with_diffusion(2.0 / joined.sqrt(), beta);
+        return with_diffusion(2.0 / radial.max(joined).sqrt(), beta);
     }
     2.0 / radial.max(tangential).sqrt()
 }
@@ -228,6 +234,7 @@ fn constants(parameters: &Constants, setup: &Setup, kick: f64) -> StepConstants 
         keep: 1.0 - half,
         gain: 1.0 / (1.0 + half),
         material: parameters.stiffness_damping,
+        window: width / (c.a.sqrt() * setup.time_step),
     }
 }
 
@@ -244,9 +251,11 @@ impl Ring {
         }
         let c = parameters.coefficients;
         let constants = constants(parameters, &setup, dt);
-        let material = parameters.stiffness_damping > 0.0;
-        let mut nodes = Nodes::new(setup.points, setup.watched, material);
+        let concentrated = parameters.stiffness_damping > 0.0 || setup.impact == Impact::Coulomb;
+        let mut nodes = Nodes::new(setup.points, setup.watched, concentrated);
         nodes.radial.fill(parameters.mismatch);
+        nodes.effective_radial.fill(parameters.mismatch);
+        nodes.age.fill(LONG_AGO);
         nodes
             .tangential
             .fill(parameters.mismatch * parameters.friction * c.g / c.h);
@@ -265,8 +274,9 @@ impl Ring {
                 Stretch {
                     from,
                     to,
-                    nodes: Nodes::new(size, setup.watched, material),
-                    next: (vec![0.0; size], vec![0.0; size]),
+                    nodes: Nodes::new(size, setup.watched, concentrated),
+                    next: [true, true, concentrated, concentrated]
+                        .map(|used| vec![0.0; if used { size } else { 0 }]),
                 }
             })
             .collect();
@@ -346,9 +356,14 @@ impl Ring {
         self.nodes.radial_rate[point] = if contact { 0.0 } else { u_rate };
         self.nodes.tangential_rate[point] = v_rate;
         self.nodes.share[point] = if contact { 1.0 } else { 0.0 };
-        // half a step of V̈ is lost, for one step: an error of second order
+        // half a step of Ü and V̈ is lost, for one step: an error of second order
+        let beta = self.constants.material;
         if let Some(effective) = self.nodes.effective.get_mut(point) {
-            *effective = v + self.constants.material * v_rate;
+            *effective = v + beta * v_rate;
+            self.nodes.effective_radial[point] =
+                self.nodes.radial[point] + beta * self.nodes.radial_rate[point];
+            self.nodes.impulse[point] = 0.0;
+            self.nodes.age[point] = if contact { LONG_AGO } else { 0.0 };
         }
     }
 
@@ -359,12 +374,6 @@ impl Ring {
         if let Some(effective) = self.nodes.effective.get_mut(point) {
             *effective += v + self.constants.material * v_rate;
         }
-    }
-
-    /// Whether β = 0 or no point has left the shaft since the start: what the equations for β > 0
-    /// demand.
-    pub fn in_contact(&self) -> bool {
-        self.nodes.effective.is_empty() || self.nodes.share.iter().all(|share| *share != 0.0)
     }
 
     /// V̂ of the points.
@@ -473,7 +482,8 @@ impl Ring {
         shear
     }
 
-    /// Contact pressure P = gδ − D∂V̂ of a point; zero in the air.
+    /// Contact pressure of a point, zero in the air: P = gδ − D∂V̂, and what is handed out of a concentrated
+    /// part, see [`impulse`].
     pub fn pressure(&self, point: usize) -> f64 {
         if self.nodes.share[point] == 0.0 {
             return 0.0;
@@ -487,16 +497,29 @@ impl Ring {
                 c.coupling[k - 1] * (effective[right] - effective[left])
             })
             .sum();
+        let mut pressure = c.rest - slope;
+        if let Some(hat) = self.nodes.effective_radial.get(point) {
+            let hats = &self.nodes.effective_radial;
+            let bend = (1..=self.setup.order.reach()).fold(c.b[0] * hat, |bend, k| {
+                let (left, right) = ((point + count - k) % count, (point + k) % count);
+                bend + c.b[k] * (hats[left] + hats[right])
+            });
+            let (impulse, age) = (self.nodes.impulse[point], self.nodes.age[point]);
+            let part = if age == 0.0 {
+                self.nodes.share[point]
+            } else {
+                1.0
+            };
+            pressure += impulse::release(c, impulse - c.kick * bend, age, part) / c.kick;
+        }
         // what would be tension ends the contact with the next step
-        (c.rest - slope).max(0.0)
+        pressure.max(0.0)
     }
 }
 
 impl Stretch {
     /// Copies the stretch with `margin` neighbours on either side; of work, what the core has done.
     fn load(&mut self, ring: &Nodes, margin: usize) {
-        /// Lists before the accounts of work.
-        const STATE: usize = 6;
         let (from, to) = (self.from, self.to);
         let lists = self.nodes.lists_mut().into_iter().zip(ring.lists());
         for (index, (here, there)) in lists.enumerate() {
@@ -527,17 +550,24 @@ impl Stretch {
     ) {
         let size = self.to - self.from + 2 * R * steps;
         for done in 1..=steps {
-            let next = (&mut self.next.0[..], &mut self.next.1[..]);
             let nodes = &mut self.nodes;
             let (from, to) = (R * done, size - R * done);
             if nodes.effective.is_empty() {
+                let [radial, tangential, ..] = &mut self.next;
+                let next = (&mut radial[..], &mut tangential[..]);
                 step::<R, WATCHED, F>(constants, law, nodes, next, from, to);
-                std::mem::swap(&mut self.nodes.radial, &mut self.next.0);
             } else {
-                material::step::<R, WATCHED, F>(constants, law, nodes, next, from, to);
-                std::mem::swap(&mut self.nodes.effective, &mut self.next.0);
+                impulse::step::<R, WATCHED, F>(constants, law, nodes, &mut self.next, from, to);
             }
-            std::mem::swap(&mut self.nodes.tangential, &mut self.next.1);
+            let moved = [
+                &mut nodes.radial,
+                &mut nodes.tangential,
+                &mut nodes.effective_radial,
+                &mut nodes.effective,
+            ];
+            for (list, next) in moved.into_iter().zip(&mut self.next) {
+                std::mem::swap(list, next);
+            }
         }
     }
 
