@@ -70,13 +70,14 @@ fn ring(order: Order, watched: bool) -> f64 {
 /// Seconds per unit of time, and node-steps per second.
 fn tube() -> (f64, f64) {
     let angle = std::f64::consts::TAU;
-    let step = annulus::courant_step(&GEOMETRY, 132, 8, angle, 0.3);
+    let step = annulus::courant_step(&GEOMETRY, 132, 8, angle, 0.3, 0.0);
     let steps = (1.0 / step).ceil();
     let mut annulus = Annulus::new(annulus::Setup {
         geometry: GEOMETRY,
         friction: 0.5,
         mismatch: 0.2,
         mass_damping: 0.0,
+        stiffness_damping: 0.0,
         around: 132,
         across: 8,
         angle,

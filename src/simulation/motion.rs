@@ -133,13 +133,20 @@ impl Motion {
             }
             Body::Annulus { around, across } => {
                 let geometry = model.source.geometry().ok_or(MotionError::Geometry)?;
-                let longest =
-                    annulus::courant_step(&geometry, around, across, angle, section.courant);
+                let longest = annulus::courant_step(
+                    &geometry,
+                    around,
+                    across,
+                    angle,
+                    section.courant,
+                    parameters.stiffness_damping,
+                );
                 let setup = annulus::Setup {
                     geometry,
                     friction: parameters.friction,
                     mismatch: parameters.mismatch,
                     mass_damping: parameters.mass_damping,
+                    stiffness_damping: parameters.stiffness_damping,
                     around,
                     across,
                     angle,

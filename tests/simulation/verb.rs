@@ -302,18 +302,6 @@ fn what_makes_no_sense_is_refused_with_its_place() {
         ),
         ("mode: 4, amplitude", "mode: 90, amplitude", "modes 0 to 24"),
         ("snapshots: 3", "snapshots: 30000", "at most 1000 snapshots"),
-        (
-            "    ),
-    wave: (mode: 4, start: Fast),
-    simulation: (
-        body: Ring(points: 96),",
-            "        damping: (stiffness: 0.1),
-    ),
-    wave: (mode: 4, start: Fast),
-    simulation: (
-        body: Annulus(around: 66, across: 4),",
-            "stiffness",
-        ),
         ("SteadySliding", "Wave(dir: \"none\", label: 1)", "none"),
     ] {
         assert_eq!(problem.matches(from).count(), 1, "{from}");

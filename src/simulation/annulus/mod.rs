@@ -13,6 +13,9 @@
 //! then the tangential force that would make it stick, V̇ = 1, is capped at f times the normal one.
 //! With lumped masses no two nodes share a multiplier, so each is solved exactly by itself.
 //!
+//! With material damping β > 0 the stiffness acts on û = u + βu̇, the rates extrapolated to the instant
+//! from the two half-steps before, as in [`super::ring::impulse`].
+//!
 //! The outer circle is fixed. Lengths are measured by R, stresses by E, time by 1/Ω.
 
 pub mod element;
@@ -23,6 +26,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::ring::friction::{Coulomb, Friction};
+use super::ring::with_diffusion;
 use crate::model::coefficients::{Geometry, lame};
 use element::{Block, Circles, circles};
 
@@ -37,6 +41,8 @@ pub struct Setup {
     pub mismatch: f64,
     /// Mass-proportional damping α.
     pub mass_damping: f64,
+    /// Stiffness-proportional damping β.
+    pub stiffness_damping: f64,
     /// Elements along the angle.
     pub around: usize,
     /// Elements from the inner to the outer radius.
@@ -86,11 +92,17 @@ pub struct State {
     pub radial_rate: Vec<f64>,
     /// Rate of the tangential displacement.
     pub tangential_rate: Vec<f64>,
+    /// Displacements that the stiffness acts on, û = u + βu̇; empty for β = 0.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effective_radial: Vec<f64>,
+    /// The tangential ones.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effective_tangential: Vec<f64>,
     /// Contact pressure p on the nodes of the inner circle in the last step, in units of E.
     pub pressure: Vec<f64>,
     /// Shear q on them.
     pub shear: Vec<f64>,
-    /// Work of friction and of normal contact, and of mass damping, since the start.
+    /// Work of friction and of normal contact, and of damping, since the start.
     pub work: [f64; 3],
 }
 
@@ -100,8 +112,9 @@ pub struct Annulus {
     setup: Setup,
     circles: Circles,
     state: State,
-    /// Rates before contact, one pair of rows per circle.
+    /// Accelerations without contact, one pair of rows per circle; and those without damping for β > 0.
     force: (Vec<f64>, Vec<f64>),
+    elastic: (Vec<f64>, Vec<f64>),
     /// Time from the rates before a step to those after it: Δt, and where the step changes the mean
     /// of both.
     kick: f64,
@@ -113,9 +126,15 @@ pub struct Annulus {
 /// Nodes from which on circles are worked on by several threads.
 const PARALLEL: usize = 1 << 14;
 
-/// The largest stable time step: 2/ω of the fastest vibration, bounded by the largest sum of
-/// absolute values in a row of M⁻¹K/γ.
-pub(crate) fn stable_step(geometry: &Geometry, around: usize, across: usize, angle: f64) -> f64 {
+/// The largest stable time step: √(4β² + 4/ω²) − 2β of the fastest vibration, whose ω² is bounded by the
+/// largest sum of absolute values in a row of M⁻¹K/γ.
+pub(crate) fn stable_step(
+    geometry: &Geometry,
+    around: usize,
+    across: usize,
+    angle: f64,
+    stiffness_damping: f64,
+) -> f64 {
     let circles = circles(geometry, across, angle / around as f64);
     let square = circles
         .blocks
@@ -133,21 +152,24 @@ pub(crate) fn stable_step(geometry: &Geometry, around: usize, across: usize, ang
             })
         })
         .fold(0.0, f64::max);
-    2.0 / square.sqrt()
+    with_diffusion(2.0 / square.sqrt(), stiffness_damping)
 }
 
 /// The time step of a Courant number: pressure waves √(C/γ) over the shorter side of the smallest
-/// element.
+/// element; with β > 0 the part of √(4β² + s²) − 2β, with s the time that they take for it.
 pub fn courant_step(
     geometry: &Geometry,
     around: usize,
     across: usize,
     angle: f64,
     courant: f64,
+    stiffness_damping: f64,
 ) -> f64 {
     let [c, _, _] = lame(geometry.nu);
     let side = (angle / around as f64).min((geometry.xi - 1.0) / across as f64);
-    courant * side / (c / geometry.gamma).sqrt()
+    let speed = (c / geometry.gamma).sqrt();
+    let free = side / speed;
+    courant * side / speed * (with_diffusion(free, stiffness_damping) / free)
 }
 
 impl Annulus {
@@ -165,7 +187,14 @@ impl Annulus {
         if around < 3 || across < 2 {
             return Err(SetupError::Mesh { around, across });
         }
-        let limit = LARGEST_PART * stable_step(&setup.geometry, around, across, angle);
+        let limit = LARGEST_PART
+            * stable_step(
+                &setup.geometry,
+                around,
+                across,
+                angle,
+                setup.stiffness_damping,
+            );
         if !(dt > 0.0 && dt <= limit) {
             return Err(SetupError::Step { step: dt, limit });
         }
@@ -178,10 +207,18 @@ impl Annulus {
                 .flat_map(|value| std::iter::repeat_n(*value, around))
                 .collect()
         };
+        let (u_all, v_all) = (spread(&u), spread(&v));
+        let some = |values: &[f64]| match setup.stiffness_damping > 0.0 {
+            true => values.to_vec(),
+            false => Vec::new(),
+        };
         let mut annulus = Annulus {
+            elastic: (some(&u_all), some(&v_all)),
             state: State {
-                radial: spread(&u),
-                tangential: spread(&v),
+                effective_radial: some(&u_all),
+                effective_tangential: some(&v_all),
+                radial: u_all,
+                tangential: v_all,
                 radial_rate: vec![0.0; count],
                 tangential_rate: vec![0.0; count],
                 pressure: vec![0.0; around],
@@ -252,6 +289,11 @@ impl Annulus {
             (&state.tangential, all),
             (&state.radial_rate, all),
             (&state.tangential_rate, all),
+            (&state.effective_radial, self.state.effective_radial.len()),
+            (
+                &state.effective_tangential,
+                self.state.effective_tangential.len(),
+            ),
             (&state.pressure, inner),
             (&state.shear, inner),
         ];
@@ -276,9 +318,13 @@ impl Annulus {
             let part = amplitude * (square / r - r) / (square - 1.0);
             for point in 0..around {
                 let (sine, cosine) = (f64::from(mode) * width * point as f64).sin_cos();
-                self.state.tangential[circle * around + point] += part * cosine;
-                self.state.tangential_rate[circle * around + point] +=
-                    part * (lambda[0] * cosine - lambda[1] * sine);
+                let node = circle * around + point;
+                let rate = part * (lambda[0] * cosine - lambda[1] * sine);
+                self.state.tangential[node] += part * cosine;
+                self.state.tangential_rate[node] += rate;
+                if let Some(effective) = self.state.effective_tangential.get_mut(node) {
+                    *effective += part * cosine + self.setup.stiffness_damping * rate;
+                }
             }
         }
     }
@@ -292,33 +338,14 @@ impl Annulus {
     }
 
     fn step(&mut self) {
-        let Annulus {
-            setup,
-            circles,
-            state,
-            force,
-            ..
-        } = self;
-        let (around, across) = (setup.around, setup.across);
-        let elastic = |(circle, (u, v)): (usize, (&mut [f64], &mut [f64]))| {
-            pulp::Arch::new().dispatch(
-                #[inline(always)]
-                || accelerations(circles, setup, state, circle, u, v),
-            );
-        };
-        let rows = (
-            force.0.par_chunks_mut(around),
-            force.1.par_chunks_mut(around),
-        );
-        if around * across >= PARALLEL {
-            rows.0.zip(rows.1).enumerate().for_each(elastic);
+        let state = &self.state;
+        let fields = (&state.radial[..], &state.tangential[..]);
+        if state.effective_radial.is_empty() {
+            accelerate(&self.circles, &self.setup, fields, &mut self.force);
         } else {
-            force
-                .0
-                .chunks_mut(around)
-                .zip(force.1.chunks_mut(around))
-                .enumerate()
-                .for_each(elastic);
+            let effective = (&state.effective_radial[..], &state.effective_tangential[..]);
+            accelerate(&self.circles, &self.setup, effective, &mut self.force);
+            accelerate(&self.circles, &self.setup, fields, &mut self.elastic);
         }
         self.move_nodes();
     }
@@ -329,6 +356,7 @@ impl Annulus {
             friction,
             mismatch,
             mass_damping,
+            stiffness_damping: beta,
             around,
             time_step: dt,
             geometry,
@@ -374,6 +402,18 @@ impl Annulus {
                 state.tangential_rate[node] = v;
                 state.radial[node] = radial;
                 state.tangential[node] += dt * v;
+                if beta > 0.0 {
+                    let (mean_u, mean_v) = (0.5 * (old_u + u), 0.5 * (old_v + v));
+                    let damped = (self.force.0[node] - self.elastic.0[node]) * mean_u
+                        + (self.force.1[node] - self.elastic.1[node]) * mean_v;
+                    work[2] += mass * kick * damped;
+                    // what touches rests from then on
+                    let touches = circle == 0 && radial == mismatch;
+                    let now = if touches { 0.0 } else { 1.5 * u - 0.5 * old_u };
+                    state.effective_radial[node] = radial + beta * now;
+                    state.effective_tangential[node] =
+                        state.tangential[node] + beta * (1.5 * v - 0.5 * old_v);
+                }
             }
         }
         for (total, part) in state.work.iter_mut().zip(work) {
@@ -395,7 +435,8 @@ impl Annulus {
         let (mut u, mut v) = (vec![0.0; around], vec![0.0; around]);
         let mut energy = 0.0;
         for circle in 0..across {
-            accelerations(&self.circles, &self.setup, state, circle, &mut u, &mut v);
+            let fields = (&state.radial[..], &state.tangential[..]);
+            accelerations(&self.circles, &self.setup, fields, circle, &mut u, &mut v);
             let mass = geometry.gamma * self.circles.masses[circle];
             for point in 0..around {
                 let node = circle * around + point;
@@ -438,12 +479,35 @@ impl Annulus {
     }
 }
 
+/// −M⁻¹K u/γ of all circles.
+fn accelerate(
+    circles: &Circles,
+    setup: &Setup,
+    fields: (&[f64], &[f64]),
+    to: &mut (Vec<f64>, Vec<f64>),
+) {
+    let around = setup.around;
+    let one = |(circle, (u, v)): (usize, (&mut [f64], &mut [f64]))| {
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || accelerations(circles, setup, fields, circle, u, v),
+        );
+    };
+    if around * setup.across >= PARALLEL {
+        let rows = (to.0.par_chunks_mut(around), to.1.par_chunks_mut(around));
+        rows.0.zip(rows.1).enumerate().for_each(one);
+    } else {
+        let rows = (to.0.chunks_mut(around), to.1.chunks_mut(around));
+        rows.0.zip(rows.1).enumerate().for_each(one);
+    }
+}
+
 /// −M⁻¹K u/γ of a circle.
 #[inline(always)]
 fn accelerations(
     circles: &Circles,
     setup: &Setup,
-    state: &State,
+    fields: (&[f64], &[f64]),
     circle: usize,
     u: &mut [f64],
     v: &mut [f64],
@@ -459,7 +523,7 @@ fn accelerations(
             continue;
         }
         let row = (other - 1) * around..other * around;
-        let (radial, tangential) = (&state.radial[row.clone()], &state.tangential[row]);
+        let (radial, tangential) = (&fields.0[row.clone()], &fields.1[row]);
         for (shift, block) in blocks.iter().enumerate() {
             let [[uu, uv], [vu, vv]] = block.map(|line| line.map(|entry| factor * entry));
             let mut add = |to: std::ops::Range<usize>, from: usize| {

@@ -199,7 +199,7 @@ pub fn stable_step(parameters: &Constants, points: usize, angle: f64, order: Ord
 }
 
 /// √(4β² + s²) − 2β, without cancellation: what β makes of a step s.
-fn with_diffusion(step: f64, beta: f64) -> f64 {
+pub(crate) fn with_diffusion(step: f64, beta: f64) -> f64 {
     let ratio = 2.0 * beta / step;
     step / (1.0_f64.hypot(ratio) + ratio)
 }
