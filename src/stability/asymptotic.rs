@@ -13,7 +13,7 @@
 //! of Σ |a_p| e^{−ρτ_p} = 1: attained where the delays are rationally independent, a bound always.
 //!
 //! Material damping β > 0 takes both branches away: r = λ ± √(λ/(ãβ)) + … and r = −1/β + …, so that
-//! |N| → e^{−T_s/β}, T_s being the time of sliding, and Re λ → −T_s/(βT). What is left of the branches
+//! |N| → e^{−T_s/β}, T_s being the time out of stick, and Re λ → −T_s/(βT). What is left of the branches
 //! below is their delays, which hold for |λ| ≪ 1/√(βT).
 
 use nalgebra::Complex;
@@ -146,8 +146,8 @@ impl HighFrequency {
             determinant: (!characteristic.stick).then_some(determinant),
             damped: (characteristic.beta > 0.0).then(|| {
                 let zones = characteristic.zones.iter();
-                let sliding = zones.filter(|zone| zone.regime.sliding().is_some());
-                let time: f64 = sliding.map(|zone| zone.duration).sum();
+                let moving = zones.filter(|zone| zone.regime != Regime::Stick);
+                let time: f64 = moving.map(|zone| zone.duration).sum();
                 (time / characteristic.beta, period)
             }),
             unbounded: characteristic

@@ -397,7 +397,12 @@ impl Characteristic {
             for vector in [&mut state.columns[column], &mut state.by[column]] {
                 let u = vector[0];
                 match jump {
-                    Jump::None | Jump::StaticRelease(_) | Jump::Bend(_) | Jump::Impact(_) => {}
+                    Jump::None
+                    | Jump::StaticRelease(_)
+                    | Jump::Bend(_)
+                    | Jump::Impact(_)
+                    | Jump::Depart(_)
+                    | Jump::Settle(_) => {}
                     Jump::Arrest => vector[3] = ZERO,
                     Jump::Reversal(ratio) => vector[3] *= ratio,
                     Jump::TakeOff => {

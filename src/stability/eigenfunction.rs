@@ -115,7 +115,7 @@ fn material_trace(characteristic: &Characteristic, lambda: C64, resolution: usiz
     for (zone, here) in characteristic.zones.iter().zip(&sampled_states) {
         for (time, state) in sampled(zone, period, resolution).iter().zip(here) {
             times.push(start + time);
-            states.push(Vector4::new(ZERO, ZERO, state[0], state[1]));
+            states.push(Vector4::new(state[0], state[1], state[3], state[4]));
         }
         start += zone.duration;
     }
@@ -129,16 +129,15 @@ fn material_trace(characteristic: &Characteristic, lambda: C64, resolution: usiz
     });
     let mut equation_residual = 0.0_f64;
     for (zone, stencil) in characteristic.zones.iter().zip(&stencils) {
-        let Some(sigma) = zone.regime.sliding() else {
+        if zone.regime == Regime::Stick {
             continue;
-        };
+        }
+        let sigma = zone.regime.sliding().unwrap_or(0.0);
         for seven in stencil.chunks_exact(7) {
-            let row = |index: usize| seven[index][2];
+            let row = |index: usize| seven[index][5];
             let third = ((row(4) - row(2)) * 45.0 - (row(5) - row(1)) * 9.0 + (row(6) - row(0)))
                 / (60.0 * h(zone));
-            let [eta, rate, second] = seven[3].data.0[0];
-            let (terms, size) =
-                characteristic.material_terms(lambda, sigma, [eta, rate, second, third]);
+            let (terms, size) = characteristic.material_terms(lambda, sigma, seven[3], third);
             equation_residual = equation_residual.max(terms.norm() / size.max(1e-300));
         }
     }

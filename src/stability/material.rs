@@ -25,19 +25,19 @@
 //! solution, on its way forward dominated by the growing layer, as it should be; n is the area spanned
 //! by two, carried by the compound flow det(Φ)·Φ⁻ᵀ: neither is a difference of large numbers, for any β.
 //! (Compound matrices: Ng & Reid, J. Comput. Phys. 30 (1979).) The factor e^{rT} of the layer is taken
-//! out of g and n before either is formed.
+//! out of g and n before either is formed. Waves that separate are the subject of [`super::boundary`].
 
-use nalgebra::{Complex, DMatrix, DVector, Matrix3, RowVector3, Vector3};
+use nalgebra::{Matrix3, RowVector3, Vector3};
 
+use super::boundary::Motion;
 use super::perturbation::{
-    C64, Characteristic, Jump, LinearZone, ONE, Scaled, Value, ZERO, modulus, oscillator,
-    square_root,
+    C64, Characteristic, Jump, ONE, Scaled, Value, ZERO, modulus, oscillator, square_root,
 };
 use crate::model::signature::Regime;
 
 /// The cubic −βã r³ + m₂r² + m₁r + m₀ of a sliding zone at one λ, split into one exponent and a pair.
 #[derive(Clone, Copy, Debug)]
-struct Split {
+pub(super) struct Split {
     /// Exponent that stands apart from the other two.
     r: C64,
     r_by: C64,
@@ -109,14 +109,24 @@ fn isolated(c: [C64; 4]) -> (C64, bool) {
 const ALONE: f64 = 0.02;
 
 impl Characteristic {
-    /// The exponents of a sliding zone.
-    fn split(&self, lambda: C64, sigma: f64) -> Split {
+    /// m_a, ã, h and σfκ of a sliding zone; with σ = 0 of separation without u.
+    pub(super) fn tangential(&self, sigma: f64) -> [f64; 4] {
         let drive = sigma * self.friction * self.kappa;
-        let (a, beta) = (self.a, self.beta);
+        [self.ma, self.a, self.h, drive]
+    }
+
+    /// m_b, b̃, g and 0: of separation without η.
+    pub(super) fn radial(&self) -> [f64; 4] {
+        [self.mb, self.b, self.g, 0.0]
+    }
+
+    /// The exponents of a zone with these coefficients.
+    pub(super) fn split(&self, lambda: C64, [mass, a, stiffness, drive]: [f64; 4]) -> Split {
+        let beta = self.beta;
         let l1 = lambda * (2.0 * a) - drive;
-        let l0 = lambda * drive - lambda * lambda * a + self.h;
+        let l0 = lambda * drive - lambda * lambda * a + stiffness;
         let (l1_by, l0_by) = (C64::from(2.0 * a), -lambda * (2.0 * a) + drive);
-        let m2 = l1 * beta + self.ma;
+        let m2 = l1 * beta + mass;
         let m1 = l1 + l0 * beta + self.damping;
         let (m2_by, m1_by) = (l1_by * beta, l1_by + l0_by * beta);
         let d = beta * a;
@@ -170,10 +180,17 @@ impl Characteristic {
 
     /// Σ over the sliding zones of ∂r/∂λ·T at λ = 0: the turning of g that is taken out of it.
     pub(super) fn material_turn(&self) -> f64 {
+        if self
+            .zones
+            .iter()
+            .any(|zone| zone.regime == Regime::Separation)
+        {
+            return self.boundary_values(ZERO).1[1].re;
+        }
         self.zones
             .iter()
             .filter_map(|zone| Some((zone.regime.sliding()?, zone.duration)))
-            .map(|(sigma, duration)| self.split(ZERO, sigma).r_by.re * duration)
+            .map(|(sigma, duration)| self.split(ZERO, self.tangential(sigma)).r_by.re * duration)
             .sum()
     }
 
@@ -184,9 +201,17 @@ impl Characteristic {
             derivative: ZERO,
             exponent: 0.0,
         };
+        if self
+            .zones
+            .iter()
+            .any(|zone| zone.regime == Regime::Separation)
+        {
+            let (values, common) = self.boundary_values(lambda);
+            return self.quotient(lambda, values, common);
+        }
         let (mut unit, mut trace) = (one, one);
         // what is common to both: Σ reference·T
-        let (mut common, mut common_by) = (-lambda * self.turn, C64::from(-self.turn));
+        let (mut common, mut common_by) = (ZERO, ZERO);
         let start = || {
             (
                 [Vector3::new(ZERO, ZERO, ONE), Vector3::zeros()],
@@ -199,7 +224,7 @@ impl Characteristic {
                 continue;
             };
             let s = zone.duration;
-            let split = self.split(lambda, sigma);
+            let split = self.split(lambda, self.tangential(sigma));
             let (reference, reference_by) = split.reference();
             common += reference * s;
             common_by += reference_by * s;
@@ -229,10 +254,21 @@ impl Characteristic {
                 _ => {}
             }
         }
+        self.quotient(lambda, [unit, trace], [common, common_by])
+    }
+
+    /// g and n e^{−λT} from g and n less an exponent, given with its derivative, that is common to both.
+    pub(super) fn quotient(
+        &self,
+        lambda: C64,
+        [unit, trace]: [Scaled; 2],
+        [common, by]: [C64; 2],
+    ) -> Value {
+        let (common, by) = (common - lambda * self.turn, by - self.turn);
         let turn = C64::from_polar(1.0, common.im);
         let turned = |scaled: Scaled| Scaled {
             value: scaled.value * turn,
-            derivative: (scaled.derivative + scaled.value * common_by) * turn,
+            derivative: (scaled.derivative + scaled.value * by) * turn,
             exponent: scaled.exponent,
         };
         Value {
@@ -247,86 +283,13 @@ impl Characteristic {
         }
     }
 
-    /// (η, η′, η″) at chosen times of every zone, for η = 1 at the first release: the solution of the
-    /// boundary-value problem, zone by zone as an oscillator from the entry and a layer from the end (or
-    /// the entry, if it decays). Also η at the end of the period.
-    pub(super) fn material_states(
-        &self,
-        lambda: C64,
-        times: impl Fn(&LinearZone) -> Vec<f64>,
-    ) -> (Vec<Vec<Vector3<C64>>>, C64) {
-        let mut states = Vec::with_capacity(self.zones.len());
-        let mut eta = ONE;
-        let mut index = 0;
-        while index < self.zones.len() {
-            if self.zones[index].regime == Regime::Stick {
-                let held = Vector3::new(eta, ZERO, ZERO);
-                states.push(vec![held; times(&self.zones[index]).len()]);
-                index += 1;
-                continue;
-            }
-            let last = (index..self.zones.len())
-                .find(|&zone| self.zones[zone].jump == Jump::Arrest)
-                .unwrap_or(self.zones.len() - 1);
-            let phase: Vec<(LinearZone, Split)> = self.zones[index..=last]
-                .iter()
-                .map(|zone| {
-                    let sigma = zone.regime.sliding().unwrap_or(1.0);
-                    (*zone, self.split(lambda, sigma))
-                })
-                .collect();
-            let count = phase.len();
-            let mut matrix = DMatrix::<C64>::zeros(3 * count, 3 * count);
-            let mut right = DVector::<C64>::zeros(3 * count);
-            let basis = |zone: usize, t: f64| phase[zone].1.basis(t, phase[zone].0.duration);
-            // η and η′ at release, η′ at arrest
-            right[0] = eta;
-            for column in 0..3 {
-                matrix[(0, column)] = basis(0, 0.0)[(0, column)];
-                matrix[(1, column)] = basis(0, 0.0)[(1, column)];
-                let duration = phase[count - 1].0.duration;
-                matrix[(2, 3 * (count - 1) + column)] = basis(count - 1, duration)[(1, column)];
-            }
-            for zone in 0..count - 1 {
-                let (linear, _) = &phase[zone];
-                let mut before = basis(zone, linear.duration);
-                if let Jump::Bend(factor) = linear.jump {
-                    for column in 0..3 {
-                        let moved = before[(1, column)] * factor;
-                        before[(2, column)] += moved;
-                    }
-                }
-                let after = basis(zone + 1, 0.0);
-                for row in 0..3 {
-                    for column in 0..3 {
-                        matrix[(3 + 3 * zone + row, 3 * zone + column)] = before[(row, column)];
-                        matrix[(3 + 3 * zone + row, 3 * zone + 3 + column)] = -after[(row, column)];
-                    }
-                }
-            }
-            let solution = matrix
-                .full_piv_lu()
-                .solve(&right)
-                .unwrap_or_else(|| DVector::repeat(3 * count, C64::from(f64::NAN)));
-            for (zone, (linear, _)) in phase.iter().enumerate() {
-                let part = Vector3::from_fn(|row, _| solution[3 * zone + row]);
-                let here = times(linear).into_iter();
-                states.push(here.map(|t| basis(zone, t) * part).collect());
-            }
-            let end = basis(count - 1, phase[count - 1].0.duration)
-                * Vector3::from_fn(|row, _| solution[3 * (count - 1) + row]);
-            eta = end[0];
-            index = last + 1;
-        }
-        (states, eta)
-    }
-
-    /// Sum and largest of the terms of the sliding equation with material damping.
+    /// Sum and largest of the terms of the tangential equation with material damping; σ = 0 in separation.
     pub(super) fn material_terms(
         &self,
         lambda: C64,
         sigma: f64,
-        [eta, rate, second, third]: [C64; 4],
+        [u, u_rate, u_bend, eta, rate, second]: Motion,
+        third: C64,
     ) -> (C64, f64) {
         let drive = sigma * self.friction * self.kappa;
         let (a, beta) = (self.a, self.beta);
@@ -342,6 +305,7 @@ impl Characteristic {
             hat[0] * (lambda * drive - lambda * lambda * a + self.h),
             hat[1] * (lambda * (2.0 * a) - drive),
             -hat[2] * a,
+            ((u + u_rate * beta) * lambda - u_rate - u_bend * beta) * self.kappa,
         ];
         let size = terms
             .iter()
@@ -448,25 +412,15 @@ impl Split {
         Flow { at, by }
     }
 
-    /// (η, η′, η″) at a time t of a zone of duration T for unit values of (η, η′) of the oscillator at
-    /// the entry and of the layer's η″ where it is largest.
-    fn basis(&self, t: f64, duration: f64) -> Matrix3<C64> {
-        let (p, q, r) = (self.p, self.q, self.r);
-        let (slow, _, exponent) = oscillator([p, q, p * p - q], [ZERO; 3], t);
-        let factor = exponent.exp();
-        let [[a, b], [c, d]] = slow.map(|row| row.map(|x| x * factor));
-        let place = if r.re > 0.0 { t - duration } else { t };
-        let layer: Complex<f64> = (r * place).exp();
-        Matrix3::new(
-            a,
-            b,
-            layer / (r * r),
-            c,
-            d,
-            layer / r,
-            p * c * 2.0 - q * a,
-            p * d * 2.0 - q * b,
-            layer,
-        )
+    /// The three of them.
+    pub(super) fn roots(&self) -> [C64; 3] {
+        let root = square_root(self.p * self.p - self.q);
+        let aligned = self.p.re * root.re + self.p.im * root.im >= 0.0;
+        let larger = if aligned {
+            self.p + root
+        } else {
+            self.p - root
+        };
+        [self.r, larger, self.q / larger]
     }
 }

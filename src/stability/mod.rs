@@ -6,6 +6,7 @@
 //! [`verdict`] is the answer. [`crate::discretised`] is a check that shares nothing with these but the model.
 
 pub mod asymptotic;
+mod boundary;
 pub mod characteristic;
 pub mod eigenfunction;
 mod material;

@@ -155,6 +155,10 @@ pub(super) enum Jump {
     Touch { tangential: f64, radial: f64 },
     /// Landing or touch with friction.
     Impact(FrictionImpact),
+    /// Take-off with material damping, σfb/a.
+    Depart(f64),
+    /// Landing or touch with material damping.
+    Settle(Reaction),
 }
 
 /// What a Coulomb impact does to a perturbation, in units of u or u′ before it.
@@ -172,6 +176,19 @@ pub(super) struct FrictionImpact {
     pub(super) arrested: bool,
     /// Ü⁺/U̇⁻: u′ := bounce·u, 0 in contact.
     pub(super) bounce: f64,
+}
+
+/// A landing without impact, or a touch: τ = −u′/Ü⁻, see [`super::boundary`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Reaction {
+    /// [V̈]/Ü⁻.
+    pub(super) rate: f64,
+    /// [V⃛ − sU⃛]/Ü⁻.
+    pub(super) bend: f64,
+    /// s = σfb/a.
+    pub(super) share: f64,
+    /// Ü⁺/Ü⁻, 0 in contact.
+    pub(super) lift: f64,
 }
 
 /// One zone with the switch at its end.
