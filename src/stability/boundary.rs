@@ -15,9 +15,17 @@
 //! |---|---|
 //! | take-off | u⁺ = u′⁺ = 0, η and η′ continuous, [η″ − su″] = 0 |
 //! | landing, touch | u⁻ = 0, u⁺ = 0, u′⁺ = −Ü⁺τ, [η] = 0, [η′] = −[V̈]τ, [η″ − su″] = −[V⃛ − sU⃛]τ |
-//! | arrested landing | u⁻ = 0, η′⁻ + V̈⁻τ = 0 |
+//! | arrested landing | u⁻ = 0, η′⁻ + V̈⁻τ = 0, [η] = 0, η′⁺ + V̈⁺τ = 0 |
 //!
-//! without those on u⁺ where there is contact. Together with η = 1 and η′ = 0 at release they are a linear
+//! By the equations of separation and V̈⁻ − sÜ⁻ = V̈⁺ − sÜ⁺ the last of the landing is one between
+//! η″ − m_aη′/(βã) and u″ − m_bu′/(βb̃), which layers leave as small as u′ (their products with 1/β
+//! cancel as β → 0):
+//!
+//! ```text
+//! [η″ − m_aη′/(βã) − s(u″ − m_bu′/(βb̃))] = −[…]τ,   the same of V⃛ and U⃛ in the bracket.
+//! ```
+//!
+//! The conditions hold without those on u⁺ where there is contact, and on η⁺ where there is stick. Together with η = 1 and η′ = 0 at release they are a linear
 //! system Mx = e for the amplitudes, and N = n/g, g = det M over the determinants of the shapes at the
 //! entries, n the same of M bordered by η at the end. Both are entire: what depends on the order of the
 //! exponents cancels. A determinant needs no more than its own pivots, on which it depends smoothly, so
@@ -107,6 +115,8 @@ impl Mul<f64> for Dual {
 struct Shape {
     r: Dual,
     shape: [Dual; 2],
+    /// r − m_b/(βb̃) and r − m_a/(βã).
+    apart: [Dual; 2],
     /// Where s is zero: at the entry, or at the end.
     origin: f64,
 }
@@ -119,17 +129,15 @@ const LAST_STEP: f64 = 1e-13;
 const GROWTH: f64 = 3.0;
 
 impl Shape {
-    fn at(&self, time: f64) -> [Dual; 6] {
+    fn at(&self, time: f64) -> [Dual; 8] {
         // the derivatives of the fastest motions stay of order one
         let size = self.r.at.norm_sqr().max(1.0).recip();
         let factor = (self.r * (time - self.origin)).exp() * size;
-        let mut motion = [Dual::constant(0.0); 6];
-        for (part, shape) in motion.chunks_exact_mut(3).zip(self.shape) {
-            part[0] = shape * factor;
-            part[1] = part[0] * self.r;
-            part[2] = part[1] * self.r;
-        }
-        motion
+        let [u, eta] = self.shape.map(|shape| shape * factor);
+        let [u_rate, rate] = [u * self.r, eta * self.r];
+        let [u_left, left] = [u_rate * self.apart[0], rate * self.apart[1]];
+        let [u_bend, bend] = [u_rate * self.r, rate * self.r];
+        [u, u_rate, u_bend, eta, rate, bend, u_left, left]
     }
 }
 
@@ -137,8 +145,8 @@ impl Shape {
 struct Part {
     zone: LinearZone,
     shapes: Vec<Shape>,
-    entry: Vec<[Dual; 6]>,
-    exit: Vec<[Dual; 6]>,
+    entry: Vec<[Dual; 8]>,
+    exit: Vec<[Dual; 8]>,
 }
 
 impl Part {
@@ -154,7 +162,7 @@ impl Part {
 }
 
 /// Adds a linear form of motions to a row.
-fn add(row: &mut [Dual], motions: &[[Dual; 6]], form: &[(usize, f64)]) {
+fn add(row: &mut [Dual], motions: &[[Dual; 8]], form: &[(usize, f64)]) {
     for (slot, motion) in row.iter_mut().zip(motions) {
         for &(index, factor) in form {
             *slot = *slot + motion[index] * factor;
@@ -178,6 +186,9 @@ const U_BEND: usize = 2;
 const ETA: usize = 3;
 const RATE: usize = 4;
 const BEND: usize = 5;
+/// u″ − m_b u′/(βb̃) and η″ − m_a η′/(βã): what the layers leave of their second derivatives.
+const U_LEFT: usize = 6;
+const LEFT: usize = 7;
 
 impl Phase {
     fn new(parts: Vec<Part>) -> Phase {
@@ -204,23 +215,27 @@ impl Phase {
             };
             let continued = |index: usize| ([(index, 1.0)], [(index, -1.0)]);
             match (part.zone.jump, after.map(|part| part.zone.regime)) {
-                (Jump::Settle(landing), None) => {
+                (Jump::Settle(landing), after) if landing.arrested => {
                     condition(&[(U, 1.0)], &[]);
-                    condition(&[(RATE, 1.0), (U_RATE, landing.rate)], &[]);
+                    condition(&[(RATE, 1.0), (U_RATE, -landing.before)], &[]);
+                    if after.is_some() {
+                        let (before, behind) = continued(ETA);
+                        condition(&before, &behind);
+                        condition(&[(U_RATE, landing.after)], &[(RATE, -1.0)]);
+                    }
                 }
                 (_, None) => condition(&[(RATE, 1.0)], &[]),
                 (Jump::Settle(landing), Some(regime)) => {
                     let (before, behind) = continued(ETA);
                     condition(&before, &behind);
                     condition(&[(U, 1.0)], &[]);
-                    condition(&[(RATE, 1.0), (U_RATE, landing.rate)], &[(RATE, -1.0)]);
+                    // [V̈] = s[Ü], of which V̈⁻ and V̈⁺ would keep little as β → 0
+                    let kept = landing.share * (landing.lift - 1.0);
+                    condition(&[(RATE, 1.0), (U_RATE, kept)], &[(RATE, -1.0)]);
+                    let share = landing.share;
                     condition(
-                        &[
-                            (BEND, 1.0),
-                            (U_RATE, landing.bend),
-                            (U_BEND, -landing.share),
-                        ],
-                        &[(BEND, -1.0), (U_BEND, landing.share)],
+                        &[(LEFT, 1.0), (U_LEFT, -share), (U_RATE, landing.bend)],
+                        &[(LEFT, -1.0), (U_LEFT, share)],
                     );
                     if regime == Regime::Separation {
                         condition(&[], &[(U, 1.0)]);
@@ -416,9 +431,48 @@ impl Characteristic {
                 };
                 let late = at.re * zone.duration > GROWTH;
                 let origin = if late { zone.duration } else { 0.0 };
-                Shape { r, shape, origin }
+                let drive = sliding.unwrap_or(0.0) * self.friction * self.kappa;
+                let force = |of: [f64; 3]| match sliding {
+                    Some(_) => Dual::constant(0.0),
+                    None => {
+                        let bend = bend(r, moving);
+                        bend * bend * self.pencil(of, r, moving).inverse()
+                    }
+                };
+                let apart = [
+                    self.apart(r, moving, self.radial(), || force(free)),
+                    self.apart(r, moving, [self.ma, self.a, self.h, drive], || {
+                        force(radial)
+                    }),
+                ];
+                Shape {
+                    r,
+                    shape,
+                    apart,
+                    origin,
+                }
             })
             .collect()
+    }
+
+    /// r − m/(βã) of a root of −βãr³ + m₂r² + m₁r + m₀ + force = 0, to its own rounding.
+    fn apart(
+        &self,
+        r: Dual,
+        lambda: Dual,
+        [mass, a, stiffness, drive]: [f64; 4],
+        force: impl Fn() -> Dual,
+    ) -> Dual {
+        let (beta, limit) = (self.beta, mass / (self.beta * a));
+        if (r.at - limit).norm() > 0.5 * limit {
+            return r - Dual::constant(limit);
+        }
+        // βã(r − m/(βã)) = (m₂ − m) + m₁/r + (m₀ + force)/r²
+        let l1 = lambda * (2.0 * a) - Dual::constant(drive);
+        let l0 = lambda * drive - lambda * lambda * a + Dual::constant(stiffness);
+        let m1 = l1 + l0 * beta + Dual::constant(self.damping);
+        let inverse = r.inverse();
+        (l1 * beta + ((l0 + force()) * inverse + m1) * inverse) * (1.0 / (beta * a))
     }
 
     /// Every phase from release to stick.
@@ -472,11 +526,16 @@ impl Characteristic {
             }
             let Some(phase) = phases.next() else { break };
             let count = phase.rows.len();
-            let matrix = DMatrix::from_fn(count, count, |i, j| phase.rows[i][j].at);
+            let mut matrix = DMatrix::from_fn(count, count, |i, j| phase.rows[i][j].at);
             let mut right = DVector::<C64>::zeros(count);
             right[0] = eta;
+            for (index, mut row) in matrix.row_iter_mut().enumerate() {
+                let size = row.iter().fold(0.0_f64, |size, x| size.max(x.norm()));
+                row.unscale_mut(size);
+                right[index] /= size;
+            }
             let amplitudes = matrix
-                .full_piv_lu()
+                .lu()
                 .solve(&right)
                 .unwrap_or_else(|| DVector::repeat(count, C64::from(f64::NAN)));
             let mut first = 0;
@@ -578,10 +637,12 @@ mod tests {
     ) -> Characteristic {
         let share = 0.5 * 0.31073463055122197 / 1.087571206929277;
         let landing = Reaction {
-            rate: -ratio,
+            before: ratio,
+            after: 0.0,
             bend: 0.0,
             share,
             lift: 0.0,
+            arrested: true,
         };
         let zones = vec![
             zone(Regime::Slip, slip, Jump::Depart(share)),

@@ -45,7 +45,7 @@
 use nalgebra::Vector4;
 
 use super::perturbation::{
-    C64, FrictionImpact, Jump, LinearZone, ONE, Perturbations, ZERO, oscillator,
+    C64, FrictionImpact, Jump, LinearZone, ONE, Perturbations, Reaction, ZERO, oscillator,
 };
 pub use super::perturbation::{Characteristic, Scaled, Value};
 use super::separation::Separation;
@@ -73,11 +73,6 @@ pub enum NotLinearised {
          undecided"
     )]
     MaterialDamping,
-    /// Material damping and separation.
-    #[error(
-        "with material damping the eigenfunction problem is posed for waves in contact: stability is          undecided"
-    )]
-    MaterialSeparation,
 }
 
 impl Characteristic {
@@ -87,15 +82,22 @@ impl Characteristic {
         if !law.piecewise_linear() {
             return Err(NotLinearised::FrictionLaw);
         }
-        if wave.material && wave.signature.has(Regime::Separation) {
-            return Err(NotLinearised::MaterialSeparation);
+        let model = wave.model_at(point);
+        let undamped = model.damping.stiffness == 0.0;
+        if wave.material && undamped && wave.signature.has(Regime::Separation) {
+            // where β = 0 in a branch of waves with material damping, which land with Coulomb impacts there
+            let mut bare = wave.clone().with_material(false);
+            bare.model.impact = Impact::Coulomb;
+            let (excess, parameter) = (wave.excess_at(point), wave.parameter_at(point));
+            let point = bare.pack(&wave.unpack(point), excess, parameter);
+            return Characteristic::new(&bare, &point);
         }
         let flows = wave.flows(point)?;
         let at = flows.frame.at;
         let count = wave.zones();
         let weight = flows.frame.weight().value;
         let steady = flows.frame.steady().value;
-        let coefficients = wave.model_at(point).constants().coefficients;
+        let coefficients = model.constants().coefficients;
         let excess = wave.excess_at(point);
         // a/c² = 1/(1 + e)²
         let a = (1.0 + excess).powi(-2);
@@ -113,6 +115,9 @@ impl Characteristic {
                 ),
                 Entry::Release | Entry::Section => Jump::None,
                 Entry::Arrest => Jump::Arrest,
+                Entry::TakeOff if at.material > 0.0 => {
+                    Jump::Depart(wave.reaction(&flows, zone.regime).value)
+                }
                 Entry::TakeOff => Jump::TakeOff,
                 Entry::Reversal if at.material > 0.0 => {
                     let (slide, after) =
@@ -124,6 +129,43 @@ impl Characteristic {
                     Jump::Bend(jerk / leaving.acceleration(&slide, t, [y, w]))
                 }
                 Entry::Reversal => Jump::Reversal(sliding(next.regime) / sliding(zone.regime)),
+                Entry::ArrestedLanding | Entry::Landing | Entry::Touch if at.material > 0.0 => {
+                    let beta = at.material;
+                    // (U⃛, V⃛) of separation at U̇ = 0 less m_bÜ/(βb̃) and m_aV̈/(βã)
+                    let left = |[lift, bend]: [f64; 2]| {
+                        let normal = weight + at.kappa * (w + beta * bend);
+                        let rubbed = (at.damping + beta * at.h) * w + at.h * (y + steady);
+                        let shear = rubbed - at.kappa * beta * lift;
+                        [normal / (beta * b), shear / (beta * a)]
+                    };
+                    let before = end.impulse.map(|jet| jet.value / beta);
+                    let slide = wave.slide_at(point, index + 1);
+                    let share = wave.reaction(&flows, next.regime).value;
+                    let [lift, bend, radial, tangential] = match next.regime {
+                        Regime::Separation => {
+                            let after = wave.entry_acceleration(&flows, point, index + 1)?;
+                            let after = after.map(|jet| jet.value);
+                            let [radial, tangential] = left(after);
+                            [after[0], after[1], radial, tangential]
+                        }
+                        Regime::Stick => [0.0; 4],
+                        _ => {
+                            let flow = flows.contact(next.regime);
+                            let bend = flow.acceleration(&slide, 0.0, slide.entry);
+                            let jerk = flow.jerk(&slide, 0.0, slide.entry);
+                            [0.0, bend, 0.0, jerk - at.ma * bend / (beta * a)]
+                        }
+                    };
+                    let [normal, shear] = left(before);
+                    Jump::Settle(Reaction {
+                        before: before[1] / before[0],
+                        after: bend / before[0],
+                        bend: (tangential - shear - share * (radial - normal)) / before[0],
+                        share,
+                        lift: lift / before[0],
+                        arrested: next.entry == Entry::ArrestedLanding,
+                    })
+                }
                 Entry::ArrestedLanding | Entry::Landing | Entry::Touch
                     if wave.model.impact == Impact::Coulomb =>
                 {

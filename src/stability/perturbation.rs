@@ -181,14 +181,17 @@ pub(super) struct FrictionImpact {
 /// A landing without impact, or a touch: τ = −u′/Ü⁻, see [`super::boundary`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Reaction {
-    /// [V̈]/Ü⁻.
-    pub(super) rate: f64,
-    /// [V⃛ − sU⃛]/Ü⁻.
+    /// V̈⁻/Ü⁻ and V̈⁺/Ü⁻, which count where V̇ comes to 1.
+    pub(super) before: f64,
+    pub(super) after: f64,
+    /// [V⃛ − m_aV̈/(βã) − s(U⃛ − m_bÜ/(βb̃))]/Ü⁻.
     pub(super) bend: f64,
     /// s = σfb/a.
     pub(super) share: f64,
     /// Ü⁺/Ü⁻, 0 in contact.
     pub(super) lift: f64,
+    /// The reaction holds V̇ at 1.
+    pub(super) arrested: bool,
 }
 
 /// One zone with the switch at its end.

@@ -16,6 +16,7 @@ mod eigenfunctions;
 mod extremes;
 mod folds;
 mod high_frequency;
+mod landing;
 mod material;
 mod material_ring;
 mod reference;

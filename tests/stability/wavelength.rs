@@ -45,9 +45,10 @@ fn slope_of_characteristic(characteristic: &Characteristic) -> f64 {
 }
 
 /// Both sides along a branch, and |F₀(0)|, every signature with a stick zone by itself.
-fn compare(text: &str, impact: Impact) -> BTreeMap<String, f64> {
+fn compare(text: &str, impact: Impact, beta: f64) -> BTreeMap<String, f64> {
     let mut problem = problem::parse(text, "wavelength").expect("a problem");
     problem.model.impact = impact;
+    problem.model.damping.stiffness = beta;
     let mut worst = BTreeMap::new();
     for item in follow(&problem, text).items {
         if item.point.kind.is_some() || !item.point.regimes.ends_with("stick") {
@@ -62,7 +63,7 @@ fn compare(text: &str, impact: Impact) -> BTreeMap<String, f64> {
         ];
         let size = characteristic.period.max(slopes[1].abs());
         let error = ((slopes[0] - slopes[1]).abs() / size).max((one - 1.0).norm());
-        let name = item.point.regimes.clone();
+        let name = format!("{}, β = {beta}", item.point.regimes);
         assert!(error < BOUND, "{name}, {impact:?}: {slopes:?}, {one}");
         let entry = worst.entry(name).or_insert(0.0_f64);
         *entry = entry.max(error);
@@ -82,13 +83,16 @@ fn slope_at_zero_is_that_of_the_wavelength() {
              range: ({low:?}, {high:?}), toward: Down))"
         )
     };
-    for (impact, nu, friction, low, high) in [
-        (Impact::Frictionless, 0.3, 0.5, 0.001, 0.2),
-        (Impact::Coulomb, 0.3, 0.5, 0.001, 0.2),
+    for (impact, beta, nu, friction, low, high) in [
+        (Impact::Frictionless, 0.0, 0.3, 0.5, 0.001, 0.2),
+        (Impact::Coulomb, 0.0, 0.3, 0.5, 0.001, 0.2),
         // with touches
-        (Impact::Coulomb, -0.3, 0.3, 0.01, 1.0),
+        (Impact::Coulomb, 0.0, -0.3, 0.3, 0.01, 1.0),
+        (Impact::Frictionless, 5e-3, 0.3, 0.5, 0.004, 0.2),
+        (Impact::Frictionless, 1e-3, 0.3, 0.5, 0.004, 0.2),
+        (Impact::Frictionless, 1e-5, 0.3, 0.5, 0.004, 0.2),
     ] {
-        let worst = compare(&text(nu, friction, low, high), impact);
+        let worst = compare(&text(nu, friction, low, high), impact, beta);
         for (regimes, error) in &worst {
             observed(
                 &format!("F₀(0) and F₀′(0) of {regimes}, {impact:?}"),

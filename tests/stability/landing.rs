@@ -1,0 +1,325 @@
+//! Waves that separate with material damping β: the limit β → 0, which is the wave with Coulomb impacts,
+//! spectral collocation, eigenfunctions, and the damping of high frequencies.
+
+use brakewave::branch::polish;
+use brakewave::linalg::Vector;
+use brakewave::model::signature::Regime;
+use brakewave::model::{Impact, Parameter};
+use brakewave::problem;
+use brakewave::stability::characteristic::Characteristic;
+use brakewave::stability::eigenfunction::eigenfunction;
+use brakewave::stability::spectrum::Spectrum;
+use brakewave::wave::{Scales, Wave};
+use nalgebra::{DMatrix, DVector};
+
+use crate::observed;
+use crate::waves::{C64, follow, window};
+
+/// The wave with Coulomb impacts at a mismatch, posed in β at β = 0.
+fn undamped(mismatch: f64) -> (Wave, Vector) {
+    let text = format!(
+        "(model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.5, mismatch: 0.2), \
+         wave: (mode: 4, start: Fast), continuation: (parameter: Mismatch, \
+         range: ({mismatch:?}, 0.2), toward: Down))"
+    );
+    let mut problem = problem::parse(&text, "landing").expect("a problem");
+    problem.model.impact = Impact::Coulomb;
+    let items = follow(&problem, &text).items;
+    let (found, point) = items.last().expect("points").wave();
+    let wave = Wave::new(
+        found.model_at(point),
+        Parameter::StiffnessDamping,
+        found.mode,
+        found.signature.clone(),
+        Scales {
+            parameter: 0.01,
+            ..found.scales
+        },
+    );
+    let guess = wave.pack(&found.unpack(point), found.excess_at(point), 0.0);
+    let point = polish(&wave, &guess).expect("the limit");
+    (wave, point)
+}
+
+/// The wave of the same signature at another β, admissible or not, in steps of β.
+fn damped((wave, point): &(Wave, Vector), beta: f64) -> (Wave, Vector) {
+    let mut point = point.clone();
+    let steps = (beta / 5e-4).ceil().max(1.0);
+    for step in 1..=steps as usize {
+        let value = beta * step as f64 / steps;
+        let guess = wave.pack(&wave.unpack(&point), wave.excess_at(&point), value);
+        point = polish(wave, &guess).expect("the wave at this damping");
+    }
+    (wave.clone(), point)
+}
+
+fn linearised((wave, point): &(Wave, Vector)) -> Characteristic {
+    Characteristic::new(wave, point).expect("Coulomb's law")
+}
+
+/// Waves that land into stick and into slip, from β = 5e-3 to 1e-10.
+fn specimens() -> Vec<(f64, Wave, Vector)> {
+    let mut waves = Vec::new();
+    for (mismatch, largest) in [(0.01, 5e-3), (0.045, 2e-3)] {
+        let limit = undamped(mismatch);
+        for beta in [largest, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10] {
+            let (wave, point) = damped(&limit, beta);
+            waves.push((beta, wave, point));
+        }
+    }
+    waves
+}
+
+#[test]
+fn zero_is_an_eigenvalue() {
+    let mut worst = 0.0_f64;
+    for (beta, wave, point) in specimens() {
+        let characteristic = linearised(&(wave, point));
+        let [trace, _] = characteristic.evaluate(C64::new(0.0, 0.0)).numbers();
+        println!("observed: β = {beta:e}: {:.1e}", (trace - 1.0).norm());
+        worst = worst.max((trace - 1.0).norm());
+    }
+    observed(
+        "translation of separated waves with material damping",
+        worst,
+    );
+    assert!(worst < 1e-11, "{worst:e}");
+}
+
+/// Eigenvalues of a spectrum with Re λ above a bound.
+fn leading(spectrum: &Spectrum, least: f64) -> Vec<(usize, C64)> {
+    assert!(spectrum.complete);
+    let sectors = spectrum.sectors.iter();
+    sectors
+        .flat_map(|sector| {
+            let listed = spectrum.listed(sector);
+            listed.map(|one| (sector.sector, one.value()))
+        })
+        .filter(|(_, value)| value.re > least)
+        .collect()
+}
+
+/// (λ(β) − λ_C)/β tends to a limit, λ_C being the eigenvalues of the wave with Coulomb impacts, from a
+/// problem of half the order with other jumps.
+#[test]
+fn the_limit_is_the_spectrum_of_the_coulomb_impact() {
+    for mismatch in [0.01, 0.045] {
+        let limit = undamped(mismatch);
+        let undamped = leading(&window(&linearised(&limit)), -0.1);
+        assert!(undamped.len() > 5, "{undamped:?}");
+        let slopes = |beta: f64| -> Vec<C64> {
+            let found = leading(&window(&linearised(&damped(&limit, beta))), -0.3);
+            let nearest = |(sector, value): &(usize, C64)| {
+                let near = found.iter().filter(|(other, _)| other == sector);
+                let moved = near.map(|(_, other)| other - value);
+                let least = moved.min_by(|one, other| one.norm().total_cmp(&other.norm()));
+                least.expect("eigenvalues of this sector") / beta
+            };
+            undamped.iter().map(nearest).collect()
+        };
+        let first = slopes(1e-6);
+        for beta in [1e-5, 1e-7, 1e-8] {
+            let mut worst = 0.0_f64;
+            for (slope, first) in slopes(beta).into_iter().zip(&first) {
+                let error = (slope - first).norm() / (1.0 + first.norm());
+                // the term of second order, and the rounding of eigenvalues
+                let allowed = 1e4 * beta.max(1e-6) + 1e-11 / beta;
+                assert!(error < allowed, "β = {beta}: {slope} for {first}");
+                worst = worst.max(error);
+            }
+            println!("observed: δ = {mismatch}, β = {beta:e}: slopes agree to {worst:.1e}");
+        }
+    }
+}
+
+/// A zone as ẋ = Ax on (η, η′, η″), before it (u, u′, u″) in separation.
+fn equations(wave: &Wave, point: &Vector, regime: Regime, lambda: C64) -> DMatrix<C64> {
+    let model = wave.model_at(point);
+    let c = model.constants().coefficients;
+    let speed = wave.speed_at(point);
+    let (kappa, beta) = (c.coupling / speed, model.damping.stiffness);
+    // (d − λ)(1 + βd) in (1, d, d²)
+    let turned = [-lambda, C64::from(1.0) - lambda * beta, C64::from(beta)];
+    // [stiffness − drive(d − λ) − stress(d − λ)²](1 + βd) + d², solved for βã d³
+    let row = |stress: f64, stiffness: f64, drive: f64| -> [C64; 3] {
+        let ratio = stress / (speed * speed);
+        let square = [
+            lambda * lambda,
+            lambda * lambda * beta - lambda * 2.0,
+            C64::from(1.0) - lambda * (2.0 * beta),
+        ];
+        [0, 1, 2].map(|i| {
+            let plain = [stiffness, stiffness * beta, 1.0][i];
+            (C64::from(plain) - turned[i] * drive - square[i] * ratio) / (beta * ratio)
+        })
+    };
+    let separated = regime == Regime::Separation;
+    let first = if separated { 3 } else { 0 };
+    let mut matrix = DMatrix::<C64>::zeros(first + 3, first + 3);
+    for i in (0..first + 3).filter(|i| i % 3 != 2) {
+        matrix[(i, i + 1)] = C64::from(1.0);
+    }
+    let drive = regime.sliding().unwrap_or(0.0) * model.friction * kappa;
+    for (j, entry) in row(c.a, c.h, drive).into_iter().enumerate() {
+        matrix[(first + 2, first + j)] = entry;
+    }
+    if separated {
+        for (j, entry) in row(c.b, c.g, 0.0).into_iter().enumerate() {
+            matrix[(2, j)] = entry;
+            let scale = speed * speed * kappa / beta;
+            matrix[(2, 3 + j)] = turned[j] * (scale / c.b);
+            matrix[(5, j)] = turned[j] * (-scale / c.a);
+        }
+    }
+    matrix
+}
+
+/// N(λ) of slip-separation-stick waves by collocation at six Gauss points of each of the intervals, which
+/// shrink towards the ends of the zones: of linear equations with constant coefficients it is the diagonal
+/// Padé approximant of the exponential. All of it is one linear system.
+#[test]
+fn collocation_finds_the_same_function() {
+    const INTERVALS: usize = 60;
+    const SHRINK: f64 = 0.8;
+    const LARGEST: f64 = 1.0 / 24.0;
+    const GAUSS: usize = 6;
+    let limit = undamped(0.01);
+    let mut worst = 0.0_f64;
+    for (beta, places) in [(5e-3, 3), (2e-3, 1)] {
+        let (wave, point) = damped(&limit, beta);
+        assert_eq!(wave.signature.to_string(), "slip-separation-stick");
+        let characteristic = linearised(&(wave.clone(), point.clone()));
+        let c = wave.model_at(&point).constants().coefficients;
+        let share = wave.model.friction * c.b / c.a;
+        let flows = wave.flows(&point).expect("a frame");
+        let end = wave.zone_end(&flows, &point, 1).expect("a landing");
+        let ratio = end.impulse[1].value / end.impulse[0].value;
+        let lambdas = [
+            C64::new(0.05, 2.5),
+            C64::new(-0.3, -6.0),
+            C64::new(0.4, 11.0),
+        ];
+        for lambda in lambdas.into_iter().take(places) {
+            let sizes = [3 * (INTERVALS + 1), 6 * (INTERVALS + 1)];
+            let total = sizes[0] + sizes[1];
+            let mut matrix = DMatrix::<C64>::zeros(total, total);
+            let mut right = DVector::<C64>::zeros(total);
+            let mut row = 0;
+            for (zone, regime) in [Regime::Slip, Regime::Separation].into_iter().enumerate() {
+                let generator = equations(&wave, &point, regime, lambda);
+                let size = generator.nrows();
+                let duration = wave.duration_at(&point, zone);
+                let mut left = duration;
+                for interval in 0..INTERVALS {
+                    let rest = if interval + 1 == INTERVALS {
+                        0.0
+                    } else {
+                        (SHRINK * left).max(left - LARGEST * duration)
+                    };
+                    let step = &generator * C64::from(left - rest);
+                    left = rest;
+                    // Σ (2s − j)! s!/((2s)! j! (s − j)!) (±hA)^j
+                    let mut power = DMatrix::<C64>::identity(size, size);
+                    let (mut forth, mut back) = (power.clone(), -power.clone());
+                    let mut factor = 1.0;
+                    for j in 1..=GAUSS {
+                        factor *= (GAUSS + 1 - j) as f64 / ((2 * GAUSS + 1 - j) * j) as f64;
+                        power = &power * &step;
+                        let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
+                        forth += &power * C64::from(factor);
+                        back -= &power * C64::from(factor * sign);
+                    }
+                    let column = zone * sizes[0] + interval * size;
+                    matrix
+                        .view_mut((row, column), (size, size))
+                        .copy_from(&forth);
+                    matrix
+                        .view_mut((row, column + size), (size, size))
+                        .copy_from(&back);
+                    row += size;
+                }
+            }
+            let (leave, entry, land) = (sizes[0] - 3, sizes[0], total - 6);
+            let mut condition = |terms: &[(usize, f64)], value: f64| {
+                for &(column, factor) in terms {
+                    matrix[(row, column)] = C64::from(factor);
+                }
+                right[row] = C64::from(value);
+                row += 1;
+            };
+            condition(&[(0, 1.0)], 1.0);
+            condition(&[(1, 1.0)], 0.0);
+            condition(&[(entry, 1.0)], 0.0);
+            condition(&[(entry + 1, 1.0)], 0.0);
+            condition(&[(entry + 3, 1.0), (leave, -1.0)], 0.0);
+            condition(&[(entry + 4, 1.0), (leave + 1, -1.0)], 0.0);
+            condition(
+                &[(entry + 5, 1.0), (entry + 2, -share), (leave + 2, -1.0)],
+                0.0,
+            );
+            condition(&[(land, 1.0)], 0.0);
+            condition(&[(land + 4, 1.0), (land + 1, -ratio)], 0.0);
+            assert_eq!(row, total);
+            for index in 0..total {
+                let size = matrix
+                    .row(index)
+                    .iter()
+                    .map(|x| x.norm())
+                    .fold(0.0, f64::max);
+                matrix.row_mut(index).unscale_mut(size);
+                right[index] /= size;
+            }
+            let motion = matrix.lu().solve(&right).expect("a regular problem");
+            let expected = motion[land + 3] * (-lambda * characteristic.period).exp();
+            let [found, _] = characteristic.evaluate(lambda).numbers();
+            let error = (found - expected).norm() / expected.norm().max(1.0);
+            println!("observed: β = {beta}, λ = {lambda}: {error:.1e}");
+            worst = worst.max(error);
+        }
+    }
+    observed("N(λ) of separated waves against collocation", worst);
+    assert!(worst < 1e-9, "{worst:e}");
+}
+
+#[test]
+fn eigenfunctions_close() {
+    let (mut closure, mut residual) = (0.0_f64, 0.0_f64);
+    for (_, wave, point) in specimens() {
+        let speed = wave.speed_at(&point);
+        let characteristic = linearised(&(wave, point));
+        let spectrum = window(&characteristic);
+        for (sector, lambda) in leading(&spectrum, -0.3) {
+            let found = eigenfunction(&characteristic, speed, sector, lambda, 60);
+            closure = closure.max(found.closure_residual);
+            residual = residual.max(found.equation_residual);
+        }
+    }
+    observed("closure of eigenfunctions", closure);
+    observed("their equations, by differences", residual);
+    assert!(closure < 1e-9, "{closure:e}");
+    // sixth-order differences err by (h|λ|)⁶/140, h being 1e-2 of a zone and |λ| up to 13
+    assert!(residual < 2e-7, "{residual:e}");
+}
+
+/// On Re λ = 0 far above 1/β the perturbation decays like e^{−s/β} wherever it does not stick.
+#[test]
+fn high_frequencies_decay_out_of_stick() {
+    for (beta, wave, point) in specimens() {
+        // e^{−T/β} is a number down to e^{−745}
+        if beta < 2e-3 {
+            continue;
+        }
+        let zones = 0..wave.zones();
+        let moving = zones.filter(|&zone| wave.signature.zone(zone).regime != Regime::Stick);
+        let time: f64 = moving.map(|zone| wave.duration_at(&point, zone)).sum();
+        let characteristic = linearised(&(wave, point));
+        let exponent = |omega: f64| {
+            let value = characteristic.evaluate(C64::new(0.0, omega));
+            let (trace, unit) = (value.trace, value.unit);
+            trace.value.norm().ln() + trace.exponent - unit.value.norm().ln() - unit.exponent
+        };
+        let last = exponent(1e5 / beta) * beta / time;
+        // what is left of it falls like 1/(βω)²
+        assert!((last + 1.0).abs() < 1e-9, "{last}");
+    }
+}
