@@ -120,17 +120,16 @@ pub fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, N
         Err(refused) => refused,
     };
     // a layer thinner than any step turns the tangent within the first one
-    let settled = wave
-        .material
-        .then(|| settled(wave, &node, INSIDE * ds, tolerance));
-    match settled.flatten() {
-        Some(node) => enter_along(wave, &node, ds, tolerance),
-        None => Err(refused),
-    }
+    let layers: &[f64] = if wave.material { &INSIDE } else { &[] };
+    let mut settled = layers
+        .iter()
+        .filter_map(|part| settled(wave, &node, part * ds, tolerance));
+    let entered = settled.find_map(|node| enter_along(wave, &node, ds, tolerance).ok());
+    entered.ok_or(refused)
 }
 
-/// Part of a step after which the tangent beyond a layer is looked for.
-const INSIDE: f64 = 1e-2;
+/// Parts of a step after which the tangent beyond a layer is looked for.
+const INSIDE: [f64; 3] = [1e-2, 1e-1, 1e-3];
 
 /// An event with the tangent that the branch has a short way beyond it.
 fn settled(wave: &Wave, node: &Node, ds: f64, tolerance: f64) -> Option<Node> {
@@ -141,6 +140,8 @@ fn settled(wave: &Wave, node: &Node, ds: f64, tolerance: f64) -> Option<Node> {
     };
     let settings = newton::Settings {
         tolerance,
+        most_iterations: 20,
+        halvings: 10,
         ..newton::Settings::default()
     };
     let inside = newton::solve(wave, &mut plane, &beyond, &settings).ok()?;

@@ -100,6 +100,7 @@ pub(super) fn located(branch: &Branch, step: &Step) -> Result<Vec<(Place, Locate
     let apart = |fold: &(Place, Located)| {
         let mut places = changes.iter().map(|(place, _)| place.s);
         places.all(|s| (s - fold.0.s).abs() > step.at_once())
+            && (changes.is_empty() || !wave.thinner_than_a_layer(&fold.0.node.point))
     };
     let fold = fold.filter(apart);
     for (place, Located { uncertainty, .. }) in fold.iter().chain(&changes) {

@@ -263,6 +263,11 @@ impl LayeredFlow {
         self.slow.norm()
     }
 
+    /// A bound of the times in which the layers decay.
+    pub(crate) fn thickness(&self) -> f64 {
+        self.layers.norm()
+    }
+
     fn matrix<const D: usize>(&self, of: &Square<2>) -> Square<D> {
         of.map(lifted)
     }
@@ -278,9 +283,11 @@ impl LayeredFlow {
         self.matrix(&(self.rates * inverse))
     }
 
-    /// Whether nothing is left of the layers this long before the end.
+    /// Whether nothing is left of the layers this long before the end. A zone that has shrunk beyond
+    /// nothing by more than a layer goes on as it was while it was long: the layers would grow there.
     fn forgotten(&self, time: f64) -> bool {
-        time > 0.0 && time >= UNDERFLOW * self.layers.norm()
+        let longest = self.thickness();
+        time > 0.0 && time >= UNDERFLOW * longest || time < -longest
     }
 
     /// What is left of the layers' velocity, and of their acceleration, a time before the end.
@@ -441,7 +448,7 @@ impl LayeredFlow {
                 ]
             }
         };
-        let scale = layers.0[0][0] + duration;
+        let scale = layers.0[0][0] + duration * t.signum();
         let first = if m == 3 { scale * gap } else { gap };
         let jets = [first, position[1], rate[1]];
         if !jets.iter().all(|jet| jet.value.is_finite()) {

@@ -162,6 +162,20 @@ impl Wave {
         }
     }
 
+    /// Whether a separation zone is shorter than its layers: where it opens or closes the parameter is
+    /// stationary.
+    pub(crate) fn thinner_than_a_layer(&self, point: &Vector) -> bool {
+        let Ok(flows) = self.flows(point) else {
+            return false;
+        };
+        let layered = |zone: &usize| {
+            let flow = flows.separation().layered().ok().flatten();
+            self.signature.zone(*zone).regime == Regime::Separation
+                && flow.is_some_and(|flow| self.duration_at(point, *zone) < flow.thickness())
+        };
+        self.material && (0..self.zones()).any(|zone| layered(&zone))
+    }
+
     /// Number of zones.
     pub fn zones(&self) -> usize {
         self.signature.len()

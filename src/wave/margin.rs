@@ -85,14 +85,17 @@ pub(super) fn edge_margins(
     if zone.entry == Entry::Landing && zone.regime != Regime::Contact {
         margins.push((Watch::LandingRate, watched(Watch::LandingRate)?));
     }
+    // with material damping what belongs to a landing vanishes like a power of the duration of
+    // separation, which is watched
+    let before = index + wave.zones() - 1;
+    let gone = |index: usize| wave.material && wave.duration_at(point, index) <= 0.0;
     if matches!(zone.entry, Entry::Landing | Entry::ArrestedLanding)
         && matches!(zone.regime, Regime::Slip | Regime::Contact)
+        && !gone(before)
     {
         margins.push((Watch::LandingPressure, watched(Watch::LandingPressure)?));
     }
-    // both vanish like a power of the duration, which is watched
-    let vanished = wave.material && wave.duration_at(point, index) <= 0.0;
-    if zone.entry == Entry::Touch && !vanished {
+    if zone.entry == Entry::Touch && !gone(index) {
         if wave.material {
             // it slides as slip does
             margins.push((Watch::LandingRate, watched(Watch::LandingRate)?));
@@ -108,7 +111,7 @@ pub(super) fn edge_margins(
     if zone.regime == Regime::Reverse && next.entry == Entry::Reversal {
         margins.push((Watch::UpperForce, watched(Watch::UpperForce)?));
     }
-    if zone.regime == Regime::Separation && !vanished {
+    if zone.regime == Regime::Separation && !gone(index) {
         margins.push((Watch::LandingSpeed, watched(Watch::LandingSpeed)?));
         if next.entry == Entry::ArrestedLanding {
             margins.push((Watch::Impulse, watched(Watch::Impulse)?));

@@ -368,7 +368,7 @@ fn separation_opens_like_a_square_root() {
 #[test]
 fn there_and_back() {
     let mut worst = 0.0_f64;
-    for beta in [5e-3, 1e-3, 1e-5, 1e-6] {
+    for beta in [5e-3, 1e-3, 1e-5, 1e-6, 1e-7] {
         let case = Case {
             range: (0.03, 0.2),
             ..with_material_damping(beta)
