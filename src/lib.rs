@@ -2,7 +2,7 @@
 //!
 //! An elastic tube is pressed on a rigid shaft that turns inside it. Waves of stick, slip, reverse
 //! slip and separation run round the contact — the squeal of a brake. This crate follows branches
-//! of such waves in a parameter, proves at every point that contact and friction laws hold, and
+//! of such waves in a parameter, verifies at every point that contact and friction laws hold, and
 //! locates every change of the sequence of regimes on the way. It implements and extends
 //! Q.S. Nguyen, A. Oueslati, A. Steindl, A. Teufel, H. Troger, C. R. Mecanique 336 (2008).
 //!
@@ -28,8 +28,8 @@
 //! Data flows one way, and what stands further left imports nothing from further right:
 //!
 //! ```text
-//! linalg ─► continuation ─┐
-//! model ──────────────────┴─► flow ─► wave ─► stability ─► problem ─► branch ─► curve, map,
+//! linalg ─► continuation ─┐                     interval ─► problem, certify
+//! model ──────────────────┴─► flow ─► wave ─► stability ─► problem ─► branch ─► certify, curve, map,
 //!   │                          └──► steady                  ▲           │       discretised, accuracy
 //!   └─► simulation ─────────────────────────────────────────┘           └───────► output ─► cli
 //!                                                              table ─────────────┘
@@ -37,7 +37,7 @@
 //!
 //! - [`model`] has the parameters, the laws of friction and impact, the coefficients, the regimes and the
 //!   table of switches between them;
-//! - [`flow`] is the exact flow of one regime with its derivatives, and proofs of sign;
+//! - [`flow`] is the exact flow of one regime with its derivatives, and signs over whole zones;
 //! - [`continuation`] follows zero curves of any system and knows nothing of waves; [`linalg`] serves it;
 //! - [`wave`] poses a wave as a boundary-value problem for one signature, has its closed form, examines
 //!   it, and finds candidates for its successor;
@@ -47,6 +47,8 @@
 //!   agreement is evidence;
 //! - [`problem`] reads and checks problem files;
 //! - [`branch`] follows waves in one parameter: first wave, changes of regime, points and labels;
+//! - [`interval`] is arithmetic that rounds outwards, [`certify`] proves in it the special points that a
+//!   branch has located;
 //! - [`curve`] follows one event in two parameters, [`map`] lays branches through a plane of them;
 //! - [`discretised`] has the eigenvalues of a ring of points, as a check;
 //! - `accuracy` runs one problem by every method and compares errors and times;
@@ -61,12 +63,14 @@
 #[cfg(feature = "cli")]
 mod accuracy;
 pub mod branch;
+pub mod certify;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod continuation;
 pub mod curve;
 pub mod discretised;
 pub mod flow;
+pub mod interval;
 pub mod linalg;
 pub mod map;
 pub mod model;

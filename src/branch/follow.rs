@@ -1,6 +1,6 @@
 //! Following a branch of waves through all its regimes: a wave as a curve for the walker.
 //!
-//! The proof of every inequality is watched, every event within a step is met in order, and at a change
+//! Every inequality is watched, every event within a step is met in order, and at a change
 //! of regime the successor signature goes on.
 
 use std::sync::Arc;

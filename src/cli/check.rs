@@ -13,7 +13,9 @@ use super::progress::drive;
 use super::{print, warn};
 use crate::branch::compare::{Compared, Comparison, compare, number};
 use crate::branch::run::End;
+use crate::certify::{Point, certify};
 use crate::model::Parameter;
+use crate::output::certify::sentence;
 use crate::problem::{self, Problem};
 
 #[derive(Debug, Args)]
@@ -118,20 +120,26 @@ fn check_file(path: &Path) -> Result<Outcome, Failure> {
     let mut branch = begin(false, &problem, &continuation, restart.as_ref())
         .map_err(|error| source.place(error))?;
     let mut events = Vec::new();
+    let mut certified = Vec::new();
     drive(false, || {
         if branch.progress().end.is_some() {
             return Ok(None);
         }
-        events.extend(branch.step().into_iter().filter_map(|item| item.event));
+        for item in branch.step() {
+            if problem.certify {
+                certified.extend(certify(&item, source.text()));
+            }
+            events.extend(item.event);
+        }
         let (points, events) = (branch.progress().points, events.len());
         let words = format!("{file}: {points} points, {events} events");
         Ok(Some((branch.position(), words)))
     })?;
     let compared = compare(&problem.expect, &events);
-    let found: Vec<Found> = compared
+    let compared = compared
         .iter()
-        .map(|one| found(one, continuation.parameter))
-        .collect();
+        .map(|one| found(one, continuation.parameter));
+    let found: Vec<Found> = compared.chain(certified.iter().map(proven)).collect();
     let trouble = match &branch.progress().end {
         Some(End::Failed(reason)) => Some(format!("the branch ended before its range: {reason}")),
         _ => None,
@@ -146,6 +154,22 @@ fn check_file(path: &Path) -> Result<Outcome, Failure> {
         found,
         trouble,
     })
+}
+
+/// A special point to be proven, in words.
+fn proven(point: &Point) -> Found {
+    let met = point.is_proven();
+    let line = sentence(point).trim_end().to_owned();
+    Found {
+        title: format!("{} at label {}", point.kind, point.label),
+        lines: if met {
+            vec![format!("ok   {line}")]
+        } else {
+            Vec::new()
+        },
+        wrong: (!met).then_some(line),
+        met,
+    }
 }
 
 /// An expectation in words.

@@ -1,6 +1,7 @@
 //! The command line: verbs, messages, exit codes.
 
 mod accuracy;
+mod certify;
 mod check;
 mod curve;
 mod failure;
@@ -39,6 +40,8 @@ enum Verb {
     Run(run::RunArguments),
     /// Run problem files and compare with their `expect` lists
     Check(check::CheckArguments),
+    /// Follow a branch and prove its special points in interval arithmetic, or verify such proofs
+    Certify(certify::CertifyArguments),
     /// Draw the pictures of a result folder again
     Plot(plot::PlotArguments),
     /// The wave at one parameter value and its eigenvalues, as CSV on standard output
@@ -94,6 +97,7 @@ pub fn main() -> ExitCode {
     let result = match arguments.verb {
         Verb::Run(arguments) => run::run(&arguments),
         Verb::Check(arguments) => check::check(&arguments),
+        Verb::Certify(arguments) => certify::certify(&arguments),
         Verb::Plot(arguments) => plot::plot(&arguments),
         Verb::Spectrum(arguments) => spectrum::spectrum(&arguments),
         Verb::Accuracy(arguments) => accuracy::accuracy(&arguments),

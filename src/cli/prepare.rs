@@ -43,6 +43,11 @@ impl Source {
         Source { name, text }
     }
 
+    /// The text of the file.
+    pub(crate) fn text(&self) -> &str {
+        &self.text
+    }
+
     /// A refusal of what stands at a path.
     pub(crate) fn refuse(&self, path: &str, message: String, help: &str) -> Failure {
         problem::refuse_at(&self.text, &self.name, path, message, help).into()

@@ -2,7 +2,7 @@
 //!
 //! An event of a branch — a fold, a change of regime, a Hopf point — moves along a curve when a second
 //! parameter is let go. [`system`] poses it, the walker of [`crate::continuation`] follows it,
-//! and at every point all other inequalities of the wave are proven, as on a branch. On the way,
+//! and at every point all other inequalities of the wave are verified, as on a branch. On the way,
 //! points of codimension two are located:
 //!
 //! | type | point | test function |

@@ -58,10 +58,10 @@ pub enum FlowError {
         /// What the method says.
         reason: &'static str,
     },
-    /// A zone turns too often for its inequalities to be proven.
+    /// A zone turns too often for its inequalities to be verified.
     #[error(
         "a zone of duration {duration:e} turns through {radians:.1e} radians, more than the \
-         {most:.0e} through which inequalities are proven: |c| is close to √a"
+         {most:.0e} through which inequalities are verified: |c| is close to √a"
     )]
     Winding {
         /// Duration of the zone.

@@ -1,9 +1,9 @@
-//! Sign of a smooth function over a whole interval, proven through Bernstein polynomials.
+//! Sign of a smooth function over a whole interval through Bernstein polynomials, verified up to rounding.
 //!
 //! On a piece of a zone not longer than a radian a component of the flow equals its Taylor
 //! polynomial of degree 16 up to a known remainder. In the Bernstein basis of that piece the
 //! polynomial lies between its smallest and its largest coefficient, so coefficients of one sign
-//! prove the sign on the whole piece; where they do not, the piece is halved. A known m-fold zero
+//! tell the sign on the whole piece; where they do not, the piece is halved. A known m-fold zero
 //! at an end of the piece makes the m coefficients next to it vanish and divides out by leaving
 //! them aside: p(t) = tᵐ·r(t) and the remaining coefficients are those of r, but for positive
 //! factors.

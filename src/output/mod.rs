@@ -3,6 +3,8 @@
 #[cfg(feature = "cli")]
 pub(crate) mod accuracy;
 #[cfg(feature = "cli")]
+pub(crate) mod certify;
+#[cfg(feature = "cli")]
 pub(crate) mod curve;
 #[cfg(feature = "cli")]
 pub(crate) mod map;

@@ -30,6 +30,7 @@ pub use expectation::Expectation;
 pub use map::{Map, MapAxis, MapPoints};
 
 use crate::flow::method::Method;
+use crate::interval::Decimal;
 use crate::model::{Model, Parameter, Sectors};
 use crate::simulation::task::Simulation;
 use crate::stability::spectrum::Request;
@@ -107,6 +108,9 @@ pub struct Problem {
     /// Events that a check compares with.
     #[serde(default)]
     pub expect: Vec<Expectation>,
+    /// Whether a check proves the special points of the branch.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub certify: bool,
 }
 
 impl Problem {
@@ -344,6 +348,22 @@ fn is_text(c: char) -> bool {
 /// Whether the text of a problem says something at a path.
 pub fn says(text: &str, path: &str) -> bool {
     Outline::of(text).has(path)
+}
+
+/// The decimal that the text of a problem has at a path.
+pub fn decimal_at(text: &str, path: &str) -> Option<Decimal> {
+    let outline = Outline::of(text);
+    let there = outline.has(path).then(|| outline.locate(path))?;
+    Decimal::try_from(text.get(there)?.to_owned()).ok()
+}
+
+/// The decimal below a path that reads as a double; the shortest where the text has none.
+pub fn decimal_of(text: &str, path: &str, value: f64) -> Decimal {
+    let outline = Outline::of(text);
+    let below = outline.leaves().filter(|leaf| leaf.path.starts_with(path));
+    let decimals = below.filter_map(|leaf| Decimal::try_from(leaf.source.to_owned()).ok());
+    let mut equal = decimals.filter(|decimal| decimal.nearest() == value);
+    equal.next().unwrap_or_else(|| Decimal::of(value))
 }
 
 /// A refusal of what the text of a problem says at a path, for reasons that only show later.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Stability of a wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stability {
-    /// Proven stable against every perturbation of the full circle.
+    /// Stable, as verified up to rounding, against every perturbation of the full circle.
     Yes,
     /// At least one growing mode.
     No,

@@ -1,10 +1,10 @@
-//! Every inequality of every zone, proven over the whole zone, and the margins left.
+//! Every inequality of every zone, verified over the whole zone up to rounding, and the margins left.
 //!
 //! The functions that must keep their sign — 1 − W in slip, W − 1 in reverse slip, P in contact,
 //! U − δ in separation — are components of linear flows. In contact all of them are monotone
 //! between the zeros of V̈, which are known in closed form. A separation zone is cut into pieces of
 //! at most one radian; on each piece the Taylor polynomial of U and its Bernstein coefficients
-//! prove the sign ([`crate::flow::sign`]) and locate every local minimum.
+//! tell the sign ([`crate::flow::sign`]) and locate every local minimum.
 //!
 //! A *margin* is a smooth function of the unknowns that is positive while the signature holds:
 //! durations, the least values just named, and the conditions of the switching table. The margin

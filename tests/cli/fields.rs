@@ -512,6 +512,12 @@ const TABLE: &[Row] = &[
         "mismatch: 0.0969,",
         "-h--------",
     ),
+    row(
+        "certify",
+        "    expect: [",
+        "    certify: true,\n    expect: [",
+        "-h--------",
+    ),
 ];
 
 /// What a verb leaves: exit code, what it said, and its tables and pictures.

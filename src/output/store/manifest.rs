@@ -25,6 +25,8 @@ pub(crate) enum Kind {
     Accuracy,
     /// A simulation.
     Simulation,
+    /// What is proven of a branch.
+    Certificate,
 }
 
 impl Kind {
@@ -37,6 +39,7 @@ impl Kind {
             Kind::Curve => "curve",
             Kind::Accuracy => "accuracy",
             Kind::Simulation => "simulation",
+            Kind::Certificate => "certificate",
         }
     }
 

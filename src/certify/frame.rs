@@ -1,0 +1,235 @@
+//! The numbers of the equations, enclosed, with derivatives in the speed and in the parameter.
+//!
+//! The numbers of a problem are decimals, and the coefficients a, b, D, g, h follow from ν, ξ, γ by the
+//! formulas of [`crate::model::coefficients`], written once for every kind of [`Number`]: the derivative in
+//! ν, ξ or γ comes with them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interval::{Decimal, Interval, Number};
+use crate::model::{FrictionLaw, Model, Parameter, Source};
+
+/// Where a, b, D, g, h come from, as written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Origin {
+    /// ν, ξ, γ.
+    Geometry([Decimal; 3]),
+    /// a, b, D, g, h.
+    Given([Decimal; 5]),
+}
+
+/// The numbers of a model as the decimals that were written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Written {
+    /// Origin of the coefficients.
+    pub origin: Origin,
+    /// Friction coefficient f.
+    pub friction: Decimal,
+    /// Mismatch δ.
+    pub mismatch: Decimal,
+    /// Mass-proportional damping α.
+    pub damping: Decimal,
+    /// Static by kinetic friction; none under Coulomb's law.
+    pub ratio: Option<Decimal>,
+}
+
+impl Written {
+    /// The numbers of a model. `text` looks a number up by its path in a problem file; one that it does not
+    /// know, or knows otherwise than the model does, is the shortest decimal that reads as the double.
+    pub fn new(model: &Model, text: impl Fn(&str) -> Option<Decimal>) -> Written {
+        let decimal = |path: &str, value: f64| {
+            let written = text(path).filter(|decimal| decimal.nearest() == value);
+            written.unwrap_or_else(|| Decimal::of(value))
+        };
+        let coefficient = |name: &str, value| decimal(&format!("model.coefficients.{name}"), value);
+        Written {
+            origin: match model.source {
+                Source::Geometry { nu, xi, gamma } => Origin::Geometry([
+                    coefficient("nu", nu),
+                    coefficient("xi", xi),
+                    coefficient("gamma", gamma),
+                ]),
+                Source::Given {
+                    a,
+                    b,
+                    coupling,
+                    g,
+                    h,
+                } => Origin::Given([
+                    coefficient("a", a),
+                    coefficient("b", b),
+                    coefficient("D", coupling),
+                    coefficient("g", g),
+                    coefficient("h", h),
+                ]),
+            },
+            friction: decimal("model.friction", model.friction),
+            mismatch: decimal("model.mismatch", model.mismatch),
+            damping: decimal("model.damping.mass", model.damping.mass),
+            ratio: match model.law {
+                FrictionLaw::Static { ratio } => Some(decimal("model.friction_law.ratio", ratio)),
+                _ => None,
+            },
+        }
+    }
+}
+
+/// Below this y the integrals are summed as series, as in [`crate::model::coefficients`].
+const SERIES_LIMIT: f64 = 0.5;
+/// Terms of the series; those left out fall like y² ≤ ¼ from one to the next.
+const SERIES_TERMS: i32 = 32;
+
+/// I0 and I2 of ξ.
+fn integrals<N: Number>(xi: N) -> [N; 2] {
+    let one = N::double(1.0);
+    let square = xi * xi;
+    let w = (xi - one) * (xi + one);
+    let y = w * (square + one).recip();
+    let sq = y * y;
+    let quotient = |p: f64, q: f64| Interval::point(p) / Interval::point(q);
+    if y.value().high < SERIES_LIMIT {
+        let (mut i0, mut i2) = (N::double(0.0), N::double(0.0));
+        for j in (1..=SERIES_TERMS).rev() {
+            let n = f64::from(j);
+            // y^{2j−1}(odd + y·even of the next term)
+            let odd = (quotient(1.0, 2.0 * n + 1.0) + quotient(1.0, 2.0 * n - 1.0))
+                * Interval::point(0.25);
+            let even = N::constant(quotient(0.5, 2.0 * n + 1.0)) * y;
+            i0 = i0 * sq + N::constant(odd) + even;
+            i2 = i2 * sq + N::constant(quotient(1.0, (2.0 * n - 1.0) * (2.0 * n + 1.0)));
+        }
+        // every coefficient left out is below 1: ‖rest‖ ≤ 2‖y‖^{2n}/(1 − ‖y‖²)
+        let norm = Interval::point(y.norm());
+        let power = (0..SERIES_TERMS).fold(Interval::ONE, |power, _| power * norm.square());
+        let rest = Interval::point(2.0) * power / (Interval::ONE - norm.square());
+        let rest = if norm.high < 0.75 {
+            rest.high
+        } else {
+            f64::INFINITY
+        };
+        return [i0.widened(rest) * y, i2.widened(rest) * y];
+    }
+    let log = xi.ln();
+    let inverse = (w * w).recip();
+    let quarter = Interval::point(0.25);
+    let half = Interval::point(0.5);
+    let sum = w * (square + one);
+    [
+        (square * square * log - square * w + sum.scaled(quarter)) * inverse,
+        (sum.scaled(half) - (square * log).scaled(Interval::point(2.0))) * inverse,
+    ]
+}
+
+/// a, b, D, g, h from ν, ξ, γ.
+fn coefficients<N: Number>([nu, xi, gamma]: [N; 3]) -> [N; 5] {
+    let one = N::double(1.0);
+    let half = |x: N| x.scaled(Interval::point(0.5));
+    let [i0, i2] = integrals(xi);
+    let plus = (one + nu).recip();
+    let minus = (one - nu - nu).recip();
+    let c = (one - nu) * plus * minus;
+    let lambda = nu * plus * minus;
+    let mu = half(plus);
+    let scale = (gamma * i0).recip();
+    let ring = scale * plus * ((xi - one) * (xi + one)).recip();
+    [
+        c * i2 * scale,
+        mu * i2 * scale,
+        -((c + mu) * i2 + half(mu - lambda)) * scale,
+        (xi * xi + minus) * ring,
+        xi * xi * ring,
+    ]
+}
+
+/// The numbers of the equations in a frame that moves with c, see [`crate::flow::Quantities`].
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<N> {
+    /// m_a.
+    pub ma: N,
+    /// m_b.
+    pub mb: N,
+    /// κ = |D/c|.
+    pub kappa: N,
+    /// |c|.
+    pub speed: N,
+    /// g.
+    pub g: N,
+    /// h.
+    pub h: N,
+    /// f.
+    pub friction: N,
+    /// rf, r being the static by the kinetic friction.
+    pub static_friction: N,
+    /// δ.
+    pub mismatch: N,
+    /// α.
+    pub damping: N,
+    /// a/b − 1, which must be positive.
+    pub excess_ratio: N,
+    /// gδ.
+    pub weight: N,
+    /// Y at release, (rfκ + (r − 1)fgδ − α)/h.
+    pub release: N,
+}
+
+impl Written {
+    /// The frame of excess speed e where the continuation parameter has a value; `direction` is the sign of
+    /// c. `None` for a parameter that the equations here have not.
+    pub fn frame<N: Number>(
+        &self,
+        parameter: Parameter,
+        value: N,
+        excess: N,
+        direction: f64,
+    ) -> Option<Frame<N>> {
+        let known = |decimal: &Decimal| N::constant(decimal.interval());
+        let [mut friction, mut mismatch, mut damping] =
+            [&self.friction, &self.mismatch, &self.damping].map(known);
+        let mut tube = None;
+        match (parameter, &self.origin) {
+            (Parameter::Friction, _) => friction = value,
+            (Parameter::Mismatch, _) => mismatch = value,
+            (Parameter::MassDamping, _) => damping = value,
+            (_, Origin::Geometry([nu, xi, gamma])) => {
+                tube = Some(match parameter {
+                    Parameter::Nu => [value, known(xi), known(gamma)],
+                    Parameter::Xi => [known(nu), value, known(gamma)],
+                    Parameter::Gamma => [known(nu), known(xi), value],
+                    _ => return None,
+                });
+            }
+            _ => return None,
+        }
+        let [a, b, coupling, g, h] = match (tube, &self.origin) {
+            (Some(tube), _) => coefficients(tube),
+            (None, Origin::Geometry(tube)) => {
+                coefficients(tube.each_ref().map(Decimal::interval)).map(N::constant)
+            }
+            (None, Origin::Given(given)) => given.each_ref().map(known),
+        };
+        let one = N::double(1.0);
+        let ratio = (one + excess).recip();
+        let square = ratio * ratio;
+        let root = a.sqrt();
+        let kappa = (coupling * root.recip() * ratio).scaled(Interval::point(direction));
+        let weight = g * mismatch;
+        let ratio = self.ratio.as_ref().map_or(Interval::ONE, Decimal::interval);
+        let static_friction = friction.scaled(ratio);
+        let beyond = (friction * weight).scaled(ratio - Interval::ONE);
+        Some(Frame {
+            ma: excess * (excess + N::double(2.0)) * square,
+            mb: one - b * a.recip() * square,
+            kappa,
+            speed: root * (one + excess),
+            g,
+            h,
+            friction,
+            mismatch,
+            damping,
+            excess_ratio: a * b.recip() - one,
+            weight,
+            static_friction,
+            release: (static_friction * kappa + beyond - damping) * h.recip(),
+        })
+    }
+}

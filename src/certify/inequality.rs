@@ -1,0 +1,327 @@
+//! The inequalities of a wave, over whole zones.
+//!
+//! A function of a zone — 1 − W, P, U − δ — is a power series from either end of a step. Over half a step
+//! from a known zero of order m it is tᵐg(t), and g > 0 is proven by subdivision; elsewhere m = 0. A touch
+//! inside a zone, where the margin of an event vanishes, is a known zero of order 2 in both directions.
+
+use super::flow::{Flow, GAP, Series, W};
+use super::frame::Frame;
+use super::system::{Condition, Near, System};
+use crate::interval::Interval;
+use crate::model::Impact;
+use crate::model::signature::{Entry, Regime};
+use crate::wave::admissibility::Watch;
+
+/// Which inequality is not proven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unproven {
+    /// The speed, or the numbers of the model.
+    #[error("that the wave runs in the direction of D, faster than √a > √b")]
+    Speed,
+    /// The length of a zone.
+    #[error("that zone {0} has a length")]
+    Duration(usize),
+    /// 1 − W in slip, W − 1 in reverse slip.
+    #[error("the direction of sliding in zone {0}")]
+    Sliding(usize),
+    /// P in contact.
+    #[error("P > 0 in zone {0}")]
+    Pressure(usize),
+    /// U − δ in separation.
+    #[error("U > δ in zone {0}")]
+    Gap(usize),
+    /// A condition of the switching table at an end of a zone.
+    #[error("the margin {1:?} of zone {0}")]
+    Switch(usize, Watch),
+}
+
+/// Bisections of half a step.
+const DEEPEST: u32 = 24;
+
+/// What is looked at in a zone.
+#[derive(Clone, Copy)]
+enum Quantity {
+    /// σ(1 − W).
+    Lag(f64),
+    Pressure,
+    Gap,
+}
+
+/// A function of time: offset + factor·component, from which `order` vanishing coefficients are left out.
+struct Function<'a> {
+    series: &'a Series<Interval>,
+    component: usize,
+    offset: Interval,
+    factor: Interval,
+    order: usize,
+}
+
+impl Function<'_> {
+    /// f(t)/tᵐ over times t ≥ 0 forwards or backwards, whose sign is that of f: the value in the middle and
+    /// the slope over all of them.
+    fn at(&self, time: Interval, sign: f64) -> Interval {
+        let middle = Interval::point(time.middle());
+        let value = self.series.at(self.component, middle, self.order);
+        let slope = self.series.slope(self.component, time, self.order);
+        let sum = self.factor * (value + slope * (time - middle));
+        let offset = if self.order == 0 {
+            self.offset
+        } else {
+            Interval::ZERO
+        };
+        if sign < 0.0 && self.order % 2 == 1 {
+            -(sum + offset)
+        } else {
+            sum + offset
+        }
+    }
+
+    /// Whether it is positive over [0, `length`], forwards or backwards, by bisection.
+    fn is_positive(&self, length: Interval, sign: f64) -> bool {
+        let mut open = vec![(0.0, length.high, 0)];
+        while let Some((from, to, depth)) = open.pop() {
+            let time = Interval::new(from, to) * Interval::point(sign);
+            if self.at(time, sign).is_positive() {
+                continue;
+            }
+            let middle = 0.5 * (from + to);
+            if depth == DEEPEST || self.at(Interval::point(middle * sign), sign).is_negative() {
+                return false;
+            }
+            open.push((from, middle, depth + 1));
+            open.push((middle, to, depth + 1));
+        }
+        true
+    }
+}
+
+/// A zone being looked at.
+struct Zone<'a> {
+    system: &'a System<'a>,
+    x: &'a [Interval],
+    frame: &'a Frame<Interval>,
+    flow: Flow<Interval>,
+    index: usize,
+}
+
+impl Zone<'_> {
+    /// Whether a quantity is positive within the zone, with zeros of known order at its ends and, where the
+    /// event is a touch of it, one of order 2 inside.
+    fn is_positive(&self, quantity: Quantity, at_start: usize, at_end: usize, touch: bool) -> bool {
+        let steps = self.system.steps(self.index);
+        let half = Interval::point(0.5);
+        let touched = self.system.minimum(self.x).filter(|_| touch);
+        (0..steps).all(|step| {
+            let (state, time) = self.system.step_at(self.x, self.index, step);
+            let forwards = self.flow.series(state);
+            let order_there = if step + 1 == steps { at_end } else { 0 };
+            let order_here = if step == 0 { at_start } else { 0 };
+            if let Some((_, at, place)) = touched
+                && at == step
+            {
+                // from the touch to both ends, neither of which is a zero
+                let series = self.flow.series(forwards.state(place));
+                return order_here + order_there == 0
+                    && self.function(&series, quantity, 2).is_positive(place, -1.0)
+                    && self
+                        .function(&series, quantity, 2)
+                        .is_positive(time - place, 1.0);
+            }
+            let end = if step + 1 == steps {
+                forwards.state(time)
+            } else {
+                self.system.step_at(self.x, self.index, step + 1).0
+            };
+            let backwards = self.flow.series(end);
+            self.function(&forwards, quantity, order_here)
+                .is_positive(time * half, 1.0)
+                && self
+                    .function(&backwards, quantity, order_there)
+                    .is_positive(time * half, -1.0)
+        })
+    }
+
+    fn function<'s>(
+        &self,
+        series: &'s Series<Interval>,
+        quantity: Quantity,
+        order: usize,
+    ) -> Function<'s> {
+        let (component, offset, factor) = match quantity {
+            Quantity::Lag(sigma) => {
+                let sigma = Interval::point(sigma);
+                (W, sigma, -sigma)
+            }
+            Quantity::Pressure => (W, self.frame.weight, self.frame.kappa),
+            Quantity::Gap => (GAP, Interval::ZERO, Interval::ONE),
+        };
+        Function {
+            series,
+            component,
+            offset,
+            factor,
+            order,
+        }
+    }
+}
+
+/// What vanishes at an event, and with it conditions of the zones next to it.
+struct Vanishing<'a> {
+    near: &'a Near,
+    condition: &'a Condition,
+}
+
+impl Vanishing<'_> {
+    fn is(&self, wanted: Watch, at: usize) -> bool {
+        let at = at % self.near.zones.len();
+        matches!(self.condition, Condition::Margin { watch, zone, .. } if *watch == wanted && *zone == at)
+    }
+
+    /// Whether a zone has no length.
+    fn closed(&self, zone: usize) -> bool {
+        self.is(Watch::Duration, zone)
+    }
+
+    /// Whether a zone of a regime, so entered, has no length.
+    fn closed_as(&self, zone: usize, regime: Regime, entry: Entry) -> bool {
+        let there = self.near.signature.zone(zone);
+        self.closed(zone) && there.regime == regime && there.entry == entry
+    }
+}
+
+/// Proves all inequalities of a wave over intervals of its unknowns, but for the margin that vanishes at the
+/// event; returns how many there are.
+pub fn prove(
+    system: &System,
+    condition: &Condition,
+    impact: Impact,
+    x: &[Interval],
+) -> Result<usize, Unproven> {
+    let near = system.near;
+    let zones = near.zones.len();
+    let vanishing = Vanishing { near, condition };
+    let frame = system.frame_at(x).ok_or(Unproven::Speed)?;
+    let mut proven = 0;
+    let mut hold = |holds: bool, otherwise: Unproven| {
+        proven += usize::from(holds);
+        if holds { Ok(()) } else { Err(otherwise) }
+    };
+    // e > 0 is in m_a; a > b > 0 in m_b
+    for number in [frame.ma, frame.mb, frame.kappa, frame.excess_ratio] {
+        hold(number.is_positive(), Unproven::Speed)?;
+    }
+    for index in 0..zones {
+        if vanishing.closed(index) {
+            continue;
+        }
+        let before = index + zones - 1;
+        let zone = near.signature.zone(index);
+        let next = near.signature.zone(index + 1);
+        let duration = x[system.duration(index)];
+        hold(duration.is_positive(), Unproven::Duration(index))?;
+        let mut edge = |watch: Watch| {
+            if vanishing.is(watch, index) {
+                return Ok(());
+            }
+            let margin = system.edge_at(&frame, x, watch, index);
+            let holds = margin.is_some_and(Interval::is_positive);
+            hold(holds, Unproven::Switch(index, watch))
+        };
+        let order = system.order(index);
+        match zone.regime {
+            Regime::Stick => {
+                // Q = fP at the end, and Q grows; where a reverse zone closes Q = −fP at the beginning
+                if !vanishing.closed_as(before, Regime::Reverse, Entry::Reversal) {
+                    edge(Watch::LowerForce)?;
+                }
+                let pressure = frame.weight + frame.kappa;
+                hold(pressure.is_positive(), Unproven::Pressure(index))?;
+            }
+            Regime::Slip | Regime::Reverse => {
+                if zone.regime == Regime::Reverse
+                    && next.entry == Entry::Reversal
+                    && !vanishing.closed_as(index + 1, Regime::Slip, Entry::Reversal)
+                {
+                    edge(Watch::UpperForce)?;
+                }
+                if zone.regime == Regime::Slip && next.entry == Entry::Reversal && system.sticks() {
+                    // Q < −rfP: what static friction could hold would stick
+                    let force = system.edge_at(&frame, x, Watch::LowerForce, (index + 1) % zones);
+                    let holds = force.is_some_and(Interval::is_negative);
+                    hold(holds, Unproven::Switch(index, Watch::LowerForce))?;
+                }
+                let sigma = if zone.regime == Regime::Slip {
+                    1.0
+                } else {
+                    -1.0
+                };
+                let flow = system.flow_at(&frame, index).ok_or(Unproven::Speed)?;
+                let looked = Zone {
+                    system,
+                    x,
+                    frame: &frame,
+                    flow,
+                    index,
+                };
+                // W − 1 at the ends
+                let at_start = match order {
+                    0 if vanishing.is(Watch::LandingRate, index) => 1,
+                    1 if vanishing.is(Watch::UpperForce, before) => 2,
+                    order => order,
+                };
+                let at_end = match next.entry {
+                    Entry::TakeOff => 0,
+                    // released where it is arrested
+                    Entry::Arrest if vanishing.closed(index + 1) && sigma > 0.0 => 2,
+                    _ => 1,
+                };
+                let touch = vanishing.is(Watch::Rate, index);
+                let lag = looked.is_positive(Quantity::Lag(sigma), at_start, at_end, touch);
+                hold(lag, Unproven::Sliding(index))?;
+                if sigma > 0.0 || next.entry == Entry::TakeOff {
+                    let closed =
+                        |zone| vanishing.closed_as(zone, Regime::Separation, Entry::TakeOff);
+                    let at_start =
+                        match (closed(before), vanishing.is(Watch::LandingPressure, index)) {
+                            (true, _) => 2,
+                            (_, true) => 1,
+                            _ => 0,
+                        };
+                    let at_end = match next.entry {
+                        Entry::TakeOff if closed(index + 1) => 2,
+                        Entry::TakeOff => 1,
+                        _ => 0,
+                    };
+                    let touch = vanishing.is(Watch::Pressure, index);
+                    let pressed = looked.is_positive(Quantity::Pressure, at_start, at_end, touch);
+                    hold(pressed, Unproven::Pressure(index))?;
+                } else {
+                    // W > 1
+                    let pressure = frame.weight + frame.kappa;
+                    hold(pressure.is_positive(), Unproven::Pressure(index))?;
+                }
+            }
+            Regime::Separation => {
+                edge(Watch::LandingSpeed)?;
+                if impact == Impact::Coulomb && next.entry == Entry::ArrestedLanding {
+                    edge(Watch::Impulse)?;
+                }
+                let flow = system.flow_at(&frame, index).ok_or(Unproven::Speed)?;
+                let looked = Zone {
+                    system,
+                    x,
+                    frame: &frame,
+                    flow,
+                    index,
+                };
+                let at_start = order + usize::from(vanishing.is(Watch::Tension, index));
+                let at_end = 1 + usize::from(vanishing.is(Watch::LandingSpeed, index));
+                let touch = vanishing.is(Watch::Gap, index);
+                let open = looked.is_positive(Quantity::Gap, at_start, at_end, touch);
+                hold(open, Unproven::Gap(index))?;
+            }
+            Regime::Contact => return Err(Unproven::Sliding(index)),
+        }
+    }
+    Ok(proven)
+}

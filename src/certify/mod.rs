@@ -1,0 +1,454 @@
+//! Special points of a branch, proven.
+//!
+//! A point that continuation has located is proven in four steps.
+//!
+//! 1. The numbers of the problem are the decimals that were written; a, b, D, g, h are enclosed ([`frame`]).
+//! 2. The equations of the wave and the condition of the event, evaluated in intervals with the exact flow
+//!    and its remainder ([`flow`], [`system`], [`perturbation`]), have exactly one zero in a box, and it is regular
+//!    ([`krawczyk`]): the margin changes its sign along the branch, a fold is quadratic.
+//! 3. Every other inequality of the signature holds over whole zones ([`inequality`]).
+//! 4. What is said of parameter, speed and lengths follows from the enclosure of that zero.
+//!
+//! A [`Certificate`] has what is needed to do steps 2 to 4 again without continuation.
+
+mod flow;
+mod fold;
+mod frame;
+mod inequality;
+mod krawczyk;
+mod perturbation;
+mod system;
+
+use serde::{Deserialize, Serialize};
+
+use crate::branch::run::Item;
+use crate::branch::special::{Change, Special};
+use crate::flow::method::Method;
+use crate::interval::{Decimal, Interval};
+use crate::model::signature::{Entry, Signature, switches};
+use crate::model::{EventType, Impact, Parameter};
+use crate::problem::{decimal_at, decimal_of};
+use crate::wave::Wave;
+use crate::wave::admissibility::{Margin, Watch};
+pub use frame::{Origin, Written};
+pub use inequality::Unproven;
+use system::System;
+pub use system::{Condition, Near, Posed};
+
+/// All that was proven of a branch, and what proves it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Certificate {
+    /// Version of the program.
+    pub version: String,
+    /// The special points in their order.
+    pub points: Vec<Point>,
+}
+
+impl Certificate {
+    /// The certificate of a branch.
+    pub fn new(points: Vec<Point>) -> Certificate {
+        Certificate {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            points,
+        }
+    }
+}
+
+/// A special point of a branch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Point {
+    /// Label of the event.
+    pub label: usize,
+    /// Its type.
+    pub kind: EventType,
+    /// Continuation parameter.
+    pub parameter: Parameter,
+    /// What was found.
+    pub outcome: Outcome,
+}
+
+impl Point {
+    /// Whether it is proven.
+    pub fn is_proven(&self) -> bool {
+        matches!(self.outcome, Outcome::Proven(_))
+    }
+}
+
+/// Whether a point is proven.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Outcome {
+    /// It is.
+    Proven(Box<Proof>),
+    /// It is not, for this reason.
+    Open(String),
+}
+
+/// A statement, and what it takes to check it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Proof {
+    /// The model and its equations.
+    pub posed: Posed,
+    /// What singles out the point.
+    pub condition: Condition,
+    /// Signature beyond a change of regime, as the continuation found it.
+    pub after: Option<Signature>,
+    /// The wave in doubles.
+    pub near: Near,
+    /// What is proven.
+    pub statement: Statement,
+}
+
+/// What is proven of a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Statement {
+    /// The continuation parameter lies in here.
+    pub parameter: Interval,
+    /// The speed c.
+    pub speed: Interval,
+    /// Length of every zone, duration times |c|.
+    pub lengths: Vec<Interval>,
+    /// No other such wave has its parameter within this distance and all its other unknowns within the same
+    /// share of their units.
+    pub unique: f64,
+    /// Im λ of an eigenvalue that crosses the imaginary axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub omega: Option<Interval>,
+    /// Inequalities proven.
+    pub inequalities: usize,
+}
+
+/// Why a point is not proven.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Open {
+    /// β > 0.
+    #[error("not covered: waves with material damping")]
+    MaterialDamping,
+    /// A law whose flow has no closed form.
+    #[error("not covered: friction that depends on the velocity")]
+    Law,
+    /// A method other than the exact one.
+    #[error("not covered: equations solved by a numerical method")]
+    Method,
+    /// The vertical family.
+    #[error("not covered: in the family at the Hopf point of steady sliding no parameter moves")]
+    Family,
+    /// The perturbation of a Coulomb impact.
+    #[error("not covered: eigenvalues of waves with a Coulomb impact")]
+    CoulombImpact,
+    /// D = 0.
+    #[error("not covered: where D = 0 there is no wave")]
+    Undriven,
+    /// A zone that begins at V̇ = 0, or switches that the table has not.
+    #[error("not covered: a sequence of zones that is not in the table of switches")]
+    Signature,
+    /// Too long a zone, or numbers that are not finite.
+    #[error("undecided: the equations cannot be enclosed")]
+    NotEnclosed,
+    /// Krawczyk's operator does not map a box into itself.
+    #[error("undecided: no box is known to have exactly one solution")]
+    NotIsolated,
+    /// An inequality.
+    #[error("undecided: {0} is not proven")]
+    Inequality(#[from] Unproven),
+}
+
+/// Why a stored proof does not hold.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refused {
+    /// The proof fails.
+    #[error("it is no proof: {0}")]
+    Open(#[from] Open),
+    /// What it says is not what is proven.
+    #[error("{0} is said otherwise than what is proven")]
+    Statement(&'static str),
+    /// The type does not follow.
+    #[error("its type is {said}, but what vanishes there makes it {found}")]
+    Kind {
+        /// In the certificate.
+        said: EventType,
+        /// By the margin that vanishes.
+        found: EventType,
+    },
+}
+
+/// Proves a special point of a branch; `None` for points without an event, and for failures. `text` is that
+/// of the problem file, whose decimals are taken as they are written.
+pub fn certify(item: &Item, text: &str) -> Option<Point> {
+    let (event, special) = (item.event.as_ref()?, item.special.as_ref()?);
+    let kind = special.kind();
+    let (wave, point) = item.wave();
+    if kind == EventType::MX {
+        return None;
+    }
+    let value = event.model.value(wave.parameter).unwrap_or(f64::NAN);
+    let prepared = || -> Result<Proof, Open> {
+        covered(wave)?;
+        let (condition, after) = condition(special, || match special {
+            Special::User(..) | Special::Edge(..) => decimal_of(text, "continuation", value),
+            _ => decimal_of(text, wave.parameter.path(), value),
+        })?;
+        let near = Near {
+            signature: wave.signature.clone(),
+            zones: wave
+                .unpack(point)
+                .iter()
+                .map(|[y, w, t, ..]| [*y, *w, *t])
+                .collect(),
+            excess: wave.excess_at(point),
+            parameter: wave.parameter_at(point),
+        };
+        let posed = Posed {
+            written: Written::new(&wave.model, |path| decimal_at(text, path)),
+            impact: wave.model.impact,
+            parameter: wave.parameter,
+            mode: wave.mode,
+            unit: wave.scales.parameter.abs(),
+        };
+        prove(posed, near, condition, after)
+    };
+    Some(Point {
+        label: event.label,
+        kind,
+        parameter: wave.parameter,
+        outcome: match prepared() {
+            Ok(proof) => Outcome::Proven(Box::new(proof)),
+            Err(reason) => Outcome::Open(reason.to_string()),
+        },
+    })
+}
+
+/// Proves the point next to a wave in doubles.
+///
+/// # Errors
+/// It is not covered, or not proven.
+pub fn prove(
+    posed: Posed,
+    near: Near,
+    condition: Condition,
+    after: Option<Signature>,
+) -> Result<Proof, Open> {
+    let (system, guess) = system(&posed, &near, &condition)?;
+    let found = krawczyk::refined(&system, &guess).ok_or(Open::NotEnclosed)?;
+    let (near, condition) = (system.refined(&found), system.located(&found));
+    // from what is stored, as a check does it
+    let statement = statement(&posed, &near, &condition)?;
+    Ok(Proof {
+        posed,
+        condition,
+        after,
+        near,
+        statement,
+    })
+}
+
+/// What singles out a special point, and the signature beyond it.
+fn condition(
+    special: &Special,
+    value: impl Fn() -> Decimal,
+) -> Result<(Condition, Option<Signature>), Open> {
+    Ok(match special {
+        Special::User(..) | Special::Edge(..) | Special::Start | Special::Closed => {
+            (Condition::Value(value()), None)
+        }
+        Special::Fold(_) => (Condition::Fold, None),
+        Special::Change(change) if change.margin.watch == Watch::Coupling => {
+            return Err(Open::Undriven);
+        }
+        Special::Change(change) => {
+            let Margin {
+                watch, zone, time, ..
+            } = change.margin;
+            (
+                Condition::Margin { watch, zone, time },
+                change.after.clone(),
+            )
+        }
+        Special::HopfPoint | Special::StickOpens => return Err(Open::Family),
+        Special::Crossing { sector, omega, .. } => {
+            let (sector, omega) = (*sector, omega.unwrap_or(0.0));
+            (Condition::Crossing { sector, omega }, None)
+        }
+        Special::Failed(_) => return Err(Open::Signature),
+    })
+}
+
+fn covered(wave: &Wave) -> Result<(), Open> {
+    if wave.material {
+        return Err(Open::MaterialDamping);
+    }
+    if !wave.model.law.piecewise_linear() {
+        return Err(Open::Law);
+    }
+    if wave.method != Method::Exact {
+        return Err(Open::Method);
+    }
+    Ok(())
+}
+
+/// Units of the unknowns in which uniqueness is measured.
+fn units(system: &System, guess: &[f64], near: &Near, parameter_unit: f64) -> Vec<f64> {
+    let period: f64 = near.zones.iter().map(|zone| zone[2].abs()).sum();
+    let rate = near
+        .zones
+        .iter()
+        .fold(1.0_f64, |rate, zone| rate.max(zone[1].abs()));
+    let [excess, parameter] = system.tail();
+    let unit = |(index, value): (usize, &f64)| {
+        if index == excess {
+            1.0
+        } else if index == parameter {
+            parameter_unit.abs()
+        } else if index >= system.waves() {
+            value.abs().max(1.0)
+        } else if system.is_rate(index) {
+            rate
+        } else {
+            value.abs().max(period)
+        }
+    };
+    guess.iter().enumerate().map(unit).collect()
+}
+
+/// The equations of a point, and their unknowns in doubles.
+fn system<'a>(
+    posed: &'a Posed,
+    near: &'a Near,
+    condition: &'a Condition,
+) -> Result<(System<'a>, Vec<f64>), Open> {
+    let signature = &near.signature;
+    let follows = |index: usize| {
+        let (zone, next) = (signature.zone(index), signature.zone(index + 1));
+        switches(zone.regime, next.regime, posed.impact).contains(&next.entry)
+    };
+    if !(0..signature.len()).all(follows) {
+        return Err(Open::Signature);
+    }
+    let crosses = matches!(condition, Condition::Crossing { .. });
+    let lands = [Entry::Landing, Entry::Touch, Entry::ArrestedLanding];
+    let impact = |index: usize| lands.contains(&signature.zone(index).entry);
+    if crosses && posed.impact == Impact::Coulomb && (0..signature.len()).any(impact) {
+        return Err(Open::CoulombImpact);
+    }
+    System::new(posed, near, condition).ok_or(Open::NotEnclosed)
+}
+
+/// What is proven of the point next to a wave.
+fn statement(posed: &Posed, near: &Near, condition: &Condition) -> Result<Statement, Open> {
+    /// The wave in doubles is known to this share of its units, or it is not that of the point.
+    const KNOWN: f64 = 1e-9;
+    let (system, middle) = system(posed, near, condition)?;
+    let units = units(&system, &middle, near, posed.unit);
+    let zero = krawczyk::zero(&system, &middle, &units).ok_or(Open::NotIsolated)?;
+    let mut numbers = middle.iter().zip(&zero.at).zip(&units);
+    if numbers.any(|((m, x), unit)| !Interval::around(*m, KNOWN * unit).contains(x.middle())) {
+        return Err(Open::NotIsolated);
+    }
+    let inequalities = inequality::prove(&system, condition, posed.impact, &zero.at)?;
+    let frame = system.frame_at(&zero.at).ok_or(Open::NotEnclosed)?;
+    let [_, parameter] = system.tail();
+    // a little wider than proven here: other machines may have other last digits
+    let wider = |x: Interval| {
+        let room = 0.125 * x.width() + f64::MIN_POSITIVE;
+        x + Interval::new(-room, room)
+    };
+    let length = |zone: usize| wider(zero.at[system.duration(zone)] * frame.speed);
+    Ok(Statement {
+        parameter: match condition {
+            Condition::Value(value) => value.interval(),
+            _ => wider(zero.at[parameter]),
+        },
+        speed: wider(system.speed(&frame)),
+        lengths: (0..near.zones.len()).map(length).collect(),
+        unique: zero.unique * units[parameter],
+        omega: system.crossing().map(|_| wider(zero.at[system.waves()])),
+        inequalities,
+    })
+}
+
+/// Proves a stored statement again, without continuation.
+///
+/// # Errors
+/// The proof fails, or it proves something else.
+pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
+    let Proof {
+        posed,
+        condition,
+        after,
+        near,
+        statement: said,
+    } = proof;
+    if point.parameter != posed.parameter {
+        return Err(Refused::Statement("the parameter"));
+    }
+    if !(posed.unit > 0.0 && posed.unit.is_finite()) {
+        return Err(Refused::Statement("the unit of the parameter"));
+    }
+    check_kind(point.kind, near, condition, after.as_ref())?;
+    let proven = statement(posed, near, condition)?;
+    // without the room that both have; a statement that says less is as true, but is not what was written
+    let same = |said: Interval, proven: Interval| {
+        let room = 0.0625 * proven.width();
+        let inner = Interval::new(proven.low + room, proven.high - room);
+        inner.within(said) && said.width() <= 2.0 * proven.width()
+    };
+    if !same(said.parameter, proven.parameter) {
+        return Err(Refused::Statement("the parameter"));
+    }
+    if !same(said.speed, proven.speed) {
+        return Err(Refused::Statement("the speed"));
+    }
+    let mut lengths = said.lengths.iter().zip(&proven.lengths);
+    if said.lengths.len() != proven.lengths.len() || !lengths.all(|(a, b)| same(*a, *b)) {
+        return Err(Refused::Statement("a length"));
+    }
+    let both = said.omega.zip(proven.omega);
+    if said.omega.is_some() != proven.omega.is_some() || both.is_some_and(|(a, b)| !same(a, b)) {
+        return Err(Refused::Statement("ω"));
+    }
+    if said.unique > proven.unique * (1.0 + 1e-9) || said.unique < 0.0 || said.unique.is_nan() {
+        return Err(Refused::Statement("the distance of uniqueness"));
+    }
+    if said.inequalities != proven.inequalities {
+        return Err(Refused::Statement("the number of inequalities"));
+    }
+    Ok(())
+}
+
+/// Whether the type of an event follows from what vanishes there.
+fn check_kind(
+    said: EventType,
+    near: &Near,
+    condition: &Condition,
+    after: Option<&Signature>,
+) -> Result<(), Refused> {
+    let found = match condition {
+        // of a value the certificate does not say who asked for it
+        Condition::Value(_) if said == EventType::EP => EventType::EP,
+        Condition::Value(_) => EventType::UZ,
+        Condition::Fold => EventType::LP,
+        Condition::Crossing { omega: 0.0, .. } => EventType::BP,
+        Condition::Crossing { .. } => EventType::HB,
+        Condition::Margin { watch, zone, time } => {
+            if *zone >= near.signature.len() {
+                return Err(Refused::Statement("the zone of the event"));
+            }
+            let margin = Margin {
+                watch: *watch,
+                zone: *zone,
+                time: *time,
+                jet: Default::default(),
+                beyond: Default::default(),
+            };
+            Change::new(&near.signature, after.cloned(), margin).kind
+        }
+    };
+    if found == said {
+        Ok(())
+    } else {
+        Err(Refused::Kind { said, found })
+    }
+}

@@ -1,0 +1,180 @@
+//! exp, ln, sin and cos of intervals.
+//!
+//! The argument is reduced by multiples of ln 2 or π/2, which are split into parts of so few bits that the
+//! products are exact, and a remainder that is an interval. A Taylor polynomial in interval arithmetic
+//! follows, with the bound of its remainder added: of terms that alternate or fall faster than a geometric
+//! series of ratio ½ that is twice the first term left out.
+
+use super::{Interval, TINY};
+
+/// π.
+pub const PI: Interval = Interval {
+    low: std::f64::consts::PI,
+    high: 3.141_592_653_589_793_6,
+};
+
+/// π/2 = 33 bits + 33 bits + what is left.
+const HALF_PI: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11];
+const HALF_PI_REST: Interval = Interval {
+    low: 2.022_266_248_795_950_6e-21,
+    high: 2.022_266_248_795_951e-21,
+};
+
+/// ln 2 = 32 bits + what is left.
+const LN_2: f64 = 0.693_147_180_369_123_8;
+const LN_2_REST: Interval = Interval {
+    low: 1.908_214_929_270_587_7e-10,
+    high: 1.908_214_929_270_588e-10,
+};
+
+/// Multiples of π/2 up to this are taken exactly: 33 + 20 bits.
+const MOST_TURNS: f64 = 1_048_576.0;
+
+/// Degree of the Taylor polynomials on |x| ≤ 0.8: 0.8²²/22! is 7e-24.
+const DEGREE: u32 = 21;
+
+/// 1 + v/d₁(1 + v/d₂(1 + …)) for |x| ≤ 0.8, times a factor, with the remainder of a series in x.
+fn series(x: Interval, v: Interval, divisors: &[u32], factor: Interval) -> Interval {
+    let nested = divisors.iter().rev().fold(Interval::ONE, |sum, divisor| {
+        Interval::ONE + v * sum / Interval::point(f64::from(*divisor))
+    });
+    let factorial: f64 = (1..=DEGREE + 1).map(f64::from).product();
+    // twice the first term left out, with room for the rounding of the bound itself
+    let rest = 4.0 * x.magnitude().powi(DEGREE as i32 + 1) / factorial + TINY;
+    nested * factor + Interval::new(-rest, rest)
+}
+
+fn exp_series(x: Interval) -> Interval {
+    let divisors: [u32; 21] = std::array::from_fn(|j| j as u32 + 1);
+    series(x, x, &divisors, Interval::ONE)
+}
+
+fn cosine_series(x: Interval) -> Interval {
+    let divisors: [u32; 10] = std::array::from_fn(|j| (2 * j as u32 + 1) * (2 * j as u32 + 2));
+    series(x, -x.square(), &divisors, Interval::ONE)
+}
+
+fn sine_series(x: Interval) -> Interval {
+    let divisors: [u32; 10] = std::array::from_fn(|j| (2 * j as u32 + 2) * (2 * j as u32 + 3));
+    series(x, -x.square(), &divisors, x)
+}
+
+/// exp of one number.
+fn exp_point(x: f64) -> Interval {
+    if x > 710.0 {
+        return Interval::new(f64::MAX, f64::INFINITY);
+    }
+    if x < -740.0 {
+        return Interval::new(0.0, 1e-320);
+    }
+    if x == 0.0 {
+        return Interval::ONE;
+    }
+    let n = (x / std::f64::consts::LN_2).round();
+    // n has 11 bits at most: n·LN_2 is exact
+    let reduced = Interval::point(x) - Interval::point(n * LN_2) - Interval::point(n) * LN_2_REST;
+    // in two parts, neither of which over- or underflows
+    let half = (n / 2.0).trunc();
+    let power = |n: f64| Interval::point(2.0_f64.powi(n as i32));
+    exp_series(reduced) * power(half) * power(n - half)
+}
+
+/// ln of one positive number: the library's guess y, and ln(x e^{−y}) = ln(1 + t), t − t² ≤ … ≤ t.
+fn ln_point(x: f64) -> Interval {
+    let guess = x.ln();
+    let t = Interval::point(x) * exp_point(-guess) - Interval::ONE;
+    // an unusable guess leaves the bounds 1 − 1/x ≤ ln x ≤ x − 1
+    if t.magnitude() > 0.1 {
+        let x = Interval::point(x);
+        let low = Interval::ONE - Interval::ONE / x;
+        return Interval::new(low.low, (x - Interval::ONE).high);
+    }
+    Interval::point(guess) + Interval::new((t - t.square()).low, t.high)
+}
+
+/// cos and sin of one number.
+fn circular_point(x: f64) -> (Interval, Interval) {
+    let all = Interval::new(-1.0, 1.0);
+    let n = (x / std::f64::consts::FRAC_PI_2).round();
+    if n.is_nan() || n.abs() > MOST_TURNS {
+        return (all, all);
+    }
+    let reduced = Interval::point(x)
+        - Interval::point(n * HALF_PI[0])
+        - Interval::point(n * HALF_PI[1])
+        - Interval::point(n) * HALF_PI_REST;
+    let (cosine, sine) = (cosine_series(reduced), sine_series(reduced));
+    let (cosine, sine) = match n.rem_euclid(4.0) as u8 {
+        0 => (cosine, sine),
+        1 => (-sine, cosine),
+        2 => (-cosine, -sine),
+        _ => (sine, -cosine),
+    };
+    (cosine.intersection(all), sine.intersection(all))
+}
+
+/// cos x + shift quarter turns, over an interval: its values at the ends, and ±1 where a multiple of π may
+/// lie between them.
+fn circular(x: Interval, quarter: f64, at: impl Fn(f64) -> Interval) -> Interval {
+    if x.is_empty() {
+        return x;
+    }
+    if x.width().is_nan() || x.width() > 6.0 || x.magnitude() > MOST_TURNS {
+        return Interval::new(-1.0, 1.0);
+    }
+    let mut values = at(x.low).hull(at(x.high));
+    // turns of π past the maximum: an integer n is an extreme, (−1)ⁿ
+    let turns = x / PI - Interval::point(0.5 * quarter);
+    let mut n = turns.low.ceil();
+    while n <= turns.high {
+        values = values.hull(Interval::point(if n.rem_euclid(2.0) == 0.0 {
+            1.0
+        } else {
+            -1.0
+        }));
+        n += 1.0;
+    }
+    values
+}
+
+impl Interval {
+    /// eˣ.
+    pub fn exp(self) -> Interval {
+        if self.is_empty() {
+            return self;
+        }
+        Interval {
+            low: exp_point(self.low).low.max(0.0),
+            high: exp_point(self.high).high,
+        }
+    }
+
+    /// ln x of those numbers that are positive.
+    pub fn ln(self) -> Interval {
+        if self.is_empty() || self.high <= 0.0 {
+            return Interval::EMPTY;
+        }
+        Interval {
+            low: match self.low {
+                low if low <= 0.0 => f64::NEG_INFINITY,
+                low if low.is_infinite() => f64::MAX.ln().next_down(),
+                low => ln_point(low).low,
+            },
+            high: if self.high.is_infinite() {
+                f64::INFINITY
+            } else {
+                ln_point(self.high).high
+            },
+        }
+    }
+
+    /// cos x.
+    pub fn cos(self) -> Interval {
+        circular(self, 0.0, |x| circular_point(x).0)
+    }
+
+    /// sin x.
+    pub fn sin(self) -> Interval {
+        circular(self, 1.0, |x| circular_point(x).1)
+    }
+}

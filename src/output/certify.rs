@@ -1,0 +1,138 @@
+//! The folder of a certificate: a table of what is proven, and all that it takes to check it.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::store::{self, Growing, Store, StoreError, damaged};
+use crate::certify::{Certificate, Outcome, Point};
+use crate::interval::Interval;
+use crate::table;
+
+/// Name of the table.
+const TABLE: &str = "certificates.csv";
+
+/// A row of the table.
+#[derive(Clone, Debug, Default, Serialize)]
+struct Row {
+    label: usize,
+    r#type: String,
+    parameter: &'static str,
+    low: Option<f64>,
+    high: Option<f64>,
+    speed_low: Option<f64>,
+    speed_high: Option<f64>,
+    unique: Option<f64>,
+    inequalities: Option<usize>,
+    proven: &'static str,
+    why: String,
+}
+
+impl Row {
+    fn new(point: &Point) -> Row {
+        let row = Row {
+            label: point.label,
+            r#type: point.kind.to_string(),
+            parameter: point.parameter.column(),
+            ..Row::default()
+        };
+        match &point.outcome {
+            Outcome::Proven(proof) => {
+                let said = &proof.statement;
+                let (value, speed) = (enclosing(said.parameter), enclosing(said.speed));
+                Row {
+                    low: Some(value.low),
+                    high: Some(value.high),
+                    speed_low: Some(speed.low),
+                    speed_high: Some(speed.high),
+                    unique: Some(said.unique),
+                    inequalities: Some(said.inequalities),
+                    proven: "yes",
+                    ..row
+                }
+            }
+            Outcome::Open(reason) => Row {
+                proven: "no",
+                why: reason.clone(),
+                ..row
+            },
+        }
+    }
+}
+
+/// An interval whose ends, written with 17 digits or as few as read back, enclose it: the decimal of a
+/// double is nearer to it than the next double is.
+fn enclosing(Interval { low, high }: Interval) -> Interval {
+    if low == 0.0 && high == 0.0 {
+        return Interval::ZERO;
+    }
+    Interval::new(low.next_down(), high.next_up())
+}
+
+/// What is proven of a point, in a line.
+pub(crate) fn sentence(point: &Point) -> String {
+    let symbol = point.parameter.symbol();
+    let written = |interval: Interval| {
+        let Interval { low, high } = enclosing(interval);
+        format!("[{low:?}, {high:?}]")
+    };
+    match &point.outcome {
+        Outcome::Proven(proof) => {
+            let said = &proof.statement;
+            let omega = said.omega.map(|omega| format!("; ω in {}", written(omega)));
+            format!(
+                "{}: proven; {symbol} in {}, unique within {:.0e}; c in {}{}; {} inequalities proven\n",
+                point.kind,
+                written(said.parameter),
+                said.unique,
+                written(said.speed),
+                omega.unwrap_or_default(),
+                said.inequalities
+            )
+        }
+        Outcome::Open(reason) => format!("{}: not proven; {reason}\n", point.kind),
+    }
+}
+
+/// The folder being written.
+#[derive(Debug)]
+pub(crate) struct CertificateFolder {
+    store: Store,
+    table: Growing,
+}
+
+impl CertificateFolder {
+    /// Name of the certificate.
+    pub(crate) const FILE: &'static str = "certificate.ron";
+
+    /// Begins in place of an earlier one.
+    ///
+    /// # Errors
+    /// When a file cannot be written, like all that follow.
+    pub(crate) fn create(store: Store) -> Result<CertificateFolder, StoreError> {
+        store.begin([TABLE, Self::FILE].map(str::to_owned), None)?;
+        let table = store.table(TABLE, &table::header::<Row>(), None)?;
+        Ok(CertificateFolder { store, table })
+    }
+
+    /// Appends a point.
+    pub(crate) fn write(&mut self, point: &Point) -> Result<(), StoreError> {
+        self.table.row(&Row::new(point))
+    }
+
+    /// Writes the certificate.
+    pub(crate) fn finish(&self, certificate: &Certificate) -> Result<(), StoreError> {
+        let path = self.store.path().join(Self::FILE);
+        let text = ron::ser::to_string_pretty(certificate, ron::ser::PrettyConfig::default());
+        let text = text.map_err(|error| damaged(&path, error.to_string()))?;
+        self.store.replace(Self::FILE, text.as_bytes())
+    }
+}
+
+/// Reads a certificate.
+///
+/// # Errors
+/// When it cannot be read, or is none.
+pub(crate) fn read(path: &Path) -> Result<Certificate, StoreError> {
+    ron::from_str(&store::read(path)?).map_err(|error| damaged(path, error.to_string()))
+}
