@@ -31,84 +31,14 @@
 //! exponents cancels. A determinant needs no more than its own pivots, on which it depends smoothly, so
 //! that derivatives in λ are carried along, and g = 0 is a value like any other.
 
-use std::ops::{Add, Mul, Sub};
-
 use nalgebra::{DMatrix, DVector};
 
+use super::dual::{Dual, determinant, inverse, simultaneous};
 use super::perturbation::{C64, Characteristic, Jump, LinearZone, ONE, Scaled, ZERO};
 use crate::model::signature::Regime;
 
 /// (u, u′, u″, η, η′, η″).
 pub(super) type Motion = [C64; 6];
-
-/// A complex number with its derivative in λ.
-#[derive(Clone, Copy, Debug)]
-struct Dual {
-    at: C64,
-    by: C64,
-}
-
-impl Dual {
-    fn constant(at: impl Into<C64>) -> Dual {
-        Dual {
-            at: at.into(),
-            by: ZERO,
-        }
-    }
-
-    fn inverse(self) -> Dual {
-        let at = self.at.inv();
-        Dual {
-            at,
-            by: -self.by * at * at,
-        }
-    }
-
-    fn exp(self) -> Dual {
-        let at = self.at.exp();
-        Dual {
-            at,
-            by: self.by * at,
-        }
-    }
-}
-
-impl Add for Dual {
-    type Output = Dual;
-    fn add(self, other: Dual) -> Dual {
-        Dual {
-            at: self.at + other.at,
-            by: self.by + other.by,
-        }
-    }
-}
-
-impl Sub for Dual {
-    type Output = Dual;
-    fn sub(self, other: Dual) -> Dual {
-        self + other * -1.0
-    }
-}
-
-impl Mul for Dual {
-    type Output = Dual;
-    fn mul(self, other: Dual) -> Dual {
-        Dual {
-            at: self.at * other.at,
-            by: self.by * other.at + self.at * other.by,
-        }
-    }
-}
-
-impl Mul<f64> for Dual {
-    type Output = Dual;
-    fn mul(self, factor: f64) -> Dual {
-        Dual {
-            at: self.at * factor,
-            by: self.by * factor,
-        }
-    }
-}
 
 /// A motion (u, η) = shape·e^{rs} of a zone.
 #[derive(Clone, Copy)]
@@ -120,10 +50,6 @@ struct Shape {
     /// Where s is zero: at the entry, or at the end.
     origin: f64,
 }
-
-/// Most steps of the root search, and the last one relative to the root.
-const MOST_STEPS: usize = 40;
-const LAST_STEP: f64 = 1e-13;
 
 /// An exponent that grows by more than this over a zone is counted from its end.
 const GROWTH: f64 = 3.0;
@@ -147,17 +73,113 @@ struct Part {
     shapes: Vec<Shape>,
     entry: Vec<[Dual; 8]>,
     exit: Vec<[Dual; 8]>,
+    /// Motions that stand in the place of the brief shapes: which those are, and of how much of each.
+    mixed: (Vec<usize>, Vec<Vec<Dual>>),
 }
+
+/// Exponents r with |r|T below this hardly differ over a zone.
+const BRIEF: f64 = 1.0;
+
+/// Terms of a power series of e^{rT}: 1/21! is left.
+const TERMS: usize = 21;
 
 impl Part {
     fn new(zone: &LinearZone, shapes: Vec<Shape>) -> Part {
         let at = |time: f64| shapes.iter().map(|shape| shape.at(time)).collect();
-        Part {
+        let (entry, exit) = (at(0.0), at(zone.duration));
+        let mut part = Part {
             zone: *zone,
-            entry: at(0.0),
-            exit: at(zone.duration),
+            entry,
+            exit,
             shapes,
+            mixed: (Vec::new(), Vec::new()),
+        };
+        part.mix();
+        part
+    }
+
+    /// Where a zone is brief against all its exponents, or all but those of the layers, unit motions of
+    /// (u, u′, u″, η, η′, η″), or of (u, u′, η, η′), replace e^{rs}, whose small differences they are:
+    /// what they leave behind is summed as power series, from u, u′ and η, η′ as they begin.
+    fn mix(&mut self) {
+        let (shapes, time) = (&self.shapes, self.zone.duration);
+        let brief = |index: &usize| shapes[*index].r.at.norm() * time <= BRIEF;
+        let indices: Vec<usize> = (0..shapes.len()).filter(brief).collect();
+        let parts = if self.zone.regime == Regime::Separation {
+            2
+        } else {
+            1
+        };
+        let order = indices.len() / parts;
+        if order < 2 || indices.len() != order * parts {
+            return;
         }
+        // (part, derivative) of each unit motion
+        let units: Vec<(usize, usize)> = (2 - parts..2)
+            .flat_map(|part| (0..order).map(move |derivative| (part, derivative)))
+            .collect();
+        let rows = units.iter().map(|(part, derivative)| {
+            let of = |index: &usize| self.entry[*index][3 * part + derivative];
+            indices.iter().map(of).collect()
+        });
+        let Some(shares) = inverse(rows.collect()) else {
+            return;
+        };
+        let slowest = indices
+            .iter()
+            .map(|index| &shapes[*index])
+            .min_by(|one, other| one.r.at.norm_sqr().total_cmp(&other.r.at.norm_sqr()));
+        let limit = slowest.map_or([0.0; 2], |slow| {
+            slow.apart.map(|apart| (slow.r - apart).at.re)
+        });
+        let bare = self.entry.clone();
+        for (column, unit) in units.iter().enumerate() {
+            let mut ends = [[Dual::constant(0.0); 8]; 2];
+            for part in 2 - parts..2 {
+                // of what share of each shape, and its derivatives at the entry
+                let mut left: Vec<Dual> = indices
+                    .iter()
+                    .zip(&shares)
+                    .map(|(index, share)| bare[*index][3 * part] * share[column])
+                    .collect();
+                let mut derivatives = Vec::with_capacity(TERMS + 3);
+                for derivative in 0..TERMS + 3 {
+                    derivatives.push(if derivative < order {
+                        Dual::constant(f64::from(u8::from((part, derivative) == *unit)))
+                    } else {
+                        left.iter().fold(Dual::constant(0.0), |sum, one| sum + *one)
+                    });
+                    for (one, index) in left.iter_mut().zip(&indices) {
+                        *one = *one * shapes[*index].r;
+                    }
+                }
+                for (end, time) in ends.iter_mut().zip([0.0, time]) {
+                    for derivative in 0..3 {
+                        let terms = derivatives[derivative..].iter().take(TERMS).enumerate();
+                        let sum = terms.rev().fold(Dual::constant(0.0), |sum, (n, term)| {
+                            sum * (time / (n as f64 + 1.0)) + *term
+                        });
+                        end[3 * part + derivative] = sum;
+                    }
+                    end[U_LEFT + part] = end[3 * part + 2] - end[3 * part + 1] * limit[part];
+                }
+            }
+            [self.entry[indices[column]], self.exit[indices[column]]] = ends;
+        }
+        self.mixed = (indices, shares);
+    }
+
+    /// How much there is of each shape, from the amplitudes of the motions.
+    fn shares(&self, amplitudes: &[C64]) -> Vec<C64> {
+        let mut shares = amplitudes.to_vec();
+        let (indices, of) = &self.mixed;
+        for (index, row) in indices.iter().zip(of) {
+            let columns = indices.iter().zip(row);
+            shares[*index] = columns
+                .map(|(column, of)| of.at * amplitudes[*column])
+                .sum();
+        }
+        shares
     }
 }
 
@@ -282,12 +304,16 @@ impl Phase {
                 Regime::Separation => &[0, 1, 2, 3, 4, 5],
                 _ => &[ETA, RATE, BEND],
             };
-            let columns = part.shapes.iter().map(|shape| {
-                let entry = Shape {
-                    origin: 0.0,
-                    ..*shape
+            let columns = part.shapes.iter().zip(&part.entry).map(|(shape, entry)| {
+                let motion = if shape.origin == 0.0 {
+                    *entry
+                } else {
+                    let entry = Shape {
+                        origin: 0.0,
+                        ..*shape
+                    };
+                    entry.at(0.0)
                 };
-                let motion = entry.at(0.0);
                 of.iter().map(|&index| motion[index]).collect()
             });
             shapes = shapes.times(determinant(columns.collect()));
@@ -312,56 +338,6 @@ impl Phase {
         };
         [self.rows.clone(), bordered].map(|rows| determinant(rows).times(inverse))
     }
-}
-
-/// A determinant with its derivative, by elimination with the largest pivots of the columns of rows of
-/// equal size.
-fn determinant(mut rows: Vec<Vec<Dual>>) -> Scaled {
-    let count = rows.len();
-    let mut product = Scaled {
-        value: ONE,
-        derivative: ZERO,
-        exponent: 0.0,
-    };
-    for row in &mut rows {
-        let size = row
-            .iter()
-            .fold(0.0_f64, |size, x| size.max(x.at.norm_sqr()));
-        if size > 0.0 && size.is_finite() {
-            let factor = size.sqrt().recip();
-            row.iter_mut().for_each(|x| *x = *x * factor);
-            product.exponent += 0.5 * size.ln();
-        }
-    }
-    for index in 0..count {
-        let size = |row: &Vec<Dual>| row[index].at.norm_sqr();
-        let largest = (index..count)
-            .max_by(|&one, &other| size(&rows[one]).total_cmp(&size(&rows[other])))
-            .unwrap_or(index);
-        if largest != index {
-            rows.swap(largest, index);
-            product.value = -product.value;
-            product.derivative = -product.derivative;
-        }
-        let (done, left) = rows.split_at_mut(index + 1);
-        let pivot = &done[index];
-        product = product.times(Scaled {
-            value: pivot[index].at,
-            derivative: pivot[index].by,
-            exponent: 0.0,
-        });
-        let inverse = pivot[index].inverse();
-        for row in left {
-            if row[index].at == ZERO && row[index].by == ZERO {
-                continue;
-            }
-            let factor = row[index] * inverse;
-            for column in index + 1..count {
-                row[column] = row[column] - factor * pivot[column];
-            }
-        }
-    }
-    product
 }
 
 impl Characteristic {
@@ -540,18 +516,19 @@ impl Characteristic {
                 .unwrap_or_else(|| DVector::repeat(count, C64::from(f64::NAN)));
             let mut first = 0;
             for part in &phase.parts {
+                let last = first + part.shapes.len();
+                let shares = part.shares(&amplitudes.as_slice()[first..last]);
                 let at = |time: f64| {
                     let mut motion = [ZERO; 6];
-                    for (index, shape) in part.shapes.iter().enumerate() {
-                        let amplitude = amplitudes[first + index];
+                    for (shape, share) in part.shapes.iter().zip(&shares) {
                         for (sum, own) in motion.iter_mut().zip(shape.at(time)) {
-                            *sum += own.at * amplitude;
+                            *sum += own.at * share;
                         }
                     }
                     motion
                 };
                 states.push(times(&part.zone).into_iter().map(at).collect());
-                first += part.shapes.len();
+                first = last;
                 zones.next();
             }
             let end = phase.end.iter().zip(amplitudes.iter());
@@ -561,220 +538,5 @@ impl Characteristic {
     }
 }
 
-/// All roots of a polynomial by the method of Aberth and Ehrlich from starts near them.
-fn simultaneous(mut roots: Vec<C64>, value: impl Fn(C64) -> Dual) -> Vec<C64> {
-    for _ in 0..MOST_STEPS {
-        let mut found = true;
-        for index in 0..roots.len() {
-            let r = roots[index];
-            let Dual { at, by } = value(r);
-            let others = roots.iter().filter(|other| **other != r);
-            let repelled: C64 = others.map(|other| (r - other).inv()).sum();
-            let step = at / (by - at * repelled);
-            if !step.is_finite() {
-                continue;
-            }
-            roots[index] = r - step;
-            found &= step.norm_sqr() <= LAST_STEP * LAST_STEP * r.norm_sqr();
-        }
-        if found {
-            break;
-        }
-    }
-    roots
-}
-
 #[cfg(test)]
-mod tests {
-    use super::super::perturbation::{Reaction, Value};
-    use super::*;
-
-    /// ν = 0.3, ξ = 1.5, γ = 1, f = 0.5, mode 4, without mass damping.
-    fn wave(beta: f64, speed: f64, zones: Vec<LinearZone>) -> Characteristic {
-        let [a, b, d, g, h]: [f64; 5] = [
-            1.087571206929277,
-            0.31073463055122197,
-            -0.8109523622920911,
-            17.855545645727595,
-            8.457890042713071,
-        ];
-        let square = speed * speed;
-        Characteristic {
-            period: zones.iter().map(|zone| zone.duration).sum(),
-            zones,
-            stick: true,
-            mode: 4,
-            excess: speed.abs() / a.sqrt() - 1.0,
-            ma: 1.0 - a / square,
-            mb: 1.0 - b / square,
-            a: a / square,
-            b: b / square,
-            kappa: d / speed,
-            g,
-            h,
-            friction: 0.5,
-            static_friction: 0.5,
-            damping: 0.0,
-            beta,
-            turn: 0.0,
-        }
-    }
-
-    fn zone(regime: Regime, duration: f64, jump: Jump) -> LinearZone {
-        LinearZone {
-            regime,
-            duration,
-            jump,
-        }
-    }
-
-    /// slip-separation-stick at δ = 0.01, from an independent program, with V̈/Ü before the landing.
-    fn separated(
-        beta: f64,
-        [slip, free, stick]: [f64; 3],
-        speed: f64,
-        ratio: f64,
-    ) -> Characteristic {
-        let share = 0.5 * 0.31073463055122197 / 1.087571206929277;
-        let landing = Reaction {
-            before: ratio,
-            after: 0.0,
-            bend: 0.0,
-            share,
-            lift: 0.0,
-            arrested: true,
-        };
-        let zones = vec![
-            zone(Regime::Slip, slip, Jump::Depart(share)),
-            zone(Regime::Separation, free, Jump::Settle(landing)),
-            zone(Regime::Stick, stick, Jump::None),
-        ];
-        let mut wave = wave(beta, speed, zones);
-        wave.turn = wave.material_turn();
-        wave
-    }
-
-    fn specimens() -> [(Characteristic, [C64; 4]); 3] {
-        let number = C64::new;
-        [
-            (
-                separated(
-                    0.005,
-                    [0.3352077195928157, 0.8167057053031375, 0.09190901759717841],
-                    -1.2628782639155272,
-                    0.0829631002327951,
-                ),
-                [
-                    number(1.0, 0.0),
-                    number(-0.4423034386157088, -0.6816164577859914),
-                    number(0.43385317297565, -0.6803887415518491),
-                    number(-1.0145105895653699, -0.055474937299201464),
-                ],
-            ),
-            (
-                separated(
-                    0.001,
-                    [0.33083316494179377, 0.8195999707021037, 0.09692399427074753],
-                    -1.25929959361549,
-                    0.004100293122075833,
-                ),
-                [
-                    number(1.0, 0.0),
-                    number(-0.5098192055689909, -0.5826178613675397),
-                    number(0.5417361049113807, -0.8070189253941591),
-                    number(-1.345094002303426, -0.12145905424470385),
-                ],
-            ),
-            (
-                separated(
-                    1e-6,
-                    [0.3301748216008823, 0.8205530863955943, 0.09727835809135124],
-                    -1.2586445833472704,
-                    -0.013920682629959083,
-                ),
-                [
-                    number(1.0, 0.0),
-                    number(-0.5345329422448382, -0.5472062135130125),
-                    number(0.6135388179633604, -0.8425484060987555),
-                    number(-1.4469387942118943, -0.17912658617268695),
-                ],
-            ),
-        ]
-    }
-
-    /// N of waves whose data have some 13 digits, over β.
-    #[test]
-    fn values_of_an_independent_program() {
-        let places = [(0.0, 0.0), (0.1, 1.0), (0.3, 9.0), (1.0, 30.0)];
-        for (wave, expected) in specimens() {
-            for ((re, im), expected) in places.into_iter().zip(expected) {
-                let lambda = C64::new(re, im);
-                let [found, _] = wave.evaluate_material(lambda).numbers();
-                let error = (found * (lambda * wave.period).exp() - expected).norm();
-                println!("observed: β = {}, λ = {lambda}: {error:.1e}", wave.beta);
-                assert!(error < 1e-11, "β = {}, λ = {lambda}: {error:e}", wave.beta);
-            }
-        }
-    }
-
-    /// Derivatives against differences of fourth order: of the size F they err by (hT)⁴/30, and by the
-    /// rounding ε(1 + |λ|T) of exponents over hT, times the hundred operations of an elimination.
-    #[test]
-    fn derivatives_are_those_of_the_values() {
-        for (wave, _) in specimens() {
-            for (re, im) in [(0.0, 0.0), (0.3, 1.7), (-0.4, 12.0), (0.1, 70.0)] {
-                let lambda = C64::new(re, im);
-                // N e^{−λT}, in which the exponents of the layers cancel
-                let of = |lambda: C64| {
-                    let Value { unit, trace, .. } = wave.evaluate_material(lambda);
-                    let [value, _] = wave.evaluate_material(lambda).numbers();
-                    let by = trace.derivative / trace.value - unit.derivative / unit.value;
-                    (value, value * by)
-                };
-                let h = 1e-3;
-                let f = |shift: f64| of(lambda + shift * h).0;
-                let difference = ((f(1.0) - f(-1.0)) * 8.0 - (f(2.0) - f(-2.0))) / (12.0 * h);
-                let (value, by) = of(lambda);
-                let error = (difference - by).norm() / (value.norm() + by.norm());
-                let turned = f64::EPSILON * (1.0 + lambda.norm() * wave.period) / h;
-                let allowed = 100.0 * ((h * wave.period).powi(4) / 30.0 + turned);
-                println!("observed: derivative at {lambda}: {error:.1e} of {allowed:.1e}");
-                assert!(
-                    error < allowed,
-                    "β = {}, λ = {lambda}: {error:e}",
-                    wave.beta
-                );
-            }
-        }
-    }
-
-    /// N of waves that slide is the same from determinants and by the compound flow.
-    #[test]
-    fn sliding_as_by_the_compound_flow() {
-        let mut worst = 0.0_f64;
-        for beta in [1e-2, 1e-4, 1e-8] {
-            let zones = vec![
-                zone(Regime::Slip, 0.98, Jump::Bend(0.7 / beta)),
-                zone(Regime::Reverse, 0.07, Jump::Arrest),
-                zone(Regime::Stick, 0.21, Jump::None),
-            ];
-            let wave = wave(beta, -1.243, zones);
-            for (re, im) in [
-                (0.0, 0.0),
-                (0.3, 1.7),
-                (-0.4, 12.0),
-                (0.1, 70.0),
-                (1.2, 0.0),
-            ] {
-                let lambda = C64::new(re, im);
-                let [expected, _] = wave.evaluate_material(lambda).numbers();
-                let (values, common) = wave.boundary_values(lambda);
-                let [found, _] = wave.quotient(lambda, values, common).numbers();
-                let error = (found - expected).norm() / expected.norm().max(1.0);
-                worst = worst.max(error);
-                assert!(error < 1e-12, "β = {beta}, λ = {lambda}: {error:e}");
-            }
-        }
-        println!("observed: determinants against the compound flow: {worst:.1e}");
-    }
-}
+mod tests;

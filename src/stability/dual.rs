@@ -1,0 +1,181 @@
+//! Complex numbers with their derivative in λ: arithmetic, determinants, and roots of polynomials.
+
+use std::ops::{Add, Mul, Sub};
+
+use super::perturbation::{C64, ONE, Scaled, ZERO};
+
+/// A complex number with its derivative in λ.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Dual {
+    pub(super) at: C64,
+    pub(super) by: C64,
+}
+
+impl Dual {
+    pub(super) fn constant(at: impl Into<C64>) -> Dual {
+        Dual {
+            at: at.into(),
+            by: ZERO,
+        }
+    }
+
+    pub(super) fn inverse(self) -> Dual {
+        let at = self.at.inv();
+        Dual {
+            at,
+            by: -self.by * at * at,
+        }
+    }
+
+    pub(super) fn exp(self) -> Dual {
+        let at = self.at.exp();
+        Dual {
+            at,
+            by: self.by * at,
+        }
+    }
+}
+
+impl Add for Dual {
+    type Output = Dual;
+    fn add(self, other: Dual) -> Dual {
+        Dual {
+            at: self.at + other.at,
+            by: self.by + other.by,
+        }
+    }
+}
+
+impl Sub for Dual {
+    type Output = Dual;
+    fn sub(self, other: Dual) -> Dual {
+        self + other * -1.0
+    }
+}
+
+impl Mul for Dual {
+    type Output = Dual;
+    fn mul(self, other: Dual) -> Dual {
+        Dual {
+            at: self.at * other.at,
+            by: self.by * other.at + self.at * other.by,
+        }
+    }
+}
+
+impl Mul<f64> for Dual {
+    type Output = Dual;
+    fn mul(self, factor: f64) -> Dual {
+        Dual {
+            at: self.at * factor,
+            by: self.by * factor,
+        }
+    }
+}
+
+/// A determinant with its derivative, by elimination with the largest pivots of the columns of rows of
+/// equal size.
+pub(super) fn determinant(mut rows: Vec<Vec<Dual>>) -> Scaled {
+    let count = rows.len();
+    let mut product = Scaled {
+        value: ONE,
+        derivative: ZERO,
+        exponent: 0.0,
+    };
+    for row in &mut rows {
+        let size = row
+            .iter()
+            .fold(0.0_f64, |size, x| size.max(x.at.norm_sqr()));
+        if size > 0.0 && size.is_finite() {
+            let factor = size.sqrt().recip();
+            row.iter_mut().for_each(|x| *x = *x * factor);
+            product.exponent += 0.5 * size.ln();
+        }
+    }
+    for index in 0..count {
+        let size = |row: &Vec<Dual>| row[index].at.norm_sqr();
+        let largest = (index..count)
+            .max_by(|&one, &other| size(&rows[one]).total_cmp(&size(&rows[other])))
+            .unwrap_or(index);
+        if largest != index {
+            rows.swap(largest, index);
+            product.value = -product.value;
+            product.derivative = -product.derivative;
+        }
+        let (done, left) = rows.split_at_mut(index + 1);
+        let pivot = &done[index];
+        product = product.times(Scaled {
+            value: pivot[index].at,
+            derivative: pivot[index].by,
+            exponent: 0.0,
+        });
+        let inverse = pivot[index].inverse();
+        for row in left {
+            if row[index].at == ZERO && row[index].by == ZERO {
+                continue;
+            }
+            let factor = row[index] * inverse;
+            for column in index + 1..count {
+                row[column] = row[column] - factor * pivot[column];
+            }
+        }
+    }
+    product
+}
+
+/// The inverse of a matrix by elimination with the largest pivots; `None` if it has none.
+pub(super) fn inverse(mut rows: Vec<Vec<Dual>>) -> Option<Vec<Vec<Dual>>> {
+    let count = rows.len();
+    for (index, row) in rows.iter_mut().enumerate() {
+        row.extend((0..count).map(|column| Dual::constant(f64::from(u8::from(column == index)))));
+    }
+    for index in 0..count {
+        let size = |row: usize| rows[row][index].at.norm_sqr();
+        let largest = (index..count).max_by(|&one, &other| size(one).total_cmp(&size(other)))?;
+        rows.swap(largest, index);
+        let pivot = rows[index][index].inverse();
+        if !pivot.at.is_finite() {
+            return None;
+        }
+        for entry in &mut rows[index] {
+            *entry = *entry * pivot;
+        }
+        let done = rows[index].clone();
+        for (other, row) in rows.iter_mut().enumerate() {
+            let factor = row[index];
+            if other != index {
+                for (entry, one) in row.iter_mut().zip(&done) {
+                    *entry = *entry - factor * *one;
+                }
+            }
+        }
+    }
+    Some(rows.into_iter().map(|row| row[count..].to_vec()).collect())
+}
+
+/// Most steps of the root search, and the last one relative to the root.
+const MOST_STEPS: usize = 40;
+const LAST_STEP: f64 = 1e-13;
+
+/// All roots of a polynomial by the method of Aberth and Ehrlich from starts near them.
+pub(super) fn simultaneous(mut roots: Vec<C64>, value: impl Fn(C64) -> Dual) -> Vec<C64> {
+    for _ in 0..MOST_STEPS {
+        let mut found = true;
+        for index in 0..roots.len() {
+            let r = roots[index];
+            let Dual { at, by } = value(r);
+            let others = roots.iter().filter(|other| **other != r);
+            let repelled: C64 = others.map(|other| (r - other).inv()).sum();
+            let step = at / (by - at * repelled);
+            if !step.is_finite() {
+                continue;
+            }
+            roots[index] = r - step;
+            found &= step.norm_sqr() <= LAST_STEP * LAST_STEP * r.norm_sqr();
+        }
+        if found {
+            break;
+        }
+    }
+    roots
+}
