@@ -1,7 +1,7 @@
 //! Waves that separate with material damping β: the limit β → 0, which is the wave with Coulomb impacts,
 //! spectral collocation, eigenfunctions, and the damping of high frequencies.
 
-use brakewave::branch::polish;
+use brakewave::branch::{Stability, polish};
 use brakewave::linalg::Vector;
 use brakewave::model::signature::Regime;
 use brakewave::model::{Impact, Parameter};
@@ -321,5 +321,32 @@ fn high_frequencies_decay_out_of_stick() {
         let last = exponent(1e5 / beta) * beta / time;
         // what is left of it falls like 1/(βω)²
         assert!((last + 1.0).abs() < 1e-9, "{last}");
+    }
+}
+
+/// With both kinds of damping a wave that sticks, slips and separates is stable on the full circle below the
+/// last of its Hopf points, δ = 0.009443.
+#[test]
+fn a_separated_wave_is_stable_on_the_full_circle() {
+    let stability = |mismatch: f64| {
+        let text = format!(
+            "(model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.5, \
+             mismatch: 0.06, damping: (mass: 0.1, stiffness: 0.005)), wave: (mode: 4, start: Fast), \
+             continuation: (parameter: Mismatch, range: ({mismatch:?}, 0.06), toward: Down))"
+        );
+        let problem = problem::parse(&text, "stable").expect("a problem");
+        let items = follow(&problem, &text).items;
+        let (wave, point) = items.last().expect("points").wave();
+        assert_eq!(wave.signature.to_string(), "slip-separation-slip-stick");
+        let spectrum = window(&Characteristic::new(wave, point).expect("Coulomb's law"));
+        assert!(spectrum.complete);
+        (spectrum.stable, spectrum.unstable())
+    };
+    assert_eq!(stability(0.007), (Stability::Yes, 0));
+    // just opened, and between the Hopf points
+    for mismatch in [0.0389, 0.025, 0.012] {
+        let (stable, unstable) = stability(mismatch);
+        assert_eq!(stable, Stability::No, "δ = {mismatch}");
+        assert!(unstable > 0, "δ = {mismatch}");
     }
 }
