@@ -83,7 +83,7 @@ pub(super) fn event_mark(kind: EventType) -> Mark {
 /// Colour of a regime sequence, the same in every picture of every run. Beyond the commonest ones it follows
 /// from the letters of the sequence, and two may share one.
 pub(super) fn signature_colour(regimes: &str) -> RGBColor {
-    let common = match regimes {
+    match regimes {
         "slip-stick" => BLUE,
         "slip-reverse-stick" => VERMILLION,
         "slip-separation-slip-reverse-stick" => GREEN,
@@ -97,13 +97,12 @@ pub(super) fn signature_colour(regimes: &str) -> RGBColor {
             });
             let base = CATEGORIES[sum % (CATEGORIES.len() - 1)];
             // darker or paler than the commonest
-            return match sum / 7 % 2 {
+            match sum / 7 % 2 {
                 0 => mix(base, BLACK, 0.45),
                 _ => mix(base, WHITE, 0.35),
-            };
+            }
         }
-    };
-    common
+    }
 }
 
 /// A signature of regimes shortened: `slip-reverse-stick` becomes `sl-rev-st`.
