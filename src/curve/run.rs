@@ -149,7 +149,7 @@ impl Run {
             match step.next {
                 Next::Ended(end) => run.end(end)?,
                 Next::Going(state) if index + 1 == count => {
-                    run.walker = resumed(&run.walker, &run.head, state)?;
+                    run.walker = resumed(&run.walker, &run.head, *state)?;
                 }
                 Next::Going(_) => {}
             }
@@ -215,7 +215,7 @@ impl Run {
                 self.end(end.clone())?;
                 Next::Ended(end)
             }
-            None => Next::Going(state(&self.walker)),
+            None => Next::Going(Box::new(state(&self.walker))),
         };
         Ok(Some(Step { found, next }))
     }

@@ -148,7 +148,7 @@ pub struct Step {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Next {
     /// The next step.
-    Going(State),
+    Going(Box<State>),
     /// The end in this direction.
     Ended(End),
 }

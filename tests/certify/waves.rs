@@ -209,7 +209,7 @@ fn reference_figures_lie_in_the_intervals() {
             event(&damping, EventType::ST, 0),
             0.3189475197930335,
             -1.271294354034047,
-            &[1.57079632679, 0.0],
+            &[std::f64::consts::FRAC_PI_2, 0.0],
         ),
     ];
     for (proof, value, speed, lengths) in reference {
