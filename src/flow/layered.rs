@@ -448,7 +448,14 @@ impl LayeredFlow {
                 ]
             }
         };
-        let scale = layers.0[0][0] + duration * t.signum();
+        // smooth through T = 0, and of one sign
+        let thickness = layers.0[0][0];
+        let sign = if t < -0.5 * thickness.value {
+            -1.0
+        } else {
+            1.0
+        };
+        let scale = thickness + duration * sign;
         let first = if m == 3 { scale * gap } else { gap };
         let jets = [first, position[1], rate[1]];
         if !jets.iter().all(|jet| jet.value.is_finite()) {
