@@ -51,7 +51,7 @@ fn opens_in_a_browser(bench: &Bench) {
         let version = Command::new(name).arg("--version").output();
         version.is_ok_and(|said| said.status.success())
     };
-    let Some(browser) = names.into_iter().find(|name| there(&name)) else {
+    let Some(browser) = names.into_iter().find(there) else {
         println!("skipped: there is no browser to open the page in");
         return;
     };

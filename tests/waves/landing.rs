@@ -88,7 +88,8 @@ fn an_independent_collocation_finds_the_same_waves() {
     let high = undamped_limit(0.045);
     // speed, durations, and what is given of P at take-off, Ü, V̈ before landing and V̈ after it
     let none = f64::NAN;
-    let cases: [(&Solved, f64, f64, &[f64], [f64; 4]); 3] = [
+    type Figures<'a> = (&'a Solved, f64, f64, &'a [f64], [f64; 4]);
+    let cases: [Figures; 3] = [
         (
             &low,
             0.005,
