@@ -17,6 +17,9 @@ const EVERY: Duration = Duration::from_secs(10);
 /// When the first estimate is worth a line, if it is beyond [`EVERY`].
 const FIRST: Duration = Duration::from_secs(1);
 
+/// What is shown until the first look.
+const BEGINNING: &str = "at the first step";
+
 /// Parts of the bar.
 const PARTS: u64 = 1000;
 
@@ -65,7 +68,7 @@ impl Progress {
     pub(crate) fn new(quiet: bool) -> Progress {
         let state = Arc::new(Mutex::new(State {
             part: f64::NAN,
-            words: String::new(),
+            words: BEGINNING.to_owned(),
             first: None,
         }));
         let terminal = stderr().is_terminal();
@@ -114,7 +117,7 @@ impl Drop for Progress {
 }
 
 fn bar() -> ProgressBar {
-    let bar = ProgressBar::new(PARTS);
+    let bar = ProgressBar::new(PARTS).with_message(BEGINNING);
     // the template is constant and valid
     if let Ok(style) = ProgressStyle::with_template("{spinner} [{bar:40}] {msg} ({elapsed})") {
         bar.set_style(style.progress_chars("=> "));
@@ -136,7 +139,7 @@ fn write_lines(state: &Mutex<State>, stopped: &Receiver<()>) {
         let left = state.left();
         let long = shown.is_none() && left.is_some_and(|left| left > EVERY.as_secs_f64());
         let since = shown.unwrap_or(begun).elapsed();
-        if !state.words.is_empty() && since >= if long { FIRST } else { EVERY } {
+        if since >= if long { FIRST } else { EVERY } {
             let _ = writeln!(stderr(), "{}", line(state.part, left, &state.words));
             shown = Some(Instant::now());
         }

@@ -15,7 +15,7 @@
 //! sliding, or back to the event. For that the range is widened: waves may return from beyond it. Where
 //! nothing is known, or nothing found, there is no name.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Complex;
 
@@ -77,7 +77,7 @@ const SHORT: f64 = 0.01;
 const LARGEST_MOVE: f64 = 0.05;
 
 /// Names beside a curve. Of every stretch and side, the places to prefer come first: those in the region
-/// next to the curve, and the nearest of them.
+/// next to the curve, and the nearest of them. Beside a fold only those are named, if there are any.
 pub(super) fn regions(points: &[Solved], limits: &Limits) -> Vec<Region> {
     let stretches = stretches(points);
     let mut found = Vec::new();
@@ -96,6 +96,16 @@ pub(super) fn regions(points: &[Solved], limits: &Limits) -> Vec<Region> {
         }
     }
     found.sort_by_key(|(stretch, rank, order, _)| (*stretch, *rank, *order));
+    if points.first().map(|first| first.system.condition) == Some(Condition::Fold) {
+        let next: BTreeSet<(usize, bool)> = found
+            .iter()
+            .filter(|(_, (beyond, _), _, _)| !beyond)
+            .map(|(stretch, _, _, region)| (*stretch, region.left))
+            .collect();
+        found.retain(|(stretch, (beyond, _), _, region)| {
+            !beyond || !next.contains(&(*stretch, region.left))
+        });
+    }
     found.into_iter().map(|(_, _, _, region)| region).collect()
 }
 
@@ -185,13 +195,18 @@ fn beside(
         return Vec::new();
     };
     // names next to the curve on its right and its left; the targets come by distance
-    let mut next: [Option<Option<String>>; 2] = [None, None];
-    let mut within = [true, true];
+    let nearest = |side| {
+        let number = targets.iter().position(|(_, left, _)| *left == side);
+        number.and_then(|number| section.name(number))
+    };
+    let next = [nearest(false), nearest(true)];
+    // where both are the same, one lies beyond another part of the curve, and which is not known
+    let mut within = [next[0] != next[1]; 2];
     let named = targets.iter().enumerate().filter_map(|(number, target)| {
         let (distance, left, value) = *target;
         let side = usize::from(left);
         let name = section.name(number);
-        within[side] &= next[side].get_or_insert_with(|| name.clone()) == &name;
+        within[side] &= next[side] == name;
         let mut place = point.parameters;
         place[axis] = value;
         let region = Region {

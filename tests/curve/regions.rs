@@ -186,6 +186,17 @@ fn waves_are_counted_beside_a_cusp() {
         "continuation: (parameter: Friction, range: (0.3, 3.0), toward: Up), curve: (event: LP, \
          parameters: (Friction, StiffnessDamping), range: ((1.8, 3.0), (0.0, 0.02)), ds_max: 0.05)",
     ));
+    // what lies beyond the other side of the wedge is not named here
+    for one in &curve.regions {
+        let side = |other: &&Region| (other.stretch, other.left) == (one.stretch, one.left);
+        assert!(
+            curve
+                .regions
+                .iter()
+                .filter(side)
+                .all(|other| other.name == one.name)
+        );
+    }
     let mut seen = Vec::new();
     for region in chosen(&curve, 5) {
         let [friction, damping] = region.place;

@@ -51,6 +51,7 @@ pub(crate) fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
         Mark::new(SHAPES[rank % SHAPES.len()], MARK, VERMILLION)
     };
 
+    let same = common_signature(&curve.regions);
     let (pen, on_branch) = (Pen::solid(BLUE, 2.2), Mark::new(Shape::Disc, MARK, BLACK));
     let marked = special
         .iter()
@@ -60,13 +61,22 @@ pub(crate) fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
         .chain(marked)
         .chain([
             Layer::Marks(start, on_branch),
-            Layer::Names(curve.regions.iter().map(name).collect()),
+            Layer::Names(
+                curve
+                    .regions
+                    .iter()
+                    .map(|region| name(region, same))
+                    .collect(),
+            ),
         ])
         .collect();
 
     let mut what = format!("{} ({})", curve.event, event(curve.event));
     if let Some(sector) = curve.sector {
         what.push_str(&format!(", sector {sector}"));
+    }
+    if let Some(signature) = same {
+        what.push_str(&format!(" of waves {}", short_signature(signature)));
     }
     let entries = [
         (Key::Line(pen), what),
@@ -79,13 +89,27 @@ pub(crate) fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
     Picture::new(vec![Panel::new(x, y, layers)], legend)
 }
 
-/// The name of a region, its signature shortened, if it has one; one for every stretch and side.
-fn name(region: &Region) -> Name {
+/// The signature that all counts of waves have in common: said once, it leaves room for the counts.
+fn common_signature(regions: &[Region]) -> Option<&str> {
+    let mut signatures = regions
+        .iter()
+        .map(|region| Some(region.name.split_once(' ')?.1.split_once(' ')?.1));
+    let first = signatures.next()??;
+    let counts = regions[0]
+        .name
+        .starts_with(|first: char| first.is_ascii_digit());
+    (counts && !first.contains(' ') && signatures.all(|one| one == Some(first))).then_some(first)
+}
+
+/// The name of a region, its signature shortened, or left out where it is the same everywhere; one for
+/// every stretch and side.
+fn name(region: &Region, same: Option<&str>) -> Name {
     let shortened = |word: &str| match word.contains('-') {
         true => short_signature(word),
         false => word.to_owned(),
     };
-    let words: Vec<String> = region.name.split(' ').map(shortened).collect();
+    let words = region.name.split(' ').filter(|word| Some(*word) != same);
+    let words: Vec<String> = words.map(shortened).collect();
     Name {
         group: 2 * region.stretch + usize::from(region.left),
         at: (region.place[0], region.place[1]),
