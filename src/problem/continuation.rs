@@ -12,7 +12,7 @@ use crate::model::{FrictionLaw, Parameter};
 /// Largest number of points of a leg where none is given.
 pub(crate) const DEFAULT_MAX_POINTS: usize = 100_000;
 /// The same under a `Regularised` law, whose zones are integrated: some 20 ms a point, five seconds a leg.
-pub(crate) const DEFAULT_MAX_POINTS_INTEGRATED: usize = 250;
+pub(crate) const DEFAULT_MAX_POINTS_INTEGRATED: usize = 150;
 
 /// Which way a branch leaves its first point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
