@@ -376,8 +376,13 @@ impl Branch {
         let Some(Beyond { wave, node, ds }) = beyond else {
             let stop = change::ending(&self.wave, &found.node.point, &margin, refused);
             change.end = Some(stop.clone());
+            let at_hopf = stop == Stop::SlipAlone;
             let end = walk::End::Own(stop);
             found.special = Some(Special::Change(Box::new(change)));
+            // no failure: the waves that are left all have this value of the parameter
+            if at_hopf {
+                return Met::Ended(vec![found], end);
+            }
             let failure = Found {
                 special: Some(failed(&end)),
                 ..found.clone()

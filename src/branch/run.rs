@@ -13,7 +13,7 @@ use super::item::{event, row};
 use super::progress::legs;
 use super::row::EigenvalueRow;
 use super::saved::SavedWave;
-use super::special::{Ending, Failure, Note, Special};
+use super::special::{Ending, Failure, Note, Special, Stop};
 use super::{BranchPoint, EventType, Reason, Stability};
 use crate::continuation::{Node, walk};
 use crate::flow::method::Method;
@@ -149,7 +149,7 @@ impl Runner {
         match end {
             _ if stopped => self.end_leg(None, true),
             None => self.check_points(&mut items),
-            Some(walk::End::Edge | walk::End::Closed) => self.end_leg(None, false),
+            Some(walk::End::Edge | walk::End::Closed | walk::End::Own(Stop::SlipAlone)) => self.end_leg(None, false),
             Some(end) => self.end_leg(Some(Failure::Ended(Box::new(end))), false),
         }
         items

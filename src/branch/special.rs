@@ -69,6 +69,9 @@ impl Special {
     pub fn after(&self) -> Option<Signature> {
         match self {
             Special::StickOpens => Some(Signature::slip_stick()),
+            Special::Change(change) if change.end == Some(Stop::SlipAlone) => {
+                Some(Signature::slip_alone())
+            }
             Special::Change(change) => change.after.clone(),
             _ => None,
         }

@@ -38,11 +38,13 @@ impl Task {
         Ok((problem, text, self.problem.display().to_string()))
     }
 
-    /// Where the results go: by default `results/` and the name of the problem file with an ending.
+    /// Where the results go: by default `results/` and the name of the problem file with an ending, once.
     pub(crate) fn folder(&self, ending: &str) -> PathBuf {
         let stem = self.problem.file_stem();
         let mut name = stem.map_or_else(|| "problem".into(), |stem| stem.to_owned());
-        name.push(ending);
+        if !name.to_string_lossy().ends_with(ending) {
+            name.push(ending);
+        }
         let default = || PathBuf::from("results").join(name);
         self.out.clone().unwrap_or_else(default)
     }

@@ -7,21 +7,24 @@ use clap::Args;
 
 use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, Threads, cores};
+use super::prepare::{Prepared, begin, ready};
 use super::progress::{Progress, drive};
 use super::{print, warn};
-use crate::model::Model;
+use crate::branch::run::RunError;
+use crate::model::{Model, Parameter};
 use crate::output::pictures;
 use crate::output::render::Format;
-use crate::output::run::{Restart, profile_file};
+use crate::output::run::{PROFILE_RESOLUTION, Restart, profile_file};
 use crate::output::simulation::{END, START, SimulationCheckpoint, SimulationFolder, columns};
 use crate::output::store::{Checkpoint, Kind, Store, VERSION, damaged};
-use crate::problem::{self, Problem};
+use crate::problem::{self, Continuation, Problem, Start};
 use crate::simulation::course::{Course, NoCourse, Piece};
 use crate::simulation::growth::GrowthRow;
 use crate::simulation::measure::{Measure, Sample};
 use crate::simulation::motion::Motion;
 use crate::simulation::profile::Profile;
 use crate::simulation::task::{Simulation, SimulationStart};
+use crate::table;
 
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArguments {
@@ -39,10 +42,19 @@ const PATIENCE: Duration = Duration::from_secs(10);
 const MUCH: f64 = 1e9;
 
 /// Where the motion begins: the model, and the wave if there is one.
-fn beginning(problem: &Problem, section: &Simulation) -> Result<(Model, Option<Profile>), Failure> {
+fn beginning(
+    task: &Task,
+    problem: &Problem,
+    text: &str,
+    section: &Simulation,
+) -> Result<(Model, Option<Profile>), Failure> {
     let model = problem.model;
     let (dir, label) = match &section.start {
         SimulationStart::SteadySliding => return Ok((model, None)),
+        SimulationStart::OwnWave => {
+            let (model, wave) = first_wave(task, problem, text)?;
+            return Ok((model, Some(wave)));
+        }
         SimulationStart::Profile { file, speed } => {
             if !file.is_file() {
                 return Err(Usage::NoProfile(file.clone()).into());
@@ -57,14 +69,7 @@ fn beginning(problem: &Problem, section: &Simulation) -> Result<(Model, Option<P
     }
     let restart = Restart::read(dir)?;
     let saved = restart.wave(dir, label)?;
-    let (found, wanted) = (saved.model.constants(), model.constants());
-    if found != wanted {
-        warn(&format!(
-            "the wave brings its own parameters: mismatch {}, friction {}, mass damping {}, \
-             stiffness damping {}",
-            found.mismatch, found.friction, found.mass_damping, found.stiffness_damping
-        ));
-    }
+    remark(&saved.model, &model);
     let path = dir.join(profile_file(label));
     if !path.is_file() {
         let dir = dir.clone();
@@ -75,6 +80,46 @@ fn beginning(problem: &Problem, section: &Simulation) -> Result<(Model, Option<P
     Ok((saved.model, Some(wave)))
 }
 
+/// The wave that the branch of the problem begins with, at the same points as in the table of its profile.
+fn first_wave(task: &Task, problem: &Problem, text: &str) -> Result<(Model, Profile), Failure> {
+    let mut problem = problem.clone();
+    problem.stability = None;
+    // a wave in closed form is the beginning of any branch
+    if let (Start::Fast | Start::Slow, None) = (&problem.wave.start, &problem.continuation) {
+        let range = (0.5 * problem.model.mismatch, problem.model.mismatch);
+        problem.continuation = Some(Continuation::new(Parameter::Mismatch, range));
+    }
+    let Prepared {
+        problem,
+        continuation,
+        restart,
+        source,
+    } = ready(problem, text.to_owned(), &task.problem)?;
+    let begun = begin(task.quiet, &problem, &continuation, restart.as_ref());
+    let mut branch = begun.map_err(|error| source.place(error))?;
+    // a Hopf point comes with the waves before the first one
+    let first = branch.step().pop();
+    let first = first.ok_or_else(|| Usage::NoBranch(task.problem.clone()))?;
+    remark(&first.point.model, &problem.model);
+    let samples = first.profile(PROFILE_RESOLUTION);
+    let samples = samples.map_err(|error| RunError::NoStart(error.into()))?;
+    let table = table::table(samples);
+    let wave = Profile::of_table(table.as_bytes(), &task.problem, first.point.speed);
+    Ok((first.point.model, wave.map_err(Usage::Profile)?))
+}
+
+/// Says so where a wave has other parameters than the problem.
+fn remark(found: &Model, wanted: &Model) {
+    let (found, wanted) = (found.constants(), wanted.constants());
+    if found != wanted {
+        warn(&format!(
+            "the wave brings its own parameters: mismatch {}, friction {}, mass damping {}, \
+             stiffness damping {}",
+            found.mismatch, found.friction, found.mass_damping, found.stiffness_damping
+        ));
+    }
+}
+
 pub(crate) fn simulate(arguments: &SimulateArguments) -> Result<Exit, Failure> {
     let (threads, task) = (&arguments.threads, &arguments.task);
     threads.install(cores(), cores(), || simulate_with(task))
@@ -83,7 +128,7 @@ pub(crate) fn simulate(arguments: &SimulateArguments) -> Result<Exit, Failure> {
 fn simulate_with(task: &Task) -> Result<Exit, Failure> {
     let (problem, text, name) = task.read()?;
     let section = problem.simulation(&text, &name)?;
-    let (model, wave) = beginning(&problem, section)?;
+    let (model, wave) = beginning(task, &problem, &text, section)?;
     let out = task.folder("_simulation");
     let begun = Course::begin(section, &model, problem.wave.mode, wave);
     let mut course = begun.map_err(|reason| match reason {

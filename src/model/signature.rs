@@ -89,6 +89,14 @@ pub struct Zone {
 pub struct Signature(pub Vec<Zone>);
 
 impl Signature {
+    /// One zone of slip: a wave on steady sliding at its Hopf point.
+    pub fn slip_alone() -> Signature {
+        Signature(vec![Zone {
+            regime: Regime::Slip,
+            entry: Entry::Section,
+        }])
+    }
+
     /// slip-stick, as it starts in closed form.
     pub fn slip_stick() -> Signature {
         Signature(vec![

@@ -118,7 +118,7 @@ pub(crate) fn profile_file(label: usize) -> String {
 }
 
 /// Intervals of a profile over one wavelength.
-const PROFILE_RESOLUTION: usize = 360;
+pub(crate) const PROFILE_RESOLUTION: usize = 360;
 
 /// The state of a run is saved when this many times as long has passed as saving took: at most a
 /// twentieth of the run goes into it, however slow the disk and large the state.

@@ -205,9 +205,9 @@ impl Display for Stop {
                 parameter.column()
             ),
             Stop::SlipAlone => f.write_str(
-                "what is left is one zone of slip around the whole circumference: a linear wave on \
-                 steady sliding, of arbitrary amplitude, at its Hopf point; no wave with switches \
-                 continues",
+                "what is left is one zone of slip around the whole circumference: linear waves on \
+                 steady sliding at its Hopf point, of every amplitude down to none at this one value; \
+                 `start: Hopf` lists them",
             ),
             Stop::NoSignature => f.write_str(
                 "no signature of the switching table solves the equations beyond this event",

@@ -16,6 +16,7 @@ mod outline;
 mod tests;
 mod validation;
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -319,7 +320,7 @@ pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
     if text.len() > MAX_BYTES {
         return Err(too_large(name));
     }
-    let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
+    let text = &*readable(text.strip_prefix('\u{FEFF}').unwrap_or(text));
     let refuse = |flaw| ProblemError::in_text(name, text, flaw);
     if let Some((at, found)) = text.char_indices().find(|(_, c)| !is_text(*c)) {
         let message = format!(
@@ -338,6 +339,15 @@ pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
         .and_then(|()| validation::check(&problem, &outline))
         .map_err(refuse)?;
     Ok(problem)
+}
+
+/// The text for `ron`, where a name is followed by values or it is not: `start: Wave` gets another name.
+fn readable(text: &str) -> Cow<'_, str> {
+    let at = Outline::of(text).locate("simulation.start");
+    match &text[at.clone()] {
+        "Wave" => format!("{}Own{}", &text[..at.start], &text[at.start..]).into(),
+        _ => text.into(),
+    }
 }
 
 /// Whether a character is text, as tables, pictures and reports in XML can hold it.

@@ -7,7 +7,7 @@ use super::*;
 use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE};
 use crate::model::EventType;
 use crate::model::{Damping, FrictionLaw, Impact, Parameter};
-use crate::simulation::task::DEFAULT_COURANT;
+use crate::simulation::task::{DEFAULT_COURANT, SimulationStart};
 
 /// Every field of the format, each on a line of its own or nearly so.
 const FULL: &str = r#"// Каждое поле — every field, with "quotes" and ( in a comment
@@ -330,7 +330,10 @@ fn problems_survive_a_round_trip() {
          courant: 0.1, every: 0.1, snapshots: 2, growth: (sectors: Only([0, 2]), pairs: 9)",
     );
     let tube = simulated("body: Annulus(around: 64, across: 4), start: SteadySliding, duration: 9");
-    for text in [FULL, TEMPLATE, &restart, &given, &ring, &tube] {
+    let own = ring.replace("Wave(dir: \"r/x\", label: 3)", "/* of its own */ Wave // bare");
+    let parsed = parse(&own, "p.ron").unwrap().simulation.unwrap();
+    assert_eq!(parsed.start, SimulationStart::OwnWave);
+    for text in [FULL, TEMPLATE, &restart, &given, &ring, &tube, &own] {
         let problem = parse(text, "p.ron").unwrap();
         let stored = ron::to_string(&problem).unwrap();
         assert_eq!(ron::from_str::<Problem>(&stored).unwrap(), problem);

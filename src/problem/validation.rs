@@ -400,7 +400,7 @@ impl Checks<'_> {
             return self.refuse(
                 "simulation.growth",
                 "there is no wave whose perturbations could grow",
-                "write `start: Wave(dir: \"results/x\", label: 3)`, or remove `growth`",
+                "write `start: Wave`, or remove `growth`",
             );
         }
         let rule = format!("growth needs at least {MIN_GROWTH_POINTS} points per wavelength");

@@ -6,6 +6,8 @@
 //! rates as slopes, ∂/∂θ = (1/|c|)∂/∂t, and the rates are the slopes of that; across a switch nothing
 //! is interpolated.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// What is wrong with a table.
@@ -61,7 +63,22 @@ pub struct Sample {
 
 impl Profile {
     /// Reads `profiles/LABEL.csv` of a wave of this speed, c ≠ 0.
+    ///
+    /// # Errors
+    /// There is no such file, or it holds no wave.
     pub fn read(path: &Path, speed: f64) -> Result<Profile, ProfileError> {
+        let file = File::open(path).map_err(|error| ProfileError::Table {
+            path: path.to_owned(),
+            source: error.into(),
+        })?;
+        Profile::of_table(file, path, speed)
+    }
+
+    /// The wave of a table like `profiles/LABEL.csv`; `path` is what messages call it.
+    ///
+    /// # Errors
+    /// It holds no wave.
+    pub fn of_table(table: impl Read, path: &Path, speed: f64) -> Result<Profile, ProfileError> {
         let fault = |source| ProfileError::Table {
             path: path.to_owned(),
             source,
@@ -73,7 +90,7 @@ impl Profile {
         if !(speed.is_finite() && speed != 0.0) {
             return Err(content(format!("{speed} is not the speed of a wave")));
         }
-        let mut reader = csv::Reader::from_path(path).map_err(fault)?;
+        let mut reader = csv::Reader::from_reader(table);
         let header = reader.headers().map_err(fault)?.clone();
         let column = |name: &str| {
             header

@@ -111,6 +111,8 @@ pub enum Circle {
 pub enum SimulationStart {
     /// Steady sliding.
     SteadySliding,
+    /// The wave that the branch of the problem begins with, written `start: Wave`.
+    OwnWave,
     /// A wave of a result folder that has its profile.
     Wave {
         /// Directory with the results of a run.

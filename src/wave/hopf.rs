@@ -18,7 +18,7 @@
 //! begins with T2 = 0.
 
 use crate::linalg::Vector;
-use crate::model::signature::{Entry, Regime, Signature, Zone};
+use crate::model::signature::Signature;
 use crate::model::{Model, Parameter};
 
 use super::successor::Candidate;
@@ -166,10 +166,7 @@ pub fn family(
         model,
         parameter,
         mode,
-        Signature(vec![Zone {
-            regime: Regime::Slip,
-            entry: Entry::Section,
-        }]),
+        Signature::slip_alone(),
         Scales::new(&model, mode, excess, 1.0, width),
     );
     let period = std::f64::consts::TAU / frequency;

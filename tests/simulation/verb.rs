@@ -246,6 +246,57 @@ fn a_wave_is_taken_from_a_result_folder() {
     );
 }
 
+/// The wave of the file itself moves as the one of a folder to the last bit, wherever the branch would go;
+/// the wave beyond a Hopf point brings its damping, and one of no branch needs no section for one.
+#[test]
+fn a_simulation_computes_its_own_wave() {
+    let small = SMALL.replace("BODY", "Ring(points: 192)");
+    let small = small.replace("perturbation: (mode: 4, amplitude: 0.02),", "");
+    let small = small.replace("duration: 30.0", "duration: 1.0");
+    let branch = "continuation: (parameter: Mismatch, range: (0.09, 0.1), toward: Down),\n\
+                  output: (profiles: 1),\n    simulation:";
+    let of_branch = small.replace("simulation:", branch);
+    let bench = Bench::new(&of_branch);
+    let put = |name: &str, text: String| fs::write(bench.path(name), text).expect("a file");
+    put("own.ron", of_branch.replace("SteadySliding", "Wave"));
+    let folder = "Wave(dir: \"wave\", label: 1)";
+    put("folder.ron", of_branch.replace("SteadySliding", folder));
+    put("alone.ron", small.replace("SteadySliding", "Wave"));
+    bench.run(&["simulate", "own.ron"], 0);
+    bench.run(&["run", "p.ron", "--out", "wave", "--quiet"], 0);
+    bench.run(&["simulate", "folder.ron"], 0);
+    let said = bench.run(&["simulate", "alone.ron"], 0);
+    assert!(!said.contains("warning"), "{said}");
+    let read = |name: &str, table: &str| {
+        let path = format!("results/{name}_simulation/{table}.csv");
+        fs::read(bench.path(&path)).expect("a table")
+    };
+    for table in ["series", "start", "end"] {
+        assert!(read("own", table) == read("folder", table), "{table}");
+    }
+    // posed in other units of the parameter the same wave differs by rounding
+    let first = |name: &str| String::from_utf8(read(name, "start")).expect("text");
+    let cells = |text: String| -> Vec<f64> {
+        let cells = text.split([',', '\n']).filter_map(|cell| cell.parse().ok());
+        cells.collect()
+    };
+    let (own, alone) = (cells(first("own")), cells(first("alone")));
+    assert_eq!(own.len(), alone.len());
+    assert!(own.iter().zip(&alone).all(|(a, b)| (a - b).abs() < 1e-10));
+    let hopf = of_branch.replace("SteadySliding", "Wave").replace("Fast", "Hopf");
+    put("hopf.ron", hopf.replace("Mismatch, range: (0.09, 0.1)", "MassDamping, range: (0.2, 0.4)"));
+    let said = bench.run(&["simulate", "hopf.ron"], 2);
+    assert!(said.contains("vanishes before"), "{said}");
+    let hopf = fs::read_to_string(bench.path("hopf.ron")).expect("a file");
+    put("hopf.ron", hopf.replace("mismatch: 0.1", "mismatch: 0.9"));
+    let said = bench.run(&["simulate", "hopf.ron"], 0);
+    assert!(said.contains("mass damping 0.3189475"), "{said}");
+    // what is wrong with it is told at its place
+    put("none.ron", small.replace("SteadySliding", "Wave").replace("0.5", "1.5"));
+    let said = bench.run(&["simulate", "none.ron"], 3);
+    assert!(said.contains("none.ron:5") && said.contains("fold"), "{said}");
+}
+
 #[test]
 fn what_makes_no_sense_is_refused_with_its_place() {
     let problem = SMALL.replace("BODY", RING);
