@@ -35,9 +35,12 @@ pub(crate) fn line(row: &impl Serialize) -> String {
     line_of(&cells(row).1)
 }
 
-/// Rows below their header.
+/// Rows below their header: the columns of the first one, for some are there only when asked for.
 pub(crate) fn table<Row: Serialize + Default>(rows: impl IntoIterator<Item = Row>) -> String {
-    let mut text = header::<Row>();
+    let mut rows = rows.into_iter().peekable();
+    let mut text = rows
+        .peek()
+        .map_or_else(header::<Row>, |row| line_of(&columns(row)));
     for row in rows {
         text.push_str(&line(&row));
     }

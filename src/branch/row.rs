@@ -99,11 +99,22 @@ pub struct BranchRow<'a> {
     condition: Option<f64>,
     expected_error: Option<f64>,
     why: String,
+    /// Where the rotation of the shaft is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hertz: Option<f64>,
 }
 
 impl<'a> BranchRow<'a> {
-    /// A point of a leg.
-    pub fn new(point: &'a BranchPoint, leg: usize) -> BranchRow<'a> {
+    /// A row for the names of its columns, with a frequency or without.
+    pub fn columns(hertz: Option<f64>) -> BranchRow<'a> {
+        BranchRow {
+            hertz,
+            ..BranchRow::default()
+        }
+    }
+
+    /// A point of a leg, and the frequency in hertz that is heard of it, where that is known.
+    pub fn new(point: &'a BranchPoint, leg: usize, hertz: Option<f64>) -> BranchRow<'a> {
         let (condition, expected_error) = point.conditioning.unzip();
         BranchRow {
             point: point.point,
@@ -117,6 +128,7 @@ impl<'a> BranchRow<'a> {
             condition,
             expected_error,
             why: why(point),
+            hertz,
         }
     }
 }

@@ -149,7 +149,9 @@ impl Runner {
         match end {
             _ if stopped => self.end_leg(None, true),
             None => self.check_points(&mut items),
-            Some(walk::End::Edge | walk::End::Closed | walk::End::Own(Stop::SlipAlone)) => self.end_leg(None, false),
+            Some(walk::End::Edge | walk::End::Closed | walk::End::Own(Stop::SlipAlone)) => {
+                self.end_leg(None, false)
+            }
             Some(end) => self.end_leg(Some(Failure::Ended(Box::new(end))), false),
         }
         items

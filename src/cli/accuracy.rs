@@ -24,7 +24,7 @@ pub(crate) struct AccuracyArguments {
     /// Most repetitions of a run, whose median time is given
     #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..))]
     repeats: u16,
-    /// Format of the picture: svg, png or pdf
+    /// Format of the picture: svg, png, pdf or tex (pgfplots)
     #[arg(long, default_value = "svg", value_parser = format)]
     format: Format,
 }

@@ -21,7 +21,7 @@ pub(crate) struct CurveArguments {
     /// Its problem file has a section `curve`, and `continuation` unless the event is a label
     #[command(flatten)]
     task: Task,
-    /// Format of the picture: svg, png or pdf
+    /// Format of the picture: svg, png, pdf or tex (pgfplots)
     #[arg(long, default_value = "svg", value_parser = format)]
     format: Format,
 }

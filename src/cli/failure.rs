@@ -106,9 +106,9 @@ pub(crate) enum Usage {
     Threads(#[from] rayon::ThreadPoolBuildError),
     #[error("{}: it would be replaced, and is read as well; take another name", .0.display())]
     Replaced(PathBuf),
-    #[error("{}: give the picture a name that ends in .svg, .png or .pdf", .0.display())]
+    #[error("{}: give the picture a name that ends in .svg, .png, .pdf or .tex", .0.display())]
     PictureName(PathBuf),
-    #[error("`{0}` is no format; take svg, png or pdf")]
+    #[error("`{0}` is no format; take svg, png, pdf or tex")]
     Format(String),
     #[error("`{0}` is no range: write LOW,HIGH, for example 0.001,0.01")]
     Ends(String),

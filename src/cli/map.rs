@@ -32,7 +32,7 @@ pub(crate) struct MapArguments {
     /// Compute only every Nth row, from the Ith: I/N with 1 ≤ I ≤ N; `map merge` joins the shards
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Draw the regions of the plane: FILE.svg, .png or .pdf
+    /// Draw the regions of the plane: FILE.svg, .png, .pdf or .tex
     #[arg(long, value_name = "FILE", conflicts_with = "shard")]
     plot: Option<PathBuf>,
 }
@@ -57,7 +57,7 @@ struct MergeArguments {
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
-    /// Draw the regions of the plane: FILE.svg, .png or .pdf
+    /// Draw the regions of the plane: FILE.svg, .png, .pdf or .tex
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
 }

@@ -13,6 +13,8 @@ mod prepare;
 mod progress;
 mod report;
 mod run;
+#[cfg(feature = "completions")]
+mod shell;
 mod simulate;
 mod spectrum;
 mod steady;
@@ -61,6 +63,15 @@ enum Verb {
     Report(report::ReportArguments),
     /// Print a commented problem file
     New(NewArguments),
+    /// Print what a shell needs to complete verbs and options
+    #[cfg(feature = "completions")]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual: the pages of the program and of its verbs
+    #[cfg(feature = "completions")]
+    Man,
 }
 
 #[derive(Debug, Args)]
@@ -107,6 +118,10 @@ pub fn main() -> ExitCode {
         Verb::Simulate(arguments) => simulate::simulate(&arguments),
         Verb::Report(arguments) => report::report(&arguments),
         Verb::New(arguments) => print(&arguments.purpose.template()).map(|()| Exit::Done),
+        #[cfg(feature = "completions")]
+        Verb::Completions { shell } => shell::completions(shell),
+        #[cfg(feature = "completions")]
+        Verb::Man => shell::manual(),
     };
     match result {
         Ok(exit) => exit.into(),

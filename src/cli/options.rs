@@ -110,7 +110,7 @@ pub(crate) fn cores() -> usize {
 
 /// A picture format on the command line.
 pub(crate) fn format(text: &str) -> Result<Format, Usage> {
-    let mut all = [Format::Svg, Format::Png, Format::Pdf].into_iter();
+    let mut all = Format::ALL.into_iter();
     let known = all.find(|format| format.extension() == text);
     known.ok_or_else(|| Usage::Format(text.to_owned()))
 }

@@ -18,7 +18,7 @@ use crate::problem::Plot;
 pub(crate) struct PlotArguments {
     /// Result folder of an earlier run
     folder: PathBuf,
-    /// Format of the pictures: svg, png or pdf
+    /// Format of the pictures: svg, png, pdf or tex (pgfplots)
     #[arg(long, default_value = "svg", value_parser = format)]
     format: Format,
     /// Draw one diagram instead, view.svg, with this column of branch.csv on the horizontal axis

@@ -23,15 +23,17 @@ const LEAST_MODES: u32 = 12;
 const PROMISED: f64 = 1e-10;
 
 /// Columns that a terminal shows.
-const SHOWN: [&str; 11] = [
+const SHOWN: [&str; 13] = [
     "mode",
     "growth",
     "omega",
+    "hertz",
     "speed",
     "hopf_friction",
     "first",
     "full_growth",
     "full_omega",
+    "full_hertz",
     "lead_growth",
     "lead_hopf_friction",
     "lead_first",
@@ -56,7 +58,7 @@ pub(crate) struct SteadyArguments {
     /// CSV on a terminal too
     #[arg(long)]
     csv: bool,
-    /// Draw growth against the mode: FILE.svg, .png or .pdf
+    /// Draw growth against the mode: FILE.svg, .png, .pdf or .tex
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
 }
@@ -118,10 +120,10 @@ pub(crate) fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
         Ok(Some((part, format!("{} of {all} modes", done + 1))))
     })?;
     let [reduced, full] = first_to_grow(&modes);
-    let rows = modes
-        .iter()
-        .enumerate()
-        .map(|(index, mode)| ModeRow::new(mode, reduced == Some(index), full == Some(index)));
+    let hertz = |omega| problem.output.hertz(omega);
+    let rows = modes.iter().enumerate().map(|(index, mode)| {
+        ModeRow::new(mode, reduced == Some(index), full == Some(index), hertz)
+    });
     print(&summary::table(table::table(rows), arguments.csv, &SHOWN))?;
     if let Some((path, format)) = picture {
         let drawn = pictures::steady::picture(&modes).titled(problem.title.as_deref());

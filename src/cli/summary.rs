@@ -40,17 +40,20 @@ pub(crate) fn branch(
     let text = |table: &Table, row: usize, column: &str| -> String {
         table.field(row, column).unwrap_or_default()
     };
+    // the frequency in hertz where the rotation is known
+    let heard = points.has("hertz");
     let asked = (0..points.len()).any(|row| !points.text(row, "stable").is_empty());
     let mut report = String::new();
     // writing to a string does not fail
     let _ = writeln!(
         report,
-        "{:>6} {:>5} {:<4} {:>18} {:>18} {} {:<}",
+        "{:>6} {:>5} {:<4} {:>18} {:>18}{} {} {:<}",
         "point",
         "label",
         "type",
         parameter.column(),
         "speed",
+        if heard { "         Hz" } else { "" },
         if asked { "stable     " } else { "" },
         "regimes"
     );
@@ -59,11 +62,15 @@ pub(crate) fn branch(
         if !label.is_empty() {
             let _ = writeln!(
                 report,
-                "{:>6} {label:>5} {:<4} {} {} {} {}",
+                "{:>6} {label:>5} {:<4} {} {}{} {} {}",
                 text(&points, row, "point"),
                 text(&points, row, "type"),
                 figure(number(&points, row, parameter.column())),
                 figure(number(&points, row, "speed")),
+                match points.field::<f64>(row, "hertz") {
+                    Some(hertz) => format!(" {hertz:>10.2}"),
+                    None => String::new(),
+                },
                 if asked {
                     stability(&points, row)
                 } else {

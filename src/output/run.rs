@@ -175,8 +175,9 @@ impl RunFolder {
             store.begin(fixed.map(str::to_owned).chain(pictures), Some(PROFILES))?;
         }
         let header = table::columns(&EventRow::columns(problem.model));
+        let columns = table::columns(&BranchRow::columns(problem.output.rotation));
         let mut folder = RunFolder {
-            branch: store.table(BRANCH, &table::header::<BranchRow>(), kept(now.points))?,
+            branch: store.table(BRANCH, &table::line_of(&columns), kept(now.points))?,
             events: store.table(EVENTS, &table::line_of(&header), kept(now.events))?,
             spectrum: spectrum
                 .map(|name| {
@@ -235,7 +236,10 @@ impl RunFolder {
     }
 
     fn append(&mut self, item: &Item) -> Result<(), StoreError> {
-        self.branch.row(&BranchRow::new(&item.point, item.leg))?;
+        let mode = f64::from(item.wave().0.mode);
+        let hertz = self.restart.problem.output.hertz(mode * item.point.speed);
+        let row = BranchRow::new(&item.point, item.leg, hertz);
+        self.branch.row(&row)?;
         if let Some(event) = &item.event {
             self.events.row(&EventRow::new(event))?;
         }

@@ -21,7 +21,7 @@ const AROUND: Range = Range::from(MIN_SIMULATION_POINTS as f64).to(MAX_SIMULATIO
 
 /// Path, admitted values, and the rule in words, with `{}` for the values.
 #[rustfmt::skip] // one field a line
-const FIELDS: [(&str, Range, &str); 40] = [
+const FIELDS: [(&str, Range, &str); 41] = [
     ("model.coefficients.b", POSITIVE, "b must be {}"),
     ("model.coefficients.g", POSITIVE, "g must be {}"),
     ("model.coefficients.h", POSITIVE, "h must be {}"),
@@ -59,6 +59,7 @@ const FIELDS: [(&str, Range, &str); 40] = [
     ("curve.max_points", COUNT, "a curve has {} point"),
     ("curve.tolerance", POSITIVE.to(MAX_TOLERANCE), "the tolerance must be {}"),
     ("output.labels", COUNT, "labels run from 1"),
+    ("output.rotation", POSITIVE, "the angular velocity of the shaft, in rad/s, must be {}"),
     ("output.profiles", Range::upto(MAX_PROFILES as f64), "ask for {} profiles"),
     ("expect.label", COUNT, "labels run from 1"),
     ("expect.tolerance", POSITIVE.to(0.1), EXPECTED),

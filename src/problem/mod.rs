@@ -219,7 +219,7 @@ impl StabilitySection {
 }
 
 /// What to write besides the tables of the branch.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Output {
     /// Plots to draw.
@@ -232,6 +232,18 @@ pub struct Output {
     pub profiles: usize,
     /// Whether to give the condition number and the expected error of every point.
     pub conditioning: bool,
+    /// Angular velocity Ω of the shaft in rad/s, Ω > 0: with it tables have frequencies in hertz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<f64>,
+}
+
+impl Output {
+    /// |ω|Ω/2π in hertz for an angular frequency ω in units of Ω, where Ω is given; k crests that run round
+    /// with speed c are heard with ω = kc.
+    pub fn hertz(&self, omega: f64) -> Option<f64> {
+        let rotation = self.rotation?;
+        Some(omega.abs() * rotation / std::f64::consts::TAU)
+    }
 }
 
 /// Columns of `branch.csv` of which a curve can be drawn, in their order.

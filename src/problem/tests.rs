@@ -330,7 +330,10 @@ fn problems_survive_a_round_trip() {
          courant: 0.1, every: 0.1, snapshots: 2, growth: (sectors: Only([0, 2]), pairs: 9)",
     );
     let tube = simulated("body: Annulus(around: 64, across: 4), start: SteadySliding, duration: 9");
-    let own = ring.replace("Wave(dir: \"r/x\", label: 3)", "/* of its own */ Wave // bare");
+    let own = ring.replace(
+        "Wave(dir: \"r/x\", label: 3)",
+        "/* of its own */ Wave // bare",
+    );
     let parsed = parse(&own, "p.ron").unwrap().simulation.unwrap();
     assert_eq!(parsed.start, SimulationStart::OwnWave);
     for text in [FULL, TEMPLATE, &restart, &given, &ring, &tube, &own] {

@@ -16,6 +16,11 @@ pub struct ModeRow {
     hopf_omega: Option<f64>,
     first: &'static str,
     tube: TubeRow,
+    /// `omega` and `full_omega`, where the rotation of the shaft is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hertz: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    full_hertz: Option<f64>,
 }
 
 /// What the full radial problem says: its fundamental family, the family that leads, convergence.
@@ -43,8 +48,15 @@ struct TubeRow {
 }
 
 impl ModeRow {
-    /// A mode; `first` where it is the first to grow in the reduced model, `tube_first` in the tube.
-    pub(crate) fn new(mode: &Mode, first: bool, tube_first: bool) -> ModeRow {
+    /// A mode; `first` where it is the first to grow in the reduced model, `tube_first` in the tube;
+    /// `hertz` of an angular frequency.
+    pub(crate) fn new(
+        mode: &Mode,
+        first: bool,
+        tube_first: bool,
+        hertz: impl Fn(f64) -> Option<f64>,
+    ) -> ModeRow {
+        let full = mode.full.as_ref().map(|full| full.fundamental.wave.omega);
         let (wave, hopf) = (mode.reduced.wave, mode.reduced.hopf);
         let tube = mode.full.as_ref();
         ModeRow {
@@ -57,6 +69,8 @@ impl ModeRow {
             hopf_omega: hopf.map(|point| point.omega),
             first: mark(first),
             tube: tube.map_or_else(TubeRow::default, |full| TubeRow::new(full, tube_first)),
+            hertz: hertz(wave.omega),
+            full_hertz: full.and_then(hertz),
         }
     }
 }

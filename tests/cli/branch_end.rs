@@ -40,7 +40,7 @@ fn a_wave_that_does_not_exist_is_told_with_the_fold() {
 #[test]
 fn a_branch_that_ends_early_keeps_what_was_found() {
     let bench = Bench::new();
-    let few = "toward: Up, max_points: 60";
+    let few = "toward: Up, max_points: 40";
     bench.put("problem.ron", changed(&damping(), "toward: Up", few));
     let outcome = bench.run(&["run", "problem.ron", "--out", "out"]).expect(3);
     assert!(
@@ -62,7 +62,7 @@ fn a_branch_that_ends_early_keeps_what_was_found() {
     assert!(what.len() > 20 && outcome.stderr.contains(what), "{what}");
     let last = branch.rows.len() - 1;
     assert_eq!(branch.text(last, "type"), "MX");
-    assert_eq!(last, 60, "the way there is kept");
+    assert_eq!(last, 40, "the way there is kept");
     for label in 1..=branch.all("label", "").len().abs_diff(last + 1) {
         assert!(
             out.join(format!("profiles/{label}.csv")).exists(),
@@ -81,7 +81,7 @@ fn a_branch_that_ends_early_keeps_what_was_found() {
     assert!(fs::read_to_string(out.join("branch.ron")).is_ok_and(|text| text.contains("label:3")));
 }
 
-/// Without damping's help: the slip-stick waves end where steady sliding has its Hopf point, in the vertical
+/// The slip-stick waves end where steady sliding has its Hopf point, in the vertical
 /// family of waves that slip everywhere. That is no failure.
 #[test]
 fn a_branch_into_the_hopf_point_is_done() {

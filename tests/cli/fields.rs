@@ -507,6 +507,12 @@ const TABLE: &[Row] = &[
         "h---------",
     ),
     row(
+        "rotation",
+        "conditioning: false",
+        "conditioning: false, rotation: 62.8",
+        "h----h----",
+    ),
+    row(
         "expect",
         "mismatch: 0.0968,",
         "mismatch: 0.0969,",

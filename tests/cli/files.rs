@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 
-use crate::harness::{Bench, PROBLEMS, Table, finite, off};
+use crate::harness::{Bench, PROBLEMS, SMALL, Table, changed, finite, off};
 
 /// The least that `branch.csv` has, in this order.
 const BRANCH: &str = "point,label,type,regimes,mismatch,friction,mass_damping,stiffness_damping,\
@@ -32,6 +32,54 @@ fn results(bench: &Bench, name: &str) -> std::path::PathBuf {
         .run(&["run", file, "--out", "out", "--quiet"])
         .expect(0);
     bench.path("out")
+}
+
+/// With the rotation of the shaft tables end in k|c|Ω/2π and |ω|Ω/2π; all the rest of them is as without it.
+#[test]
+fn frequencies_are_told_in_hertz_where_the_rotation_is_known() {
+    let bench = Bench::new();
+    bench.put("plain.ron", SMALL);
+    let rotation = 62.5;
+    let output = format!("profiles: 2, rotation: {rotation:?}");
+    bench.put("heard.ron", changed(SMALL, "profiles: 2", &output));
+    bench.run(&["run", "plain.ron", "--out", "plain"]).expect(0);
+    let said = bench.run(&["run", "heard.ron", "--out", "heard"]).expect(0);
+    let read = |name: &str| fs::read_to_string(bench.path(name)).expect("a table");
+    let (plain, heard) = (read("plain/branch.csv"), read("heard/branch.csv"));
+    assert!(!plain.contains("hertz"));
+    for (row, (one, other)) in plain.lines().zip(heard.lines()).enumerate() {
+        let (same, last) = other.rsplit_once(',').expect("columns");
+        assert_eq!(same, one, "row {row}");
+        assert_eq!(last == "hertz", row == 0);
+    }
+    assert_eq!(plain.lines().count(), heard.lines().count());
+    let branch = Table::read(&bench.path("heard/branch.csv"));
+    for row in 0..branch.rows.len() {
+        let wanted = 4.0 * branch.number(row, "speed").abs() * rotation / TAU;
+        assert!(off(branch.number(row, "hertz"), wanted) < 1e-15);
+    }
+    assert!(
+        said.stdout.contains("Hz") && said.stdout.contains("49.45"),
+        "{}",
+        said.stdout
+    );
+    let steady = |name: &str| {
+        bench
+            .run(&["steady", name, "--modes", "3..4"])
+            .expect(0)
+            .stdout
+    };
+    assert!(!steady("plain.ron").contains("hertz"));
+    let modes = Table::parse(steady("heard.ron").as_bytes());
+    for row in 0..modes.rows.len() {
+        for (omega, hertz) in [("omega", "hertz"), ("full_omega", "full_hertz")] {
+            let wanted = modes.number(row, omega).abs() * rotation / TAU;
+            assert!(off(modes.number(row, hertz), wanted) < 1e-15, "{hertz}");
+        }
+    }
+    bench.put("wrong.ron", changed(SMALL, "profiles: 2", "rotation: -1"));
+    let refused = bench.run(&["run", "wrong.ron"]).expect(2);
+    assert!(refused.stderr.contains("in rad/s"), "{}", refused.stderr);
 }
 
 #[test]

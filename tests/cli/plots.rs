@@ -2,8 +2,9 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
-use crate::harness::{Bench, SMALL, assert_same, changed, problem, snapshot};
+use crate::harness::{Bench, SMALL, Table, assert_same, changed, off, problem, snapshot};
 
 /// A folder with results and every kind of picture.
 fn results() -> Bench {
@@ -72,6 +73,97 @@ fn all_formats_are_drawn_again() {
             assert!(bench.path(line).exists(), "{line}");
         }
         assert_pictures(&bench, format, &PICTURES);
+    }
+}
+
+/// Braces and environments of a document that end in the order in which they begin; escaped braces are text.
+fn assert_nested(text: &str, name: &str) {
+    let plain = text.replace("\\{", "").replace("\\}", "");
+    let mut depth = 0_i64;
+    for c in plain.chars() {
+        depth += i64::from(c == '{') - i64::from(c == '}');
+        assert!(depth >= 0, "{name}");
+    }
+    assert_eq!(depth, 0, "{name}");
+    let mut open = Vec::new();
+    for piece in plain.split('\\').skip(1) {
+        let environment = |word| piece.strip_prefix(word)?.split('}').next();
+        if let Some(begun) = environment("begin{").filter(|_| !piece.contains("stands in")) {
+            open.push(begun);
+        } else if let Some(ended) = environment("end{") {
+            assert_eq!(open.pop(), Some(ended), "{name}");
+        }
+    }
+    assert!(open.is_empty(), "{name}: {open:?}");
+}
+
+/// Source for pgfplots holds the data of the tables, and pdfLaTeX makes one page of it.
+#[test]
+fn pgfplots_has_the_data_and_compiles() {
+    let bench = results();
+    let text = fs::read_to_string(bench.path("problem.ron")).expect("a problem");
+    let title = "title: \"50 % of {δ} & c_∞ → #1 ~ x^2 \\\\ 漢 Größe\"";
+    let own = text
+        .lines()
+        .find(|line| line.contains("title:"))
+        .expect("a title");
+    bench.put(
+        "problem.ron",
+        changed(&text, own.trim().trim_end_matches(','), title),
+    );
+    let run = ["run", "problem.ron", "--out", "out", "--quiet", "--force"];
+    bench.run(&run).expect(0);
+    bench.run(&["plot", "out", "--format", "tex"]).expect(0);
+    let branch = Table::read(&bench.path("out/branch.csv"));
+    let read = |name: &str| {
+        let path = bench.path("out").join(format!("{name}.tex"));
+        fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    };
+    for name in PICTURES {
+        let source = read(name);
+        assert_nested(&source, name);
+        assert!(
+            source.contains("\\begin{axis}") && source.contains("coordinates {"),
+            "{name}"
+        );
+        assert!(source.chars().all(|c| c <= '\u{ff}'), "{name}");
+    }
+    // every point of a column, with nine figures
+    let drawn: Vec<(f64, f64)> = read("column_amplitude")
+        .split('(')
+        .filter_map(|piece| piece.split_once(')')?.0.split_once(','))
+        .filter_map(|(x, y)| Some((x.parse().ok()?, y.parse().ok()?)))
+        .collect();
+    for row in 0..branch.rows.len() {
+        let (x, y) = (
+            branch.number(row, "mismatch"),
+            branch.number(row, "amplitude"),
+        );
+        let there = drawn
+            .iter()
+            .any(|at| off(at.0, x) < 1e-8 && off(at.1, y) < 1e-8);
+        assert!(there, "row {row}: ({x}, {y})");
+    }
+    let tex = |name: &str| {
+        let arguments = ["-interaction=nonstopmode", "-halt-on-error", name];
+        let command = Command::new("pdflatex")
+            .args(arguments)
+            .current_dir(bench.path("out"))
+            .output();
+        command.map(|output| String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    for name in PICTURES {
+        match tex(name) {
+            Ok(said) if !said.contains("pgfplots.sty' not found") => {
+                assert!(
+                    said.contains(&format!("{name}.pdf (1 page")),
+                    "{name}: {said}"
+                );
+            }
+            _ => {
+                return eprintln!("pdflatex with pgfplots is not here: the source is not compiled");
+            }
+        }
     }
 }
 

@@ -283,8 +283,16 @@ fn a_simulation_computes_its_own_wave() {
     let (own, alone) = (cells(first("own")), cells(first("alone")));
     assert_eq!(own.len(), alone.len());
     assert!(own.iter().zip(&alone).all(|(a, b)| (a - b).abs() < 1e-10));
-    let hopf = of_branch.replace("SteadySliding", "Wave").replace("Fast", "Hopf");
-    put("hopf.ron", hopf.replace("Mismatch, range: (0.09, 0.1)", "MassDamping, range: (0.2, 0.4)"));
+    let hopf = of_branch
+        .replace("SteadySliding", "Wave")
+        .replace("Fast", "Hopf");
+    put(
+        "hopf.ron",
+        hopf.replace(
+            "Mismatch, range: (0.09, 0.1)",
+            "MassDamping, range: (0.2, 0.4)",
+        ),
+    );
     let said = bench.run(&["simulate", "hopf.ron"], 2);
     assert!(said.contains("vanishes before"), "{said}");
     let hopf = fs::read_to_string(bench.path("hopf.ron")).expect("a file");
@@ -292,9 +300,15 @@ fn a_simulation_computes_its_own_wave() {
     let said = bench.run(&["simulate", "hopf.ron"], 0);
     assert!(said.contains("mass damping 0.3189475"), "{said}");
     // what is wrong with it is told at its place
-    put("none.ron", small.replace("SteadySliding", "Wave").replace("0.5", "1.5"));
+    put(
+        "none.ron",
+        small.replace("SteadySliding", "Wave").replace("0.5", "1.5"),
+    );
     let said = bench.run(&["simulate", "none.ron"], 3);
-    assert!(said.contains("none.ron:5") && said.contains("fold"), "{said}");
+    assert!(
+        said.contains("none.ron:5") && said.contains("fold"),
+        "{said}"
+    );
 }
 
 #[test]

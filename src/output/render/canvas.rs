@@ -95,7 +95,10 @@ pub(super) fn compose(
 impl Canvas<'_> {
     /// A line through the places.
     pub fn line(&mut self, places: &[Place], pen: Pen) -> Drawn {
-        let places: Vec<(i32, i32)> = thinned(places).iter().map(coordinate).collect();
+        let places: Vec<(i32, i32)> = thinned(places, |place| *place)
+            .iter()
+            .map(coordinate)
+            .collect();
         if places.len() < 2 {
             return Ok(());
         }
@@ -125,7 +128,10 @@ impl Canvas<'_> {
 
     /// A filled polygon.
     pub fn polygon(&mut self, corners: &[Place], colour: RGBColor) -> Drawn {
-        let corners: Vec<(i32, i32)> = thinned(corners).iter().map(coordinate).collect();
+        let corners: Vec<(i32, i32)> = thinned(corners, |place| *place)
+            .iter()
+            .map(coordinate)
+            .collect();
         let style = ShapeStyle::from(&colour).filled();
         let drawn = self.backend.fill_polygon(corners, &style);
         drawn.map_err(refused)
@@ -208,14 +214,15 @@ fn refused(error: impl Error + Send + Sync + 'static) -> RenderError {
 
 /// A long line without the points that cannot be told apart: of successive ones in the same column the
 /// first, the lowest, the highest and the last are kept.
-fn thinned(places: &[Place]) -> Cow<'_, [Place]> {
-    if places.len() <= LONG {
-        return Cow::Borrowed(places);
+pub(super) fn thinned<T: Copy>(points: &[T], place: impl Fn(&T) -> Place) -> Cow<'_, [T]> {
+    if points.len() <= LONG {
+        return Cow::Borrowed(points);
     }
-    let column = |place: &Place| (place.0 / COLUMN).floor();
+    let column = |point: &T| (place(point).0 / COLUMN).floor();
     let mut kept = Vec::new();
-    for group in places.chunk_by(|one, other| column(one) == column(other)) {
-        let by_height = |one: &usize, other: &usize| group[*one].1.total_cmp(&group[*other].1);
+    for group in points.chunk_by(|one, other| column(one) == column(other)) {
+        let height = |index: usize| place(&group[index]).1;
+        let by_height = |one: &usize, other: &usize| height(*one).total_cmp(&height(*other));
         let last = group.len() - 1;
         let low = (0..=last).min_by(by_height).unwrap_or(0);
         let high = (0..=last).max_by(by_height).unwrap_or(0);

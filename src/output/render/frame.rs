@@ -46,7 +46,7 @@ impl Frame {
     }
 
     /// A place by its parts of the axes.
-    fn at(&self, across: f64, up: f64) -> Place {
+    pub(super) fn at(&self, across: f64, up: f64) -> Place {
         (
             self.from.0 + across * (self.to.0 - self.from.0),
             self.to.1 - up * (self.to.1 - self.from.1),
@@ -90,9 +90,12 @@ impl Frame {
                     canvas.text(base, text, NAME_SIZE, Align::Middle, BLACK)
                 })
             }
-            Layer::Headings(headings) => headings
-                .iter()
-                .try_for_each(|heading| self.heading(canvas, heading)),
+            Layer::Headings(headings) => {
+                let mut texts = headings.iter().filter_map(|heading| self.heading(heading));
+                texts.try_for_each(|(place, text)| {
+                    canvas.text(place, text, SMALL, Align::Middle, BLACK)
+                })
+            }
             Layer::Bar { foot, head, text } => self.bar(canvas, [*foot, *head], text),
             Layer::Remark(text) => self.remark(canvas, text),
         })
@@ -111,14 +114,12 @@ impl Frame {
         canvas.area(from, (to.0, to.1 - SEAM), cell.colour)
     }
 
-    fn heading(&self, canvas: &mut Canvas<'_>, heading: &Heading) -> Drawn {
+    /// The name of a stretch that fits, with the middle of its base line.
+    pub(super) fn heading<'a>(&self, heading: &'a Heading) -> Option<(Place, &'a str)> {
         let [from, to] = heading.ends.map(|end| self.at(self.x.part(end), 1.0));
         let fits = |text: &&String| width(text, SMALL) <= to.0 - from.0;
-        let Some(text) = heading.names.iter().find(fits) else {
-            return Ok(());
-        };
-        let place = (0.5 * (from.0 + to.0), from.1 - 5.0);
-        canvas.text(place, text, SMALL, Align::Middle, BLACK)
+        let text = heading.names.iter().find(fits)?;
+        Some(((0.5 * (from.0 + to.0), from.1 - 5.0), text))
     }
 
     fn bar(&self, canvas: &mut Canvas<'_>, ends: [f64; 2], text: &[String; 2]) -> Drawn {

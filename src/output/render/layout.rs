@@ -36,11 +36,7 @@ impl Picture {
     /// # Errors
     /// When the backend fails.
     pub fn svg(&self) -> Result<String, RenderError> {
-        let (frames, bottom) = if self.beside {
-            self.beside()
-        } else {
-            self.below()
-        };
+        let (frames, bottom) = self.frames();
         let height = (bottom + self.legend.height()).ceil();
         compose(height, |canvas| {
             if let Some(title) = &self.title {
@@ -65,8 +61,17 @@ impl Picture {
         })
     }
 
+    /// The frames of the panels, and where they end.
+    pub(super) fn frames(&self) -> (Vec<Frame>, f64) {
+        if self.beside {
+            self.beside()
+        } else {
+            self.below()
+        }
+    }
+
     /// Where the frames begin.
-    fn top(&self) -> f64 {
+    pub(super) fn top(&self) -> f64 {
         let title = self.title.as_ref().map_or(0.0, |_| 1.5 * TITLE_SIZE);
         let subtitle = self.subtitle.as_ref().map_or(0.0, |_| 1.4 * SUBTITLE_SIZE);
         12.0 + title + subtitle

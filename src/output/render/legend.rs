@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use super::Mark;
-use super::canvas::{Align, Canvas, Drawn, WIDTH};
+use super::canvas::{Align, Canvas, Drawn, Place, WIDTH};
 use super::palette::{BLACK, Pen};
 use super::text::{cut, width};
 
@@ -34,7 +34,7 @@ pub(crate) enum Key {
 }
 
 impl Key {
-    fn width(self) -> f64 {
+    pub(super) fn width(self) -> f64 {
         match self {
             Key::Line(_) => 32.0,
             Key::Mark(_) => 18.0,
@@ -60,11 +60,18 @@ pub(crate) struct Legend {
 }
 
 /// An entry or a heading at its place.
-struct Item<'a> {
+pub(super) struct Item<'a> {
     left: f64,
     line: usize,
-    key: Option<Key>,
-    text: &'a str,
+    pub key: Option<Key>,
+    pub text: &'a str,
+}
+
+impl Item<'_> {
+    /// Its left end on the base line, in a legend below `top`.
+    pub(super) fn at(&self, top: f64) -> Place {
+        (self.left, top + (self.line as f64 + 0.75) * LINE)
+    }
 }
 
 impl Legend {
@@ -94,9 +101,8 @@ impl Legend {
     /// Draws the legend below `top`.
     pub(super) fn paint(&self, canvas: &mut Canvas<'_>, top: f64) -> Drawn {
         for item in self.items().0 {
-            let base = top + (item.line as f64 + 0.75) * LINE;
+            let (mut left, base) = item.at(top);
             let middle = base - 0.33 * SIZE;
-            let mut left = item.left;
             match item.key {
                 Some(Key::Line(pen)) => {
                     canvas.line(&[(left, middle), (left + 26.0, middle)], pen)?;
@@ -119,7 +125,7 @@ impl Legend {
 
     /// Entries at their places, in columns as far as that takes no more lines, and the number of
     /// lines.
-    fn items(&self) -> (Vec<Item<'_>>, usize) {
+    pub(super) fn items(&self) -> (Vec<Item<'_>>, usize) {
         let mut items = Vec::new();
         let mut line = 0;
         for group in &self.groups {

@@ -3,7 +3,8 @@
 //! A picture has panels, a panel has axes and layers; what a picture shows is decided by those who
 //! describe it. Here it is decided how that looks in a column of a journal: [`axis`] chooses ranges
 //! and figures, [`layout`] arranges panels, title and legend, [`frame`] draws the layers, [`placement`]
-//! finds room for names, and [`canvas`] writes SVG. PNG and PDF are converted from that.
+//! finds room for names, and [`canvas`] writes SVG, from which PNG and PDF are converted. [`tex`] writes the same
+//! as source for pgfplots.
 
 pub(crate) mod axis;
 mod canvas;
@@ -15,6 +16,7 @@ pub(crate) mod palette;
 mod placement;
 #[cfg(feature = "raster")]
 mod raster;
+mod tex;
 mod text;
 
 use std::error::Error;
@@ -167,7 +169,7 @@ pub(crate) struct Heading {
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
     /// PNG and PDF were left out when the program was built.
-    #[error("this build writes SVG only; build it with the feature `raster` for {0}")]
+    #[error("this build writes SVG and TeX only; build it with the feature `raster` for {0}")]
     FormatMissing(&'static str),
     /// The backend failed.
     #[error("cannot compose the picture: {0}")]
@@ -192,15 +194,21 @@ pub enum Format {
     Png,
     /// One page of the width of a column.
     Pdf,
+    /// The same as source for pdfLaTeX with pgfplots.
+    Tex,
 }
 
 impl Format {
+    /// All of them.
+    pub(crate) const ALL: [Format; 4] = [Format::Svg, Format::Png, Format::Pdf, Format::Tex];
+
     /// Extension of the file name.
     pub fn extension(self) -> &'static str {
         match self {
             Format::Svg => "svg",
             Format::Png => "png",
             Format::Pdf => "pdf",
+            Format::Tex => "tex",
         }
     }
 
@@ -209,7 +217,7 @@ impl Format {
     /// # Errors
     /// When it was left out.
     pub fn available(self) -> Result<Format, RenderError> {
-        if self != Format::Svg && cfg!(not(feature = "raster")) {
+        if matches!(self, Format::Png | Format::Pdf) && cfg!(not(feature = "raster")) {
             return Err(RenderError::FormatMissing(self.extension()));
         }
         Ok(self)
@@ -218,9 +226,8 @@ impl Format {
     /// The format of a file by its extension.
     pub fn of(path: &Path) -> Option<Format> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        [Format::Svg, Format::Png, Format::Pdf]
-            .into_iter()
-            .find(|format| format.extension() == extension)
+        let mut all = Format::ALL.into_iter();
+        all.find(|format| format.extension() == extension)
     }
 }
 
@@ -247,13 +254,13 @@ impl Picture {
     /// # Errors
     /// When the format was left out of this build or a library refuses.
     pub fn file(&self, format: Format) -> Result<Vec<u8>, RenderError> {
-        let svg = self.svg()?;
         match format.available()? {
-            Format::Svg => Ok(svg.into_bytes()),
+            Format::Svg => Ok(self.svg()?.into_bytes()),
+            Format::Tex => Ok(self.tex().into_bytes()),
             #[cfg(feature = "raster")]
-            Format::Png => raster::png(&svg),
+            Format::Png => raster::png(&self.svg()?),
             #[cfg(feature = "raster")]
-            Format::Pdf => raster::pdf(&svg),
+            Format::Pdf => raster::pdf(&self.svg()?),
             #[cfg(not(feature = "raster"))]
             Format::Png | Format::Pdf => Err(RenderError::FormatMissing(format.extension())),
         }
