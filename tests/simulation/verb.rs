@@ -293,10 +293,6 @@ fn a_simulation_computes_its_own_wave() {
             "MassDamping, range: (0.2, 0.4)",
         ),
     );
-    let said = bench.run(&["simulate", "hopf.ron"], 2);
-    assert!(said.contains("vanishes before"), "{said}");
-    let hopf = fs::read_to_string(bench.path("hopf.ron")).expect("a file");
-    put("hopf.ron", hopf.replace("mismatch: 0.1", "mismatch: 0.9"));
     let said = bench.run(&["simulate", "hopf.ron"], 0);
     assert!(said.contains("mass damping 0.3189475"), "{said}");
     // what is wrong with it is told at its place
