@@ -9,8 +9,7 @@ use super::progress::{Progress, drive};
 use super::{print, warn};
 use crate::accuracy::{Course, Limits, Missed, Row, Rung, ladder, reference_method};
 use crate::output::accuracy::{AccuracyFolder, Interrupted};
-use crate::output::pictures;
-use crate::output::pictures::accuracy::Series;
+use crate::output::pictures::{Sole, draw_sole};
 use crate::output::render::Format;
 use crate::output::store::Kind;
 
@@ -48,7 +47,6 @@ pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
         return Err(Usage::Restarted.into());
     }
     let out = task.folder("_accuracy");
-    let picture = format!("accuracy.{}", format.extension());
     let store = task.open(&out, Kind::Accuracy, &problem)?;
     let law = problem.model.law;
     let ladder = ladder(law);
@@ -72,7 +70,7 @@ pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
             }),
         })?);
     }
-    let mut folder = AccuracyFolder::open(store, &picture, earlier.as_ref())?;
+    let mut folder = AccuracyFolder::open(store, &problem, format, earlier.as_ref())?;
     if let Some(course) = &mut course {
         drive(task.quiet, || {
             if let Some(row) = course.measure_next() {
@@ -84,9 +82,7 @@ pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
         })?;
     }
     folder.sort(&mut rows, &ladder)?;
-    folder.store().claim([&picture])?;
-    let drawn = pictures::accuracy::picture(&series(&rows)).titled(problem.title.as_deref());
-    pictures::replace(&out.join(picture), format, &drawn)?;
+    draw_sole(folder.store(), Sole::Accuracy, format)?;
     if !task.quiet {
         print(&text(&rows, law.piecewise_linear()))?;
         print(&format!("results in {}\n", out.display()))?;
@@ -151,35 +147,4 @@ fn text(rows: &[Row], exact: bool) -> String {
          exact flow.\n"
     });
     text
-}
-
-/// What the picture shows: methods with an error and a time.
-fn series(rows: &[Row]) -> Vec<Series> {
-    let mut all: Vec<Series> = Vec::new();
-    // a branch that ended early took less time than the whole of it
-    for row in rows.iter().filter(|row| row.failure.is_none()) {
-        // an error of zero has no logarithm: it is below the rounding unit
-        let Some(error) = row.error().map(|error| error.max(f64::EPSILON)) else {
-            continue;
-        };
-        let Some(seconds) = row
-            .seconds
-            .filter(|seconds| *seconds > 0.0 && error.is_finite())
-        else {
-            continue;
-        };
-        let name = match row.method.as_str() {
-            "ring" => "ring (a wave)",
-            other => other,
-        };
-        let point = (seconds, error);
-        match all.iter_mut().find(|one| one.name == name) {
-            Some(one) => one.points.push(point),
-            None => all.push(Series {
-                name: name.into(),
-                points: vec![point],
-            }),
-        }
-    }
-    all
 }

@@ -11,6 +11,7 @@ use crate::branch::run::Runner;
 use crate::curve::Run;
 use crate::curve::start::{self, NoCurve, Start};
 use crate::output::curve::CurveFolder;
+use crate::output::pictures::draw_curve;
 use crate::output::render::Format;
 use crate::output::run::labelled;
 use crate::output::store::Kind;
@@ -42,7 +43,7 @@ pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
             let start = start(task, &problem, text, section)?;
             let run = Run::begin(&start.system, start.event, &start.point, start.limits)
                 .map_err(NoCurve::from)?;
-            let folder = CurveFolder::create(store, &run, format)?;
+            let folder = CurveFolder::create(store, &run, &problem, format)?;
             (run, folder)
         }
     };
@@ -55,7 +56,8 @@ pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
     })?;
     let ranges = run.head().limits.ranges;
     let found = run.curve();
-    folder.finish(&found, ranges, problem.title.as_deref(), format)?;
+    folder.finish(&found)?;
+    draw_curve(folder.store(), &found, ranges, format)?;
     if !task.quiet {
         if let Some(title) = &problem.title {
             print(&format!("{title}\n\n"))?;

@@ -173,6 +173,12 @@ pub(crate) enum Usage {
     OtherMap(PathBuf, PathBuf),
     #[error("{} holds no branch", .0.display())]
     NoBranch(PathBuf),
+    #[error("{} holds no branch: --x, --y, --log and --range draw columns of one", .0.display())]
+    NoView(PathBuf),
+    #[error("{} is a shard of a map: join all of them first with `brakewave map merge`", .0.display())]
+    Unjoined(PathBuf),
+    #[error("{} holds proofs, which have no picture; plot the folder of the run", .0.display())]
+    NoPicture(PathBuf),
     #[error(
         "every method begins from the closed form: give a problem that starts from `Fast` or `Slow`"
     )]

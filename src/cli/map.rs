@@ -14,7 +14,7 @@ use super::print;
 use super::progress::Progress;
 use crate::map;
 use crate::output::map::{Description, MapFolder};
-use crate::output::pictures;
+use crate::output::pictures::{self, Sole, draw_sole};
 use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store};
 use crate::problem::Problem;
@@ -32,7 +32,7 @@ pub(crate) struct MapArguments {
     /// Compute only every Nth row, from the Ith: I/N with 1 ≤ I ≤ N; `map merge` joins the shards
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Draw the regions of the plane: FILE.svg, .png, .pdf or .tex
+    /// Draw the regions of the plane here too: FILE.svg, .png, .pdf or .tex
     #[arg(long, value_name = "FILE", conflicts_with = "shard")]
     plot: Option<PathBuf>,
 }
@@ -57,7 +57,7 @@ struct MergeArguments {
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
-    /// Draw the regions of the plane: FILE.svg, .png, .pdf or .tex
+    /// Draw the regions of the plane here too: FILE.svg, .png, .pdf or .tex
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
 }
@@ -139,7 +139,7 @@ fn run(arguments: &MapArguments, task: &Task) -> Result<Exit, Failure> {
     let what = if shard.of > 1 { "shard" } else { "map" };
     if shard.of == 1 {
         folder.join(std::slice::from_ref(&out))?;
-        draw(picture, &out, &problem)?;
+        draw(picture, folder.store(), &problem)?;
     }
     if !task.quiet {
         print(&format!("{what} in {}\n", out.display()))?;
@@ -163,17 +163,20 @@ fn merge(arguments: &MergeArguments) -> Result<Exit, Failure> {
     let existing = Existing::of(own, arguments.force);
     let problem = description.problem.clone();
     let store = Store::open(&arguments.out, Kind::Map, &problem, existing, &[])?;
-    MapFolder::new(store, description)?.join(&arguments.shards)?;
-    draw(picture, &arguments.out, &problem)?;
+    let folder = MapFolder::new(store, description)?;
+    folder.join(&arguments.shards)?;
+    draw(picture, folder.store(), &problem)?;
     if !arguments.quiet {
         print(&format!("map in {}\n", arguments.out.display()))?;
     }
     Ok(Exit::Done)
 }
 
-fn draw(picture: Option<(&Path, Format)>, folder: &Path, problem: &Problem) -> Result<(), Failure> {
+/// The picture in the folder, and the one asked for besides.
+fn draw(picture: Option<(&Path, Format)>, store: &Store, problem: &Problem) -> Result<(), Failure> {
+    draw_sole(store, Sole::Map, Format::Svg)?;
     if let (Some((path, format)), Some(section)) = (picture, &problem.map) {
-        let drawn = pictures::map::picture(folder, section)?;
+        let drawn = pictures::map::picture(store.path(), section)?;
         let titled = drawn.titled(problem.title.as_deref());
         pictures::save(path, format, &titled)?;
     }

@@ -7,16 +7,16 @@ use clap::Args;
 use super::failure::{Exit, Failure, Usage};
 use super::options::format;
 use super::print;
-use crate::output::pictures::{self, View};
+use crate::output::pictures::{self, Sole, View, draw_sole};
 use crate::output::render::Format;
 use crate::output::run::Restart;
 use crate::output::simulation::SimulationCheckpoint;
-use crate::output::store::{Checkpoint, Store};
+use crate::output::store::{Checkpoint, Kind, Store};
 use crate::problem::Plot;
 
 #[derive(Debug, Args)]
 pub(crate) struct PlotArguments {
-    /// Result folder of an earlier run
+    /// Result folder of an earlier run, map, curve, simulation, accuracy or steady
     folder: PathBuf,
     /// Format of the pictures: svg, png, pdf or tex (pgfplots)
     #[arg(long, default_value = "svg", value_parser = format)]
@@ -35,6 +35,13 @@ pub(crate) struct PlotArguments {
     range: Option<(f64, f64)>,
 }
 
+impl PlotArguments {
+    /// Whether one view is asked for instead of all pictures.
+    fn view(&self) -> bool {
+        self.x.is_some() || self.y.is_some() || self.log || self.range.is_some()
+    }
+}
+
 fn range(text: &str) -> Result<(f64, f64), Usage> {
     let number = |text: &str| {
         text.trim()
@@ -49,7 +56,24 @@ fn range(text: &str) -> Result<(f64, f64), Usage> {
 }
 
 pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
-    if arguments.folder.join(SimulationCheckpoint::FILE).exists() {
+    let (folder, format) = (&arguments.folder, arguments.format.available()?);
+    // a folder of a version before manifests may still hold a run
+    if let Ok(store) = Store::visit(folder)
+        && let Some(kind) = store.kind().filter(|kind| *kind != Kind::Run)
+    {
+        if arguments.view() {
+            return Err(Usage::NoView(folder.clone()).into());
+        }
+        if let Some(sole) = Sole::of(kind) {
+            return list(&[draw_sole(&store, sole, format)?]);
+        }
+        match kind {
+            Kind::MapShard => return Err(Usage::Unjoined(folder.clone()).into()),
+            Kind::Certificate => return Err(Usage::NoPicture(folder.clone()).into()),
+            _ => {}
+        }
+    }
+    if folder.join(SimulationCheckpoint::FILE).exists() {
         return plot_simulation(arguments);
     }
     let restart = Restart::read(&arguments.folder)?;
@@ -62,17 +86,16 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
         [] => &[Plot::Diagram],
         plots => plots,
     };
-    let format = arguments.format.available()?;
     let (x, y) = (arguments.x.as_deref(), arguments.y.as_deref());
     let parameter = continuation.parameter;
     let mut settings = pictures::Settings::of(problem, parameter);
-    if x.is_some() || y.is_some() || arguments.log || arguments.range.is_some() {
+    if arguments.view() {
         settings.parameter = x.unwrap_or(parameter.column()).to_owned();
         let view = View {
             range: arguments
                 .range
                 .unwrap_or((f64::NEG_INFINITY, f64::INFINITY)),
-            logarithmic: arguments.log,
+            logarithmic: Some(arguments.log),
             ..View::whole(y.unwrap_or("speed"))
         };
         Store::visit(&arguments.folder)?.claim([pictures::view_name(format)])?;
@@ -90,15 +113,10 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
 }
 
 fn plot_simulation(arguments: &PlotArguments) -> Result<Exit, Failure> {
-    let checkpoint = SimulationCheckpoint::read(&arguments.folder)?;
-    let title = checkpoint.problem.title.as_deref();
-    let format = arguments.format.available()?;
-    Store::visit(&arguments.folder)?.claim(pictures::simulation_names(format))?;
-    list(&pictures::draw_simulation(
-        &arguments.folder,
-        title,
-        format,
-    )?)
+    let (folder, format) = (&arguments.folder, arguments.format.available()?);
+    let problem = SimulationCheckpoint::read(folder)?.problem;
+    Store::visit(folder)?.claim(pictures::simulation_names(format))?;
+    list(&pictures::draw_simulation(folder, &problem, format)?)
 }
 
 fn list(written: &[PathBuf]) -> Result<Exit, Failure> {

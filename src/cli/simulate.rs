@@ -207,7 +207,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
     if section.growth.is_some() && course.has_wave() {
         folder.growth(&eigenvalues)?;
     }
-    pictures::draw_simulation(&out, problem.title.as_deref(), Format::Svg)?;
+    pictures::draw_simulation(&out, &problem, Format::Svg)?;
     if !task.quiet {
         let (motion, taken) = (course.motion(), course.taken());
         print(&report(&problem, &measures, &eigenvalues, course.samples()))?;

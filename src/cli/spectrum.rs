@@ -7,7 +7,7 @@ use clap::Args;
 use faer::c64;
 
 use super::failure::{Exit, Failure, Usage};
-use super::options::{assignment, set, spare, write};
+use super::options::{assignment, picture, set, spare, write};
 use super::prepare::{Prepared, begin, prepare};
 use super::progress::drive;
 use super::{print, summary, warn};
@@ -17,6 +17,7 @@ use crate::branch::row::{EigenfunctionRow, EigenvalueRow, WaveEigenvalueRow};
 use crate::branch::run::{End, Item, answer};
 use crate::discretised;
 use crate::model::{FrictionLaw, Parameter};
+use crate::output::pictures;
 use crate::problem::{DEFAULT_EIGENVALUES, DEFAULT_MAX_FREQUENCY, Problem};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::eigenfunction::eigenfunction;
@@ -48,6 +49,9 @@ pub(crate) struct SpectrumArguments {
     /// [default: 0.005]; the law `Regularised` of a problem has its own
     #[arg(long, value_name = "EPSILON", requires = "discretised", value_parser = width, allow_negative_numbers = true)]
     epsilon: Option<f64>,
+    /// Draw the multipliers of the discretised ring, the exact ones over them: FILE.svg, .png or .pdf
+    #[arg(long, value_name = "FILE", requires = "discretised")]
+    plot: Option<PathBuf>,
     /// Write the eigenfunctions on the full circle, as CSV
     #[arg(long, value_name = "FILE")]
     eigenfunctions: Option<PathBuf>,
@@ -164,7 +168,7 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
     }
     match passage.found() {
         None => Ok(Exit::Numerical),
-        Some(item) => write_spectrum(item, &request, arguments),
+        Some(item) => write_spectrum(item, &request, problem.title.as_deref(), arguments),
     }
 }
 
@@ -198,6 +202,7 @@ fn remark(passage: &Passage, parameter: Parameter, value: f64, wanted: u16) {
 fn write_spectrum(
     item: &Item,
     request: &Request,
+    title: Option<&str>,
     arguments: &SpectrumArguments,
 ) -> Result<Exit, Failure> {
     let (wave, unknowns) = item.wave();
@@ -208,9 +213,31 @@ fn write_spectrum(
             epsilon: smoothing(wave.model_at(unknowns).law, arguments.epsilon)?,
             ..discretised::Settings::default()
         };
+        let inputs = std::slice::from_ref(&arguments.problem);
+        let picture = picture(arguments.plot.as_deref(), inputs)?;
         let ring = discretised::solve_from(wave, unknowns, &settings);
-        return match ring.and_then(|ring| Ok((ring.speed, ring.leading(request)?))) {
-            Ok((speed, values)) => {
+        let found = ring.and_then(|ring| {
+            let all = Request {
+                eigenvalues: usize::MAX,
+                max_frequency: f64::INFINITY,
+                ..request.clone()
+            };
+            let all = picture.map(|_| ring.leading(&all)).transpose()?;
+            Ok((ring.speed, ring.leading(request)?, all, ring.period()))
+        });
+        return match found {
+            Ok((speed, values, all, period)) => {
+                if let (Some((path, format)), Some(all)) = (picture, all) {
+                    let exact = Characteristic::new(wave, unknowns).ok();
+                    let exact = exact.map(|exact| compute(&exact, request, None));
+                    let exact = exact.iter().flat_map(|exact| {
+                        let leading = exact.leading(request.eigenvalues);
+                        leading.map(|(sector, eigenvalue)| (sector, eigenvalue.value()))
+                    });
+                    let exact: Vec<(usize, c64)> = exact.collect();
+                    let drawn = pictures::multipliers::discretised(&all, &exact, points, period);
+                    pictures::save(path, format, &drawn.titled(title))?;
+                }
                 let row = |(sector, value): (usize, c64)| EigenvalueRow {
                     sector,
                     re: value.re,

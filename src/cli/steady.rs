@@ -9,11 +9,12 @@ use super::options::{assignment, picture, set};
 use super::progress::drive;
 use super::{print, summary, warn};
 use crate::model::Parameter;
-use crate::output::pictures;
+use crate::output::store::{Existing, Kind, Store};
+use crate::output::{self, pictures};
 use crate::problem::{self, MAX_MODE};
 use crate::steady::row::ModeRow;
 use crate::steady::{self, Mode, Settings, first_to_grow};
-use crate::table;
+use crate::table::{self, Table};
 
 /// Most families and radial functions that can be asked for.
 const MOST_FAMILIES: u16 = 64;
@@ -58,6 +59,12 @@ pub(crate) struct SteadyArguments {
     /// CSV on a terminal too
     #[arg(long)]
     csv: bool,
+    /// Write the table and its picture into this folder as well
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace an earlier table there
+    #[arg(long, requires = "out")]
+    force: bool,
     /// Draw growth against the mode: FILE.svg, .png, .pdf or .tex
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -83,6 +90,9 @@ pub(crate) fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
     for (parameter, value) in &arguments.at {
         set(&mut problem, *parameter, *value)?;
     }
+    let existing = Existing::of(false, arguments.force);
+    let open = |path: &PathBuf| Store::open(path, Kind::Steady, &problem, existing, &inputs);
+    let store = arguments.out.as_ref().map(open).transpose()?;
     let model = problem.model;
     let geometry = model.source.geometry();
     let coefficients = model.constants().coefficients;
@@ -124,11 +134,15 @@ pub(crate) fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
     let rows = modes.iter().enumerate().map(|(index, mode)| {
         ModeRow::new(mode, reduced == Some(index), full == Some(index), hertz)
     });
-    print(&summary::table(table::table(rows), arguments.csv, &SHOWN))?;
-    if let Some((path, format)) = picture {
-        let drawn = pictures::steady::picture(&modes).titled(problem.title.as_deref());
-        pictures::save(path, format, &drawn)?;
+    let text = table::table(rows);
+    if let Some(store) = &store {
+        output::steady::write(store, &problem, &text)?;
     }
+    if let Some((path, format)) = picture {
+        let drawn = pictures::steady::picture(&Table::parse(text.as_bytes()).unwrap_or_default());
+        pictures::save(path, format, &drawn.titled(problem.title.as_deref()))?;
+    }
+    print(&summary::table(text, arguments.csv, &SHOWN))?;
     for (found, what) in [(reduced, "in the reduced model"), (full, "of the tube")] {
         if found.is_some_and(|index| index + 1 == modes.len() && modes.len() > 1) {
             warn(&format!(

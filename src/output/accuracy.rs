@@ -1,11 +1,15 @@
 //! The folder of measured errors and times: a table that grows by a row for each method and setting.
 
-use super::store::{Growing, Store, StoreError, damaged};
+use super::origin::Origin;
+use super::pictures::Sole;
+use super::render::Format;
+use super::store::{Checkpoint, Growing, Store, StoreError, damaged};
 use crate::accuracy::{Row, Rung};
+use crate::problem::Problem;
 use crate::table::{self, Table};
 
 /// Name of the table.
-const TABLE: &str = "accuracy.csv";
+pub(crate) const TABLE: &str = "accuracy.csv";
 
 /// The folder being written.
 #[derive(Debug)]
@@ -60,13 +64,16 @@ impl AccuracyFolder {
     /// When a file cannot be written, like all that follow.
     pub(crate) fn open(
         store: Store,
-        picture: &str,
+        problem: &Problem,
+        format: Format,
         interrupted: Option<&Interrupted>,
     ) -> Result<AccuracyFolder, StoreError> {
         let table = match interrupted {
             Some(earlier) => store.cut(TABLE, earlier.length)?,
             None => {
-                store.begin([TABLE.to_owned(), picture.to_owned()], None)?;
+                let names = [TABLE, Origin::FILE].map(str::to_owned).into_iter();
+                store.begin(names.chain([Sole::Accuracy.file(format)]), None)?;
+                Origin::keep(&store, problem)?;
                 store.table(TABLE, &table::header::<Row>(), None)?
             }
         };

@@ -1,5 +1,5 @@
-//! The folder of a curve: `curve.csv`, a picture, `curve.svg` unless another format is asked for, and
-//! `curve.steps` to go on from.
+//! The folder of a curve: `curve.csv`, a picture, `curve.svg` unless another format is asked for,
+//! `problem.ron`, and `curve.steps` to go on from.
 //!
 //! Rows are appended as points are found, away from the event first one way and then the other; at the
 //! end the table is put in order from one end to the other. `curve.steps` has a line for what the curve
@@ -9,17 +9,17 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::pictures::{self, PlotError};
+use super::origin::Origin;
+use super::pictures::Sole;
 use super::render::Format;
-use super::store::{Growing, Store, StoreError, damaged, encode, hash};
+use super::store::{Checkpoint, Growing, Store, StoreError, damaged, encode, hash};
 use crate::curve::{Curve, Head, Point, Run, Step};
 use crate::model::Parameter;
+use crate::problem::Problem;
 use crate::table;
 
 /// Name of the table.
 pub(crate) const TABLE: &str = "curve.csv";
-/// Name of the picture without extension.
-pub(crate) const PICTURE: &str = "curve";
 /// Name of the steps.
 pub(crate) const STEPS: &str = "curve.steps";
 
@@ -66,11 +66,19 @@ impl CurveFolder {
     /// # Errors
     /// When that is damaged.
     pub(crate) fn interrupted(store: &Store) -> Result<Option<Interrupted>, StoreError> {
-        let path = store.path().join(STEPS);
         // a curve killed before it began has no points
-        if !store.resumes() || !path.exists() {
+        if !store.resumes() || !store.path().join(STEPS).exists() {
             return Ok(None);
         }
+        CurveFolder::saved(store)
+    }
+
+    /// The curve as far as its steps are saved.
+    ///
+    /// # Errors
+    /// When they are damaged.
+    pub(crate) fn saved(store: &Store) -> Result<Option<Interrupted>, StoreError> {
+        let path = store.path().join(STEPS);
         let bytes = store.lines(STEPS, None)?;
         let text = std::str::from_utf8(&bytes).map_err(|_| damaged(&path, "it is no text"))?;
         let wrong = |number: usize, flaw: Flaw| damaged(&path, format!("line {number}: {flaw}"));
@@ -95,9 +103,12 @@ impl CurveFolder {
     pub(crate) fn create(
         store: Store,
         run: &Run,
+        problem: &Problem,
         format: Format,
     ) -> Result<CurveFolder, StoreError> {
-        store.begin([STEPS.into(), TABLE.into(), picture(format)], None)?;
+        let names = [Origin::FILE, STEPS, TABLE].map(str::to_owned).into_iter();
+        store.begin(names.chain([Sole::Curve.file(format)]), None)?;
+        Origin::keep(&store, problem)?;
         let steps = store.create(STEPS, b"")?;
         let mut folder = CurveFolder::tabulate(store, run, steps)?;
         folder.keep(run.head())?;
@@ -150,28 +161,18 @@ impl CurveFolder {
         self.steps.push(line.as_bytes())
     }
 
-    /// Puts the table in order and draws the picture.
+    /// Puts the table in order.
     ///
     /// # Errors
-    /// When a file cannot be written.
-    pub(crate) fn finish(
-        &self,
-        curve: &Curve,
-        ranges: [(f64, f64); 2],
-        title: Option<&str>,
-        format: Format,
-    ) -> Result<(), PlotError> {
-        self.store.replace(TABLE, table(curve).as_bytes())?;
-        let picture = picture(format);
-        self.store.claim([&picture])?;
-        let path = self.store.path().join(picture);
-        let drawn = pictures::curve::picture(curve, ranges).titled(title);
-        pictures::replace(&path, format, &drawn)
+    /// When it cannot be written.
+    pub(crate) fn finish(&self, curve: &Curve) -> Result<(), StoreError> {
+        self.store.replace(TABLE, table(curve).as_bytes())
     }
-}
 
-fn picture(format: Format) -> String {
-    format!("{PICTURE}.{}", format.extension())
+    /// The folder as such.
+    pub(crate) fn store(&self) -> &Store {
+        &self.store
+    }
 }
 
 /// A row of `curve.csv`; the columns of the parameters have their names.

@@ -14,6 +14,8 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
+use super::pictures::Sole;
+use super::render::Format;
 use super::store::{
     Checkpoint, READ, Store, StoreError, VERSION, damaged, encode, hash, io_error, read, refused,
     replace,
@@ -115,7 +117,10 @@ impl MapFolder {
         if *begun {
             return Ok(());
         }
-        let fixed = [Description::FILE, TABLE].map(str::to_owned).into_iter();
+        let picture = Sole::Map.file(Format::Svg);
+        let fixed = [Description::FILE, TABLE, &picture]
+            .map(str::to_owned)
+            .into_iter();
         let parquet = cfg!(feature = "parquet").then(|| PARQUET.to_owned());
         let rows = rows.iter().map(|row| row_name(*row));
         let names = fixed.chain(parquet).chain(rows);
@@ -260,6 +265,11 @@ impl MapFolder {
             convert(table, out, kind)
                 .map_err(|error| io_error("write it", &parquet)(io::Error::other(error)))
         })
+    }
+
+    /// The folder as such.
+    pub(crate) fn store(&self) -> &Store {
+        &self.store
     }
 
     /// The folder.

@@ -10,6 +10,8 @@ pub(crate) mod curve;
 pub(crate) mod map;
 #[cfg(feature = "cli")]
 pub(crate) mod npy;
+#[cfg(feature = "cli")]
+pub(crate) mod origin;
 #[cfg(feature = "parquet")]
 pub(crate) mod parquet;
 #[cfg(feature = "cli")]
@@ -22,6 +24,8 @@ pub(crate) mod report;
 pub mod run;
 #[cfg(feature = "cli")]
 pub(crate) mod simulation;
+#[cfg(feature = "cli")]
+pub(crate) mod steady;
 #[cfg(feature = "cli")]
 pub mod store;
 #[cfg(feature = "cli")]

@@ -48,6 +48,19 @@ pub(crate) fn doubles(columns: &[&[f64]]) -> Vec<u8> {
     bytes
 }
 
+/// A column of an array of doubles with this many columns; what a kill has cut off is missing.
+pub(crate) fn column(bytes: &[u8], columns: usize, index: usize) -> Vec<f64> {
+    let rows = bytes
+        .get(HEADER..)
+        .unwrap_or_default()
+        .chunks_exact(8 * columns);
+    let value = |row: &[u8]| {
+        let bytes = row[8 * index..].first_chunk::<8>();
+        bytes.map_or(f64::NAN, |bytes| f64::from_le_bytes(*bytes))
+    };
+    rows.map(value).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -72,5 +85,6 @@ mod tests {
             [number(0), number(1), number(2), number(3)],
             [1.0, 3.0, 2.0, 4.0]
         );
+        assert_eq!(column(&bytes, 2, 1), [3.0, 4.0]);
     }
 }

@@ -17,6 +17,7 @@ use crate::simulation::growth::GrowthRow;
 use crate::simulation::line::Line;
 use crate::simulation::measure::{Measure, Sample};
 use crate::simulation::motion::{Motion, Saved};
+use crate::simulation::task::Body;
 use crate::table::{self, Table};
 
 /// Name of the time series.
@@ -34,6 +35,15 @@ const SNAPSHOTS: &str = "snapshots";
 
 /// Most columns of the array of regimes.
 const COLUMNS: usize = 512;
+
+/// Name of a snapshot, counted from 1.
+pub(crate) fn snapshot_file(number: usize, body: &Body) -> String {
+    let extension = match body {
+        Body::Ring { .. } => "npy",
+        Body::Annulus { .. } => "vtk",
+    };
+    format!("{SNAPSHOTS}/{number:04}.{extension}")
+}
 
 /// Every how many points one is kept in the array of regimes.
 fn stride(points: usize) -> usize {

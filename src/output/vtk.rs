@@ -79,3 +79,11 @@ pub(crate) fn annulus(annulus: &Annulus, title: &str) -> String {
     }
     text
 }
+
+/// V̇ of the first points of a grid, which are those of the contact line.
+pub(crate) fn velocity(bytes: &[u8], around: usize) -> Vec<f64> {
+    let text = String::from_utf8_lossy(bytes);
+    let field = text.split("SCALARS tangential_velocity").nth(1);
+    let values = field.unwrap_or_default().lines().skip(2).take(around);
+    values.map_while(|value| value.parse().ok()).collect()
+}

@@ -268,8 +268,10 @@ pub enum Plot {
     Diagram,
     /// Contact pressure over a wavelength.
     Pressure,
-    /// Displacements over a wavelength.
+    /// Radial displacement over a wavelength, wave above wave.
     Displacement,
+    /// Tangential and radial displacement over a wavelength.
+    Wave,
     /// Eigenvalues in the complex plane.
     Spectrum,
     /// Floquet multipliers of the first labelled wave, with the unit circle.

@@ -443,9 +443,11 @@ impl Checks<'_> {
         let (needed, given) = match plot {
             Plot::Diagram => return None,
             Plot::Spectrum | Plot::Multipliers => (STABILITY, stability.is_some()),
-            Plot::Pressure | Plot::Displacement | Plot::PhasePlane | Plot::Friction => {
-                (PROFILES, output.profiles > 0)
-            }
+            Plot::Pressure
+            | Plot::Displacement
+            | Plot::Wave
+            | Plot::PhasePlane
+            | Plot::Friction => (PROFILES, output.profiles > 0),
             Plot::Column(name) => match name.as_str() {
                 "unstable" | "lead_re" | "lead_im" | "lead_sector" => {
                     (STABILITY, stability.is_some())

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::harness::{Bench, changed, snapshot};
 
 /// A small problem with every section; the branch passes one RV.
-const BASE: &str = r#"(
+pub const BASE: &str = r#"(
     title: "small",
     model: (
         coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0),

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use crate::fields::BASE;
 use crate::harness::{Bench, SMALL, Table, assert_same, changed, off, problem, snapshot};
 
 /// A folder with results and every kind of picture.
@@ -273,4 +274,51 @@ fn titles_are_text() {
         bench.run(&["plot", "out", "--format", format]).expect(0);
         assert_pictures(&bench, format, &["diagram"]);
     }
+}
+
+/// Every kind of folder has its picture without being asked, and `plot` draws the same one again, title
+/// and all; views are of branches only.
+#[test]
+fn every_kind_of_folder_is_drawn() {
+    let bench = Bench::new();
+    bench.put("problem.ron", BASE);
+    let accuracy = ["accuracy", "--budget", "0.15", "--repeats", "1"];
+    let verbs: [(&[&str], &str, i32); 5] = [
+        (&["map"], "map.svg", 0),
+        // it ends at `max_points`
+        (&["curve"], "curve.svg", 3),
+        (&accuracy, "accuracy.svg", 0),
+        (&["steady", "--modes", "4"], "steady.svg", 0),
+        (&["simulate"], "space_time.svg", 0),
+    ];
+    for (verb, picture, code) in verbs {
+        let out = ["problem.ron", "--out", "out"];
+        bench.run(&[verb, &out[..]].concat()).expect(code);
+        let path = bench.path("out").join(picture);
+        let first = fs::read(&path).unwrap_or_else(|error| panic!("{picture}: {error}"));
+        assert!(
+            String::from_utf8_lossy(&first).contains("small"),
+            "no title in {picture}"
+        );
+        fs::remove_file(&path).expect("the picture");
+        let stdout = bench.run(&["plot", "out"]).expect(0).stdout;
+        assert!(stdout.contains(picture), "{stdout}");
+        assert_eq!(fs::read(&path).expect("the picture"), first, "{picture}");
+        if picture != "space_time.svg" {
+            let stderr = bench.run(&["plot", "out", "--log"]).expect(2).stderr;
+            assert!(stderr.contains("no branch"), "{stderr}");
+        }
+        fs::remove_dir_all(bench.path("out")).expect("the folder");
+    }
+}
+
+/// A shard is no map yet, and proofs have no picture.
+#[test]
+fn folders_without_a_picture_say_so() {
+    let bench = Bench::new();
+    bench.put("problem.ron", BASE);
+    let shard = ["map", "problem.ron", "--out", "out", "--shard", "1/2"];
+    bench.run(&shard).expect(0);
+    let stderr = bench.run(&["plot", "out"]).expect(2).stderr;
+    assert!(stderr.contains("map merge"), "{stderr}");
 }

@@ -108,6 +108,7 @@ fn files_are_written_and_do_not_depend_on_threads() {
             "end.csv",
             "checkpoint.ron",
             "space_time.svg",
+            "velocity.svg",
             "phase_plane.svg",
             "profiles.svg",
         ] {
@@ -638,7 +639,12 @@ fn a_damaged_checkpoint_is_refused() {
 fn a_killed_simulation_is_drawn() {
     for body in [RING, ANNULUS] {
         let (bench, folder) = finished(body);
-        let pictures = ["space_time.svg", "phase_plane.svg", "profiles.svg"];
+        let pictures = [
+            "space_time.svg",
+            "velocity.svg",
+            "phase_plane.svg",
+            "profiles.svg",
+        ];
         for name in ["end.csv", "measures.csv"].iter().chain(&pictures) {
             fs::remove_file(folder.join(name)).expect(name);
         }

@@ -4,16 +4,19 @@ use plotters::style::RGBColor;
 
 use super::error::PlotError;
 use super::names::{event, event_mark, quantity, short_signature, signature_colour};
-use super::tables::{Tables, kind, number};
-use crate::model::EventType;
-use crate::output::render::axis::{Axis, Extent, Quantity};
+use super::tables::{Tables, column, kind, number};
+use crate::model::{EventType, Parameter};
+use crate::output::render::axis::{Axis, Extent, Quantity, range};
 use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLACK, GREY, Pattern, Pen};
-use crate::output::render::{HEIGHT, Layer, Mark, Panel, Picture, Point, Shape};
+use crate::output::render::palette::{BLACK, GREY, Pattern, Pen, WHITE, mix};
+use crate::output::render::{Cell, HEIGHT, Heading, Layer, Mark, Panel, Picture, Point, Shape};
 use crate::table::Table;
 
 /// Most signatures in the legend.
 const MOST_NAMED: usize = 9;
+
+/// How much of the colour of a sequence its band keeps.
+const BAND: f64 = 0.16;
 
 /// Width of the curve.
 const CURVE: f64 = 2.2;
@@ -75,9 +78,16 @@ pub(crate) struct View {
     pub column: String,
     /// Part of the horizontal axis.
     pub range: (f64, f64),
-    /// Whether the horizontal axis is logarithmic.
-    pub logarithmic: bool,
+    /// Whether the horizontal axis is logarithmic; where nothing is said the values decide.
+    pub logarithmic: Option<bool>,
 }
+
+/// Ratio of the ends of a branch from which on its axis is logarithmic, for else all that happens at
+/// small values is one blob.
+const WIDE: f64 = 100.0;
+
+/// The same for ε of a smoothed friction law, a scale that goes to zero.
+const WIDE_SCALE: f64 = 2.0;
 
 impl View {
     /// A column over the whole branch.
@@ -85,22 +95,42 @@ impl View {
         View {
             column: column.to_owned(),
             range: (f64::NEG_INFINITY, f64::INFINITY),
-            logarithmic: false,
+            logarithmic: None,
+        }
+    }
+
+    /// The view with its axis decided.
+    fn decided(&self, tables: &Tables) -> View {
+        let values = column(&tables.branch, &tables.parameter);
+        let wide = match Parameter::from_column(&tables.parameter) {
+            Some(Parameter::Smoothing) => WIDE_SCALE,
+            Some(_) => WIDE,
+            None => f64::INFINITY,
+        };
+        let logarithmic = range(values).is_some_and(|(low, high)| low > 0.0 && high > wide * low);
+        View {
+            logarithmic: self.logarithmic.or(Some(logarithmic)),
+            ..self.clone()
         }
     }
 
     fn shows(&self, (x, _): &Point) -> bool {
         let (low, high) = self.range;
-        (low..=high).contains(x) && (*x > 0.0 || !self.logarithmic)
+        (low..=high).contains(x) && (*x > 0.0 || self.logarithmic != Some(true))
     }
 
     fn axis(&self, parameter: &str) -> Axis {
         let extent = match self.logarithmic {
-            true => Extent::Decades,
-            false => Extent::Data(0.04),
+            Some(true) => Extent::Logarithmic(0.04),
+            _ => Extent::Data(0.04),
         };
         Axis::new(quantity(parameter), extent)
     }
+}
+
+/// The horizontal axis of pictures over the whole branch.
+pub(super) fn parameter_axis(tables: &Tables) -> Axis {
+    View::whole("").decided(tables).axis(&tables.parameter)
 }
 
 /// More Hopf points than this are strokes on the line: stars would hide it.
@@ -109,16 +139,18 @@ const MOST_STARS: usize = 8;
 /// Height of the panel with the count of growing eigenvalues.
 const COUNT_HEIGHT: f64 = 0.35 * HEIGHT;
 
-/// The branch diagram: the speed and, if stability was asked for, how many eigenvalues grow.
-pub(super) fn diagram(tables: &Tables) -> Result<Picture, PlotError> {
-    let view = View::whole("speed");
+/// The branch diagram: a column and, if stability was asked for, how many eigenvalues grow.
+pub(super) fn diagram(tables: &Tables, view: &View) -> Result<Picture, PlotError> {
+    let view = view.decided(tables);
     let mut picture = picture(tables, &view)?;
     let branch = &tables.branch;
     let count = |row: usize| number(branch, row, "unstable");
     let place = |row: usize| number(branch, row, &tables.parameter);
     let mut steps = Vec::new();
     for row in 0..branch.len() {
-        if let (Some(x), Some(y)) = (place(row), count(row)) {
+        if let (Some(x), Some(y)) = (place(row), count(row))
+            && view.shows(&(x, y))
+        {
             // the count changes at an event and not on the way to it
             if let Some(&(_, before)) = steps
                 .last()
@@ -132,16 +164,63 @@ pub(super) fn diagram(tables: &Tables) -> Result<Picture, PlotError> {
         }
     }
     if !steps.is_empty() {
-        let y = Axis::new(Quantity::new("growing", ""), Extent::Data(0.15));
-        let layers = vec![Layer::Line(steps, Pen::solid(BLACK, 1.6))];
+        let most = steps.iter().map(|step| step.1).fold(1.0, f64::max);
+        let y = Axis::new(
+            Quantity::new("growing", ""),
+            Extent::Fixed(-0.1 * most, 1.15 * most),
+        );
+        let bands = |layer: &&Layer| matches!(layer, Layer::Cells(_));
+        let mut layers: Vec<Layer> = picture.panels[0]
+            .layers
+            .iter()
+            .filter(bands)
+            .cloned()
+            .collect();
+        layers.push(Layer::Line(steps, Pen::solid(BLACK, 1.6)));
         let panel = Panel::new(view.axis(&tables.parameter), y, layers);
         picture.panels.push(panel.high(COUNT_HEIGHT));
     }
     Ok(picture)
 }
 
+/// Pale bands behind the curve, one for each sequence of regimes, with their names; none where the branch
+/// turns back, for they would lie on top of each other.
+fn bands(stretches: &[Stretch<'_>]) -> Vec<Layer> {
+    let ends = |group: &[Stretch<'_>]| {
+        let points = group.iter().flat_map(|one| &one.points);
+        let ends = points.map(|point| (point.0, point.0));
+        ends.reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)))
+    };
+    let steps = stretches.iter().flat_map(|one| one.points.windows(2));
+    let travelled: f64 = steps.map(|pair| (pair[1].0 - pair[0].0).abs()).sum();
+    if ends(stretches).is_none_or(|(low, high)| travelled > (high - low) * (1.0 + 1e-9)) {
+        return Vec::new();
+    }
+    let (mut cells, mut headings) = (Vec::new(), Vec::new());
+    for group in stretches.chunk_by(|one, next| one.signature == next.signature) {
+        let signature = group[0].signature;
+        let wide = ends(group).filter(|(from, to)| from < to && !signature.is_empty());
+        if let Some((from, to)) = wide {
+            cells.push(Cell {
+                from: (from, f64::NEG_INFINITY),
+                to: (to, f64::INFINITY),
+                colour: mix(WHITE, signature_colour(signature), BAND),
+            });
+            headings.push(Heading {
+                ends: [from, to],
+                names: vec![signature.to_owned(), short_signature(signature)],
+            });
+        }
+    }
+    if cells.is_empty() {
+        return Vec::new();
+    }
+    vec![Layer::Cells(cells), Layer::Headings(headings)]
+}
+
 /// The picture of a column of `branch.csv`.
 pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, PlotError> {
+    let view = &view.decided(tables);
     let column = view.column.as_str();
     tables.check_column(column)?;
     let mut stretches = stretches(&tables.branch, &tables.parameter, column);
@@ -155,9 +234,9 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, PlotError
     }
     marks.retain(|(_, points)| !points.is_empty());
     let signatures = signatures(&stretches);
-    let colour = |signature: &str| match signatures.len() {
-        0 | 1 => BLACK,
-        _ => signature_colour(signature),
+    let colour = |signature: &str| match signature {
+        "" => BLACK,
+        signature => signature_colour(signature),
     };
     let hopf = marks.iter().filter(|(kind, _)| *kind == EventType::HB);
     let crowded = hopf.map(|(_, points)| points.len()).sum::<usize>() > MOST_STARS;
@@ -169,7 +248,8 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, PlotError
         .iter()
         .any(|stretch| stretch.standing != Standing::Unknown);
 
-    let mut layers: Vec<Layer> = Vec::new();
+    let mut layers = bands(&stretches);
+    let banded = !layers.is_empty();
     for stretch in &stretches {
         let pen = stretch.standing.pen(colour(stretch.signature), mixed);
         let points = stretch.points.clone();
@@ -182,7 +262,7 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, PlotError
     for (kind, points) in &marks {
         layers.push(Layer::Marks(points.clone(), mark(*kind)));
     }
-    if layers.is_empty() {
+    if stretches.is_empty() && marks.is_empty() {
         let none = tables.branch.is_empty();
         layers = Layer::remark(if none { NONE } else { "no values" });
     }
@@ -200,7 +280,10 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, PlotError
     let others = format!("and {} others", signatures.len().saturating_sub(MOST_NAMED));
     let others = (Key::Line(Pen::solid(GREY, CURVE)), others);
     let others = (signatures.len() > MOST_NAMED).then_some(others);
-    let coloured = named.chain(others).filter(|_| signatures.len() > 1);
+    // one sequence is named above its band
+    let coloured = named
+        .chain(others)
+        .filter(|_| signatures.len() > 1 || !banded);
     let legend = Legend::default()
         .with(
             "",

@@ -4,7 +4,7 @@
 //! differences of δ. Each profile therefore stands on a base line of its own, and the regimes
 //! show in its colours.
 
-use super::names::{angle, occurring, regime_colour};
+use super::names::{angle, occurring, regime_colour, zone_colour};
 use super::profile::{NONE, Profile, Profiles, Sample, Shown};
 use crate::output::render::axis::{Axis, Extent, Quantity, Tick, drawable};
 use crate::output::render::legend::{Key, Legend};
@@ -60,13 +60,17 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
     // From the top down: a high gap stands before the profile above it.
     for (one, changes) in raised.iter().zip(&changes).rev() {
         for zone in one.profile.zones() {
+            if zone.regime == "separation" {
+                let gap = one.points[zone.samples.clone()].to_vec();
+                layers.push(Layer::Area(gap, zone_colour(zone.regime)));
+            }
             let pen = Pen::solid(regime_colour(zone.regime), 2.6);
             layers.push(Layer::Line(one.points[zone.samples].to_vec(), pen));
         }
         let places = changes.iter().map(|change| change.at).collect();
         layers.push(Layer::Marks(places, point));
     }
-    layers.extend(largest.map(|gap| bar(gap, shown.len() as f64 - 1.0, scale)));
+    layers.extend(largest.map(|gap| bar(gap, 0.0, scale)));
 
     let heights = raised
         .iter()
@@ -94,12 +98,19 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
 
     let samples = shown.iter().flat_map(|one| &one.profile.samples);
     let regimes = occurring(samples.map(|sample| sample.regime.as_str())).into_iter();
+    let apart = (Key::Area(zone_colour("separation")), "apart");
+    let apart = largest.map(|_| apart);
     let mut legend = Legend::default()
         .with(
             "",
             regimes.map(|name| (Key::Line(Pen::solid(regime_colour(name), 2.6)), name)),
         )
-        .with("", [(Key::Mark(point), "switching points")]);
+        .with(
+            "",
+            [(Key::Mark(point), "switching points")]
+                .into_iter()
+                .chain(apart),
+        );
     if largest.is_none() {
         legend = legend.with::<&str>("U = δ throughout: no separation", []);
     }
@@ -134,7 +145,7 @@ fn largest_gap(shown: &[Shown<'_>]) -> Option<f64> {
     (largest > 1e-9 * whole && largest > 1e-200).then_some(largest)
 }
 
-/// A bar of a round length, at most the largest gap, on the uppermost base line.
+/// A bar of a round length, at most the largest gap, on the lowest base line.
 fn bar(largest: f64, foot: f64, scale: f64) -> Layer {
     let power = 10f64.powi(number::decade(largest));
     let lengths = [5.0, 2.0, 1.0].map(|factor| factor * power);

@@ -1,4 +1,4 @@
-//! The plane of a map, coloured by the signatures of its waves.
+//! The plane of a map, coloured by the signatures of its waves, in the colours of all pictures.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -6,17 +6,14 @@ use std::path::Path;
 use plotters::style::RGBColor;
 
 use super::error::PlotError;
-use super::names::{quantity, short_signature};
+use super::names::{canonical, quantity, short_signature, signature_colour};
 use crate::output::map::TABLE;
 use crate::output::render::axis::{Axis, Extent};
 use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLACK, CATEGORIES, GREY, WHITE, mix};
+use crate::output::render::palette::{BLACK, WHITE, mix};
 use crate::output::render::{Cell, HEIGHT, Layer, Mark, Panel, Picture, Point, Shape};
 use crate::output::store::damaged;
 use crate::problem::{Map, MapAxis, MapPoints};
-
-/// Signatures with a colour of their own, the most frequent ones; the rest share one.
-const MOST: usize = 2 * CATEGORIES.len() - 1;
 
 /// How much of its colour a region keeps, by the stability of its waves; unknown stability counts
 /// as stable.
@@ -45,13 +42,9 @@ pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, PlotError> {
     let mut names: Vec<&str> = counts.keys().copied().collect();
     names.sort_by_key(|name| std::cmp::Reverse(counts[name]));
     let colour = |wave: &Wave| {
-        let rank = names.iter().position(|name| *name == wave.regimes);
         let shade = SHADES.iter().find(|shade| shade.0 == wave.stable);
-        mix(
-            WHITE,
-            hue(rank.unwrap_or(MOST)),
-            shade.map_or(1.0, |shade| shade.1),
-        )
+        let share = shade.map_or(1.0, |shade| shade.1);
+        mix(WHITE, signature_colour(&wave.regimes), share)
     };
     let mut starts: Vec<&str> = waves.iter().map(|wave| wave.start.as_str()).collect();
     starts.sort_unstable();
@@ -92,19 +85,16 @@ pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, PlotError> {
         panels.push(panel(Layer::remark("no wave was found"), "", HEIGHT));
     }
 
-    let shown = names.iter().take(MOST).enumerate();
-    let others = names.len().saturating_sub(MOST);
-    let others = (others > 0).then(|| (Key::Area(hue(MOST)), format!("{others} others")));
     let shades = SHADES
         .into_iter()
         .filter(|(verdict, _)| waves.iter().any(|wave| wave.stable == *verdict))
         .map(|(verdict, share)| (Key::Area(mix(WHITE, BLACK, 0.75 * share)), verdict));
-    let mut legend = Legend::default()
-        .with(
-            "",
-            shown.map(|(rank, name)| (Key::Area(hue(rank)), short_signature(name))),
-        )
-        .with("", others);
+    let mut legend = Legend::default().with(
+        "",
+        names
+            .iter()
+            .map(|name| (Key::Area(signature_colour(name)), short_signature(name))),
+    );
     if waves.iter().any(|wave| !wave.stable.is_empty()) {
         legend = legend.with("stable", shades);
     }
@@ -133,27 +123,6 @@ fn cells(waves: &[&Wave], half: Point, colour: impl Fn(&Wave) -> RGBColor) -> La
         }
     };
     Layer::Cells(rows.map(cell).collect())
-}
-
-/// A signature in one of its cyclic forms: where there is no stick zone, waves begin anywhere.
-fn canonical(regimes: &str) -> String {
-    let zones: Vec<&str> = regimes.split('-').collect();
-    if zones.contains(&"stick") {
-        return regimes.to_owned();
-    }
-    let turned = (0..zones.len()).map(|from| [&zones[from..], &zones[..from]].concat().join("-"));
-    turned.max().unwrap_or_default()
-}
-
-/// Colour of a signature by its rank.
-fn hue(rank: usize) -> RGBColor {
-    let count = CATEGORIES.len();
-    match rank {
-        rank if rank < count => mix(WHITE, CATEGORIES[rank], 0.9),
-        // dark shades of all but black, the last one
-        rank if rank < MOST => mix(BLACK, CATEGORIES[rank - count], 0.55),
-        _ => GREY,
-    }
 }
 
 /// First passages of the table, in its order, row by row: maps may be long.

@@ -3,23 +3,25 @@
 //! Everything is read back from the tables on disk, so that a picture can be drawn again long
 //! after the run. A description turns columns into layers; [`render`](super::render) draws them.
 
-pub(crate) mod accuracy;
-pub(crate) mod curve;
+mod accuracy;
+mod curve;
 mod diagram;
 mod displacement;
 mod error;
 mod friction;
 pub(crate) mod map;
-mod multipliers;
+pub(crate) mod multipliers;
 mod names;
 mod phase_plane;
 mod pressure;
 mod profile;
 mod simulation;
+mod sole;
 mod spectrum;
 pub(crate) mod steady;
 mod switches;
 mod tables;
+mod wave;
 
 use std::fs;
 use std::io::Write;
@@ -35,6 +37,7 @@ use crate::model::Parameter;
 use crate::problem::{Plot, Problem};
 pub(crate) use diagram::View;
 use profile::Profiles;
+pub(crate) use sole::{Sole, draw_curve, draw_sole};
 use tables::Tables;
 
 /// Name of a picture's file.
@@ -51,6 +54,7 @@ pub(crate) fn file_name(plot: &Plot, format: Format) -> String {
         Plot::Diagram => "diagram",
         Plot::Pressure => "pressure",
         Plot::Displacement => "displacement",
+        Plot::Wave => "wave",
         Plot::PhasePlane => "phase_plane",
         Plot::Friction => "friction",
         Plot::Spectrum => "spectrum",
@@ -61,8 +65,9 @@ pub(crate) fn file_name(plot: &Plot, format: Format) -> String {
 }
 
 /// Names of the files of a simulation's pictures.
-pub(crate) fn simulation_names(format: Format) -> [String; 3] {
-    ["space_time", "phase_plane", "profiles"].map(|name| format!("{name}.{}", format.extension()))
+pub(crate) fn simulation_names(format: Format) -> [String; 4] {
+    ["space_time", "velocity", "phase_plane", "profiles"]
+        .map(|name| format!("{name}.{}", format.extension()))
 }
 
 /// What the pictures have in common.
@@ -123,7 +128,10 @@ pub(crate) fn draw_view(
     settings: &Settings,
 ) -> Result<PathBuf, PlotError> {
     let tables = Tables::read(folder, &settings.parameter)?;
-    let drawn = diagram::picture(&tables, view)?;
+    let drawn = match view.column.as_str() {
+        "speed" => diagram::diagram(&tables, view)?,
+        _ => diagram::picture(&tables, view)?,
+    };
     let path = folder.join(view_name(format));
     replace(&path, format, &settings.above(drawn))?;
     Ok(path)
@@ -168,18 +176,19 @@ pub(crate) fn draw(
 
 /// Whether a picture shows the waves in the folder of profiles.
 fn of_waves(plot: &Plot) -> bool {
-    use Plot::{Displacement, Friction, PhasePlane, Pressure};
-    matches!(plot, Pressure | Displacement | PhasePlane | Friction)
+    use Plot::{Displacement, Friction, PhasePlane, Pressure, Wave};
+    matches!(plot, Pressure | Displacement | Wave | PhasePlane | Friction)
 }
 
 /// The picture that is asked for.
 fn describe(plot: &Plot, tables: &Tables, profiles: &Profiles) -> Result<Picture, PlotError> {
     Ok(match plot {
-        Plot::Diagram => diagram::diagram(tables)?,
+        Plot::Diagram => diagram::diagram(tables, &View::whole("speed"))?,
         Plot::Column(name) if name == "switches" => switches::picture(tables)?,
         Plot::Column(name) => diagram::picture(tables, &View::whole(name))?,
         Plot::Pressure => pressure::picture(profiles),
         Plot::Displacement => displacement::picture(profiles),
+        Plot::Wave => wave::picture(profiles),
         Plot::PhasePlane => phase_plane::picture(profiles),
         Plot::Friction => friction::picture(profiles),
         Plot::Spectrum => spectrum::picture(tables)?,
@@ -194,10 +203,11 @@ fn describe(plot: &Plot, tables: &Tables, profiles: &Profiles) -> Result<Picture
 /// When a table cannot be read, a file cannot be written, or the format is not compiled in.
 pub(crate) fn draw_simulation(
     folder: &Path,
-    title: Option<&str>,
+    problem: &Problem,
     format: Format,
 ) -> Result<Vec<PathBuf>, PlotError> {
-    let pictures = simulation::pictures(folder)?;
+    let pictures = simulation::pictures(folder, problem)?;
+    let title = problem.title.as_deref();
     let named = simulation_names(format).into_iter().zip(pictures);
     named
         .map(|(name, picture)| {

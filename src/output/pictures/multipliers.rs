@@ -1,69 +1,143 @@
-//! Floquet multipliers of one wave: what a disturbance is multiplied by while the wave travels its
-//! own length.
+//! Floquet multipliers: what a disturbance is multiplied by while the wave travels its own length, or
+//! from one point of a ring to the next.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
+
+use faer::c64;
 
 use super::error::PlotError;
 use super::spectrum::{Chosen, unstable};
 use super::tables::Tables;
 use crate::output::render::axis::{Axis, Extent, Quantity, drawable};
 use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLACK, GREY, Pen, WHITE};
-use crate::output::render::{Layer, Mark, Panel, Picture, Point, Shape};
+use crate::output::render::palette::{BLACK, BLUE, GREY, Pen, VERMILLION, WHITE};
+use crate::output::render::{Layer, Mark, Panel, Picture, Point, Shape, number};
 
-/// Distance from μ = 1 within which multipliers belong in the enlarged view.
-const NEAR: f64 = 0.35;
+/// Half width of the enlarged view in distances of the foremost multiplier from the unit circle.
+const ROOM: f64 = 2.5;
 
-/// Distance along an axis beyond which none is taken into the enlarged view.
-const FARTHEST: f64 = 0.5;
+/// Least and largest half width of the enlarged view.
+const HALF: (f64, f64) = (0.05, 0.45);
 
-/// Least half width of the enlarged view.
-const FINEST: f64 = 0.1;
+/// How near to 1 the multiplier of the translation lies.
+const TRANSLATION: f64 = 1e-9;
 
-/// Parts of half the unit circle.
-const PARTS: i32 = 360;
+/// Corners of the disc per half width of a window.
+const CORNERS: f64 = 720.0;
 
-/// A multiplier, and the place of its sector among those that occur.
-type Multiplier = (Point, usize);
+/// A multiplier and how it is drawn.
+type Multiplier = (Point, Mark);
 
 /// A square part of the plane.
 #[derive(Clone, Copy)]
 struct Window {
-    /// Real part of the centre, which lies on the real axis.
-    centre: f64,
+    centre: Point,
     /// Half the side.
     half: f64,
 }
 
-/// The picture.
+/// The picture of a wave of `spectrum.csv`.
 pub(super) fn picture(tables: &Tables) -> Result<Picture, PlotError> {
     let table = tables.spectrum()?;
     let chosen = Chosen::of(table.as_ref(), 1);
-    let multipliers = match chosen.labels.first() {
-        None => return Ok(blank("no spectrum was asked for")),
-        Some(label) => multipliers(tables, label, &chosen),
+    let Some(label) = chosen.labels.first() else {
+        return Ok(blank("no spectrum was asked for"));
     };
-    if multipliers.is_empty() {
-        return Ok(blank("no multiplier of the wave is known"));
+    let (speed, length) = (tables.at_label(label, "speed"), tables.length_at(label));
+    let (Some(speed), Some(length)) = (speed, length) else {
+        return Ok(blank(UNKNOWN));
+    };
+    let mode = (TAU / length).round();
+    let period = TAU / (mode * speed.abs());
+    if !(mode >= 1.0 && drawable(mode) && drawable(period)) {
+        return Ok(blank(UNKNOWN));
     }
-    let near = Window::near_one(&multipliers);
-    let all = Window::of_all(&multipliers, near);
+    let sectors: Vec<f64> = chosen
+        .sectors
+        .iter()
+        .map(|sector| sector.parse().unwrap_or(f64::NAN))
+        .collect();
+    let mut multipliers = Vec::new();
+    for one in &chosen.eigenvalues {
+        let (mark, sector) = (chosen.mark(0, one.sector), sectors[one.sector]);
+        let partner = sectors.contains(&(mode - sector)) && 2.0 * sector != mode;
+        multipliers.extend(multiplied(one.value, period, !partner).map(|place| (place, mark)));
+    }
+    Ok(plane(&multipliers, chosen.legend(tables), period, "k|c|"))
+}
+
+/// Multipliers of a discretised ring from one of its points to the next, those of the wave itself over
+/// them: eigenvalues of the sectors 0 to k/2, whose conjugates are those of the others. `period` is the time
+/// from one point to the next.
+pub(crate) fn discretised(
+    ring: &[(usize, c64)],
+    exact: &[(usize, c64)],
+    points: usize,
+    period: f64,
+) -> Picture {
+    let marks = [
+        Mark::new(Shape::Circle, 3.0, BLUE),
+        Mark::new(Shape::Plus, 4.4, VERMILLION),
+    ];
+    let mut multipliers = Vec::new();
+    for (values, mark) in [ring, exact].into_iter().zip(marks) {
+        for (_, value) in values {
+            let places = multiplied((value.re, value.im), period, true);
+            multipliers.extend(places.map(|place| (place, mark)));
+        }
+    }
+    let names = [
+        format!("ring of {points} points per wave"),
+        "exact".to_owned(),
+    ];
+    let legend = Legend::default().with("", marks.map(Key::Mark).into_iter().zip(names));
+    plane(&multipliers, legend, period, &format!("{points} k|c|"))
+}
+
+/// What an empty picture says.
+const UNKNOWN: &str = "no multiplier of the wave is known";
+
+/// exp(λT), and its conjugate if that is wanted and another one.
+fn multiplied(
+    (growth, frequency): Point,
+    period: f64,
+    conjugate: bool,
+) -> impl Iterator<Item = Point> {
+    let size = (growth * period).exp();
+    let (sine, cosine) = (frequency * period).sin_cos();
+    let (re, im) = (size * cosine, size * sine);
+    let both = [(re, im), (re, -im)].into_iter();
+    both.take(if conjugate && frequency != 0.0 { 2 } else { 1 })
+        .filter(|(re, im)| drawable(*re) && drawable(*im))
+}
+
+/// The unit circle with all multipliers, and an enlarged view of the one that grows most.
+fn plane(multipliers: &[Multiplier], legend: Legend, period: f64, divisor: &str) -> Picture {
+    let Some(near) = Window::foremost(multipliers) else {
+        return blank(UNKNOWN);
+    };
+    let all = Window::of_all(multipliers, near);
     let outline = Pen::solid(GREY, 1.3);
-    let mut left = all.layers(&multipliers, &chosen);
-    left.push(Layer::Line(near.outline(), outline));
-    let right = near.layers(&multipliers, &chosen);
-    let legend = chosen.legend(tables).with(
-        "",
-        [
-            (Key::Mark(CROSS), "translation, μ = 1"),
-            (Key::Line(outline), "enlarged on the right"),
-        ],
-    );
+    let mut left = all.layers(multipliers);
+    let corners = near.corners();
+    let closed = corners.iter().chain(&corners[..2]).copied().collect();
+    left.push(Layer::Line(closed, outline));
+    let right = near.layers(multipliers);
+    let period = number::significant(period, 4);
+    let legend = legend
+        .with(
+            "",
+            [
+                (Key::Mark(CROSS), "translation, μ = 1"),
+                (Key::Line(outline), "enlarged on the right"),
+            ],
+        )
+        .with::<&str>(&format!("μ = exp(λT), T = 2π/({divisor}) = {period}"), []);
     let panels = vec![all.panel("Im μ", left), near.panel("", right)];
-    Ok(Picture {
+    Picture {
         beside: true,
         ..Picture::new(panels, legend)
-    })
+    }
 }
 
 /// The cross at μ = 1.
@@ -83,58 +157,43 @@ fn blank(text: &str) -> Picture {
 impl Window {
     /// The window around the unit circle, all multipliers and the enlarged window.
     fn of_all(multipliers: &[Multiplier], near: Window) -> Self {
-        let sizes = multipliers
-            .iter()
-            .map(|((re, im), _)| re.abs().max(im.abs()));
+        let largest = |(re, im): Point| re.abs().max(im.abs());
+        let sizes = multipliers.iter().map(|(place, _)| largest(*place));
+        let half = 1.12 * sizes.fold(1.0, f64::max);
         Window {
-            centre: 0.0,
-            half: f64::max(
-                1.12 * sizes.fold(1.0, f64::max),
-                1.06 * (near.centre + near.half),
-            ),
+            centre: (0.0, 0.0),
+            half: half.max(1.06 * (largest(near.centre) + near.half)),
         }
     }
 
-    /// The window around the multipliers near 1.
-    fn near_one(multipliers: &[Multiplier]) -> Self {
-        let offsets = || multipliers.iter().map(|((re, im), _)| (re - 1.0, *im));
-        let side = |(re, im): Point| re.abs().max(im.abs());
-        let close = offsets().filter(|(re, im)| re.hypot(*im) <= NEAR);
-        let mut extent = close.map(side).reduce(f64::max).unwrap_or(NEAR);
-        // Those that would lie on the edge or just beyond are taken in.
-        let mut sides: Vec<f64> = offsets()
-            .map(side)
-            .filter(|side| *side < FARTHEST)
-            .collect();
-        sides.sort_by(f64::total_cmp);
-        for side in sides {
-            if side > extent && side < 1.25 * extent {
-                extent = side;
-            }
-        }
-        Window {
-            centre: 1.0,
-            half: (1.12 * extent).max(FINEST),
-        }
+    /// The window around the multiplier of largest modulus but for the translation; on the real axis,
+    /// with its conjugate, where that is near.
+    fn foremost(multipliers: &[Multiplier]) -> Option<Self> {
+        let size = |(re, im): Point| re.hypot(im);
+        let moved = |place: &Point| size((place.0 - 1.0, place.1)) > TRANSLATION;
+        let places = multipliers.iter().map(|one| one.0).filter(moved);
+        let lead = places.max_by(|one, other| size(*one).total_cmp(&size(*other)))?;
+        let (re, im) = (lead.0, lead.1.abs());
+        let half = (ROOM * (size(lead) - 1.0).abs()).clamp(HALF.0, HALF.1);
+        Some(match im <= half {
+            true => Window {
+                centre: (re, 0.0),
+                half: half.max(1.5 * im),
+            },
+            false => Window {
+                centre: (re, im),
+                half,
+            },
+        })
     }
 
     fn contains(self, (re, im): Point) -> bool {
-        (re - self.centre).abs() <= self.half && im.abs() <= self.half
+        (re - self.centre.0).abs() <= self.half && (im - self.centre.1).abs() <= self.half
     }
 
-    fn outline(self) -> Vec<Point> {
-        let (low, high) = (self.centre - self.half, self.centre + self.half);
-        let corner = |(re, sign)| (re, sign * self.half);
-        [
-            (low, -1.0),
-            (high, -1.0),
-            (high, 1.0),
-            (low, 1.0),
-            (low, -1.0),
-            (high, -1.0),
-        ]
-        .map(corner)
-        .to_vec()
+    fn corners(self) -> [Point; 4] {
+        let ((re, im), half) = (self.centre, self.half);
+        [(-half, -half), (half, -half), (half, half), (-half, half)].map(|(x, y)| (re + x, im + y))
     }
 
     fn panel(self, vertical: &str, layers: Vec<Layer>) -> Panel {
@@ -142,71 +201,61 @@ impl Window {
             let extent = Extent::Fixed(middle - self.half, middle + self.half);
             Axis::new(Quantity::new("", symbol), extent)
         };
-        Panel::new(axis(self.centre, "Re μ"), axis(0.0, vertical), layers)
+        let (re, im) = self.centre;
+        Panel::new(axis(re, "Re μ"), axis(im, vertical), layers)
+    }
+
+    /// The part of a polygon in the window: cut along one side after the other.
+    fn cut(self, mut polygon: Vec<Point>) -> Vec<Point> {
+        let corners = self.corners();
+        for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            // positive left of the side, which runs round the window with the inside on its left
+            let inside = |place: &Point| {
+                (to.0 - from.0) * (place.1 - from.1) - (to.1 - from.1) * (place.0 - from.0)
+            };
+            let mut kept = Vec::with_capacity(polygon.len() + 4);
+            for (one, next) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
+                let (a, b) = (inside(one), inside(next));
+                if a >= 0.0 {
+                    kept.push(*one);
+                }
+                if (a >= 0.0) != (b >= 0.0) {
+                    let part = a / (a - b);
+                    kept.push((
+                        one.0 + part * (next.0 - one.0),
+                        one.1 + part * (next.1 - one.1),
+                    ));
+                }
+            }
+            polygon = kept;
+        }
+        polygon
     }
 
     /// What lies in the window: the unstable side, the unit circle, the multipliers.
-    fn layers(self, multipliers: &[Multiplier], chosen: &Chosen<'_>) -> Vec<Layer> {
-        // Around 0 the window holds the whole circle, around 1 what is not too high.
-        let around_zero = self.centre == 0.0;
-        let reach = if around_zero {
-            PI
-        } else {
-            self.half.min(1.0).asin()
-        };
-        let circle: Vec<Point> = (-PARTS..=PARTS)
-            .map(|part| {
-                let (sine, cosine) = (reach * f64::from(part) / f64::from(PARTS)).sin_cos();
+    fn layers(self, multipliers: &[Multiplier]) -> Vec<Layer> {
+        let corners = (CORNERS / self.half.min(1.0)).round() as i32;
+        let circle: Vec<Point> = (0..=corners)
+            .map(|corner| {
+                let (sine, cosine) = (TAU * f64::from(corner) / f64::from(corners)).sin_cos();
                 (cosine, sine)
             })
             .collect();
-        let mut disc = circle.clone();
-        if let (false, Some((re, im))) = (around_zero, circle.last()) {
-            // The disc reaches left to the edge of the window.
-            let edge = re.min(self.centre - self.half);
-            disc.extend([(edge, *im), (edge, -im)]);
-        }
+        let gap = |place: &Point| match self.contains(*place) {
+            true => *place,
+            false => (f64::NAN, f64::NAN),
+        };
+        let arc = circle.iter().map(gap).collect();
         let mut layers = vec![
             Layer::Cells(vec![unstable(f64::NEG_INFINITY)]),
-            Layer::Area(disc, WHITE),
-            Layer::Line(circle, Pen::solid(BLACK, 1.9)),
+            Layer::Area(self.cut(circle), WHITE),
+            Layer::Line(arc, Pen::solid(BLACK, 1.9)),
         ];
         let inside = multipliers.iter().filter(|one| self.contains(one.0));
-        layers.extend(
-            inside.map(|(point, sector)| Layer::Marks(vec![*point], chosen.mark(0, *sector))),
-        );
-        layers.push(Layer::Marks(vec![(1.0, 0.0)], CROSS));
+        layers.extend(inside.map(|(place, mark)| Layer::Marks(vec![*place], *mark)));
+        if self.contains((1.0, 0.0)) {
+            layers.push(Layer::Marks(vec![(1.0, 0.0)], CROSS));
+        }
         layers
     }
-}
-
-/// The multipliers of a labelled wave; empty where its speed or its length is not known.
-fn multipliers(tables: &Tables, label: &str, chosen: &Chosen<'_>) -> Vec<Multiplier> {
-    let (speed, length) = (tables.at_label(label, "speed"), tables.length_at(label));
-    let (Some(speed), Some(length)) = (speed, length) else {
-        return Vec::new();
-    };
-    let mode = (TAU / length).round();
-    let period = TAU / (mode * speed.abs());
-    if !(mode >= 1.0 && drawable(mode) && drawable(period)) {
-        return Vec::new();
-    }
-    let mut found = Vec::new();
-    for one in &chosen.eigenvalues {
-        let (growth, frequency) = one.value;
-        let size = (growth * period).exp();
-        let (sine, cosine) = (frequency * period).sin_cos();
-        let (re, im) = (size * cosine, size * sine);
-        if !(drawable(re) && drawable(im)) {
-            continue;
-        }
-        found.push(((re, im), one.sector));
-        // Sectors 0 and k/2 are their own conjugates; their tables leave Im λ < 0 out.
-        let sector = chosen.sectors[one.sector].parse();
-        let own = sector.is_ok_and(|sector: f64| sector == 0.0 || 2.0 * sector == mode);
-        if own && frequency > 0.0 {
-            found.push(((re, -im), one.sector));
-        }
-    }
-    found
 }

@@ -83,7 +83,8 @@ pub(super) fn event_mark(kind: EventType) -> Mark {
 /// Colour of a regime sequence, the same in every picture of every run. Beyond the commonest ones it follows
 /// from the letters of the sequence, and two may share one.
 pub(super) fn signature_colour(regimes: &str) -> RGBColor {
-    match regimes {
+    let regimes = canonical(regimes);
+    match regimes.as_str() {
         "slip-stick" => BLUE,
         "slip-reverse-stick" => VERMILLION,
         "slip-separation-slip-reverse-stick" => GREEN,
@@ -103,6 +104,16 @@ pub(super) fn signature_colour(regimes: &str) -> RGBColor {
             }
         }
     }
+}
+
+/// A signature in one of its cyclic forms: where there is no stick zone, waves begin anywhere.
+pub(super) fn canonical(regimes: &str) -> String {
+    let zones: Vec<&str> = regimes.split('-').collect();
+    if zones.contains(&"stick") {
+        return regimes.to_owned();
+    }
+    let turned = (0..zones.len()).map(|from| [&zones[from..], &zones[..from]].concat().join("-"));
+    turned.max().unwrap_or_default()
 }
 
 /// A signature of regimes shortened: `slip-reverse-stick` becomes `sl-rev-st`.

@@ -1,5 +1,5 @@
-//! Pictures of a simulation: regimes over place and time, a point in its phase plane, the contact
-//! line at the beginning and at the end.
+//! Pictures of a simulation: regimes over place and time, the velocity of the contact line as time goes
+//! on, a point in its phase plane, the contact line at the beginning and at the end.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -9,18 +9,27 @@ use super::names::{velocity, zone_colour, zone_keys};
 use super::phase_plane::{explained, plane, stick};
 use super::profile::evenly;
 use super::tables::{column, number, read, read_if_there};
-use crate::output::npy;
-use crate::output::render::axis::{Axis, Extent, Quantity};
+use crate::output::render::axis::{Axis, Extent, Quantity, range};
 use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLUE, GREY, Pen};
+use crate::output::render::palette::{BLACK, BLUE, GREY, Pen};
 use crate::output::render::{Cell, Layer, Panel, Picture, Point};
-use crate::output::simulation::{END, MEASURES, REGIMES, SERIES, START, columns};
+use crate::output::simulation::{END, MEASURES, REGIMES, SERIES, START, columns, snapshot_file};
 use crate::output::store::bytes;
+use crate::output::{npy, vtk};
+use crate::problem::Problem;
 use crate::simulation::line::Regime;
+use crate::simulation::task::Body;
 use crate::table::Table;
 
 /// Most rows of a picture of regimes.
 const ROWS: usize = 220;
+
+/// Columns of a ring's snapshot, and that of V̇.
+const RING_COLUMNS: usize = 7;
+const RING_VELOCITY: usize = 4;
+
+/// Height of the curves of V̇ in distances of their base lines.
+const LIFT: f64 = 1.6;
 
 /// Time that the phase plane shows, at the end, in units of 1/Ω.
 const ORBIT: f64 = 12.0;
@@ -35,27 +44,57 @@ struct Motion {
     start: Table,
     /// Contact line at the end, if that was reached.
     end: Option<Table>,
+    /// V̇ along the contact line at the time of each snapshot.
+    snapshots: Vec<(f64, Vec<f64>)>,
     /// Speed of the wave; zero where none was measured.
     speed: f64,
 }
 
 /// The pictures of a simulation from the tables of its folder, in the order of their names. Without a
 /// measured speed places are those of the tube.
-pub(super) fn pictures(folder: &Path) -> Result<[Picture; 3], PlotError> {
+pub(super) fn pictures(folder: &Path, problem: &Problem) -> Result<[Picture; 4], PlotError> {
     let measures = read_if_there(&folder.join(MEASURES), &["name", "value"])?.unwrap_or_default();
     let speed = (0..measures.len()).find(|row| measures.text(*row, "name") == "speed");
     let codes = bytes(&folder.join(REGIMES)).map_err(PlotError::Read)?;
-    let line = ["phi", "V_dot", "P"];
+    let line = ["phi", "U", "V_dot", "P"];
     let motion = Motion {
         series: read(&folder.join(SERIES), &["time", "V", "V_dot"])?,
         codes: codes.get(npy::HEADER..).unwrap_or_default().to_vec(),
         start: read(&folder.join(START), &line)?,
         end: read_if_there(&folder.join(END), &line)?,
+        snapshots: snapshots(folder, problem)?,
         speed: speed
             .and_then(|row| number(&measures, row, "value"))
             .unwrap_or(0.0),
     };
-    Ok([motion.space_time(), motion.phase_plane(), motion.profiles()])
+    Ok([
+        motion.space_time(),
+        motion.velocity(),
+        motion.phase_plane(),
+        motion.profiles(),
+    ])
+}
+
+/// Times of the snapshots that are there, and V̇ along the contact line.
+fn snapshots(folder: &Path, problem: &Problem) -> Result<Vec<(f64, Vec<f64>)>, PlotError> {
+    let Some(section) = &problem.simulation else {
+        return Ok(Vec::new());
+    };
+    let mut found = Vec::new();
+    for number in 1..=section.snapshots {
+        let path = folder.join(snapshot_file(number, &section.body));
+        if !path.exists() {
+            break;
+        }
+        let content = bytes(&path).map_err(PlotError::Read)?;
+        let values = match section.body {
+            Body::Ring { .. } => npy::column(&content, RING_COLUMNS, RING_VELOCITY),
+            Body::Annulus { around, .. } => vtk::velocity(&content, around),
+        };
+        let part = number as f64 / section.snapshots as f64;
+        found.push((part * section.duration, values));
+    }
+    Ok(found)
 }
 
 impl Motion {
@@ -97,12 +136,61 @@ impl Motion {
                 from = to;
             }
         }
-        let place = if self.speed == 0.0 { "φ" } else { "φ − ct" };
-        let x = Axis::new(Quantity::new("place", place), Extent::Fixed(0.0, length));
+        let x = Axis::new(self.place(), Extent::Fixed(0.0, length));
         let y = Axis::new(Quantity::new("time", "t"), Extent::Fixed(0.0, last));
         let panel = Panel::new(x, y, vec![Layer::Cells(cells)]).high(420.0);
         let names = Regime::ALL.map(|regime| regime.name());
         Picture::new(vec![panel], Legend::default().with("", zone_keys(&names)))
+    }
+
+    /// V̇ of the contact line at the beginning and at the snapshots, curve above curve in the order of time,
+    /// moving with the wave where its speed was measured.
+    fn velocity(&self) -> Picture {
+        let start = (0.0, column(&self.start, "V_dot"));
+        let curves: Vec<&(f64, Vec<f64>)> = [&start].into_iter().chain(&self.snapshots).collect();
+        let last = curves.last().map_or(0.0, |curve| curve.0);
+        // distance of the base lines; a simulation without snapshots has one
+        let step = match self.snapshots.first() {
+            Some((time, _)) => *time,
+            None => 1.0,
+        };
+        let values = curves.iter().flat_map(|curve| curve.1.iter().copied());
+        let (low, high) = range(values).unwrap_or((-1.0, 1.0));
+        let scale = LIFT * step / (high - low);
+        let length = self.length();
+        let line = |(time, values): &(f64, Vec<f64>)| {
+            let count = values.len();
+            let shift = (self.speed * time / length).rem_euclid(1.0) * count as f64;
+            let mut values = values.clone();
+            values.rotate_left((shift.round() as usize) % count.max(1));
+            let point = |(index, value): (usize, &f64)| {
+                (length * index as f64 / count as f64, time + scale * value)
+            };
+            let points = values.iter().chain(values.first()).enumerate().map(point);
+            Layer::Line(points.collect(), Pen::solid(BLACK, 1.1))
+        };
+        let mut layers: Vec<Layer> = curves.iter().map(|curve| line(curve)).collect();
+        layers.push(Layer::Bar {
+            foot: 0.0,
+            head: scale,
+            text: ["V\u{307}:".to_owned(), "1".to_owned()],
+        });
+        let x = Axis::new(self.place(), Extent::Fixed(0.0, length));
+        let room = 0.1 * step;
+        let (low, high) = (scale * low - room, last + scale * high + room);
+        let y = Axis::new(
+            Quantity::new("velocity at time", "t"),
+            Extent::Fixed(low, high),
+        );
+        Picture::new(
+            vec![Panel::new(x, y, layers).high(420.0)],
+            Legend::default(),
+        )
+    }
+
+    /// Place on the tube, or in the frame of the wave where that is known.
+    fn place(&self) -> Quantity {
+        Quantity::new("place", if self.speed == 0.0 { "φ" } else { "φ − ct" })
     }
 
     fn phase_plane(&self) -> Picture {
@@ -131,9 +219,14 @@ impl Motion {
                 Extent::Fixed(0.0, self.length()),
             );
             let y = Axis::new(quantity, Extent::Data(0.05));
-            Panel::new(x, y, layers.collect()).high(190.0)
+            Panel::new(x, y, layers.collect()).high(150.0)
         };
-        let panels = [("V_dot", velocity()), ("P", Quantity::new("pressure", "P"))].map(panel);
+        let panels = [
+            ("U", Quantity::new("radial", "U")),
+            ("V_dot", velocity()),
+            ("P", Quantity::new("pressure", "P")),
+        ]
+        .map(panel);
         let entries = lines.iter().map(|(_, pen, name)| (Key::Line(*pen), *name));
         Picture::new(panels.to_vec(), Legend::default().with("", entries))
     }

@@ -1,8 +1,8 @@
 //! All switching positions against the parameter, with the zones between them.
 
-use super::diagram::{NONE, same_leg, signature_between};
+use super::diagram::{NONE, parameter_axis, same_leg, signature_between};
 use super::error::PlotError;
-use super::names::{angle, occurring, quantity, regime_colour, zone_colour, zone_keys};
+use super::names::{angle, occurring, regime_colour, zone_colour, zone_keys};
 use super::tables::{Tables, list, number};
 use crate::output::render::axis::{Axis, Extent, range};
 use crate::output::render::legend::{Key, Legend};
@@ -70,7 +70,7 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, PlotError> {
         let mark = Mark::new(Shape::Disc, 3.4, BLACK);
         layers.push(Layer::Marks(points.collect(), mark));
     }
-    let x = Axis::new(quantity(&tables.parameter), Extent::Data(0.04));
+    let x = parameter_axis(tables);
     let y = Axis::new(angle(), Extent::Fixed(0.0, top));
     let panel = Panel::new(x, y, layers);
     Ok(Picture::new(vec![panel], legend))

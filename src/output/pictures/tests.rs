@@ -8,7 +8,8 @@ use tempfile::TempDir;
 use super::profile::Profiles;
 use super::tables::Tables;
 use super::{PlotError, Settings, describe, draw};
-use crate::output::render::{Format, Layer, Picture};
+use crate::output::render::axis::Extent;
+use crate::output::render::{Format, Layer, Picture, Point, number};
 use crate::problem::Plot;
 
 const BRANCH: &str = "point,label,type,regimes,mismatch,friction,mass_damping,stiffness_damping,\
@@ -67,6 +68,7 @@ fn all() -> Vec<Plot> {
         Plot::Diagram,
         Plot::Pressure,
         Plot::Displacement,
+        Plot::Wave,
         Plot::PhasePlane,
         Plot::Friction,
         Plot::Spectrum,
@@ -152,6 +154,7 @@ fn what_is_missing_is_said() {
         ),
         (Plot::Pressure, "no profiles were asked for"),
         (Plot::Displacement, "no profiles were asked for"),
+        (Plot::Wave, "no profiles were asked for"),
         (Plot::PhasePlane, "no profiles were asked for"),
         (Plot::Friction, "no profiles were asked for"),
         (Plot::Spectrum, "no spectrum was asked for"),
@@ -174,6 +177,7 @@ fn files_are_named_after_their_pictures() {
         "diagram",
         "pressure",
         "displacement",
+        "wave",
         "phase_plane",
         "friction",
         "spectrum",
@@ -352,32 +356,134 @@ fn spectrum_names_sectors_and_labels() {
     assert_eq!(marks(&spectrum), 3);
 }
 
+/// The multipliers of a spectrum of a wave of which eight go round.
+fn multipliers(spectrum: &str) -> Picture {
+    let folder = folder(&[row("1", "EP", 0.1, "", 1), row("2", "EP", 0.2, "", 1)]);
+    fs::write(
+        folder.path().join("spectrum.csv"),
+        format!("label,sector,re,im,error\n{spectrum}2,0,-0.1,5,0\n"),
+    )
+    .unwrap();
+    picture(&folder, Plot::Multipliers)
+}
+
+/// Points of a panel without the cross at 1.
+fn points(picture: &Picture, panel: usize) -> Vec<Point> {
+    let layers = picture.panels[panel].layers.iter();
+    let marks = layers.filter_map(|layer| match layer {
+        Layer::Marks(points, _) => Some(points.clone()),
+        _ => None,
+    });
+    marks
+        .flatten()
+        .filter(|point| *point != (1.0, 0.0))
+        .collect()
+}
+
 #[test]
 fn multipliers_have_their_conjugates() {
-    // Eight waves around: the sectors 0 and 4 are their own conjugates, sector 1 is not.
-    let points = |spectrum: &str| {
-        let folder = folder(&[row("1", "EP", 0.1, "", 1), row("2", "EP", 0.2, "", 1)]);
-        fs::write(
-            folder.path().join("spectrum.csv"),
-            format!("label,sector,re,im,error\n{spectrum}2,0,-0.1,5,0\n"),
-        )
-        .unwrap();
-        let multipliers = picture(&folder, Plot::Multipliers);
+    let count = |spectrum: &str| {
+        let multipliers = multipliers(spectrum);
         assert_eq!(captions(&multipliers), ["Re μ", "Im μ", "Re μ", ""]);
         for wanted in ["sector", "translation, μ = 1", "at δ = 0.1 [1]"] {
             assert!(explanations(&multipliers).contains(&wanted), "{wanted}");
         }
-        // without the crosses at 1
-        marks(&multipliers) - 2
+        points(&multipliers, 0).len()
     };
-    // Far from 1, so that only the left frame shows it.
-    assert_eq!(points("1,0,-0.1,3,0\n"), 2);
-    assert_eq!(points("1,0,-2,0,0\n"), 1);
-    assert_eq!(points("1,4,-0.1,3,0\n"), 2);
-    assert_eq!(points("1,3,-0.1,3,0\n"), 1);
-    assert_eq!(points("1,3,-0.1,-3,0\n"), 1);
-    // Near 1 both frames show it.
-    assert_eq!(points("1,0,-0.1,0.1,0\n"), 4);
+    // The sectors 0 and 4 are their own conjugates, that of 3 is 5, listed or not.
+    assert_eq!(count("1,0,-0.1,3,0\n"), 2);
+    assert_eq!(count("1,0,-2,0,0\n"), 1);
+    assert_eq!(count("1,4,-0.1,3,0\n"), 2);
+    assert_eq!(count("1,3,-0.1,3,0\n"), 2);
+    assert_eq!(count("1,3,-0.1,3,0\n1,5,-0.1,-3,0\n"), 2);
+}
+
+/// μ = exp(λT) with T = 2π/(k|c|) as the picture says, and the enlarged view shows the foremost one.
+#[test]
+fn the_enlarged_view_is_where_the_foremost_multiplier_is() {
+    let period = std::f64::consts::TAU / (8.0 * 1.241);
+    for (growth, frequency) in [(0.1, 3.0), (-0.02, 0.1), (0.3, 0.0), (-0.001, 4.0)] {
+        let multipliers = multipliers(&format!("1,3,{growth},{frequency},0\n1,3,-1.5,1,0\n"));
+        assert!(explanations(&multipliers).iter().any(|text| {
+            text.starts_with("μ = exp(λT), T = 2π/(k|c|) = ")
+                && text.ends_with(&number::significant(period, 4))
+        }));
+        let size = f64::exp(growth * period);
+        let (sine, cosine) = (frequency * period).sin_cos();
+        let near = |point: &&Point| {
+            (point.0 - size * cosine).abs() < 1e-12 && (point.1 - size * sine).abs() < 1e-12
+        };
+        for panel in [0, 1] {
+            let points = points(&multipliers, panel);
+            assert_eq!(
+                points.iter().filter(near).count(),
+                1,
+                "{growth} {frequency}"
+            );
+        }
+        // with both sides of the unit circle
+        let enlarged = &multipliers.panels[1];
+        let (Extent::Fixed(left, right), Extent::Fixed(low, high)) =
+            (enlarged.x.extent, enlarged.y.extent)
+        else {
+            panic!("a window is fixed")
+        };
+        let corners = [(left, low), (left, high), (right, low), (right, high)];
+        let inside = corners.iter().filter(|(re, im)| re.hypot(*im) < 1.0);
+        assert!((1..4).contains(&inside.count()), "{growth} {frequency}");
+    }
+}
+
+/// A band says of a value of the parameter which waves are there: its ends are events, its name and its
+/// colour those of the sequence.
+#[test]
+fn bands_are_where_their_waves_are() {
+    let mut rows: Vec<String> = [0.4, 0.3, 0.2, 0.1]
+        .iter()
+        .map(|mismatch| row("", "", *mismatch, "", 1))
+        .collect();
+    rows[1] = row("2", "RV", 0.3, "", 1);
+    for row in &mut rows[1..] {
+        *row = row.replace("slip-stick", "slip-reverse-stick");
+    }
+    let diagram = picture(&folder(&rows), Plot::Diagram);
+    let bands: Vec<([f64; 2], String)> = layers(&diagram)
+        .into_iter()
+        .filter_map(|layer| match layer {
+            Layer::Headings(headings) => Some(headings),
+            _ => None,
+        })
+        .flatten()
+        .map(|heading| (heading.ends, heading.names[0].clone()))
+        .collect();
+    let wanted = [
+        ([0.3, 0.4], "slip-stick"),
+        ([0.1, 0.3], "slip-reverse-stick"),
+    ];
+    assert_eq!(bands.len(), wanted.len());
+    for ((ends, name), (wanted, known)) in bands.iter().zip(wanted) {
+        assert_eq!((*ends, name.as_str()), (wanted, known));
+    }
+    // none where the branch turns back
+    rows.push(row("", "", 0.2, "", 1));
+    let folded = picture(&folder(&rows), Plot::Diagram);
+    assert!(
+        !layers(&folded)
+            .iter()
+            .any(|layer| matches!(layer, Layer::Cells(_)))
+    );
+}
+
+/// Values far apart get a logarithmic axis, unless one is asked for or not.
+#[test]
+fn wide_branches_have_a_logarithmic_axis() {
+    let extent = |low: f64| {
+        let rows = [row("", "", low, "", 1), row("", "", 0.2, "", 1)];
+        picture(&folder(&rows), Plot::Diagram).panels[0].x.extent
+    };
+    assert!(matches!(extent(0.001), Extent::Logarithmic(_)));
+    assert!(matches!(extent(0.01), Extent::Data(_)));
+    assert!(matches!(extent(0.0), Extent::Data(_)));
 }
 
 #[test]

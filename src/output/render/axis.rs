@@ -6,6 +6,9 @@ use super::text::width;
 /// Size of the figures at the ticks.
 pub(crate) const TICK_SIZE: f64 = 16.0;
 
+/// Decades below which a logarithmic axis has figures at 2 and 5 times the powers of ten, too.
+const FEW_DECADES: f64 = 2.5;
+
 /// Values beyond this are taken for overflow and not drawn.
 const HUGE: f64 = 1e150;
 
@@ -56,6 +59,8 @@ pub(crate) enum Extent {
     Fixed(f64, f64),
     /// Over whole decades around the data, logarithmically.
     Decades,
+    /// Over the data, logarithmically, with this part of their range more on either side.
+    Logarithmic(f64),
 }
 
 /// An axis as it is asked for.
@@ -117,15 +122,22 @@ impl Scale {
     /// The axis over these values.
     pub fn of(axis: &Axis, values: impl Iterator<Item = f64>, ticks: Ticks) -> Scale {
         let quantity = &axis.quantity;
-        let logarithmic = axis.extent == Extent::Decades;
+        let logarithmic = matches!(axis.extent, Extent::Decades | Extent::Logarithmic(_));
+        let roomy = |(low, high): (f64, f64), room: f64| {
+            let room = room * (high - low);
+            (low - room, high + room)
+        };
+        let exponents = |values: &mut dyn Iterator<Item = f64>| {
+            range(values.filter(|value| *value > 0.0).map(f64::log10))
+        };
+        let mut values = values;
         let ends = match axis.extent {
             Extent::Fixed(low, high) => Some((low, high)).filter(|_| low < high),
-            Extent::Data(room) => range(values).map(|(low, high)| {
-                let room = room * (high - low);
-                (low - room, high + room)
-            }),
-            Extent::Decades => range(values.filter(|value| *value > 0.0).map(f64::log10))
-                .map(|(low, high)| ((low - 0.2).floor(), (high + 0.2).ceil())),
+            Extent::Data(room) => range(values).map(|ends| roomy(ends, room)),
+            Extent::Decades => {
+                exponents(&mut values).map(|(low, high)| ((low - 0.2).floor(), (high + 0.2).ceil()))
+            }
+            Extent::Logarithmic(room) => exponents(&mut values).map(|ends| roomy(ends, room)),
         };
         let chosen = |(low, high)| match ticks {
             _ if !axis.ticks.is_empty() => (axis.ticks.clone(), quantity.caption()),
@@ -208,16 +220,41 @@ fn rounded(low: f64, high: f64, quantity: &Quantity, count: usize) -> (Vec<Tick>
     (ticks.collect(), notation.caption(quantity))
 }
 
-/// Ticks at powers of ten between two exponents, eight at most.
+/// Ticks between two exponents: figures at powers of ten, eight at most, or at 1, 2 and 5 times these
+/// over few decades; after these, strokes without figures at the other multiples.
 fn decades(low: f64, high: f64) -> Vec<Tick> {
-    let step = ((high - low) / 7.0).ceil().max(1.0) as usize;
-    let exponents = (low as i32..=high as i32).step_by(step);
-    exponents
-        .map(|exponent| Tick {
-            value: 10f64.powi(exponent),
-            text: number::power_of_ten(exponent),
+    let span = high - low;
+    let step = (span / 7.0).ceil().max(1.0) as i32;
+    let (first, last) = (low.floor() as i32, high.ceil() as i32);
+    let within = |value: &f64| (low - 1e-9..=high + 1e-9).contains(&value.log10());
+    let named = |digit: i32, exponent: i32| match digit {
+        1 => (exponent - first) % step == 0,
+        2 | 5 => span < FEW_DECADES,
+        _ => false,
+    };
+    let digits = |exponent| (1..10).map(move |digit| (digit, exponent));
+    let all: Vec<(bool, i32, f64)> = (first..=last)
+        .flat_map(digits)
+        .map(|(digit, exponent)| {
+            let value = f64::from(digit) * 10f64.powi(exponent);
+            (named(digit, exponent), exponent, value)
         })
-        .collect()
+        .filter(|(.., value)| within(value))
+        .collect();
+    let figures = |exponent, value| match span < FEW_DECADES {
+        true => number::significant(value, 1),
+        false => number::power_of_ten(exponent),
+    };
+    let with = all.iter().filter(|tick| tick.0).map(|tick| Tick {
+        value: tick.2,
+        text: figures(tick.1, tick.2),
+    });
+    let without = all.iter().filter(|tick| !tick.0 && step == 1);
+    let without = without.map(|tick| Tick {
+        value: tick.2,
+        text: String::new(),
+    });
+    with.chain(without).collect()
 }
 
 /// Distance of the ticks: 1, 2 or 5 times a power of ten.
@@ -331,6 +368,16 @@ mod tests {
         assert_eq!((scale.low, scale.high), (-9.0, -3.0));
         assert_eq!(texts(&scale)[..2], ["10⁻⁹", "10⁻⁸"]);
         assert_eq!(scale.part(1e-6), 0.5);
+        // strokes without figures at the other multiples come after those with figures
+        assert_eq!(texts(&scale)[7..], [""; 48]);
+    }
+
+    #[test]
+    fn few_decades_have_figures_between() {
+        let axis = Axis::new(Quantity::new("smoothing", "ε"), Extent::Logarithmic(0.0));
+        let scale = Scale::of(&axis, [0.005, 0.1].into_iter(), Ticks::About(5));
+        assert_eq!(texts(&scale)[..5], ["0.005", "0.01", "0.02", "0.05", "0.1"]);
+        assert!((scale.part(0.005 * 20f64.sqrt()) - 0.5).abs() < 1e-12);
     }
 
     #[test]

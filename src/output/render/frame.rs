@@ -1,6 +1,6 @@
 //! A frame with axes, and the layers drawn in it.
 
-use super::axis::{Scale, TICK_SIZE, drawable};
+use super::axis::{Scale, TICK_SIZE, Tick, drawable};
 use super::canvas::{Align, Canvas, Drawn, Place};
 use super::palette::{BLACK, GREY, Pen};
 use super::placement::{NAME_SIZE, written};
@@ -147,19 +147,26 @@ impl Frame {
     pub fn border(&self, canvas: &mut Canvas<'_>) -> Drawn {
         let pen = Pen::solid(BLACK, 1.3);
         let ((left, top), (right, bottom)) = (self.from, self.to);
+        let long = |tick: &Tick| match tick.text.is_empty() {
+            true => 0.5 * TICK,
+            false => TICK,
+        };
         for tick in &self.x.ticks {
             let (x, _) = self.at(self.x.part(tick.value), 0.0);
-            canvas.line(&[(x, bottom), (x, bottom - TICK)], pen)?;
-            canvas.line(&[(x, top), (x, top + TICK)], pen)?;
-            if self.labelled_below {
+            canvas.line(&[(x, bottom), (x, bottom - long(tick))], pen)?;
+            canvas.line(&[(x, top), (x, top + long(tick))], pen)?;
+            if self.labelled_below && !tick.text.is_empty() {
                 let place = (x, bottom + 1.25 * TICK_SIZE);
                 canvas.text(place, &tick.text, TICK_SIZE, Align::Middle, BLACK)?;
             }
         }
         for tick in &self.y.ticks {
             let (_, y) = self.at(0.0, self.y.part(tick.value));
-            canvas.line(&[(left, y), (left + TICK, y)], pen)?;
-            canvas.line(&[(right, y), (right - TICK, y)], pen)?;
+            canvas.line(&[(left, y), (left + long(tick), y)], pen)?;
+            canvas.line(&[(right, y), (right - long(tick), y)], pen)?;
+            if tick.text.is_empty() {
+                continue;
+            }
             let place = (left - 6.0, y + 0.36 * TICK_SIZE);
             canvas.text(place, &tick.text, TICK_SIZE, Align::Right, BLACK)?;
         }

@@ -1,6 +1,6 @@
 //! Arrangement of a picture: title, panels one below the other or beside each other, legend.
 
-use super::axis::{Scale, TICK_SIZE, Ticks};
+use super::axis::{Scale, TICK_SIZE, Tick, Ticks};
 use super::canvas::{Align, WIDTH, compose};
 use super::frame::{CAPTION_SIZE, Frame};
 use super::palette::{BLACK, GREY};
@@ -14,7 +14,7 @@ const TITLE_SIZE: f64 = 18.0;
 const SUBTITLE_SIZE: f64 = 14.0;
 
 /// Size that a long title shrinks to before it is cut.
-const SMALLEST_TITLE: f64 = 14.0;
+const SMALLEST_TITLE: f64 = 12.5;
 
 /// Length of a horizontal axis between margins of the usual width, for the choice of its figures.
 const LENGTH: f64 = WIDTH - 110.0;
@@ -27,7 +27,7 @@ const PER_TICK: f64 = 45.0;
 
 /// Room between panels, above headings, and right of a frame with a bar.
 const BETWEEN: f64 = 14.0;
-const HEADINGS: f64 = 12.0;
+const HEADINGS: f64 = 17.0;
 const BAR: f64 = 74.0;
 
 impl Picture {
@@ -42,7 +42,8 @@ impl Picture {
             if let Some(title) = &self.title {
                 let place = (0.5 * WIDTH, 1.3 * TITLE_SIZE);
                 let room = WIDTH - 20.0;
-                let size = (TITLE_SIZE * room / width(title, TITLE_SIZE))
+                // what fits exactly must not be cut by rounding
+                let size = (0.999 * TITLE_SIZE * room / width(title, TITLE_SIZE))
                     .clamp(SMALLEST_TITLE, TITLE_SIZE);
                 canvas.text(place, &cut(title, size, room), size, Align::Middle, BLACK)?;
             }
@@ -167,8 +168,10 @@ impl Panel {
 
 /// How far the last figures of a horizontal axis stand out on the right.
 fn overhang(x: &Scale) -> f64 {
-    x.ticks.last().map_or(0.0, |tick| {
+    let over = |tick: &Tick| {
         let inside = (1.0 - x.part(tick.value)) * LENGTH;
         0.5 * width(&tick.text, TICK_SIZE) - inside + 6.0
-    })
+    };
+    let figures = x.ticks.iter().filter(|tick| !tick.text.is_empty());
+    figures.map(over).fold(0.0, f64::max)
 }

@@ -6,7 +6,7 @@ use super::text::width;
 use super::{Layer, Name};
 
 /// Size of the names.
-pub(super) const NAME_SIZE: f64 = 16.0;
+pub(super) const NAME_SIZE: f64 = 14.0;
 
 /// Least distance of a name from a line, and from the frame.
 const CLEAR: f64 = 4.0;

@@ -1,16 +1,16 @@
 //! Texts of a picture: how wide they are, and what of them may be written.
 
-/// Generous estimate of a text's width; the font of the reader is not known.
+/// Generous estimate of a text's width; the font of the reader is not known, DejaVu Sans is a wide one.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     let ems = text.chars().map(|c| match c {
         '\u{300}'..='\u{36f}' => 0.0,
-        'i' | 'j' | 'l' | '.' | ',' | '\'' | '|' | 'I' => 0.27,
-        'f' | 't' | 'r' | ' ' | '(' | ')' | '-' | '[' | ']' => 0.36,
-        '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' | '⁻' => 0.4,
-        'm' | 'w' | 'M' | 'W' => 0.85,
-        '\u{2212}' | '×' | '+' | '=' | '±' => 0.66,
-        c if c.is_uppercase() => 0.68,
-        _ => 0.57,
+        'i' | 'j' | 'l' | '.' | ',' | '\'' | '|' | 'I' => 0.3,
+        'f' | 't' | 'r' | ' ' | '(' | ')' | '-' | '[' | ']' => 0.39,
+        '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' | '⁻' => 0.42,
+        'm' | 'w' | 'M' | 'W' => 0.92,
+        '\u{2212}' | '×' | '+' | '=' | '±' => 0.84,
+        c if c.is_uppercase() => 0.72,
+        _ => 0.62,
     });
     ems.sum::<f64>() * size
 }

@@ -7,9 +7,11 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use super::map::Description;
+use super::origin::Origin;
 use super::run::{BRANCH, EVENTS, Restart, SPECTRUM, profile_file};
 use super::simulation::SimulationCheckpoint;
-use super::store::{self, Checkpoint, Store, StoreError, VERSION};
+use super::store::{self, Checkpoint, Kind, Store, StoreError, VERSION};
 use crate::problem::Problem;
 use crate::table::{self, Table};
 
@@ -39,11 +41,16 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
         Some(Restart::read(folder)?.problem)
     } else if there(SimulationCheckpoint::FILE) {
         Some(SimulationCheckpoint::read(folder)?.problem)
+    } else if there(Description::FILE) {
+        Some(Description::read(folder)?.problem)
+    } else if there(Origin::FILE) {
+        Some(Origin::read(folder)?.problem().clone())
     } else {
         None
     };
     let title = problem.as_ref().and_then(|problem| problem.title.clone());
-    let title = title.unwrap_or_else(|| format!("Results of {}", store.kind()));
+    let kind = store.kind().map_or("", Kind::name);
+    let title = title.unwrap_or_else(|| format!("Results of {kind}"));
     let mut data = String::new();
     let mut tables = String::new();
     if let (true, Some(problem)) = (there(BRANCH), &problem) {
@@ -58,7 +65,7 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
     let file = problem.as_ref().map(written).unwrap_or_default();
     let content = [
         ("title", escaped(&title)),
-        ("kind", store.kind()),
+        ("kind", kind.to_owned()),
         ("version", VERSION.to_owned()),
         ("data", data),
         ("pictures", pictures(folder, &names)?),

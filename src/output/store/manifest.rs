@@ -27,11 +27,30 @@ pub(crate) enum Kind {
     Simulation,
     /// What is proven of a branch.
     Certificate,
+    /// Stability of steady sliding.
+    Steady,
 }
 
 impl Kind {
+    /// All of them.
+    const ALL: [Kind; 8] = [
+        Kind::Run,
+        Kind::Map,
+        Kind::MapShard,
+        Kind::Curve,
+        Kind::Accuracy,
+        Kind::Simulation,
+        Kind::Certificate,
+        Kind::Steady,
+    ];
+
+    /// The kind of a word in a manifest.
+    pub(super) fn of(name: &str) -> Option<Kind> {
+        Kind::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
     /// Its word in a manifest.
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Kind::Run => "run",
             Kind::Map => "map",
@@ -40,6 +59,7 @@ impl Kind {
             Kind::Accuracy => "accuracy",
             Kind::Simulation => "simulation",
             Kind::Certificate => "certificate",
+            Kind::Steady => "steady",
         }
     }
 

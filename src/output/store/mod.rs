@@ -227,9 +227,9 @@ impl Store {
         &self.path
     }
 
-    /// What the folder holds, in the word of its manifest.
-    pub(crate) fn kind(&self) -> String {
-        self.header.kind.clone()
+    /// What the folder holds; none where another version has a word of its own for it.
+    pub(crate) fn kind(&self) -> Option<Kind> {
+        Kind::of(&self.header.kind)
     }
 
     /// Names of the files of the program, in alphabetical order.
