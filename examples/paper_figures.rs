@@ -209,8 +209,9 @@ impl Figure {
             Source::Branch => verb("run", &folder)?,
             Source::Motion => {
                 // what moves from steady sliding has no branch
-                if self.text()?.contains("start: Wave(") {
-                    verb("run", &format!("results/{}", self.problem))?;
+                let wave = format!("results/{}", self.problem);
+                if self.text()?.contains("start: Wave(") && !out.join(&wave).exists() {
+                    verb("run", &wave)?;
                 }
                 verb("simulate", &folder)?
             }

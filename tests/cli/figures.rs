@@ -55,9 +55,10 @@ fn figures_of_mode_4_show_their_waves() {
         svg.contains(">\n0.2\n<") && svg.contains(">\n0.001\n<"),
         "two waves"
     );
-    for regime in ["slip", "separation", "stick"] {
-        assert!(zone(&profile, regime).len() > 10, "{regime}");
-    }
+    let rows = 0..profile.rows.len();
+    let mut regimes: Vec<&str> = rows.map(|row| profile.text(row, "regime")).collect();
+    regimes.dedup();
+    assert_eq!(regimes, ["slip", "separation", "slip", "stick"]);
     for (name, event, value) in [
         ("figure_4_", "GR", "0.05023"),
         ("figure_5_", "CO", "0.02348"),

@@ -71,6 +71,13 @@ struct Stretch<'a> {
     points: Vec<Point>,
 }
 
+impl Stretch<'_> {
+    /// Whether it covers values of the parameter; what is there at one value only is not seen.
+    fn extends(&self) -> bool {
+        self.points.windows(2).any(|pair| pair[0].0 != pair[1].0)
+    }
+}
+
 /// What of a column of `branch.csv` is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct View {
@@ -268,7 +275,7 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, PlotError
     }
 
     let standings = STANDINGS.into_iter().filter(|(standing, ..)| {
-        let drawn = |one: &Stretch<'_>| one.standing == *standing && one.points.len() > 1;
+        let drawn = |one: &Stretch<'_>| one.standing == *standing && one.extends();
         mixed && stretches.iter().any(drawn)
     });
     let kinds = EventType::ALL.into_iter();
@@ -305,7 +312,7 @@ fn signatures<'a>(stretches: &[Stretch<'a>]) -> Vec<&'a str> {
     let mut found: Vec<(&str, usize)> = Vec::new();
     for stretch in stretches
         .iter()
-        .filter(|stretch| !stretch.signature.is_empty())
+        .filter(|one| !one.signature.is_empty() && (one.extends() || one.points.len() == 1))
     {
         let count = stretch.points.len();
         match found.iter_mut().find(|known| known.0 == stretch.signature) {

@@ -16,8 +16,8 @@ use crate::output::render::{Layer, Mark, Panel, Picture, Point, Shape, number};
 /// Half width of the enlarged view in distances of the foremost multiplier from the unit circle.
 const ROOM: f64 = 2.5;
 
-/// Least and largest half width of the enlarged view.
-const HALF: (f64, f64) = (0.05, 0.45);
+/// Least half width of the enlarged view, in units of T, and the largest.
+const HALF: (f64, f64) = (0.04, 0.45);
 
 /// How near to 1 the multiplier of the translation lies.
 const TRANSLATION: f64 = 1e-9;
@@ -113,7 +113,7 @@ fn multiplied(
 
 /// The unit circle with all multipliers, and an enlarged view of the one that grows most.
 fn plane(multipliers: &[Multiplier], legend: Legend, period: f64, divisor: &str) -> Picture {
-    let Some(near) = Window::foremost(multipliers) else {
+    let Some(near) = Window::foremost(multipliers, period) else {
         return blank(UNKNOWN);
     };
     let all = Window::of_all(multipliers, near);
@@ -168,17 +168,19 @@ impl Window {
 
     /// The window around the multiplier of largest modulus but for the translation; on the real axis,
     /// with its conjugate, where that is near.
-    fn foremost(multipliers: &[Multiplier]) -> Option<Self> {
+    fn foremost(multipliers: &[Multiplier], period: f64) -> Option<Self> {
         let size = |(re, im): Point| re.hypot(im);
         let moved = |place: &Point| size((place.0 - 1.0, place.1)) > TRANSLATION;
         let places = multipliers.iter().map(|one| one.0).filter(moved);
         let lead = places.max_by(|one, other| size(*one).total_cmp(&size(*other)))?;
         let (re, im) = (lead.0, lead.1.abs());
-        let half = (ROOM * (size(lead) - 1.0).abs()).clamp(HALF.0, HALF.1);
-        Some(match im <= half {
+        let least = (HALF.0 * period).min(HALF.1);
+        let half = (ROOM * (size(lead) - 1.0).abs()).clamp(least, HALF.1);
+        let wide = half.max(1.5 * im);
+        Some(match re > 0.0 && wide <= HALF.1 {
             true => Window {
                 centre: (re, 0.0),
-                half: half.max(1.5 * im),
+                half: wide,
             },
             false => Window {
                 centre: (re, im),

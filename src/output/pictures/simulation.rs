@@ -28,7 +28,7 @@ const ROWS: usize = 220;
 const RING_COLUMNS: usize = 7;
 const RING_VELOCITY: usize = 4;
 
-/// Height of the curves of V̇ in distances of their base lines.
+/// Height of the middle one of the curves of V̇ in distances of their base lines.
 const LIFT: f64 = 1.6;
 
 /// Time that the phase plane shows, at the end, in units of 1/Ω.
@@ -148,15 +148,19 @@ impl Motion {
     fn velocity(&self) -> Picture {
         let start = (0.0, column(&self.start, "V_dot"));
         let curves: Vec<&(f64, Vec<f64>)> = [&start].into_iter().chain(&self.snapshots).collect();
-        let last = curves.last().map_or(0.0, |curve| curve.0);
         // distance of the base lines; a simulation without snapshots has one
         let step = match self.snapshots.first() {
             Some((time, _)) => *time,
             None => 1.0,
         };
-        let values = curves.iter().flat_map(|curve| curve.1.iter().copied());
-        let (low, high) = range(values).unwrap_or((-1.0, 1.0));
-        let scale = LIFT * step / (high - low);
+        // the median height: single spikes of an irregular motion shall not flatten the others
+        let height = |curve: &&(f64, Vec<f64>)| {
+            let ends = range(curve.1.iter().copied());
+            ends.map_or(1.0, |(low, high)| high - low)
+        };
+        let mut heights: Vec<f64> = curves.iter().map(height).collect();
+        heights.sort_by(f64::total_cmp);
+        let scale = LIFT * step / heights[heights.len() / 2];
         let length = self.length();
         let line = |(time, values): &(f64, Vec<f64>)| {
             let count = values.len();
@@ -176,12 +180,7 @@ impl Motion {
             text: ["V\u{307}:".to_owned(), "1".to_owned()],
         });
         let x = Axis::new(self.place(), Extent::Fixed(0.0, length));
-        let room = 0.1 * step;
-        let (low, high) = (scale * low - room, last + scale * high + room);
-        let y = Axis::new(
-            Quantity::new("velocity at time", "t"),
-            Extent::Fixed(low, high),
-        );
+        let y = Axis::new(Quantity::new("velocity at time", "t"), Extent::Data(0.03));
         Picture::new(
             vec![Panel::new(x, y, layers).high(420.0)],
             Legend::default(),

@@ -1,6 +1,6 @@
 //! Tangential and radial displacement over the wavelength.
 
-use super::names::{angle, displacement};
+use super::names::angle;
 use super::profile::{NONE, Profiles, Sample};
 use crate::output::render::axis::{Axis, Extent, Quantity};
 use crate::output::render::palette::Pen;
@@ -25,7 +25,7 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
         Panel::new(x, Axis::new(quantity, Extent::Data(0.06)), layers).high(HEIGHT)
     };
     let panels = vec![
-        panel(displacement(), |sample| sample.tangential),
+        panel(Quantity::new("tangential", "V"), |sample| sample.tangential),
         panel(Quantity::new("radial", "U"), |sample| sample.radial),
     ];
     Picture::new(panels, profiles.legend(&shown))
