@@ -400,7 +400,7 @@ impl<'a> Coordinates<'a> {
             ..
         } = self.scale;
         let [low, high] = [*low, *high].map(|end| match logarithmic {
-            true => format!("1e{end}"),
+            true => format!("{:e}", 10f64.powf(end)),
             false => self.at(end),
         });
         let mode = if *logarithmic { "log" } else { "linear" };
