@@ -7,7 +7,7 @@
 use super::flow::{Flow, GAP, Series, W};
 use super::frame::Frame;
 use super::system::{Condition, Near, System};
-use crate::interval::Interval;
+use crate::interval::{Gradient, Interval, Number};
 use crate::model::Impact;
 use crate::model::signature::{Entry, Regime};
 use crate::wave::admissibility::Watch;
@@ -38,6 +38,26 @@ pub enum Unproven {
 /// Bisections of half a step.
 const DEEPEST: u32 = 24;
 
+/// What can be proven positive.
+pub trait Positive: Number {
+    /// Whether it is.
+    fn is_positive(&self) -> bool;
+}
+
+impl Positive for Interval {
+    fn is_positive(&self) -> bool {
+        Interval::is_positive(*self)
+    }
+}
+
+/// A number along a piece of a branch, with its derivative away from an end of the piece at which it is not
+/// negative: beyond that end it is positive where it is so all along, and where it grows all along.
+impl Positive for Gradient<Interval, 1> {
+    fn is_positive(&self) -> bool {
+        self.value.is_positive() || self.by[0].is_positive()
+    }
+}
+
 /// What is looked at in a zone.
 #[derive(Clone, Copy)]
 enum Quantity {
@@ -48,26 +68,27 @@ enum Quantity {
 }
 
 /// A function of time: offset + factor·component, from which `order` vanishing coefficients are left out.
-struct Function<'a> {
-    series: &'a Series<Interval>,
+struct Function<'a, N> {
+    series: &'a Series<N>,
     component: usize,
-    offset: Interval,
-    factor: Interval,
+    offset: N,
+    factor: N,
     order: usize,
 }
 
-impl Function<'_> {
+impl<N: Positive> Function<'_, N> {
     /// f(t)/tᵐ over times t ≥ 0 forwards or backwards, whose sign is that of f: the value in the middle and
     /// the slope over all of them.
-    fn at(&self, time: Interval, sign: f64) -> Interval {
+    fn at(&self, time: Interval, sign: f64) -> N {
         let middle = Interval::point(time.middle());
-        let value = self.series.at(self.component, middle, self.order);
-        let slope = self.series.slope(self.component, time, self.order);
-        let sum = self.factor * (value + slope * (time - middle));
+        let (there, all) = (N::constant(middle), N::constant(time));
+        let value = self.series.at(self.component, there, self.order);
+        let slope = self.series.slope(self.component, all, self.order);
+        let sum = self.factor * (value + slope.scaled(time - middle));
         let offset = if self.order == 0 {
             self.offset
         } else {
-            Interval::ZERO
+            N::double(0.0)
         };
         if sign < 0.0 && self.order % 2 == 1 {
             -(sum + offset)
@@ -76,16 +97,32 @@ impl Function<'_> {
         }
     }
 
-    /// Whether it is positive over [0, `length`], forwards or backwards, by bisection.
-    fn is_positive(&self, length: Interval, sign: f64) -> bool {
-        let mut open = vec![(0.0, length.high, 0)];
+    /// Whether it is positive over [0, `length`], forwards or backwards.
+    fn is_positive(&self, length: N, sign: f64) -> bool {
+        self.bisect(length, sign, |time| self.at(time, sign))
+    }
+
+    /// Whether it is positive over a zone at whose end it vanishes, since f(t)/tᵐ falls all along.
+    fn falls(&self, length: N) -> bool {
+        self.bisect(length, 1.0, |time| {
+            -(self.factor
+                * self
+                    .series
+                    .slope(self.component, N::constant(time), self.order))
+        })
+    }
+
+    /// Whether a function of times is positive over [0, `length`], forwards or backwards.
+    fn bisect(&self, length: N, sign: f64, of: impl Fn(Interval) -> N) -> bool {
+        let mut open = vec![(0.0, length.value().high, 0)];
         while let Some((from, to, depth)) = open.pop() {
             let time = Interval::new(from, to) * Interval::point(sign);
-            if self.at(time, sign).is_positive() {
+            if of(time).is_positive() {
                 continue;
             }
             let middle = 0.5 * (from + to);
-            if depth == DEEPEST || self.at(Interval::point(middle * sign), sign).is_negative() {
+            let there = of(Interval::point(middle * sign));
+            if depth == DEEPEST || !there.is_positive() {
                 return false;
             }
             open.push((from, middle, depth + 1));
@@ -96,22 +133,22 @@ impl Function<'_> {
 }
 
 /// A zone being looked at.
-struct Zone<'a> {
+struct Zone<'a, N> {
     system: &'a System<'a>,
-    x: &'a [Interval],
-    frame: &'a Frame<Interval>,
-    flow: Flow<Interval>,
+    x: &'a [N],
+    frame: &'a Frame<N>,
+    flow: Flow<N>,
     index: usize,
 }
 
-impl Zone<'_> {
+impl<N: Positive> Zone<'_, N> {
     /// Whether a quantity is positive within the zone, with zeros of known order at its ends and, where the
     /// event is a touch of it, one of order 2 inside.
     fn is_positive(&self, quantity: Quantity, at_start: usize, at_end: usize, touch: bool) -> bool {
         let steps = self.system.steps(self.index);
         let half = Interval::point(0.5);
         let touched = self.system.minimum(self.x).filter(|_| touch);
-        (0..steps).all(|step| {
+        let halves = (0..steps).all(|step| {
             let (state, time) = self.system.step_at(self.x, self.index, step);
             let forwards = self.flow.series(state);
             let order_there = if step + 1 == steps { at_end } else { 0 };
@@ -134,26 +171,46 @@ impl Zone<'_> {
             };
             let backwards = self.flow.series(end);
             self.function(&forwards, quantity, order_here)
-                .is_positive(time * half, 1.0)
+                .is_positive(time.scaled(half), 1.0)
                 && self
                     .function(&backwards, quantity, order_there)
-                    .is_positive(time * half, -1.0)
-        })
+                    .is_positive(time.scaled(half), -1.0)
+        });
+        halves
+            || steps == 1
+                && touched.is_none()
+                && self.is_positive_at_once(quantity, at_start, at_end)
+    }
+
+    /// The same over a zone that may be as short as one likes: in its halves the function may be, too, where
+    /// it vanishes at the other end.
+    fn is_positive_at_once(&self, quantity: Quantity, at_start: usize, at_end: usize) -> bool {
+        let (state, time) = self.system.step_at(self.x, self.index, 0);
+        let forwards = self.flow.series(state);
+        match (at_start, at_end) {
+            (0, _) => {
+                let backwards = self.flow.series(forwards.state(time));
+                self.function(&backwards, quantity, at_end)
+                    .is_positive(time, -1.0)
+            }
+            (_, 0) => self
+                .function(&forwards, quantity, at_start)
+                .is_positive(time, 1.0),
+            (_, 1) => self.function(&forwards, quantity, at_start).falls(time),
+            _ => false,
+        }
     }
 
     fn function<'s>(
         &self,
-        series: &'s Series<Interval>,
+        series: &'s Series<N>,
         quantity: Quantity,
         order: usize,
-    ) -> Function<'s> {
+    ) -> Function<'s, N> {
         let (component, offset, factor) = match quantity {
-            Quantity::Lag(sigma) => {
-                let sigma = Interval::point(sigma);
-                (W, sigma, -sigma)
-            }
+            Quantity::Lag(sigma) => (W, N::double(sigma), N::double(-sigma)),
             Quantity::Pressure => (W, self.frame.weight, self.frame.kappa),
-            Quantity::Gap => (GAP, Interval::ZERO, Interval::ONE),
+            Quantity::Gap => (GAP, N::double(0.0), N::double(1.0)),
         };
         Function {
             series,
@@ -189,16 +246,38 @@ impl Vanishing<'_> {
     }
 }
 
-/// Proves all inequalities of a wave over intervals of its unknowns, but for the margin that vanishes at the
+/// Which inequalities are to be proven.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// All.
+    All,
+    /// All but those within a zone. It may have a length.
+    But(usize),
+    /// Those within a zone.
+    Within(usize),
+}
+
+impl Part {
+    fn has(self, zone: usize) -> bool {
+        match self {
+            Part::All => true,
+            Part::But(other) => zone != other,
+            Part::Within(one) => zone == one,
+        }
+    }
+}
+
+/// Proves inequalities of a wave over intervals of its unknowns, but for the margin that vanishes at the
 /// event; returns how many there are.
-pub fn prove(
+pub fn prove<N: Positive>(
     system: &System,
     condition: &Condition,
-    impact: Impact,
-    x: &[Interval],
+    part: Part,
+    x: &[N],
 ) -> Result<usize, Unproven> {
     let near = system.near;
     let zones = near.zones.len();
+    let impact = system.impact();
     let vanishing = Vanishing { near, condition };
     let frame = system.frame_at(x).ok_or(Unproven::Speed)?;
     let mut proven = 0;
@@ -218,13 +297,18 @@ pub fn prove(
         let zone = near.signature.zone(index);
         let next = near.signature.zone(index + 1);
         let duration = x[system.duration(index)];
-        hold(duration.is_positive(), Unproven::Duration(index))?;
+        if !matches!(part, Part::Within(_)) {
+            hold(duration.is_positive(), Unproven::Duration(index))?;
+        }
+        if !part.has(index) {
+            continue;
+        }
         let mut edge = |watch: Watch| {
             if vanishing.is(watch, index) {
                 return Ok(());
             }
             let margin = system.edge_at(&frame, x, watch, index);
-            let holds = margin.is_some_and(Interval::is_positive);
+            let holds = margin.is_some_and(|margin| margin.is_positive());
             hold(holds, Unproven::Switch(index, watch))
         };
         let order = system.order(index);
@@ -247,7 +331,7 @@ pub fn prove(
                 if zone.regime == Regime::Slip && next.entry == Entry::Reversal && system.sticks() {
                     // Q < −rfP: what static friction could hold would stick
                     let force = system.edge_at(&frame, x, Watch::LowerForce, (index + 1) % zones);
-                    let holds = force.is_some_and(Interval::is_negative);
+                    let holds = force.is_some_and(|force| (-force).is_positive());
                     hold(holds, Unproven::Switch(index, Watch::LowerForce))?;
                 }
                 let sigma = if zone.regime == Regime::Slip {
@@ -255,7 +339,7 @@ pub fn prove(
                 } else {
                     -1.0
                 };
-                let flow = system.flow_at(&frame, index).ok_or(Unproven::Speed)?;
+                let flow = system.flow(&frame, index).ok_or(Unproven::Speed)?;
                 let looked = Zone {
                     system,
                     x,
@@ -306,7 +390,7 @@ pub fn prove(
                 if impact == Impact::Coulomb && next.entry == Entry::ArrestedLanding {
                     edge(Watch::Impulse)?;
                 }
-                let flow = system.flow_at(&frame, index).ok_or(Unproven::Speed)?;
+                let flow = system.flow(&frame, index).ok_or(Unproven::Speed)?;
                 let looked = Zone {
                     system,
                     x,

@@ -9,7 +9,7 @@
 //! contains every zero in X; if it lies inside X there is exactly one, and it is regular (R. Krawczyk 1969;
 //! R.E. Moore 1977). C is about the inverse of F′(m) in doubles: it need not be exact.
 
-use super::system::{Evaluated, System};
+use super::system::Evaluated;
 use crate::interval::Interval;
 use crate::linalg::{Factors, Matrix, Vector};
 
@@ -17,8 +17,10 @@ use crate::linalg::{Factors, Matrix, Vector};
 pub struct Zero {
     /// Where it is.
     pub at: Vec<Interval>,
-    /// Share of the units of the unknowns around `middle` within which there is no other.
-    pub unique: f64,
+    /// C F(m), C, and the radius of the box that is mapped into itself.
+    step: Vec<Interval>,
+    inverse: Matrix,
+    radius: Vec<f64>,
 }
 
 /// Newton steps from the first guess: it is known to 1e-9 at least, so that three reach rounding.
@@ -32,23 +34,37 @@ const PROBE: f64 = 1e-7;
 /// Further boxes tried, each a quarter of the last.
 const TRIES: i32 = 4;
 
+/// Equations with their derivatives over intervals of the unknowns.
+pub trait Equations: Fn(&[Interval]) -> Option<Evaluated> {}
+
+impl<F: Fn(&[Interval]) -> Option<Evaluated>> Equations for F {}
+
 /// Refines a guess by Newton's method, in doubles.
-pub fn refined(system: &System, guess: &[f64]) -> Option<Vec<f64>> {
+pub fn refined(equations: &impl Equations, guess: &[f64]) -> Option<Vec<f64>> {
     let mut middle = guess.to_vec();
     for _ in 0..NEWTON {
-        let (step, _) = correction(system, &middle)?;
-        for (x, step) in middle.iter_mut().zip(&step) {
-            *x -= step.middle();
+        let Evaluated { residual, jacobian } = equations(&points(&middle))?;
+        let n = middle.len();
+        let mut step = Vector::from_fn(n, |i, _| residual[i].middle());
+        let matrix = Matrix::from_fn(n, n, |i, j| jacobian[i][j].middle());
+        if !Factors::new(matrix).solve(&mut step) {
+            return None;
+        }
+        for (x, step) in middle.iter_mut().zip(step.iter()) {
+            *x -= step;
         }
     }
     middle.iter().all(|x| x.is_finite()).then_some(middle)
 }
 
+fn points(middle: &[f64]) -> Vec<Interval> {
+    middle.iter().copied().map(Interval::point).collect()
+}
+
 /// C F(m), and C.
-fn correction(system: &System, middle: &[f64]) -> Option<(Vec<Interval>, Matrix)> {
+fn correction(equations: &impl Equations, middle: &[f64]) -> Option<(Vec<Interval>, Matrix)> {
     let n = middle.len();
-    let points: Vec<Interval> = middle.iter().copied().map(Interval::point).collect();
-    let Evaluated { residual, jacobian } = system.evaluate(&points)?;
+    let Evaluated { residual, jacobian } = equations(&points(middle))?;
     let matrix = Matrix::from_fn(n, n, |i, j| jacobian[i][j].middle());
     let inverse = Factors::new(matrix).inverse()?;
     if inverse.iter().any(|x| !x.is_finite()) {
@@ -67,9 +83,12 @@ fn dot(terms: impl Iterator<Item = (f64, Interval)>) -> Interval {
 }
 
 /// |I − C F′(X)|, from above.
-fn defect(system: &System, inverse: &Matrix, x: &[Interval]) -> Option<Matrix> {
-    let n = x.len();
-    let jacobian = system.evaluate(x)?.jacobian;
+fn defect(equations: &impl Equations, inverse: &Matrix, x: &[Interval]) -> Option<Matrix> {
+    Some(defect_of(inverse, &equations(x)?.jacobian))
+}
+
+fn defect_of(inverse: &Matrix, jacobian: &[Vec<Interval>]) -> Matrix {
+    let n = jacobian.len();
     let mut defect = Matrix::zeros(n, n);
     for j in 0..n {
         let column: Vec<(usize, Interval)> = (0..n)
@@ -88,7 +107,7 @@ fn defect(system: &System, inverse: &Matrix, x: &[Interval]) -> Option<Matrix> {
             defect[(i, j)] = (unit - product).magnitude();
         }
     }
-    Some(defect)
+    defect
 }
 
 /// Radius of K(X) around m: |C F(m)| + |I − C F′(X)| r, from above.
@@ -104,28 +123,35 @@ fn boxed(middle: &[f64], radius: &[f64]) -> Vec<Interval> {
     ends.map(|(m, r)| Interval::around(*m, *r)).collect()
 }
 
+fn inside(image: &Vector, radius: &[f64]) -> bool {
+    image.iter().zip(radius).all(|(k, r)| k < r)
+}
+
 /// The zero next to `middle`; `units` are those of the unknowns. `None` if it is not proven.
-pub fn zero(system: &System, middle: &[f64], units: &[f64]) -> Option<Zero> {
-    let (step, inverse) = correction(system, middle)?;
-    let inside = |image: &Vector, radius: &[f64]| image.iter().zip(radius).all(|(k, r)| k < r);
+pub fn enclosed(equations: &impl Equations, middle: &[f64], units: &[f64]) -> Option<Zero> {
+    let (step, inverse) = correction(equations, middle)?;
     // a box a little larger than the correction, until it is mapped into itself
     let floor = |unit: f64| f64::EPSILON * 0.125 * unit + f64::MIN_POSITIVE;
     let sizes = step.iter().zip(units);
     let mut radius: Vec<f64> = sizes
         .map(|(step, unit)| 1.01 * step.magnitude() + floor(*unit))
         .collect();
-    let mut found = None;
+    let still = vec![Interval::ZERO; step.len()];
     for _ in 0..INFLATIONS {
-        let defect = defect(system, &inverse, &boxed(middle, &radius))?;
+        let defect = defect(equations, &inverse, &boxed(middle, &radius))?;
         let image = image(&step, &defect, &radius);
         if inside(&image, &radius) {
             // the zero lies in m − CF(m) ± |I − CF′|r as well, which is sharper
-            let rest = self::image(&vec![Interval::ZERO; step.len()], &defect, &radius);
+            let rest = self::image(&still, &defect, &radius);
             let ends = middle.iter().zip(&step).zip(rest.iter());
             let at = ends
                 .map(|((m, step), rest)| Interval::point(*m) - *step + Interval::new(-rest, *rest));
-            found = Some(at.collect::<Vec<Interval>>());
-            break;
+            return Some(Zero {
+                at: at.collect(),
+                step,
+                inverse,
+                radius,
+            });
         }
         for ((radius, image), unit) in radius.iter_mut().zip(image.iter()).zip(units) {
             *radius = 1.5 * radius.max(*image) + floor(*unit);
@@ -134,27 +160,150 @@ pub fn zero(system: &System, middle: &[f64], units: &[f64]) -> Option<Zero> {
             return None;
         }
     }
-    let at = found?;
-    // a larger box of another shape; the box above has one at least as large as its narrowest side
-    let narrowest = radius.iter().zip(units).map(|(r, unit)| r / unit);
-    let narrowest = narrowest.fold(LARGEST, f64::min);
-    let share_of = |share: f64| units.iter().map(|unit| unit * share).collect::<Vec<f64>>();
-    let over = |radius: &[f64]| defect(system, &inverse, &boxed(middle, radius));
-    let probe = over(&share_of(PROBE)).map_or(f64::INFINITY, |defect| {
-        let spread = image(&vec![Interval::ZERO; step.len()], &defect, &share_of(PROBE));
-        let shares = spread.iter().zip(units).map(|(k, unit)| k / (unit * PROBE));
-        shares.fold(0.0, f64::max)
-    });
-    let first = (0.7 * PROBE / probe).min(LARGEST);
-    let unique = (0..TRIES)
-        .map(|index| first * 0.25_f64.powi(index))
-        .take_while(|share| *share > narrowest)
-        .find(|share| {
-            let radius = share_of(*share);
-            over(&radius).is_some_and(|defect| inside(&image(&step, &defect, &radius), &radius))
+    None
+}
+
+impl Zero {
+    /// Share of the units of the unknowns around `middle` within which there is no other: that of a larger box
+    /// of another shape. The box of the zero has one at least as large as its narrowest side.
+    pub fn unique(&self, equations: &impl Equations, middle: &[f64], units: &[f64]) -> f64 {
+        let narrowest = self.narrowest(units);
+        let share_of = |share: f64| units.iter().map(|unit| unit * share).collect::<Vec<f64>>();
+        let over = |radius: &[f64]| defect(equations, &self.inverse, &boxed(middle, radius));
+        let still = vec![Interval::ZERO; middle.len()];
+        let probe = over(&share_of(PROBE)).map_or(f64::INFINITY, |defect| {
+            let spread = image(&still, &defect, &share_of(PROBE));
+            let shares = spread.iter().zip(units).map(|(k, unit)| k / (unit * PROBE));
+            shares.fold(0.0, f64::max)
         });
-    Some(Zero {
-        at,
-        unique: unique.unwrap_or(narrowest),
-    })
+        let first = (0.7 * PROBE / probe).min(LARGEST);
+        (0..TRIES)
+            .map(|index| first * 0.25_f64.powi(index))
+            .take_while(|share| *share > narrowest)
+            .find(|share| self.holds(equations, middle, &share_of(*share)))
+            .unwrap_or(narrowest)
+    }
+
+    fn narrowest(&self, units: &[f64]) -> f64 {
+        let sides = self.radius.iter().zip(units).map(|(r, unit)| r / unit);
+        sides.fold(LARGEST, f64::min)
+    }
+
+    /// Whether within a share of the units, up to the largest that is tried, there is no other.
+    pub fn is_unique(
+        &self,
+        equations: &impl Equations,
+        middle: &[f64],
+        units: &[f64],
+        share: f64,
+    ) -> bool {
+        let radius: Vec<f64> = units.iter().map(|unit| unit * share).collect();
+        let known = share >= 0.0 && share <= self.narrowest(units);
+        known || share <= LARGEST * (1.0 + 1e-9) && self.holds(equations, middle, &radius)
+    }
+
+    /// Whether a box around `middle` has no other zero.
+    fn holds(&self, equations: &impl Equations, middle: &[f64], radius: &[f64]) -> bool {
+        let defect = defect(equations, &self.inverse, &boxed(middle, radius));
+        defect.is_some_and(|defect| inside(&image(&self.step, &defect, radius), radius))
+    }
+}
+
+/// Whether a box around the zero next to `middle` has no other: a larger one is mapped into itself.
+pub fn is_only_zero(equations: &impl Equations, middle: &[f64], x: &[Interval]) -> bool {
+    let Some((step, inverse)) = correction(equations, middle) else {
+        return false;
+    };
+    let reach = x.iter().zip(middle);
+    let mut radius: Vec<f64> = reach
+        .map(|(x, m)| (*x - Interval::point(*m)).magnitude())
+        .collect();
+    for _ in 0..INFLATIONS {
+        let Some(defect) = defect(equations, &inverse, &boxed(middle, &radius)) else {
+            return false;
+        };
+        let image = image(&step, &defect, &radius);
+        if inside(&image, &radius) {
+            return true;
+        }
+        for (radius, image) in radius.iter_mut().zip(image.iter()) {
+            *radius = radius.max(1.1 * image);
+        }
+    }
+    false
+}
+
+/// A chord of a curve, with one of the unknowns as its coordinate.
+pub struct Chord {
+    /// κ.
+    pub coordinate: usize,
+    /// m.
+    pub middle: Vec<f64>,
+    /// t, with t_κ = 1.
+    pub slope: Vec<f64>,
+    /// h: |x_κ − m_κ| ≤ h on the chord.
+    pub reach: f64,
+}
+
+impl Chord {
+    /// The chord between two points, a little longer at both ends.
+    pub fn between(from: &[f64], to: &[f64], coordinate: usize) -> Chord {
+        const LONGER: f64 = 1.0 + 1e-6;
+        let length = to[coordinate] - from[coordinate];
+        let both = from.iter().zip(to);
+        let mut slope: Vec<f64> = both.clone().map(|(a, b)| (b - a) / length).collect();
+        slope[coordinate] = 1.0;
+        Chord {
+            coordinate,
+            middle: both.map(|(a, b)| 0.5 * a + 0.5 * b).collect(),
+            slope,
+            reach: 0.5 * length.abs() * LONGER,
+        }
+    }
+
+    /// Intervals of a tube around it.
+    pub fn hull(&self, radius: &[f64]) -> Vec<Interval> {
+        let along = Interval::new(-self.reach, self.reach);
+        let numbers = self.middle.iter().zip(&self.slope).zip(radius);
+        let hull =
+            numbers.map(|((m, t), r)| Interval::around(*m, *r) + along * Interval::point(*t));
+        hull.collect()
+    }
+}
+
+/// Radius of a tube around a chord in which there is exactly one solution for every value of the coordinate, at
+/// least `narrowest`. The last equation is that of the coordinate.
+pub fn tube(equations: &impl Equations, chord: &Chord, narrowest: &[f64]) -> Option<Vec<f64>> {
+    let n = chord.middle.len();
+    let (step, inverse) = correction(equations, &chord.middle)?;
+    let reach = Interval::point(chord.reach);
+    let mut radius = narrowest.to_vec();
+    for _ in 0..INFLATIONS {
+        let x = chord.hull(&radius);
+        let jacobian = equations(&x)?.jacobian;
+        // C J t h, without the equation of the coordinate
+        let drift: Vec<Interval> = (0..n - 1)
+            .map(|row| {
+                dot((0..n).map(|column| (chord.slope[column], jacobian[row][column]))) * reach
+            })
+            .collect();
+        let moved = |i: usize| dot((0..n - 1).map(|row| (inverse[(i, row)], drift[row])));
+        let ends: Vec<Interval> = (0..n)
+            .map(|i| {
+                let size = step[i].magnitude() + moved(i).magnitude();
+                Interval::point(size.next_up())
+            })
+            .collect();
+        let image = image(&ends, &defect_of(&inverse, &jacobian), &radius);
+        if inside(&image, &radius) {
+            return Some(radius);
+        }
+        for (radius, image) in radius.iter_mut().zip(image.iter()) {
+            *radius = radius.max(1.25 * image);
+        }
+        if radius.iter().any(|r| !r.is_finite()) {
+            return None;
+        }
+    }
+    None
 }

@@ -11,6 +11,7 @@
 //!
 //! A [`Certificate`] has what is needed to do steps 2 to 4 again without continuation.
 
+mod arc;
 mod flow;
 mod fold;
 mod frame;
@@ -21,6 +22,9 @@ mod system;
 
 use serde::{Deserialize, Serialize};
 
+use arc::Broken;
+
+use crate::branch::row::EigenvalueRow;
 use crate::branch::run::Item;
 use crate::branch::special::{Change, Special};
 use crate::flow::method::Method;
@@ -31,6 +35,7 @@ use crate::problem::{decimal_at, decimal_of};
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch};
 pub use frame::{Origin, Written};
+use inequality::Part;
 pub use inequality::Unproven;
 use system::System;
 pub use system::{Condition, Near, Posed};
@@ -65,14 +70,50 @@ pub struct Point {
     pub kind: EventType,
     /// Continuation parameter.
     pub parameter: Parameter,
+    /// Leg of the branch.
+    #[serde(default)]
+    pub leg: usize,
     /// What was found.
     pub outcome: Outcome,
+    /// Whether the branch from the point before has no other special point but crossings of eigenvalues, where
+    /// that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arc: Option<Stretch>,
+}
+
+/// Whether there is no further special point between two.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Stretch {
+    /// It is proven, in so many pieces.
+    Proven(usize),
+    /// It is not, for this reason.
+    Open(String),
 }
 
 impl Point {
     /// Whether it is proven.
     pub fn is_proven(&self) -> bool {
         matches!(self.outcome, Outcome::Proven(_))
+    }
+
+    fn proof(&self) -> Option<&Proof> {
+        match &self.outcome {
+            Outcome::Proven(proof) => Some(proof),
+            Outcome::Open(_) => None,
+        }
+    }
+
+    /// Proves that on the branch from an earlier point to this there is no other but crossings of eigenvalues;
+    /// `None` if the branch does not lead from there to here.
+    pub fn stretch(&self, before: &Point) -> Option<Stretch> {
+        if self.leg != before.leg {
+            return None;
+        }
+        let ends = before.proof().zip(self.proof()).ok_or(Broken::End);
+        Some(match ends.and_then(|(from, to)| arc::prove(from, to)) {
+            Ok(pieces) => Stretch::Proven(pieces),
+            Err(reason) => Stretch::Open(reason.to_string()),
+        })
     }
 }
 
@@ -99,6 +140,31 @@ pub struct Proof {
     pub near: Near,
     /// What is proven.
     pub statement: Statement,
+    /// Eigenvalues: at values of the parameter, the one of every Bloch sector that was found to lead.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub eigenvalues: Vec<Eigenvalue>,
+}
+
+/// An eigenvalue λ of a wave, with e^{λt}.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Eigenvalue {
+    /// Bloch sector.
+    pub sector: usize,
+    /// λ in doubles.
+    pub near: [f64; 2],
+    /// Re λ.
+    pub growth: Interval,
+    /// Im λ.
+    pub omega: Interval,
+}
+
+impl Proof {
+    /// Whether the wave is unstable.
+    pub fn is_unstable(&self) -> bool {
+        let mut eigenvalues = self.eigenvalues.iter();
+        eigenvalues.any(|eigenvalue| eigenvalue.growth.is_positive())
+    }
 }
 
 /// What is proven of a point.
@@ -208,12 +274,22 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
             mode: wave.mode,
             unit: wave.scales.parameter.abs(),
         };
-        prove(posed, near, condition, after)
+        let proof = prove(posed, near, condition, after)?;
+        let eigenvalues = match &proof.condition {
+            Condition::Value(_) => eigenvalues(&proof, &leading(&item.eigenvalues))?,
+            _ => Vec::new(),
+        };
+        Ok(Proof {
+            eigenvalues,
+            ..proof
+        })
     };
     Some(Point {
         label: event.label,
         kind,
         parameter: wave.parameter,
+        leg: item.leg,
+        arc: None,
         outcome: match prepared() {
             Ok(proof) => Outcome::Proven(Box::new(proof)),
             Err(reason) => Outcome::Open(reason.to_string()),
@@ -232,17 +308,75 @@ pub fn prove(
     after: Option<Signature>,
 ) -> Result<Proof, Open> {
     let (system, guess) = system(&posed, &near, &condition)?;
-    let found = krawczyk::refined(&system, &guess).ok_or(Open::NotEnclosed)?;
+    let equations = |x: &[Interval]| system.evaluate(x);
+    let found = krawczyk::refined(&equations, &guess).ok_or(Open::NotEnclosed)?;
     let (near, condition) = (system.refined(&found), system.located(&found));
     // from what is stored, as a check does it
-    let statement = statement(&posed, &near, &condition)?;
+    let statement = statement(&posed, &near, &condition, None)?;
     Ok(Proof {
         posed,
         condition,
         after,
         near,
         statement,
+        eigenvalues: Vec::new(),
     })
+}
+
+/// The first of every sector, of a conjugate pair that with Im λ ≥ 0.
+fn leading(rows: &[EigenvalueRow]) -> Vec<(usize, [f64; 2])> {
+    let mut found: Vec<(usize, [f64; 2])> = Vec::new();
+    for row in rows {
+        match found.iter_mut().find(|(sector, _)| *sector == row.sector) {
+            None => found.push((row.sector, [row.re, row.im])),
+            Some((_, [re, im])) if *re == row.re && *im == -row.im => *im = im.abs(),
+            Some(_) => {}
+        }
+    }
+    found
+}
+
+/// Proves eigenvalues next to those in doubles; those that are not proven are left out.
+fn eigenvalues(proof: &Proof, wanted: &[(usize, [f64; 2])]) -> Result<Vec<Eigenvalue>, Open> {
+    if wanted.is_empty() {
+        return Ok(Vec::new());
+    }
+    let Proof {
+        posed,
+        near,
+        condition,
+        ..
+    } = proof;
+    let (system, middle) = system(posed, near, condition)?;
+    if lands_with_impulse(posed, near) {
+        return Ok(Vec::new());
+    }
+    let units = units(&system, &middle, near, posed.unit);
+    let equations = |x: &[Interval]| system.evaluate(x);
+    let wave = krawczyk::enclosed(&equations, &middle, &units).ok_or(Open::NotIsolated)?;
+    let proven = wanted.iter().filter_map(|(sector, lambda)| {
+        let [growth, omega] = system.eigenvalue(&wave.at, *sector, *lambda)?;
+        Some(Eigenvalue {
+            sector: *sector,
+            near: *lambda,
+            growth: wider(growth),
+            omega: wider(omega),
+        })
+    });
+    Ok(proven.collect())
+}
+
+/// A little wider than proven here: other machines may have other last digits.
+fn wider(x: Interval) -> Interval {
+    let room = 0.125 * x.width() + f64::MIN_POSITIVE;
+    x + Interval::new(-room, room)
+}
+
+/// Whether the perturbation of a Coulomb impact enters.
+fn lands_with_impulse(posed: &Posed, near: &Near) -> bool {
+    let lands = [Entry::Landing, Entry::Touch, Entry::ArrestedLanding];
+    let impact = |index: usize| lands.contains(&near.signature.zone(index).entry);
+    posed.impact == Impact::Coulomb && (0..near.signature.len()).any(impact)
 }
 
 /// What singles out a special point, and the signature beyond it.
@@ -328,32 +462,38 @@ fn system<'a>(
         return Err(Open::Signature);
     }
     let crosses = matches!(condition, Condition::Crossing { .. });
-    let lands = [Entry::Landing, Entry::Touch, Entry::ArrestedLanding];
-    let impact = |index: usize| lands.contains(&signature.zone(index).entry);
-    if crosses && posed.impact == Impact::Coulomb && (0..signature.len()).any(impact) {
+    if crosses && lands_with_impulse(posed, near) {
         return Err(Open::CoulombImpact);
     }
     System::new(posed, near, condition).ok_or(Open::NotEnclosed)
 }
 
-/// What is proven of the point next to a wave.
-fn statement(posed: &Posed, near: &Near, condition: &Condition) -> Result<Statement, Open> {
+/// What is proven of the point next to a wave. The distance of uniqueness is looked for, or that of a stored
+/// statement, which is 0 where it does not hold.
+fn statement(
+    posed: &Posed,
+    near: &Near,
+    condition: &Condition,
+    stored: Option<f64>,
+) -> Result<Statement, Open> {
     /// The wave in doubles is known to this share of its units, or it is not that of the point.
     const KNOWN: f64 = 1e-9;
     let (system, middle) = system(posed, near, condition)?;
     let units = units(&system, &middle, near, posed.unit);
-    let zero = krawczyk::zero(&system, &middle, &units).ok_or(Open::NotIsolated)?;
+    let equations = |x: &[Interval]| system.evaluate(x);
+    let zero = krawczyk::enclosed(&equations, &middle, &units).ok_or(Open::NotIsolated)?;
     let mut numbers = middle.iter().zip(&zero.at).zip(&units);
     if numbers.any(|((m, x), unit)| !Interval::around(*m, KNOWN * unit).contains(x.middle())) {
         return Err(Open::NotIsolated);
     }
-    let inequalities = inequality::prove(&system, condition, posed.impact, &zero.at)?;
+    let inequalities = inequality::prove(&system, condition, Part::All, &zero.at)?;
     let frame = system.frame_at(&zero.at).ok_or(Open::NotEnclosed)?;
     let [_, parameter] = system.tail();
-    // a little wider than proven here: other machines may have other last digits
-    let wider = |x: Interval| {
-        let room = 0.125 * x.width() + f64::MIN_POSITIVE;
-        x + Interval::new(-room, room)
+    let unit = units[parameter];
+    let unique = match stored {
+        None => zero.unique(&equations, &middle, &units) * unit,
+        Some(stored) if zero.is_unique(&equations, &middle, &units, stored / unit) => stored,
+        Some(_) => 0.0,
     };
     let length = |zone: usize| wider(zero.at[system.duration(zone)] * frame.speed);
     Ok(Statement {
@@ -363,7 +503,7 @@ fn statement(posed: &Posed, near: &Near, condition: &Condition) -> Result<Statem
         },
         speed: wider(system.speed(&frame)),
         lengths: (0..near.zones.len()).map(length).collect(),
-        unique: zero.unique * units[parameter],
+        unique,
         omega: system.crossing().map(|_| wider(zero.at[system.waves()])),
         inequalities,
     })
@@ -380,6 +520,7 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
         after,
         near,
         statement: said,
+        eigenvalues: spectrum,
     } = proof;
     if point.parameter != posed.parameter {
         return Err(Refused::Statement("the parameter"));
@@ -388,7 +529,7 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
         return Err(Refused::Statement("the unit of the parameter"));
     }
     check_kind(point.kind, near, condition, after.as_ref())?;
-    let proven = statement(posed, near, condition)?;
+    let proven = statement(posed, near, condition, Some(said.unique))?;
     // without the room that both have; a statement that says less is as true, but is not what was written
     let same = |said: Interval, proven: Interval| {
         let room = 0.0625 * proven.width();
@@ -414,6 +555,17 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
     }
     if said.inequalities != proven.inequalities {
         return Err(Refused::Statement("the number of inequalities"));
+    }
+    let wanted: Vec<_> = spectrum
+        .iter()
+        .map(|said| (said.sector, said.near))
+        .collect();
+    let found = eigenvalues(proof, &wanted)?;
+    let mut both = spectrum.iter().zip(&found);
+    if found.len() != spectrum.len()
+        || !both.all(|(a, b)| same(a.growth, b.growth) && same(a.omega, b.omega))
+    {
+        return Err(Refused::Statement("an eigenvalue"));
     }
     Ok(())
 }

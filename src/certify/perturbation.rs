@@ -1,24 +1,41 @@
-//! Where an eigenvalue crosses the imaginary axis: the equations of the wave and of an eigenfunction.
+//! Eigenvalues of a wave: the equations of an eigenfunction.
 //!
-//! The eigenfunction problem is that of [`crate::stability::characteristic`] at λ = iω. With ζ = e^{−λs}η and
+//! The eigenfunction problem is that of [`crate::stability::characteristic`]. With ζ = e^{−λs}η and
 //! υ = e^{−λs}u the condition of a Bloch sector, e^{−λT}η(T) = e^{2πij/k}η(0), has no exponential:
-//! ζ(T) = e^{2πij/k}ζ(0). Unknowns are ω and (ζ, e^{−λs}η′, υ, e^{−λs}u′) at the beginning of every step; ζ = 1 at
-//! the first. Where all equations have a regular zero, iω is a simple eigenvalue, and it crosses the axis
-//! with a speed along the branch that is not zero: with G(s, λ) = 0 for the eigenvalue, (G_s, iG_λ) are
-//! independent over the real numbers exactly if Re dλ/ds ≠ 0.
+//! ζ(T) = e^{2πij/k}ζ(0). In every zone x = (ζ, e^{−λs}η′, υ, e^{−λs}u′) obeys ẋ = (A − λ)x; its propagator
+//! e^{(A − λ)T} is a power series for T/2ⁿ, squared n times. Unknowns besides the wave are λ and x at the
+//! beginning of the period, with ζ = 1; the equations say that the period gives x back, times e^{2πij/k}.
+//!
+//! At a crossing Re λ = 0 takes the place of the condition on the parameter. Where all equations have a
+//! regular zero, λ is a simple eigenvalue, and it crosses the axis with a speed along the branch that is not
+//! zero: with G(s, λ) = 0 for the eigenvalue, (G_s, iG_λ) are independent over the real numbers exactly if
+//! Re dλ/ds ≠ 0.
 
-use super::flow::{DEGREE, Flow, GAP_RATE, W, Y, geometric};
+use super::flow::{DEGREE, GAP_RATE, W, Y, geometric};
 use super::frame::Frame;
+use super::krawczyk;
 use super::system::{Condition, EXCESS, Evaluated, PARAMETER, SLOTS, System, TIME};
 use crate::interval::{Gradient, Interval, Number, PI};
-use crate::linalg::{Factors, Matrix, Vector};
+use crate::linalg::{Matrix, least};
 use crate::model::signature::{Entry, Regime};
 
-/// Slots beyond those of the wave: ω, and real and imaginary parts of a perturbation.
-const OMEGA: usize = SLOTS;
-const MODES: usize = 8;
-const ALL: usize = SLOTS + 1 + MODES;
+/// Slots of λ, beyond those of a step.
+const GROWTH: usize = SLOTS;
+const OMEGA: usize = SLOTS + 1;
+const ALL: usize = SLOTS + 2;
 type Mixed = Gradient<Interval, ALL>;
+
+/// Slots of what the propagator of a zone depends on besides its duration.
+const LOCAL: [usize; 4] = [EXCESS, PARAMETER, GROWTH, OMEGA];
+type Local = Gradient<Interval, { LOCAL.len() }>;
+
+/// Squarings of a propagator at most: 2¹² radians.
+const SQUARINGS: f64 = 12.0;
+/// Steps of a zone at most between which roundings are told apart: more may multiply them too often.
+const STEPS: usize = 32;
+
+/// A propagator over a step, and the number of steps.
+type Steps<N> = (Vec<Perturbation<N>>, usize);
 
 /// Index of ζ, e^{−λs}η′, υ, e^{−λs}u′.
 const ETA: usize = 0;
@@ -69,76 +86,144 @@ impl<N: Number> Complex<N> {
         }
     }
 
+    fn minus(self) -> Complex<N> {
+        self.by(N::double(-1.0))
+    }
+
     fn norm(&self) -> f64 {
         (Interval::point(self.re.norm()) + Interval::point(self.im.norm())).high
     }
 }
 
+impl<const D: usize> Complex<Gradient<Interval, D>> {
+    fn value(&self) -> Complex<Interval> {
+        Complex {
+            re: self.re.value,
+            im: self.im.value,
+        }
+    }
+
+    /// Derivative in a slot.
+    fn slope(&self, slot: usize) -> Complex<Interval> {
+        Complex {
+            re: self.re.by[slot],
+            im: self.im.by[slot],
+        }
+    }
+}
+
 type Perturbation<N> = [Complex<N>; 4];
 
-/// The equations of a perturbation in one regime: ẋ = Ax.
+fn nothing<N: Number>() -> Perturbation<N> {
+    [Complex::real(N::double(0.0)); 4]
+}
+
+fn unit<N: Number>(index: usize) -> Perturbation<N> {
+    let mut unit = nothing();
+    unit[index] = Complex::real(N::double(1.0));
+    unit
+}
+
+/// Σ aᵢxᵢ over the first `count`.
+fn dot<N: Number>(a: &Perturbation<N>, x: &Perturbation<N>, count: usize) -> Complex<N> {
+    let products = a.iter().zip(x).take(count).map(|(a, x)| a.times(*x));
+    products.fold(Complex::real(N::double(0.0)), Complex::plus)
+}
+
+/// Σ xⱼ·columnⱼ.
+fn combined<N: Number>(columns: &[Perturbation<N>], x: &Perturbation<N>) -> Perturbation<N> {
+    let mut sum = nothing();
+    for (column, factor) in columns.iter().zip(x) {
+        for (sum, entry) in sum.iter_mut().zip(column) {
+            *sum = sum.plus(factor.times(*entry));
+        }
+    }
+    sum
+}
+
+/// The equations of a perturbation in one regime: ẋ = (A − λ)x.
 struct Linear<N> {
     /// Rows of the second derivatives of η and u; `None` without u.
     tangential: [Complex<N>; 4],
     radial: Option<[Complex<N>; 4]>,
-    /// ω.
-    omega: N,
+    /// −λ.
+    decay: Complex<N>,
+    dimension: usize,
     weights: [f64; 4],
 }
 
 impl<N: Number> Linear<N> {
-    fn new(frame: &Frame<N>, regime: Regime, omega: N, weights: [f64; 4]) -> Option<Linear<N>> {
+    fn new(
+        frame: &Frame<N>,
+        regime: Regime,
+        lambda: Complex<N>,
+        weights: [f64; 4],
+    ) -> Option<Linear<N>> {
         let one = N::double(1.0);
-        let zero = N::double(0.0);
-        let twice = omega.scaled(Interval::point(2.0));
-        let (stress, shear) = (one - frame.ma, one - frame.mb);
-        let [g, h, kappa, damping] = [frame.g, frame.h, frame.kappa, frame.damping];
         let sigma = regime.sliding();
         if sigma.is_none() && regime != Regime::Separation {
             return None;
         }
-        let complex = |re: N, im: N| Complex { re, im };
-        let drag = frame.friction * kappa;
-        let drag = drag.scaled(Interval::point(sigma.unwrap_or(0.0)));
-        // over −m_a: h − ãλ² + σfκλ and 2ãλ − σfκ + α; then −κ(u′ − λu)
-        let mass = -frame.ma.recip();
+        let real = Complex::real;
+        let zero = real(N::double(0.0));
+        let square = lambda.times(lambda);
+        let twice = lambda.plus(lambda);
+        let [g, h, kappa, damping] = [frame.g, frame.h, frame.kappa, frame.damping];
+        let (stress, shear) = (one - frame.ma, one - frame.mb);
+        let drag = (frame.friction * kappa).scaled(Interval::point(sigma.unwrap_or(0.0)));
         let (joined, coupled) = match sigma {
             Some(_) => (zero, zero),
-            None => (kappa * omega, -kappa),
+            None => (lambda.by(kappa), real(-kappa)),
         };
+        // over −m_a: h − ãλ² + σfκλ and 2ãλ − σfκ + α; then −κ(u′ − λu)
         let tangential = [
-            complex(h + stress * omega * omega, drag * omega),
-            complex(damping - drag, stress * twice),
-            complex(zero, joined),
-            complex(coupled, zero),
+            real(h).plus(square.by(-stress)).plus(lambda.by(drag)),
+            real(damping - drag).plus(twice.by(stress)),
+            joined,
+            coupled,
         ];
         // over −m_b: κ(η′ − λη), g − b̃λ², 2b̃λ + α
         let radial = [
-            complex(zero, -kappa * omega),
-            complex(kappa, zero),
-            complex(g + shear * omega * omega, zero),
-            complex(damping, shear * twice),
+            lambda.by(-kappa),
+            real(kappa),
+            real(g).plus(square.by(-shear)),
+            real(damping).plus(twice.by(shear)),
         ];
-        let radial_mass = -frame.mb.recip();
+        let (mass, radial_mass) = (-frame.ma.recip(), -frame.mb.recip());
         Some(Linear {
             tangential: tangential.map(|entry| entry.by(mass)),
             radial: (sigma.is_none()).then(|| radial.map(|entry| entry.by(radial_mass))),
-            omega,
+            decay: lambda.minus(),
+            dimension: dimension(regime),
             weights,
         })
     }
 
-    /// |A|.
+    /// Stick: η′ = 0.
+    fn still(lambda: Complex<N>) -> Linear<N> {
+        Linear {
+            tangential: nothing(),
+            radial: None,
+            decay: lambda.minus(),
+            dimension: 1,
+            weights: [1.0; 4],
+        }
+    }
+
+    /// |A − λ|.
     fn norm(&self) -> f64 {
         let one = |at: usize, by: usize| {
             Interval::point(self.weights[at]) / Interval::point(self.weights[by])
         };
-        let decay = Interval::point(self.omega.norm());
+        let decay = Interval::point(self.decay.norm());
         let row = |at: usize, entries: &[Complex<N>; 4]| {
             let terms = entries.iter().enumerate();
             let terms = terms.map(|(by, entry)| one(at, by) * Interval::point(entry.norm()));
             terms.fold(decay, |sum, term| sum + term).high
         };
+        if self.dimension == 1 {
+            return decay.high;
+        }
         let norm = row(ETA_RATE, &self.tangential).max((decay + one(ETA, ETA_RATE)).high);
         match &self.radial {
             None => norm,
@@ -148,42 +233,28 @@ impl<N: Number> Linear<N> {
         }
     }
 
-    /// The perturbation after a time.
-    fn advance(&self, start: Perturbation<N>, time: N) -> Perturbation<N> {
+    /// The perturbation after a time, by the power series.
+    fn advance(&self, start: Perturbation<N>, time: Interval) -> Perturbation<N> {
         let (mut sum, mut term) = (start, start);
-        let count = if self.radial.is_some() { 4 } else { 2 };
-        let dot = |row: &[Complex<N>; 4], x: &Perturbation<N>| {
-            let products = row.iter().zip(x).take(count).map(|(a, x)| a.times(*x));
-            products.fold(Complex::real(N::double(0.0)), Complex::plus)
-        };
+        let count = self.dimension;
         for j in 0..DEGREE {
-            let mut next = term;
-            for next in &mut next[..count] {
-                // −iω
-                *next = Complex {
-                    re: next.im * self.omega,
-                    im: -next.re * self.omega,
-                };
-            }
-            next[ETA] = next[ETA].plus(term[ETA_RATE]);
-            next[ETA_RATE] = next[ETA_RATE].plus(dot(&self.tangential, &term));
-            if let Some(radial) = &self.radial {
-                next[RADIAL] = next[RADIAL].plus(term[RADIAL_RATE]);
-                next[RADIAL_RATE] = next[RADIAL_RATE].plus(dot(radial, &term));
-            }
-            let share = time.scaled(Interval::ONE / Interval::point((j + 1) as f64));
+            let next = self.rate(&term);
+            let share = time / Interval::point((j + 1) as f64);
             for index in 0..count {
-                term[index] = next[index].by(share);
+                term[index] = Complex {
+                    re: next[index].re.scaled(share),
+                    im: next[index].im.scaled(share),
+                };
                 sum[index] = sum[index].plus(term[index]);
             }
         }
         let sizes = term.iter().zip(self.weights);
         let sizes = sizes.map(|(x, weight)| Interval::point(x.norm()) * Interval::point(weight));
         let size = sizes.fold(0.0_f64, |size, x| size.max(x.high));
-        let theta = Interval::point(self.norm()) * Interval::point(time.norm());
+        let theta = Interval::point(self.norm()) * Interval::point(time.magnitude());
         let rest = Interval::point(size) * geometric(theta);
-        for (index, sum) in sum.iter_mut().enumerate() {
-            let bound = (rest / Interval::point(self.weights[index])).high;
+        for (sum, weight) in sum[..count].iter_mut().zip(self.weights) {
+            let bound = (rest / Interval::point(weight)).high;
             *sum = Complex {
                 re: sum.re.widened(bound),
                 im: sum.im.widened(bound),
@@ -191,166 +262,420 @@ impl<N: Number> Linear<N> {
         }
         sum
     }
-}
 
-/// Real parts of a perturbation in a regime: two for each component that is there.
-fn width(regime: Regime) -> usize {
-    match regime {
-        Regime::Separation => 8,
-        Regime::Stick => 2,
-        _ => 4,
+    /// e^{(A − λ)T} column by column, and over a step, with the number of steps; `None` where T is too long.
+    fn propagator(&self, time: Interval) -> Option<(Vec<Perturbation<N>>, Steps<N>)> {
+        let squarings = (self.norm() * time.magnitude()).log2().ceil().max(0.0);
+        if squarings.is_nan() || squarings > SQUARINGS {
+            return None;
+        }
+        let step = time * Interval::point((-squarings).exp2());
+        let columns = 0..self.dimension;
+        let mut columns: Vec<_> = columns.map(|j| self.advance(unit(j), step)).collect();
+        let mut steps = (columns.clone(), 1 << squarings as u32);
+        for _ in 0..squarings as u32 {
+            columns = columns.iter().map(|x| combined(&columns, x)).collect();
+            if steps.1 > STEPS {
+                steps = (columns.clone(), steps.1 / 2);
+            }
+        }
+        Some((columns, steps))
+    }
+
+    /// (A − λ)x.
+    fn rate(&self, x: &Perturbation<N>) -> Perturbation<N> {
+        let count = self.dimension;
+        let mut rate = x.map(|x| x.times(self.decay));
+        rate[ETA] = rate[ETA].plus(x[ETA_RATE]);
+        rate[ETA_RATE] = rate[ETA_RATE].plus(dot(&self.tangential, x, count));
+        if let Some(radial) = &self.radial {
+            rate[RADIAL] = rate[RADIAL].plus(x[RADIAL_RATE]);
+            rate[RADIAL_RATE] = rate[RADIAL_RATE].plus(dot(radial, x, count));
+        }
+        rate
     }
 }
 
-/// Radians of a perturbation in a zone of a regime, per unit of time.
-pub fn radians(frame: &Frame<Interval>, flow: &Flow<Interval>, regime: Regime, omega: f64) -> f64 {
-    let linear = Linear::new(frame, regime, Interval::point(omega), flow.weights());
-    linear.map_or(0.0, |linear| linear.norm())
+/// Components of a perturbation in a regime.
+fn dimension(regime: Regime) -> usize {
+    match regime {
+        Regime::Separation => 4,
+        Regime::Stick => 1,
+        _ => 2,
+    }
+}
+
+/// Where λ and an eigenfunction stand among unknowns and equations.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    sector: usize,
+    /// Column of Re λ, which is 0 where it has none.
+    growth: Option<usize>,
+    /// Column of Im λ; those of the eigenfunction follow.
+    omega: usize,
+    /// The first equation.
+    row: usize,
+}
+
+/// What a perturbation becomes over a zone and the switch at its end: a column for each component.
+struct Transfer {
+    /// Columns of the unknowns in which derivatives are taken.
+    columns: [Option<usize>; ALL],
+    matrix: Vec<Perturbation<Mixed>>,
+    /// The same as a product: over a step, how many there are, and over the switch.
+    step: Vec<Perturbation<Interval>>,
+    count: usize,
+    switch: Vec<Perturbation<Interval>>,
+}
+
+impl Transfer {
+    fn part(
+        &self,
+        of: impl Fn(&Complex<Mixed>) -> Complex<Interval>,
+    ) -> Vec<Perturbation<Interval>> {
+        parts(&self.matrix, of)
+    }
+
+    /// The factors in their order.
+    fn factors(&self) -> impl Iterator<Item = &Vec<Perturbation<Interval>>> {
+        std::iter::repeat_n(&self.step, self.count).chain(std::iter::once(&self.switch))
+    }
+}
+
+fn parts<N>(
+    matrix: &[Perturbation<N>],
+    of: impl Fn(&Complex<N>) -> Complex<Interval>,
+) -> Vec<Perturbation<Interval>> {
+    let columns = matrix.iter();
+    columns.map(|column| column.each_ref().map(&of)).collect()
+}
+
+/// Row times matrix.
+fn before(
+    effect: &Perturbation<Interval>,
+    matrix: &[Perturbation<Interval>],
+) -> Perturbation<Interval> {
+    let mut row = nothing();
+    for (entry, column) in row.iter_mut().zip(matrix) {
+        *entry = dot(effect, column, 4);
+    }
+    row
+}
+
+fn rounded(x: Perturbation<Interval>) -> Perturbation<Interval> {
+    let middle = |x: Interval| Interval::point(x.middle());
+    x.map(|x| Complex {
+        re: middle(x.re),
+        im: middle(x.im),
+    })
+}
+
+fn difference(a: Perturbation<Interval>, b: &Perturbation<Interval>) -> Perturbation<Interval> {
+    std::array::from_fn(|index| a[index].plus(b[index].minus()))
+}
+
+/// A component at the end of the period, sharper than a product of intervals is.
+///
+/// With x̂ₙ and ŷₙ in doubles near the perturbation before the n-th factor Pₙ and near the row of its effect on
+/// the component, eₙ = xₙ − x̂ₙ,
+///
+/// ```text
+/// x_N = x̂_N + ŷ₀e₀ + Σ ŷₙ₊₁(Pₙx̂ₙ − x̂ₙ₊₁) + Σ (ŷₙ₊₁Pₙ − ŷₙ)eₙ,
+/// ```
+///
+/// so that roundings add up instead of being multiplied; those of eₙ, which `course` knows at the beginning of
+/// every zone, are multiplied by roundings.
+fn sharpened(
+    transfers: &[Transfer],
+    course: &[Perturbation<Interval>],
+    component: usize,
+) -> Complex<Interval> {
+    let mut near = rounded(course[0]);
+    let mut states = vec![near];
+    for factor in transfers.iter().flat_map(Transfer::factors) {
+        near = rounded(combined(factor, &near));
+        states.push(near);
+    }
+    let mut effect = unit(component);
+    let mut effects = vec![effect];
+    for transfer in transfers.iter().rev() {
+        for factor in transfer.factors().collect::<Vec<_>>().into_iter().rev() {
+            effect = rounded(before(&effect, factor));
+            effects.push(effect);
+        }
+    }
+    effects.reverse();
+    let error = difference(course[0], &states[0]);
+    let mut sum = dot(&effects[0], &error, 4);
+    let mut index = 0;
+    for (transfer, from) in transfers.iter().zip(course) {
+        let mut error = difference(*from, &states[index]);
+        for factor in transfer.factors() {
+            let defect = difference(combined(factor, &states[index]), &states[index + 1]);
+            let row = difference(before(&effects[index + 1], factor), &effects[index]);
+            sum = sum
+                .plus(dot(&effects[index + 1], &defect, 4))
+                .plus(dot(&row, &error, 4));
+            let moved = combined(factor, &error);
+            error = std::array::from_fn(|part| moved[part].plus(defect[part]));
+            index += 1;
+        }
+    }
+    states[index][component].plus(sum)
+}
+
+/// A perturbation at the beginning of every zone, and at the end of the period.
+fn course(transfers: &[Transfer], start: Perturbation<Interval>) -> Vec<Perturbation<Interval>> {
+    let mut course = vec![start];
+    for transfer in transfers {
+        let moved = combined(&transfer.part(Complex::value), &course[course.len() - 1]);
+        course.push(moved);
+    }
+    course
 }
 
 impl System<'_> {
-    /// Sector and ω of a crossing.
-    pub(super) fn crossing(&self) -> Option<(usize, f64)> {
+    /// Where λ of a crossing and its eigenfunction stand.
+    pub(super) fn crossing(&self) -> Option<Place> {
         match self.condition {
-            Condition::Crossing { sector, omega } => Some((*sector, *omega)),
+            Condition::Crossing { sector, .. } => Some(Place {
+                sector: *sector,
+                growth: None,
+                omega: self.waves(),
+                row: self.waves() - 1,
+            }),
             _ => None,
         }
     }
 
-    /// First unknown of the perturbation at the beginning of a step.
-    fn perturbation(&self, zone: usize, step: usize) -> usize {
-        let parts = |zone: usize| width(self.near.signature.zone(zone).regime);
-        let before: usize = (0..zone).map(|zone| parts(zone) * self.steps(zone)).sum();
-        self.waves() + 1 + before + parts(zone) * step
+    /// Components of a perturbation at the beginning of the period.
+    fn components(&self) -> usize {
+        dimension(self.near.signature.zone(0).regime)
     }
 
-    /// ω and the eigenfunction next to a wave in doubles: the linear equations without those of ζ at the
-    /// end of the period, and ζ = 1 at its beginning.
-    pub(super) fn eigenfunction(&self, guess: &[f64]) -> Option<Vec<f64>> {
-        let (_, omega) = self.crossing()?;
-        let first = self.waves() + 1;
-        let zones = self.near.zones.len();
-        let count = self.perturbation(zones, 0) - first;
-        let mut x: Vec<Interval> = guess.iter().copied().map(Interval::point).collect();
-        x.push(Interval::point(omega));
-        x.resize(first + count, Interval::ZERO);
-        let Evaluated { jacobian, .. } = self.crossing_at(&x)?;
-        let top = self.waves() - 1;
-        // the equations whose unknown is ζ at the first step come last of the wave's perturbation
-        let closing = self.closing_row(zones) - top;
-        let rows: Vec<usize> = (0..count + 2)
-            .filter(|row| *row != closing && *row != closing + 1)
-            .collect();
-        let matrix = Matrix::from_fn(count, count, |i, j| {
-            jacobian[top + rows[i]][first + j].middle()
-        });
-        let mut right = Vector::zeros(count);
-        right[count - 2] = -1.0;
-        let factors = Factors::new(matrix);
-        factors.solve(&mut right).then(|| {
-            std::iter::once(omega)
-                .chain(right.iter().copied())
-                .collect()
-        })
+    /// The eigenfunction at the beginning of the period, next to a wave and λ in doubles, but for ζ = 1.
+    fn eigenfunction(&self, place: Place, x: &[Interval]) -> Option<Vec<f64>> {
+        let count = self.components();
+        let mut period = Matrix::identity(2 * count, 2 * count) * -1.0;
+        let transfers = self.transfers(place, x)?;
+        for j in 0..count {
+            let course = course(&transfers, unit(j));
+            for (i, end) in course.last()?[..count].iter().enumerate() {
+                let (re, im) = (end.re.middle(), end.im.middle());
+                period[(2 * i, 2 * j)] += re;
+                period[(2 * i, 2 * j + 1)] -= im;
+                period[(2 * i + 1, 2 * j)] += im;
+                period[(2 * i + 1, 2 * j + 1)] += re;
+            }
+        }
+        // every vector of the null space is a complex multiple of one
+        let vector = least(&period)?.right;
+        let size = vector[0] * vector[0] + vector[1] * vector[1];
+        let by_first = |j: usize| {
+            let (re, im) = (vector[2 * j], vector[2 * j + 1]);
+            let turned = [
+                re * vector[0] + im * vector[1],
+                im * vector[0] - re * vector[1],
+            ];
+            turned.map(|part| part / size)
+        };
+        Some((1..count).flat_map(by_first).collect())
     }
 
-    /// Row of the equation that ends in ζ at the beginning of the first zone.
-    fn closing_row(&self, zones: usize) -> usize {
-        let first = width(self.near.signature.zone(0).regime);
-        self.waves() - 1 + (self.perturbation(zones, 0) - self.waves() - 1) - first
+    /// λ and the eigenfunction of a crossing next to a wave in doubles.
+    pub(super) fn crossing_near(&self, guess: &[f64]) -> Option<Vec<f64>> {
+        let Condition::Crossing { omega, .. } = self.condition else {
+            return Some(Vec::new());
+        };
+        let numbers = guess.iter().chain([omega]);
+        let x: Vec<Interval> = numbers.copied().map(Interval::point).collect();
+        let rest = self.eigenfunction(self.crossing()?, &x)?;
+        Some(std::iter::once(*omega).chain(rest).collect())
     }
 
     /// The equations of the wave and of an eigenfunction at λ = iω.
     pub(super) fn crossing_at(&self, x: &[Interval]) -> Option<Evaluated> {
-        let (sector, _) = self.crossing()?;
-        let [excess, parameter] = self.tail();
-        let omega = self.waves();
         let mut evaluated = self.waves_into(x, x.len())?;
-        let frame = self.frame(
-            Mixed::variable(x[excess], EXCESS),
-            Mixed::variable(x[parameter], PARAMETER),
-        )?;
-        let frequency = Mixed::variable(x[omega], OMEGA);
-        let turn =
-            PI * Interval::point(2.0 * sector as f64) / Interval::point(f64::from(self.mode()));
+        self.perturb(self.crossing()?, x, &mut evaluated)?;
+        Some(evaluated)
+    }
+
+    /// Proves an eigenvalue of a Bloch sector of a wave that is known to intervals, next to one in doubles.
+    pub(super) fn eigenvalue(
+        &self,
+        wave: &[Interval],
+        sector: usize,
+        near: [f64; 2],
+    ) -> Option<[Interval; 2]> {
+        let waves = self.waves();
+        let place = Place {
+            sector,
+            growth: Some(waves),
+            omega: waves + 1,
+            row: waves,
+        };
+        let whole = |y: &[Interval]| [&wave[..waves], y].concat();
+        let equations = |y: &[Interval]| {
+            let x = whole(y);
+            let mut evaluated = Evaluated::zero(x.len());
+            self.perturb(place, &x, &mut evaluated)?;
+            let rows = evaluated.jacobian.split_off(waves);
+            Some(Evaluated {
+                residual: evaluated.residual.split_off(waves),
+                jacobian: rows
+                    .into_iter()
+                    .map(|mut row| row.split_off(waves))
+                    .collect(),
+            })
+        };
+        let middles: Vec<Interval> = wave.iter().map(|x| Interval::point(x.middle())).collect();
+        let lambda = near.map(Interval::point);
+        let start = self.eigenfunction(place, &[&middles[..waves], &lambda].concat())?;
+        let guess = [&near[..], &start].concat();
+        let units: Vec<f64> = guess.iter().map(|x| x.abs().max(1.0)).collect();
+        let at = krawczyk::enclosed(&equations, &guess, &units)?.at;
+        Some([at[0], at[1]])
+    }
+
+    /// Adds the equations of an eigenfunction.
+    fn perturb(&self, place: Place, x: &[Interval], evaluated: &mut Evaluated) -> Option<()> {
+        let count = self.components();
+        let first = place.omega + 1;
+        let mut start = unit(ETA);
+        let parts = x[first..].chunks_exact(2);
+        for (start, part) in start[1..count].iter_mut().zip(parts) {
+            let [re, im] = [part[0], part[1]];
+            *start = Complex { re, im };
+        }
+        let transfers = self.transfers(place, x)?;
+        let course = course(&transfers, start);
+        for equation in 0..count {
+            let row = place.row + 2 * equation;
+            let mut put = |value: Complex<Interval>, column: Option<usize>| {
+                for (row, part) in [(row, value.re), (row + 1, value.im)] {
+                    let entry = match column {
+                        Some(column) => &mut evaluated.jacobian[row][column],
+                        None => &mut evaluated.residual[row],
+                    };
+                    *entry = *entry + part;
+                }
+            };
+            // of a box the derivatives are wanted, not the residual
+            let last = if x[place.omega].low == x[place.omega].high {
+                sharpened(&transfers, &course, equation)
+            } else {
+                course[transfers.len()][equation]
+            };
+            put(last.plus(start[equation].minus()), None);
+            // what a perturbation at the beginning of a zone does to the equation
+            let mut effect = unit(equation);
+            for (transfer, from) in transfers.iter().zip(&course).rev() {
+                for (slot, column) in transfer.columns.iter().enumerate() {
+                    if column.is_some() {
+                        let moved = combined(&transfer.part(|entry| entry.slope(slot)), from);
+                        put(dot(&effect, &moved, 4), *column);
+                    }
+                }
+                effect = before(&effect, &transfer.part(Complex::value));
+            }
+            effect[equation] = effect[equation].plus(Complex::real(-Interval::ONE));
+            for (index, Complex { re, im }) in effect.into_iter().enumerate().take(count).skip(1) {
+                let at = first + 2 * (index - 1);
+                put(Complex { re, im }, Some(at));
+                put(Complex { re: -im, im: re }, Some(at + 1));
+            }
+        }
+        Some(())
+    }
+
+    /// What a perturbation becomes over every zone, the last with e^{−2πij/k}.
+    fn transfers(&self, place: Place, x: &[Interval]) -> Option<Vec<Transfer>> {
+        let [excess, parameter] = self.tail();
+        let known = [
+            (EXCESS, Some(excess)),
+            (PARAMETER, Some(parameter)),
+            (GROWTH, place.growth),
+            (OMEGA, Some(place.omega)),
+        ];
+        let narrow: [Local; 4] = std::array::from_fn(|index| match known[index].1 {
+            Some(column) => Local::variable(x[column], index),
+            None => Local::double(0.0),
+        });
+        let wide = known.map(|(slot, column)| match column {
+            Some(column) => Mixed::variable(x[column], slot),
+            None => Mixed::double(0.0),
+        });
+        let lambda = Complex {
+            re: narrow[2],
+            im: narrow[3],
+        };
+        let narrow = self.frame(narrow[0], narrow[1])?;
+        let frame = self.frame(wide[0], wide[1])?;
+        let wide = Complex {
+            re: wide[2],
+            im: wide[3],
+        };
+        let zones = self.near.zones.len();
+        let sector = Interval::point(2.0 * place.sector as f64);
+        let turn = PI * sector / Interval::point(f64::from(self.mode()));
         let multiplier = Complex {
             re: Mixed::constant(turn.cos()),
             im: Mixed::constant(-turn.sin()),
         };
-        let zones = self.near.zones.len();
-        let mut row = self.waves() - 1;
+        let mut transfers = Vec::with_capacity(zones);
         for zone in 0..zones {
             let regime = self.near.signature.zone(zone).regime;
-            let parts = width(regime);
-            let flow = self.flow(&frame, zone);
-            let linear = flow
-                .as_ref()
-                .and_then(|flow| Linear::new(&frame, regime, frequency, flow.weights()));
+            let duration = self.duration(zone);
             let steps = self.steps(zone);
-            let share = Interval::ONE / Interval::point(steps as f64);
-            for step in 0..steps {
-                let mut columns = [None; ALL];
-                columns[..SLOTS].copy_from_slice(&self.columns(zone, step, self.duration(zone)));
-                columns[OMEGA] = Some(omega);
-                let first = self.perturbation(zone, step);
-                for part in 0..parts {
-                    columns[OMEGA + 1 + part] = Some(first + part);
-                }
-                let slot = |slot: usize| match columns[slot] {
-                    Some(column) => Mixed::variable(x[column], slot),
-                    None => Mixed::double(0.0),
-                };
-                let start: Perturbation<Mixed> = std::array::from_fn(|index| Complex {
-                    re: slot(OMEGA + 1 + 2 * index),
-                    im: slot(OMEGA + 2 + 2 * index),
-                });
-                let time = slot(TIME).scaled(share);
-                let mut end = match &linear {
-                    Some(linear) => linear.advance(start, time),
-                    // V stays what it is: ζ turns by e^{−λT}
-                    None => {
-                        let (cosine, sine) = (frequency * time).circular();
-                        let turned = Complex {
-                            re: cosine,
-                            im: -sine,
-                        };
-                        start.map(|x| x.times(turned))
-                    }
-                };
-                let (next, place) = if step + 1 < steps {
-                    (zone, step + 1)
-                } else {
-                    let state = [slot(0), slot(1), slot(2), slot(3)];
-                    let there = match &flow {
-                        Some(flow) => flow.series(state).state(time),
-                        None => [state[Y] + time, state[W], state[2], state[3]],
-                    };
-                    self.jump(&frame, frequency, &mut end, &there, zone);
-                    if zone + 1 == zones {
-                        end = end.map(|x| x.times(multiplier));
-                    }
-                    ((zone + 1) % zones, 0)
-                };
-                let target = self.perturbation(next, place);
-                for part in 0..width(self.near.signature.zone(next).regime) {
-                    let value = if part % 2 == 0 {
-                        end[part / 2].re
-                    } else {
-                        end[part / 2].im
-                    };
-                    evaluated.add(row, value.value, columns.into_iter().zip(value.by));
-                    evaluated.subtract(row, target + part, x);
-                    row += 1;
+            let mut columns = [None; ALL];
+            columns[..SLOTS].copy_from_slice(&self.columns(zone, steps - 1, duration));
+            (columns[GROWTH], columns[OMEGA]) = (place.growth, Some(place.omega));
+            let linear = match self.flow(&narrow, zone) {
+                Some(flow) => Linear::new(&narrow, regime, lambda, flow.weights())?,
+                // V stays what it is: ζ turns by e^{−λT}
+                None => Linear::still(lambda),
+            };
+            let lifted = |column: Perturbation<Local>| {
+                let rate = linear.rate(&column);
+                std::array::from_fn(|index| lift(column[index], rate[index].value()))
+            };
+            let (moved, (step, count)) = linear.propagator(x[duration])?;
+            let step = parts(&step, Complex::value);
+            let mut matrix: Vec<Perturbation<Mixed>> = moved.into_iter().map(lifted).collect();
+            let slot = |slot: usize| match columns[slot] {
+                Some(column) => Mixed::variable(x[column], slot),
+                None => Mixed::double(0.0),
+            };
+            let state = [slot(0), slot(1), slot(2), slot(3)];
+            let time = slot(TIME).scaled(Interval::ONE / Interval::point(steps as f64));
+            let end = match self.flow(&frame, zone) {
+                _ if !self.bends(zone) => state,
+                Some(flow) => flow.series(state).state(time),
+                None => [state[Y] + time, state[W], state[2], state[3]],
+            };
+            let mut switch: Vec<Perturbation<Mixed>> = (0..dimension(regime)).map(unit).collect();
+            for column in matrix.iter_mut().chain(&mut switch) {
+                self.jump(&frame, wide, column, &end, zone);
+                if zone + 1 == zones {
+                    *column = column.map(|x| multiplier.times(x));
                 }
             }
+            transfers.push(Transfer {
+                columns,
+                matrix,
+                step,
+                count,
+                switch: parts(&switch, Complex::value),
+            });
         }
-        // ζ = 1
-        let first = self.perturbation(0, 0);
-        for (part, value) in [(0, Interval::ONE), (1, Interval::ZERO)] {
-            evaluated.subtract(row + part, first + part, x);
-            evaluated.residual[row + part] = evaluated.residual[row + part] + value;
-        }
-        Some(evaluated)
+        Some(transfers)
+    }
+
+    /// Whether the state at the end of a zone enters the jump there.
+    fn bends(&self, zone: usize) -> bool {
+        let next = self.near.signature.zone(zone + 1).entry;
+        matches!(next, Entry::Reversal | Entry::Landing | Entry::Touch)
+            || next == Entry::Release && self.sticks()
     }
 
     /// What the switch at the end of a zone does to a perturbation; see the table of
@@ -358,7 +683,7 @@ impl System<'_> {
     fn jump(
         &self,
         frame: &Frame<Mixed>,
-        omega: Mixed,
+        lambda: Complex<Mixed>,
         x: &mut Perturbation<Mixed>,
         end: &[Mixed; 4],
         zone: usize,
@@ -380,10 +705,9 @@ impl System<'_> {
                 if self.sticks() {
                     // V̈⁺(h + rfκλ − ãλ²)η/h
                     let stress = Mixed::double(1.0) - frame.ma;
-                    let factor = Complex {
-                        re: frame.h + stress * omega * omega,
-                        im: frame.static_friction * frame.kappa * omega,
-                    };
+                    let factor = Complex::real(frame.h)
+                        .plus(lambda.times(lambda).by(-stress))
+                        .plus(lambda.by(frame.static_friction * frame.kappa));
                     let jump = rate(zone + 1, landed, W) * frame.h.recip();
                     x[ETA_RATE] = x[ETA].times(factor.by(jump));
                 }
@@ -402,5 +726,24 @@ impl System<'_> {
             }
             Entry::ArrestedLanding | Entry::Section => {}
         }
+    }
+}
+
+/// An entry of a propagator with the slots of a zone, and its rate in time.
+fn lift(entry: Complex<Local>, rate: Complex<Interval>) -> Complex<Mixed> {
+    let part = |part: Local, rate: Interval| {
+        let mut by = [Interval::ZERO; ALL];
+        for (slot, slope) in LOCAL.into_iter().zip(part.by) {
+            by[slot] = slope;
+        }
+        by[TIME] = rate;
+        Gradient {
+            value: part.value,
+            by,
+        }
+    };
+    Complex {
+        re: part(entry.re, rate.re),
+        im: part(entry.im, rate.im),
     }
 }

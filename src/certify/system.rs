@@ -12,8 +12,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::flow::{Flow, GAP, GAP_RATE, W, Y};
-use super::frame::{Frame, Written};
-use super::perturbation;
+use super::frame::{Frame, Origin, Written};
 use crate::interval::{Decimal, Gradient, Interval, Number, PI};
 use crate::model::signature::{Entry, Regime, Signature};
 use crate::model::{Impact, Parameter};
@@ -57,6 +56,31 @@ pub struct Posed {
     pub mode: u32,
     /// Unit of the parameter where uniqueness is measured: the width of its range.
     pub unit: f64,
+}
+
+impl Posed {
+    /// What does not change along a branch: the continuation parameter is put to 0.
+    pub(super) fn fixed(&self) -> Posed {
+        let mut fixed = self.clone();
+        let Written {
+            origin,
+            friction,
+            mismatch,
+            damping,
+            ..
+        } = &mut fixed.written;
+        let number = match (self.parameter, origin) {
+            (Parameter::Friction, _) => friction,
+            (Parameter::Mismatch, _) => mismatch,
+            (Parameter::MassDamping, _) => damping,
+            (Parameter::Nu, Origin::Geometry([nu, ..])) => nu,
+            (Parameter::Xi, Origin::Geometry([_, xi, _])) => xi,
+            (Parameter::Gamma, Origin::Geometry([.., gamma])) => gamma,
+            _ => return fixed,
+        };
+        *number = Decimal::of(0.0);
+        fixed
+    }
 }
 
 /// The wave next to which the solution is sought.
@@ -138,6 +162,16 @@ impl<'a> System<'a> {
         near: &'a Near,
         condition: &'a Condition,
     ) -> Option<(System<'a>, Vec<f64>)> {
+        System::cut(posed, near, condition, None)
+    }
+
+    /// The same, with the zones cut into so many steps.
+    pub(super) fn cut(
+        posed: &'a Posed,
+        near: &'a Near,
+        condition: &'a Condition,
+        into: Option<&[usize]>,
+    ) -> Option<(System<'a>, Vec<f64>)> {
         let zones = near.zones.len();
         if zones == 0 || zones > MOST_ZONES || zones != near.signature.len() {
             return None;
@@ -168,15 +202,14 @@ impl<'a> System<'a> {
             guess.extend([*y, *w, *duration]);
             let mut steps = 1;
             if let Some(flow) = system.flow(&frame, zone) {
-                let regime = near.signature.zone(zone).regime;
-                let perturbed = system.crossing().map_or(0.0, |(_, omega)| {
-                    perturbation::radians(&frame, &flow, regime, omega)
-                });
-                let radians = (flow.norm().max(perturbed) * duration.abs()).ceil();
+                let radians = (flow.norm() * duration.abs()).ceil();
                 if radians.is_nan() || radians > MOST_STEPS as f64 {
                     return None;
                 }
-                steps = (radians as usize).max(1) * system.finer(zone);
+                steps = match into {
+                    Some(steps) => steps[zone],
+                    None => (radians as usize).max(1) * system.finer(zone),
+                };
                 let step = duration / steps as f64;
                 let mut state = [point(*y), point(*w), Interval::ZERO, Interval::ZERO];
                 for _ in 1..steps {
@@ -205,9 +238,7 @@ impl<'a> System<'a> {
             system.weights = direction.iter().map(|v| v / size).collect();
             guess.extend(direction);
         }
-        if system.crossing().is_some() {
-            guess.extend(system.eigenfunction(&guess)?);
-        }
+        guess.extend(system.crossing_near(&guess)?);
         Some((system, guess))
     }
 
@@ -246,6 +277,11 @@ impl<'a> System<'a> {
     /// ℓ of a fold.
     pub(super) fn normal(&self) -> &[f64] {
         &self.weights
+    }
+
+    /// Law of impact.
+    pub fn impact(&self) -> Impact {
+        self.posed.impact
     }
 
     /// Mode k.
@@ -336,15 +372,15 @@ impl<'a> System<'a> {
     }
 
     /// State, flow and duration of a step at values of the unknowns.
-    pub fn step_at(&self, x: &[Interval], zone: usize, step: usize) -> ([Interval; 4], Interval) {
+    pub fn step_at<N: Number>(&self, x: &[N], zone: usize, step: usize) -> ([N; 4], N) {
         let columns = self.columns(zone, step, self.duration(zone));
-        let value = |slot: usize| columns[slot].map_or(Interval::ZERO, |column| x[column]);
-        let steps = Interval::point(self.steps[zone] as f64);
-        ([0, 1, 2, 3].map(value), value(TIME) / steps)
+        let value = |slot: usize| columns[slot].map_or(N::double(0.0), |column| x[column]);
+        let share = Interval::ONE / Interval::point(self.steps[zone] as f64);
+        ([0, 1, 2, 3].map(value), value(TIME).scaled(share))
     }
 
     /// The state at the minimum of an event inside a zone: its zone, its step, its time within the step.
-    pub fn minimum(&self, x: &[Interval]) -> Option<(usize, usize, Interval)> {
+    pub fn minimum<N: Number>(&self, x: &[N]) -> Option<(usize, usize, N)> {
         match (self.condition, self.minimum) {
             (Condition::Margin { zone, .. }, Some(step)) => Some((*zone, step, x[self.waves - 3])),
             _ => None,
@@ -352,14 +388,9 @@ impl<'a> System<'a> {
     }
 
     /// Frame and flow at values of the unknowns.
-    pub fn frame_at(&self, x: &[Interval]) -> Option<Frame<Interval>> {
+    pub fn frame_at<N: Number>(&self, x: &[N]) -> Option<Frame<N>> {
         let [excess, parameter] = self.tail();
         self.frame(x[excess], x[parameter])
-    }
-
-    /// The flow of a zone in a frame.
-    pub fn flow_at(&self, frame: &Frame<Interval>, zone: usize) -> Option<Flow<Interval>> {
-        self.flow(frame, zone)
     }
 
     pub(super) fn frame<N: Number>(&self, u: N, parameter: N) -> Option<Frame<N>> {
@@ -442,18 +473,18 @@ impl<'a> System<'a> {
     }
 
     /// A margin at the ends of a zone at values of the unknowns.
-    pub fn edge_at(
+    pub fn edge_at<N: Number>(
         &self,
-        frame: &Frame<Interval>,
-        x: &[Interval],
+        frame: &Frame<N>,
+        x: &[N],
         watch: Watch,
         zone: usize,
-    ) -> Option<Interval> {
+    ) -> Option<N> {
         let (entry, _) = self.step_at(x, zone, 0);
         let (last, time) = self.step_at(x, zone, self.steps[zone] - 1);
         let end = match self.flow(frame, zone) {
             Some(flow) => flow.series(last).state(time),
-            None => [entry[Y] + time, entry[W], Interval::ZERO, Interval::ZERO],
+            None => [entry[Y] + time, entry[W], entry[GAP], entry[GAP_RATE]],
         };
         self.edge(frame, watch, zone, &entry, &end)
     }

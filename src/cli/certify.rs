@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use rayon::prelude::*;
 
 use super::failure::{Exit, Failure};
 use super::options::Task;
@@ -10,8 +11,8 @@ use super::prepare::{Prepared, begin, prepare};
 use super::print;
 use super::progress::drive;
 use super::warn;
-use crate::branch::run::End;
-use crate::certify::{self, Certificate, Outcome, Point};
+use crate::branch::run::{End, Item};
+use crate::certify::{self, Certificate, Outcome, Point, Stretch};
 use crate::output::certify::{CertificateFolder, read, sentence};
 use crate::output::store::Kind;
 
@@ -22,6 +23,9 @@ pub(crate) struct CertifyArguments {
     /// PROBLEM is a certificate, or the folder of one: check it without continuation
     #[arg(long, conflicts_with_all = ["out", "resume", "force"])]
     verify: bool,
+    /// Prove also that between the special points there is no other
+    #[arg(long, conflicts_with = "verify")]
+    arcs: bool,
 }
 
 pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
@@ -40,26 +44,42 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
     let mut branch = begin(task.quiet, &problem, &continuation, restart.as_ref())
         .map_err(|error| source.place(error))?;
     let mut folder = CertificateFolder::create(store)?;
-    let mut points = Vec::new();
+    let mut special: Vec<Item> = Vec::new();
     drive(task.quiet, || {
         if branch.progress().end.is_some() {
             return Ok(None);
         }
-        for item in branch.step() {
-            if let Some(point) = certify::certify(&item, source.text()) {
-                folder.write(&point)?;
-                points.push(point);
-            }
-        }
-        let words = format!(
-            "{} points, {} to prove",
-            branch.progress().points,
-            points.len()
+        special.extend(
+            branch
+                .step()
+                .into_iter()
+                .filter(|item| item.event.is_some()),
         );
+        let (points, events) = (branch.progress().points, special.len());
+        let words = format!("{points} points, {events} to prove");
         Ok(Some((branch.position(), words)))
     })?;
+    let proofs = special.par_iter();
+    let mut points: Vec<Point> = proofs
+        .filter_map(|item| certify::certify(item, source.text()))
+        .collect();
+    if arguments.arcs {
+        let arcs: Vec<_> = points
+            .par_windows(2)
+            .map(|both| both[1].stretch(&both[0]))
+            .collect();
+        for (point, arc) in points.iter_mut().skip(1).zip(arcs) {
+            point.arc = arc;
+        }
+    }
+    for point in &points {
+        folder.write(point)?;
+    }
     let report: String = points.iter().map(sentence).collect();
-    let all = points.iter().all(Point::is_proven);
+    let traced = |point: &Point| !matches!(point.arc, Some(Stretch::Open(_)));
+    let all = points
+        .iter()
+        .all(|point| point.is_proven() && traced(point));
     folder.finish(&Certificate::new(points))?;
     if !task.quiet {
         print(&report)?;
@@ -82,14 +102,17 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
     let certificate = read(&file)?;
     let mut report = String::new();
     let mut exit = Exit::Done;
-    for point in &certificate.points {
-        let verdict = match &point.outcome {
-            Outcome::Proven(proof) => match certify::verify(point, proof) {
-                Ok(()) => "verified".to_owned(),
-                Err(refused) => format!("refused: {refused}"),
-            },
-            Outcome::Open(reason) => format!("not proven: {reason}"),
-        };
+    let points = &certificate.points;
+    let verdicts: Vec<String> = (0..points.len())
+        .into_par_iter()
+        .map(|index| {
+            verdict(
+                &points[index],
+                index.checked_sub(1).map(|before| &points[before]),
+            )
+        })
+        .collect();
+    for (point, verdict) in points.iter().zip(verdicts) {
         if verdict != "verified" {
             exit = Exit::Unmet;
         }
@@ -99,4 +122,22 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
         print(&report)?;
     }
     Ok(exit)
+}
+
+/// Whether a stored point, and the arc that leads to it, is what it says.
+fn verdict(point: &Point, before: Option<&Point>) -> String {
+    let refused = match &point.outcome {
+        Outcome::Proven(proof) => certify::verify(point, proof),
+        Outcome::Open(reason) => return format!("not proven: {reason}"),
+    };
+    match (refused, &point.arc) {
+        (Err(refused), _) => format!("refused: {refused}"),
+        (Ok(()), Some(Stretch::Open(reason))) => format!("before it not proven: {reason}"),
+        (Ok(()), arc)
+            if arc.is_some() && before.and_then(|before| point.stretch(before)) != *arc =>
+        {
+            "refused: the arc before it is said otherwise than what is proven".to_owned()
+        }
+        _ => "verified".to_owned(),
+    }
 }

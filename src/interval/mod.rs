@@ -222,6 +222,13 @@ impl Neg for Interval {
 impl Add for Interval {
     type Output = Interval;
     fn add(self, other: Interval) -> Interval {
+        // most derivatives are zero
+        if other == Interval::ZERO {
+            return self;
+        }
+        if self == Interval::ZERO {
+            return other;
+        }
         if self.is_empty() || other.is_empty() {
             return Interval::EMPTY;
         }
@@ -243,6 +250,9 @@ impl Mul for Interval {
     fn mul(self, other: Interval) -> Interval {
         if self.is_empty() || other.is_empty() {
             return Interval::EMPTY;
+        }
+        if self == Interval::ZERO || other == Interval::ZERO {
+            return Interval::ZERO;
         }
         // the ends that give the least and the largest product, by signs
         let (a, b, c, d) = (self.low, self.high, other.low, other.high);

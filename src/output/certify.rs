@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::store::{self, Growing, Store, StoreError, damaged};
-use crate::certify::{Certificate, Outcome, Point};
+use crate::certify::{Certificate, Eigenvalue, Outcome, Point, Stretch};
 use crate::interval::Interval;
 use crate::table;
 
@@ -26,6 +26,10 @@ struct Row {
     inequalities: Option<usize>,
     proven: &'static str,
     why: String,
+    unstable: &'static str,
+    arc: &'static str,
+    pieces: Option<usize>,
+    arc_why: String,
 }
 
 impl Row {
@@ -35,6 +39,19 @@ impl Row {
             r#type: point.kind.to_string(),
             parameter: point.parameter.column(),
             ..Row::default()
+        };
+        let row = match &point.arc {
+            None => row,
+            Some(Stretch::Proven(pieces)) => Row {
+                arc: "yes",
+                pieces: Some(*pieces),
+                ..row
+            },
+            Some(Stretch::Open(reason)) => Row {
+                arc: "no",
+                arc_why: reason.clone(),
+                ..row
+            },
         };
         match &point.outcome {
             Outcome::Proven(proof) => {
@@ -48,6 +65,7 @@ impl Row {
                     unique: Some(said.unique),
                     inequalities: Some(said.inequalities),
                     proven: "yes",
+                    unstable: if proof.is_unstable() { "yes" } else { "" },
                     ..row
                 }
             }
@@ -69,18 +87,28 @@ fn enclosing(Interval { low, high }: Interval) -> Interval {
     Interval::new(low.next_down(), high.next_up())
 }
 
-/// What is proven of a point, in a line.
+fn written(interval: Interval) -> String {
+    let Interval { low, high } = enclosing(interval);
+    format!("[{low:?}, {high:?}]")
+}
+
+/// What is proven of a point, in a line; further lines for its eigenvalues and for the branch before it.
 pub(crate) fn sentence(point: &Point) -> String {
     let symbol = point.parameter.symbol();
-    let written = |interval: Interval| {
-        let Interval { low, high } = enclosing(interval);
-        format!("[{low:?}, {high:?}]")
+    let mut lines = match &point.arc {
+        None => String::new(),
+        Some(Stretch::Proven(pieces)) => {
+            format!("  no other event but HB and BP before it: proven in {pieces} pieces\n")
+        }
+        Some(Stretch::Open(reason)) => {
+            format!("  no other event before it: not proven; {reason}\n")
+        }
     };
     match &point.outcome {
         Outcome::Proven(proof) => {
             let said = &proof.statement;
             let omega = said.omega.map(|omega| format!("; ω in {}", written(omega)));
-            format!(
+            lines.push_str(&format!(
                 "{}: proven; {symbol} in {}, unique within {:.0e}; c in {}{}; {} inequalities proven\n",
                 point.kind,
                 written(said.parameter),
@@ -88,10 +116,29 @@ pub(crate) fn sentence(point: &Point) -> String {
                 written(said.speed),
                 omega.unwrap_or_default(),
                 said.inequalities
-            )
+            ));
+            for eigenvalue in &proof.eigenvalues {
+                let Eigenvalue {
+                    sector,
+                    growth,
+                    omega,
+                    ..
+                } = eigenvalue;
+                let unstable = if growth.is_positive() {
+                    ": the wave is unstable"
+                } else {
+                    ""
+                };
+                lines.push_str(&format!(
+                    "  eigenvalue in sector {sector}: Re λ in {}, Im λ in {}{unstable}\n",
+                    written(*growth),
+                    written(*omega),
+                ));
+            }
         }
-        Outcome::Open(reason) => format!("{}: not proven; {reason}\n", point.kind),
+        Outcome::Open(reason) => lines.push_str(&format!("{}: not proven; {reason}\n", point.kind)),
     }
+    lines
 }
 
 /// The folder being written.

@@ -36,8 +36,7 @@ fn a_certificate_is_written_and_verified() {
     assert!(lines.contains("unique within") && lines.contains("13 inequalities proven"));
     let table = fs::read_to_string(Path::new(out).join("certificates.csv")).unwrap();
     let mut reader = csv::Reader::from_reader(table.as_bytes());
-    let header =
-        "label,type,parameter,low,high,speed_low,speed_high,unique,inequalities,proven,why";
+    let header = "label,type,parameter,low,high,speed_low,speed_high,unique,inequalities,proven,why,unstable,arc,pieces,arc_why";
     assert_eq!(
         reader
             .headers()
