@@ -93,6 +93,13 @@ impl Progress {
     /// Shows where the work is.
     pub(crate) fn show(&self, part: f64, words: String) {
         let mut state = lock(&self.state);
+        if let Some(bar) = self
+            .bar
+            .as_ref()
+            .filter(|_| part.is_nan() != state.part.is_nan())
+        {
+            wear(bar, STYLES[usize::from(part.is_nan())]);
+        }
         if state.first.is_none() && !part.is_nan() {
             state.first = Some((Instant::now(), part));
         }
@@ -116,13 +123,23 @@ impl Drop for Progress {
     }
 }
 
+/// What a terminal shows where the part done is known, and where nobody knows it.
+const STYLES: [&str; 2] = [
+    "{spinner} [{bar:40}] {msg} ({elapsed})",
+    "{spinner} {msg} ({elapsed})",
+];
+
 fn bar() -> ProgressBar {
     let bar = ProgressBar::new(PARTS).with_message(BEGINNING);
-    // the template is constant and valid
-    if let Ok(style) = ProgressStyle::with_template("{spinner} [{bar:40}] {msg} ({elapsed})") {
+    wear(&bar, STYLES[1]);
+    bar
+}
+
+fn wear(bar: &ProgressBar, style: &str) {
+    // the templates are constant and valid
+    if let Ok(style) = ProgressStyle::with_template(style) {
         bar.set_style(style.progress_chars("=> "));
     }
-    bar
 }
 
 /// A state is whole between any two statements.

@@ -297,7 +297,10 @@ pub fn read(path: &Path) -> Result<(Problem, String), ProblemError> {
              `brakewave new` prints one to start from",
         )
     };
-    let failed = |error: std::io::Error| refuse(&error.to_string());
+    let failed = |error: std::io::Error| {
+        let reason = error.to_string();
+        refuse(reason.split(" (os error").next().unwrap_or_default())
+    };
     // asked before it is opened, which waits for ever at a pipe without a writer
     let about = std::fs::metadata(path).map_err(failed)?;
     if about.is_dir() {

@@ -146,9 +146,10 @@ impl Sheet {
         } else {
             ""
         };
-        let size = mark.size / PIXELS;
+        let (size, width) = (mark.size / PIXELS, if filled { 0.15 } else { 0.27 });
         format!(
-            "only marks, mark={name}, mark size={size:.2}mm, mark options={{draw={draw}, fill={fill}{turn}}}"
+            "only marks, mark={name}, mark size={size:.2}mm, \
+             mark options={{draw={draw}, fill={fill}, line width={width}mm{turn}}}"
         )
     }
 
@@ -168,7 +169,7 @@ impl Sheet {
         self.add(format_args!(
             "\\begin{{axis}}[at={{({left:.2}mm,{low:.2}mm)}}, anchor=south west, scale only axis,\n  \
              width={:.2}mm, height={:.2}mm, axis on top, scaled ticks=false, minor tick num=0,\n  \
-             tick style={{black}}, ticklabel style={{font=\\scriptsize}}, label style={{font=\\footnotesize}},\n",
+             every tick/.style={{black, line width=0.22mm}}, ticklabel style={{font=\\scriptsize}}, label style={{font=\\footnotesize}},\n",
             width / PIXELS,
             height / PIXELS
         ));
