@@ -118,3 +118,43 @@ fn check_proves_where_a_file_asks_for_it() {
     assert_eq!(checked.status.code(), Some(1), "{checked:?}");
     assert!(text(&checked).contains("FAIL EP: not proven"));
 }
+
+/// Arcs between the points of a slip-stick branch; a branch that changes its regimes has some that are not.
+#[test]
+fn arcs_are_proven_and_verified() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("friction.ron");
+    let plain = fs::read_to_string(problem("mode4_friction")).unwrap();
+    let text_of = |text: &str| {
+        let shorter = text.replace("range: (0.2, 3.0)", "range: (0.2, 0.4)");
+        let shorter = shorter.replace("stop_at: [0.3, 0.5, 0.8]", "stop_at: [0.3]");
+        let expectations = shorter.find("    expect:").unwrap();
+        format!("{})\n", &shorter[..expectations])
+    };
+    fs::write(&file, text_of(&plain)).unwrap();
+    let out = folder.path().join("certified");
+    let out = out.to_str().unwrap();
+    let found = brakewave(&["certify", file.to_str().unwrap(), "--arcs", "--out", out]);
+    assert_eq!(found.status.code(), Some(0), "{found:?}");
+    assert_eq!(
+        text(&found)
+            .matches("no other event but HB and BP before it: proven")
+            .count(),
+        2
+    );
+    let table = fs::read_to_string(Path::new(out).join("certificates.csv")).unwrap();
+    assert_eq!(table.matches(",yes,,,yes,").count(), 2, "{table}");
+    let verified = brakewave(&["certify", "--verify", out]);
+    assert_eq!(verified.status.code(), Some(0), "{verified:?}");
+    // an arc in more pieces than it takes
+    let certificate = Path::new(out).join("certificate.ron");
+    let honest = fs::read_to_string(&certificate).unwrap();
+    fs::write(
+        &certificate,
+        honest.replace("arc: Some(Proven(", "arc: Some(Proven(1"),
+    )
+    .unwrap();
+    let refused = brakewave(&["certify", "--verify", out]);
+    assert_eq!(refused.status.code(), Some(1), "{refused:?}");
+    assert!(text(&refused).contains("refused: the arc"));
+}
