@@ -456,6 +456,10 @@ impl System<'_> {
     /// The eigenfunction at the beginning of the period, next to a wave and λ in doubles, but for ζ = 1.
     fn eigenfunction(&self, place: Place, x: &[Interval]) -> Option<Vec<f64>> {
         let count = self.components();
+        if self.near.signature.zone(0).entry == Entry::Release && !self.sticks() {
+            // η′ = 0 at release
+            return Some(vec![0.0; 2 * (count - 1)]);
+        }
         let mut period = Matrix::identity(2 * count, 2 * count) * -1.0;
         let transfers = self.transfers(place, x)?;
         for j in 0..count {

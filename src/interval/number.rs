@@ -59,6 +59,7 @@ impl Number for Interval {
     fn ln(self) -> Interval {
         Interval::ln(self)
     }
+    #[inline]
     fn is_zero(&self) -> bool {
         *self == Interval::ZERO
     }
