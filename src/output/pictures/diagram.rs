@@ -171,7 +171,7 @@ pub(super) fn diagram(tables: &Tables, view: &View) -> Result<Picture, PlotError
         }
     }
     if !steps.is_empty() {
-        let most = steps.iter().map(|step| step.1).fold(1.0, f64::max);
+        let most = steps.iter().map(|step| step.1).fold(2.0, f64::max);
         let y = Axis::new(
             Quantity::new("growing", ""),
             Extent::Fixed(-0.1 * most, 1.15 * most),

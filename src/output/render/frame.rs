@@ -20,7 +20,7 @@ const TICK: f64 = 6.0;
 const RIM: f64 = 0.8;
 
 /// How far cells reach over their upper edge, for the same reason, in pixels.
-const SEAM: f64 = 0.5;
+const SEAM: f64 = 1.0;
 
 /// A frame on a sheet.
 #[derive(Clone, Debug, PartialEq)]
@@ -176,7 +176,7 @@ impl Frame {
             let caption = cut(&self.x.caption, CAPTION_SIZE, right);
             canvas.text(place, &caption, CAPTION_SIZE, Align::Middle, BLACK)?;
         }
-        let place = (left - self.figures - 15.0, 0.5 * (top + bottom));
+        let place = (left - self.figures - 18.0, 0.5 * (top + bottom));
         let caption = cut(&self.y.caption, CAPTION_SIZE, bottom);
         canvas.text(place, &caption, CAPTION_SIZE, Align::Upward, BLACK)
     }

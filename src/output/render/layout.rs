@@ -86,7 +86,7 @@ impl Picture {
             .iter()
             .map(|[_, y]| y.figures_width())
             .fold(0.0, f64::max);
-        let left = figures + CAPTION_SIZE + 18.0;
+        let left = figures + CAPTION_SIZE + 21.0;
         let has = |panel: &Panel, wanted: fn(&Layer) -> bool| panel.layers.iter().any(wanted);
         let bar = |panel: &Panel| has(panel, |layer| matches!(layer, Layer::Bar { .. }));
         let mut margin: f64 = if self.panels.iter().any(bar) {
@@ -126,7 +126,7 @@ impl Picture {
         // Left of each frame stand its figures and, if it has one, its caption.
         let room = |[_, y]: &[Scale; 2]| match y.caption.is_empty() {
             true => y.figures_width() + 18.0,
-            false => y.figures_width() + CAPTION_SIZE + 18.0,
+            false => y.figures_width() + CAPTION_SIZE + 21.0,
         };
         let rooms: f64 = scales.iter().map(room).sum();
         let side = (WIDTH - 14.0 - rooms) / scales.len().max(1) as f64;
