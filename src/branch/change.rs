@@ -4,8 +4,8 @@ use super::events;
 use super::follow::Branch;
 use super::special::{Inadmissible, Refusal, Stop, Tried};
 use crate::continuation::Node;
-use crate::continuation::newton;
 use crate::continuation::walk::{self, RefusalOf, Refused};
+use crate::continuation::{arclength, newton};
 use crate::flow::sign::Verdict;
 use crate::linalg::{self, Vector};
 use crate::model::signature::Signature;
@@ -119,39 +119,39 @@ pub fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, N
         Ok(beyond) => return Ok(beyond),
         Err(refused) => refused,
     };
-    // a layer thinner than any step turns the tangent within the first one
+    // a layer thinner than any step turns the tangent within the first one, or hides it in rounding
     let layers: &[f64] = if wave.material { &INSIDE } else { &[] };
     let mut settled = layers
         .iter()
-        .filter_map(|part| settled(wave, &node, part * ds, tolerance));
+        .filter_map(|part| settled(candidate, &node, part * ds, tolerance));
     let entered = settled.find_map(|node| enter_along(wave, &node, ds, tolerance).ok());
     entered.ok_or(refused)
 }
 
-/// Parts of a step after which the tangent beyond a layer is looked for.
+/// Parts of a step, as durations of a nascent zone, where the tangent beyond a layer is looked for.
 const INSIDE: [f64; 3] = [1e-2, 1e-1, 1e-3];
 
-/// An event with the tangent that the branch has a short way beyond it.
-fn settled(wave: &Wave, node: &Node, ds: f64, tolerance: f64) -> Option<Node> {
-    let beyond = &node.point + &node.tangent * ds;
-    let mut plane = newton::Plane {
-        normal: &node.tangent,
-        through: &beyond,
+/// An event with the tangent that the branch has where its nascent zone lasts this long.
+fn settled(candidate: &Candidate, node: &Node, duration: f64, tolerance: f64) -> Option<Node> {
+    let wave = &candidate.wave;
+    let index = wave.width() * candidate.nascent.first()? + 2;
+    let mut guess = node.point.clone();
+    guess[index] = duration;
+    let mut fixed = newton::Fixed {
+        index,
+        value: duration,
     };
     let settings = newton::Settings {
         tolerance,
-        most_iterations: 20,
-        halvings: 10,
         ..newton::Settings::default()
     };
-    let inside = newton::solve(wave, &mut plane, &beyond, &settings).ok()?;
-    let (matrix, _) = newton::jacobian(wave, &inside.point).ok()?;
-    let mut tangent = linalg::kernel(&matrix)?.null_vector;
-    if tangent.dot(&node.tangent) < 0.0 {
-        tangent.neg_mut();
+    let corrected = arclength::correct(wave, &mut fixed, &guess, &node.tangent, &settings);
+    let (mut inside, _) = corrected.ok()?;
+    if inside.tangent[index] < 0.0 {
+        inside.tangent.neg_mut();
     }
     Some(Node {
-        tangent,
+        tangent: inside.tangent,
         ..node.clone()
     })
 }

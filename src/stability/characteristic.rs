@@ -67,12 +67,6 @@ pub enum NotLinearised {
          stability is undecided"
     )]
     FrictionLaw,
-    /// Material damping without a stick zone.
-    #[error(
-        "with material damping the eigenfunction problem is posed for waves that stick: stability is \
-         undecided"
-    )]
-    MaterialDamping,
 }
 
 impl Characteristic {
@@ -215,9 +209,6 @@ impl Characteristic {
         }
         // begin behind a release, or else with a contact zone
         let release = (0..count).find(|&index| wave.signature.zone(index).entry == Entry::Release);
-        if at.material > 0.0 && release.is_none() {
-            return Err(NotLinearised::MaterialDamping);
-        }
         let contact =
             (0..count).find(|&index| wave.signature.zone(index).regime.sliding().is_some());
         zones.rotate_left(release.or(contact).unwrap_or(0));
@@ -291,6 +282,7 @@ impl Characteristic {
                 unit: one,
                 trace: trace.delayed(lambda, self.period),
                 determinant: none,
+                layer: None,
                 offset: 0.0,
             };
         }
@@ -342,6 +334,7 @@ impl Characteristic {
         };
         Value {
             unit: one,
+            layer: None,
             offset: 0.0,
             trace: trace.delayed(lambda, self.period),
             determinant: determinant.delayed(lambda, 2.0 * self.period),

@@ -105,10 +105,15 @@ fn sampled(zone: &LinearZone, period: f64, resolution: usize) -> Vec<f64> {
 }
 
 /// With material damping: the boundary-value problem is solved zone by zone.
-fn material_trace(characteristic: &Characteristic, lambda: C64, resolution: usize) -> Trace {
+fn material_trace(
+    characteristic: &Characteristic,
+    lambda: C64,
+    z: C64,
+    resolution: usize,
+) -> Trace {
     let period = characteristic.period;
     let (sampled_states, end) =
-        characteristic.material_states(lambda, |zone| sampled(zone, period, resolution));
+        characteristic.material_states(lambda, z, |zone| sampled(zone, period, resolution));
     let mut times = Vec::with_capacity(resolution + 8);
     let mut states = Vec::with_capacity(resolution + 8);
     let mut start = 0.0;
@@ -122,7 +127,7 @@ fn material_trace(characteristic: &Characteristic, lambda: C64, resolution: usiz
     // η‴ from η″ by central differences of sixth order, away from the layer's own scale
     let h = |zone: &LinearZone| 1e-2 * zone.duration.min(shortest(characteristic, lambda));
     const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
-    let (stencils, _) = characteristic.material_states(lambda, |zone| {
+    let (stencils, _) = characteristic.material_states(lambda, z, |zone| {
         let offsets = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
         let around = |share: f64| offsets.map(|offset| share * zone.duration + offset * h(zone));
         PLACES.into_iter().flat_map(around).collect()
@@ -144,14 +149,14 @@ fn material_trace(characteristic: &Characteristic, lambda: C64, resolution: usiz
     Trace {
         times,
         states,
-        end: Vector4::new(ZERO, ZERO, end, ZERO),
+        end: Vector4::new(ZERO, ZERO, end[0], end[1]),
         equation_residual,
     }
 }
 
 fn trace(characteristic: &Characteristic, lambda: C64, z: C64, resolution: usize) -> Trace {
     if characteristic.beta > 0.0 {
-        return material_trace(characteristic, lambda, resolution);
+        return material_trace(characteristic, lambda, z, resolution);
     }
     let mut column = beginning(characteristic, lambda, z);
     let mut times = Vec::with_capacity(resolution + 8);

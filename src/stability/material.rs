@@ -180,11 +180,7 @@ impl Characteristic {
 
     /// Σ over the sliding zones of ∂r/∂λ·T at λ = 0: the turning of g that is taken out of it.
     pub(super) fn material_turn(&self) -> f64 {
-        if self
-            .zones
-            .iter()
-            .any(|zone| zone.regime == Regime::Separation)
-        {
+        if self.is_boundary_problem() {
             return self.boundary_values(ZERO).1[1].re;
         }
         self.zones
@@ -201,11 +197,7 @@ impl Characteristic {
             derivative: ZERO,
             exponent: 0.0,
         };
-        if self
-            .zones
-            .iter()
-            .any(|zone| zone.regime == Regime::Separation)
-        {
+        if self.is_boundary_problem() {
             let (values, common) = self.boundary_values(lambda);
             return self.quotient(lambda, values, common);
         }
@@ -254,16 +246,18 @@ impl Characteristic {
                 _ => {}
             }
         }
-        self.quotient(lambda, [unit, trace], [common, common_by])
+        self.quotient(lambda, Value::of_stick([unit, trace]), [common, common_by])
     }
 
-    /// g and n e^{−λT} from g and n less an exponent, given with its derivative, that is common to both.
-    pub(super) fn quotient(
-        &self,
-        lambda: C64,
-        [unit, trace]: [Scaled; 2],
-        [common, by]: [C64; 2],
-    ) -> Value {
+    /// Whether waves separate, or do not stick: see [`super::boundary`].
+    fn is_boundary_problem(&self) -> bool {
+        let mut zones = self.zones.iter();
+        !self.stick || zones.any(|zone| zone.regime == Regime::Separation)
+    }
+
+    /// g and n e^{−λT} from g and n less an exponent, given with its derivative, that is common to
+    /// both; without stick likewise what stands in their place.
+    pub(super) fn quotient(&self, lambda: C64, values: Value, [common, by]: [C64; 2]) -> Value {
         let (common, by) = (common - lambda * self.turn, by - self.turn);
         let turn = C64::from_polar(1.0, common.im);
         let turned = |scaled: Scaled| Scaled {
@@ -271,14 +265,14 @@ impl Characteristic {
             derivative: (scaled.derivative + scaled.value * by) * turn,
             exponent: scaled.exponent,
         };
+        let period = self.period;
         Value {
-            unit: turned(unit),
-            trace: turned(trace).delayed(lambda, self.period),
-            determinant: Scaled {
-                value: ZERO,
-                derivative: ZERO,
-                exponent: f64::NEG_INFINITY,
-            },
+            unit: turned(values.unit),
+            trace: turned(values.trace).delayed(lambda, period),
+            determinant: turned(values.determinant).delayed(lambda, 2.0 * period),
+            layer: values
+                .layer
+                .map(|layer| turned(layer).delayed(lambda, -period)),
             offset: common.re,
         }
     }

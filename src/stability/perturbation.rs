@@ -50,6 +50,17 @@ impl Scaled {
         }
     }
 
+    /// The sum with another number.
+    pub(super) fn plus(self, other: Scaled) -> Scaled {
+        let exponent = self.exponent.max(other.exponent);
+        let [one, two] = [self, other].map(|of| (of.exponent - exponent).exp());
+        Scaled {
+            value: self.value * one + other.value * two,
+            derivative: self.derivative * one + other.derivative * two,
+            exponent,
+        }
+    }
+
     /// Multiplication by e^{−λT}.
     pub(super) fn delayed(self, lambda: C64, period: f64) -> Scaled {
         let turn = C64::from_polar(1.0, -lambda.im * period);
@@ -75,11 +86,29 @@ pub struct Value {
     pub trace: Scaled,
     /// det M e^{−2λT}, or 0.
     pub determinant: Scaled,
+    /// Of z_j, without stick but with material damping: what the layer at the end of a period owes
+    /// to the next one.
+    pub layer: Option<Scaled>,
     /// An exponent common to the three.
     pub offset: f64,
 }
 
 impl Value {
+    /// g and n of waves that stick.
+    pub(super) fn of_stick([unit, trace]: [Scaled; 2]) -> Value {
+        Value {
+            unit,
+            trace,
+            determinant: Scaled {
+                value: ZERO,
+                derivative: ZERO,
+                exponent: f64::NEG_INFINITY,
+            },
+            layer: None,
+            offset: 0.0,
+        }
+    }
+
     /// F_j and its derivative, both divided by the same positive number, so that |F_j| stays of
     /// order one wherever λ lies.
     pub fn sector(&self, z: C64) -> (C64, C64) {
@@ -88,11 +117,15 @@ impl Value {
         let one = (self.unit.exponent - top).exp();
         let trace = inverse * (self.trace.exponent - top).exp();
         let determinant = inverse * inverse * (self.determinant.exponent - top).exp();
-        (
+        let (f, by) = (
             self.unit.value * one - self.trace.value * trace + self.determinant.value * determinant,
             self.unit.derivative * one - self.trace.derivative * trace
                 + self.determinant.derivative * determinant,
-        )
+        );
+        self.layer.map_or((f, by), |layer| {
+            let factor = z * (layer.exponent - top).exp();
+            (f + layer.value * factor, by + layer.derivative * factor)
+        })
     }
 
     /// t and d in units of what stands for 1.
@@ -105,15 +138,18 @@ impl Value {
     /// The exponent that [`Value::sector`] takes out, besides the offset.
     pub fn top(&self) -> f64 {
         let unit = self.unit.exponent;
-        unit.max(self.trace.exponent).max(self.determinant.exponent)
+        let top = unit.max(self.trace.exponent).max(self.determinant.exponent);
+        self.layer.map_or(top, |layer| top.max(layer.exponent))
     }
 
-    /// |t| + |d| in units of what stands for 1: below 1 there is no zero in any sector.
+    /// |t| + |d|, and what layers add, in units of what stands for 1: below 1 there is no zero in any
+    /// sector.
     pub(crate) fn size(&self) -> f64 {
         let unit = self.unit;
         let part =
             |scaled: &Scaled| modulus(scaled.value) * (scaled.exponent - unit.exponent).exp();
-        (part(&self.trace) + part(&self.determinant)) / modulus(unit.value)
+        let layer = self.layer.as_ref().map_or(0.0, part);
+        (part(&self.trace) + part(&self.determinant) + layer) / modulus(unit.value)
     }
 
     /// |t| + |d|, or (|t′| + |d′|)/τ if that is more, divided by what [`Value::sector`] divides by.

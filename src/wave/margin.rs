@@ -33,7 +33,8 @@ pub enum Watch {
     LandingSpeed,
     /// Q + fP at the beginning of stick.
     LowerForce,
-    /// fP − Q where slip passes into stick after an arrest that does not imply it.
+    /// Q − fP that stick would have between reverse slip and slip; with material damping −V̈ there, which is
+    /// continuous.
     UpperForce,
     /// −V⃛ just after a release with material damping: Q ≤ fP at the end of stick.
     Release,
@@ -207,6 +208,9 @@ fn edge_margin_of_zone(
         Watch::LowerForce => (excess(y) + band()) * force,
         Watch::UpperForce => {
             let end = wave.zone_end(flows, point, index)?;
+            if wave.material {
+                return Ok(end.acceleration * (-1.0 / scales.layer));
+            }
             // the other way round: Q > fP lets reverse slip pass into slip
             excess(end.y) * force
         }

@@ -30,11 +30,21 @@
 //! entries, n the same of M bordered by η at the end. Both are entire: what depends on the order of the
 //! exponents cancels. A determinant needs no more than its own pivots, on which it depends smoothly, so
 //! that derivatives in λ are carried along, and g = 0 is a value like any other.
+//!
+//! Without stick the last zone is followed by the first. The three conditions that join them, Bx before and
+//! Ax behind the switch, hold for Bx e^{−λT}/z_j + Ax = 0, and the determinant of all conditions is
+//!
+//! ```text
+//! D₀ + D₁ω + D₂ω² + D₃ω³,    ω = e^{−λT}/z_j,
+//! ```
+//!
+//! D_m summed over the choices of m conditions in which B stands. Of the three multipliers of a period one
+//! is that of the layer, which is large: D₁ takes the place of 1 in F_j, −D₂ and D₃ those of t and d.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::dual::{Dual, determinant, inverse, simultaneous};
-use super::perturbation::{C64, Characteristic, Jump, LinearZone, ONE, Scaled, ZERO};
+use super::perturbation::{C64, Characteristic, Jump, LinearZone, ONE, Scaled, Value, ZERO};
 use crate::model::signature::Regime;
 
 /// (u, u′, u″, η, η′, η″).
@@ -192,13 +202,15 @@ fn add(row: &mut [Dual], motions: &[[Dual; 8]], form: &[(usize, f64)]) {
     }
 }
 
-/// The system of one phase from release to stick.
+/// The system of one phase from release to stick, or of a period without stick.
 struct Phase {
     parts: Vec<Part>,
-    /// M; the first row is η = 1 at release.
+    /// M; the first row is η = 1 at release. Without stick the conditions within a period.
     rows: Vec<Vec<Dual>>,
-    /// η at the end.
+    /// η at the end of a phase that ends.
     end: Vec<Dual>,
+    /// B and A of the conditions from a period to the next, those on η and η′ first; none with stick.
+    joints: Vec<[Vec<Dual>; 2]>,
 }
 
 /// Forms in η, η′ and u′, and the like.
@@ -213,11 +225,13 @@ const U_LEFT: usize = 6;
 const LEFT: usize = 7;
 
 impl Phase {
-    fn new(parts: Vec<Part>) -> Phase {
+    fn new(parts: Vec<Part>, periodic: bool) -> Phase {
         let width = parts.iter().map(|part| part.shapes.len()).sum();
         let mut rows: Vec<Vec<Dual>> = Vec::with_capacity(width);
+        let mut joints = Vec::new();
         let none = vec![Dual::constant(0.0); width];
-        for index in [ETA, RATE] {
+        let start: &[usize] = if periodic { &[] } else { &[ETA, RATE] };
+        for &index in start {
             let mut row = none.clone();
             add(&mut row, &parts[0].entry, &[(index, 1.0)]);
             rows.push(row);
@@ -226,12 +240,25 @@ impl Phase {
         let mut end = none.clone();
         for (index, part) in parts.iter().enumerate() {
             let next = first + part.shapes.len();
-            let after = parts.get(index + 1);
+            let closing = periodic && index + 1 == parts.len();
+            let (after, next) = if closing {
+                (parts.first(), 0)
+            } else {
+                (parts.get(index + 1), next)
+            };
             let mut condition = |before: &[(usize, f64)], behind: &[(usize, f64)]| {
                 let mut row = none.clone();
                 add(&mut row[first..], &part.exit, before);
+                let mut row_behind = none.clone();
                 if let Some(after) = after {
-                    add(&mut row[next..], &after.entry, behind);
+                    add(&mut row_behind[next..], &after.entry, behind);
+                }
+                if closing && !before.is_empty() && !behind.is_empty() {
+                    joints.push([row, row_behind]);
+                    return;
+                }
+                for (slot, behind) in row.iter_mut().zip(row_behind) {
+                    *slot = *slot + behind;
                 }
                 rows.push(row);
             };
@@ -287,13 +314,18 @@ impl Phase {
             if after.is_none() {
                 add(&mut end[first..], &part.exit, &[(ETA, 1.0)]);
             }
-            first = next;
+            first += part.shapes.len();
         }
-        Phase { parts, rows, end }
+        Phase {
+            parts,
+            rows,
+            end,
+            joints,
+        }
     }
 
-    /// g and n, e^{Σ rT} of the exponents counted from the end taken out.
-    fn determinants(&self) -> [Scaled; 2] {
+    /// g and n, or D₁, −D₂, D₃ and D₀, e^{Σ rT} of the exponents counted from the end taken out.
+    fn determinants(&self) -> Value {
         let mut shapes = Scaled {
             value: ONE,
             derivative: ZERO,
@@ -318,14 +350,6 @@ impl Phase {
             });
             shapes = shapes.times(determinant(columns.collect()));
         }
-        let mut bordered = self.rows.clone();
-        for (index, row) in bordered.iter_mut().enumerate() {
-            // −det of the bordered matrix is n
-            row.push(Dual::constant(if index == 0 { -1.0 } else { 0.0 }));
-        }
-        let mut last = self.end.clone();
-        last.push(Dual::constant(0.0));
-        bordered.push(last);
         let inverse = Dual {
             at: shapes.value,
             by: shapes.derivative,
@@ -336,7 +360,58 @@ impl Phase {
             derivative: inverse.by,
             exponent: -shapes.exponent,
         };
-        [self.rows.clone(), bordered].map(|rows| determinant(rows).times(inverse))
+        let of = |rows: Vec<Vec<Dual>>| determinant(rows).times(inverse);
+        if !self.joints.is_empty() {
+            let mut powers: [Option<Scaled>; 4] = [None; 4];
+            for choice in 0..1_usize << self.joints.len() {
+                let mut rows = self.rows.clone();
+                let chosen = self
+                    .joints
+                    .iter()
+                    .enumerate()
+                    .map(|(index, [before, behind])| {
+                        let stands = choice >> index & 1 == 1;
+                        if stands { before } else { behind }.clone()
+                    });
+                rows.extend(chosen);
+                let found = of(rows);
+                let power = &mut powers[choice.count_ones() as usize];
+                *power = Some(power.map_or(found, |sum| sum.plus(found)));
+            }
+            let [none, one, two, three] = powers.map(|power| power.unwrap_or(shapes));
+            return Value {
+                unit: one,
+                trace: two.times(Scaled {
+                    value: -ONE,
+                    derivative: ZERO,
+                    exponent: 0.0,
+                }),
+                determinant: three,
+                layer: Some(none),
+                offset: 0.0,
+            };
+        }
+        let mut bordered = self.rows.clone();
+        for (index, row) in bordered.iter_mut().enumerate() {
+            // −det of the bordered matrix is n
+            row.push(Dual::constant(if index == 0 { -1.0 } else { 0.0 }));
+        }
+        let mut last = self.end.clone();
+        last.push(Dual::constant(0.0));
+        bordered.push(last);
+        Value::of_stick([self.rows.clone(), bordered].map(of))
+    }
+
+    /// The conditions with a value of ω.
+    fn closed(&self, turn: C64) -> Vec<Vec<C64>> {
+        let at = |row: &Vec<Dual>| row.iter().map(|entry| entry.at).collect();
+        let joined = self.joints.iter().map(|[before, behind]| {
+            let pairs = before.iter().zip(behind);
+            pairs
+                .map(|(before, behind)| before.at * turn + behind.at)
+                .collect()
+        });
+        self.rows.iter().map(at).chain(joined).collect()
     }
 }
 
@@ -458,22 +533,28 @@ impl Characteristic {
             .filter(|zones| !zones.is_empty())
             .map(|zones| {
                 let part = |zone: &LinearZone| Part::new(zone, self.shapes(zone, lambda));
-                Phase::new(zones.iter().map(part).collect())
+                Phase::new(zones.iter().map(part).collect(), !self.stick)
             })
             .collect()
     }
 
-    /// g and n of all phases, and Σ rT with its derivative of what was taken out of both.
-    pub(super) fn boundary_values(&self, lambda: C64) -> ([Scaled; 2], [C64; 2]) {
+    /// g and n of all phases, or what stands in their place without stick, and Σ rT with its derivative
+    /// of what was taken out of them.
+    pub(super) fn boundary_values(&self, lambda: C64) -> (Value, [C64; 2]) {
         let one = Scaled {
             value: ONE,
             derivative: ZERO,
             exponent: 0.0,
         };
-        let (mut values, mut common) = ([one; 2], [ZERO; 2]);
+        let (mut values, mut common) = (Value::of_stick([one; 2]), [ZERO; 2]);
         for phase in self.phases(lambda) {
             let found = phase.determinants();
-            values = [0, 1].map(|index| values[index].times(found[index]));
+            values = if self.stick {
+                let both = [(values.unit, found.unit), (values.trace, found.trace)];
+                Value::of_stick(both.map(|(one, other)| one.times(other)))
+            } else {
+                found
+            };
             for shape in phase.parts.iter().flat_map(|part| &part.shapes) {
                 common[0] += shape.r.at * shape.origin;
                 common[1] += shape.r.by * shape.origin;
@@ -482,15 +563,17 @@ impl Characteristic {
         (values, common)
     }
 
-    /// The motion at chosen times of every zone, for η = 1 at the first release. Also η at the end of the
-    /// period.
+    /// The motion at chosen times of every zone, for η = 1 at the first release; without stick the one
+    /// that the next period repeats z times, if there is one. Also η and η′ at the end of the period, η′ = 0
+    /// with stick.
     pub(super) fn material_states(
         &self,
         lambda: C64,
+        z: C64,
         times: impl Fn(&LinearZone) -> Vec<f64>,
-    ) -> (Vec<Vec<Motion>>, C64) {
+    ) -> (Vec<Vec<Motion>>, [C64; 2]) {
         let mut states = Vec::with_capacity(self.zones.len());
-        let mut eta = ONE;
+        let [mut eta, mut rate] = [ONE, ZERO];
         let mut phases = self.phases(lambda).into_iter();
         let mut zones = self.zones.iter().peekable();
         while let Some(&zone) = zones.peek() {
@@ -501,8 +584,9 @@ impl Characteristic {
                 continue;
             }
             let Some(phase) = phases.next() else { break };
-            let count = phase.rows.len();
-            let mut matrix = DMatrix::from_fn(count, count, |i, j| phase.rows[i][j].at);
+            let rows = phase.closed((-lambda * self.period).exp() / z);
+            let count = rows.len();
+            let mut matrix = DMatrix::from_fn(count, count, |i, j| rows[i][j]);
             let mut right = DVector::<C64>::zeros(count);
             right[0] = eta;
             for (index, mut row) in matrix.row_iter_mut().enumerate() {
@@ -510,10 +594,13 @@ impl Characteristic {
                 row.unscale_mut(size);
                 right[index] /= size;
             }
-            let amplitudes = matrix
-                .lu()
-                .solve(&right)
-                .unwrap_or_else(|| DVector::repeat(count, C64::from(f64::NAN)));
+            let solved = if self.stick {
+                matrix.lu().solve(&right)
+            } else {
+                let rows = matrix.svd(false, true).v_t;
+                rows.map(|rows| rows.row(count - 1).adjoint())
+            };
+            let amplitudes = solved.unwrap_or_else(|| DVector::repeat(count, C64::from(f64::NAN)));
             let mut first = 0;
             for part in &phase.parts {
                 let last = first + part.shapes.len();
@@ -531,10 +618,16 @@ impl Characteristic {
                 first = last;
                 zones.next();
             }
-            let end = phase.end.iter().zip(amplitudes.iter());
-            eta = end.map(|(row, amplitude)| row.at * amplitude).sum();
+            let at_end = |row: &[Dual]| -> C64 {
+                let pairs = row.iter().zip(amplitudes.iter());
+                pairs.map(|(row, amplitude)| row.at * amplitude).sum()
+            };
+            eta = at_end(&phase.end);
+            if let [[of_eta, _], [of_rate, _], ..] = &phase.joints[..] {
+                [eta, rate] = [at_end(of_eta), at_end(of_rate)];
+            }
         }
-        (states, eta)
+        (states, [eta, rate])
     }
 }
 
