@@ -208,11 +208,9 @@ fn contact_zone(
     let single = order == 1 && !takes_off && turning_points.len() == 1;
     for time in turning_points {
         let state = flow.state(slide, time)?;
-        // where the stick zone has no length, and with material damping, V̈ vanishes at the end too, but
-        // for rounding
+        // where the stick zone has no length V̈ vanishes at the end too, but for rounding
         let at_end = duration - time < AT_ARREST * wave.scales.time;
-        let flat = order == 2 || wave.material;
-        if flat && arrested && at_end && (state[1] - 1.0).abs() < AT_ARREST * AT_ARREST {
+        if order == 2 && arrested && at_end && (state[1] - 1.0).abs() < AT_ARREST * AT_ARREST {
             continue;
         }
         if single && (wave.material || (state[1] - 1.0).abs() < LOST) {

@@ -128,7 +128,7 @@ fn the_limit_is_the_spectrum_of_the_coulomb_impact() {
     ] {
         println!("{}", limit.0.signature);
         let undamped = leading(&window(&linearised(&limit)), -0.1);
-        assert!(undamped.len() > 1, "{undamped:?}");
+        assert!(!undamped.is_empty());
         let slopes = |beta: f64| -> Vec<C64> {
             let found = leading(&window(&linearised(&damped(&limit, beta))), -0.3);
             let nearest = |(sector, value): &(usize, C64)| {
@@ -471,7 +471,9 @@ fn eigenfunctions_close() {
 /// On Re λ = 0 far above 1/β the perturbation decays like e^{−s/β} wherever it does not stick.
 #[test]
 fn high_frequencies_decay_out_of_stick() {
-    for (beta, wave, point) in specimens() {
+    let (wave, point) = without_stick(0.0, 0.012);
+    let waves = specimens().into_iter().chain([(0.012, wave, point)]);
+    for (beta, wave, point) in waves {
         // e^{−T/β} is a number down to e^{−745}
         if beta < 2e-3 {
             continue;

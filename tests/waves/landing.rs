@@ -483,11 +483,33 @@ fn separation_opens_like_a_square_root() {
     assert!((2.0 * last - before).abs() < 1e-4, "{ratios:?}");
 }
 
+/// However thin the layers are, separation opens where it does.
+#[test]
+fn separation_opens_at_any_damping() {
+    let run = |beta: f64| {
+        let case = Case {
+            range: (0.04, 0.2),
+            ..with_material_damping(beta)
+        };
+        let run = case.follow(&[]);
+        assert_eq!(run.end, Some(End::Edge), "β = {beta}");
+        assert_eq!(kinds(&run), [RV, GR], "β = {beta}");
+        let last = run.points.last().expect("points");
+        assert!(last.wave.signature.has(Regime::Separation));
+        event(&run, GR).parameter
+    };
+    let slope = |beta: f64| (run(beta) - run(1e-9)) / (beta - 1e-9);
+    let (coarse, fine) = (slope(1e-6), slope(1e-8));
+    println!("observed: δ of GR over β: {coarse} {fine}");
+    // of second order in β, and the rounding of δ
+    assert!((coarse / fine - 1.0).abs() < 1e-3, "{coarse} {fine}");
+}
+
 /// From above GR down and back up: the same waves, whatever the damping.
 #[test]
 fn there_and_back() {
     let mut worst = 0.0_f64;
-    for beta in [5e-3, 1e-3, 1e-5, 1e-7, 1e-8, 1e-9] {
+    for beta in [5e-3, 1e-3, 1e-5, 1e-6, 1e-7] {
         let case = Case {
             range: (0.03, 0.2),
             ..with_material_damping(beta)
