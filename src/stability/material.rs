@@ -309,7 +309,7 @@ impl Characteristic {
 }
 
 /// A complex number with its derivative on the scale of the number.
-fn normalised(value: C64, derivative: C64) -> Scaled {
+pub(super) fn normalised(value: C64, derivative: C64) -> Scaled {
     let size = value.norm();
     if !(size > 0.0 && size.is_finite()) {
         return Scaled {

@@ -44,6 +44,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::dual::{Dual, determinant, inverse, simultaneous};
+use super::material::normalised;
 use super::perturbation::{C64, Characteristic, Jump, LinearZone, ONE, Scaled, Value, ZERO};
 use crate::model::signature::Regime;
 
@@ -378,7 +379,17 @@ impl Phase {
                 let power = &mut powers[choice.count_ones() as usize];
                 *power = Some(power.map_or(found, |sum| sum.plus(found)));
             }
-            let [none, one, two, three] = powers.map(|power| power.unwrap_or(shapes));
+            // of modulus one, for the exponents alone tell how large they are
+            let [none, one, two, three] = powers.map(|power| {
+                let of = power.unwrap_or(shapes);
+                let unit = normalised(of.value, of.derivative);
+                let exponent = if of.value == ZERO {
+                    f64::NEG_INFINITY
+                } else {
+                    unit.exponent + of.exponent
+                };
+                Scaled { exponent, ..unit }
+            });
             return Value {
                 unit: one,
                 trace: two.times(Scaled {
