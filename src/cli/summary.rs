@@ -179,7 +179,10 @@ fn aligned(table: &Table, chosen: &[&str]) -> String {
             let text = table.text(row, column);
             let number: Option<f64> = text.parse().ok().filter(|_| text.contains('.'));
             number.map_or(text.to_owned(), |number| match number.abs() {
-                size if size == 0.0 || (1e-3..1e6).contains(&size) => format!("{number:.6}"),
+                size if size == 0.0 || (1e-3..1e6).contains(&size) => {
+                    let before = size.max(1.0).log10() as usize;
+                    format!("{number:.*}", 6 - before)
+                }
                 _ => format!("{number:.3e}"),
             })
         };

@@ -82,6 +82,28 @@ fn frequencies_are_told_in_hertz_where_the_rotation_is_known() {
     assert!(refused.stderr.contains("in rad/s"), "{}", refused.stderr);
 }
 
+#[cfg(feature = "completions")]
+#[test]
+fn completions_and_the_manual_name_every_verb() {
+    let bench = Bench::new();
+    let help = bench.run(&["--help"]).expect(0).stdout;
+    let verbs = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let verbs = verbs.map_while(|line| line.split_whitespace().next());
+    let verbs: Vec<&str> = verbs.filter(|verb| *verb != "help").collect();
+    assert!(
+        verbs.contains(&"run") && verbs.contains(&"man"),
+        "{verbs:?}"
+    );
+    let manual = bench.run(&["man"]).expect(0).stdout;
+    for verb in &verbs {
+        assert!(manual.contains(&format!(".TH brakewave-{verb} ")), "{verb}");
+    }
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = bench.run(&["completions", shell]).expect(0).stdout;
+        assert!(verbs.iter().all(|verb| script.contains(verb)), "{shell}");
+    }
+}
+
 #[test]
 fn mode4_in_the_mismatch() {
     let wanted = [0.08, 0.045, 0.02, 0.004, 0.001];
