@@ -18,6 +18,7 @@ mod frame;
 mod inequality;
 mod krawczyk;
 mod perturbation;
+mod propagator;
 mod system;
 
 use serde::{Deserialize, Serialize};
