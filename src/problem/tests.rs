@@ -332,7 +332,7 @@ fn problems_survive_a_round_trip() {
     let tube = simulated("body: Annulus(around: 64, across: 4), start: SteadySliding, duration: 9");
     let own = ring.replace(
         "Wave(dir: \"r/x\", label: 3)",
-        "/* of its own */ Wave // bare",
+        "/* of its own */ Wave // bare\n",
     );
     let parsed = parse(&own, "p.ron").unwrap().simulation.unwrap();
     assert_eq!(parsed.start, SimulationStart::OwnWave);
