@@ -47,7 +47,7 @@ fn a_curve_resumed_after_any_step_takes_the_same_steps() {
                 let expected = steps.get(count + next);
                 assert_eq!(run.step().unwrap().as_ref(), expected, "{count} + {next}");
             }
-            if count + 2 >= steps.len() {
+            if count == steps.len() {
                 assert_eq!(run.curve(), whole);
             }
         }
