@@ -44,7 +44,7 @@
 //! Instants within a step are those of [`super::kernel`] and [`super::friction`].
 
 use super::friction::Friction;
-use super::kernel::{Nodes, StepConstants, windows};
+use super::kernel::{Nodes, StepConstants, differences, windows};
 
 /// What is handed out in a step of an impulse that has been handed out for `age` steps; the node is
 /// touched for the part `touched` of its first step, 1 in all others.
@@ -191,21 +191,4 @@ pub(crate) fn step<const R: usize, const WATCHED: bool, F: Friction>(
                 + (c.kick * (force_v - elastic_v) - alpha * mean_v) * mean_v;
         }
     }
-}
-
-/// The second difference with the weights `second` and the first with the weights `first`.
-#[inline(always)]
-fn differences<const R: usize>(
-    values: &[&[f64]; 7],
-    i: usize,
-    second: &[f64],
-    first: &[f64],
-) -> [f64; 2] {
-    let (mut bend, mut slope) = (second[0] * values[R][i], 0.0);
-    for k in 1..=R {
-        let (left, right) = (values[R - k][i], values[R + k][i]);
-        bend += second[k] * (left + right);
-        slope += first[k - 1] * (right - left);
-    }
-    [bend, slope]
 }

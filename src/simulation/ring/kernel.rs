@@ -183,6 +183,23 @@ pub(super) fn windows<const R: usize>(values: &[f64], from: usize, to: usize) ->
     })
 }
 
+/// The second difference with the weights `second` and the first with the weights `first`.
+#[inline(always)]
+pub(super) fn differences<const R: usize>(
+    values: &[&[f64]; 7],
+    i: usize,
+    second: &[f64],
+    first: &[f64],
+) -> [f64; 2] {
+    let (mut bend, mut slope) = (second[0] * values[R][i], 0.0);
+    for k in 1..=R {
+        let (left, right) = (values[R - k][i], values[R + k][i]);
+        bend += second[k] * (left + right);
+        slope += first[k - 1] * (right - left);
+    }
+    [bend, slope]
+}
+
 /// Takes the nodes `from..to` of a stretch through one step. U and V of the next instant go to
 /// `next`; the nodes within `R` of the range are read. `WATCHED` keeps account of work.
 #[inline(always)]
@@ -214,18 +231,8 @@ pub(crate) fn step<const R: usize, const WATCHED: bool, F: Friction>(
     };
     for i in 0..count {
         let (u0, v0) = (u[R][i], v[R][i]);
-        let mut bend_u = c.b[0] * u0;
-        let mut bend_v = c.a[0] * v0;
-        let mut slope_u = 0.0;
-        let mut slope_v = 0.0;
-        for k in 1..=R {
-            let (left, right) = (u[R - k][i], u[R + k][i]);
-            bend_u += c.b[k] * (left + right);
-            slope_u += c.coupling[k - 1] * (right - left);
-            let (left, right) = (v[R - k][i], v[R + k][i]);
-            bend_v += c.a[k] * (left + right);
-            slope_v += c.coupling[k - 1] * (right - left);
-        }
+        let [bend_u, slope_u] = differences::<R>(&u, i, &c.b, &c.coupling);
+        let [bend_v, slope_v] = differences::<R>(&v, i, &c.a, &c.coupling);
         let touched = share[i];
         let touches = touched != 0.0;
         let pressure = c.rest - slope_v;
