@@ -280,6 +280,15 @@ pub fn prove<N: Positive>(
     let impact = system.impact();
     let vanishing = Vanishing { near, condition };
     let frame = system.frame_at(x).ok_or(Unproven::Speed)?;
+    let zone_at = |index| -> Result<Zone<'_, _>, Unproven> {
+        Ok(Zone {
+            system,
+            x,
+            frame: &frame,
+            flow: system.flow(&frame, index).ok_or(Unproven::Speed)?,
+            index,
+        })
+    };
     let mut proven = 0;
     let mut hold = |holds: bool, otherwise: Unproven| {
         proven += usize::from(holds);
@@ -339,14 +348,7 @@ pub fn prove<N: Positive>(
                 } else {
                     -1.0
                 };
-                let flow = system.flow(&frame, index).ok_or(Unproven::Speed)?;
-                let looked = Zone {
-                    system,
-                    x,
-                    frame: &frame,
-                    flow,
-                    index,
-                };
+                let looked = zone_at(index)?;
                 // W − 1 at the ends
                 let at_start = match order {
                     0 if vanishing.is(Watch::LandingRate, index) => 1,
@@ -390,14 +392,7 @@ pub fn prove<N: Positive>(
                 if impact == Impact::Coulomb && next.entry == Entry::ArrestedLanding {
                     edge(Watch::Impulse)?;
                 }
-                let flow = system.flow(&frame, index).ok_or(Unproven::Speed)?;
-                let looked = Zone {
-                    system,
-                    x,
-                    frame: &frame,
-                    flow,
-                    index,
-                };
+                let looked = zone_at(index)?;
                 let at_start = order + usize::from(vanishing.is(Watch::Tension, index));
                 let at_end = 1 + usize::from(vanishing.is(Watch::LandingSpeed, index));
                 let touch = vanishing.is(Watch::Gap, index);
