@@ -13,7 +13,7 @@ use brakewave::simulation::ring::{Order, Ring, Setup, courant_step};
 use tempfile::TempDir;
 
 use crate::laws::rough;
-use crate::{parameters, results, setup, wave_at};
+use crate::{compare_grids, parameters, results, setup, wave_at};
 
 /// Mode-4 waves with the Coulomb impact, β = 0.
 fn coulomb(mismatch: f64) -> Profile {
@@ -162,27 +162,11 @@ fn eigenvalues(
     growth::averaged(parameters, &setup, profile, &request, 2, &mut || ()).expect("eigenvalues")
 }
 
-/// Compares with the eigenfunction problem. Where errors fall at least like the spacing, that of the finer
-/// grid is no larger than the difference of the two; to this come four standard errors of each.
+/// Rings of 96 and 192 points against the eigenfunction problem.
 #[track_caller]
 fn compare(wave: (&Profile, &Constants), how: (usize, usize, f64), exact: &[[f64; 2]], most: f64) {
     let sets = [96, 192].map(|points| eigenvalues(wave, how, points));
-    for [re, im] in exact {
-        let [coarse, fine] = [0, 1].map(|set: usize| {
-            let off = |value: &Eigenvalue| (value.re - re).hypot(value.im - im);
-            let nearest = sets[set]
-                .iter()
-                .min_by(|one, other| off(one).total_cmp(&off(other)));
-            *nearest.expect("an eigenvalue")
-        });
-        let off = (fine.re - re).hypot(fine.im - im);
-        let allowed = (fine.re - coarse.re).hypot(fine.im - coarse.im)
-            + 4.0 * (fine.scatter + coarse.scatter)
-            + fine.residual;
-        println!("observed: {re} {im}: {coarse:?} {fine:?} {off:e} {allowed:e}");
-        assert!(off <= allowed, "{re} {im}: {fine:?}, {off:e} {allowed:e}");
-        assert!(allowed < most, "{re} {im}: decides nothing, {allowed:e}");
-    }
+    compare_grids(&sets, exact, most);
 }
 
 /// Landing into stick and into slip, β = 0.

@@ -16,6 +16,7 @@ use std::sync::OnceLock;
 
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Constants, Impact};
+use brakewave::simulation::growth::Eigenvalue;
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Ring, Setup};
 use tempfile::TempDir;
@@ -152,4 +153,26 @@ pub fn scramble(index: usize) -> f64 {
     state = state.wrapping_mul(0xBF58_476D_1CE4_E5B9);
     state ^= state >> 27;
     (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+/// Compares eigenvalues of a coarse and a fine grid with those of the eigenfunction problem. Where errors fall at least like the spacing, that of the finer
+/// grid is no larger than the difference of the two; to this come four standard errors of each.
+#[track_caller]
+pub fn compare_grids(sets: &[Vec<Eigenvalue>; 2], exact: &[[f64; 2]], most: f64) {
+    for [re, im] in exact {
+        let [coarse, fine] = [0, 1].map(|set: usize| {
+            let off = |value: &Eigenvalue| (value.re - re).hypot(value.im - im);
+            let nearest = sets[set]
+                .iter()
+                .min_by(|one, other| off(one).total_cmp(&off(other)));
+            *nearest.expect("an eigenvalue")
+        });
+        let off = (fine.re - re).hypot(fine.im - im);
+        let allowed = (fine.re - coarse.re).hypot(fine.im - coarse.im)
+            + 4.0 * (fine.scatter + coarse.scatter)
+            + fine.residual;
+        println!("observed: {re} {im}: {coarse:?} {fine:?} {off:e} {allowed:e}");
+        assert!(off <= allowed, "{re} {im}: {fine:?}, {off:e} {allowed:e}");
+        assert!(allowed < most, "{re} {im}: decides nothing, {allowed:e}");
+    }
 }

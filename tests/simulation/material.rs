@@ -17,7 +17,7 @@ use brakewave::simulation::ring::{
 };
 use tempfile::TempDir;
 
-use crate::{GEOMETRY, results, scramble, setup, wave_at};
+use crate::{GEOMETRY, compare_grids, results, scramble, setup, wave_at};
 
 const MISMATCH: f64 = 0.4;
 
@@ -335,8 +335,7 @@ fn eigenvalues(
     growth::averaged(parameters, &setup, profile, &request, 2, &mut || ())
 }
 
-/// Compares with the eigenfunction problem. Where errors fall at least like the spacing, that of the finer
-/// grid is no larger than the difference of the two; to this come four standard errors of each.
+/// Rings of `points` and of twice as many per wavelength against the eigenfunction problem.
 #[track_caller]
 fn compare(
     wave: (&Profile, &Constants),
@@ -348,21 +347,7 @@ fn compare(
 ) {
     let sets =
         [points, 2 * points].map(|points| eigenvalues(wave, waves, sector, points).expect("some"));
-    for [re, im] in exact {
-        let [coarse, fine] = [0, 1].map(|set: usize| {
-            let off = |value: &Eigenvalue| (value.re - re).hypot(value.im - im);
-            let nearest = sets[set]
-                .iter()
-                .min_by(|one, other| off(one).total_cmp(&off(other)));
-            *nearest.expect("an eigenvalue")
-        });
-        let off = (fine.re - re).hypot(fine.im - im);
-        let allowed = (fine.re - coarse.re).hypot(fine.im - coarse.im)
-            + 4.0 * (fine.scatter + coarse.scatter)
-            + fine.residual;
-        assert!(off <= allowed, "{re} {im}: {fine:?}, {off:e} {allowed:e}");
-        assert!(allowed < most, "{re} {im}: decides nothing, {allowed:e}");
-    }
+    compare_grids(&sets, exact, most);
 }
 
 /// β = 0.005, c < 0: sectors 0 to 2, of which 1 fixes the sign of the phase.

@@ -7,11 +7,10 @@ use brakewave::model::signature::Regime;
 use brakewave::model::{Impact, Parameter};
 use brakewave::problem;
 use brakewave::stability::characteristic::Characteristic;
-use brakewave::stability::eigenfunction::eigenfunction;
-use brakewave::stability::spectrum::Spectrum;
 use brakewave::wave::{Scales, Wave};
 use nalgebra::{DMatrix, DVector};
 
+use crate::material::{eigenfunction_defects, leading};
 use crate::observed;
 use crate::waves::{C64, follow, window};
 
@@ -93,19 +92,6 @@ fn zero_is_an_eigenvalue() {
         worst,
     );
     assert!(worst < 1e-11, "{worst:e}");
-}
-
-/// Eigenvalues of a spectrum with Re λ above a bound.
-fn leading(spectrum: &Spectrum, least: f64) -> Vec<(usize, C64)> {
-    assert!(spectrum.complete);
-    let sectors = spectrum.sectors.iter();
-    sectors
-        .flat_map(|sector| {
-            let listed = spectrum.listed(sector);
-            listed.map(|one| (sector.sector, one.value()))
-        })
-        .filter(|(_, value)| value.re > least)
-        .collect()
 }
 
 /// (λ(β) − λ_C)/β tends to a limit, λ_C being the eigenvalues of the wave with Coulomb impacts, from a
@@ -454,12 +440,9 @@ fn eigenfunctions_close() {
     for (_, wave, point) in specimens() {
         let speed = wave.speed_at(&point);
         let characteristic = linearised(&(wave, point));
-        let spectrum = window(&characteristic);
-        for (sector, lambda) in leading(&spectrum, -0.3) {
-            let found = eigenfunction(&characteristic, speed, sector, lambda, 60);
-            closure = closure.max(found.closure_residual);
-            residual = residual.max(found.equation_residual);
-        }
+        let defects = eigenfunction_defects(&characteristic, speed);
+        closure = closure.max(defects[0]);
+        residual = residual.max(defects[1]);
     }
     observed("closure of eigenfunctions", closure);
     observed("their equations, by differences", residual);
