@@ -239,8 +239,8 @@ impl Characteristic {
                     }
                 }
                 Jump::Arrest => {
-                    unit = unit.times(normalised(v[0][1], v[1][1]));
-                    trace = trace.times(normalised(area[0][2], area[1][2]));
+                    unit = unit.times(Scaled::normalised(v[0][1], v[1][1]));
+                    trace = trace.times(Scaled::normalised(area[0][2], area[1][2]));
                     (v, area) = start();
                 }
                 _ => {}
@@ -305,23 +305,6 @@ impl Characteristic {
             .iter()
             .fold(0.0_f64, |size, term| size.max(term.norm()));
         (terms.into_iter().sum(), size)
-    }
-}
-
-/// A complex number with its derivative on the scale of the number.
-pub(super) fn normalised(value: C64, derivative: C64) -> Scaled {
-    let size = value.norm();
-    if !(size > 0.0 && size.is_finite()) {
-        return Scaled {
-            value,
-            derivative,
-            exponent: 0.0,
-        };
-    }
-    Scaled {
-        value: value / size,
-        derivative: derivative / size,
-        exponent: size.ln(),
     }
 }
 

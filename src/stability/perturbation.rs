@@ -42,6 +42,23 @@ pub struct Scaled {
 }
 
 impl Scaled {
+    /// A number of modulus one with its derivative, on the scale of the number given.
+    pub(super) fn normalised(value: C64, derivative: C64) -> Scaled {
+        let size = value.norm();
+        if !(size > 0.0 && size.is_finite()) {
+            return Scaled {
+                value,
+                derivative,
+                exponent: 0.0,
+            };
+        }
+        Scaled {
+            value: value / size,
+            derivative: derivative / size,
+            exponent: size.ln(),
+        }
+    }
+
     pub(super) fn times(self, other: Scaled) -> Scaled {
         Scaled {
             value: self.value * other.value,

@@ -84,13 +84,20 @@ impl fmt::Display for Reason {
                 let list: Vec<String> = sectors.iter().map(usize::to_string).collect();
                 write!(f, "sectors not asked for: {}", list.join(" "))
             }
-            Reason::Incomplete { listed, counted } => {
-                write!(f, "incomplete: {listed} growing eigenvalues listed")?;
-                match counted {
-                    Some(counted) => write!(f, " of {counted} counted"),
-                    None => f.write_str(" and not counted: a lower bound"),
-                }
-            }
+            Reason::Incomplete { listed, counted } => match counted {
+                Some(counted) if counted == listed => write!(
+                    f,
+                    "incomplete: all {listed} growing eigenvalues are listed but not all others"
+                ),
+                Some(counted) => write!(
+                    f,
+                    "incomplete: {listed} growing eigenvalues listed of {counted} counted"
+                ),
+                None => write!(
+                    f,
+                    "incomplete: {listed} growing eigenvalues listed and not counted: a lower bound"
+                ),
+            },
             Reason::OnAxis => f.write_str("an eigenvalue is on the imaginary axis"),
             Reason::NoWindow => f.write_str("a zone without length makes the spectrum singular"),
             Reason::Spent => f.write_str("the eigenvalues that a run may compute are used up"),

@@ -66,8 +66,12 @@ pub fn leading(spectrum: &Spectrum, least: f64) -> Vec<(usize, C64)> {
         .sectors
         .iter()
         .flat_map(|sector| {
-            let listed = spectrum.listed(sector);
-            listed.map(|one| (sector.sector, one.value()))
+            spectrum.listed(sector).map(|one| {
+                // the error that is stated is one of rounding, however small β is
+                let scale = 1.0 + one.value().norm();
+                assert!(one.error < 1e-12 * scale, "{one:?}");
+                (sector.sector, one.value())
+            })
         })
         .filter(|(_, value)| value.re > least)
         .collect()

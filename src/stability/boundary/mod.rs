@@ -44,7 +44,6 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::dual::{Dual, determinant, inverse, simultaneous};
-use super::material::normalised;
 use super::perturbation::{C64, Characteristic, Jump, LinearZone, ONE, Scaled, Value, ZERO};
 use crate::model::signature::Regime;
 
@@ -361,6 +360,12 @@ impl Phase {
             derivative: inverse.by,
             exponent: -shapes.exponent,
         };
+        // of modulus one, for the exponents alone tell how large they are
+        let unit = |of: Scaled| {
+            let unit = Scaled::normalised(of.value, of.derivative);
+            let exponent = unit.exponent + of.exponent;
+            Scaled { exponent, ..unit }
+        };
         let of = |rows: Vec<Vec<Dual>>| determinant(rows).times(inverse);
         if !self.joints.is_empty() {
             let mut powers: [Option<Scaled>; 4] = [None; 4];
@@ -379,16 +384,13 @@ impl Phase {
                 let power = &mut powers[choice.count_ones() as usize];
                 *power = Some(power.map_or(found, |sum| sum.plus(found)));
             }
-            // of modulus one, for the exponents alone tell how large they are
             let [none, one, two, three] = powers.map(|power| {
                 let of = power.unwrap_or(shapes);
-                let unit = normalised(of.value, of.derivative);
-                let exponent = if of.value == ZERO {
-                    f64::NEG_INFINITY
-                } else {
-                    unit.exponent + of.exponent
-                };
-                Scaled { exponent, ..unit }
+                let mut unit = unit(of);
+                if of.value == ZERO {
+                    unit.exponent = f64::NEG_INFINITY;
+                }
+                unit
             });
             return Value {
                 unit: one,
@@ -410,7 +412,7 @@ impl Phase {
         let mut last = self.end.clone();
         last.push(Dual::constant(0.0));
         bordered.push(last);
-        Value::of_stick([self.rows.clone(), bordered].map(of))
+        Value::of_stick([self.rows.clone(), bordered].map(|rows| unit(of(rows))))
     }
 
     /// The conditions with a value of ω.

@@ -89,6 +89,9 @@ pub(super) struct Edge {
 /// misses, h³F‴/12: the estimate from F itself, for h⁴F⁗/384 ≤ (hτ/32)·h³F‴/12.
 const MISSED: f64 = 0.25;
 
+/// The same without an a-priori bound: all that the trapezoidal rule misses, twice.
+const MISSED_WITHOUT_BOUND: f64 = 2.0;
+
 /// The a-priori bound (hτ)⁴/384 of the size of t and d is taken with their size at the samples, times
 /// this: paths that interfere there need not do so between.
 const INTERFERENCE: f64 = 2.0;
@@ -119,19 +122,14 @@ impl Search<'_> {
         let h = other.lambda - one.lambda;
         // on the scale of `one`
         let factor = (other.top - one.top).exp();
-        if self.characteristic.beta > 0.0 {
-            // not of exponential type: F moves by less than its own size and as predicted
-            return one.samples.iter().zip(&other.samples).all(|(a, b)| {
-                let (fa, fb) = (a.f, b.f * factor);
-                let least = fa.norm().min(fb.norm());
-                let moved = (fb - fa).norm();
-                let predicted = (a.by + b.by * factor) * h * 0.5;
-                moved <= 0.8 * least && (fa + predicted - fb).norm() <= 0.2 * least
-            });
-        }
         let square = h.norm_sqr() * self.delay * self.delay;
         let size = one.size.max(other.size * factor);
-        let bound = square * square / 384.0 * INTERFERENCE * size;
+        // with β > 0 F is not of exponential type, and only the estimate from F itself is left
+        let (share, bound) = if self.characteristic.beta > 0.0 {
+            (MISSED_WITHOUT_BOUND, 0.0)
+        } else {
+            (MISSED, square * square / 384.0 * INTERFERENCE * size)
+        };
         one.samples.iter().zip(&other.samples).all(|(a, b)| {
             let (fa, fb) = (a.f, b.f * factor);
             let (da, db) = (a.by * h, b.by * h * factor);
@@ -143,7 +141,7 @@ impl Search<'_> {
                 .min(along(fb))
                 .min(along(fa + da / 3.0))
                 .min(along(fb - db / 3.0));
-            least > (MISSED * missed + bound) * middle.norm_sqr().sqrt()
+            least > (share * missed + bound) * middle.norm_sqr().sqrt()
         })
     }
 

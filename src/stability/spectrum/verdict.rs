@@ -84,9 +84,12 @@ pub(super) fn verdict(
             return (Stability::No, vec![reason]);
         }
         if complete && settled(search.characteristic, high, top) {
-            let proven = reasons.is_empty();
-            let verdicts = [Stability::Undecided, Stability::Yes];
-            return (verdicts[usize::from(proven)], reasons);
+            let verdict = if reasons.is_empty() {
+                Stability::Yes
+            } else {
+                Stability::Undecided
+            };
+            return (verdict, reasons);
         }
     }
     reasons.push(unsettled);
