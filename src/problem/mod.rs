@@ -257,7 +257,7 @@ pub(crate) fn drawable_columns() -> Vec<String> {
                 residual leg";
     let names = ["point", "label"].into_iter().chain(later(false));
     let names = names.chain(wave.split_whitespace()).chain(later(true));
-    let names = names.chain(["condition", "expected_error"]);
+    let names = names.chain(["condition", "expected_error", "hertz"]);
     names.map(str::to_owned).collect()
 }
 

@@ -588,6 +588,7 @@ fn values_are_checked() {
         ("(event: HB, count: 1)", "(event: HB, count: 1), (event: HB, count: 2)", "HB", "HB is listed twice", "once"),
         ("PhasePlane, Friction]", "PhasePlane, PhasePlane]", "PhasePlane", "PhasePlane is listed twice", "once"),
         ("PhasePlane, Friction]", "Column(\"condition\")]", "Column(\"condition\")", "nothing without `conditioning`", "conditioning: true"),
+        ("PhasePlane, Friction]", "Column(\"hertz\")]", "Column(\"hertz\")", "the angular velocity", "rotation: 62.8"),
         ("PhasePlane, Friction]", "Column(\"smoothing\")]", "Column(\"smoothing\")", "this parameter", "Regularised"),
         ("profiles: 9", "profiles: 0", "PhasePlane", "nothing without profiles", "profiles: 9"),
         ("stability: (sectors: Only([0, 2]), eigenvalues: 8, max_frequency: 10.0),\n", "\n", "HB", "no HB is found without the section", "stability: ("),

@@ -437,6 +437,10 @@ impl Checks<'_> {
         const PROFILES: (&str, &str) = ("profiles", "add `profiles: 9` to `output`");
         const CONDITIONING: (&str, &str) =
             ("`conditioning`", "add `conditioning: true` to `output`");
+        const ROTATION: (&str, &str) = (
+            "the angular velocity of the shaft",
+            "add `rotation: 62.8` in rad/s to `output`",
+        );
         let Problem {
             stability, output, ..
         } = self.problem;
@@ -453,6 +457,7 @@ impl Checks<'_> {
                     (STABILITY, stability.is_some())
                 }
                 "condition" | "expected_error" => (CONDITIONING, output.conditioning),
+                "hertz" => (ROTATION, output.rotation.is_some()),
                 name => {
                     let lacking = Parameter::from_column(name)
                         .filter(|&parameter| self.problem.model.value(parameter).is_none())

@@ -27,6 +27,7 @@ pub(super) fn quantity(column: &str) -> Quantity {
         "lead_im" => ("leading", "Im λ"),
         "lead_sector" => ("sector of the leading eigenvalue", ""),
         "newton" => ("Newton iterations", ""),
+        "hertz" => ("frequency in hertz", ""),
         other => return Quantity::new(&other.replace('_', " "), ""),
     };
     Quantity::new(word, symbol)
