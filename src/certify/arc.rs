@@ -12,27 +12,32 @@
 //! and then its tangent is within r/h of t. A point between two pieces lies in both tubes, so that their curves
 //! are one. All inequalities hold over every piece. Next to an end, where the margin of the event vanishes, what
 //! is not positive over the piece grows from there. Where x_κ is the parameter there is no fold; otherwise the
-//! tangent says so, or next to a fold Krawczyk's operator: it is the only one in the tube.
+//! tangent says so, or next to a fold Krawczyk's operator: it is the only one in the tube. A zone that opens where
+//! its neighbours touch a limit has, like a fold, a length in which the parameter is stationary at the event.
+//!
+//! An arc that begins at a change of regime begins with its wave in the signature beyond ([`super::change`]).
 //!
 //! Compare J.B. van den Berg, J.-P. Lessard, K. Mischaikow, Math. Comp. 79 (2010) 1565.
 
+use super::change::{self, NotBeyond};
+use super::equations::Evaluated;
 use super::inequality::{self, Part, Unproven};
 use super::krawczyk::{self, Chord};
-use super::system::{Condition, Evaluated, System};
+use super::system::{Condition, Near, Posed, System};
 use super::{Proof, units};
-use crate::interval::{Decimal, Gradient, Interval};
+use crate::interval::{Gradient, Interval};
 use crate::linalg::{Matrix, kernel};
 use crate::wave::admissibility::Watch;
 
 /// Why an arc is not proven.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Broken {
     /// An end is not.
     #[error("an end is not proven")]
     End,
     /// It begins where the signature changes.
-    #[error("not covered: at its beginning a zone opens or closes")]
-    Change,
+    #[error("beyond the event that it begins with: {0}")]
+    Beyond(#[from] NotBeyond),
     /// The two ends have different signatures or models.
     #[error("not covered: its ends are not waves of one signature")]
     Apart,
@@ -74,24 +79,40 @@ impl Joint {
     }
 }
 
+/// A point of the branch, in doubles.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    near: &'a Near,
+    condition: &'a Condition,
+}
+
+impl<'a> Place<'a> {
+    fn new(near: &'a Near, condition: &'a Condition) -> Place<'a> {
+        Place { near, condition }
+    }
+
+    /// The zone that has no length here.
+    fn closed(&self) -> Option<usize> {
+        match self.condition {
+            Condition::Margin { watch, zone, .. } if *watch == Watch::Duration => Some(*zone),
+            _ => None,
+        }
+    }
+}
+
 /// An end of the arc.
 struct Ending<'a> {
-    system: System<'a>,
+    place: Place<'a>,
     joint: Joint,
-    /// The zero of its own equations, in doubles.
-    guess: Vec<f64>,
+    /// The equations of a fold and their zero in doubles, where the parameter is stationary along the arc.
+    fold: Option<(System<'a>, Vec<f64>)>,
     /// e₀ of the arc over that of the end.
     ratio: Interval,
 }
 
 impl<'a> Ending<'a> {
-    fn new(proof: &'a Proof, steps: &[usize], excess: f64) -> Option<Ending<'a>> {
-        let Proof {
-            posed,
-            near,
-            condition,
-            ..
-        } = proof;
+    fn new(posed: &'a Posed, place: Place<'a>, steps: &[usize], excess: f64) -> Option<Ending<'a>> {
+        let Place { near, condition } = place;
         let (system, guess) = System::cut(posed, near, condition, Some(steps))?;
         let equations = |x: &[Interval]| system.evaluate(x);
         let units = units(&system, &guess, near, posed.unit);
@@ -104,10 +125,12 @@ impl<'a> Ending<'a> {
         let ratio = Interval::point(near.excess) / Interval::point(excess);
         let index = at.len() - 2;
         at[index] = (Interval::ONE + at[index]) * ratio - Interval::ONE;
+        let stationary = *condition == Condition::Fold || change::is_touch(posed, near, condition);
+        let fold = stationary.then(|| System::cut(posed, near, &Condition::Fold, Some(steps)));
         Some(Ending {
-            system,
+            place,
             joint: Joint::new(at),
-            guess,
+            fold: fold.flatten(),
             ratio,
         })
     }
@@ -180,39 +203,104 @@ impl Piece {
 /// Proves that between two points of a branch the waves are one curve, on which no fold and no change of regime
 /// lies; returns the number of pieces.
 pub fn prove(from: &Proof, to: &Proof) -> Result<usize, Broken> {
-    let signature = &from.near.signature;
-    if from.after.as_ref().is_some_and(|after| after != signature) {
-        return Err(Broken::Change);
-    }
     let posed = &from.posed;
-    if posed.fixed() != to.posed.fixed() || *signature != to.near.signature {
+    let begin = match &from.beyond {
+        Some(beyond) => {
+            change::prove(posed, &from.near, &from.condition, beyond)?;
+            Place::new(&beyond.near, &beyond.condition)
+        }
+        None => Place::new(&from.near, &from.condition),
+    };
+    let end = Place::new(&to.near, &to.condition);
+    if posed.fixed() != to.posed.fixed() || begin.near.signature != end.near.signature {
         return Err(Broken::Apart);
     }
-    let value = Condition::Value(Decimal::of(from.near.parameter));
-    let steps = |proof: &Proof| {
-        let (system, _) = System::new(posed, &proof.near, &value)?;
-        let zones = 0..signature.len();
+    // where a zone opens or closes it is one step; where it is longer at the other end it is cut anew between
+    let stops = [waypoint(posed, begin, end)?, waypoint(posed, end, begin)?];
+    let stops: Vec<(Near, Condition)> = stops.into_iter().flatten().collect();
+    let between = stops.iter().map(|(near, value)| Place::new(near, value));
+    let places: Vec<Place> = [begin].into_iter().chain(between).chain([end]).collect();
+    let legs = places.windows(2);
+    let legs = legs.map(|ends| Arc::between(posed, [ends[0], ends[1]]));
+    let legs: Vec<Arc> = legs.collect::<Result<_, _>>()?;
+    for (both, (near, _)) in legs.windows(2).zip(&stops) {
+        let cuts = [&both[0].system, &both[1].system];
+        if !change::is_cut_anew(posed, near, cuts) {
+            return Err(Broken::Tube(near.parameter));
+        }
+    }
+    legs.iter().map(Arc::prove).sum()
+}
+
+/// Steps of every zone at a point; what is one or two steps at two points is one on the way.
+fn steps(posed: &Posed, places: [Place; 2]) -> Option<Vec<usize>> {
+    let [one, other] = places.map(|Place { near, .. }| {
+        let (system, _) = System::new(posed, near, &near.value())?;
+        let zones = 0..near.signature.len();
         Some(zones.map(|zone| system.steps(zone)).collect::<Vec<_>>())
-    };
-    let both = steps(from).zip(steps(to)).ok_or(Broken::End)?;
-    // a zone that closes is one step to the last: at most two radians
-    let steps = both.0.iter().zip(&both.1).map(|both| match both {
-        (1, 2) | (2, 1) => 1,
-        (a, b) => *a.max(b),
     });
-    let steps: Vec<usize> = steps.collect();
-    let begin = System::cut(posed, &from.near, &value, Some(&steps));
-    let (system, guess) = begin.ok_or(Broken::End)?;
-    let ending = |proof| Ending::new(proof, &steps, from.near.excess).ok_or(Broken::End);
-    let arc = Arc {
-        units: units(&system, &guess, &from.near, posed.unit),
-        ends: [ending(from)?, ending(to)?],
-        system,
+    let both = one?.into_iter().zip(other?).enumerate();
+    let steps = both.map(|(zone, both)| match both {
+        (1, 2) | (2, 1) => 1,
+        _ if places.iter().any(|place| place.closed() == Some(zone)) => 1,
+        (a, b) => a.max(b),
+    });
+    Some(steps.collect())
+}
+
+/// The point on an arc at which a zone that opens or closes at an end has grown to [`STEP`], and its condition, where
+/// the zone is more than two steps at the other end.
+fn waypoint(posed: &Posed, end: Place, other: Place) -> Result<Option<(Near, Condition)>, Broken> {
+    /// Radians of the zone.
+    const STEP: f64 = 1.5;
+    /// Steps in which it is reached.
+    const STRIDES: usize = 16;
+    let lost = Broken::Tube(end.near.parameter);
+    let Some(zone) = end.closed() else {
+        return Ok(None);
     };
-    // a fold does not say which of its two sides leads to the other end
-    match arc.follow(1.0) {
-        Err(_) if from.condition == Condition::Fold => arc.follow(-1.0),
-        followed => followed,
+    let long = steps(posed, [other, other]).ok_or(Broken::End)?;
+    if long[zone] <= 2 {
+        return Ok(None);
+    }
+    let arc = Arc::between(posed, [end, end])?;
+    let reached = || {
+        let mut joint = arc.ends[0].joint.clone();
+        let frame = arc.system.frame_at(&joint.at)?;
+        let longest = STEP / arc.system.flow(&frame, zone)?.norm();
+        for stride in 1..=STRIDES {
+            let length = longest * stride as f64 / STRIDES as f64;
+            let tangent = arc.tangent(&joint)?;
+            joint = arc.joint(&joint, &tangent, arc.system.duration(zone), length)?;
+        }
+        Some(arc.system.refined(&joint.near))
+    };
+    let near: Near = reached().ok_or(lost)?;
+    let value = near.value();
+    Ok(Some((near, value)))
+}
+
+impl<'a> Arc<'a> {
+    fn between(posed: &'a Posed, ends: [Place<'a>; 2]) -> Result<Arc<'a>, Broken> {
+        let steps = steps(posed, ends).ok_or(Broken::End)?;
+        let near = ends[0].near;
+        let (system, guess) =
+            System::cut(posed, near, &near.value(), Some(&steps)).ok_or(Broken::End)?;
+        let [first, last] =
+            ends.map(|place| Ending::new(posed, place, &steps, near.excess).ok_or(Broken::End));
+        Ok(Arc {
+            units: units(&system, &guess, near, posed.unit),
+            ends: [first?, last?],
+            system,
+        })
+    }
+
+    fn prove(&self) -> Result<usize, Broken> {
+        // a fold does not say which of its two sides leads to the other end
+        match self.follow(1.0) {
+            Err(_) if *self.ends[0].place.condition == Condition::Fold => self.follow(-1.0),
+            followed => followed,
+        }
     }
 }
 
@@ -222,9 +310,13 @@ impl Arc<'_> {
         let [excess, parameter] = self.system.tail();
         let [first, last] = self.ends.each_ref().map(|end| &end.joint);
         let whole = |coordinate: usize| last.near[coordinate] - first.near[coordinate];
-        // which way the arc leaves: in the parameter, or at a fold in the speed
-        let folded = *self.ends[0].system.condition == Condition::Fold;
-        let lead = if folded { excess } else { parameter };
+        // which way the arc leaves: in the parameter, at a fold in the speed, or so that a zone opens
+        let begin = self.ends[0].place;
+        let (lead, way) = match begin.closed() {
+            Some(zone) => (self.system.duration(zone), 1.0),
+            None if *begin.condition == Condition::Fold => (excess, whole(excess) * side),
+            None => (parameter, whole(parameter)),
+        };
         let mut before: Option<Vec<f64>> = None;
         let mut joint = first.clone();
         let mut longest = f64::INFINITY;
@@ -236,7 +328,7 @@ impl Arc<'_> {
             let tangent = self.tangent(&joint).ok_or(Broken::Tube(value))?;
             let forward = match &before {
                 Some(before) => before.iter().zip(&tangent).map(|(a, b)| a * b).sum(),
-                None => tangent[lead] * whole(lead) * side,
+                None => tangent[lead] * way,
             };
             let forward = f64::signum(forward);
             // what moves most: the parameter, unless another does by far
@@ -357,7 +449,7 @@ impl Arc<'_> {
         if turns && !self.is_only_fold(&piece) {
             return Err(Broken::Fold(value));
         }
-        let condition = self.system.condition;
+        let condition = &self.system.condition;
         let over = |part, x: &[Interval]| inequality::prove(&self.system, condition, part, x);
         let held = match piece.next_to {
             None => over(Part::All, &hull),
@@ -372,12 +464,7 @@ impl Arc<'_> {
                     })
                     .collect();
                 // a zone that closes there has nothing to grow from
-                let closed = match self.ends[end].system.condition {
-                    Condition::Margin { watch, zone, .. } if *watch == Watch::Duration => {
-                        Some(*zone)
-                    }
-                    _ => None,
-                };
+                let closed = self.ends[end].place.closed();
                 let rest = closed.map_or(Part::All, Part::But);
                 inequality::prove(&self.system, condition, rest, &moving)
                     .and_then(|_| closed.map_or(Ok(0), |zone| over(Part::Within(zone), &hull)))
@@ -387,14 +474,14 @@ impl Arc<'_> {
             .map_err(|reason| Broken::Inequality(value, reason))
     }
 
-    /// Whether a piece next to a fold has no other.
+    /// Whether a piece next to an end where the parameter is stationary has no other such point.
     fn is_only_fold(&self, piece: &Piece) -> bool {
         let Some(end) = piece.next_to.map(|end| &self.ends[end]) else {
             return false;
         };
-        if *end.system.condition != Condition::Fold {
+        let Some((system, guess)) = &end.fold else {
             return false;
-        }
+        };
         let [excess, parameter] = self.system.tail();
         let ratio = Interval::ONE / end.ratio;
         let mut x = piece.hull();
@@ -403,12 +490,12 @@ impl Arc<'_> {
         let mut v = piece.tangent();
         v.truncate(parameter);
         v[excess] = v[excess] * ratio;
-        let weights = end.system.normal().iter().zip(&v);
+        let weights = system.normal().iter().zip(&v);
         let size = weights.fold(Interval::ZERO, |sum, (weight, v)| {
             sum + Interval::point(*weight) * *v
         });
         x.extend(v.iter().map(|v| *v / size));
-        let equations = |x: &[Interval]| end.system.evaluate(x);
-        krawczyk::is_only_zero(&equations, &end.guess, &x)
+        let equations = |x: &[Interval]| system.evaluate(x);
+        krawczyk::is_only_zero(&equations, guess, &x)
     }
 }

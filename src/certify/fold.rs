@@ -1,6 +1,7 @@
 //! A fold: the equations of the wave, and those of the direction in which the parameter is stationary.
 
-use super::system::{EXCESS, Evaluated, PARAMETER, SLOTS, System, Term};
+use super::equations::{Evaluated, Term};
+use super::system::{EXCESS, PARAMETER, SLOTS, System};
 use crate::interval::{Gradient, Interval, Number};
 use crate::linalg::{Matrix, kernel};
 

@@ -176,15 +176,15 @@ impl<N: Positive> Zone<'_, N> {
                     .function(&backwards, quantity, order_there)
                     .is_positive(time.scaled(half), -1.0)
         });
-        halves
-            || steps == 1
-                && touched.is_none()
-                && self.is_positive_at_once(quantity, at_start, at_end)
+        halves || touched.is_none() && self.is_positive_at_once(quantity, at_start, at_end)
     }
 
-    /// The same over a zone that may be as short as one likes: in its halves the function may be, too, where
-    /// it vanishes at the other end.
+    /// The same over a zone of one step that may be as short as one likes: in its halves the function may be, too,
+    /// where it vanishes at the other end.
     fn is_positive_at_once(&self, quantity: Quantity, at_start: usize, at_end: usize) -> bool {
+        if self.system.steps(self.index) > 1 {
+            return false;
+        }
         let (state, time) = self.system.step_at(self.x, self.index, 0);
         let forwards = self.flow.series(state);
         match (at_start, at_end) {
@@ -251,9 +251,9 @@ impl Vanishing<'_> {
 pub enum Part {
     /// All.
     All,
-    /// All but those within a zone. It may have a length.
+    /// All but those within a zone, which opens or closes: it may be as short as one likes.
     But(usize),
-    /// Those within a zone.
+    /// Those within such a zone.
     Within(usize),
 }
 
@@ -265,6 +265,28 @@ impl Part {
             Part::Within(one) => zone == one,
         }
     }
+
+    fn is_within(self) -> bool {
+        matches!(self, Part::Within(_))
+    }
+}
+
+/// P/T² just after a separation that lasts T, however short. With P = 0 at take-off P is κ(w₁T + w₂T² + …) at its
+/// end, w and u being the coefficients of W and U − δ, and u₃ + u₄T + … = 0, u₃ = −κw₁/6m_b. A Coulomb impact adds
+/// to it.
+fn landing_pressure<N: Number>(
+    system: &System,
+    frame: &Frame<N>,
+    x: &[N],
+    zone: usize,
+) -> Option<N> {
+    if system.steps(zone) > 1 {
+        return None;
+    }
+    let (state, time) = system.step_at(x, zone, 0);
+    let series = system.flow(frame, zone)?.series(state);
+    let rest = frame.mb.scaled(Interval::point(6.0)) * series.at(GAP, time, 4);
+    Some(frame.kappa * series.at(W, time, 2) + rest)
 }
 
 /// Proves inequalities of a wave over intervals of its unknowns, but for the margin that vanishes at the
@@ -306,7 +328,7 @@ pub fn prove<N: Positive>(
         let zone = near.signature.zone(index);
         let next = near.signature.zone(index + 1);
         let duration = x[system.duration(index)];
-        if !matches!(part, Part::Within(_)) {
+        if !part.is_within() {
             hold(duration.is_positive(), Unproven::Duration(index))?;
         }
         if !part.has(index) {
@@ -367,12 +389,19 @@ pub fn prove<N: Positive>(
                 if sigma > 0.0 || next.entry == Entry::TakeOff {
                     let closed =
                         |zone| vanishing.closed_as(zone, Regime::Separation, Entry::TakeOff);
-                    let at_start =
-                        match (closed(before), vanishing.is(Watch::LandingPressure, index)) {
-                            (true, _) => 2,
-                            (_, true) => 1,
-                            _ => 0,
-                        };
+                    let short = part == Part::But(before % zones)
+                        && near.signature.zone(before).entry == Entry::TakeOff;
+                    if short {
+                        let there = landing_pressure(system, &frame, x, before % zones);
+                        let holds = there.is_some_and(|there| there.is_positive());
+                        hold(holds, Unproven::Pressure(index))?;
+                    }
+                    let at_start = match closed(before) {
+                        true => 2,
+                        // P is more than there
+                        false if short || vanishing.is(Watch::LandingPressure, index) => 1,
+                        false => 0,
+                    };
                     let at_end = match next.entry {
                         Entry::TakeOff if closed(index + 1) => 2,
                         Entry::TakeOff => 1,
@@ -386,6 +415,11 @@ pub fn prove<N: Positive>(
                     let pressure = frame.weight + frame.kappa;
                     hold(pressure.is_positive(), Unproven::Pressure(index))?;
                 }
+            }
+            Regime::Separation if part.is_within() => {
+                // (U − δ)/tᵐ falls to 0 at the end: U̇ < 0 there
+                let open = zone_at(index)?.is_positive_at_once(Quantity::Gap, order, 1);
+                hold(open, Unproven::Gap(index))?;
             }
             Regime::Separation => {
                 edge(Watch::LandingSpeed)?;

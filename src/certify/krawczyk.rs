@@ -9,7 +9,7 @@
 //! contains every zero in X; if it lies inside X there is exactly one, and it is regular (R. Krawczyk 1969;
 //! R.E. Moore 1977). C is about the inverse of F′(m) in doubles: it need not be exact.
 
-use super::system::Evaluated;
+use super::equations::Evaluated;
 use crate::interval::Interval;
 use crate::linalg::{Factors, Matrix, Vector};
 
@@ -216,7 +216,7 @@ pub fn is_only_zero(equations: &impl Equations, middle: &[f64], x: &[Interval]) 
     };
     let reach = x.iter().zip(middle);
     let mut radius: Vec<f64> = reach
-        .map(|(x, m)| (*x - Interval::point(*m)).magnitude())
+        .map(|(x, m)| (*x - Interval::point(*m)).magnitude() + f64::MIN_POSITIVE)
         .collect();
     for _ in 0..INFLATIONS {
         let Some(defect) = defect(equations, &inverse, &boxed(middle, &radius)) else {

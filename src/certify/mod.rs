@@ -12,6 +12,8 @@
 //! A [`Certificate`] has what is needed to do steps 2 to 4 again without continuation.
 
 mod arc;
+mod change;
+mod equations;
 mod flow;
 mod fold;
 mod frame;
@@ -30,11 +32,13 @@ use crate::branch::run::Item;
 use crate::branch::special::{Change, Special};
 use crate::flow::method::Method;
 use crate::interval::{Decimal, Interval};
-use crate::model::signature::{Entry, Signature, switches};
+use crate::linalg::Vector;
+use crate::model::signature::{Entry, switches};
 use crate::model::{EventType, Impact, Parameter};
 use crate::problem::{decimal_at, decimal_of};
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch};
+pub use change::Beyond;
 pub use frame::{Origin, Written};
 use inequality::Part;
 pub use inequality::Unproven;
@@ -135,8 +139,8 @@ pub struct Proof {
     pub posed: Posed,
     /// What singles out the point.
     pub condition: Condition,
-    /// Signature beyond a change of regime, as the continuation found it.
-    pub after: Option<Signature>,
+    /// The wave beyond a change of regime, as the continuation has entered it.
+    pub beyond: Option<Beyond>,
     /// The wave in doubles.
     pub near: Near,
     /// What is proven.
@@ -254,20 +258,11 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
     let value = event.model.value(wave.parameter).unwrap_or(f64::NAN);
     let prepared = || -> Result<Proof, Open> {
         covered(wave)?;
-        let (condition, after) = condition(special, || match special {
+        let (condition, beyond) = condition(wave, point, special, || match special {
             Special::User(..) | Special::Edge(..) => decimal_of(text, "continuation", value),
             _ => decimal_of(text, wave.parameter.path(), value),
         })?;
-        let near = Near {
-            signature: wave.signature.clone(),
-            zones: wave
-                .unpack(point)
-                .iter()
-                .map(|[y, w, t, ..]| [*y, *w, *t])
-                .collect(),
-            excess: wave.excess_at(point),
-            parameter: wave.parameter_at(point),
-        };
+        let near = Near::new(wave, point);
         let posed = Posed {
             written: Written::new(&wave.model, |path| decimal_at(text, path)),
             impact: wave.model.impact,
@@ -275,7 +270,7 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
             mode: wave.mode,
             unit: wave.scales.parameter.abs(),
         };
-        let proof = prove(posed, near, condition, after)?;
+        let proof = prove(posed, near, condition, beyond)?;
         let eigenvalues = match &proof.condition {
             Condition::Value(_) => eigenvalues(&proof, &leading(&item.eigenvalues))?,
             _ => Vec::new(),
@@ -306,7 +301,7 @@ pub fn prove(
     posed: Posed,
     near: Near,
     condition: Condition,
-    after: Option<Signature>,
+    beyond: Option<Beyond>,
 ) -> Result<Proof, Open> {
     let (system, guess) = system(&posed, &near, &condition)?;
     let equations = |x: &[Interval]| system.evaluate(x);
@@ -317,7 +312,7 @@ pub fn prove(
     Ok(Proof {
         posed,
         condition,
-        after,
+        beyond,
         near,
         statement,
         eigenvalues: Vec::new(),
@@ -380,11 +375,13 @@ fn lands_with_impulse(posed: &Posed, near: &Near) -> bool {
     posed.impact == Impact::Coulomb && (0..near.signature.len()).any(impact)
 }
 
-/// What singles out a special point, and the signature beyond it.
+/// What singles out a special point, and the wave beyond it.
 fn condition(
+    wave: &Wave,
+    point: &Vector,
     special: &Special,
     value: impl Fn() -> Decimal,
-) -> Result<(Condition, Option<Signature>), Open> {
+) -> Result<(Condition, Option<Beyond>), Open> {
     Ok(match special {
         Special::User(..) | Special::Edge(..) | Special::Start | Special::Closed => {
             (Condition::Value(value()), None)
@@ -394,13 +391,9 @@ fn condition(
             return Err(Open::Undriven);
         }
         Special::Change(change) => {
-            let Margin {
-                watch, zone, time, ..
-            } = change.margin;
-            (
-                Condition::Margin { watch, zone, time },
-                change.after.clone(),
-            )
+            let entered = || Beyond::new(wave, point, change).ok_or(Open::Signature);
+            let beyond = change.after.as_ref().map(|_| entered()).transpose()?;
+            (change.margin.into(), beyond)
         }
         Special::HopfPoint | Special::StickOpens => return Err(Open::Family),
         Special::Crossing { sector, omega, .. } => {
@@ -452,7 +445,7 @@ fn units(system: &System, guess: &[f64], near: &Near, parameter_unit: f64) -> Ve
 fn system<'a>(
     posed: &'a Posed,
     near: &'a Near,
-    condition: &'a Condition,
+    condition: &Condition,
 ) -> Result<(System<'a>, Vec<f64>), Open> {
     let signature = &near.signature;
     let follows = |index: usize| {
@@ -518,7 +511,7 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
     let Proof {
         posed,
         condition,
-        after,
+        beyond,
         near,
         statement: said,
         eigenvalues: spectrum,
@@ -529,7 +522,7 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
     if !(posed.unit > 0.0 && posed.unit.is_finite()) {
         return Err(Refused::Statement("the unit of the parameter"));
     }
-    check_kind(point.kind, near, condition, after.as_ref())?;
+    check_kind(point.kind, near, condition, beyond.as_ref())?;
     let proven = statement(posed, near, condition, Some(said.unique))?;
     // without the room that both have; a statement that says less is as true, but is not what was written
     let same = |said: Interval, proven: Interval| {
@@ -576,7 +569,7 @@ fn check_kind(
     said: EventType,
     near: &Near,
     condition: &Condition,
-    after: Option<&Signature>,
+    beyond: Option<&Beyond>,
 ) -> Result<(), Refused> {
     let found = match condition {
         // of a value the certificate does not say who asked for it
@@ -596,7 +589,8 @@ fn check_kind(
                 jet: Default::default(),
                 beyond: Default::default(),
             };
-            Change::new(&near.signature, after.cloned(), margin).kind
+            let after = beyond.map(|beyond| beyond.near.signature.clone());
+            Change::new(&near.signature, after, margin).kind
         }
     };
     if found == said {

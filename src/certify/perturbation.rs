@@ -11,6 +11,7 @@
 //! zero: with G(s, λ) = 0 for the eigenvalue, (G_s, iG_λ) are independent over the real numbers exactly if
 //! Re dλ/ds ≠ 0.
 
+use super::equations::Evaluated;
 use super::flow::{GAP_RATE, W, Y};
 use super::frame::Frame;
 use super::krawczyk;
@@ -18,7 +19,7 @@ use super::propagator::{
     Complex, ETA, ETA_RATE, Linear, Perturbation, RADIAL, RADIAL_RATE, combined, dimension, dot,
     nothing, unit,
 };
-use super::system::{Condition, EXCESS, Evaluated, PARAMETER, SLOTS, System, TIME};
+use super::system::{Condition, EXCESS, PARAMETER, SLOTS, System, TIME};
 use crate::interval::{Gradient, Interval, Number, PI};
 use crate::linalg::{Matrix, least};
 use crate::model::signature::Entry;
@@ -165,7 +166,7 @@ fn course(transfers: &[Transfer], start: Perturbation<Interval>) -> Vec<Perturba
 impl System<'_> {
     /// Where λ of a crossing and its eigenfunction stand.
     pub(super) fn crossing(&self) -> Option<Place> {
-        match self.condition {
+        match &self.condition {
             Condition::Crossing { sector, .. } => Some(Place {
                 sector: *sector,
                 growth: None,
@@ -216,7 +217,7 @@ impl System<'_> {
 
     /// λ and the eigenfunction of a crossing next to a wave in doubles.
     pub(super) fn crossing_near(&self, guess: &[f64]) -> Option<Vec<f64>> {
-        let Condition::Crossing { omega, .. } = self.condition else {
+        let Condition::Crossing { omega, .. } = &self.condition else {
             return Some(Vec::new());
         };
         let numbers = guess.iter().chain([omega]);

@@ -11,12 +11,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::flow::{Flow, GAP, GAP_RATE, W, Y};
+use super::flow::Flow;
 use super::frame::{Frame, Origin, Written};
-use crate::interval::{Decimal, Gradient, Interval, Number, PI};
+use crate::interval::{Decimal, Interval, Number};
+use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime, Signature};
 use crate::model::{Impact, Parameter};
-use crate::wave::admissibility::Watch;
+use crate::wave::Wave;
+use crate::wave::admissibility::{Margin, Watch};
 
 /// What singles out a point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,6 +43,15 @@ pub enum Condition {
         /// Time after the entry of the zone at which a local minimum lies; 0 for other margins.
         time: f64,
     },
+}
+
+impl From<Margin> for Condition {
+    fn from(margin: Margin) -> Condition {
+        let Margin {
+            watch, zone, time, ..
+        } = margin;
+        Condition::Margin { watch, zone, time }
+    }
 }
 
 /// A model and the parameter of a branch, in decimals.
@@ -96,6 +107,24 @@ pub struct Near {
     pub parameter: f64,
 }
 
+impl Near {
+    /// The wave by the value of its parameter.
+    pub(super) fn value(&self) -> Condition {
+        Condition::Value(Decimal::of(self.parameter))
+    }
+
+    /// A wave of a branch.
+    pub(super) fn new(wave: &Wave, point: &Vector) -> Near {
+        let zones = wave.unpack(point);
+        Near {
+            signature: wave.signature.clone(),
+            zones: zones.iter().map(|[y, w, t, ..]| [*y, *w, *t]).collect(),
+            excess: wave.excess_at(point),
+            parameter: wave.parameter_at(point),
+        }
+    }
+}
+
 /// Slots of the quantities that a step depends on: its state, its time, u and the parameter.
 pub(super) const TIME: usize = 4;
 pub(super) const EXCESS: usize = 5;
@@ -104,17 +133,6 @@ pub(super) const SLOTS: usize = 7;
 
 /// Columns of the slots; none for what does not vary.
 pub type Columns = [Option<usize>; SLOTS];
-
-/// First derivatives.
-type First = Gradient<Interval, SLOTS>;
-
-/// A term of an equation.
-pub(super) enum Term<N> {
-    /// A function of the slots of a step.
-    Local(usize, Columns, N),
-    /// Minus an unknown.
-    Minus(usize, usize),
-}
 
 /// Waves of more zones are not proven.
 const MOST_ZONES: usize = 32;
@@ -128,31 +146,23 @@ fn is_inside(watch: Watch) -> bool {
 
 /// The system of one event.
 pub struct System<'a> {
-    posed: &'a Posed,
+    pub(super) posed: &'a Posed,
     /// The wave next to which the solution is sought.
     pub near: &'a Near,
     /// What singles out the point.
-    pub(super) condition: &'a Condition,
+    pub(super) condition: Condition,
     /// Sign of c.
     direction: f64,
     /// Steps of each zone.
-    steps: Vec<usize>,
+    pub(super) steps: Vec<usize>,
     /// First unknown of each zone.
-    first: Vec<usize>,
+    pub(super) first: Vec<usize>,
     /// Number of unknowns without the direction of a fold.
-    waves: usize,
+    pub(super) waves: usize,
     /// Step in which the minimum lies.
-    minimum: Option<usize>,
+    pub(super) minimum: Option<usize>,
     /// ℓ of a fold.
     weights: Vec<f64>,
-}
-
-/// Residual and its derivatives, row by row.
-pub struct Evaluated {
-    /// Residual.
-    pub residual: Vec<Interval>,
-    /// Its derivatives.
-    pub jacobian: Vec<Vec<Interval>>,
 }
 
 impl<'a> System<'a> {
@@ -160,7 +170,7 @@ impl<'a> System<'a> {
     pub fn new(
         posed: &'a Posed,
         near: &'a Near,
-        condition: &'a Condition,
+        condition: &Condition,
     ) -> Option<(System<'a>, Vec<f64>)> {
         System::cut(posed, near, condition, None)
     }
@@ -169,7 +179,7 @@ impl<'a> System<'a> {
     pub(super) fn cut(
         posed: &'a Posed,
         near: &'a Near,
-        condition: &'a Condition,
+        condition: &Condition,
         into: Option<&[usize]>,
     ) -> Option<(System<'a>, Vec<f64>)> {
         let zones = near.zones.len();
@@ -188,7 +198,7 @@ impl<'a> System<'a> {
         let mut system = System {
             posed,
             near,
-            condition,
+            condition: condition.clone(),
             direction,
             steps: Vec::with_capacity(zones),
             first: Vec::with_capacity(zones),
@@ -244,7 +254,7 @@ impl<'a> System<'a> {
 
     /// A zone that is touched inside is cut so finely that the touch and the ends lie in different steps.
     fn finer(&self, index: usize) -> usize {
-        match self.condition {
+        match &self.condition {
             Condition::Margin { watch, zone, .. } if *zone == index && is_inside(*watch) => 4,
             _ => 1,
         }
@@ -381,7 +391,7 @@ impl<'a> System<'a> {
 
     /// The state at the minimum of an event inside a zone: its zone, its step, its time within the step.
     pub fn minimum<N: Number>(&self, x: &[N]) -> Option<(usize, usize, N)> {
-        match (self.condition, self.minimum) {
+        match (&self.condition, self.minimum) {
             (Condition::Margin { zone, .. }, Some(step)) => Some((*zone, step, x[self.waves - 3])),
             _ => None,
         }
@@ -408,255 +418,5 @@ impl<'a> System<'a> {
     /// Jump of W in the direction of slip that the friction of a Coulomb impact can make, f m_b U̇⁻/m_a.
     pub fn impulse<N: Number>(&self, frame: &Frame<N>, rate: N) -> N {
         frame.friction * frame.mb * frame.ma.recip() * rate
-    }
-
-    /// W after the switch at the end of a zone, from W before it.
-    fn rate_after<N: Number>(&self, frame: &Frame<N>, end: &[N; 4], zone: usize) -> N {
-        let next = self.near.signature.zone(zone + 1);
-        match (next.entry, self.posed.impact) {
-            (Entry::Arrest | Entry::Release | Entry::Reversal | Entry::ArrestedLanding, _) => {
-                N::double(1.0)
-            }
-            (Entry::Landing | Entry::Touch, Impact::Coulomb) => {
-                let impulse = self.impulse(frame, end[GAP_RATE]);
-                if next.regime == Regime::Reverse {
-                    end[W] + impulse
-                } else {
-                    end[W] - impulse
-                }
-            }
-            _ => end[W],
-        }
-    }
-
-    /// The margin of a condition at the ends of a zone, from the state just after its entry and just before
-    /// its end.
-    fn edge<N: Number>(
-        &self,
-        frame: &Frame<N>,
-        watch: Watch,
-        zone: usize,
-        entry: &[N; 4],
-        end: &[N; 4],
-    ) -> Option<N> {
-        let pressure = frame.weight + frame.kappa * entry[W];
-        let force = frame.weight + frame.kappa;
-        let excess = |y: N| frame.h * (y - frame.release);
-        Some(match watch {
-            Watch::LandingRate => {
-                let lag = entry[W] - N::double(1.0);
-                if self.near.signature.zone(zone).regime == Regime::Reverse {
-                    lag
-                } else {
-                    -lag
-                }
-            }
-            Watch::LandingPressure => pressure,
-            Watch::Tension => -pressure,
-            // Q + rfP at W = 1
-            Watch::LowerForce => {
-                excess(entry[Y]) + (frame.static_friction * force).scaled(Interval::point(2.0))
-            }
-            Watch::UpperForce => excess(end[Y]),
-            Watch::LandingSpeed => -end[GAP_RATE],
-            Watch::Impulse => {
-                let lag = end[W] - N::double(1.0);
-                let lag = if lag.value().middle() < 0.0 {
-                    lag
-                } else {
-                    -lag
-                };
-                lag - self.impulse(frame, end[GAP_RATE])
-            }
-            _ => return None,
-        })
-    }
-
-    /// A margin at the ends of a zone at values of the unknowns.
-    pub fn edge_at<N: Number>(
-        &self,
-        frame: &Frame<N>,
-        x: &[N],
-        watch: Watch,
-        zone: usize,
-    ) -> Option<N> {
-        let (entry, _) = self.step_at(x, zone, 0);
-        let (last, time) = self.step_at(x, zone, self.steps[zone] - 1);
-        let end = match self.flow(frame, zone) {
-            Some(flow) => flow.series(last).state(time),
-            None => [entry[Y] + time, entry[W], entry[GAP], entry[GAP_RATE]],
-        };
-        self.edge(frame, watch, zone, &entry, &end)
-    }
-
-    /// All terms of the equations, with the slots of steps from `local`.
-    pub(super) fn terms<N: Number>(
-        &self,
-        frame: &Frame<N>,
-        local: impl Fn(&Columns) -> [N; SLOTS],
-    ) -> Option<Vec<Term<N>>> {
-        let zones = self.near.zones.len();
-        let mut terms = Vec::new();
-        let mut row = 0;
-        let [_, parameter] = self.tail();
-        let period = self.waves - 2 - usize::from(self.minimum.is_some());
-        let wanted = match self.condition {
-            Condition::Margin { watch, zone, .. } => Some((*watch, *zone)),
-            _ => None,
-        };
-        let one = N::double(1.0);
-        for zone in 0..zones {
-            let next = self.near.signature.zone(zone + 1).entry;
-            let flow = self.flow(frame, zone);
-            let steps = self.steps[zone];
-            let share = Interval::ONE / Interval::point(steps as f64);
-            for step in 0..steps {
-                let columns = self.columns(zone, step, self.duration(zone));
-                let slots = local(&columns);
-                let state = [slots[0], slots[1], slots[2], slots[3]];
-                let time = slots[TIME].scaled(share);
-                let series = flow.as_ref().map(|flow| flow.series(state));
-                let end = match &series {
-                    Some(series) => series.state(time),
-                    None => [state[Y] + time, state[W], state[GAP], state[GAP_RATE]],
-                };
-                let mut put = |row, value| terms.push(Term::Local(row, columns, value));
-                if let (Some((watch, at)), true) = (wanted, self.minimum.is_none()) {
-                    let at_end = matches!(
-                        watch,
-                        Watch::UpperForce | Watch::LandingSpeed | Watch::Impulse
-                    );
-                    if at == zone && step == if at_end { steps - 1 } else { 0 } {
-                        let value = if watch == Watch::Duration {
-                            slots[TIME]
-                        } else {
-                            self.edge(frame, watch, zone, &state, &end)?
-                        };
-                        put(self.waves - 1, value);
-                    }
-                }
-                if step + 1 < steps {
-                    let dimension = flow.as_ref().map_or(2, Flow::dimension);
-                    let node = self.columns(zone, step + 1, self.duration(zone));
-                    for (component, value) in end.iter().enumerate().take(dimension) {
-                        terms.push(Term::Local(row, columns, *value));
-                        terms.push(Term::Minus(row, node[component]?));
-                        row += 1;
-                    }
-                    continue;
-                }
-                let follower = self.first[(zone + 1) % zones];
-                put(row, end[Y]);
-                put(row + 1, self.rate_after(frame, &end, zone));
-                let order = if steps == 1 { self.order(zone) } else { 0 };
-                let regime = self.near.signature.zone(zone).regime;
-                put(
-                    row + 2,
-                    match (&series, regime, next) {
-                        (None, ..) => end[Y] - frame.release,
-                        (Some(series), Regime::Separation, _) => series.at(GAP, time, order),
-                        (Some(_), _, Entry::TakeOff) => frame.weight + frame.kappa * end[W],
-                        (Some(_), ..) if order == 0 => end[W] - one,
-                        (Some(series), ..) => series.at(W, time, order),
-                    },
-                );
-                // Σ T|c| − 2π/k
-                put(period, slots[TIME] * frame.speed);
-                terms.push(Term::Minus(row, follower));
-                terms.push(Term::Minus(row + 1, follower + 1));
-                row += 3;
-            }
-        }
-        let wavelength = PI * Interval::point(2.0) / Interval::point(f64::from(self.posed.mode));
-        terms.push(Term::Local(period, [None; SLOTS], -N::constant(wavelength)));
-        match (self.condition, self.minimum) {
-            (Condition::Value(value), _) => {
-                let mut columns = [None; SLOTS];
-                columns[PARAMETER] = Some(parameter);
-                let there = local(&columns)[PARAMETER] - N::constant(value.interval());
-                terms.push(Term::Local(self.waves - 1, columns, there));
-            }
-            (Condition::Margin { watch, zone, .. }, Some(step)) => {
-                let columns = self.columns(*zone, step, self.waves - 3);
-                let slots = local(&columns);
-                let flow = self.flow(frame, *zone)?;
-                let state = [slots[0], slots[1], slots[2], slots[3]];
-                let there = flow.series(state).state(slots[TIME]);
-                let rate = flow.derivative(there, true);
-                let (value, slope) = match watch {
-                    Watch::Gap => (there[GAP], rate[GAP]),
-                    Watch::Pressure => (frame.weight + frame.kappa * there[W], rate[W]),
-                    _ => (there[W] - one, rate[W]),
-                };
-                terms.push(Term::Local(self.waves - 2, columns, value));
-                terms.push(Term::Local(self.waves - 1, columns, slope));
-            }
-            _ => {}
-        }
-        Some(terms)
-    }
-
-    /// Residual and derivatives over intervals of the unknowns.
-    pub fn evaluate(&self, x: &[Interval]) -> Option<Evaluated> {
-        match self.condition {
-            Condition::Fold => self.fold_at(x),
-            Condition::Crossing { .. } => self.crossing_at(x),
-            _ => self.waves_into(x, self.waves),
-        }
-    }
-
-    /// The equations of the wave, and those conditions that need no further unknowns, as the first of `size`.
-    pub(super) fn waves_into(&self, x: &[Interval], size: usize) -> Option<Evaluated> {
-        let [excess, parameter] = self.tail();
-        let frame = self.frame(
-            First::variable(x[excess], EXCESS),
-            First::variable(x[parameter], PARAMETER),
-        )?;
-        let terms = self.terms(&frame, |columns| {
-            std::array::from_fn(|slot| match columns[slot] {
-                Some(column) => First::variable(x[column], slot),
-                None => First::double(0.0),
-            })
-        })?;
-        let mut evaluated = Evaluated::zero(size);
-        for term in terms {
-            match term {
-                Term::Local(row, columns, value) => {
-                    evaluated.add(row, value.value, columns.into_iter().zip(value.by));
-                }
-                Term::Minus(row, column) => evaluated.subtract(row, column, x),
-            }
-        }
-        Some(evaluated)
-    }
-}
-
-impl Evaluated {
-    pub(super) fn zero(n: usize) -> Evaluated {
-        Evaluated {
-            residual: vec![Interval::ZERO; n],
-            jacobian: vec![vec![Interval::ZERO; n]; n],
-        }
-    }
-
-    pub(super) fn add(
-        &mut self,
-        row: usize,
-        value: Interval,
-        by: impl Iterator<Item = (Option<usize>, Interval)>,
-    ) {
-        self.residual[row] = self.residual[row] + value;
-        for (column, by) in by {
-            if let Some(column) = column {
-                let entry = &mut self.jacobian[row][column];
-                *entry = *entry + by;
-            }
-        }
-    }
-
-    pub(super) fn subtract(&mut self, row: usize, column: usize, x: &[Interval]) {
-        self.residual[row] = self.residual[row] - x[column];
-        let entry = &mut self.jacobian[row][column];
-        *entry = *entry - Interval::ONE;
     }
 }

@@ -35,11 +35,15 @@ const TINY: f64 = 1e-250;
 /// The double not above a number whose nearest double is `nearest`, `rest` having the sign of what that
 /// leaves out; NaN where it is not known. A zero that a product came down to has the sign of the product.
 fn down(nearest: f64, rest: f64) -> f64 {
-    if rest >= 0.0 || nearest == 0.0 && nearest.is_sign_positive() {
-        nearest
-    } else {
-        nearest.next_down()
+    if nearest == 0.0 || !nearest.is_finite() {
+        let stays = rest >= 0.0 || nearest == 0.0 && nearest.is_sign_positive();
+        return if stays { nearest } else { nearest.next_down() };
     }
+    // the neighbour below without a branch: the sign of the rest is as good as random
+    let bits = nearest.to_bits();
+    let away = ((bits as i64) >> 63) as u64 | 1;
+    let moves = u64::from(rest.is_nan() || rest < 0.0);
+    f64::from_bits(bits.wrapping_sub(away.wrapping_mul(moves)))
 }
 
 fn up(nearest: f64, rest: f64) -> f64 {
@@ -60,7 +64,31 @@ fn product(a: f64, b: f64) -> (f64, f64) {
     }
     let p = a * b;
     let known = p.abs() > TINY && p.is_finite();
-    (p, if known { a.mul_add(b, -p) } else { f64::NAN })
+    (
+        p,
+        if known {
+            product_rest(a, b, p)
+        } else {
+            f64::NAN
+        },
+    )
+}
+
+/// ab − p of the double p nearest to ab (Dekker): a fused multiply-add without such an instruction is slow.
+fn product_rest(a: f64, b: f64, p: f64) -> f64 {
+    /// 2²⁷ + 1: halves of a double; beyond the bound they might overflow.
+    const HALVES: f64 = 134_217_729.0;
+    const LARGE: f64 = 1e290;
+    if a.abs() > LARGE || b.abs() > LARGE {
+        return a.mul_add(b, -p);
+    }
+    let halves = |x: f64| {
+        let t = HALVES * x;
+        let high = t - (t - x);
+        (high, x - high)
+    };
+    let ((a, a_low), (b, b_low)) = (halves(a), halves(b));
+    ((a * b - p) + a * b_low + a_low * b) + a_low * b_low
 }
 
 /// Quotient by b ≠ 0 and the sign of the rest.

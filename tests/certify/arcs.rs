@@ -7,28 +7,102 @@ use brakewave::wave::start::Which;
 
 use super::waves::{has, mismatch_of_pressure, points, points_of, proof, slip_stick_at};
 
+/// Every stretch between the special points of a branch, and their types.
+fn stretches(points: &[Point]) -> Vec<(EventType, Stretch)> {
+    let both = points.windows(2);
+    let stretch = |both: &[Point]| (both[1].kind, both[1].stretch(&both[0]).unwrap());
+    both.map(stretch).collect()
+}
+
 /// Between the special points of slip-stick branches there is no other: in the mismatch, where the wave itself
-/// stays the same, and in the friction on both sides of the fold.
+/// stays the same, in the friction on both sides of the fold, and to where the stick zone vanishes.
 #[test]
 fn arcs_of_slip_stick_waves_are_proven() {
-    for (name, signature, wanted) in [
-        ("mode4_mismatch", "slip-stick", 1),
-        ("mode4_friction", "slip-stick", 5),
-        ("mode4_damping", "slip-stick", 3),
-    ] {
+    for (name, wanted) in [("mode4_friction", 5), ("mode4_damping", 4)] {
         let points = points_of(name, &[]);
-        let mut proven = 0;
-        for both in points.windows(2) {
-            let regimes = proof(&both[1]).near.signature.to_string();
-            // where steady sliding has its Hopf point the parameter is stationary in the length of stick
-            if regimes != signature || both[1].kind == EventType::ST {
-                break;
-            }
-            let stretch = both[1].stretch(&both[0]).unwrap();
-            assert!(matches!(stretch, Stretch::Proven(_)), "{name}: {stretch:?}");
-            proven += 1;
+        for (kind, stretch) in &stretches(&points[..=wanted]) {
+            assert!(
+                matches!(stretch, Stretch::Proven(_)),
+                "{name} {kind}: {stretch:?}"
+            );
         }
-        assert_eq!(proven, wanted, "{name}");
+        let (last, regimes) = (
+            &points[wanted],
+            proof(&points[wanted]).near.signature.to_string(),
+        );
+        assert_eq!(regimes, "slip-stick");
+        assert!(matches!(last.kind, EventType::GR | EventType::ST));
+    }
+}
+
+/// A whole branch: reverse slip opens (RV), separation opens (GR), zones give way to others (CO), stick vanishes
+/// (ST). All regimes are what they are said to be, and there is no other event.
+#[test]
+fn a_branch_is_proven_through_changes_of_regime() {
+    for (name, kinds) in [
+        ("mode4_mismatch", "RV UZ GR UZ CO UZ UZ CO UZ ST EP"),
+        ("mode8_reverse", "RV UZ GR CO EP"),
+    ] {
+        let stretches = stretches(&points_of(name, &[]));
+        let found: Vec<String> = stretches.iter().map(|(kind, _)| kind.to_string()).collect();
+        assert_eq!(found.join(" "), kinds, "{name}");
+        for (kind, stretch) in &stretches {
+            assert!(
+                matches!(stretch, Stretch::Proven(_)),
+                "{name} {kind}: {stretch:?}"
+            );
+        }
+    }
+}
+
+/// What a certificate says of the wave beyond an event is proven, not believed.
+#[test]
+fn a_false_wave_beyond_an_event_is_not_proven() {
+    let points = points_of("mode8_reverse", &[]);
+    let arc = |change: &dyn Fn(&mut Proof), from: usize| {
+        let mut before = points[from].clone();
+        if let Outcome::Proven(proof) = &mut before.outcome {
+            change(proof);
+        }
+        points[from + 1].stretch(&before).unwrap()
+    };
+    let beyond = |index: usize| proof(&points[index]).beyond.clone().unwrap();
+    // RV, GR, CO
+    for from in [1, 3, 4] {
+        assert!(matches!(arc(&|_| {}, from), Stretch::Proven(_)));
+        let falsified: [&dyn Fn(&mut Proof); 5] = [
+            &|proof| proof.beyond = None,
+            &|proof| proof.beyond.as_mut().unwrap().near.excess *= 1.5,
+            &|proof| proof.beyond.as_mut().unwrap().near.zones[0][2] *= 0.5,
+            &|proof| {
+                let beyond = proof.beyond.as_mut().unwrap();
+                beyond.near.signature.0.rotate_left(1);
+            },
+            &|proof| proof.beyond.as_mut().unwrap().condition = proof.condition.clone(),
+        ];
+        for (index, change) in falsified.into_iter().enumerate() {
+            let stretch = arc(change, from);
+            assert!(
+                matches!(stretch, Stretch::Open(_)),
+                "{from} {index}: {stretch:?}"
+            );
+        }
+        for other in [1, 3, 4].into_iter().filter(|other| *other != from) {
+            let stretch = arc(&|proof| proof.beyond = Some(beyond(other)), from);
+            assert!(
+                matches!(stretch, Stretch::Open(_)),
+                "{from} {other}: {stretch:?}"
+            );
+        }
+        // the event left out, and what lies beyond it attached to the point before
+        let over = points[from + 1].stretch(&points[from - 1]).unwrap();
+        assert!(matches!(over, Stretch::Open(_)), "{from}: {over:?}");
+        let mut before = points[from - 1].clone();
+        if let Outcome::Proven(proof) = &mut before.outcome {
+            proof.beyond = Some(beyond(from));
+        }
+        let over = points[from + 1].stretch(&before).unwrap();
+        assert!(matches!(over, Stretch::Open(_)), "{from}: {over:?}");
     }
 }
 
@@ -60,11 +134,16 @@ fn an_arc_over_an_event_is_not_proven() {
     };
     let honest = point(above.clone()).stretch(&point(far.clone()));
     assert!(matches!(honest, Some(Stretch::Proven(_))), "{honest:?}");
-    // ends are taken to be proven: a false one is refused by itself
-    let mut beyond = above;
+    // ends are taken to be proven: a false one is refused by itself, and an arc to it by its inequalities
+    let mut beyond = above.clone();
     beyond.near.parameter = take_off * (1.0 - 1e-3);
     beyond.condition = Condition::Value(Decimal::of(beyond.near.parameter));
     assert!(certify::verify(&point(beyond.clone()), &beyond).is_err());
+    let past = point(beyond).stretch(&point(above));
+    assert!(
+        matches!(&past, Some(Stretch::Open(reason)) if reason.contains("P > 0 in zone 0")),
+        "{past:?}"
+    );
 }
 
 /// Leading eigenvalues at user points, against figures of an independent program with 13 digits.

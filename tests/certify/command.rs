@@ -119,7 +119,7 @@ fn check_proves_where_a_file_asks_for_it() {
     assert!(text(&checked).contains("FAIL EP: not proven"));
 }
 
-/// Arcs between the points of a slip-stick branch; a branch that changes its regimes has some that are not.
+/// Arcs between the points of a branch are in the certificate, and are proven again.
 #[test]
 fn arcs_are_proven_and_verified() {
     let folder = TempDir::new().unwrap();

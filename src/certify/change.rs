@@ -1,0 +1,360 @@
+//! A change of regime, seen from both sides.
+//!
+//! At the event a wave of one signature is a wave of another: a zone has no length in one of them, or is about
+//! to be divided. What holds at that instant is the same on both sides, by what the equations of a zone become
+//! as its duration T → 0:
+//!
+//! | of no length | by its equations |
+//! |---|---|
+//! | stick | W = 1 and Q = fP |
+//! | slip, reverse slip after a landing | U = δ, and W = 1 or P = 0 as it ends |
+//! | slip, reverse slip after a reversal, (W − 1)/T → Ẇ | W = 1 and Q = fP, Q = −fP |
+//! | separation after a take-off, (U − δ)/T³ → U⃛/6 = −κẆ/6m_b | P = 0 and Ẇ = 0 |
+//! | separation after a touch, (U − δ)/T² → Ü/2 = −P/2m_b | U = δ and P = 0 |
+//!
+//! The wave of the signature beyond is proven like that of the event. Without its zone of no length it solves
+//! the equations of the event, and it lies where these have one solution only: it is the same wave.
+
+use serde::{Deserialize, Serialize};
+
+use super::inequality::{self, Part};
+use super::system::{Condition, Near, System, TIME};
+use super::{Open, Posed, krawczyk, system, units};
+use crate::branch::special::Change;
+use crate::interval::Interval;
+use crate::linalg::Vector;
+use crate::model::Impact;
+use crate::model::signature::{Entry, Regime, Signature};
+use crate::wave::Wave;
+use crate::wave::admissibility::{Margin, Watch, examine};
+use crate::wave::successor::candidates;
+
+/// The wave of an event in the signature beyond it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Beyond {
+    /// What vanishes there in this signature.
+    pub condition: Condition,
+    /// The wave in doubles.
+    pub near: Near,
+}
+
+impl Beyond {
+    /// The wave beyond a change of regime as the continuation has entered it.
+    pub(super) fn new(wave: &Wave, point: &Vector, change: &Change) -> Option<Beyond> {
+        let after = change.after.as_ref()?;
+        let mut list = candidates(wave, point, &change.margin).ok()?.into_iter();
+        let candidate = list.find(|candidate| candidate.wave.signature == *after)?;
+        let condition = match candidate.nascent.first() {
+            Some(zone) => Condition::Margin {
+                watch: Watch::Duration,
+                zone: *zone,
+                time: 0.0,
+            },
+            None => {
+                let margins = examine(&candidate.wave, &candidate.point).ok()?.margins;
+                let size = |margin: &Margin| margin.jet.value.abs();
+                let least = margins.into_iter();
+                least.min_by(|a, b| size(a).total_cmp(&size(b)))?.into()
+            }
+        };
+        Some(Beyond {
+            condition,
+            near: Near::new(&candidate.wave, &candidate.point),
+        })
+    }
+}
+
+/// What holds at the instant of an event besides the equations of the flows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Law {
+    /// W = 1.
+    Sticking,
+    /// Q = fP.
+    Upper,
+    /// Q = −fP.
+    Lower,
+    /// P = 0.
+    Lifted,
+    /// Ẇ = 0.
+    Level,
+    /// U = δ.
+    Landed,
+    /// U̇ = 0.
+    Grazing,
+}
+
+use Law::{Grazing, Landed, Level, Lifted, Lower, Sticking, Upper};
+
+/// What holds at the instant of an event, in order; `None` where that is not covered.
+fn laws(posed: &Posed, signature: &Signature, watch: Watch, index: usize) -> Option<[Law; 2]> {
+    let zone = signature.zone(index);
+    let next = signature.zone(index + 1).entry;
+    let force = match zone.regime {
+        Regime::Reverse => Lower,
+        _ => Upper,
+    };
+    let laws = match (watch, zone.regime, zone.entry) {
+        (Watch::Duration, Regime::Stick, Entry::Arrest) => [Sticking, Upper],
+        (Watch::Duration, Regime::Slip | Regime::Reverse, Entry::Landing) => match next {
+            Entry::TakeOff => [Lifted, Landed],
+            _ => [Sticking, Landed],
+        },
+        (Watch::Duration, Regime::Slip | Regime::Reverse, Entry::Reversal)
+            if next != Entry::TakeOff =>
+        {
+            [Sticking, force]
+        }
+        (Watch::Duration, Regime::Separation, Entry::TakeOff) if next == Entry::Landing => {
+            [Lifted, Level]
+        }
+        (Watch::Duration, Regime::Separation, Entry::Touch) => [Lifted, Landed],
+        (Watch::LandingRate, ..) => [Sticking, Landed],
+        (Watch::LandingPressure | Watch::Tension, ..) => [Lifted, Landed],
+        (Watch::LowerForce, _, Entry::Arrest) => [Sticking, Lower],
+        (Watch::UpperForce, ..) => [Sticking, Upper],
+        (Watch::LandingSpeed | Watch::Gap, ..) => [Landed, Grazing],
+        (Watch::Pressure, ..) => [Lifted, Level],
+        (Watch::Rate, ..) => [Sticking, force],
+        _ => return None,
+    };
+    // static friction holds more than kinetic friction does; an impact changes W where something lands
+    let forced = laws.contains(&Upper) || laws.contains(&Lower);
+    let stuck = forced && posed.written.ratio.is_some();
+    let struck = laws.contains(&Landed) && posed.impact == Impact::Coulomb;
+    (!stuck && !struck).then_some(laws)
+}
+
+/// A zone, or one of the two parts into which an event inside it cuts it.
+#[derive(Clone, Copy)]
+struct Stretch {
+    zone: usize,
+    /// Time after the entry of the zone at which it begins.
+    from: Interval,
+    time: Interval,
+}
+
+/// The zones that have a length, from the instant of an event to its return; of waves without an event all.
+fn stretches(system: &System, x: &[Interval]) -> Vec<Stretch> {
+    let zones = system.near.zones.len();
+    let whole = |zone: usize| Stretch {
+        zone: zone % zones,
+        from: Interval::ZERO,
+        time: x[system.duration(zone % zones)],
+    };
+    let Condition::Margin { watch, zone, .. } = &system.condition else {
+        return (0..zones).map(whole).collect();
+    };
+    if let Some((zone, step, place)) = system.minimum(x) {
+        let Stretch { time, .. } = whole(zone);
+        let at = time * Interval::point(step as f64) / Interval::point(system.steps(zone) as f64)
+            + place;
+        let (first, last) = (
+            Stretch {
+                zone,
+                from: at,
+                time: time - at,
+            },
+            Stretch {
+                zone,
+                from: Interval::ZERO,
+                time: at,
+            },
+        );
+        let between = (zone + 1..zone + zones).map(whole);
+        return std::iter::once(first)
+            .chain(between)
+            .chain(std::iter::once(last))
+            .collect();
+    }
+    let (from, to) = match watch {
+        Watch::Duration => (zone + 1, zone + zones),
+        Watch::UpperForce | Watch::LandingSpeed => (zone + 1, zone + 1 + zones),
+        _ => (*zone, zone + zones),
+    };
+    (from..to).map(whole).collect()
+}
+
+/// The state at a time after the beginning of a stretch.
+fn state_at(
+    system: &System,
+    x: &[Interval],
+    stretch: Stretch,
+    time: Interval,
+) -> Option<[Interval; 4]> {
+    let Stretch { zone, from, .. } = stretch;
+    let frame = system.frame_at(x)?;
+    let (_, step) = system.step_at(x, zone, 0);
+    let time = from + time;
+    let index = (time.middle() / step.middle()).floor();
+    let index = if index > 0.0 { index as usize } else { 0 };
+    let index = index.min(system.steps(zone) - 1);
+    let (state, _) = system.step_at(x, zone, index);
+    let rest = time - step * Interval::point(index as f64);
+    Some(match system.flow(&frame, zone) {
+        Some(flow) => flow.series(state).state(rest),
+        None => {
+            let [y, w, gap, rate] = state;
+            [y + rest, w, gap, rate]
+        }
+    })
+}
+
+/// A wave enclosed by one system in the unknowns of another with the same stretches; `None` if they are not.
+pub(super) fn carried(
+    from: &System,
+    x: &[Interval],
+    to: &System,
+    middle: &[f64],
+) -> Option<Vec<Interval>> {
+    let points: Vec<Interval> = middle.iter().copied().map(Interval::point).collect();
+    let (sources, targets) = (stretches(from, x), stretches(to, &points));
+    let alike = |(index, (one, other)): (usize, (&Stretch, &Stretch))| {
+        let one = from.near.signature.zone(one.zone);
+        let other = to.near.signature.zone(other.zone);
+        one.regime == other.regime && (index == 0 || one.entry == other.entry)
+    };
+    let mut both = sources.iter().zip(&targets).enumerate();
+    if sources.len() != targets.len() || !both.all(alike) {
+        return None;
+    }
+    let mut carried = vec![Interval::ZERO; to.waves()];
+    let [excess, parameter] = to.tail();
+    let [from_excess, from_parameter] = from.tail();
+    // 1 + u = e/e₀
+    let ratio = Interval::point(from.near.excess) / Interval::point(to.near.excess);
+    carried[excess] = (Interval::ONE + x[from_excess]) * ratio - Interval::ONE;
+    carried[parameter] = x[from_parameter];
+    for zone in 0..to.near.zones.len() {
+        let duration = to.duration(zone);
+        // of a zone that is cut the last stretch comes first
+        let own = targets.iter().zip(&sources).rev();
+        let own: Vec<Stretch> = own
+            .filter(|(target, _)| target.zone == zone)
+            .map(|(_, source)| *source)
+            .collect();
+        let Some(first) = own.first().or(sources.first()).copied() else {
+            return None;
+        };
+        let time = own.iter().fold(Interval::ZERO, |sum, own| sum + own.time);
+        let steps = Interval::point(to.steps(zone) as f64);
+        for step in 0..to.steps(zone) {
+            let at = time * Interval::point(step as f64) / steps;
+            let state = match own.get(1) {
+                Some(second) if at.middle() > first.time.middle() => {
+                    state_at(from, x, *second, at - first.time)?
+                }
+                _ => state_at(from, x, first, at)?,
+            };
+            let columns = to.columns(zone, step, duration);
+            for (column, value) in columns[..TIME].iter().zip(state) {
+                if let Some(column) = column {
+                    carried[*column] = value;
+                }
+            }
+        }
+        carried[duration] = time;
+        if let Some((at, step, _)) = to.minimum(&points)
+            && at == zone
+        {
+            carried[to.waves() - 3] = first.time - time * Interval::point(step as f64) / steps;
+        }
+    }
+    Some(carried)
+}
+
+/// Why the wave beyond an event is not proven.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotBeyond {
+    /// What holds at the instant is not covered.
+    #[error("not covered: how the zones of this event open or close")]
+    Laws,
+    /// It is not proven, or an inequality is not.
+    #[error(transparent)]
+    Open(#[from] Open),
+    /// It is another wave.
+    #[error("undecided: the wave beyond may be another")]
+    Another,
+}
+
+/// Proves that the wave of an event is a wave of the signature beyond it.
+pub(super) fn prove(
+    posed: &Posed,
+    near: &Near,
+    condition: &Condition,
+    beyond: &Beyond,
+) -> Result<(), NotBeyond> {
+    let instant = |near: &Near, condition: &Condition| match condition {
+        Condition::Margin { watch, zone, .. } if *zone < near.signature.len() => {
+            laws(posed, &near.signature, *watch, *zone)
+        }
+        _ => None,
+    };
+    let both = instant(near, condition).zip(instant(&beyond.near, &beyond.condition));
+    if both.is_none_or(|(one, other)| one != other) {
+        return Err(NotBeyond::Laws);
+    }
+    let (event, middle) = system(posed, near, condition)?;
+    let (other, guess) = system(posed, &beyond.near, &beyond.condition)?;
+    let zero = enclosed(posed, &other, &guess).ok_or(Open::NotIsolated)?;
+    inequality::prove(&other, &beyond.condition, Part::All, &zero).map_err(Open::from)?;
+    let carried = carried(&other, &zero, &event, &middle).ok_or(NotBeyond::Laws)?;
+    if is_same(posed, &event, &middle, &carried) {
+        Ok(())
+    } else {
+        Err(NotBeyond::Another)
+    }
+}
+
+/// Whether two systems that cut the zones of a wave otherwise have the same wave by the value of its parameter.
+pub(super) fn is_cut_anew(posed: &Posed, near: &Near, cuts: [&System; 2]) -> bool {
+    let [one, other] = cuts.map(|cut| {
+        let zones = 0..near.zones.len();
+        let steps: Vec<usize> = zones.map(|zone| cut.steps(zone)).collect();
+        System::cut(posed, near, &near.value(), Some(&steps))
+    });
+    let Some(((one, guess), (other, middle))) = one.zip(other) else {
+        return false;
+    };
+    let wave = enclosed(posed, &one, &guess);
+    let carried = wave.and_then(|wave| carried(&one, &wave, &other, &middle));
+    carried.is_some_and(|carried| is_same(posed, &other, &middle, &carried))
+}
+
+fn enclosed(posed: &Posed, system: &System, middle: &[f64]) -> Option<Vec<Interval>> {
+    let equations = |x: &[Interval]| system.evaluate(x);
+    let units = units(system, middle, system.near, posed.unit);
+    Some(krawczyk::enclosed(&equations, middle, &units)?.at)
+}
+
+/// Whether a wave that solves the equations of a system is the one that they have next to `middle`.
+fn is_same(posed: &Posed, system: &System, middle: &[f64], wave: &[Interval]) -> bool {
+    let Some(zero) = enclosed(posed, system, middle) else {
+        return false;
+    };
+    let both: Vec<Interval> = wave.iter().zip(&zero).map(|(a, b)| a.hull(*b)).collect();
+    let equations = |x: &[Interval]| system.evaluate(x);
+    krawczyk::is_only_zero(&equations, middle, &both)
+}
+
+/// Whether at an event a zone closes where the zones on both sides of it touch a limit and turn back: W = 1 and
+/// Ẇ = 0 in slip, or P = 0 and Ẇ = 0. To first order the zone takes its length from its neighbours and changes
+/// nothing else, so that parameter and speed are stationary in it.
+pub(super) fn is_touch(posed: &Posed, near: &Near, condition: &Condition) -> bool {
+    let Condition::Margin {
+        watch: Watch::Duration,
+        zone,
+        ..
+    } = condition
+    else {
+        return false;
+    };
+    let regime = |zone: usize| near.signature.zone(zone).regime;
+    let before = regime(zone + near.signature.len() - 1);
+    let touched = match laws(posed, &near.signature, Watch::Duration, *zone) {
+        Some([Sticking, Upper]) => regime(*zone) == Regime::Stick && before == Regime::Slip,
+        Some([Lifted, Level]) => true,
+        _ => false,
+    };
+    touched && before == regime(zone + 1)
+}

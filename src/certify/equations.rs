@@ -1,0 +1,280 @@
+//! The equations of a wave at an event, term by term, and its margins at the ends of zones.
+
+use super::flow::{Flow, GAP, GAP_RATE, W, Y};
+use super::frame::Frame;
+use super::system::{Columns, Condition, EXCESS, PARAMETER, SLOTS, System, TIME};
+use crate::interval::{Gradient, Interval, Number, PI};
+use crate::model::Impact;
+use crate::model::signature::{Entry, Regime};
+use crate::wave::admissibility::Watch;
+
+/// First derivatives.
+type First = Gradient<Interval, SLOTS>;
+
+/// A term of an equation.
+pub(super) enum Term<N> {
+    /// A function of the slots of a step.
+    Local(usize, Columns, N),
+    /// Minus an unknown.
+    Minus(usize, usize),
+}
+
+/// Residual and its derivatives, row by row.
+pub struct Evaluated {
+    /// Residual.
+    pub residual: Vec<Interval>,
+    /// Its derivatives.
+    pub jacobian: Vec<Vec<Interval>>,
+}
+
+impl System<'_> {
+    /// W after the switch at the end of a zone, from W before it.
+    fn rate_after<N: Number>(&self, frame: &Frame<N>, end: &[N; 4], zone: usize) -> N {
+        let next = self.near.signature.zone(zone + 1);
+        match (next.entry, self.posed.impact) {
+            (Entry::Arrest | Entry::Release | Entry::Reversal | Entry::ArrestedLanding, _) => {
+                N::double(1.0)
+            }
+            (Entry::Landing | Entry::Touch, Impact::Coulomb) => {
+                let impulse = self.impulse(frame, end[GAP_RATE]);
+                if next.regime == Regime::Reverse {
+                    end[W] + impulse
+                } else {
+                    end[W] - impulse
+                }
+            }
+            _ => end[W],
+        }
+    }
+
+    /// The margin of a condition at the ends of a zone, from the state just after its entry and just before
+    /// its end.
+    fn edge<N: Number>(
+        &self,
+        frame: &Frame<N>,
+        watch: Watch,
+        zone: usize,
+        entry: &[N; 4],
+        end: &[N; 4],
+    ) -> Option<N> {
+        let pressure = frame.weight + frame.kappa * entry[W];
+        let force = frame.weight + frame.kappa;
+        let excess = |y: N| frame.h * (y - frame.release);
+        Some(match watch {
+            Watch::LandingRate => {
+                let lag = entry[W] - N::double(1.0);
+                if self.near.signature.zone(zone).regime == Regime::Reverse {
+                    lag
+                } else {
+                    -lag
+                }
+            }
+            Watch::LandingPressure => pressure,
+            Watch::Tension => -pressure,
+            // Q + rfP at W = 1
+            Watch::LowerForce => {
+                excess(entry[Y]) + (frame.static_friction * force).scaled(Interval::point(2.0))
+            }
+            Watch::UpperForce => excess(end[Y]),
+            Watch::LandingSpeed => -end[GAP_RATE],
+            Watch::Impulse => {
+                let lag = end[W] - N::double(1.0);
+                let lag = if lag.value().middle() < 0.0 {
+                    lag
+                } else {
+                    -lag
+                };
+                lag - self.impulse(frame, end[GAP_RATE])
+            }
+            _ => return None,
+        })
+    }
+
+    /// A margin at the ends of a zone at values of the unknowns.
+    pub fn edge_at<N: Number>(
+        &self,
+        frame: &Frame<N>,
+        x: &[N],
+        watch: Watch,
+        zone: usize,
+    ) -> Option<N> {
+        let (entry, _) = self.step_at(x, zone, 0);
+        let (last, time) = self.step_at(x, zone, self.steps[zone] - 1);
+        let end = match self.flow(frame, zone) {
+            Some(flow) => flow.series(last).state(time),
+            None => [entry[Y] + time, entry[W], entry[GAP], entry[GAP_RATE]],
+        };
+        self.edge(frame, watch, zone, &entry, &end)
+    }
+
+    /// All terms of the equations, with the slots of steps from `local`.
+    pub(super) fn terms<N: Number>(
+        &self,
+        frame: &Frame<N>,
+        local: impl Fn(&Columns) -> [N; SLOTS],
+    ) -> Option<Vec<Term<N>>> {
+        let zones = self.near.zones.len();
+        let mut terms = Vec::new();
+        let mut row = 0;
+        let [_, parameter] = self.tail();
+        let period = self.waves - 2 - usize::from(self.minimum.is_some());
+        let wanted = match &self.condition {
+            Condition::Margin { watch, zone, .. } => Some((*watch, *zone)),
+            _ => None,
+        };
+        let one = N::double(1.0);
+        for zone in 0..zones {
+            let next = self.near.signature.zone(zone + 1).entry;
+            let flow = self.flow(frame, zone);
+            let steps = self.steps[zone];
+            let share = Interval::ONE / Interval::point(steps as f64);
+            for step in 0..steps {
+                let columns = self.columns(zone, step, self.duration(zone));
+                let slots = local(&columns);
+                let state = [slots[0], slots[1], slots[2], slots[3]];
+                let time = slots[TIME].scaled(share);
+                let series = flow.as_ref().map(|flow| flow.series(state));
+                let end = match &series {
+                    Some(series) => series.state(time),
+                    None => [state[Y] + time, state[W], state[GAP], state[GAP_RATE]],
+                };
+                let mut put = |row, value| terms.push(Term::Local(row, columns, value));
+                if let (Some((watch, at)), true) = (wanted, self.minimum.is_none()) {
+                    let at_end = matches!(
+                        watch,
+                        Watch::UpperForce | Watch::LandingSpeed | Watch::Impulse
+                    );
+                    if at == zone && step == if at_end { steps - 1 } else { 0 } {
+                        let value = if watch == Watch::Duration {
+                            slots[TIME]
+                        } else {
+                            self.edge(frame, watch, zone, &state, &end)?
+                        };
+                        put(self.waves - 1, value);
+                    }
+                }
+                if step + 1 < steps {
+                    let dimension = flow.as_ref().map_or(2, Flow::dimension);
+                    let node = self.columns(zone, step + 1, self.duration(zone));
+                    for (component, value) in end.iter().enumerate().take(dimension) {
+                        terms.push(Term::Local(row, columns, *value));
+                        terms.push(Term::Minus(row, node[component]?));
+                        row += 1;
+                    }
+                    continue;
+                }
+                let follower = self.first[(zone + 1) % zones];
+                put(row, end[Y]);
+                put(row + 1, self.rate_after(frame, &end, zone));
+                let order = if steps == 1 { self.order(zone) } else { 0 };
+                let regime = self.near.signature.zone(zone).regime;
+                put(
+                    row + 2,
+                    match (&series, regime, next) {
+                        (None, ..) => end[Y] - frame.release,
+                        (Some(series), Regime::Separation, _) => series.at(GAP, time, order),
+                        (Some(_), _, Entry::TakeOff) => frame.weight + frame.kappa * end[W],
+                        (Some(_), ..) if order == 0 => end[W] - one,
+                        (Some(series), ..) => series.at(W, time, order),
+                    },
+                );
+                // Σ T|c| − 2π/k
+                put(period, slots[TIME] * frame.speed);
+                terms.push(Term::Minus(row, follower));
+                terms.push(Term::Minus(row + 1, follower + 1));
+                row += 3;
+            }
+        }
+        let wavelength = PI * Interval::point(2.0) / Interval::point(f64::from(self.posed.mode));
+        terms.push(Term::Local(period, [None; SLOTS], -N::constant(wavelength)));
+        match (&self.condition, self.minimum) {
+            (Condition::Value(value), _) => {
+                let mut columns = [None; SLOTS];
+                columns[PARAMETER] = Some(parameter);
+                let there = local(&columns)[PARAMETER] - N::constant(value.interval());
+                terms.push(Term::Local(self.waves - 1, columns, there));
+            }
+            (Condition::Margin { watch, zone, .. }, Some(step)) => {
+                let columns = self.columns(*zone, step, self.waves - 3);
+                let slots = local(&columns);
+                let flow = self.flow(frame, *zone)?;
+                let state = [slots[0], slots[1], slots[2], slots[3]];
+                let there = flow.series(state).state(slots[TIME]);
+                let rate = flow.derivative(there, true);
+                let (value, slope) = match watch {
+                    Watch::Gap => (there[GAP], rate[GAP]),
+                    Watch::Pressure => (frame.weight + frame.kappa * there[W], rate[W]),
+                    _ => (there[W] - one, rate[W]),
+                };
+                terms.push(Term::Local(self.waves - 2, columns, value));
+                terms.push(Term::Local(self.waves - 1, columns, slope));
+            }
+            _ => {}
+        }
+        Some(terms)
+    }
+
+    /// Residual and derivatives over intervals of the unknowns.
+    pub fn evaluate(&self, x: &[Interval]) -> Option<Evaluated> {
+        match &self.condition {
+            Condition::Fold => self.fold_at(x),
+            Condition::Crossing { .. } => self.crossing_at(x),
+            _ => self.waves_into(x, self.waves),
+        }
+    }
+
+    /// The equations of the wave, and those conditions that need no further unknowns, as the first of `size`.
+    pub(super) fn waves_into(&self, x: &[Interval], size: usize) -> Option<Evaluated> {
+        let [excess, parameter] = self.tail();
+        let frame = self.frame(
+            First::variable(x[excess], EXCESS),
+            First::variable(x[parameter], PARAMETER),
+        )?;
+        let terms = self.terms(&frame, |columns| {
+            std::array::from_fn(|slot| match columns[slot] {
+                Some(column) => First::variable(x[column], slot),
+                None => First::double(0.0),
+            })
+        })?;
+        let mut evaluated = Evaluated::zero(size);
+        for term in terms {
+            match term {
+                Term::Local(row, columns, value) => {
+                    evaluated.add(row, value.value, columns.into_iter().zip(value.by));
+                }
+                Term::Minus(row, column) => evaluated.subtract(row, column, x),
+            }
+        }
+        Some(evaluated)
+    }
+}
+
+impl Evaluated {
+    pub(super) fn zero(n: usize) -> Evaluated {
+        Evaluated {
+            residual: vec![Interval::ZERO; n],
+            jacobian: vec![vec![Interval::ZERO; n]; n],
+        }
+    }
+
+    pub(super) fn add(
+        &mut self,
+        row: usize,
+        value: Interval,
+        by: impl Iterator<Item = (Option<usize>, Interval)>,
+    ) {
+        self.residual[row] = self.residual[row] + value;
+        for (column, by) in by {
+            if let Some(column) = column {
+                let entry = &mut self.jacobian[row][column];
+                *entry = *entry + by;
+            }
+        }
+    }
+
+    pub(super) fn subtract(&mut self, row: usize, column: usize, x: &[Interval]) {
+        self.residual[row] = self.residual[row] - x[column];
+        let entry = &mut self.jacobian[row][column];
+        *entry = *entry - Interval::ONE;
+    }
+}
