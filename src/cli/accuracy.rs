@@ -4,12 +4,12 @@ use clap::Args;
 
 use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, format};
-use super::prepare::{Prepared, prepare};
+use super::prepare::prepare;
 use super::progress::{Progress, drive};
 use super::{print, warn};
 use crate::accuracy::{Course, Limits, Missed, Row, Rung, ladder, reference_method};
 use crate::output::accuracy::{AccuracyFolder, Interrupted};
-use crate::output::pictures::{Sole, draw_sole};
+use crate::output::pictures;
 use crate::output::render::Format;
 use crate::output::store::Kind;
 
@@ -37,17 +37,13 @@ fn positive(text: &str) -> Result<f64, Usage> {
 
 pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
     let (task, format) = (&arguments.task, arguments.format.available()?);
-    let Prepared {
-        problem,
-        continuation,
-        restart,
-        source,
-    } = prepare(&task.problem)?;
-    if restart.is_some() {
+    let prepared = prepare(&task.problem)?;
+    let problem = &prepared.problem;
+    if prepared.restart.is_some() {
         return Err(Usage::Restarted.into());
     }
     let out = task.folder("_accuracy");
-    let store = task.open(&out, Kind::Accuracy, &problem)?;
+    let store = task.open(&out, Kind::Accuracy, problem)?;
     let law = problem.model.law;
     let ladder = ladder(law);
     let earlier = AccuracyFolder::interrupted(&store, &ladder)?;
@@ -61,16 +57,16 @@ pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
             budget: arguments.budget,
             repeats: arguments.repeats.into(),
         };
-        let begun = Course::begin(&problem, &continuation, &rows, limits);
+        let begun = Course::begin(problem, &prepared.continuation, &rows, limits);
         course = Some(begun.map_err(|missed| match missed {
-            Missed::Run(error) => source.place(error),
+            Missed::Run(error) => prepared.source.place(error),
             _ => Failure::from(Usage::Budget {
                 method: Rung::Flow(reference_method(law)).to_string(),
                 budget: arguments.budget,
             }),
         })?);
     }
-    let mut folder = AccuracyFolder::open(store, &problem, format, earlier.as_ref())?;
+    let mut folder = AccuracyFolder::open(store, problem, format, earlier.as_ref())?;
     if let Some(course) = &mut course {
         drive(task.quiet, || {
             if let Some(row) = course.measure_next() {
@@ -82,7 +78,7 @@ pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
         })?;
     }
     folder.sort(&mut rows, &ladder)?;
-    draw_sole(folder.store(), Sole::Accuracy, format)?;
+    pictures::draw(folder.store(), Some(problem), format)?;
     if !task.quiet {
         print(&text(&rows, law.piecewise_linear()))?;
         print(&format!("results in {}\n", out.display()))?;

@@ -7,11 +7,10 @@ use rayon::prelude::*;
 
 use super::failure::{Exit, Failure};
 use super::options::Task;
-use super::prepare::{Prepared, begin, prepare};
+use super::prepare::{early_end, follow, prepare};
 use super::print;
-use super::progress::drive;
 use super::warn;
-use crate::branch::run::{End, Item};
+use crate::branch::run::Item;
 use crate::certify::{self, Certificate, Outcome, Point, Stretch};
 use crate::output::certify::{CertificateFolder, read, sentence};
 use crate::output::store::Kind;
@@ -33,35 +32,20 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
     if arguments.verify {
         return verify(&task.problem, task.quiet);
     }
-    let Prepared {
-        problem,
-        continuation,
-        restart,
-        source,
-    } = prepare(&task.problem)?;
+    let prepared = prepare(&task.problem)?;
     let out = task.folder("_certify");
-    let store = task.open(&out, Kind::Certificate, &problem)?;
-    let mut branch = begin(task.quiet, &problem, &continuation, restart.as_ref())
-        .map_err(|error| source.place(error))?;
+    let store = task.open(&out, Kind::Certificate, &prepared.problem)?;
+    let mut branch = prepared.begin(task.quiet)?;
     let mut folder = CertificateFolder::create(store)?;
     let mut special: Vec<Item> = Vec::new();
-    drive(task.quiet, || {
-        if branch.progress().end.is_some() {
-            return Ok(None);
-        }
-        special.extend(
-            branch
-                .step()
-                .into_iter()
-                .filter(|item| item.event.is_some()),
-        );
+    follow(task.quiet, &mut branch, |items, branch| {
+        special.extend(items.into_iter().filter(|item| item.event.is_some()));
         let (points, events) = (branch.progress().points, special.len());
-        let words = format!("{points} points, {events} to prove");
-        Ok(Some((branch.position(), words)))
+        Ok(format!("{points} points, {events} to prove"))
     })?;
     let proofs = special.par_iter();
     let mut points: Vec<Point> = proofs
-        .filter_map(|item| certify::certify(item, source.text()))
+        .filter_map(|item| certify::certify(item, prepared.source.text()))
         .collect();
     if arguments.arcs {
         let arcs: Vec<_> = points
@@ -85,8 +69,8 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
         print(&report)?;
         print(&format!("certificate in {}\n", out.display()))?;
     }
-    if let Some(End::Failed(reason)) = &branch.progress().end {
-        warn(&format!("the branch ended before its range: {reason}"));
+    if let Some(why) = early_end(&branch) {
+        warn(&why);
         return Ok(Exit::Numerical);
     }
     Ok(if all { Exit::Done } else { Exit::Unmet })

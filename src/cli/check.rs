@@ -8,11 +8,9 @@ use clap::Args;
 use super::failure::{Exit, Failure};
 use super::junit::{self, Case, Suite, Verdict};
 use super::options::{spare, write};
-use super::prepare::{Prepared, begin, ready};
-use super::progress::drive;
+use super::prepare::{early_end, follow, ready};
 use super::{print, warn};
 use crate::branch::compare::{Compared, Comparison, compare, number};
-use crate::branch::run::End;
 use crate::certify::{Point, certify};
 use crate::model::Parameter;
 use crate::output::certify::sentence;
@@ -111,39 +109,25 @@ fn check_file(path: &Path) -> Result<Outcome, Failure> {
             trouble: None,
         });
     }
-    let Prepared {
-        problem,
-        continuation,
-        restart,
-        source,
-    } = ready(problem, text, path)?;
-    let mut branch = begin(false, &problem, &continuation, restart.as_ref())
-        .map_err(|error| source.place(error))?;
+    let prepared = ready(problem, text, path)?;
+    let (problem, parameter) = (&prepared.problem, prepared.continuation.parameter);
+    let mut branch = prepared.begin(false)?;
     let mut events = Vec::new();
     let mut certified = Vec::new();
-    drive(false, || {
-        if branch.progress().end.is_some() {
-            return Ok(None);
-        }
-        for item in branch.step() {
+    follow(false, &mut branch, |items, branch| {
+        for item in items {
             if problem.certify {
-                certified.extend(certify(&item, source.text()));
+                certified.extend(certify(&item, prepared.source.text()));
             }
             events.extend(item.event);
         }
         let (points, events) = (branch.progress().points, events.len());
-        let words = format!("{file}: {points} points, {events} events");
-        Ok(Some((branch.position(), words)))
+        Ok(format!("{file}: {points} points, {events} events"))
     })?;
     let compared = compare(&problem.expect, &events);
-    let compared = compared
-        .iter()
-        .map(|one| found(one, continuation.parameter));
+    let compared = compared.iter().map(|one| found(one, parameter));
     let found: Vec<Found> = compared.chain(certified.iter().map(proven)).collect();
-    let trouble = match &branch.progress().end {
-        Some(End::Failed(reason)) => Some(format!("the branch ended before its range: {reason}")),
-        _ => None,
-    };
+    let trouble = early_end(&branch);
     Ok(Outcome {
         file,
         exit: match &trouble {

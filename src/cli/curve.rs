@@ -4,14 +4,14 @@ use clap::Args;
 
 use super::failure::{Exit, Failure};
 use super::options::{Task, format};
-use super::prepare::{Prepared, Source, begin, ready};
+use super::prepare::{Source, ready};
 use super::progress::{Progress, drive};
 use super::{print, summary, warn};
 use crate::branch::run::Runner;
 use crate::curve::Run;
 use crate::curve::start::{self, NoCurve, Start};
 use crate::output::curve::CurveFolder;
-use crate::output::pictures::draw_curve;
+use crate::output::pictures;
 use crate::output::render::Format;
 use crate::output::run::labelled;
 use crate::output::store::Kind;
@@ -57,7 +57,12 @@ pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
     let ranges = run.head().limits.ranges;
     let found = run.curve();
     folder.finish(&found)?;
-    draw_curve(folder.store(), &found, ranges, format)?;
+    // to read it back and name its regions again takes as long once more
+    let drawn = (
+        "curve".to_owned(),
+        Ok(pictures::curve::picture(&found, ranges)),
+    );
+    pictures::put(folder.store(), Some(&problem), format, [drawn])?;
     if !task.quiet {
         if let Some(title) = &problem.title {
             print(&format!("{title}\n\n"))?;
@@ -87,21 +92,16 @@ fn start(
         let (event, wave) = (labelled(dir, *label)?, earlier.wave(dir, *label)?);
         return Ok(start::labelled(problem, wave, event, section)?);
     }
-    let Prepared {
-        continuation,
-        restart,
-        source,
-        ..
-    } = ready(problem.clone(), text, &task.problem)?;
+    let prepared = ready(problem.clone(), text, &task.problem)?;
     let progress = Progress::new(task.quiet);
     let mut watch = |branch: &Runner| {
         let points = branch.progress().points;
         let words = format!("looking for the event: {points} points of the branch");
         progress.show(f64::NAN, words);
     };
-    let begun = |problem: &Problem| begin(task.quiet, problem, &continuation, restart.as_ref());
+    let begun = |problem: &Problem| prepared.start(task.quiet, problem);
     start::find(problem, section, begun, &mut watch).map_err(|error| match error {
-        NoCurve::Run(error) => source.place(error),
+        NoCurve::Run(error) => prepared.source.place(error),
         error => error.into(),
     })
 }

@@ -84,16 +84,12 @@ impl Failure {
             ) => Exit::BadInput,
             Failure::Curve(_) => Exit::Numerical,
             Failure::Store(error) | Failure::Plot(PlotError::Store(error)) => {
-                if error.is_usage() {
-                    Exit::BadInput
-                } else {
-                    Exit::InputOutput
+                match error.is_usage() {
+                    true => Exit::BadInput,
+                    false => Exit::InputOutput,
                 }
             }
-            Failure::Plot(
-                PlotError::Read(_) | PlotError::Empty { .. } | PlotError::MissingColumn { .. },
-            )
-            | Failure::Output(_) => Exit::InputOutput,
+            Failure::Output(_) => Exit::InputOutput,
             _ => Exit::BadInput,
         }
     }

@@ -13,8 +13,9 @@ use super::options::{Task, Threads, cores, picture};
 use super::print;
 use super::progress::Progress;
 use crate::map;
-use crate::output::map::{Description, MapFolder};
-use crate::output::pictures::{self, Sole, draw_sole};
+use crate::output::map::{MapFolder, of_shard};
+use crate::output::origin::Origin;
+use crate::output::pictures::{self, PlotError};
 use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store};
 use crate::problem::Problem;
@@ -108,11 +109,9 @@ fn run(arguments: &MapArguments, task: &Task) -> Result<Exit, Failure> {
         }
     }
     let store = task.open(&out, kind, &problem)?;
-    let description = Description::new(&problem);
-    let all = description.rows();
-    let folder = MapFolder::new(store, description)?;
+    let folder = MapFolder::new(store, Origin::of(&problem))?;
     let finished = folder.finished()?;
-    let rows: Vec<usize> = (shard.number - 1..all)
+    let rows: Vec<usize> = (shard.number - 1..folder.rows())
         .step_by(shard.of)
         .filter(|row| finished.binary_search(row).is_err())
         .collect();
@@ -150,9 +149,9 @@ fn run(arguments: &MapArguments, task: &Task) -> Result<Exit, Failure> {
 fn merge(arguments: &MergeArguments) -> Result<Exit, Failure> {
     let picture = picture(arguments.plot.as_deref(), &[])?;
     let (first, others) = arguments.shards.split_first().ok_or(Usage::NoProblem)?;
-    let description = Description::of_shard(first)?;
+    let origin = of_shard(first)?;
     for shard in others {
-        if Description::of_shard(shard)? != description {
+        if of_shard(shard)? != origin {
             return Err(Usage::OtherMap(first.clone(), shard.clone()).into());
         }
     }
@@ -161,9 +160,9 @@ fn merge(arguments: &MergeArguments) -> Result<Exit, Failure> {
     let own = out.is_some() && arguments.shards.iter().any(|shard| canonical(shard) == out);
     // a shard may be joined in its own folder, whose rows stay then
     let existing = Existing::of(own, arguments.force);
-    let problem = description.problem.clone();
+    let problem = origin.problem.clone();
     let store = Store::open(&arguments.out, Kind::Map, &problem, existing, &[])?;
-    let folder = MapFolder::new(store, description)?;
+    let folder = MapFolder::new(store, origin)?;
     folder.join(&arguments.shards)?;
     draw(picture, folder.store(), &problem)?;
     if !arguments.quiet {
@@ -174,11 +173,10 @@ fn merge(arguments: &MergeArguments) -> Result<Exit, Failure> {
 
 /// The picture in the folder, and the one asked for besides.
 fn draw(picture: Option<(&Path, Format)>, store: &Store, problem: &Problem) -> Result<(), Failure> {
-    draw_sole(store, Sole::Map, Format::Svg)?;
-    if let (Some((path, format)), Some(section)) = (picture, &problem.map) {
-        let drawn = pictures::map::picture(store.path(), section)?;
-        let titled = drawn.titled(problem.title.as_deref());
-        pictures::save(path, format, &titled)?;
+    pictures::draw(store, Some(problem), Format::Svg)?;
+    if let (Some(file), Some(section)) = (picture, &problem.map) {
+        let drawn = pictures::map::picture(store.path(), section);
+        pictures::save(file, problem, drawn.map_err(PlotError::from)?)?;
     }
     Ok(())
 }

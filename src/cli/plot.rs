@@ -7,10 +7,10 @@ use clap::Args;
 use super::failure::{Exit, Failure, Usage};
 use super::options::format;
 use super::print;
-use crate::output::pictures::{self, Sole, View, draw_sole};
+use crate::output::origin;
+use crate::output::pictures::{self, View};
 use crate::output::render::Format;
 use crate::output::run::Restart;
-use crate::output::simulation::SimulationCheckpoint;
 use crate::output::store::{Checkpoint, Kind, Store};
 use crate::problem::Plot;
 
@@ -57,66 +57,39 @@ fn range(text: &str) -> Result<(f64, f64), Usage> {
 
 pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
     let (folder, format) = (&arguments.folder, arguments.format.available()?);
-    // a folder of a version before manifests may still hold a run
-    if let Ok(store) = Store::visit(folder)
-        && let Some(kind) = store.kind().filter(|kind| *kind != Kind::Run)
-    {
+    let store = Store::visit(folder);
+    let kind = store.as_ref().ok().and_then(Store::kind);
+    let run = kind.is_none_or(|kind| kind == Kind::Run);
+    if !run && arguments.view() {
+        return Err(Usage::NoView(folder.clone()).into());
+    }
+    let mut problem = match kind {
+        Some(Kind::MapShard) => return Err(Usage::Unjoined(folder.clone()).into()),
+        Some(Kind::Certificate) => return Err(Usage::NoPicture(folder.clone()).into()),
+        // a folder of a version before manifests may still hold a run
+        _ if run => Some(Restart::read(folder)?.problem),
+        _ => origin::problem(folder)?,
+    };
+    let store = store?;
+    if let Some(problem) = problem.as_mut().filter(|_| run) {
+        if problem.continuation.is_none() {
+            return Err(Usage::NoBranch(folder.clone()).into());
+        }
         if arguments.view() {
-            return Err(Usage::NoView(folder.clone()).into());
+            let view = View {
+                column: arguments.y.clone().unwrap_or("speed".to_owned()),
+                range: arguments.range.unwrap_or(View::EVERYWHERE),
+                logarithmic: Some(arguments.log),
+            };
+            let x = arguments.x.as_deref();
+            return list(&pictures::draw_view(&store, problem, x, &view, format)?);
         }
-        if let Some(sole) = Sole::of(kind) {
-            return list(&[draw_sole(&store, sole, format)?]);
-        }
-        match kind {
-            Kind::MapShard => return Err(Usage::Unjoined(folder.clone()).into()),
-            Kind::Certificate => return Err(Usage::NoPicture(folder.clone()).into()),
-            _ => {}
+        // a run that asked for no pictures still has its diagram
+        if problem.output.plots.is_empty() {
+            problem.output.plots.push(Plot::Diagram);
         }
     }
-    if folder.join(SimulationCheckpoint::FILE).exists() {
-        return plot_simulation(arguments);
-    }
-    let restart = Restart::read(&arguments.folder)?;
-    let problem = &restart.problem;
-    let Some(continuation) = &problem.continuation else {
-        return Err(Usage::NoBranch(arguments.folder.clone()).into());
-    };
-    // a run that asked for no pictures still has its diagram
-    let plots = match problem.output.plots.as_slice() {
-        [] => &[Plot::Diagram],
-        plots => plots,
-    };
-    let (x, y) = (arguments.x.as_deref(), arguments.y.as_deref());
-    let parameter = continuation.parameter;
-    let mut settings = pictures::Settings::of(problem, parameter);
-    if arguments.view() {
-        settings.parameter = x.unwrap_or(parameter.column()).to_owned();
-        let view = View {
-            range: arguments
-                .range
-                .unwrap_or((f64::NEG_INFINITY, f64::INFINITY)),
-            logarithmic: Some(arguments.log),
-            ..View::whole(y.unwrap_or("speed"))
-        };
-        Store::visit(&arguments.folder)?.claim([pictures::view_name(format)])?;
-        let folder = &arguments.folder;
-        return list(&[pictures::draw_view(folder, &view, format, &settings)?]);
-    }
-    let names = plots.iter();
-    Store::visit(&arguments.folder)?.claim(names.map(|plot| pictures::file_name(plot, format)))?;
-    list(&pictures::draw(
-        &arguments.folder,
-        plots,
-        format,
-        &settings,
-    )?)
-}
-
-fn plot_simulation(arguments: &PlotArguments) -> Result<Exit, Failure> {
-    let (folder, format) = (&arguments.folder, arguments.format.available()?);
-    let problem = SimulationCheckpoint::read(folder)?.problem;
-    Store::visit(folder)?.claim(pictures::simulation_names(format))?;
-    list(&pictures::draw_simulation(folder, &problem, format)?)
+    list(&pictures::draw(&store, problem.as_ref(), format)?)
 }
 
 fn list(written: &[PathBuf]) -> Result<Exit, Failure> {

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::failure::Failure;
-use super::progress::Progress;
+use super::progress::{Progress, drive};
 use crate::branch::SavedWave;
-use crate::branch::run::{RunError, Runner};
+use crate::branch::run::{End, Item, RunError, Runner};
 use crate::output::run::Restart;
 use crate::output::store::Checkpoint;
 use crate::problem::{self, Continuation, Problem, Start, Toward};
@@ -18,17 +18,49 @@ pub(crate) struct Prepared {
     pub source: Source,
 }
 
-/// The beginning of a branch, with the search for its first wave shown.
-pub(crate) fn begin(
+impl Prepared {
+    /// The beginning of the branch, with the search for its first wave shown.
+    pub(crate) fn start(&self, quiet: bool, problem: &Problem) -> Result<Runner, RunError> {
+        let progress = Progress::new(quiet);
+        Runner::begin_watched(
+            problem,
+            &self.continuation,
+            self.restart.as_ref(),
+            &mut |walk| {
+                progress.show(walk.part(), walk.to_string());
+            },
+        )
+    }
+
+    /// The same, with the line of the problem file that keeps it from beginning.
+    pub(crate) fn begin(&self, quiet: bool) -> Result<Runner, Failure> {
+        let begun = self.start(quiet, &self.problem);
+        begun.map_err(|error| self.source.place(error))
+    }
+}
+
+/// Follows a branch to its end. `take` has the points of every step, and says where the branch is.
+pub(crate) fn follow(
     quiet: bool,
-    problem: &Problem,
-    continuation: &Continuation,
-    restart: Option<&SavedWave>,
-) -> Result<Runner, RunError> {
-    let progress = Progress::new(quiet);
-    Runner::begin_watched(problem, continuation, restart, &mut |walk| {
-        progress.show(walk.part(), walk.to_string());
+    branch: &mut Runner,
+    mut take: impl FnMut(Vec<Item>, &Runner) -> Result<String, Failure>,
+) -> Result<(), Failure> {
+    drive(quiet, || {
+        if branch.progress().end.is_some() {
+            return Ok(None);
+        }
+        let items = branch.step();
+        let words = take(items, branch)?;
+        Ok(Some((branch.position(), words)))
     })
+}
+
+/// Why a branch ended before its range, if it did.
+pub(crate) fn early_end(branch: &Runner) -> Option<String> {
+    match &branch.progress().end {
+        Some(End::Failed(reason)) => Some(format!("the branch ended before its range: {reason}")),
+        _ => None,
+    }
 }
 
 /// The file of a problem, for messages that point into it.

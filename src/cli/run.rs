@@ -4,11 +4,10 @@ use clap::Args;
 
 use super::failure::{Exit, Failure};
 use super::options::{Task, Threads};
-use super::prepare::{Prepared, begin, prepare};
-use super::progress::drive;
+use super::prepare::{early_end, follow, prepare};
 use super::summary;
 use super::{print, warn};
-use crate::branch::run::{End, Runner};
+use crate::branch::run::Runner;
 use crate::model::Sectors;
 use crate::output::pictures;
 use crate::output::render::Format;
@@ -25,59 +24,43 @@ pub(crate) struct RunArguments {
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     let task = &arguments.task;
-    let Prepared {
-        problem,
-        continuation,
-        restart,
-        source,
-    } = prepare(&task.problem)?;
+    let prepared = prepare(&task.problem)?;
+    let problem = &prepared.problem;
     let out = task.folder("");
-    let store = task.open(&out, Kind::Run, &problem)?;
-    let saved = RunFolder::interrupted(&store, &problem)?;
+    let store = task.open(&out, Kind::Run, problem)?;
+    let saved = RunFolder::interrupted(&store, problem)?;
     let mut branch = if let Some(saved) = &saved {
         let (first, progress) = (saved.wave(&out, 1)?, saved.progress.clone());
-        Runner::resume(&problem, &continuation, first, progress)
+        Runner::resume(problem, &prepared.continuation, first, progress)
             .map_err(|reason| damaged(&out.join(Restart::FILE), reason.to_string()))?
     } else {
-        let begun = begin(task.quiet, &problem, &continuation, restart.as_ref());
+        let begun = prepared.begin(task.quiet);
         if begun.is_err() && store.holds_results() {
             warn(&format!(
                 "nothing was computed; {} keeps the results of the earlier run",
                 out.display()
             ));
         }
-        begun.map_err(|error| source.place(error))?
+        begun?
     };
-    let mut folder = RunFolder::open(store, &problem, &branch, saved)?;
+    let mut folder = RunFolder::open(store, problem, &branch, saved)?;
     let finished = branch.progress().end.is_some();
-    drive(task.quiet, || {
-        if branch.progress().end.is_some() {
-            return Ok(None);
-        }
-        let items = branch.step();
-        folder.write(&items, &branch)?;
+    follow(task.quiet, &mut branch, |items, branch| {
+        folder.write(&items, branch)?;
         let here = branch.progress();
-        let words = format!("{} points, {} events", here.points, here.events);
-        Ok(Some((branch.position(), words)))
+        Ok(format!("{} points, {} events", here.points, here.events))
     })?;
-    if !problem.output.plots.is_empty() {
-        let settings = pictures::Settings::of(&problem, continuation.parameter);
-        let (folder, plots) = (folder.store().path(), &problem.output.plots);
-        arguments.threads.install(1, usize::MAX, || {
-            Ok(pictures::draw(folder, plots, Format::Svg, &settings)?)
-        })?;
-    }
+    arguments.threads.install(1, usize::MAX, || {
+        Ok(pictures::draw(folder.store(), Some(problem), Format::Svg)?)
+    })?;
     if !task.quiet {
         if let Some(title) = &problem.title {
             print(&format!("{title}\n\n"))?;
         }
         let section = problem.stability.as_ref();
         let whole_circle = section.is_some_and(|section| section.sectors == Sectors::All);
-        print(&summary::branch(
-            &out,
-            continuation.parameter,
-            whole_circle,
-        )?)?;
+        let parameter = prepared.continuation.parameter;
+        print(&summary::branch(&out, parameter, whole_circle)?)?;
         if finished {
             print("the run was finished already: nothing was left to compute\n")?;
         }
@@ -86,11 +69,9 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     for note in branch.notes() {
         warn(&note.to_string());
     }
-    match &branch.progress().end {
-        Some(End::Failed(reason)) => {
-            warn(&format!("the branch ended before its range: {reason}"));
-            Ok(Exit::Numerical)
-        }
-        _ => Ok(Exit::Done),
+    if let Some(why) = early_end(&branch) {
+        warn(&why);
+        return Ok(Exit::Numerical);
     }
+    Ok(Exit::Done)
 }

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, Threads, cores};
-use super::prepare::{Prepared, begin, ready};
+use super::prepare::ready;
 use super::progress::{Progress, drive};
 use super::{print, warn};
 use crate::branch::run::RunError;
@@ -89,18 +89,12 @@ fn first_wave(task: &Task, problem: &Problem, text: &str) -> Result<(Model, Prof
         let range = (0.5 * problem.model.mismatch, problem.model.mismatch);
         problem.continuation = Some(Continuation::new(Parameter::Mismatch, range));
     }
-    let Prepared {
-        problem,
-        continuation,
-        restart,
-        source,
-    } = ready(problem, text.to_owned(), &task.problem)?;
-    let begun = begin(task.quiet, &problem, &continuation, restart.as_ref());
-    let mut branch = begun.map_err(|error| source.place(error))?;
+    let prepared = ready(problem, text.to_owned(), &task.problem)?;
+    let mut branch = prepared.begin(task.quiet)?;
     // a Hopf point comes with the waves before the first one
     let first = branch.step().pop();
     let first = first.ok_or_else(|| Usage::NoBranch(task.problem.clone()))?;
-    remark(&first.point.model, &problem.model);
+    remark(&first.point.model, &prepared.problem.model);
     let samples = first.profile(PROFILE_RESOLUTION);
     let samples = samples.map_err(|error| RunError::NoStart(error.into()))?;
     let table = table::table(samples);
@@ -207,7 +201,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
     if section.growth.is_some() && course.has_wave() {
         folder.growth(&eigenvalues)?;
     }
-    pictures::draw_simulation(&out, &problem, Format::Svg)?;
+    pictures::draw(folder.store(), Some(&problem), Format::Svg)?;
     if !task.quiet {
         let (motion, taken) = (course.motion(), course.taken());
         print(&report(&problem, &measures, &eigenvalues, course.samples()))?;
@@ -236,7 +230,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
 fn open(store: Store, problem: &Problem, course: &mut Course) -> Result<SimulationFolder, Failure> {
     let points = course.motion().line().radial.len();
     let Some(saved) = SimulationFolder::interrupted(&store, problem)? else {
-        let mut folder = SimulationFolder::create(store, points)?;
+        let mut folder = SimulationFolder::create(store, problem, points)?;
         let line = course.motion().line();
         for sample in course.samples() {
             folder.sample(sample, &line)?;

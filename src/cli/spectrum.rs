@@ -8,7 +8,7 @@ use faer::c64;
 
 use super::failure::{Exit, Failure, Usage};
 use super::options::{assignment, picture, set, spare, write};
-use super::prepare::{Prepared, begin, prepare};
+use super::prepare::{Prepared, prepare};
 use super::progress::drive;
 use super::{print, summary, warn};
 use crate::branch::BranchPoint;
@@ -110,19 +110,19 @@ fn request(problem: &Problem, sector: Option<usize>) -> Result<Request, Usage> {
 }
 
 pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
+    let mut prepared = prepare(&arguments.problem)?;
     let Prepared {
-        mut problem,
-        mut continuation,
-        restart,
-        source,
-    } = prepare(&arguments.problem)?;
+        problem,
+        continuation,
+        ..
+    } = &mut prepared;
     if let Some(path) = &arguments.eigenfunctions {
         spare(path, std::slice::from_ref(&arguments.problem))?;
     }
     if arguments.discretised.is_some() {
         smoothing(problem.model.law, arguments.epsilon)?;
     }
-    let request = request(&problem, arguments.sector)?;
+    let request = request(problem, arguments.sector)?;
     // the branch itself needs no stability
     problem.stability = None;
     let parameter = continuation.parameter;
@@ -133,7 +133,7 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
         if other == parameter {
             target = Some(value);
         } else {
-            set(&mut problem, other, value)?;
+            set(problem, other, value)?;
             of_file = false;
         }
     }
@@ -153,11 +153,10 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
             continuation.stop_at.push(value);
         }
     }
-    let branch = begin(false, &problem, &continuation, restart.as_ref());
-    let branch = branch.map_err(|error| match of_file {
-        true => source.place(error),
-        false => error.into(),
-    })?;
+    let branch = match of_file {
+        true => prepared.begin(false)?,
+        false => prepared.start(false, &prepared.problem)?,
+    };
     let mut passage = Passage::new(branch, target, arguments.passage.into());
     drive(false, || {
         let words = |passage: &Passage| format!("{} points on the way", passage.points());
@@ -168,7 +167,7 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
     }
     match passage.found() {
         None => Ok(Exit::Numerical),
-        Some(item) => write_spectrum(item, &request, problem.title.as_deref(), arguments),
+        Some(item) => write_spectrum(item, &request, &prepared.problem, arguments),
     }
 }
 
@@ -202,7 +201,7 @@ fn remark(passage: &Passage, parameter: Parameter, value: f64, wanted: u16) {
 fn write_spectrum(
     item: &Item,
     request: &Request,
-    title: Option<&str>,
+    problem: &Problem,
     arguments: &SpectrumArguments,
 ) -> Result<Exit, Failure> {
     let (wave, unknowns) = item.wave();
@@ -227,7 +226,7 @@ fn write_spectrum(
         });
         return match found {
             Ok((speed, values, all, period)) => {
-                if let (Some((path, format)), Some(all)) = (picture, all) {
+                if let (Some(file), Some(all)) = (picture, all) {
                     let exact = Characteristic::new(wave, unknowns).ok();
                     let exact = exact.map(|exact| compute(&exact, request, None));
                     let exact = exact.iter().flat_map(|exact| {
@@ -236,7 +235,7 @@ fn write_spectrum(
                     });
                     let exact: Vec<(usize, c64)> = exact.collect();
                     let drawn = pictures::multipliers::discretised(&all, &exact, points, period);
-                    pictures::save(path, format, &drawn.titled(title))?;
+                    pictures::save(file, problem, drawn)?;
                 }
                 let row = |(sector, value): (usize, c64)| EigenvalueRow {
                     sector,

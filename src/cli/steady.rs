@@ -138,9 +138,9 @@ pub(crate) fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
     if let Some(store) = &store {
         output::steady::write(store, &problem, &text)?;
     }
-    if let Some((path, format)) = picture {
+    if let Some(file) = picture {
         let drawn = pictures::steady::picture(&Table::parse(text.as_bytes()).unwrap_or_default());
-        pictures::save(path, format, &drawn.titled(problem.title.as_deref()))?;
+        pictures::save(file, &problem, drawn)?;
     }
     print(&summary::table(text, arguments.csv, &SHOWN))?;
     for (found, what) in [(reduced, "in the reduced model"), (full, "of the tube")] {

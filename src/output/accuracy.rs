@@ -1,9 +1,11 @@
 //! The folder of measured errors and times: a table that grows by a row for each method and setting.
 
+use std::path::Path;
+
 use super::origin::Origin;
-use super::pictures::Sole;
+use super::pictures;
 use super::render::Format;
-use super::store::{Checkpoint, Growing, Store, StoreError, damaged};
+use super::store::{self, Growing, Kind, Store, StoreError, damaged};
 use crate::accuracy::{Row, Rung};
 use crate::problem::Problem;
 use crate::table::{self, Table};
@@ -23,6 +25,23 @@ pub(crate) struct Interrupted {
     /// The rows.
     pub rows: Vec<Row>,
     length: usize,
+}
+
+/// The rows of a folder.
+///
+/// # Errors
+/// When the table cannot be read.
+pub(crate) fn rows(folder: &Path) -> Result<Vec<Row>, StoreError> {
+    let path = folder.join(TABLE);
+    if !path.exists() {
+        return Err(damaged(&path, "it is missing"));
+    }
+    parse(&path, &store::bytes(&path)?)
+}
+
+fn parse(path: &Path, text: &[u8]) -> Result<Vec<Row>, StoreError> {
+    let rows = Table::parse(text).and_then(|table| table.rows());
+    rows.map_err(|error| damaged(path, error.to_string()))
 }
 
 impl AccuracyFolder {
@@ -45,8 +64,7 @@ impl AccuracyFolder {
         if !text.starts_with(table::header::<Row>().as_bytes()) {
             return Err(damaged(&path, "its header is another one"));
         }
-        let rows = Table::parse(&text).and_then(|table| table.rows::<Row>());
-        let rows = rows.map_err(|error| damaged(&path, error.to_string()))?;
+        let rows = parse(&path, &text)?;
         let of = |row: &Row| ladder.iter().position(|rung| row.is_of(*rung));
         for (index, row) in rows.iter().enumerate() {
             if of(row).is_none() || rows[..index].iter().any(|other| of(other) == of(row)) {
@@ -71,8 +89,8 @@ impl AccuracyFolder {
         let table = match interrupted {
             Some(earlier) => store.cut(TABLE, earlier.length)?,
             None => {
-                let names = [TABLE, Origin::FILE].map(str::to_owned).into_iter();
-                store.begin(names.chain([Sole::Accuracy.file(format)]), None)?;
+                let pictures = pictures::names(Kind::Accuracy, problem, format);
+                store.begin(&[TABLE, Origin::FILE], pictures, None)?;
                 Origin::keep(&store, problem)?;
                 store.table(TABLE, &table::header::<Row>(), None)?
             }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::store::{self, Growing, Store, StoreError, damaged};
+use super::store::{Growing, Store, StoreError, damaged, decode};
 use crate::certify::{Certificate, Eigenvalue, Outcome, Point, Stretch};
 use crate::interval::Interval;
 use crate::table;
@@ -34,46 +34,35 @@ struct Row {
 
 impl Row {
     fn new(point: &Point) -> Row {
-        let row = Row {
+        let (proof, why) = match &point.outcome {
+            Outcome::Proven(proof) => (Some(proof), None),
+            Outcome::Open(reason) => (None, Some(reason)),
+        };
+        let said = proof.map(|proof| &proof.statement);
+        let value = said.map(|said| enclosing(said.parameter));
+        let speed = said.map(|said| enclosing(said.speed));
+        let unstable = proof.is_some_and(|proof| proof.is_unstable());
+        let (arc, pieces, arc_why) = match &point.arc {
+            None => ("", None, None),
+            Some(Stretch::Proven(pieces)) => ("yes", Some(*pieces), None),
+            Some(Stretch::Open(reason)) => ("no", None, Some(reason)),
+        };
+        Row {
             label: point.label,
             r#type: point.kind.to_string(),
             parameter: point.parameter.column(),
-            ..Row::default()
-        };
-        let row = match &point.arc {
-            None => row,
-            Some(Stretch::Proven(pieces)) => Row {
-                arc: "yes",
-                pieces: Some(*pieces),
-                ..row
-            },
-            Some(Stretch::Open(reason)) => Row {
-                arc: "no",
-                arc_why: reason.clone(),
-                ..row
-            },
-        };
-        match &point.outcome {
-            Outcome::Proven(proof) => {
-                let said = &proof.statement;
-                let (value, speed) = (enclosing(said.parameter), enclosing(said.speed));
-                Row {
-                    low: Some(value.low),
-                    high: Some(value.high),
-                    speed_low: Some(speed.low),
-                    speed_high: Some(speed.high),
-                    unique: Some(said.unique),
-                    inequalities: Some(said.inequalities),
-                    proven: "yes",
-                    unstable: if proof.is_unstable() { "yes" } else { "" },
-                    ..row
-                }
-            }
-            Outcome::Open(reason) => Row {
-                proven: "no",
-                why: reason.clone(),
-                ..row
-            },
+            low: value.map(|value| value.low),
+            high: value.map(|value| value.high),
+            speed_low: speed.map(|speed| speed.low),
+            speed_high: speed.map(|speed| speed.high),
+            unique: said.map(|said| said.unique),
+            inequalities: said.map(|said| said.inequalities),
+            proven: if proof.is_some() { "yes" } else { "no" },
+            why: why.cloned().unwrap_or_default(),
+            unstable: if unstable { "yes" } else { "" },
+            arc,
+            pieces,
+            arc_why: arc_why.cloned().unwrap_or_default(),
         }
     }
 }
@@ -157,7 +146,7 @@ impl CertificateFolder {
     /// # Errors
     /// When a file cannot be written, like all that follow.
     pub(crate) fn create(store: Store) -> Result<CertificateFolder, StoreError> {
-        store.begin([TABLE, Self::FILE].map(str::to_owned), None)?;
+        store.begin(&[TABLE, Self::FILE], Vec::new(), None)?;
         let table = store.table(TABLE, &table::header::<Row>(), None)?;
         Ok(CertificateFolder { store, table })
     }
@@ -181,5 +170,5 @@ impl CertificateFolder {
 /// # Errors
 /// When it cannot be read, or is none.
 pub(crate) fn read(path: &Path) -> Result<Certificate, StoreError> {
-    ron::from_str(&store::read(path)?).map_err(|error| damaged(path, error.to_string()))
+    decode(path)
 }

@@ -10,18 +10,18 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::origin::Origin;
-use super::pictures::Sole;
+use super::pictures;
 use super::render::Format;
-use super::store::{Checkpoint, Growing, Store, StoreError, damaged, encode, hash};
+use super::store::{Growing, Kind, Store, StoreError, damaged, encode, hash};
 use crate::curve::{Curve, Head, Point, Run, Step};
 use crate::model::Parameter;
 use crate::problem::Problem;
 use crate::table;
 
 /// Name of the table.
-pub(crate) const TABLE: &str = "curve.csv";
+const TABLE: &str = "curve.csv";
 /// Name of the steps.
-pub(crate) const STEPS: &str = "curve.steps";
+const STEPS: &str = "curve.steps";
 
 /// The folder of a curve being written.
 #[derive(Debug)]
@@ -67,17 +67,22 @@ impl CurveFolder {
     /// When that is damaged.
     pub(crate) fn interrupted(store: &Store) -> Result<Option<Interrupted>, StoreError> {
         // a curve killed before it began has no points
-        if !store.resumes() || !store.path().join(STEPS).exists() {
-            return Ok(None);
+        match store.resumes() && store.path().join(STEPS).exists() {
+            true => CurveFolder::steps(store),
+            false => Ok(None),
         }
-        CurveFolder::saved(store)
     }
 
-    /// The curve as far as its steps are saved.
+    /// The curve of a folder as far as its steps are saved.
     ///
     /// # Errors
-    /// When they are damaged.
-    pub(crate) fn saved(store: &Store) -> Result<Option<Interrupted>, StoreError> {
+    /// When they are damaged, or there is none.
+    pub(crate) fn saved(store: &Store) -> Result<Run, StoreError> {
+        let saved = CurveFolder::steps(store)?.map(|saved| saved.run);
+        saved.ok_or_else(|| damaged(&store.path().join(STEPS), "it is empty"))
+    }
+
+    fn steps(store: &Store) -> Result<Option<Interrupted>, StoreError> {
         let path = store.path().join(STEPS);
         let bytes = store.lines(STEPS, None)?;
         let text = std::str::from_utf8(&bytes).map_err(|_| damaged(&path, "it is no text"))?;
@@ -106,8 +111,8 @@ impl CurveFolder {
         problem: &Problem,
         format: Format,
     ) -> Result<CurveFolder, StoreError> {
-        let names = [Origin::FILE, STEPS, TABLE].map(str::to_owned).into_iter();
-        store.begin(names.chain([Sole::Curve.file(format)]), None)?;
+        let pictures = pictures::names(Kind::Curve, problem, format);
+        store.begin(&[Origin::FILE, STEPS, TABLE], pictures, None)?;
         Origin::keep(&store, problem)?;
         let steps = store.create(STEPS, b"")?;
         let mut folder = CurveFolder::tabulate(store, run, steps)?;

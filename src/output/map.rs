@@ -7,21 +7,18 @@
 //! in order to `map.csv`, which therefore does not depend on who computed them.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use serde::{Deserialize, Serialize};
-
-use super::pictures::Sole;
+use super::origin::Origin;
+use super::pictures;
 use super::render::Format;
 use super::store::{
-    Checkpoint, READ, Store, StoreError, VERSION, damaged, encode, hash, io_error, read, refused,
-    replace,
+    Kind, Store, StoreError, VERSION, damaged, decode, encode, hash, io_error, numbered, read,
+    refused, replace,
 };
 use crate::map::{Cell, CellRow, Plane};
-use crate::problem::Problem;
 use crate::table::{self, number};
 
 /// The joined table.
@@ -30,65 +27,32 @@ pub(crate) const TABLE: &str = "map.csv";
 pub(crate) const PARQUET: &str = "map.parquet";
 const ROWS: &str = "rows";
 
-/// Content of `map.ron`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Description {
-    /// Version of brakewave that wrote it.
-    pub version: String,
-    /// The problem.
-    pub problem: Problem,
-}
+/// Name of the file with the problem.
+pub(crate) const ORIGIN: &str = "map.ron";
 
-impl Checkpoint for Description {
-    const FILE: &'static str = "map.ron";
-
-    fn problem(&self) -> &Problem {
-        &self.problem
+/// Reads `map.ron` of a shard.
+///
+/// # Errors
+/// When it is missing, damaged, or of another version.
+pub(crate) fn of_shard(folder: &Path) -> Result<Origin, StoreError> {
+    let path = folder.join(ORIGIN);
+    let found: Origin = decode(&path)?;
+    if found.version != VERSION {
+        let reason = format!(
+            "written by version {}, this is {VERSION}; join shards of one version by that version",
+            found.version
+        );
+        return Err(refused(&path, reason));
     }
-}
-
-impl Description {
-    /// The description of a problem by this version.
-    pub(crate) fn new(problem: &Problem) -> Description {
-        Description {
-            version: VERSION.to_owned(),
-            problem: problem.clone(),
-        }
-    }
-
-    /// Reads `map.ron` of a shard.
-    ///
-    /// # Errors
-    /// When it is missing, damaged, or of another version.
-    pub(crate) fn of_shard(folder: &Path) -> Result<Description, StoreError> {
-        let found = Description::read(folder)?;
-        if found.version != VERSION {
-            let reason = format!(
-                "written by version {}, this is {VERSION}; join shards of one version by that \
-                 version",
-                found.version
-            );
-            return Err(refused(&folder.join(Description::FILE), reason));
-        }
-        Ok(found)
-    }
-
-    /// Number of rows of the map; zero without a `map` section.
-    pub(crate) fn rows(&self) -> usize {
-        self.plane().map_or(0, |plane| plane.rows())
-    }
-
-    fn plane(&self) -> Option<Plane> {
-        self.problem.map.as_ref().map(Plane::new)
-    }
+    Ok(found)
 }
 
 /// The folder of a map, or of a shard of it.
 #[derive(Debug)]
 pub(crate) struct MapFolder {
     store: Store,
-    description: Description,
-    /// Hash of the description: which map this is.
+    origin: Origin,
+    /// Hash of the problem as it is kept: which map this is.
     identity: u64,
     begun: Mutex<bool>,
 }
@@ -97,15 +61,24 @@ impl MapFolder {
     /// The folder of a map in a store that was opened for it.
     ///
     /// # Errors
-    /// When the description cannot be written down.
-    pub(crate) fn new(store: Store, description: Description) -> Result<MapFolder, StoreError> {
-        let text = encode(&store.path().join(Description::FILE), &description)?;
+    /// When the problem cannot be written down.
+    pub(crate) fn new(store: Store, origin: Origin) -> Result<MapFolder, StoreError> {
+        let text = encode(&store.path().join(ORIGIN), &origin)?;
         Ok(MapFolder {
             begun: Mutex::new(false),
             identity: hash(text.as_bytes()),
-            description,
+            origin,
             store,
         })
+    }
+
+    /// Number of rows of the map; zero without a `map` section.
+    pub(crate) fn rows(&self) -> usize {
+        self.plane().map_or(0, |plane| plane.rows())
+    }
+
+    fn plane(&self) -> Option<Plane> {
+        self.origin.problem.map.as_ref().map(Plane::new)
     }
 
     /// Begins the folder or goes on with it, once: when there is something to write.
@@ -117,20 +90,17 @@ impl MapFolder {
         if *begun {
             return Ok(());
         }
-        let picture = Sole::Map.file(Format::Svg);
-        let fixed = [Description::FILE, TABLE, &picture]
-            .map(str::to_owned)
-            .into_iter();
-        let parquet = cfg!(feature = "parquet").then(|| PARQUET.to_owned());
-        let rows = rows.iter().map(|row| row_name(*row));
-        let names = fixed.chain(parquet).chain(rows);
+        let mut names = pictures::names(Kind::Map, &self.origin.problem, Format::Svg);
+        names.extend(cfg!(feature = "parquet").then(|| PARQUET.to_owned()));
+        names.extend(rows.iter().map(|row| row_name(*row)));
         if self.store.resumes() {
             self.store.retain(|_| true)?;
+            self.store.claim([ORIGIN, TABLE])?;
             self.store.claim(names)?;
         } else {
-            self.store.begin(names, Some(ROWS))?;
+            self.store.begin(&[ORIGIN, TABLE], names, Some(ROWS))?;
         }
-        self.store.save(&self.description)?;
+        self.store.save(ORIGIN, &self.origin)?;
         *begun = true;
         Ok(())
     }
@@ -144,7 +114,7 @@ impl MapFolder {
             return Ok(Vec::new());
         }
         let mut rows = Vec::new();
-        for (row, file) in row_files(self.path())? {
+        for (row, file) in numbered(&self.path().join(ROWS), ".csv")? {
             if self.cells(row, &file).is_ok() {
                 rows.push(row);
             }
@@ -174,14 +144,14 @@ impl MapFolder {
     }
 
     fn place(&self, row: usize) -> String {
-        let first = self.description.plane().and_then(|plane| {
+        let first = self.plane().and_then(|plane| {
             let point = plane.row(row).first().copied()?;
             Some(number(point[0]))
         });
         format!(
             "# brakewave map {:016x}, row {row} of {}, first parameter {},",
             self.identity,
-            self.description.rows(),
+            self.rows(),
             first.unwrap_or_default()
         )
     }
@@ -208,9 +178,9 @@ impl MapFolder {
     /// When a row is missing or damaged, when folders disagree, or when the system refuses.
     pub(crate) fn join(&self, from: &[PathBuf]) -> Result<(), StoreError> {
         let mut rows: BTreeMap<usize, PathBuf> = BTreeMap::new();
-        let all = self.description.rows();
+        let all = self.rows();
         for folder in from {
-            for (row, file) in row_files(folder)? {
+            for (row, file) in numbered(&folder.join(ROWS), ".csv")? {
                 let cells = self.cells(row, &file)?;
                 if let Some(other) = rows.get(&row)
                     && self.cells(row, other)? != cells
@@ -263,7 +233,7 @@ impl MapFolder {
         let parquet = self.path().join(PARQUET);
         replace(&parquet, |out| {
             convert(table, out, kind)
-                .map_err(|error| io_error("write it", &parquet)(io::Error::other(error)))
+                .map_err(|error| io_error("write it", &parquet)(std::io::Error::other(error)))
         })
     }
 
@@ -280,27 +250,4 @@ impl MapFolder {
 
 fn row_name(row: usize) -> String {
     format!("{ROWS}/{row:09}.csv")
-}
-
-/// Files of the finished rows of a folder.
-fn row_files(folder: &Path) -> Result<BTreeMap<usize, PathBuf>, StoreError> {
-    let rows = folder.join(ROWS);
-    let entries = match fs::read_dir(&rows) {
-        Ok(entries) => entries,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(BTreeMap::new()),
-        Err(error) => return Err(io_error(READ, &rows)(error)),
-    };
-    let mut files = BTreeMap::new();
-    for entry in entries {
-        let path = entry.map_err(io_error(READ, &rows))?.path();
-        let number = path
-            .file_name()
-            .and_then(|name| name.to_str())
-            .and_then(|name| name.strip_suffix(".csv"))
-            .and_then(|name| name.parse().ok());
-        if let Some(row) = number {
-            files.insert(row, path);
-        }
-    }
-    Ok(files)
 }

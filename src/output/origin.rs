@@ -1,36 +1,60 @@
-//! The problem that a result was computed from, kept beside it where nothing else keeps it.
+//! The problem that a result was computed from, kept beside it.
+
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::store::{Checkpoint, Store, StoreError, VERSION};
+use super::map;
+use super::run::Restart;
+use super::simulation::SimulationCheckpoint;
+use super::store::{Checkpoint, Store, StoreError, VERSION, decode};
 use crate::problem::Problem;
 
-/// Content of `problem.ron`.
+/// Content of `problem.ron`, and of `map.ron` in the folder of a map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Origin {
     /// Version of brakewave that wrote it.
-    version: String,
+    pub version: String,
     /// The problem with all its settings.
-    problem: Problem,
-}
-
-impl Checkpoint for Origin {
-    const FILE: &'static str = "problem.ron";
-
-    fn problem(&self) -> &Problem {
-        &self.problem
-    }
+    pub problem: Problem,
 }
 
 impl Origin {
+    /// Name of the file where nothing else keeps the problem.
+    pub(crate) const FILE: &'static str = "problem.ron";
+
+    /// A problem of this version.
+    pub(crate) fn of(problem: &Problem) -> Origin {
+        Origin {
+            version: VERSION.to_owned(),
+            problem: problem.clone(),
+        }
+    }
+
     /// Keeps the problem of a result.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub(crate) fn keep(store: &Store, problem: &Problem) -> Result<(), StoreError> {
-        store.save(&Origin {
-            version: VERSION.to_owned(),
-            problem: problem.clone(),
-        })
+        store.save(Origin::FILE, &Origin::of(problem))
     }
+}
+
+/// The problem of a folder; those of earlier versions may not tell.
+///
+/// # Errors
+/// When what is saved of it is damaged.
+pub(crate) fn problem(folder: &Path) -> Result<Option<Problem>, StoreError> {
+    let there = |name: &str| folder.join(name).exists();
+    if there(Restart::FILE) {
+        return Ok(Some(Restart::read(folder)?.problem));
+    }
+    if there(SimulationCheckpoint::FILE) {
+        return Ok(Some(SimulationCheckpoint::read(folder)?.problem));
+    }
+    let file = [map::ORIGIN, Origin::FILE]
+        .into_iter()
+        .find(|name| there(name));
+    let origin = file.map(|file| decode::<Origin>(&folder.join(file)));
+    Ok(origin.transpose()?.map(|origin| origin.problem))
 }

@@ -12,13 +12,12 @@ use serde::{Deserialize, Serialize};
 
 use super::pictures;
 use super::render::Format;
-use super::store::{self, Checkpoint, Growing, Store, StoreError, VERSION, damaged, refused};
+use super::store::{self, Checkpoint, Growing, Kind, Store, StoreError, VERSION, damaged, refused};
 use crate::branch::SavedWave;
 use crate::branch::row::{BranchRow, EventRow, SpectrumRow};
 use crate::branch::run::{Item, Progress, Runner};
 use crate::curve::start::Labelled;
 use crate::model::EventType;
-use crate::model::Parameter;
 use crate::problem::{Problem, Start};
 use crate::table;
 
@@ -44,8 +43,7 @@ impl Checkpoint for Restart {
 
     /// All waves have the model of the problem, but for the parameter they were followed in.
     fn flaw(&self) -> Option<String> {
-        let parameter = self.problem.continuation.as_ref();
-        let parameter = parameter.map_or(Parameter::Mismatch, |section| section.parameter);
+        let parameter = self.problem.parameter();
         let model = match (&self.problem.wave.start, self.waves.first()) {
             (Start::Restart { .. }, Some(first)) => first.model,
             _ => self.problem.model,
@@ -110,7 +108,8 @@ pub(crate) const BRANCH: &str = "branch.csv";
 pub(crate) const EVENTS: &str = "events.csv";
 /// Name of the table of eigenvalues.
 pub(crate) const SPECTRUM: &str = "spectrum.csv";
-const PROFILES: &str = "profiles";
+/// Name of the folder of profiles.
+pub(crate) const PROFILES: &str = "profiles";
 
 /// The file of the profile of a label.
 pub(crate) fn profile_file(label: usize) -> String {
@@ -169,10 +168,9 @@ impl RunFolder {
         let kept = |rows: usize| resumed.then_some(rows);
         let spectrum = branch.with_stability().then_some(SPECTRUM);
         if !resumed {
-            let pictures = problem.output.plots.iter();
-            let pictures = pictures.map(|picture| pictures::file_name(picture, Format::Svg));
-            let fixed = [BRANCH, EVENTS, Restart::FILE].into_iter().chain(spectrum);
-            store.begin(fixed.map(str::to_owned).chain(pictures), Some(PROFILES))?;
+            let mut names = pictures::names(Kind::Run, problem, Format::Svg);
+            names.extend(spectrum.map(str::to_owned));
+            store.begin(&[BRANCH, EVENTS, Restart::FILE], names, Some(PROFILES))?;
         }
         let header = table::columns(&EventRow::columns(problem.model));
         let columns = table::columns(&BranchRow::columns(problem.output.rotation));
@@ -196,22 +194,13 @@ impl RunFolder {
             }),
         };
         if resumed {
-            folder.forget_profiles(now.labels)?;
+            folder.store.keep_numbered(PROFILES, now.labels)?;
+            folder.store.guard(PROFILES)?;
         } else {
             // no row without it
             folder.save()?;
         }
         Ok(folder)
-    }
-
-    /// Removes the profiles of labels that are not saved.
-    fn forget_profiles(&self, labels: usize) -> Result<(), StoreError> {
-        let keep = |name: &str| match Path::new(name).strip_prefix(PROFILES) {
-            Ok(profile) => label(profile).is_some_and(|label| label <= labels),
-            Err(_) => true,
-        };
-        self.store.retain(keep)?;
-        self.store.guard(PROFILES)
     }
 
     /// The folder as such.
@@ -274,13 +263,8 @@ impl RunFolder {
         }
         self.profiles.clear();
         self.store.sync()?;
-        self.store.save(&self.restart)?;
+        self.store.save(Restart::FILE, &self.restart)?;
         self.saved = (Instant::now(), begun.elapsed());
         Ok(())
     }
-}
-
-/// The label that a profile belongs to.
-fn label(profile: &Path) -> Option<usize> {
-    profile.file_stem()?.to_str()?.parse().ok()
 }

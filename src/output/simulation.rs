@@ -4,13 +4,11 @@
 //! replaced as a whole, never seen half written. A resumed simulation cuts everything back to the
 //! last checkpoint and goes on through the same steps as an uninterrupted one, to the same bytes.
 
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 
 use super::pictures;
 use super::render::Format;
-use super::store::{Checkpoint, Growing, Store, StoreError, damaged};
+use super::store::{Checkpoint, Growing, Kind, Store, StoreError, damaged};
 use super::{npy, vtk};
 use crate::problem::Problem;
 use crate::simulation::growth::GrowthRow;
@@ -93,23 +91,22 @@ pub(crate) struct SimulationFolder {
     columns: usize,
 }
 
-/// A row of a contact line.
-#[derive(Default, Serialize)]
-struct LineRow {
-    phi: f64,
-    #[serde(rename = "U")]
-    radial: f64,
-    #[serde(rename = "V")]
-    tangential: f64,
-    #[serde(rename = "U_dot")]
-    radial_rate: f64,
-    #[serde(rename = "V_dot")]
-    tangential_rate: f64,
-    #[serde(rename = "P")]
-    pressure: f64,
-    #[serde(rename = "Q")]
-    shear: f64,
-    regime: &'static str,
+/// A contact line by its columns.
+fn columns_of<'a>(angles: &'a [f64], line: &'a Line) -> [(&'static str, &'a [f64]); 7] {
+    [
+        ("phi", angles),
+        ("U", &line.radial),
+        ("V", &line.tangential),
+        ("U_dot", &line.radial_rate),
+        ("V_dot", &line.tangential_rate),
+        ("P", &line.pressure),
+        ("Q", &line.shear),
+    ]
+}
+
+fn angles(line: &Line) -> Vec<f64> {
+    let points = 0..line.radial.len();
+    points.map(|point| line.width * point as f64).collect()
 }
 
 /// All fail when a file cannot be written.
@@ -127,12 +124,15 @@ impl SimulationFolder {
     }
 
     /// Begins a simulation, in place of an earlier one.
-    pub(crate) fn create(store: Store, points: usize) -> Result<SimulationFolder, StoreError> {
+    pub(crate) fn create(
+        store: Store,
+        problem: &Problem,
+        points: usize,
+    ) -> Result<SimulationFolder, StoreError> {
         let checkpoint = SimulationCheckpoint::FILE;
         let tables = [SERIES, REGIMES, START, checkpoint, END, MEASURES];
-        let pictures = pictures::simulation_names(Format::Svg);
-        let names = tables.map(str::to_owned).into_iter().chain(pictures);
-        store.begin(names, Some(SNAPSHOTS))?;
+        let pictures = pictures::names(Kind::Simulation, problem, Format::Svg);
+        store.begin(&tables, pictures, Some(SNAPSHOTS))?;
         let columns = columns(points);
         Ok(SimulationFolder {
             series: store.table(SERIES, &table::header::<Sample>(), None)?,
@@ -164,12 +164,15 @@ impl SimulationFolder {
             columns,
             store,
         };
-        folder.store.retain(|name| {
-            let snapshot = Path::new(name).strip_prefix(SNAPSHOTS).ok();
-            let number = snapshot.and_then(|name| name.to_str()?.split('.').next()?.parse().ok());
-            number.is_none_or(|number: usize| number <= checkpoint.snapshots)
-        })?;
+        folder
+            .store
+            .keep_numbered(SNAPSHOTS, checkpoint.snapshots)?;
         Ok((folder, samples))
+    }
+
+    /// The folder as such.
+    pub(crate) fn store(&self) -> &Store {
+        &self.store
     }
 
     /// Snapshots written.
@@ -189,17 +192,18 @@ impl SimulationFolder {
 
     /// Writes the contact line as a table.
     pub(crate) fn line(&self, name: &str, line: &Line) -> Result<(), StoreError> {
-        let rows = (0..line.radial.len()).map(|point| LineRow {
-            phi: line.width * point as f64,
-            radial: line.radial[point],
-            tangential: line.tangential[point],
-            radial_rate: line.radial_rate[point],
-            tangential_rate: line.tangential_rate[point],
-            pressure: line.pressure[point],
-            shear: line.shear[point],
-            regime: line.regimes[point].name(),
-        });
-        self.store.replace(name, table::table(rows).as_bytes())
+        let angles = angles(line);
+        let columns = columns_of(&angles, line);
+        let names = columns.iter().map(|(name, _)| *name).chain(["regime"]);
+        let mut text = table::line_of(&names.map(str::to_owned).collect::<Vec<_>>());
+        for (point, regime) in line.regimes.iter().enumerate() {
+            let numbers = columns
+                .iter()
+                .map(|(_, values)| table::number(values[point]));
+            let cells: Vec<String> = numbers.chain([regime.name().to_owned()]).collect();
+            text.push_str(&table::line_of(&cells));
+        }
+        self.store.replace(name, text.as_bytes())
     }
 
     /// Writes a snapshot: an array of φ, U, V, U̇, V̇, P, Q for a ring, the mesh for an annulus.
@@ -208,17 +212,8 @@ impl SimulationFolder {
         let (extension, content) = match motion {
             Motion::Ring(_) => {
                 let line = motion.line();
-                let points = 0..line.radial.len();
-                let angles: Vec<f64> = points.map(|point| line.width * point as f64).collect();
-                let columns: [&[f64]; 7] = [
-                    &angles,
-                    &line.radial,
-                    &line.tangential,
-                    &line.radial_rate,
-                    &line.tangential_rate,
-                    &line.pressure,
-                    &line.shear,
-                ];
+                let angles = angles(&line);
+                let columns = columns_of(&angles, &line).map(|(_, values)| values);
                 ("npy", npy::doubles(&columns))
             }
             Motion::Annulus(annulus) => {
@@ -241,7 +236,7 @@ impl SimulationFolder {
         self.regimes.rewrite_head(&header)?;
         self.regimes.sync()?;
         self.series.sync()?;
-        self.store.save(checkpoint)
+        self.store.save(SimulationCheckpoint::FILE, checkpoint)
     }
 
     /// Writes what was measured.

@@ -1,9 +1,9 @@
 //! The folder of the modes of steady sliding: `steady.csv`, a picture and the problem.
 
 use super::origin::Origin;
-use super::pictures::{PlotError, Sole, draw_sole};
+use super::pictures::{self, PlotError};
 use super::render::Format;
-use super::store::{Checkpoint, Store};
+use super::store::{Kind, Store};
 use crate::problem::Problem;
 
 /// Name of the table.
@@ -14,10 +14,10 @@ pub(crate) const TABLE: &str = "steady.csv";
 /// # Errors
 /// When a file cannot be written.
 pub(crate) fn write(store: &Store, problem: &Problem, table: &str) -> Result<(), PlotError> {
-    let picture = Sole::Steady.file(Format::Svg);
-    store.begin([TABLE, Origin::FILE, &picture].map(str::to_owned), None)?;
+    let pictures = pictures::names(Kind::Steady, problem, Format::Svg);
+    store.begin(&[TABLE, Origin::FILE], pictures, None)?;
     Origin::keep(store, problem)?;
     store.replace(TABLE, table.as_bytes())?;
-    draw_sole(store, Sole::Steady, Format::Svg)?;
+    pictures::draw(store, Some(problem), Format::Svg)?;
     Ok(())
 }

@@ -121,6 +121,12 @@ impl Problem {
         Some(section.request(self.wave.mode))
     }
 
+    /// The parameter of the branch; the mismatch where there is none to follow.
+    pub fn parameter(&self) -> Parameter {
+        let section = self.continuation.as_ref();
+        section.map_or(Parameter::Mismatch, |section| section.parameter)
+    }
+
     /// The `continuation` section, or an error that says how to write one.
     ///
     /// `text` and `name` are the source of the problem and the name of its file, for the message.

@@ -2,10 +2,10 @@
 
 use super::names::{event, occurring, quantity, short_signature};
 use crate::curve::{Curve, Region};
-use crate::output::render::axis::{Axis, Extent};
-use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLACK, BLUE, Pen, VERMILLION};
-use crate::output::render::{Layer, Mark, Name, Panel, Picture, Point, Shape};
+use crate::output::render::{
+    Axis, BLACK, BLUE, Extent, Key, Layer, Legend, Mark, Name, Panel, Pen, Picture, Point, Shape,
+    VERMILLION,
+};
 
 /// Size of the marks of special points.
 const MARK: f64 = 4.6;

@@ -1,15 +1,15 @@
 //! A column of the branch against the parameter.
 
+use crate::output::render::{
+    Axis, BLACK, Cell, Extent, GREY, HEIGHT, Heading, Key, Layer, Legend, Mark, Panel, Pattern,
+    Pen, Picture, Point, Shape, WHITE, mix, range,
+};
 use plotters::style::RGBColor;
 
-use super::error::PlotError;
 use super::names::{event, event_mark, quantity, short_signature, signature_colour};
 use super::tables::{Tables, column, kind, number};
 use crate::model::{EventType, Parameter};
-use crate::output::render::axis::{Axis, Extent, Quantity, range};
-use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLACK, GREY, Pattern, Pen, WHITE, mix};
-use crate::output::render::{Cell, HEIGHT, Heading, Layer, Mark, Panel, Picture, Point, Shape};
+use crate::output::store::StoreError;
 use crate::table::Table;
 
 /// Most signatures in the legend.
@@ -34,17 +34,15 @@ enum Standing {
 }
 
 /// Standings, what stands in their cells, what they are called and how they are drawn.
-const STANDINGS: [(Standing, &str, &str, Pattern); 4] = [
-    (Standing::Stable, "yes", "stable", Pattern::Solid),
-    (Standing::Unstable, "no", "unstable", Pattern::Dashed),
-    (
-        Standing::Undecided,
-        "undecided",
-        "undecided",
-        Pattern::Dotted,
-    ),
-    (Standing::Unknown, "", "not examined", Pattern::Solid),
-];
+const STANDINGS: [(Standing, &str, &str, Pattern); 4] = {
+    use Standing::{Stable, Undecided, Unknown, Unstable};
+    [
+        (Stable, "yes", "stable", Pattern::Solid),
+        (Unstable, "no", "unstable", Pattern::Dashed),
+        (Undecided, "undecided", "undecided", Pattern::Dotted),
+        (Unknown, "", "not examined", Pattern::Solid),
+    ]
+};
 
 impl Standing {
     fn of(branch: &Table, row: usize) -> Self {
@@ -97,11 +95,14 @@ const WIDE: f64 = 100.0;
 const WIDE_SCALE: f64 = 2.0;
 
 impl View {
+    /// All of the horizontal axis.
+    pub(crate) const EVERYWHERE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
     /// A column over the whole branch.
-    pub(crate) fn whole(column: &str) -> View {
+    pub(super) fn whole(column: &str) -> View {
         View {
             column: column.to_owned(),
-            range: (f64::NEG_INFINITY, f64::INFINITY),
+            range: View::EVERYWHERE,
             logarithmic: None,
         }
     }
@@ -147,7 +148,7 @@ const MOST_STARS: usize = 8;
 const COUNT_HEIGHT: f64 = 0.35 * HEIGHT;
 
 /// The branch diagram: a column and, if stability was asked for, how many eigenvalues grow.
-pub(super) fn diagram(tables: &Tables, view: &View) -> Result<Picture, PlotError> {
+pub(super) fn diagram(tables: &Tables, view: &View) -> Result<Picture, StoreError> {
     let view = view.decided(tables);
     let mut picture = picture(tables, &view)?;
     let branch = &tables.branch;
@@ -172,10 +173,7 @@ pub(super) fn diagram(tables: &Tables, view: &View) -> Result<Picture, PlotError
     }
     if !steps.is_empty() {
         let most = steps.iter().map(|step| step.1).fold(2.0, f64::max);
-        let y = Axis::new(
-            Quantity::new("growing", ""),
-            Extent::Fixed(-0.1 * most, 1.15 * most),
-        );
+        let y = Axis::new(("growing", ""), Extent::Fixed(-0.1 * most, 1.15 * most));
         let bands = |layer: &&Layer| matches!(layer, Layer::Cells(_));
         let mut layers: Vec<Layer> = picture.panels[0]
             .layers
@@ -193,26 +191,18 @@ pub(super) fn diagram(tables: &Tables, view: &View) -> Result<Picture, PlotError
 /// Pale bands behind the curve, one for each sequence of regimes, with their names; none where the branch
 /// turns back, for they would lie on top of each other.
 fn bands(stretches: &[Stretch<'_>]) -> Vec<Layer> {
-    let ends = |group: &[Stretch<'_>]| {
-        let points = group.iter().flat_map(|one| &one.points);
-        let ends = points.map(|point| (point.0, point.0));
-        ends.reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)))
-    };
-    let steps = stretches.iter().flat_map(|one| one.points.windows(2));
-    let travelled: f64 = steps.map(|pair| (pair[1].0 - pair[0].0).abs()).sum();
-    if ends(stretches).is_none_or(|(low, high)| travelled > (high - low) * (1.0 + 1e-9)) {
+    let places = |one: &Stretch<'_>| -> Vec<f64> { one.points.iter().map(|p| p.0).collect() };
+    let lines: Vec<Vec<f64>> = stretches.iter().map(places).collect();
+    if !one_way(&lines) {
         return Vec::new();
     }
     let (mut cells, mut headings) = (Vec::new(), Vec::new());
     for group in stretches.chunk_by(|one, next| one.signature == next.signature) {
         let signature = group[0].signature;
-        let wide = ends(group).filter(|(from, to)| from < to && !signature.is_empty());
-        if let Some((from, to)) = wide {
-            cells.push(Cell {
-                from: (from, f64::NEG_INFINITY),
-                to: (to, f64::INFINITY),
-                colour: mix(WHITE, signature_colour(signature), BAND),
-            });
+        let (from, to) = ends(group.iter().flat_map(places)).unwrap_or_default();
+        if from < to && !signature.is_empty() {
+            let colour = mix(WHITE, signature_colour(signature), BAND);
+            cells.push(Cell::upright(from, to, colour));
             headings.push(Heading {
                 ends: [from, to],
                 names: vec![signature.to_owned(), short_signature(signature)],
@@ -226,7 +216,7 @@ fn bands(stretches: &[Stretch<'_>]) -> Vec<Layer> {
 }
 
 /// The picture of a column of `branch.csv`.
-pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, PlotError> {
+pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreError> {
     let view = &view.decided(tables);
     let column = view.column.as_str();
     tables.check_column(column)?;
@@ -271,7 +261,8 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, PlotError
     }
     if stretches.is_empty() && marks.is_empty() {
         let none = tables.branch.is_empty();
-        layers = Layer::remark(if none { NONE } else { "no values" });
+        let remark = if none { NONE } else { "no values" };
+        layers = vec![Layer::Remark(remark.to_owned())];
     }
 
     let standings = STANDINGS.into_iter().filter(|(standing, ..)| {
@@ -366,36 +357,70 @@ fn standing_between(branch: &Table, row: usize) -> Standing {
 
 /// Cuts the branch where its look changes, where a value is missing and between legs.
 fn stretches<'a>(branch: &'a Table, parameter: &str, column: &str) -> Vec<Stretch<'a>> {
-    let value = |row, column: &str| number(branch, row, column);
-    let point = |row| Some((value(row, parameter)?, value(row, column)?));
-    let mut stretches: Vec<Stretch<'a>> = Vec::new();
-    // the row that the last stretch leads to
-    let mut reached = None;
-    for row in 0..branch.len() {
-        let Some(here) = point(row) else {
-            continue;
-        };
+    let point = |row| {
+        Some((
+            number(branch, row, parameter)?,
+            number(branch, row, column)?,
+        ))
+    };
+    let step = |row| {
         let next = point(row + 1).filter(|_| same_leg(branch, row));
-        let (signature, standing) = match next {
+        let look = match next {
             Some(_) => (
                 signature_between(branch, row),
                 standing_between(branch, row),
             ),
-            None if reached == Some(row) => continue,
             None => (branch.text(row, "regimes"), Standing::of(branch, row)),
         };
-        let same = |last: &&mut Stretch<'_>| {
-            reached == Some(row) && last.signature == signature && last.standing == standing
+        Some((look, point(row)?, next))
+    };
+    let joined = joined(branch.len(), step).into_iter();
+    joined
+        .map(|((signature, standing), points)| Stretch {
+            signature,
+            standing,
+            points,
+        })
+        .collect()
+}
+
+/// Smallest and largest value.
+fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let ends = values.map(|value| (value, value));
+    ends.reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)))
+}
+
+/// Whether lines along the branch pass every value of the parameter once, but for rounding.
+pub(super) fn one_way(lines: &[Vec<f64>]) -> bool {
+    let steps = lines.iter().flat_map(|line| line.windows(2));
+    let travelled: f64 = steps.map(|pair| (pair[1] - pair[0]).abs()).sum();
+    let ends = ends(lines.iter().flatten().copied());
+    ends.is_none_or(|(low, high)| travelled <= (high - low) * (1.0 + 1e-9))
+}
+
+/// Steps from row to row, each with its look, where it begins and where it ends if it leads to the next row;
+/// joined where one goes on from the other and looks the same.
+pub(super) fn joined<Look: PartialEq, Value: PartialEq>(
+    rows: usize,
+    step: impl Fn(usize) -> Option<(Look, Value, Option<Value>)>,
+) -> Vec<(Look, Vec<Value>)> {
+    let mut lines: Vec<(Look, Vec<Value>)> = Vec::new();
+    // the row that the last line leads to
+    let mut reached = None;
+    for row in 0..rows {
+        let Some((look, here, next)) = step(row) else {
+            continue;
         };
-        match stretches.last_mut().filter(same) {
-            Some(last) => last.points.extend(next),
-            None => stretches.push(Stretch {
-                signature,
-                standing,
-                points: [here].into_iter().chain(next).collect(),
-            }),
+        let leads = next.is_some().then_some(row + 1);
+        let on = |line: &&mut (Look, Vec<Value>)| {
+            reached == Some(row) && line.0 == look && line.1.last() == Some(&here)
+        };
+        match lines.last_mut().filter(on) {
+            Some(line) => line.1.extend(next),
+            None if leads.is_none() && reached == Some(row) => {}
+            None => lines.push((look, [here].into_iter().chain(next).collect())),
         }
-        reached = next.map(|_| row + 1);
+        reached = leads;
     }
-    stretches
+    lines
 }

@@ -4,12 +4,12 @@
 //! differences of δ. Each profile therefore stands on a base line of its own, and the regimes
 //! show in its colours.
 
-use super::names::{angle, occurring, regime_colour, zone_colour};
+use super::names::{ANGLE, occurring, regime_colour, zone_colour};
 use super::profile::{NONE, Profile, Profiles, Sample, Shown};
-use crate::output::render::axis::{Axis, Extent, Quantity, Tick, drawable};
-use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLACK, GREY, Pen, WHITE, mix};
-use crate::output::render::{HEIGHT, Layer, Mark, Panel, Picture, Point, Shape, number};
+use crate::output::render::{
+    Axis, BLACK, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
+    Tick, WHITE, drawable, mix, number,
+};
 
 /// Height of the largest gap in distances between base lines.
 const PEAK: f64 = 1.25;
@@ -33,10 +33,10 @@ struct Change<'a> {
 /// The picture.
 pub(super) fn picture(profiles: &Profiles) -> Picture {
     let shown = along_branch(profiles.shown());
-    let x = Axis::new(angle(), Extent::Data(0.0));
+    let x = Axis::new(ANGLE, Extent::Data(0.0));
     if shown.is_empty() {
-        let y = Axis::new(Quantity::new("radial displacement", "U"), Extent::Data(0.0));
-        let panel = Panel::new(x, y, Layer::remark(NONE));
+        let y = Axis::new(("radial displacement", "U"), Extent::Data(0.0));
+        let panel = Panel::new(x, y, Vec::new()).unless(true, NONE);
         return Picture::new(vec![panel], Legend::default());
     }
     let largest = largest_gap(&shown);

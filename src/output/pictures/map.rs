@@ -1,18 +1,17 @@
 //! The plane of a map, coloured by the signatures of its waves, in the colours of all pictures.
 
+use crate::output::render::{
+    Axis, BLACK, Cell, Extent, HEIGHT, Key, Layer, Legend, Mark, Panel, Picture, Point, Shape,
+    WHITE, mix,
+};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use plotters::style::RGBColor;
 
-use super::error::PlotError;
 use super::names::{canonical, quantity, short_signature, signature_colour};
 use crate::output::map::TABLE;
-use crate::output::render::axis::{Axis, Extent};
-use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLACK, WHITE, mix};
-use crate::output::render::{Cell, HEIGHT, Layer, Mark, Panel, Picture, Point, Shape};
-use crate::output::store::damaged;
+use crate::output::store::{StoreError, damaged};
 use crate::problem::{Map, MapAxis, MapPoints};
 
 /// How much of its colour a region keeps, by the stability of its waves; unknown stability counts
@@ -33,7 +32,7 @@ struct Wave {
 ///
 /// # Errors
 /// When the table cannot be read.
-pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, PlotError> {
+pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, StoreError> {
     let waves = read(&folder.join(TABLE), map)?;
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for wave in &waves {
@@ -82,7 +81,7 @@ pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, PlotError> {
     });
     let mut panels: Vec<Panel> = panels.collect();
     if panels.is_empty() {
-        panels.push(panel(Layer::remark("no wave was found"), "", HEIGHT));
+        panels.push(panel(Vec::new(), "", HEIGHT).unless(true, "no wave was found"));
     }
 
     let shades = SHADES
@@ -126,37 +125,32 @@ fn cells(waves: &[&Wave], half: Point, colour: impl Fn(&Wave) -> RGBColor) -> La
 }
 
 /// First passages of the table, in its order, row by row: maps may be long.
-fn read(path: &Path, map: &Map) -> Result<Vec<Wave>, PlotError> {
-    let fault = |error: csv::Error| PlotError::Read(damaged(path, error.to_string()));
+fn read(path: &Path, map: &Map) -> Result<Vec<Wave>, StoreError> {
+    let fault = |error: csv::Error| damaged(path, error.to_string());
     let mut reader = csv::Reader::from_path(path).map_err(fault)?;
     let header = reader.headers().map_err(fault)?.clone();
+    let place = |column: &str| {
+        let place = header.iter().position(|name| name == column);
+        place.ok_or_else(|| damaged(path, format!("it has no column `{column}`")))
+    };
     let (x, y) = (map.second.parameter.column(), map.first.parameter.column());
-    let columns = [
-        "row", "column", "passage", x, y, "start", "regimes", "stable",
-    ];
-    let mut places = [0; 8];
-    for (place, column) in places.iter_mut().zip(columns) {
-        let found = header.iter().position(|name| name == column);
-        *place = found.ok_or_else(|| PlotError::MissingColumn {
-            path: path.to_owned(),
-            column: column.to_owned(),
-        })?;
-    }
+    let [row, column, passage] = [place("row")?, place("column")?, place("passage")?];
+    let [x, y] = [place(x)?, place(y)?];
+    let [start, regimes, stable] = [place("start")?, place("regimes")?, place("stable")?];
     let mut waves = Vec::new();
     for record in reader.records() {
         let record = record.map_err(fault)?;
-        let cells = places.map(|place| record.get(place).unwrap_or(""));
-        let [row, column, passage, x, y, start, regimes, stable] = cells;
-        let value = |cell: &str| cell.parse::<f64>().unwrap_or(f64::NAN);
-        let count = |cell: &str| cell.parse().unwrap_or(usize::MAX - 1);
-        if passage == "1" {
+        let cell = |place: usize| record.get(place).unwrap_or("");
+        let value = |place: usize| cell(place).parse::<f64>().unwrap_or(f64::NAN);
+        let count = |place: usize| cell(place).parse().unwrap_or(usize::MAX - 1);
+        if cell(passage) == "1" {
             waves.push(Wave {
                 row: count(row),
                 column: count(column),
                 at: (value(x), value(y)),
-                start: start.to_owned(),
-                regimes: canonical(regimes),
-                stable: stable.to_owned(),
+                start: cell(start).to_owned(),
+                regimes: canonical(cell(regimes)),
+                stable: cell(stable).to_owned(),
             });
         }
     }

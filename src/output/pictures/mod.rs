@@ -4,44 +4,68 @@
 //! after the run. A description turns columns into layers; [`render`](super::render) draws them.
 
 mod accuracy;
-mod curve;
+pub(crate) mod curve;
 mod diagram;
 mod displacement;
-mod error;
-mod friction;
 pub(crate) mod map;
 pub(crate) mod multipliers;
 mod names;
-mod phase_plane;
-mod pressure;
 mod profile;
 mod simulation;
-mod sole;
 mod spectrum;
 pub(crate) mod steady;
 mod switches;
 mod tables;
-mod wave;
+mod waves;
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 
-pub use error::PlotError;
-
-use super::render::{Format, Picture, number};
-use super::store;
+use super::accuracy::rows;
+use super::curve::CurveFolder;
+use super::render::{Format, Picture, RenderError, number};
+use super::steady::TABLE as MODES;
+use super::store::{self, Kind, Store, StoreError};
 use crate::model::Parameter;
 use crate::problem::{Plot, Problem};
 pub(crate) use diagram::View;
 use profile::Profiles;
-pub(crate) use sole::{Sole, draw_curve, draw_sole};
 use tables::Tables;
 
-/// Name of a picture's file.
-pub(crate) fn file_name(plot: &Plot, format: Format) -> String {
+/// Failure to draw a picture.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum PlotError {
+    /// A table could not be read, or a picture not be written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A picture could not be rendered.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+/// A picture by the name of its file, without the extension.
+type Named = (String, Result<Picture, StoreError>);
+
+/// Names of the files of the pictures in a folder of this kind.
+pub(crate) fn names(kind: Kind, problem: &Problem, format: Format) -> Vec<String> {
+    let names = match kind {
+        Kind::Run => problem.output.plots.iter().map(name).collect(),
+        Kind::Simulation => simulation::NAMES.map(str::to_owned).to_vec(),
+        Kind::Map | Kind::Curve | Kind::Accuracy | Kind::Steady => vec![kind.name().to_owned()],
+        Kind::MapShard | Kind::Certificate => Vec::new(),
+    };
+    let file = |name: String| file(&name, format);
+    names.into_iter().map(file).collect()
+}
+
+fn file(name: &str, format: Format) -> String {
+    format!("{name}.{}", format.extension())
+}
+
+/// Name of a picture of a branch.
+fn name(plot: &Plot) -> String {
     // A column name comes from a file and must not lead out of the folder.
     let safe = |c: char| {
         if c.is_alphanumeric() || c == '-' {
@@ -50,7 +74,7 @@ pub(crate) fn file_name(plot: &Plot, format: Format) -> String {
             '_'
         }
     };
-    let stem = match plot {
+    let name = match plot {
         Plot::Diagram => "diagram",
         Plot::Pressure => "pressure",
         Plot::Displacement => "displacement",
@@ -61,46 +85,91 @@ pub(crate) fn file_name(plot: &Plot, format: Format) -> String {
         Plot::Multipliers => "multipliers",
         Plot::Column(name) => &format!("column_{}", name.chars().map(safe).collect::<String>()),
     };
-    format!("{stem}.{}", format.extension())
+    name.to_owned()
 }
 
-/// Names of the files of a simulation's pictures.
-pub(crate) fn simulation_names(format: Format) -> [String; 4] {
-    ["space_time", "velocity", "phase_plane", "profiles"]
-        .map(|name| format!("{name}.{}", format.extension()))
-}
-
-/// What the pictures have in common.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Settings {
-    /// Column of `branch.csv` on the horizontal axis.
-    pub parameter: String,
-    /// Line of text above each picture.
-    pub title: Option<String>,
-    /// The parameters that are the same along the branch.
-    pub subtitle: String,
-    /// Labels of the waves to draw; chosen where it is empty.
-    pub labels: Vec<usize>,
-}
-
-impl Settings {
-    /// Those of a problem.
-    pub(crate) fn of(problem: &Problem, parameter: Parameter) -> Settings {
-        Settings {
-            parameter: parameter.column().to_owned(),
-            title: problem.title.clone(),
-            subtitle: constant_parameters(problem, parameter),
-            labels: problem.output.labels.clone(),
+/// Draws the pictures of a folder, each with the title of its problem, and returns the files. Folders of
+/// earlier versions may not tell their problem.
+///
+/// # Errors
+/// When a table cannot be read or lacks a column, when the format was left out of this build, or when a
+/// file cannot be written. The other pictures are drawn all the same.
+pub(crate) fn draw(
+    store: &Store,
+    problem: Option<&Problem>,
+    format: Format,
+) -> Result<Vec<PathBuf>, PlotError> {
+    let folder = store.path();
+    let picture = match (store.kind(), problem) {
+        (Some(Kind::Map), Some(Problem { map: Some(map), .. })) => map::picture(folder, map),
+        (Some(Kind::Curve), _) => CurveFolder::saved(store).map(|saved| {
+            let ranges = saved.head().limits.ranges;
+            curve::picture(&saved.curve(), ranges)
+        }),
+        (Some(Kind::Accuracy), _) => rows(folder).map(|rows| accuracy::picture(&rows)),
+        (Some(Kind::Steady), _) => {
+            store::table(&folder.join(MODES)).map(|modes| steady::picture(&modes))
         }
-    }
-
-    /// A picture with its title and subtitle.
-    fn above(&self, picture: Picture) -> Picture {
-        Picture {
-            subtitle: Some(self.subtitle.clone()).filter(|text| !text.is_empty()),
-            ..picture.titled(self.title.as_deref())
+        (Some(Kind::Simulation), Some(known)) => {
+            let pictures = simulation::pictures(folder, known)?.map(Ok);
+            let names = simulation::NAMES.map(str::to_owned);
+            return put(store, problem, format, names.into_iter().zip(pictures));
         }
-    }
+        (None | Some(Kind::Run), Some(known)) => {
+            return put(store, problem, format, of_branch(folder, known)?);
+        }
+        _ => return Ok(Vec::new()),
+    };
+    let name = store.kind().map_or("", Kind::name).to_owned();
+    put(store, problem, format, [(name, picture)])
+}
+
+/// The pictures that a problem asks for.
+fn of_branch(folder: &Path, problem: &Problem) -> Result<Vec<Named>, StoreError> {
+    let Some(section) = &problem.continuation else {
+        return Ok(Vec::new());
+    };
+    let plots = &problem.output.plots;
+    let tables = Tables::read(folder, section.parameter.column())?;
+    let profiles = match plots.iter().any(of_waves) {
+        true => Profiles::read(folder, &tables, &problem.output.labels)?,
+        false => Profiles::default(),
+    };
+    let subtitle = constant_parameters(problem, section.parameter);
+    let picture = |plot: &Plot| {
+        let described = describe(plot, &tables, &profiles);
+        (
+            name(plot),
+            described.map(|picture| picture.subtitled(&subtitle)),
+        )
+    };
+    Ok(plots.iter().map(picture).collect())
+}
+
+/// Draws one column of the branch over another one, or over the parameter.
+///
+/// # Errors
+/// As [`draw`].
+pub(crate) fn draw_view(
+    store: &Store,
+    problem: &Problem,
+    x: Option<&str>,
+    view: &View,
+    format: Format,
+) -> Result<Vec<PathBuf>, PlotError> {
+    let parameter = problem.parameter();
+    let tables = Tables::read(store.path(), x.unwrap_or(parameter.column()))?;
+    let drawn = match view.column.as_str() {
+        "speed" => diagram::diagram(&tables, view)?,
+        _ => diagram::picture(&tables, view)?,
+    };
+    let drawn = drawn.subtitled(&constant_parameters(problem, parameter));
+    put(
+        store,
+        Some(problem),
+        format,
+        [("view".to_owned(), Ok(drawn))],
+    )
 }
 
 /// The mode and the parameters that differ from zero, but for the one on the axis.
@@ -116,64 +185,6 @@ fn constant_parameters(problem: &Problem, axis: Parameter) -> String {
     words.join(", ")
 }
 
-/// Draws one column of the branch, the parameter of the settings on the horizontal axis.
-///
-/// # Errors
-///
-/// As [`draw`].
-pub(crate) fn draw_view(
-    folder: &Path,
-    view: &View,
-    format: Format,
-    settings: &Settings,
-) -> Result<PathBuf, PlotError> {
-    let tables = Tables::read(folder, &settings.parameter)?;
-    let drawn = match view.column.as_str() {
-        "speed" => diagram::diagram(&tables, view)?,
-        _ => diagram::picture(&tables, view)?,
-    };
-    let path = folder.join(view_name(format));
-    replace(&path, format, &settings.above(drawn))?;
-    Ok(path)
-}
-
-/// Name of the picture of a view.
-pub(crate) fn view_name(format: Format) -> String {
-    format!("view.{}", format.extension())
-}
-
-/// Draws the pictures into the folder and returns the files written.
-///
-/// # Errors
-///
-/// Returns an error when a table cannot be read or lacks a column, when the parameter or a
-/// picture's column is unknown, when the format is not compiled in, or when a file cannot be
-/// written. The other pictures are drawn all the same.
-pub(crate) fn draw(
-    folder: &Path,
-    plots: &[Plot],
-    format: Format,
-    settings: &Settings,
-) -> Result<Vec<PathBuf>, PlotError> {
-    let format = format.available()?;
-    let tables = Tables::read(folder, &settings.parameter)?;
-    let profiles = match plots.iter().any(of_waves) {
-        true => Profiles::read(folder, &tables, &settings.labels)?,
-        false => Profiles::default(),
-    };
-    let drawn: Vec<Result<PathBuf, PlotError>> = plots
-        .par_iter()
-        .map(|plot| {
-            let path = folder.join(file_name(plot, format));
-            let picture = describe(plot, &tables, &profiles)?;
-            replace(&path, format, &settings.above(picture))?;
-            Ok(path)
-        })
-        .collect();
-    // the first error in the order of the pictures, whichever came first in time
-    drawn.into_iter().collect()
-}
-
 /// Whether a picture shows the waves in the folder of profiles.
 fn of_waves(plot: &Plot) -> bool {
     use Plot::{Displacement, Friction, PhasePlane, Pressure, Wave};
@@ -181,64 +192,57 @@ fn of_waves(plot: &Plot) -> bool {
 }
 
 /// The picture that is asked for.
-fn describe(plot: &Plot, tables: &Tables, profiles: &Profiles) -> Result<Picture, PlotError> {
+fn describe(plot: &Plot, tables: &Tables, profiles: &Profiles) -> Result<Picture, StoreError> {
     Ok(match plot {
         Plot::Diagram => diagram::diagram(tables, &View::whole("speed"))?,
         Plot::Column(name) if name == "switches" => switches::picture(tables)?,
         Plot::Column(name) => diagram::picture(tables, &View::whole(name))?,
-        Plot::Pressure => pressure::picture(profiles),
+        Plot::Pressure => waves::pressure(profiles),
         Plot::Displacement => displacement::picture(profiles),
-        Plot::Wave => wave::picture(profiles),
-        Plot::PhasePlane => phase_plane::picture(profiles),
-        Plot::Friction => friction::picture(profiles),
+        Plot::Wave => waves::wave(profiles),
+        Plot::PhasePlane => waves::phase_plane(profiles),
+        Plot::Friction => waves::friction(profiles),
         Plot::Spectrum => spectrum::picture(tables)?,
         Plot::Multipliers => multipliers::picture(tables)?,
     })
 }
 
-/// Draws the pictures of a simulation from the tables of its folder and returns the files written.
+/// Writes pictures into a folder, each with the title of the problem.
 ///
 /// # Errors
-///
-/// When a table cannot be read, a file cannot be written, or the format is not compiled in.
-pub(crate) fn draw_simulation(
-    folder: &Path,
-    problem: &Problem,
+/// As [`draw`].
+pub(crate) fn put(
+    store: &Store,
+    problem: Option<&Problem>,
     format: Format,
+    pictures: impl IntoIterator<Item = Named>,
 ) -> Result<Vec<PathBuf>, PlotError> {
-    let pictures = simulation::pictures(folder, problem)?;
-    let title = problem.title.as_deref();
-    let named = simulation_names(format).into_iter().zip(pictures);
-    named
+    let pictures: Vec<Named> = pictures.into_iter().collect();
+    store.claim(pictures.iter().map(|(name, _)| file(name, format)))?;
+    let title = problem.and_then(|problem| problem.title.as_deref());
+    let drawn: Vec<Result<PathBuf, PlotError>> = pictures
+        .into_par_iter()
         .map(|(name, picture)| {
-            let path = folder.join(name);
-            replace(&path, format, &picture.titled(title))?;
-            Ok(path)
+            let name = file(&name, format);
+            store.replace(&name, &picture?.titled(title).file(format)?)?;
+            Ok(store.path().join(name))
         })
-        .collect()
+        .collect();
+    // the first error in the order of the pictures, whichever came first in time
+    drawn.into_iter().collect()
 }
 
-/// Writes a picture.
+/// Writes a picture to a file that the user has named, with the title of its problem.
 ///
 /// # Errors
-///
-/// When the format is not compiled in or the file cannot be written.
-pub(crate) fn save(path: &Path, format: Format, picture: &Picture) -> Result<(), PlotError> {
-    let bytes = picture.file(format)?;
+/// When the format was left out of this build or the file cannot be written.
+pub(crate) fn save(
+    (path, format): (&Path, Format),
+    problem: &Problem,
+    picture: Picture,
+) -> Result<(), PlotError> {
+    let bytes = picture.titled(problem.title.as_deref()).file(format)?;
     Ok(fs::write(path, bytes).map_err(store::io_error("write it", path))?)
-}
-
-/// Writes a picture into a result folder.
-///
-/// # Errors
-///
-/// When the format is not compiled in or the file cannot be written.
-pub(crate) fn replace(path: &Path, format: Format, picture: &Picture) -> Result<(), PlotError> {
-    let bytes = picture.file(format)?;
-    Ok(store::replace(path, |out| {
-        out.write_all(&bytes)
-            .map_err(store::io_error("write it", path))
-    })?)
 }
 
 #[cfg(test)]

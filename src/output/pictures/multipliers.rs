@@ -1,17 +1,17 @@
 //! Floquet multipliers: what a disturbance is multiplied by while the wave travels its own length, or
 //! from one point of a ring to the next.
 
+use crate::output::render::{
+    Axis, BLACK, BLUE, Extent, GREY, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
+    VERMILLION, WHITE, drawable, number,
+};
 use std::f64::consts::TAU;
 
 use faer::c64;
 
-use super::error::PlotError;
-use super::spectrum::{Chosen, unstable};
+use super::spectrum::{Chosen, NONE, unstable};
 use super::tables::Tables;
-use crate::output::render::axis::{Axis, Extent, Quantity, drawable};
-use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLACK, BLUE, GREY, Pen, VERMILLION, WHITE};
-use crate::output::render::{Layer, Mark, Panel, Picture, Point, Shape, number};
+use crate::output::store::StoreError;
 
 /// Half width of the enlarged view in distances of the foremost multiplier from the unit circle.
 const ROOM: f64 = 2.5;
@@ -37,11 +37,11 @@ struct Window {
 }
 
 /// The picture of a wave of `spectrum.csv`.
-pub(super) fn picture(tables: &Tables) -> Result<Picture, PlotError> {
+pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     let table = tables.spectrum()?;
     let chosen = Chosen::of(table.as_ref(), 1);
     let Some(label) = chosen.labels.first() else {
-        return Ok(blank("no spectrum was asked for"));
+        return Ok(blank(NONE));
     };
     let (speed, length) = (tables.at_label(label, "speed"), tables.length_at(label));
     let (Some(speed), Some(length)) = (speed, length) else {
@@ -149,8 +149,8 @@ const CROSS: Mark = Mark {
 
 /// A frame with a remark instead of data.
 fn blank(text: &str) -> Picture {
-    let axis = |symbol| Axis::new(Quantity::new("", symbol), Extent::Data(0.0));
-    let panel = Panel::new(axis("Re μ"), axis("Im μ"), Layer::remark(text));
+    let axis = |symbol| Axis::new(("", symbol), Extent::Data(0.0));
+    let panel = Panel::new(axis("Re μ"), axis("Im μ"), Vec::new()).unless(true, text);
     Picture::new(vec![panel], Legend::default())
 }
 
@@ -201,7 +201,7 @@ impl Window {
     fn panel(self, vertical: &str, layers: Vec<Layer>) -> Panel {
         let axis = |middle: f64, symbol| {
             let extent = Extent::Fixed(middle - self.half, middle + self.half);
-            Axis::new(Quantity::new("", symbol), extent)
+            Axis::new(("", symbol), extent)
         };
         let (re, im) = self.centre;
         Panel::new(axis(re, "Re μ"), axis(im, vertical), layers)

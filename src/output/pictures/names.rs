@@ -1,20 +1,18 @@
 //! What the columns, events and regimes of the tables are called in pictures, and their colours.
 
+use crate::output::render::{
+    BLACK, BLUE, CATEGORIES, GREEN, GREY, Key, Mark, ORANGE, PURPLE, Quantity, SKY, Shape,
+    VERMILLION, WHITE, mix,
+};
 use plotters::style::RGBColor;
 
 use crate::model::EventType;
 use crate::model::Parameter;
-use crate::output::render::axis::Quantity;
-use crate::output::render::legend::Key;
-use crate::output::render::palette::{
-    BLACK, BLUE, CATEGORIES, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, WHITE, mix,
-};
-use crate::output::render::{Mark, Shape};
 
 /// The quantity in a column of `branch.csv`.
 pub(super) fn quantity(column: &str) -> Quantity {
     if let Some(parameter) = Parameter::from_column(column) {
-        return Quantity::new(parameter.words(), parameter.symbol());
+        return (parameter.words(), parameter.symbol()).into();
     }
     let (word, symbol) = match column {
         "speed" => ("speed", "c"),
@@ -28,25 +26,19 @@ pub(super) fn quantity(column: &str) -> Quantity {
         "lead_sector" => ("sector of the leading eigenvalue", ""),
         "newton" => ("Newton iterations", ""),
         "hertz" => ("frequency in hertz", ""),
-        other => return Quantity::new(&other.replace('_', " "), ""),
+        other => return (&*other.replace('_', " "), "").into(),
     };
-    Quantity::new(word, symbol)
+    (word, symbol).into()
 }
 
 /// Place along a travelling wave.
-pub(super) fn angle() -> Quantity {
-    Quantity::new("position", "θ")
-}
+pub(super) const ANGLE: (&str, &str) = ("position", "θ");
 
 /// Tangential displacement.
-pub(super) fn displacement() -> Quantity {
-    Quantity::new("tangential displacement", "V")
-}
+pub(super) const DISPLACEMENT: (&str, &str) = ("tangential displacement", "V");
 
 /// Its rate.
-pub(super) fn velocity() -> Quantity {
-    Quantity::new("velocity", "V\u{307}")
-}
+pub(super) const VELOCITY: (&str, &str) = ("velocity", "V\u{307}");
 
 /// What an event type stands for, as short as a legend needs it.
 pub(super) fn event(kind: EventType) -> &'static str {

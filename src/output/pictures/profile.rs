@@ -1,20 +1,15 @@
 //! Waves over their wavelength, as sampled in the folder `profiles`.
 
-use std::fs;
-use std::io;
+use crate::output::render::{Key, Legend, Pen, Point, Quantity, drawable, number, ordered};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use plotters::style::RGBColor;
 
-use super::error::PlotError;
 use super::names::quantity;
-use super::tables::{Tables, number as cell, read};
-use crate::output::render::axis::{Quantity, drawable};
-use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{Pen, ordered};
-use crate::output::render::{Point, number};
-use crate::output::store::{READ, io_error};
+use super::tables::{Tables, number as cell, read_if_there};
+use crate::output::run::PROFILES;
+use crate::output::store::{self, StoreError};
 
 /// Most profiles shown in one picture.
 const MOST: usize = 9;
@@ -76,9 +71,12 @@ pub(super) struct Zone<'a> {
 }
 
 impl Profile {
-    fn read(path: &Path, label: &str, tables: &Tables) -> Result<Self, PlotError> {
+    /// Reads a profile; none where a run was killed at the start of the file.
+    fn read(path: &Path, label: &str, tables: &Tables) -> Result<Option<Self>, StoreError> {
         let columns = ["theta", "U", "V", "V_dot", "P", "Q", "regime"];
-        let table = read(path, &columns)?;
+        let Some(table) = read_if_there(path, &columns)? else {
+            return Ok(None);
+        };
         let sample = |row: usize| {
             let value = |column: &str| cell(&table, row, column).unwrap_or(f64::NAN);
             Some(Sample {
@@ -91,7 +89,8 @@ impl Profile {
                 regime: table.text(row, "regime").to_owned(),
             })
         };
-        Ok(Profile {
+        let samples: Vec<Sample> = (0..table.len()).filter_map(sample).collect();
+        Ok((!samples.is_empty()).then(|| Profile {
             label: label.to_owned(),
             position: tables.position(label),
             parameter: tables.parameter_at(label),
@@ -99,8 +98,8 @@ impl Profile {
             friction: tables.at_label(label, "friction"),
             asked_for: tables.asked_for(label),
             regimes: tables.regimes_at(label),
-            samples: (0..table.len()).filter_map(sample).collect(),
-        })
+            samples,
+        }))
     }
 
     /// What a function tells of the samples, over θ.
@@ -172,32 +171,11 @@ impl Profiles {
     ///
     /// # Errors
     /// One of them cannot be read.
-    pub fn read(folder: &Path, tables: &Tables, labels: &[usize]) -> Result<Self, PlotError> {
-        let directory = folder.join("profiles");
-        let fault = |error| PlotError::Read(io_error(READ, &directory)(error));
-        let mut files: Vec<(u64, PathBuf)> = Vec::new();
-        let entries = match fs::read_dir(&directory) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            entries => Some(entries.map_err(fault)?),
-        };
-        for entry in entries.into_iter().flatten() {
-            let path = entry.map_err(fault)?.path();
-            let stem = path.file_stem().and_then(|stem| stem.to_str());
-            if let Some(Ok(label)) = stem.map(str::parse)
-                && path.extension().is_some_and(|extension| extension == "csv")
-            {
-                files.push((label, path));
-            }
-        }
-        files.sort();
+    pub fn read(folder: &Path, tables: &Tables, labels: &[usize]) -> Result<Self, StoreError> {
+        let files = store::numbered(&folder.join(PROFILES), ".csv")?;
         let mut all = Vec::new();
         for (label, path) in files {
-            match Profile::read(&path, &label.to_string(), tables) {
-                Ok(profile) if !profile.samples.is_empty() => all.push(profile),
-                // A run killed at the start of a file leaves it empty.
-                Ok(_) | Err(PlotError::Empty { .. }) => {}
-                Err(error) => return Err(error),
-            }
+            all.extend(Profile::read(&path, &label.to_string(), tables)?);
         }
         all.sort_by(|a, b| match (a.parameter, b.parameter) {
             (Some(a), Some(b)) => a.total_cmp(&b),

@@ -1,20 +1,18 @@
 //! Pictures of a simulation: regimes over place and time, the velocity of the contact line as time goes
 //! on, a point in its phase plane, the contact line at the beginning and at the end.
 
+use crate::output::render::{
+    Axis, BLACK, BLUE, Cell, Extent, GREY, Key, Layer, Legend, Panel, Pen, Picture, Point, range,
+};
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use super::error::PlotError;
-use super::names::{velocity, zone_colour, zone_keys};
-use super::phase_plane::{explained, plane, stick};
+use super::names::{VELOCITY, zone_colour, zone_keys};
 use super::profile::evenly;
-use super::tables::{column, number, read, read_if_there};
-use crate::output::render::axis::{Axis, Extent, Quantity, range};
-use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLACK, BLUE, GREY, Pen};
-use crate::output::render::{Cell, Layer, Panel, Picture, Point};
+use super::tables::{column, needed, number, read, read_if_there};
+use super::waves::{STICK, plane};
 use crate::output::simulation::{END, MEASURES, REGIMES, SERIES, START, columns, snapshot_file};
-use crate::output::store::bytes;
+use crate::output::store::StoreError;
 use crate::output::{npy, vtk};
 use crate::problem::Problem;
 use crate::simulation::line::Regime;
@@ -30,6 +28,9 @@ const RING_VELOCITY: usize = 4;
 
 /// Height of the middle one of the curves of V̇ in distances of their base lines.
 const LIFT: f64 = 1.6;
+
+/// Names of the pictures.
+pub(super) const NAMES: [&str; 4] = ["space_time", "velocity", "phase_plane", "profiles"];
 
 /// Time that the phase plane shows, at the end, in units of 1/Ω.
 const ORBIT: f64 = 12.0;
@@ -52,10 +53,10 @@ struct Motion {
 
 /// The pictures of a simulation from the tables of its folder, in the order of their names. Without a
 /// measured speed places are those of the tube.
-pub(super) fn pictures(folder: &Path, problem: &Problem) -> Result<[Picture; 4], PlotError> {
+pub(super) fn pictures(folder: &Path, problem: &Problem) -> Result<[Picture; 4], StoreError> {
     let measures = read_if_there(&folder.join(MEASURES), &["name", "value"])?.unwrap_or_default();
     let speed = (0..measures.len()).find(|row| measures.text(*row, "name") == "speed");
-    let codes = bytes(&folder.join(REGIMES)).map_err(PlotError::Read)?;
+    let codes = needed(&folder.join(REGIMES))?;
     let line = ["phi", "U", "V_dot", "P"];
     let motion = Motion {
         series: read(&folder.join(SERIES), &["time", "V", "V_dot"])?,
@@ -76,7 +77,7 @@ pub(super) fn pictures(folder: &Path, problem: &Problem) -> Result<[Picture; 4],
 }
 
 /// Times of the snapshots that are there, and V̇ along the contact line.
-fn snapshots(folder: &Path, problem: &Problem) -> Result<Vec<(f64, Vec<f64>)>, PlotError> {
+fn snapshots(folder: &Path, problem: &Problem) -> Result<Vec<(f64, Vec<f64>)>, StoreError> {
     let Some(section) = &problem.simulation else {
         return Ok(Vec::new());
     };
@@ -86,7 +87,7 @@ fn snapshots(folder: &Path, problem: &Problem) -> Result<Vec<(f64, Vec<f64>)>, P
         if !path.exists() {
             break;
         }
-        let content = bytes(&path).map_err(PlotError::Read)?;
+        let content = needed(&path)?;
         let values = match section.body {
             Body::Ring { .. } => npy::column(&content, RING_COLUMNS, RING_VELOCITY),
             Body::Annulus { around, .. } => vtk::velocity(&content, around),
@@ -137,7 +138,7 @@ impl Motion {
             }
         }
         let x = Axis::new(self.place(), Extent::Fixed(0.0, length));
-        let y = Axis::new(Quantity::new("time", "t"), Extent::Fixed(0.0, last));
+        let y = Axis::new(("time", "t"), Extent::Fixed(0.0, last));
         let panel = Panel::new(x, y, vec![Layer::Cells(cells)]).high(420.0);
         let names = Regime::ALL.map(|regime| regime.name());
         Picture::new(vec![panel], Legend::default().with("", zone_keys(&names)))
@@ -180,7 +181,7 @@ impl Motion {
             text: ["V\u{307}:".to_owned(), "1".to_owned()],
         });
         let x = Axis::new(self.place(), Extent::Fixed(0.0, length));
-        let y = Axis::new(Quantity::new("velocity at time", "t"), Extent::Data(0.03));
+        let y = Axis::new(("velocity at time", "t"), Extent::Data(0.03));
         Picture::new(
             vec![Panel::new(x, y, layers).high(420.0)],
             Legend::default(),
@@ -188,8 +189,8 @@ impl Motion {
     }
 
     /// Place on the tube, or in the frame of the wave where that is known.
-    fn place(&self) -> Quantity {
-        Quantity::new("place", if self.speed == 0.0 { "φ" } else { "φ − ct" })
+    fn place(&self) -> (&'static str, &'static str) {
+        ("place", if self.speed == 0.0 { "φ" } else { "φ − ct" })
     }
 
     fn phase_plane(&self) -> Picture {
@@ -197,8 +198,8 @@ impl Motion {
         let last = times.last().copied().unwrap_or(0.0);
         let first = times.partition_point(|time| *time < last - ORBIT);
         let orbit: Vec<Point> = v.into_iter().zip(rates).skip(first).collect();
-        let layers = vec![stick(), Layer::Line(orbit, Pen::solid(BLUE, 1.2))];
-        plane(layers, explained(Legend::default()))
+        let layers = vec![STICK, Layer::Line(orbit, Pen::solid(BLUE, 1.2))];
+        plane(layers, Legend::default())
     }
 
     fn profiles(&self) -> Picture {
@@ -208,22 +209,19 @@ impl Motion {
             .as_ref()
             .map(|end| (end, Pen::solid(BLUE, 1.6), "at the end"));
         let lines: Vec<(&Table, Pen, &str)> = [start].into_iter().chain(end).collect();
-        let panel = |(name, quantity): (&str, Quantity)| {
+        let panel = |(name, quantity): (&str, (&str, &str))| {
             let layers = lines.iter().map(|(table, pen, _)| {
                 let points = column(table, "phi").into_iter().zip(column(table, name));
                 Layer::Line(points.collect(), *pen)
             });
-            let x = Axis::new(
-                Quantity::new("place", "φ"),
-                Extent::Fixed(0.0, self.length()),
-            );
+            let x = Axis::new(("place", "φ"), Extent::Fixed(0.0, self.length()));
             let y = Axis::new(quantity, Extent::Data(0.05));
             Panel::new(x, y, layers.collect()).high(150.0)
         };
         let panels = [
-            ("U", Quantity::new("radial", "U")),
-            ("V_dot", velocity()),
-            ("P", Quantity::new("pressure", "P")),
+            ("U", ("radial", "U")),
+            ("V_dot", VELOCITY),
+            ("P", ("pressure", "P")),
         ]
         .map(panel);
         let entries = lines.iter().map(|(_, pen, name)| (Key::Line(*pen), *name));

@@ -1,17 +1,20 @@
 //! Eigenvalues in the plane of λ.
 
-use super::error::PlotError;
 use super::names::{occurring, quantity};
 use super::profile::evenly;
 use super::tables::{Tables, number as value_of};
-use crate::output::render::axis::{Axis, Extent, Quantity};
-use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLACK, CATEGORIES, Pen, VERMILLION, WHITE, mix};
-use crate::output::render::{Cell, Layer, Mark, Panel, Picture, Point, Shape, number};
+use crate::output::render::{
+    Axis, BLACK, CATEGORIES, Cell, Extent, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point,
+    Shape, VERMILLION, WHITE, mix, number,
+};
+use crate::output::store::StoreError;
 use crate::table::Table;
 
 /// Most labels shown in one picture.
 const MOST: usize = 4;
+
+/// What an empty picture says.
+pub(super) const NONE: &str = "no spectrum was asked for";
 
 /// Size of the points.
 const SIZE: f64 = 4.4;
@@ -52,34 +55,28 @@ pub(super) struct Chosen<'a> {
 }
 
 /// The picture.
-pub(super) fn picture(tables: &Tables) -> Result<Picture, PlotError> {
+pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     let table = tables.spectrum()?;
     let chosen = Chosen::of(table.as_ref(), MOST);
-    let mut layers = match chosen.eigenvalues.is_empty() {
-        true => Layer::remark("no spectrum was asked for"),
-        // The imaginary axis with a little of the unstable side is always in the picture.
-        false => vec![
-            Layer::Cells(vec![unstable(0.0)]),
-            Layer::Upright(0.0, Pen::solid(BLACK, 1.9)),
-        ],
-    };
+    // The imaginary axis with a little of the unstable side is always in the picture.
+    let mut layers = vec![
+        Layer::Cells(vec![unstable(0.0)]),
+        Layer::Upright(0.0, Pen::solid(BLACK, 1.9)),
+    ];
     layers.extend(chosen.eigenvalues.iter().map(|one| {
         let mark = chosen.mark(one.label, one.sector);
         Layer::Marks(vec![one.value], mark)
     }));
-    let x = Axis::new(Quantity::new("", "Re λ"), Extent::Data(0.08));
-    let y = Axis::new(Quantity::new("", "Im λ"), Extent::Data(0.05));
+    let x = Axis::new(("", "Re λ"), Extent::Data(0.08));
+    let y = Axis::new(("", "Im λ"), Extent::Data(0.05));
     let panel = Panel::new(x, y, layers);
+    let panel = panel.unless(chosen.eigenvalues.is_empty(), NONE);
     Ok(Picture::new(vec![panel], chosen.legend(tables)))
 }
 
 /// The side on which disturbances grow: right of a value.
 pub(super) fn unstable(from: f64) -> Cell {
-    Cell {
-        from: (from, f64::NEG_INFINITY),
-        to: (f64::INFINITY, f64::INFINITY),
-        colour: mix(WHITE, VERMILLION, 0.12),
-    }
+    Cell::upright(from, f64::INFINITY, mix(WHITE, VERMILLION, 0.12))
 }
 
 impl<'a> Chosen<'a> {

@@ -1,13 +1,12 @@
 //! All switching positions against the parameter, with the zones between them.
 
-use super::diagram::{NONE, parameter_axis, same_leg, signature_between};
-use super::error::PlotError;
-use super::names::{angle, occurring, regime_colour, zone_colour, zone_keys};
+use super::diagram::{NONE, joined, one_way, parameter_axis, same_leg, signature_between};
+use super::names::{ANGLE, occurring, regime_colour, zone_colour, zone_keys};
 use super::tables::{Tables, list, number};
-use crate::output::render::axis::{Axis, Extent, range};
-use crate::output::render::legend::{Key, Legend};
-use crate::output::render::palette::{BLACK, Pen};
-use crate::output::render::{Layer, Mark, Panel, Picture, Point, Shape};
+use crate::output::render::{
+    Axis, BLACK, Extent, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
+};
+use crate::output::store::StoreError;
 use crate::table::Table;
 
 /// Most zones of a wave; more are no wave but a spoiled file.
@@ -21,7 +20,7 @@ struct Band<'a> {
 }
 
 /// The picture.
-pub(super) fn picture(tables: &Tables) -> Result<Picture, PlotError> {
+pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     tables.check_column("switches")?;
     let branch = &tables.branch;
     let row = |row| {
@@ -34,7 +33,8 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, PlotError> {
     let top = ends.fold(0.0, f64::max);
 
     // Where the branch turns back, zones would lie on top of each other.
-    let shaded = one_way(&bands);
+    let places = |band: &Band<'_>| band.columns.iter().map(|column| column.0).collect();
+    let shaded = one_way(&bands.iter().map(places).collect::<Vec<_>>());
     let regimes = occurring(bands.iter().flat_map(|band| band.regimes.iter().copied()));
     let legend = if shaded {
         Legend::default().with("", zone_keys(&regimes))
@@ -44,11 +44,6 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, PlotError> {
     };
 
     let mut layers = Vec::new();
-    if branch.is_empty() {
-        layers = Layer::remark(NONE);
-    } else if top <= 0.0 {
-        layers = Layer::remark("no switching positions");
-    }
     let mut lines = Vec::new();
     for band in &bands {
         for (zone, name) in band.regimes.iter().enumerate() {
@@ -71,8 +66,10 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, PlotError> {
         layers.push(Layer::Marks(points.collect(), mark));
     }
     let x = parameter_axis(tables);
-    let y = Axis::new(angle(), Extent::Fixed(0.0, top));
-    let panel = Panel::new(x, y, layers);
+    let y = Axis::new(ANGLE, Extent::Fixed(0.0, top));
+    let panel = Panel::new(x, y, layers)
+        .unless(top <= 0.0, "no switching positions")
+        .unless(branch.is_empty(), NONE);
     Ok(Picture::new(vec![panel], legend))
 }
 
@@ -88,19 +85,14 @@ impl Band<'_> {
 
 /// The zones along the branch.
 fn bands<'a>(branch: &'a Table, parameter: &str) -> Vec<Band<'a>> {
-    let mut bands: Vec<Band<'a>> = Vec::new();
-    // the row that the last band leads to
-    let mut reached = None;
-    for row in 0..branch.len() {
-        let ends = |row| {
-            let ends = list(branch, row, "switches");
-            Some((number(branch, row, parameter)?, ends))
-                .filter(|(_, ends)| !ends.is_empty() && ends.len() <= MOST)
-        };
-        let next = ends(row + 1).filter(|_| same_leg(branch, row));
-        let (Some(mut first), Some(mut second)) = (ends(row), next) else {
-            continue;
-        };
+    let ends = |row| {
+        let ends = list(branch, row, "switches");
+        let whole = !ends.is_empty() && ends.len() <= MOST;
+        Some((number(branch, row, parameter)?, ends)).filter(|_| whole)
+    };
+    let step = |row| {
+        let mut first = ends(row)?;
+        let mut second = ends(row + 1).filter(|_| same_leg(branch, row))?;
         let signature = signature_between(branch, row);
         if first.1.len() != second.1.len() {
             // One side shows the zones beyond an event.
@@ -110,22 +102,15 @@ fn bands<'a>(branch: &'a Table, parameter: &str) -> Vec<Band<'a>> {
                 first.1 = partners(&second.1, &first.1);
             }
         }
-        let regimes: Vec<&str> = signature.split('-').collect();
-        let same = |band: &&mut Band<'_>| {
-            reached == Some(row)
-                && band.regimes == regimes
-                && band.columns.last().is_some_and(|last| last.1 == first.1)
-        };
-        match bands.last_mut().filter(same) {
-            Some(band) => band.columns.push(second),
-            None => bands.push(Band {
-                regimes,
-                columns: vec![first, second],
-            }),
-        }
-        reached = Some(row + 1);
-    }
-    bands
+        Some((signature, first, Some(second)))
+    };
+    let joined = joined(branch.len(), step).into_iter();
+    joined
+        .map(|(signature, columns)| Band {
+            regimes: signature.split('-').collect(),
+            columns,
+        })
+        .collect()
 }
 
 /// For each zone's end where it goes on the other side of an event, where there are fewer or more
@@ -189,17 +174,6 @@ fn matching(short: &[f64], long: &[f64]) -> Vec<usize> {
         j -= 1;
     }
     places
-}
-
-/// Whether the branch passes every value of the parameter once.
-fn one_way(bands: &[Band<'_>]) -> bool {
-    let columns = bands.iter().flat_map(|band| &band.columns);
-    let Some((low, high)) = range(columns.map(|column| column.0)) else {
-        return true;
-    };
-    let steps = bands.iter().flat_map(|band| band.columns.windows(2));
-    let travelled: f64 = steps.map(|pair| (pair[1].0 - pair[0].0).abs()).sum();
-    travelled <= (high - low) * (1.0 + 1e-9)
 }
 
 #[cfg(test)]

@@ -3,39 +3,42 @@
 //! A picture can be drawn long after the run, of tables that another version has written or that a
 //! killed run has left unfinished: what a picture does not need may be missing, and odd cells are gaps.
 
+use crate::output::render::{Point, drawable};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use super::error::PlotError;
 use crate::branch::row::WORD_COLUMNS;
 use crate::model::EventType;
-use crate::output::render::Point;
-use crate::output::render::axis::drawable;
-use crate::output::store;
+use crate::output::run::{BRANCH, EVENTS, SPECTRUM};
+use crate::output::store::{self, StoreError, damaged, refused};
 use crate::table::Table;
 
 /// Reads a table, which must have these columns.
-pub(super) fn read(path: &Path, columns: &[&str]) -> Result<Table, PlotError> {
-    let table = store::table(path).map_err(PlotError::Read)?;
-    let path = path.to_owned();
-    if table.columns().all(str::is_empty) {
-        return Err(PlotError::Empty { path });
-    }
-    match columns.iter().find(|column| !table.has(column)) {
-        None => Ok(table),
-        Some(column) => {
-            let column = (*column).to_owned();
-            Err(PlotError::MissingColumn { path, column })
-        }
+pub(super) fn read(path: &Path, columns: &[&str]) -> Result<Table, StoreError> {
+    let table = read_if_there(path, columns)?;
+    table.ok_or_else(|| damaged(path, "it is missing, or has no header"))
+}
+
+/// The bytes of a file that a folder must have.
+pub(super) fn needed(path: &Path) -> Result<Vec<u8>, StoreError> {
+    match path.exists() {
+        true => store::bytes(path),
+        false => Err(damaged(path, "it is missing")),
     }
 }
 
 /// Reads a table if it is there and has a header.
-pub(super) fn read_if_there(path: &Path, columns: &[&str]) -> Result<Option<Table>, PlotError> {
-    match read(path, columns) {
-        Err(PlotError::Empty { .. }) => Ok(None),
-        Err(_) if !path.exists() => Ok(None),
-        other => other.map(Some),
+pub(super) fn read_if_there(path: &Path, columns: &[&str]) -> Result<Option<Table>, StoreError> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let table = store::table(path)?;
+    if table.columns().all(str::is_empty) {
+        return Ok(None);
+    }
+    match columns.iter().find(|column| !table.has(column)) {
+        None => Ok(Some(table)),
+        Some(column) => Err(damaged(path, format!("it has no column `{column}`"))),
     }
 }
 
@@ -79,38 +82,37 @@ pub(super) type Marks = (EventType, Vec<Point>);
 
 impl Tables {
     /// Reads the tables of a folder.
-    pub fn read(folder: &Path, parameter: &str) -> Result<Self, PlotError> {
+    pub fn read(folder: &Path, parameter: &str) -> Result<Self, StoreError> {
         let tables = Tables {
             folder: folder.to_owned(),
             parameter: parameter.to_owned(),
-            branch: read(&folder.join("branch.csv"), &[])?,
-            events: read_if_there(&folder.join("events.csv"), &[])?.unwrap_or_default(),
+            branch: read(&folder.join(BRANCH), &[])?,
+            events: read_if_there(&folder.join(EVENTS), &[])?.unwrap_or_default(),
         };
         tables.check(parameter, &["type", "regimes", "switches", "stable"])?;
         Ok(tables)
     }
 
     /// Eigenvalues, where they were asked for.
-    pub fn spectrum(&self) -> Result<Option<Table>, PlotError> {
+    pub fn spectrum(&self) -> Result<Option<Table>, StoreError> {
         let columns = ["label", "sector", "re", "im"];
-        read_if_there(&self.folder.join("spectrum.csv"), &columns)
+        read_if_there(&self.folder.join(SPECTRUM), &columns)
     }
 
     /// Fails unless `name` is a column of `branch.csv` that can be drawn over the parameter.
-    pub fn check_column(&self, name: &str) -> Result<(), PlotError> {
+    pub fn check_column(&self, name: &str) -> Result<(), StoreError> {
         self.check(name, &WORD_COLUMNS)
     }
 
-    fn check(&self, name: &str, refused: &[&str]) -> Result<(), PlotError> {
+    fn check(&self, name: &str, words: &[&str]) -> Result<(), StoreError> {
         let columns = self.branch.columns();
-        let known: Vec<&str> = columns.filter(|column| !refused.contains(column)).collect();
+        let known: Vec<&str> = columns.filter(|column| !words.contains(column)).collect();
         if known.contains(&name) {
             return Ok(());
         }
-        Err(PlotError::UnknownColumn {
-            name: name.to_owned(),
-            known: known.into_iter().map(str::to_owned).collect(),
-        })
+        let known = known.join(", ");
+        let reason = format!("it has no numeric column `{name}`; it has {known}");
+        Err(refused(&self.folder.join(BRANCH), reason))
     }
 
     /// What the branch, or else its events, tell of a labelled point.

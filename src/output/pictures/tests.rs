@@ -7,10 +7,10 @@ use tempfile::TempDir;
 
 use super::profile::Profiles;
 use super::tables::Tables;
-use super::{PlotError, Settings, describe, draw};
-use crate::output::render::axis::Extent;
-use crate::output::render::{Format, Layer, Picture, Point, number};
-use crate::problem::Plot;
+use super::{PlotError, describe};
+use crate::output::render::{Extent, Format, Layer, Picture, Point, number};
+use crate::output::store::{MANIFEST, Store, StoreError};
+use crate::problem::{self, Plot, Problem};
 
 const BRANCH: &str = "point,label,type,regimes,mismatch,friction,mass_damping,stiffness_damping,\
 gamma,nu,xi,speed,switches,min_pressure,max_gap,amplitude,stable,unstable,lead_re,lead_im,\
@@ -53,13 +53,26 @@ fn add_profiles(folder: &Path) {
     }
 }
 
-fn settings() -> Settings {
-    Settings {
-        parameter: "mismatch".to_owned(),
-        title: None,
-        subtitle: String::new(),
-        labels: Vec::new(),
-    }
+/// A problem that asks for these pictures.
+fn problem(plots: &[Plot]) -> Problem {
+    let text = "(
+        model: (coefficients: Geometry(nu: 0.3, xi: 0.9, gamma: 1.0), friction: 0.3, mismatch: 0.2),
+        wave: (mode: 8, start: Fast),
+        continuation: (parameter: Mismatch, range: (0.1, 0.2), toward: Down),
+    )";
+    let mut problem = problem::parse(text, "a test").unwrap();
+    problem.output.plots = plots.to_vec();
+    problem
+}
+
+fn draw_of(folder: &Path, problem: &Problem, format: Format) -> Result<Vec<PathBuf>, PlotError> {
+    let manifest = "brakewave 0.0.0\nrun of problem 0\n";
+    fs::write(folder.join(MANIFEST), manifest).unwrap();
+    super::draw(&Store::visit(folder).unwrap(), Some(problem), format)
+}
+
+fn draw(folder: &Path, plots: &[Plot], format: Format) -> Result<Vec<PathBuf>, PlotError> {
+    draw_of(folder, &problem(plots), format)
 }
 
 fn all() -> Vec<Plot> {
@@ -79,8 +92,13 @@ fn all() -> Vec<Plot> {
     ]
 }
 
+/// Whether an error is this one of a folder.
+fn is(error: &PlotError, wanted: impl Fn(&StoreError) -> bool) -> bool {
+    matches!(error, PlotError::Store(error) if wanted(error))
+}
+
 fn svg(folder: &TempDir, picture: Plot) -> String {
-    let files = draw(folder.path(), &[picture], Format::Svg, &settings()).unwrap();
+    let files = draw(folder.path(), &[picture], Format::Svg).unwrap();
     fs::read_to_string(&files[0]).unwrap()
 }
 
@@ -133,7 +151,7 @@ fn short_branches_give_every_picture() {
             .map(|index| row("", "", 0.1 * f64::from(index), "", 1))
             .collect();
         let folder = folder(&rows);
-        let files = draw(folder.path(), &all(), Format::Svg, &settings()).unwrap();
+        let files = draw(folder.path(), &all(), Format::Svg).unwrap();
         assert_eq!(files.len(), all().len());
         for file in files {
             let text = fs::read_to_string(&file).unwrap();
@@ -172,7 +190,7 @@ fn what_is_missing_is_said() {
 #[test]
 fn files_are_named_after_their_pictures() {
     let folder = folder(&[row("", "", 0.1, "", 1)]);
-    let files = draw(folder.path(), &all(), Format::Svg, &settings()).unwrap();
+    let files = draw(folder.path(), &all(), Format::Svg).unwrap();
     let expected: Vec<PathBuf> = [
         "diagram",
         "pressure",
@@ -197,18 +215,15 @@ fn unknown_columns_are_refused_with_the_known_ones() {
     let folder = folder(&[row("", "", 0.1, "", 1)]);
     for name in ["height", "regimes", "../speed"] {
         let pictures = [Plot::Column(name.to_owned())];
-        let error = draw(folder.path(), &pictures, Format::Svg, &settings()).unwrap_err();
-        assert!(matches!(error, PlotError::UnknownColumn { .. }));
+        let error = draw(folder.path(), &pictures, Format::Svg).unwrap_err();
+        assert!(is(&error, |error| matches!(
+            error,
+            StoreError::Refused { .. }
+        )));
         assert!(error.to_string().contains("amplitude"), "{error}");
     }
-    let settings = Settings {
-        parameter: "switches".to_owned(),
-        title: None,
-        subtitle: String::new(),
-        labels: Vec::new(),
-    };
-    let error = draw(folder.path(), &[Plot::Diagram], Format::Svg, &settings).unwrap_err();
-    assert!(matches!(error, PlotError::UnknownColumn { .. }));
+    let refused = Tables::read(folder.path(), "switches").map(|_| ());
+    assert!(matches!(refused, Err(StoreError::Refused { .. })));
 }
 
 #[test]
@@ -336,9 +351,12 @@ fn incomplete_profiles_are_refused_by_name() {
     let profiles = folder.path().join("profiles");
     fs::create_dir(&profiles).unwrap();
     fs::write(profiles.join("1.csv"), "theta,U\n0,1\n").unwrap();
-    let error = draw(folder.path(), &[Plot::Pressure], Format::Svg, &settings()).unwrap_err();
+    let error = draw(folder.path(), &[Plot::Pressure], Format::Svg).unwrap_err();
     assert!(error.to_string().contains("1.csv"), "{error}");
-    assert!(matches!(error, PlotError::MissingColumn { .. }));
+    assert!(is(&error, |error| matches!(
+        error,
+        StoreError::Damaged { .. }
+    )));
 }
 
 #[test]
@@ -510,24 +528,21 @@ fn odd_cells_do_no_harm() {
         let text = format!("theta,U,V,U_dot,V_dot,P,Q,regime\n{samples}");
         fs::write(profiles.join(format!("{index}.csv")), text).unwrap();
     }
-    let settings = Settings {
-        parameter: "mismatch".to_owned(),
-        title: Some("a & b < c \u{0} \"d\" ".repeat(20)),
-        subtitle: String::new(),
-        labels: Vec::new(),
-    };
-    draw(folder.path(), &all(), Format::Svg, &settings).unwrap();
+    let mut problem = problem(&all());
+    problem.title = Some("a & b < c \u{0} \"d\" ".repeat(20));
+    draw_of(folder.path(), &problem, Format::Svg).unwrap();
     #[cfg(feature = "raster")]
-    draw(folder.path(), &all(), Format::Png, &settings).unwrap();
+    draw_of(folder.path(), &problem, Format::Png).unwrap();
 }
 
 #[test]
 fn missing_or_empty_branch_is_an_error() {
     let folder = TempDir::new().unwrap();
-    let attempt = || draw(folder.path(), &all(), Format::Svg, &settings()).unwrap_err();
-    assert!(matches!(attempt(), PlotError::Read { .. }));
+    let attempt = || draw(folder.path(), &all(), Format::Svg).unwrap_err();
+    let damaged = |error: &StoreError| matches!(error, StoreError::Damaged { .. });
+    assert!(is(&attempt(), damaged));
     fs::write(folder.path().join("branch.csv"), "").unwrap();
-    assert!(matches!(attempt(), PlotError::Empty { .. }));
+    assert!(is(&attempt(), damaged));
 }
 
 #[cfg(feature = "raster")]
@@ -535,10 +550,10 @@ fn missing_or_empty_branch_is_an_error() {
 fn png_and_pdf_have_their_signatures() {
     let folder = folder(&[row("1", "EP", 0.1, "", 1), row("2", "EP", 0.2, "", 1)]);
     add_profiles(folder.path());
-    for file in draw(folder.path(), &all(), Format::Png, &settings()).unwrap() {
+    for file in draw(folder.path(), &all(), Format::Png).unwrap() {
         assert!(fs::read(&file).unwrap().starts_with(b"\x89PNG\r\n\x1a\n"));
     }
-    for file in draw(folder.path(), &all(), Format::Pdf, &settings()).unwrap() {
+    for file in draw(folder.path(), &all(), Format::Pdf).unwrap() {
         assert!(fs::read(&file).unwrap().starts_with(b"%PDF-"));
     }
 }
@@ -548,7 +563,7 @@ fn png_and_pdf_have_their_signatures() {
 fn formats_left_out_are_named() {
     let folder = folder(&[row("", "", 0.1, "", 1)]);
     for format in [Format::Png, Format::Pdf] {
-        let error = draw(folder.path(), &[Plot::Diagram], format, &settings()).unwrap_err();
+        let error = draw(folder.path(), &[Plot::Diagram], format).unwrap_err();
         assert!(error.to_string().contains("raster"), "{error}");
     }
 }
@@ -557,16 +572,14 @@ fn formats_left_out_are_named() {
 #[test]
 fn titles_may_hold_any_character() {
     let folder = folder(&[row("1", "EP", 0.1, "", 1), row("2", "EP", 0.2, "", 1)]);
-    let settings = Settings {
-        title: Some("a\u{fffe}b\u{ffff}c\u{1b}d\u{7f}e\u{0}f < & > \u{1f600}".to_owned()),
-        ..settings()
-    };
+    let mut problem = problem(&[Plot::Diagram]);
+    problem.title = Some("a\u{fffe}b\u{ffff}c\u{1b}d\u{7f}e\u{0}f < & > \u{1f600}".to_owned());
     let mut formats = vec![Format::Svg];
     if cfg!(feature = "raster") {
         formats.extend([Format::Png, Format::Pdf]);
     }
     for format in formats {
-        let files = draw(folder.path(), &[Plot::Diagram], format, &settings).unwrap();
+        let files = draw_of(folder.path(), &problem, format).unwrap();
         let bytes = fs::read(&files[0]).unwrap();
         if let (Format::Svg, Ok(text)) = (format, String::from_utf8(bytes)) {
             assert!(text.contains("abcdef &lt; &amp; &gt; \u{1f600}"));

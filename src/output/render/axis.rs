@@ -21,15 +21,16 @@ pub(crate) struct Quantity {
     pub symbol: String,
 }
 
-impl Quantity {
-    /// A quantity of this word and symbol.
-    pub fn new(word: &str, symbol: &str) -> Self {
+impl From<(&str, &str)> for Quantity {
+    fn from((word, symbol): (&str, &str)) -> Self {
         Quantity {
             word: word.to_owned(),
             symbol: symbol.to_owned(),
         }
     }
+}
 
+impl Quantity {
     /// Word and symbol.
     pub fn caption(&self) -> String {
         self.around(&self.symbol)
@@ -76,9 +77,9 @@ pub(crate) struct Axis {
 
 impl Axis {
     /// An axis of this extent with ticks of the renderer's choice.
-    pub fn new(quantity: Quantity, extent: Extent) -> Self {
+    pub fn new(quantity: impl Into<Quantity>, extent: Extent) -> Self {
         Axis {
-            quantity,
+            quantity: quantity.into(),
             extent,
             ticks: Vec::new(),
         }
@@ -332,7 +333,7 @@ mod tests {
     use super::*;
 
     fn over(low: f64, high: f64, word: &str, symbol: &str, count: usize) -> Scale {
-        let axis = Axis::new(Quantity::new(word, symbol), Extent::Fixed(low, high));
+        let axis = Axis::new((word, symbol), Extent::Fixed(low, high));
         Scale::of(&axis, std::iter::empty(), Ticks::About(count))
     }
 
@@ -362,7 +363,7 @@ mod tests {
 
     #[test]
     fn decades_are_whole_and_powers_of_ten() {
-        let axis = Axis::new(Quantity::new("error", ""), Extent::Decades);
+        let axis = Axis::new(("error", ""), Extent::Decades);
         let values = [3e-9, 2e-4, f64::NAN, 0.0, -1.0];
         let scale = Scale::of(&axis, values.into_iter(), Ticks::About(5));
         assert_eq!((scale.low, scale.high), (-9.0, -3.0));
@@ -374,7 +375,7 @@ mod tests {
 
     #[test]
     fn few_decades_have_figures_between() {
-        let axis = Axis::new(Quantity::new("smoothing", "ε"), Extent::Logarithmic(0.0));
+        let axis = Axis::new(("smoothing", "ε"), Extent::Logarithmic(0.0));
         let scale = Scale::of(&axis, [0.005, 0.1].into_iter(), Ticks::About(5));
         assert_eq!(texts(&scale)[..5], ["0.005", "0.01", "0.02", "0.05", "0.1"]);
         assert!((scale.part(0.005 * 20f64.sqrt()) - 0.5).abs() < 1e-12);

@@ -16,12 +16,11 @@ use plotters::prelude::{DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
 
+use super::frame::Frame;
 use super::palette::{Pattern, Pen, WHITE};
-use super::text::clean;
-use super::{Mark, RenderError, Shape};
-
-/// Width of every picture: 85 mm at six pixels per millimetre.
-pub(super) const WIDTH: f64 = 510.0;
+use super::surface::{Align, Drawn, Place, Surface, Text, WIDTH};
+use super::text::{clean, cut};
+use super::{Layer, Mark, RenderError, Shape};
 
 /// Units of the file per pixel. The backend knows whole units only; curves need finer ones.
 const UNITS: f64 = 10.0;
@@ -41,25 +40,6 @@ const COLUMN: f64 = 0.25;
 
 /// Points of a line up to which all are kept.
 const LONG: usize = 4000;
-
-/// A position in pixels, from the upper left corner.
-pub(super) type Place = (f64, f64);
-
-/// Whether something could be drawn.
-pub(super) type Drawn = Result<(), RenderError>;
-
-/// Which point of a text, on its base line, lies at its place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Align {
-    /// Its left end.
-    Left,
-    /// Its middle.
-    Middle,
-    /// Its right end.
-    Right,
-    /// Its middle, and it reads upwards.
-    Upward,
-}
 
 /// The sheet.
 pub(super) struct Canvas<'a> {
@@ -93,12 +73,18 @@ pub(super) fn compose(
 }
 
 impl Canvas<'_> {
-    /// A line through the places.
-    pub fn line(&mut self, places: &[Place], pen: Pen) -> Drawn {
-        let places: Vec<(i32, i32)> = thinned(places, |place| *place)
-            .iter()
-            .map(coordinate)
-            .collect();
+    /// A filled polygon.
+    pub fn polygon(&mut self, corners: &[Place], colour: RGBColor) -> Drawn {
+        let corners = coordinates(corners);
+        let style = ShapeStyle::from(&colour).filled();
+        let drawn = self.backend.fill_polygon(corners, &style);
+        drawn.map_err(refused)
+    }
+}
+
+impl Surface for Canvas<'_> {
+    fn line(&mut self, places: &[Place], pen: Pen) -> Drawn {
+        let places = coordinates(places);
         if places.len() < 2 {
             return Ok(());
         }
@@ -118,27 +104,7 @@ impl Canvas<'_> {
             .map_err(refused)
     }
 
-    /// A closed line.
-    pub fn outline(&mut self, corners: &[Place], pen: Pen) -> Drawn {
-        // the second corner, too, so that the last one is joined
-        let repeated = corners.iter().take(2);
-        let closed: Vec<Place> = corners.iter().chain(repeated).copied().collect();
-        self.line(&closed, pen)
-    }
-
-    /// A filled polygon.
-    pub fn polygon(&mut self, corners: &[Place], colour: RGBColor) -> Drawn {
-        let corners: Vec<(i32, i32)> = thinned(corners, |place| *place)
-            .iter()
-            .map(coordinate)
-            .collect();
-        let style = ShapeStyle::from(&colour).filled();
-        let drawn = self.backend.fill_polygon(corners, &style);
-        drawn.map_err(refused)
-    }
-
-    /// A filled rectangle.
-    pub fn area(&mut self, from: Place, to: Place, colour: RGBColor) -> Drawn {
+    fn area(&mut self, from: Place, to: Place, colour: RGBColor) -> Drawn {
         let upper = (from.0.min(to.0), from.1.min(to.1));
         let lower = (from.0.max(to.0), from.1.max(to.1));
         let style = ShapeStyle::from(&colour).filled();
@@ -147,18 +113,10 @@ impl Canvas<'_> {
             .map_err(refused)
     }
 
-    /// A text standing on its base line.
-    pub fn text(
-        &mut self,
-        place: Place,
-        text: &str,
-        size: f64,
-        align: Align,
-        colour: RGBColor,
-    ) -> Drawn {
-        let (x, y) = place;
+    fn text(&mut self, text: Text<'_>) -> Drawn {
+        let ((x, y), size) = (text.place, text.size);
         let above = (x, y - SHIFT * size);
-        let (horizontal, transform, place) = match align {
+        let (horizontal, transform, place) = match text.align {
             Align::Left => (HPos::Left, FontTransform::None, above),
             Align::Middle => (HPos::Center, FontTransform::None, above),
             Align::Right => (HPos::Right, FontTransform::None, above),
@@ -171,15 +129,15 @@ impl Canvas<'_> {
         let style: TextStyle<'_> = (FAMILY, size * UNITS * FONT_DIVISOR)
             .into_font()
             .transform(transform)
-            .color(&colour)
+            .color(&text.colour)
             .pos(Pos::new(horizontal, VPos::Center));
+        let shown = clean(&cut(text.text, size, text.room));
         self.backend
-            .draw_text(&clean(text), &style, coordinate(&place))
+            .draw_text(&shown, &style, coordinate(&place))
             .map_err(refused)
     }
 
-    /// A point with a white rim.
-    pub fn mark(&mut self, place: Place, mark: Mark) -> Drawn {
+    fn mark(&mut self, place: Place, mark: Mark) -> Drawn {
         let cells = [place.0, place.1, mark.size].map(|value| (value / COLUMN).round() as i64);
         let colour = mark.colour;
         let key = (cells, mark.shape, [colour.0, colour.1, colour.2]);
@@ -205,6 +163,14 @@ impl Canvas<'_> {
                 Ok(())
             }
         }
+    }
+
+    fn panel(&mut self, frame: &Frame, layers: &[Layer]) -> Drawn {
+        frame.paint(self, layers)
+    }
+
+    fn border(&mut self, frame: &Frame) -> Drawn {
+        frame.border(self)
     }
 }
 
@@ -236,6 +202,11 @@ pub(super) fn thinned<T: Copy>(points: &[T], place: impl Fn(&T) -> Place) -> Cow
 /// Units of a length. The conversion saturates; no picture is that large.
 fn units(length: f64) -> i32 {
     (length * UNITS).round() as i32
+}
+
+fn coordinates(places: &[Place]) -> Vec<(i32, i32)> {
+    let seen = thinned(places, |place| *place);
+    seen.iter().map(coordinate).collect()
 }
 
 fn coordinate(place: &Place) -> (i32, i32) {

@@ -1,10 +1,11 @@
 //! A frame with axes, and the layers drawn in it.
 
 use super::axis::{Scale, TICK_SIZE, Tick, drawable};
-use super::canvas::{Align, Canvas, Drawn, Place};
+use super::canvas::Canvas;
 use super::palette::{BLACK, GREY, Pen};
 use super::placement::{NAME_SIZE, written};
-use super::text::{cut, width};
+use super::surface::{Align, Drawn, Place, Surface, Text};
+use super::text::width;
 use super::{Cell, Heading, Layer, Point};
 
 /// Size of the texts along the axes.
@@ -83,22 +84,32 @@ impl Frame {
                 canvas.line(&corners, Pen::solid(*colour, RIM))
             }
             Layer::Cells(cells) => cells.iter().try_for_each(|cell| self.cell(canvas, cell)),
+            layer => self.outside(canvas, layers, layer),
+        })
+    }
+
+    /// Draws a layer of texts, which the frame does not clip.
+    pub(super) fn outside(&self, on: &mut dyn Surface, layers: &[Layer], layer: &Layer) -> Drawn {
+        match layer {
             Layer::Names(names) => {
                 let mut texts = written(self, layers, names).into_iter();
                 texts.try_for_each(|((x, y), text)| {
                     let base = (x, y + 0.36 * NAME_SIZE);
-                    canvas.text(base, text, NAME_SIZE, Align::Middle, BLACK)
+                    on.text(Text::new(base, text, NAME_SIZE, Align::Middle))
                 })
             }
             Layer::Headings(headings) => {
                 let mut texts = headings.iter().filter_map(|heading| self.heading(heading));
-                texts.try_for_each(|(place, text)| {
-                    canvas.text(place, text, SMALL, Align::Middle, BLACK)
-                })
+                texts.try_for_each(|text| on.text(text))
             }
-            Layer::Bar { foot, head, text } => self.bar(canvas, [*foot, *head], text),
-            Layer::Remark(text) => self.remark(canvas, text),
-        })
+            Layer::Bar { foot, head, text } => self.bar(on, [*foot, *head], text),
+            Layer::Remark(text) => {
+                let (x, y) = self.at(0.5, 0.5);
+                let base = (x, y + 0.35 * TICK_SIZE);
+                on.text(Text::new(base, text, TICK_SIZE, Align::Middle).coloured(GREY))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn cell(&self, canvas: &mut Canvas<'_>, cell: &Cell) -> Drawn {
@@ -114,33 +125,28 @@ impl Frame {
         canvas.area(from, (to.0, to.1 - SEAM), cell.colour)
     }
 
-    /// The name of a stretch that fits, with the middle of its base line.
-    pub(super) fn heading<'a>(&self, heading: &'a Heading) -> Option<(Place, &'a str)> {
+    /// The name of a stretch that fits.
+    fn heading<'a>(&self, heading: &'a Heading) -> Option<Text<'a>> {
         let [from, to] = heading.ends.map(|end| self.at(self.x.part(end), 1.0));
         let fits = |text: &&String| width(text, SMALL) <= to.0 - from.0;
         let text = heading.names.iter().find(fits)?;
-        Some(((0.5 * (from.0 + to.0), from.1 - 5.0), text))
+        let base = (0.5 * (from.0 + to.0), from.1 - 5.0);
+        Some(Text::new(base, text, SMALL, Align::Middle))
     }
 
-    fn bar(&self, canvas: &mut Canvas<'_>, ends: [f64; 2], text: &[String; 2]) -> Drawn {
+    fn bar(&self, on: &mut dyn Surface, ends: [f64; 2], text: &[String; 2]) -> Drawn {
         let [foot, head] = ends.map(|end| self.at(1.0, self.y.part(end)).1);
         let x = self.to.0 + 12.0;
         let pen = Pen::solid(BLACK, 1.6);
-        canvas.line(&[(x, foot), (x, head)], pen)?;
+        on.line(&[(x, foot), (x, head)], pen)?;
         for y in [foot, head] {
-            canvas.line(&[(x - 4.0, y), (x + 4.0, y)], pen)?;
+            on.line(&[(x - 4.0, y), (x + 4.0, y)], pen)?;
         }
         let middle = 0.5 * (foot + head);
         for (line, base) in text.iter().zip([middle - 1.0, middle + 1.1 * SMALL]) {
-            canvas.text((x + 8.0, base), line, SMALL, Align::Left, BLACK)?;
+            on.text(Text::new((x + 8.0, base), line, SMALL, Align::Left))?;
         }
         Ok(())
-    }
-
-    fn remark(&self, canvas: &mut Canvas<'_>, text: &str) -> Drawn {
-        let (x, y) = self.at(0.5, 0.5);
-        let place = (x, y + 0.35 * TICK_SIZE);
-        canvas.text(place, text, TICK_SIZE, Align::Middle, GREY)
     }
 
     /// Draws the border, the ticks, their figures and the captions.
@@ -156,28 +162,28 @@ impl Frame {
             canvas.line(&[(x, bottom), (x, bottom - long(tick))], pen)?;
             canvas.line(&[(x, top), (x, top + long(tick))], pen)?;
             if self.labelled_below && !tick.text.is_empty() {
-                let place = (x, bottom + 1.25 * TICK_SIZE);
-                canvas.text(place, &tick.text, TICK_SIZE, Align::Middle, BLACK)?;
+                let base = (x, bottom + 1.25 * TICK_SIZE);
+                canvas.text(Text::new(base, &tick.text, TICK_SIZE, Align::Middle))?;
             }
         }
         for tick in &self.y.ticks {
             let (_, y) = self.at(0.0, self.y.part(tick.value));
             canvas.line(&[(left, y), (left + long(tick), y)], pen)?;
             canvas.line(&[(right, y), (right - long(tick), y)], pen)?;
-            if tick.text.is_empty() {
-                continue;
+            if !tick.text.is_empty() {
+                let base = (left - 6.0, y + 0.36 * TICK_SIZE);
+                canvas.text(Text::new(base, &tick.text, TICK_SIZE, Align::Right))?;
             }
-            let place = (left - 6.0, y + 0.36 * TICK_SIZE);
-            canvas.text(place, &tick.text, TICK_SIZE, Align::Right, BLACK)?;
         }
         canvas.outline(&[self.from, (right, top), self.to, (left, bottom)], pen)?;
+        let mut caption = |base, scale: &Scale, align, room| {
+            canvas.text(Text::new(base, &scale.caption, CAPTION_SIZE, align).within(room))
+        };
         if self.labelled_below {
-            let place = (0.5 * (left + right), bottom + 2.6 * CAPTION_SIZE);
-            let caption = cut(&self.x.caption, CAPTION_SIZE, right);
-            canvas.text(place, &caption, CAPTION_SIZE, Align::Middle, BLACK)?;
+            let base = (0.5 * (left + right), bottom + 2.6 * CAPTION_SIZE);
+            caption(base, &self.x, Align::Middle, right)?;
         }
-        let place = (left - self.figures - 18.0, 0.5 * (top + bottom));
-        let caption = cut(&self.y.caption, CAPTION_SIZE, bottom);
-        canvas.text(place, &caption, CAPTION_SIZE, Align::Upward, BLACK)
+        let base = (left - self.figures - 18.0, 0.5 * (top + bottom));
+        caption(base, &self.y, Align::Upward, bottom)
     }
 }

@@ -1,10 +1,11 @@
 //! Arrangement of a picture: title, panels one below the other or beside each other, legend.
 
 use super::axis::{Scale, TICK_SIZE, Tick, Ticks};
-use super::canvas::{Align, WIDTH, compose};
+use super::canvas::compose;
 use super::frame::{CAPTION_SIZE, Frame};
-use super::palette::{BLACK, GREY};
-use super::text::{cut, width};
+use super::palette::GREY;
+use super::surface::{Align, Drawn, Surface, Text, WIDTH};
+use super::text::width;
 use super::{Layer, Panel, Picture, RenderError};
 
 /// Size of the title.
@@ -36,30 +37,37 @@ impl Picture {
     /// # Errors
     /// When the backend fails.
     pub fn svg(&self) -> Result<String, RenderError> {
-        let (frames, bottom) = self.frames();
-        let height = (bottom + self.legend.height()).ceil();
-        compose(height, |canvas| {
-            if let Some(title) = &self.title {
-                let place = (0.5 * WIDTH, 1.3 * TITLE_SIZE);
-                let room = WIDTH - 20.0;
-                // what fits exactly must not be cut by rounding
-                let size = (0.999 * TITLE_SIZE * room / width(title, TITLE_SIZE))
-                    .clamp(SMALLEST_TITLE, TITLE_SIZE);
-                canvas.text(place, &cut(title, size, room), size, Align::Middle, BLACK)?;
-            }
-            if let Some(subtitle) = &self.subtitle {
-                let place = (0.5 * WIDTH, self.top() - 12.0);
-                let text = cut(subtitle, SUBTITLE_SIZE, WIDTH - 20.0);
-                canvas.text(place, &text, SUBTITLE_SIZE, Align::Middle, GREY)?;
-            }
-            for (frame, panel) in frames.iter().zip(&self.panels) {
-                frame.paint(canvas, &panel.layers)?;
-            }
-            for frame in &frames {
-                frame.border(canvas)?;
-            }
-            self.legend.paint(canvas, bottom)
-        })
+        let frames = self.frames();
+        compose(self.height(&frames), |canvas| self.draw(canvas, &frames))
+    }
+
+    /// Draws the picture with its frames.
+    pub(super) fn draw(&self, on: &mut dyn Surface, (frames, bottom): &(Vec<Frame>, f64)) -> Drawn {
+        let (middle, room) = (0.5 * WIDTH, WIDTH - 20.0);
+        if let Some(title) = &self.title {
+            // what fits exactly must not be cut by rounding
+            let size = (0.999 * TITLE_SIZE * room / width(title, TITLE_SIZE))
+                .clamp(SMALLEST_TITLE, TITLE_SIZE);
+            let place = (middle, 1.3 * TITLE_SIZE);
+            on.text(Text::new(place, title, size, Align::Middle).within(room))?;
+        }
+        if let Some(subtitle) = &self.subtitle {
+            let place = (middle, self.top() - 12.0);
+            let text = Text::new(place, subtitle, SUBTITLE_SIZE, Align::Middle);
+            on.text(text.within(room).coloured(GREY))?;
+        }
+        for (frame, panel) in frames.iter().zip(&self.panels) {
+            on.panel(frame, &panel.layers)?;
+        }
+        for frame in frames {
+            on.border(frame)?;
+        }
+        self.legend.paint(on, *bottom)
+    }
+
+    /// Height of the sheet.
+    pub(super) fn height(&self, (_, bottom): &(Vec<Frame>, f64)) -> f64 {
+        (bottom + self.legend.height()).ceil()
     }
 
     /// The frames of the panels, and where they end.
@@ -72,7 +80,7 @@ impl Picture {
     }
 
     /// Where the frames begin.
-    pub(super) fn top(&self) -> f64 {
+    fn top(&self) -> f64 {
         let title = self.title.as_ref().map_or(0.0, |_| 1.5 * TITLE_SIZE);
         let subtitle = self.subtitle.as_ref().map_or(0.0, |_| 1.4 * SUBTITLE_SIZE);
         12.0 + title + subtitle
@@ -156,7 +164,7 @@ impl Panel {
     }
 
     /// The axes over what the panel shows; the horizontal one is about this long.
-    pub(super) fn scales(&self, length: f64, vertical: Ticks) -> [Scale; 2] {
+    fn scales(&self, length: f64, vertical: Ticks) -> [Scale; 2] {
         let points: Vec<_> = self.layers.iter().flat_map(Layer::points).collect();
         let (xs, ys) = (points.iter().map(|p| p.0), points.iter().map(|p| p.1));
         [

@@ -3,9 +3,9 @@
 use plotters::style::RGBColor;
 
 use super::Mark;
-use super::canvas::{Align, Canvas, Drawn, Place, WIDTH};
 use super::palette::{BLACK, Pen};
-use super::text::{cut, width};
+use super::surface::{Align, Drawn, Surface, Text, WIDTH};
+use super::text::width;
 
 /// Size of the texts.
 const SIZE: f64 = 15.0;
@@ -34,7 +34,7 @@ pub(crate) enum Key {
 }
 
 impl Key {
-    pub(super) fn width(self) -> f64 {
+    fn width(self) -> f64 {
         match self {
             Key::Line(_) => 32.0,
             Key::Mark(_) => 18.0,
@@ -60,18 +60,11 @@ pub(crate) struct Legend {
 }
 
 /// An entry or a heading at its place.
-pub(super) struct Item<'a> {
+struct Item<'a> {
     left: f64,
     line: usize,
-    pub key: Option<Key>,
-    pub text: &'a str,
-}
-
-impl Item<'_> {
-    /// Its left end on the base line, in a legend below `top`.
-    pub(super) fn at(&self, top: f64) -> Place {
-        (self.left, top + (self.line as f64 + 0.75) * LINE)
-    }
+    key: Option<Key>,
+    text: &'a str,
 }
 
 impl Legend {
@@ -99,33 +92,31 @@ impl Legend {
     }
 
     /// Draws the legend below `top`.
-    pub(super) fn paint(&self, canvas: &mut Canvas<'_>, top: f64) -> Drawn {
+    pub(super) fn paint(&self, on: &mut dyn Surface, top: f64) -> Drawn {
         for item in self.items().0 {
-            let (mut left, base) = item.at(top);
+            let (mut left, base) = (item.left, top + (item.line as f64 + 0.75) * LINE);
             let middle = base - 0.33 * SIZE;
             match item.key {
-                Some(Key::Line(pen)) => {
-                    canvas.line(&[(left, middle), (left + 26.0, middle)], pen)?;
-                }
-                Some(Key::Mark(mark)) => canvas.mark((left + 7.0, middle), mark)?,
+                Some(Key::Line(pen)) => on.line(&[(left, middle), (left + 26.0, middle)], pen)?,
+                Some(Key::Mark(mark)) => on.mark((left + 7.0, middle), mark)?,
                 Some(Key::Area(colour)) => {
                     let (from, to) = ((left, middle - 6.0), (left + 18.0, middle + 6.0));
-                    canvas.area(from, to, colour)?;
+                    on.area(from, to, colour)?;
                     let corners = [from, (to.0, from.1), to, (from.0, to.1)];
-                    canvas.outline(&corners, Pen::solid(BLACK, 0.8))?;
+                    on.outline(&corners, Pen::solid(BLACK, 0.8))?;
                 }
                 None => {}
             }
             left += item.key.map_or(0.0, Key::width);
-            let text = cut(item.text, SIZE, WIDTH - MARGIN - left);
-            canvas.text((left, base), &text, SIZE, Align::Left, BLACK)?;
+            let text = Text::new((left, base), item.text, SIZE, Align::Left);
+            on.text(text.within(WIDTH - MARGIN - left))?;
         }
         Ok(())
     }
 
     /// Entries at their places, in columns as far as that takes no more lines, and the number of
     /// lines.
-    pub(super) fn items(&self) -> (Vec<Item<'_>>, usize) {
+    fn items(&self) -> (Vec<Item<'_>>, usize) {
         let mut items = Vec::new();
         let mut line = 0;
         for group in &self.groups {

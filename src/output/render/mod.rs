@@ -3,19 +3,20 @@
 //! A picture has panels, a panel has axes and layers; what a picture shows is decided by those who
 //! describe it. Here it is decided how that looks in a column of a journal: [`axis`] chooses ranges
 //! and figures, [`layout`] arranges panels, title and legend, [`frame`] draws the layers, [`placement`]
-//! finds room for names, and [`canvas`] writes SVG, from which PNG and PDF are converted. [`tex`] writes the same
-//! as source for pgfplots.
+//! finds room for names. What stands outside of the data is drawn on a [`surface`]: [`canvas`] writes SVG,
+//! from which PNG and PDF are converted, [`tex`] the same as source for pgfplots.
 
-pub(crate) mod axis;
+mod axis;
 mod canvas;
 mod frame;
 mod layout;
-pub(crate) mod legend;
+mod legend;
 pub(crate) mod number;
-pub(crate) mod palette;
+mod palette;
 mod placement;
 #[cfg(feature = "raster")]
 mod raster;
+mod surface;
 mod tex;
 mod text;
 
@@ -24,9 +25,12 @@ use std::path::Path;
 
 use plotters::style::RGBColor;
 
-use axis::Axis;
-use legend::Legend;
-use palette::Pen;
+pub(crate) use axis::{Axis, Extent, Quantity, Tick, drawable, range};
+pub(crate) use legend::{Key, Legend};
+pub(crate) use palette::{
+    BLACK, BLUE, CATEGORIES, GREEN, GREY, ORANGE, PURPLE, Pattern, Pen, SKY, VERMILLION, WHITE,
+    mix, ordered,
+};
 
 /// Height of the only panel of a picture, in pixels of a sheet that is 510 wide.
 pub(crate) const HEIGHT: f64 = 300.0;
@@ -249,6 +253,14 @@ impl Picture {
         }
     }
 
+    /// The picture with a smaller line below its title.
+    pub fn subtitled(self, subtitle: &str) -> Picture {
+        Picture {
+            subtitle: Some(subtitle.to_owned()),
+            ..self
+        }
+    }
+
     /// The bytes of the picture's file.
     ///
     /// # Errors
@@ -256,7 +268,7 @@ impl Picture {
     pub fn file(&self, format: Format) -> Result<Vec<u8>, RenderError> {
         match format.available()? {
             Format::Svg => Ok(self.svg()?.into_bytes()),
-            Format::Tex => Ok(self.tex().into_bytes()),
+            Format::Tex => Ok(self.tex()?.into_bytes()),
             #[cfg(feature = "raster")]
             Format::Png => raster::png(&self.svg()?),
             #[cfg(feature = "raster")]
@@ -282,14 +294,31 @@ impl Panel {
     pub fn high(self, height: f64) -> Panel {
         Panel { height, ..self }
     }
+
+    /// The panel with a remark in place of its layers where there is nothing to show.
+    pub fn unless(self, nothing: bool, remark: &str) -> Panel {
+        match nothing {
+            true => Panel {
+                layers: vec![Layer::Remark(remark.to_owned())],
+                ..self
+            },
+            false => self,
+        }
+    }
+}
+
+impl Cell {
+    /// A stretch of the horizontal axis over the whole height.
+    pub fn upright(from: f64, to: f64, colour: RGBColor) -> Cell {
+        Cell {
+            from: (from, f64::NEG_INFINITY),
+            to: (to, f64::INFINITY),
+            colour,
+        }
+    }
 }
 
 impl Layer {
-    /// A remark in place of data.
-    pub fn remark(text: &str) -> Vec<Layer> {
-        vec![Layer::Remark(text.to_owned())]
-    }
-
     /// The points that an axis over all data has to reach.
     fn points(&self) -> Vec<Point> {
         match self {

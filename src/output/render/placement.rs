@@ -1,7 +1,7 @@
 //! Names in a panel: where there is room for them.
 
-use super::canvas::Place;
 use super::frame::Frame;
+use super::surface::Place;
 use super::text::width;
 use super::{Layer, Name};
 
@@ -83,7 +83,7 @@ pub(super) fn written<'a>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::axis::{Axis, Extent, Quantity, Scale, Ticks};
+    use super::super::axis::{Axis, Extent, Scale, Ticks};
     use super::super::palette::{BLUE, Pen};
     use super::*;
 
@@ -91,7 +91,7 @@ mod tests {
     #[test]
     fn names_stand_at_their_places() {
         let scale = |low, high| {
-            let axis = Axis::new(Quantity::new("parameter", "p"), Extent::Fixed(low, high));
+            let axis = Axis::new(("parameter", "p"), Extent::Fixed(low, high));
             Scale::of(&axis, std::iter::empty(), Ticks::About(5))
         };
         let frame = Frame {

@@ -8,7 +8,7 @@ use resvg::usvg::{Options, Tree, fontdb};
 use svg2pdf::{ConversionOptions, PageOptions};
 
 use super::RenderError;
-use super::canvas::WIDTH;
+use super::surface::WIDTH;
 
 /// Pixels of the PNG per pixel of the sheet.
 const SCALE: f32 = 3.0;

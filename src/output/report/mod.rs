@@ -7,11 +7,9 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::map::Description;
-use super::origin::Origin;
-use super::run::{BRANCH, EVENTS, Restart, SPECTRUM, profile_file};
-use super::simulation::SimulationCheckpoint;
-use super::store::{self, Checkpoint, Kind, Store, StoreError, VERSION};
+use super::origin;
+use super::run::{BRANCH, EVENTS, SPECTRUM, profile_file};
+use super::store::{self, Kind, Store, StoreError, VERSION};
 use crate::problem::Problem;
 use crate::table::{self, Table};
 
@@ -37,17 +35,7 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
     let folder = store.path();
     let names = store.names();
     let there = |name: &str| names.iter().any(|known| known == name) && folder.join(name).exists();
-    let problem = if there(Restart::FILE) {
-        Some(Restart::read(folder)?.problem)
-    } else if there(SimulationCheckpoint::FILE) {
-        Some(SimulationCheckpoint::read(folder)?.problem)
-    } else if there(Description::FILE) {
-        Some(Description::read(folder)?.problem)
-    } else if there(Origin::FILE) {
-        Some(Origin::read(folder)?.problem().clone())
-    } else {
-        None
-    };
+    let problem = origin::problem(folder)?;
     let title = problem.as_ref().and_then(|problem| problem.title.clone());
     let kind = store.kind().map_or("", Kind::name);
     let title = title.unwrap_or_else(|| format!("Results of {kind}"));
@@ -99,8 +87,7 @@ fn branch(
     there: &impl Fn(&str) -> bool,
 ) -> Result<String, StoreError> {
     let points = store::table(&folder.join(BRANCH))?;
-    let section = problem.continuation.as_ref();
-    let parameter = section.map_or("mismatch", |section| section.parameter.column());
+    let parameter = problem.parameter().column();
     let every = points.len().div_ceil(POINTS).max(1);
     let labelled = |row: usize| !points.text(row, "label").is_empty();
     let kept = |row: &usize| row.is_multiple_of(every) || labelled(*row);

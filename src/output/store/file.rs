@@ -1,11 +1,14 @@
 //! Single files: read, replaced as a whole, or growing at their end.
 
+use std::collections::BTreeMap;
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 
+use super::VERSION;
 use super::error::{READ, StoreError, damaged, io_error};
 use crate::table::{self, Table};
 
@@ -41,6 +44,45 @@ pub(crate) fn table(path: &Path) -> Result<Table, StoreError> {
 /// A value as RON.
 pub(crate) fn encode(path: &Path, value: &impl Serialize) -> Result<String, StoreError> {
     ron::to_string(value).map_err(|error| damaged(path, error.to_string()))
+}
+
+/// A value that was written as RON.
+///
+/// # Errors
+/// As [`read`], and when it is no such value.
+pub(crate) fn decode<T: DeserializeOwned>(path: &Path) -> Result<T, StoreError> {
+    ron::from_str(&read(path)?).map_err(|error| {
+        let reason = format!("it is not as version {VERSION} writes it: {error}");
+        damaged(path, reason)
+    })
+}
+
+/// The number that a file is named by, whatever its extension.
+pub(super) fn number(file: &Path) -> Option<usize> {
+    let name = file.file_name()?.to_str()?;
+    name.split('.').next()?.parse().ok()
+}
+
+/// The files of a folder that have a number for a name, with this extension; none without the folder.
+///
+/// # Errors
+/// When the folder cannot be read.
+pub(crate) fn numbered(
+    folder: &Path,
+    extension: &str,
+) -> Result<BTreeMap<usize, PathBuf>, StoreError> {
+    let mut files = BTreeMap::new();
+    if found(folder)?.is_none() {
+        return Ok(files);
+    }
+    for entry in fs::read_dir(folder).map_err(io_error(READ, folder))? {
+        let path = entry.map_err(io_error(READ, folder))?.path();
+        let stem = path.to_str().and_then(|path| path.strip_suffix(extension));
+        if let Some(number) = stem.and_then(|_| path.file_stem()?.to_str()?.parse().ok()) {
+            files.insert(number, path);
+        }
+    }
+    Ok(files)
 }
 
 /// FNV-1a in 64 bits: tells one content from another where nobody forges any.

@@ -32,35 +32,28 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// All of them.
-    const ALL: [Kind; 8] = [
-        Kind::Run,
-        Kind::Map,
-        Kind::MapShard,
-        Kind::Curve,
-        Kind::Accuracy,
-        Kind::Simulation,
-        Kind::Certificate,
-        Kind::Steady,
+    /// All of them, with their words in a manifest.
+    const NAMES: [(Kind, &str); 8] = [
+        (Kind::Run, "run"),
+        (Kind::Map, "map"),
+        (Kind::MapShard, "map-shard"),
+        (Kind::Curve, "curve"),
+        (Kind::Accuracy, "accuracy"),
+        (Kind::Simulation, "simulation"),
+        (Kind::Certificate, "certificate"),
+        (Kind::Steady, "steady"),
     ];
 
     /// The kind of a word in a manifest.
     pub(super) fn of(name: &str) -> Option<Kind> {
-        Kind::ALL.into_iter().find(|kind| kind.name() == name)
+        let known = Kind::NAMES.iter().find(|known| known.1 == name);
+        known.map(|known| known.0)
     }
 
     /// Its word in a manifest.
     pub(crate) fn name(self) -> &'static str {
-        match self {
-            Kind::Run => "run",
-            Kind::Map => "map",
-            Kind::MapShard => "map-shard",
-            Kind::Curve => "curve",
-            Kind::Accuracy => "accuracy",
-            Kind::Simulation => "simulation",
-            Kind::Certificate => "certificate",
-            Kind::Steady => "steady",
-        }
+        let known = Kind::NAMES.iter().find(|known| known.0 == self);
+        known.map_or("", |known| known.1)
     }
 
     /// Whether results of the other kind may be gone on with or replaced: a shard is a map.

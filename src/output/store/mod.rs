@@ -27,12 +27,12 @@ use crate::problem::Problem;
 pub(crate) use admit::Existing;
 pub use error::StoreError;
 pub(crate) use error::{READ, damaged, io_error, refused};
-pub(crate) use file::{Growing, bytes, encode, hash, read, replace, table};
+pub(crate) use file::{Growing, bytes, decode, encode, hash, numbered, read, replace, table};
 pub(crate) use manifest::{Kind, MANIFEST};
 
 use admit::admit;
 use error::absent;
-use file::{NEW, beside, found, length_of_lines, remove};
+use file::{NEW, beside, found, length_of_lines, number, remove};
 use manifest::{Header, Manifest};
 use place::{make, real, stranger, unmake};
 
@@ -58,10 +58,7 @@ pub trait Checkpoint: Serialize + DeserializeOwned {
     /// When it cannot be read, or is damaged.
     fn read(folder: &Path) -> Result<Self, StoreError> {
         let path = folder.join(Self::FILE);
-        let found: Self = ron::from_str(&read(&path)?).map_err(|error| {
-            let reason = format!("it is not as version {VERSION} writes it: {error}");
-            damaged(&path, reason)
-        })?;
+        let found: Self = decode(&path)?;
         match found.flaw() {
             Some(flaw) => Err(damaged(&path, flaw)),
             None => Ok(found),
@@ -252,21 +249,23 @@ impl Store {
         self.manifest.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Begins results anew with files of these names: what an earlier run left is removed, once it is
-    /// known that nothing else is in the way. `numbered` is a folder for files `1.csv`, `2.csv`, ….
+    /// Begins results anew with files of these names, `more` of them pictures mostly: what an earlier run
+    /// left is removed, once it is known that nothing else is in the way. `numbered` is a folder for files
+    /// `1.csv`, `2.csv`, ….
     ///
     /// # Errors
     /// When something else is in the way, or the system refuses.
     pub(crate) fn begin(
         &self,
-        names: impl IntoIterator<Item = String>,
+        names: &[&str],
+        more: Vec<String>,
         numbered: Option<&str>,
     ) -> Result<(), StoreError> {
-        let names: Vec<String> = names.into_iter().collect();
+        let names = names.iter().copied().chain(more.iter().map(String::as_str));
         if let Some(numbered) = numbered {
             self.guard(numbered)?;
         }
-        for name in &names {
+        for name in names.clone() {
             self.free(&self.manifest(), name)?;
         }
         self.kept.store(true, Ordering::Relaxed);
@@ -288,8 +287,7 @@ impl Store {
         for entry in fs::read_dir(&folder).map_err(io_error(READ, &folder))? {
             let name = entry.map_err(io_error(READ, &folder))?.file_name();
             let name = name.to_string_lossy();
-            let stem = name.split('.').next().unwrap_or_default();
-            if stem.parse::<u64>().is_ok() && !name.ends_with(NEW) {
+            if number(Path::new(&*name)).is_some() && !name.ends_with(NEW) {
                 self.free(&manifest, &format!("{numbered}/{name}"))?;
             }
         }
@@ -352,6 +350,17 @@ impl Store {
             let _ = fs::remove_dir(&folder);
         }
         Ok(())
+    }
+
+    /// Removes the files of a folder for numbered ones whose number is larger than `last`.
+    ///
+    /// # Errors
+    /// When a file cannot be removed.
+    pub(crate) fn keep_numbered(&self, numbered: &str, last: usize) -> Result<(), StoreError> {
+        self.retain(|name| match Path::new(name).strip_prefix(numbered) {
+            Ok(file) => number(file).is_some_and(|number| number <= last),
+            Err(_) => true,
+        })
     }
 
     /// The path of a file, which must not lead through a link.
@@ -494,13 +503,13 @@ impl Store {
         })
     }
 
-    /// Replaces the checkpoint.
+    /// Replaces a file by a value as RON.
     ///
     /// # Errors
     /// As [`Store::replace`].
-    pub(crate) fn save<C: Checkpoint>(&self, checkpoint: &C) -> Result<(), StoreError> {
-        let text = encode(&self.path.join(C::FILE), checkpoint)?;
-        self.replace(C::FILE, text.as_bytes())
+    pub(crate) fn save(&self, name: &str, value: &impl Serialize) -> Result<(), StoreError> {
+        let text = encode(&self.path.join(name), value)?;
+        self.replace(name, text.as_bytes())
     }
 
     /// Brings the list itself to the disk.
