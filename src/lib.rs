@@ -52,7 +52,8 @@
 //! - [`curve`] follows one event in two parameters, [`map`] lays branches through a plane of them;
 //! - [`discretised`] has the eigenvalues of a ring of points, as a check;
 //! - `accuracy` runs one problem by every method and compares errors and times;
-//! - `table` turns structures into rows of CSV and back, [`output`] keeps them in folders and draws
+//! - `words` makes sentences of events, refusals and ends, which are data everywhere else;
+//! - `table` turns structures into rows of CSV and back, `output` keeps them in folders and draws
 //!   pictures, `cli` is the command line.
 
 #![forbid(unsafe_code)]
@@ -74,6 +75,7 @@ pub mod interval;
 pub mod linalg;
 pub mod map;
 pub mod model;
+#[cfg(feature = "cli")]
 pub mod output;
 pub mod problem;
 pub mod simulation;
@@ -81,6 +83,7 @@ pub mod stability;
 pub mod steady;
 mod table;
 pub mod wave;
+mod words;
 
 pub use branch::{Branch, BranchPoint, Event, EventType};
 pub use model::{Model, Parameter};

@@ -6,7 +6,7 @@ use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, format};
 use super::prepare::prepare;
 use super::progress::{Progress, drive};
-use super::{print, warn};
+use super::warn;
 use crate::accuracy::{Course, Limits, Missed, Row, Rung, ladder, reference_method};
 use crate::output::accuracy::{AccuracyFolder, Interrupted};
 use crate::output::pictures;
@@ -79,10 +79,7 @@ pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
     }
     folder.sort(&mut rows, &ladder)?;
     pictures::draw(folder.store(), Some(problem), format)?;
-    if !task.quiet {
-        print(&text(&rows, law.piecewise_linear()))?;
-        print(&format!("results in {}\n", out.display()))?;
-    }
+    task.say(&text(&rows, law.piecewise_linear()), "results", &out)?;
     let left_out = course.map_or(0, |course| course.left_out());
     if left_out > 0 {
         warn(&format!(

@@ -1,6 +1,6 @@
 //! `brakewave certify`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 use rayon::prelude::*;
@@ -65,10 +65,7 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
         .iter()
         .all(|point| point.is_proven() && traced(point));
     folder.finish(&Certificate::new(points))?;
-    if !task.quiet {
-        print(&report)?;
-        print(&format!("certificate in {}\n", out.display()))?;
-    }
+    task.say(&report, "certificate", &out)?;
     if let Some(why) = early_end(&branch) {
         warn(&why);
         return Ok(Exit::Numerical);
@@ -78,35 +75,28 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
 
 /// Checks a stored certificate.
 fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
-    let file: PathBuf = if path.is_dir() {
-        path.join(CertificateFolder::FILE)
-    } else {
-        path.to_owned()
+    let certificate = match path.is_dir() {
+        true => read(&path.join(CertificateFolder::FILE))?,
+        false => read(path)?,
     };
-    let certificate = read(&file)?;
-    let mut report = String::new();
-    let mut exit = Exit::Done;
     let points = &certificate.points;
-    let verdicts: Vec<String> = (0..points.len())
-        .into_par_iter()
-        .map(|index| {
-            verdict(
-                &points[index],
-                index.checked_sub(1).map(|before| &points[before]),
-            )
-        })
-        .collect();
-    for (point, verdict) in points.iter().zip(verdicts) {
-        if verdict != "verified" {
-            exit = Exit::Unmet;
-        }
-        report.push_str(&format!("{} {}: {verdict}\n", point.label, point.kind));
-    }
+    let verdicts = (0..points.len()).into_par_iter().map(|index| {
+        let before = index.checked_sub(1).map(|before| &points[before]);
+        verdict(&points[index], before)
+    });
+    let verdicts: Vec<String> = verdicts.collect();
+    let lines = points.iter().zip(&verdicts);
+    let lines =
+        lines.map(|(point, verdict)| format!("{} {}: {verdict}\n", point.label, point.kind));
     if !quiet {
-        print(&report)?;
+        print(&lines.collect::<String>())?;
     }
-    Ok(exit)
+    let all = verdicts.iter().all(|verdict| verdict == VERIFIED);
+    Ok(if all { Exit::Done } else { Exit::Unmet })
 }
+
+/// What is said of a proof that holds.
+const VERIFIED: &str = "verified";
 
 /// Whether a stored point, and the arc that leads to it, is what it says.
 fn verdict(point: &Point, before: Option<&Point>) -> String {
@@ -122,6 +112,6 @@ fn verdict(point: &Point, before: Option<&Point>) -> String {
         {
             "refused: the arc before it is said otherwise than what is proven".to_owned()
         }
-        _ => "verified".to_owned(),
+        _ => VERIFIED.to_owned(),
     }
 }

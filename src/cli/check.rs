@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::failure::{Exit, Failure};
-use super::junit::{self, Case, Suite, Verdict};
+use super::junit::{self, Suite, Verdict};
 use super::options::{spare, write};
 use super::prepare::{early_end, follow, ready};
 use super::{print, warn};
@@ -218,30 +218,22 @@ fn text(outcome: &Outcome) -> String {
 }
 
 fn suite(outcome: &Outcome) -> Suite {
-    let case = |name: &str, verdict: Verdict| Case {
-        name: name.to_owned(),
-        verdict,
-    };
-    let mut cases: Vec<Case> = outcome
-        .found
-        .iter()
-        .map(|one| {
-            let lines: Vec<String> = one.lines.iter().chain(&one.wrong).cloned().collect();
-            let verdict = match one.met {
-                true => Verdict::Passed,
-                false => Verdict::Failed(lines.join("\n")),
-            };
-            case(&one.title, verdict)
-        })
-        .collect();
-    if outcome.skipped() {
-        cases.push(case("expect", Verdict::Skipped(SKIPPED.to_owned())));
-    }
-    if let Some(trouble) = &outcome.trouble {
-        cases.push(case("branch", Verdict::Error(trouble.clone())));
-    }
+    let compared = outcome.found.iter().map(|one| {
+        let lines: Vec<String> = one.lines.iter().chain(&one.wrong).cloned().collect();
+        let verdict = match one.met {
+            true => Verdict::Passed,
+            false => Verdict::Failed(lines.join("\n")),
+        };
+        (one.title.clone(), verdict)
+    });
+    let skipped = outcome.skipped().then(|| {
+        let verdict = Verdict::Skipped(SKIPPED.to_owned());
+        ("expect".to_owned(), verdict)
+    });
+    let trouble = outcome.trouble.iter();
+    let trouble = trouble.map(|trouble| ("branch".to_owned(), Verdict::Error(trouble.clone())));
     Suite {
         name: outcome.file.clone(),
-        cases,
+        cases: compared.chain(skipped).chain(trouble).collect(),
     }
 }

@@ -6,7 +6,7 @@ use super::failure::{Exit, Failure};
 use super::options::{Task, format};
 use super::prepare::{Source, ready};
 use super::progress::{Progress, drive};
-use super::{print, summary, warn};
+use super::{summary, titled, warn};
 use crate::branch::run::Runner;
 use crate::curve::Run;
 use crate::curve::start::{self, NoCurve, Start};
@@ -63,13 +63,7 @@ pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
         Ok(pictures::curve::picture(&found, ranges)),
     );
     pictures::put(folder.store(), Some(&problem), format, [drawn])?;
-    if !task.quiet {
-        if let Some(title) = &problem.title {
-            print(&format!("{title}\n\n"))?;
-        }
-        print(&summary::curve(&found))?;
-        print(&format!("curve in {}\n", out.display()))?;
-    }
+    task.say(&titled(&problem, &summary::curve(&found)), "curve", &out)?;
     if found.failed {
         for end in &found.ends {
             warn(end);

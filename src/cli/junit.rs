@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::output::report::escaped;
+
 /// How a test case has come out.
 pub(crate) enum Verdict {
     Passed,
@@ -13,31 +15,23 @@ pub(crate) enum Verdict {
     Skipped(String),
 }
 
-/// A test case by its name.
-pub(crate) struct Case {
-    pub name: String,
-    pub verdict: Verdict,
-}
-
-/// The test cases of a file.
+/// The test cases of a file, each with its name.
 pub(crate) struct Suite {
     pub name: String,
-    pub cases: Vec<Case>,
+    pub cases: Vec<(String, Verdict)>,
 }
 
 /// The counts of test cases as attributes.
-fn counts<'a>(cases: impl Iterator<Item = &'a Case>) -> String {
-    let (mut tests, mut failures, mut errors, mut skipped) = (0, 0, 0, 0);
-    for case in cases {
-        tests += 1;
-        match case.verdict {
-            Verdict::Passed => {}
-            Verdict::Failed(_) => failures += 1,
-            Verdict::Error(_) => errors += 1,
-            Verdict::Skipped(_) => skipped += 1,
-        }
-    }
-    format!("tests=\"{tests}\" failures=\"{failures}\" errors=\"{errors}\" skipped=\"{skipped}\"")
+fn counts<'a>(cases: impl Iterator<Item = &'a (String, Verdict)>) -> String {
+    let verdicts: Vec<&Verdict> = cases.map(|(_, verdict)| verdict).collect();
+    let count = |of: fn(&&&Verdict) -> bool| verdicts.iter().filter(of).count();
+    format!(
+        "tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\"",
+        verdicts.len(),
+        count(|verdict| matches!(verdict, Verdict::Failed(_))),
+        count(|verdict| matches!(verdict, Verdict::Error(_))),
+        count(|verdict| matches!(verdict, Verdict::Skipped(_)))
+    )
 }
 
 /// All suites as a report.
@@ -49,10 +43,10 @@ pub(crate) fn report(suites: &[Suite]) -> String {
     for suite in suites {
         let (file, counts) = (attribute(&suite.name), counts(suite.cases.iter()));
         let _ = writeln!(text, "    <testsuite name=\"{file}\" {counts}>");
-        for case in &suite.cases {
-            let name = attribute(&case.name);
+        for (name, verdict) in &suite.cases {
+            let name = attribute(name);
             let head = format!("        <testcase name=\"{name}\" classname=\"{file}\"");
-            let (tag, message) = match &case.verdict {
+            let (tag, message) = match verdict {
                 Verdict::Passed => {
                     let _ = writeln!(text, "{head}/>");
                     continue;
@@ -75,20 +69,9 @@ pub(crate) fn report(suites: &[Suite]) -> String {
 
 /// The value of an attribute: markup and line ends escaped, what XML does not admit left out.
 fn attribute(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\n' => escaped.push_str("&#10;"),
-            '\u{fffe}' | '\u{ffff}' => {}
-            other if other.is_control() => {}
-            other => escaped.push(other),
-        }
-    }
-    escaped
+    let text = escaped(text).replace('\n', "&#10;");
+    let admitted = |c: &char| !(c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}'));
+    text.chars().filter(admitted).collect()
 }
 
 #[cfg(test)]
@@ -97,15 +80,11 @@ mod tests {
 
     #[test]
     fn markup_in_names_is_escaped() {
-        let case = |name: &str, verdict| Case {
-            name: name.to_owned(),
-            verdict,
-        };
         let suite = Suite {
             name: "a<b>&\"c\".ron".to_owned(),
             cases: vec![
-                case("HB", Verdict::Passed),
-                case("LP", Verdict::Failed("one\ntwo\u{1}".to_owned())),
+                ("HB".to_owned(), Verdict::Passed),
+                ("LP".to_owned(), Verdict::Failed("one\ntwo\u{1}".to_owned())),
             ],
         };
         let text = report(&[suite]);

@@ -140,9 +140,7 @@ fn run(arguments: &MapArguments, task: &Task) -> Result<Exit, Failure> {
         folder.join(std::slice::from_ref(&out))?;
         draw(picture, folder.store(), &problem)?;
     }
-    if !task.quiet {
-        print(&format!("{what} in {}\n", out.display()))?;
-    }
+    task.say("", what, &out)?;
     Ok(Exit::Done)
 }
 

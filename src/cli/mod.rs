@@ -25,7 +25,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::problem;
+use crate::problem::{self, Problem};
 use failure::{EXIT_CODES, Exit, Failure};
 
 /// Continuation and bifurcation of friction-driven travelling waves (brake squeal).
@@ -140,6 +140,12 @@ fn print(text: &str) -> Result<(), Failure> {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Output(error)),
         _ => Ok(()),
     }
+}
+
+/// A text below the title of its problem.
+fn titled(problem: &Problem, text: &str) -> String {
+    let title = problem.title.as_ref();
+    title.map_or_else(|| text.to_owned(), |title| format!("{title}\n\n{text}"))
 }
 
 /// Writes a warning to standard error.

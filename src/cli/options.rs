@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::failure::{Failure, Usage};
+use super::print;
 use crate::model::Parameter;
 use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store, io_error};
@@ -47,6 +48,14 @@ impl Task {
         }
         let default = || PathBuf::from("results").join(name);
         self.out.clone().unwrap_or_else(default)
+    }
+
+    /// Prints what was found and where it is kept, unless nothing is to be printed.
+    pub(crate) fn say(&self, found: &str, kept: &str, folder: &Path) -> Result<(), Failure> {
+        match self.quiet {
+            true => Ok(()),
+            false => print(&format!("{found}{kept} in {}\n", folder.display())),
+        }
     }
 
     /// Takes hold of a folder.

@@ -5,8 +5,7 @@ use clap::Args;
 use super::failure::{Exit, Failure};
 use super::options::{Task, Threads};
 use super::prepare::{early_end, follow, prepare};
-use super::summary;
-use super::{print, warn};
+use super::{summary, titled, warn};
 use crate::branch::run::Runner;
 use crate::model::Sectors;
 use crate::output::pictures;
@@ -54,17 +53,14 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         Ok(pictures::draw(folder.store(), Some(problem), Format::Svg)?)
     })?;
     if !task.quiet {
-        if let Some(title) = &problem.title {
-            print(&format!("{title}\n\n"))?;
-        }
         let section = problem.stability.as_ref();
         let whole_circle = section.is_some_and(|section| section.sectors == Sectors::All);
         let parameter = prepared.continuation.parameter;
-        print(&summary::branch(&out, parameter, whole_circle)?)?;
+        let mut text = titled(problem, &summary::branch(&out, parameter, whole_circle)?);
         if finished {
-            print("the run was finished already: nothing was left to compute\n")?;
+            text.push_str("the run was finished already: nothing was left to compute\n");
         }
-        print(&format!("results in {}\n", out.display()))?;
+        task.say(&text, "results", &out)?;
     }
     for note in branch.notes() {
         warn(&note.to_string());

@@ -9,7 +9,7 @@ use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, Threads, cores};
 use super::prepare::ready;
 use super::progress::{Progress, drive};
-use super::{print, warn};
+use super::{titled, warn};
 use crate::branch::run::RunError;
 use crate::model::{Model, Parameter};
 use crate::output::pictures;
@@ -202,27 +202,27 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
         folder.growth(&eigenvalues)?;
     }
     pictures::draw(folder.store(), Some(&problem), Format::Svg)?;
-    if !task.quiet {
-        let (motion, taken) = (course.motion(), course.taken());
-        print(&report(&problem, &measures, &eigenvalues, course.samples()))?;
-        if course.rest() > 0.0 {
-            print(&format!(
-                "the last sample is at the end, t = {}, {:.3e} after the one before; measures leave it \
-                 out\n",
-                section.duration,
-                course.rest()
-            ))?;
-        }
-        if taken > 0 {
-            let rate = motion.size() as f64 * taken as f64 / seconds.max(f64::MIN_POSITIVE);
-            print(&format!(
-                "\n{} nodes, {taken} steps of {:.3e}, {rate:.2e} node-steps per second\n",
-                motion.size(),
-                motion.time_step()
-            ))?;
-        }
-        print(&format!("results in {}\n", out.display()))?;
+    let (motion, taken) = (course.motion(), course.taken());
+    let mut text = report(&measures, &eigenvalues, course.samples());
+    // writing to a string does not fail
+    if course.rest() > 0.0 {
+        let _ = writeln!(
+            text,
+            "the last sample is at the end, t = {}, {:.3e} after the one before; measures leave it out",
+            section.duration,
+            course.rest()
+        );
     }
+    if taken > 0 {
+        let rate = motion.size() as f64 * taken as f64 / seconds.max(f64::MIN_POSITIVE);
+        let _ = writeln!(
+            text,
+            "\n{} nodes, {taken} steps of {:.3e}, {rate:.2e} node-steps per second",
+            motion.size(),
+            motion.time_step()
+        );
+    }
+    task.say(&titled(&problem, &text), "results", &out)?;
     Ok(Exit::Done)
 }
 
@@ -273,17 +273,9 @@ fn disk_space(motion: &Motion, count: usize, snapshots: usize) -> f64 {
     count as f64 * row as f64 + snapshots as f64 * (snapshot * motion.size()) as f64
 }
 
-fn report(
-    problem: &Problem,
-    measures: &[Measure],
-    eigenvalues: &[GrowthRow],
-    samples: &[Sample],
-) -> String {
+fn report(measures: &[Measure], eigenvalues: &[GrowthRow], samples: &[Sample]) -> String {
     let mut text = String::new();
     // writing to a string does not fail
-    if let Some(title) = &problem.title {
-        let _ = writeln!(text, "{title}\n");
-    }
     let _ = writeln!(
         text,
         "{:<12} {:>18} {:>9}  window",

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::str::FromStr;
 use std::sync::Arc;
 
 use ::parquet::basic::{ConvertedType, Repetition, Type as Physical};
@@ -59,22 +60,19 @@ pub(crate) fn convert(
     let mut reader = csv::Reader::from_path(table)?;
     let names: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
     let kinds: Vec<Kind> = names.iter().map(|name| kind(name)).collect();
-    let fields = names
-        .iter()
-        .zip(&kinds)
-        .map(|(name, kind)| {
-            let (physical, converted) = match kind {
-                Kind::Integer => (Physical::INT64, ConvertedType::NONE),
-                Kind::Number => (Physical::DOUBLE, ConvertedType::NONE),
-                Kind::Text => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
-            };
-            let built = Type::primitive_type_builder(name, physical)
-                .with_repetition(Repetition::OPTIONAL)
-                .with_converted_type(converted)
-                .build()?;
-            Ok(Arc::new(built))
-        })
-        .collect::<Result<Vec<_>, ParquetError>>()?;
+    let fields = names.iter().zip(&kinds).map(|(name, kind)| {
+        let (physical, converted) = match kind {
+            Kind::Integer => (Physical::INT64, ConvertedType::NONE),
+            Kind::Number => (Physical::DOUBLE, ConvertedType::NONE),
+            Kind::Text => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
+        };
+        let built = Type::primitive_type_builder(name, physical)
+            .with_repetition(Repetition::OPTIONAL)
+            .with_converted_type(converted)
+            .build()?;
+        Ok(Arc::new(built))
+    });
+    let fields = fields.collect::<Result<Vec<_>, ParquetError>>()?;
     let schema = Type::group_type_builder("table")
         .with_fields(fields)
         .build()?;
@@ -94,49 +92,35 @@ pub(crate) fn convert(
         let mut rows = writer.next_row_group()?;
         let mut index = 0;
         while let Some(mut column) = rows.next_column()? {
-            let field = |record: &csv::StringRecord| record.get(index).unwrap_or("").to_owned();
-            let fields: Vec<String> = group.iter().map(field).collect();
-            let levels: Vec<i16> = fields
+            let fields: Vec<&str> = group
                 .iter()
-                .map(|field| i16::from(!field.is_empty()))
+                .map(|record| record.get(index).unwrap_or(""))
                 .collect();
-            let refuse = |row: usize| ConvertError::Field {
-                line: line + 1 + row,
-                field: fields[row].clone(),
-                column: names[index].clone(),
-            };
-            let given = || {
-                fields
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, field)| !field.is_empty())
+            let levels = fields.iter().map(|field| i16::from(!field.is_empty()));
+            let levels: Vec<i16> = levels.collect();
+            let cells = Cells {
+                fields,
+                line,
+                column: &names[index],
             };
             match kinds[index] {
-                Kind::Integer => {
-                    let values = given()
-                        .map(|(row, field)| field.parse::<i64>().map_err(|_| refuse(row)))
-                        .collect::<Result<Vec<_>, _>>()?;
-                    column
-                        .typed::<Int64Type>()
-                        .write_batch(&values, Some(&levels), None)?;
-                }
-                Kind::Number => {
-                    let values = given()
-                        .map(|(row, field)| field.parse::<f64>().map_err(|_| refuse(row)))
-                        .collect::<Result<Vec<_>, _>>()?;
-                    column
-                        .typed::<DoubleType>()
-                        .write_batch(&values, Some(&levels), None)?;
-                }
+                Kind::Integer => column.typed::<Int64Type>().write_batch(
+                    &cells.parsed()?,
+                    Some(&levels),
+                    None,
+                )?,
+                Kind::Number => column.typed::<DoubleType>().write_batch(
+                    &cells.parsed()?,
+                    Some(&levels),
+                    None,
+                )?,
                 Kind::Text => {
-                    let values: Vec<ByteArray> = given()
-                        .map(|(_, field)| ByteArray::from(field.as_str()))
-                        .collect();
-                    column
-                        .typed::<ByteArrayType>()
-                        .write_batch(&values, Some(&levels), None)?;
+                    let given = cells.fields.iter().filter(|field| !field.is_empty());
+                    let values: Vec<ByteArray> = given.map(|field| (*field).into()).collect();
+                    let text = column.typed::<ByteArrayType>();
+                    text.write_batch(&values, Some(&levels), None)?
                 }
-            }
+            };
             column.close()?;
             index += 1;
         }
@@ -145,4 +129,28 @@ pub(crate) fn convert(
     }
     writer.close()?;
     Ok(())
+}
+
+/// The cells of a column in a group of rows.
+struct Cells<'a> {
+    fields: Vec<&'a str>,
+    /// Line of the table before them.
+    line: usize,
+    column: &'a str,
+}
+
+impl Cells<'_> {
+    /// Those that are not empty, as values.
+    fn parsed<T: FromStr>(&self) -> Result<Vec<T>, ConvertError> {
+        let rows = self.fields.iter().zip(self.line + 1..);
+        let given = rows.filter(|(field, _)| !field.is_empty());
+        let parse = |(field, line): (&&str, usize)| {
+            field.parse().map_err(|_| ConvertError::Field {
+                line,
+                field: (*field).to_owned(),
+                column: self.column.to_owned(),
+            })
+        };
+        given.map(parse).collect()
+    }
 }

@@ -31,13 +31,10 @@ pub(crate) fn annulus(annulus: &Annulus, title: &str) -> String {
         let _ = writeln!(text, "{x:.9e} {y:.9e} 0");
     }
     let _ = writeln!(text, "POINT_DATA {points}");
+    // fields of the contact line and of all but the outer circle, which is at rest
     let value = |field: &[f64], circle: usize, point: usize| {
-        // the outer circle is at rest
-        if circle == across {
-            0.0
-        } else {
-            field[circle * around + point % around]
-        }
+        let known = field.get(circle * around + point % around);
+        known.copied().unwrap_or(0.0)
     };
     let vectors = [
         ("displacement", &state.radial, &state.tangential),
@@ -47,10 +44,7 @@ pub(crate) fn annulus(annulus: &Annulus, title: &str) -> String {
         let _ = writeln!(text, "VECTORS {name} double");
         for (circle, point) in nodes() {
             let (sine, cosine) = (annulus.width() * point as f64).sin_cos();
-            let (u, v) = (
-                value(radial, circle, point),
-                value(tangential, circle, point),
-            );
+            let [u, v] = [radial, tangential].map(|field| value(field, circle, point));
             let (x, y) = (u * cosine - v * sine, u * sine + v * cosine);
             let _ = writeln!(text, "{x:.9e} {y:.9e} 0");
         }
@@ -59,22 +53,13 @@ pub(crate) fn annulus(annulus: &Annulus, title: &str) -> String {
         ("radial_displacement", &state.radial),
         ("tangential_displacement", &state.tangential),
         ("tangential_velocity", &state.tangential_rate),
+        ("pressure", &state.pressure),
+        ("shear", &state.shear),
     ];
     for (name, field) in scalars {
         let _ = writeln!(text, "SCALARS {name} double 1\nLOOKUP_TABLE default");
         for (circle, point) in nodes() {
             let _ = writeln!(text, "{:.9e}", value(field, circle, point));
-        }
-    }
-    for (name, field) in [("pressure", &state.pressure), ("shear", &state.shear)] {
-        let _ = writeln!(text, "SCALARS {name} double 1\nLOOKUP_TABLE default");
-        for (circle, point) in nodes() {
-            let here = if circle == 0 {
-                field[point % around]
-            } else {
-                0.0
-            };
-            let _ = writeln!(text, "{here:.9e}");
         }
     }
     text

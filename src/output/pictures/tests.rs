@@ -56,7 +56,7 @@ fn add_profiles(folder: &Path) {
 /// A problem that asks for these pictures.
 fn problem(plots: &[Plot]) -> Problem {
     let text = "(
-        model: (coefficients: Geometry(nu: 0.3, xi: 0.9, gamma: 1.0), friction: 0.3, mismatch: 0.2),
+        model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.3, mismatch: 0.2),
         wave: (mode: 8, start: Fast),
         continuation: (parameter: Mismatch, range: (0.1, 0.2), toward: Down),
     )";

@@ -22,6 +22,7 @@ const FRAME: &str = include_str!("page.html");
 /// What the page shows of each kind, at most: together well below a megabyte.
 const POINTS: usize = 3_000;
 const SAMPLES: usize = 8_000;
+/// Events, and eigenvalues.
 const EIGENVALUES: usize = 4_000;
 const ROWS: usize = 400;
 /// Bytes of pictures.
@@ -50,7 +51,8 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
             tables.push_str(&listed(name, &store::table(&folder.join(name))?));
         }
     }
-    let file = problem.as_ref().map(written).unwrap_or_default();
+    let pretty = ron::ser::PrettyConfig::default();
+    let file = problem.and_then(|problem| ron::ser::to_string_pretty(&problem, pretty).ok());
     let content = [
         ("title", escaped(&title)),
         ("kind", kind.to_owned()),
@@ -58,7 +60,7 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
         ("data", data),
         ("pictures", pictures(folder, &names)?),
         ("tables", tables),
-        ("problem", escaped(&file)),
+        ("problem", escaped(&file.unwrap_or_default())),
     ];
     // each name once, from left to right: content is not searched for names
     let mut page = String::new();
@@ -72,12 +74,6 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
     }
     page.push_str(rest);
     Ok(page)
-}
-
-/// The problem as its file would have it.
-fn written(problem: &Problem) -> String {
-    let pretty = ron::ser::PrettyConfig::default();
-    ron::ser::to_string_pretty(problem, pretty).unwrap_or_default()
 }
 
 /// The numbers of a branch, as the script reads them.
@@ -96,21 +92,16 @@ fn branch(
         parameter, "speed", "point", "leg", "label", "type", "regimes", "stable", "unstable", "why",
     ];
     let mut text = block("points", &points, &rows, &columns);
-    if there(EVENTS) {
-        let events = store::table(&folder.join(EVENTS))?;
-        let all: Vec<usize> = (0..events.len()).collect();
-        text.push_str(&block(
-            "sentences",
-            &events,
-            &all,
-            &["label", "type", "what"],
-        ));
-    }
-    if there(SPECTRUM) {
-        let spectrum = store::table(&folder.join(SPECTRUM))?;
-        let some: Vec<usize> = (0..spectrum.len().min(EIGENVALUES)).collect();
-        let columns = ["label", "sector", "re", "im"];
-        text.push_str(&block("spectrum", &spectrum, &some, &columns));
+    let others: [(&str, &str, &[&str]); 2] = [
+        ("sentences", EVENTS, &["label", "type", "what"]),
+        ("spectrum", SPECTRUM, &["label", "sector", "re", "im"]),
+    ];
+    for (id, name, columns) in others {
+        if there(name) {
+            let table = store::table(&folder.join(name))?;
+            let rows: Vec<usize> = (0..table.len().min(EIGENVALUES)).collect();
+            text.push_str(&block(id, &table, &rows, columns));
+        }
     }
     let mut profiles = Vec::new();
     for row in (0..points.len()).filter(|row| labelled(*row)) {
@@ -127,12 +118,8 @@ fn branch(
         let kept = |row: &usize| row.is_multiple_of(every) || *row == last;
         let rows: Vec<usize> = (0..profile.len()).filter(kept).collect();
         let columns = ["theta", "U", "V", "P", "regime"];
-        text.push_str(&block(
-            &format!("profile-{label}"),
-            &profile,
-            &rows,
-            &columns,
-        ));
+        let id = format!("profile-{label}");
+        text.push_str(&block(&id, &profile, &rows, &columns));
     }
     Ok(text)
 }
@@ -170,10 +157,8 @@ fn short(cell: &str) -> String {
 
 /// A table for reading.
 fn listed(name: &str, table: &Table) -> String {
-    let mut text = format!(
-        "<details><summary>{}</summary>\n<table>\n<tr>",
-        escaped(name)
-    );
+    let name = escaped(name);
+    let mut text = format!("<details><summary>{name}</summary>\n<table>\n<tr>");
     let columns: Vec<&str> = table
         .columns()
         .filter(|column| (0..table.len()).any(|row| !table.text(row, column).is_empty()))
@@ -186,11 +171,8 @@ fn listed(name: &str, table: &Table) -> String {
     for row in 0..table.len().min(ROWS) {
         text.push_str("<tr>");
         for column in &columns {
-            let _ = write!(
-                text,
-                "<td>{}</td>",
-                escaped(&digits(table.text(row, column)))
-            );
+            let cell = escaped(&digits(table.text(row, column)));
+            let _ = write!(text, "<td>{cell}</td>");
         }
         text.push_str("</tr>\n");
     }
@@ -251,8 +233,8 @@ fn encoded(text: &str) -> String {
     encoded
 }
 
-/// A text that stands in HTML for itself.
-fn escaped(text: &str) -> String {
+/// A text that stands in HTML or XML for itself.
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

@@ -44,41 +44,33 @@ pub(super) fn admit(
         left |= found(&path.join(name))?.is_some();
     }
     if existing == Existing::Refuse && (left || stranger(path)?.is_some()) {
-        return Err(refused(
-            path,
-            "holds results already; --force replaces them, --resume goes on, --out DIR takes \
-             another folder",
-        ));
+        let reason = "holds results already; --force replaces them, --resume goes on, --out DIR takes \
+                      another folder";
+        return Err(refused(path, reason));
     }
     let Some(earlier) = manifest.header.as_ref().filter(|_| left) else {
         return Ok(left);
     };
-    if !kind.fits(&earlier.kind) {
-        return Err(refused(
-            path,
-            format!(
-                "holds results of another kind ({}, not {}); take another folder with --out",
-                earlier.kind, header.kind
-            ),
-        ));
+    let (version, kept) = (&earlier.version, &earlier.kind);
+    let resumes = existing == Existing::Resume;
+    if !kind.fits(kept) {
+        let reason = format!(
+            "holds results of another kind ({kept}, not {}); take another folder with --out",
+            header.kind
+        );
+        return Err(refused(path, reason));
     }
-    if existing == Existing::Resume {
-        if earlier.version != header.version {
-            return Err(refused(
-                path,
-                format!(
-                    "written by version {}, this is {}; go on with that version, or --force starts \
-                     anew",
-                    earlier.version, header.version
-                ),
-            ));
-        }
-        if earlier.problem != header.problem {
-            return Err(refused(
-                path,
-                "written for another problem; --force starts anew, --out DIR takes another folder",
-            ));
-        }
+    if resumes && *version != header.version {
+        let reason = format!(
+            "written by version {version}, this is {}; go on with that version, or --force starts anew",
+            header.version
+        );
+        return Err(refused(path, reason));
+    }
+    if resumes && earlier.problem != header.problem {
+        let reason =
+            "written for another problem; --force starts anew, --out DIR takes another folder";
+        return Err(refused(path, reason));
     }
     let canonical = fs::canonicalize(path).map_err(io_error(READ, path))?;
     for input in inputs {
@@ -91,14 +83,12 @@ pub(super) fn admit(
         };
         let name = inside.to_string_lossy();
         if name.is_empty() || manifest.names.contains(name.as_ref()) {
-            return Err(refused(
-                path,
-                format!(
-                    "the results would replace {}, from which they are computed; take another \
-                     folder with --out",
-                    input.display()
-                ),
-            ));
+            let reason = format!(
+                "the results would replace {}, from which they are computed; take another folder with \
+                 --out",
+                input.display()
+            );
+            return Err(refused(path, reason));
         }
     }
     Ok(left)

@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::Read;
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
-use super::error::{READ, StoreError, damaged, io_error};
+use super::error::{READ, StoreError, damaged, io_error, refused};
+use super::file::found;
 
 /// Name of the manifest.
 pub(crate) const MANIFEST: &str = "brakewave.manifest";
@@ -97,9 +98,19 @@ pub(super) struct Manifest {
     pub file: File,
     pub header: Option<Header>,
     pub names: BTreeSet<String>,
+    /// What this process has made and not used yet, outermost first: taken away again in the end.
+    pub made: Vec<PathBuf>,
 }
 
 impl Manifest {
+    /// Whether there is one; anything else of its name is in the way.
+    pub(super) fn exists(path: &Path) -> Result<bool, StoreError> {
+        match found(path)? {
+            Some(there) if !there.is_file() => Err(refused(path, "in the way: it is no file")),
+            there => Ok(there.is_some()),
+        }
+    }
+
     /// Reads a manifest; a line cut short by a power failure names no file yet and is left out.
     pub(crate) fn read(path: &Path, mut file: File, mend: bool) -> Result<Manifest, StoreError> {
         let mut bytes = Vec::new();
@@ -133,6 +144,7 @@ impl Manifest {
             file,
             header,
             names,
+            made: Vec::new(),
         })
     }
 }

@@ -16,7 +16,6 @@ use std::collections::BTreeSet;
 use std::fs::{self, OpenOptions, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
@@ -31,7 +30,6 @@ pub(crate) use file::{Growing, bytes, decode, encode, hash, numbered, read, repl
 pub(crate) use manifest::{Kind, MANIFEST};
 
 use admit::admit;
-use error::absent;
 use file::{NEW, beside, found, length_of_lines, number, remove};
 use manifest::{Header, Manifest};
 use place::{make, real, stranger, unmake};
@@ -75,9 +73,6 @@ pub(crate) struct Store {
     /// Results are there that were not replaced yet.
     results: bool,
     resumes: bool,
-    /// Made by this process, outermost first: taken away again when nothing is put there.
-    made: Vec<PathBuf>,
-    kept: AtomicBool,
 }
 
 impl Store {
@@ -106,27 +101,23 @@ impl Store {
             kind: kind.name().to_owned(),
             problem: format!("{:016x}", hash(encode(&path, problem)?.as_bytes())),
         };
-        let opened = Store::locked(&path).and_then(|(manifest, new)| {
-            if new {
-                made.push(path.join(MANIFEST));
-            }
+        let opened = Store::locked(&path, &mut made).and_then(|manifest| {
             admit(&path, kind, &header, &manifest, existing, inputs).map(|left| (manifest, left))
         });
-        let (manifest, left) = match opened {
+        let (mut manifest, results) = match opened {
             Ok(opened) => opened,
             Err(error) => {
                 unmake(&made);
                 return Err(error);
             }
         };
+        manifest.made = made;
         let store = Store {
-            results: left,
-            resumes: left && existing == Existing::Resume,
-            kept: AtomicBool::new(left && existing == Existing::Resume),
+            results,
+            resumes: results && existing == Existing::Resume,
             manifest: Mutex::new(manifest),
             path,
             header,
-            made,
         };
         if !store.results {
             // a full disk is noticed here and not after the computation
@@ -135,50 +126,32 @@ impl Store {
         Ok(store)
     }
 
-    /// The manifest of a folder, locked, and whether it was made now.
-    fn locked(folder: &Path) -> Result<(Manifest, bool), StoreError> {
+    /// The manifest of a folder, locked; made where there is none.
+    fn locked(folder: &Path, made: &mut Vec<PathBuf>) -> Result<Manifest, StoreError> {
         let path = folder.join(MANIFEST);
-        let new = match found(&path)? {
-            Some(there) if there.is_file() => false,
-            Some(_) => return Err(refused(&path, "in the way: it is no file")),
-            None => match stranger(folder)? {
-                None => true,
-                Some(name) => {
-                    return Err(refused(
-                        folder,
-                        format!(
-                            "holds `{name}` but no `{MANIFEST}`: it is no result folder, or one of \
-                             a version before manifests; take another with --out, or move its \
-                             files away"
-                        ),
-                    ));
-                }
-            },
-        };
-        let file = OpenOptions::new()
-            .read(true)
-            .append(true)
-            .create(true)
-            .open(&path)
-            .map_err(io_error("open it for writing", &path))?;
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) => {
-                return Err(refused(
-                    folder,
-                    "another process is writing there; wait until it is done, or take another \
-                     folder with --out",
-                ));
-            }
-            // a file system without locks does not keep anybody from computing
-            Err(TryLockError::Error(_)) | Ok(()) => {}
+        let new = !Manifest::exists(&path)?;
+        if let Some(name) = stranger(folder)?.filter(|_| new) {
+            let reason = format!(
+                "holds `{name}` but no `{MANIFEST}`: it is no result folder, or one of a version before \
+                 manifests; take another with --out, or move its files away"
+            );
+            return Err(refused(folder, reason));
+        }
+        let mut options = OpenOptions::new();
+        let opened = options.read(true).append(true).create(true).open(&path);
+        let file = opened.map_err(io_error("open it for writing", &path))?;
+        // a file system without locks does not keep anybody from computing
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            let reason = "another process is writing there; wait until it is done, or take another \
+                          folder with --out";
+            return Err(refused(folder, reason));
         }
         if found(&path)?.is_none() {
-            return Err(refused(
-                folder,
-                "another process has just left it; try again",
-            ));
+            let reason = "another process has just left it; try again";
+            return Err(refused(folder, reason));
         }
-        Ok((Manifest::read(&path, file, true)?, new))
+        made.extend(new.then(|| path.clone()));
+        Manifest::read(&path, file, true)
     }
 
     /// A folder with results, to add files to while somebody else may be writing there.
@@ -188,22 +161,15 @@ impl Store {
     pub(crate) fn visit(path: &Path) -> Result<Store, StoreError> {
         let (path, _) = real(path)?;
         let file = path.join(MANIFEST);
-        if found(&file)?.is_some_and(|there| !there.is_file()) {
-            return Err(refused(&file, "in the way: it is no file"));
+        if !Manifest::exists(&file)? {
+            let reason = format!(
+                "has no `{MANIFEST}`: it is no result folder, or one of a version before manifests; \
+                 compute it anew into another folder"
+            );
+            return Err(refused(&path, reason));
         }
         let opened = OpenOptions::new().read(true).append(true).open(&file);
-        let manifest = match opened {
-            Err(error) if absent(error.kind()) => {
-                return Err(refused(
-                    &path,
-                    format!(
-                        "has no `{MANIFEST}`: it is no result folder, or one of a version before \
-                         manifests; compute it anew into another folder"
-                    ),
-                ));
-            }
-            opened => opened.map_err(io_error("open it for writing", &file))?,
-        };
+        let manifest = opened.map_err(io_error("open it for writing", &file))?;
         let manifest = Manifest::read(&file, manifest, false)?;
         let Some(header) = manifest.header.clone() else {
             return Err(damaged(&file, "it is no manifest of brakewave"));
@@ -214,8 +180,6 @@ impl Store {
             header,
             results: true,
             resumes: false,
-            made: Vec::new(),
-            kept: AtomicBool::new(true),
         })
     }
 
@@ -268,7 +232,7 @@ impl Store {
         for name in names.clone() {
             self.free(&self.manifest(), name)?;
         }
-        self.kept.store(true, Ordering::Relaxed);
+        self.manifest().made.clear();
         self.restart()?;
         self.claim(names)
     }
@@ -302,11 +266,9 @@ impl Store {
         let path = self.unlinked(name)?;
         for path in [beside(&path), path] {
             if found(&path)?.is_some() {
-                return Err(refused(
-                    &path,
-                    "in the way: brakewave did not write it; move it away, or take another folder \
-                     with --out",
-                ));
+                let reason = "in the way: brakewave did not write it; move it away, or take another \
+                              folder with --out";
+                return Err(refused(&path, reason));
             }
         }
         Ok(())
@@ -314,7 +276,6 @@ impl Store {
 
     fn restart(&self) -> Result<(), StoreError> {
         self.retain(|_| false)?;
-        let path = self.path.join(MANIFEST);
         let mut manifest = self.manifest();
         if !manifest.names.is_empty() || manifest.header.as_ref() != Some(&self.header) {
             manifest.names.clear();
@@ -323,7 +284,7 @@ impl Store {
                 .file
                 .set_len(0)
                 .and_then(|()| manifest.file.write_all(self.header.text().as_bytes()))
-                .map_err(io_error("write it", &path))?;
+                .map_err(io_error("write it", &self.path.join(MANIFEST)))?;
             manifest.header = Some(self.header.clone());
         }
         Ok(())
@@ -369,10 +330,8 @@ impl Store {
         if let Some(folder) = path.parent().filter(|folder| *folder != self.path)
             && found(folder)?.is_some_and(|there| !there.is_dir())
         {
-            return Err(refused(
-                folder,
-                "in the way: it is a link or a file; move it away",
-            ));
+            let reason = "in the way: it is a link or a file; move it away";
+            return Err(refused(folder, reason));
         }
         Ok(path)
     }
@@ -396,14 +355,8 @@ impl Store {
             text.push_str(name);
             text.push('\n');
         }
-        if text.is_empty() {
-            return Ok(());
-        }
-        let path = self.path.join(MANIFEST);
-        manifest
-            .file
-            .write_all(text.as_bytes())
-            .map_err(io_error("write it", &path))?;
+        let written = manifest.file.write_all(text.as_bytes());
+        written.map_err(io_error("write it", &self.path.join(MANIFEST)))?;
         manifest.names.extend(text.lines().map(str::to_owned));
         Ok(())
     }
@@ -517,19 +470,13 @@ impl Store {
     /// # Errors
     /// When the system refuses.
     pub(crate) fn sync(&self) -> Result<(), StoreError> {
-        let path = self.path.join(MANIFEST);
-        let manifest = self.manifest();
-        manifest
-            .file
-            .sync_all()
-            .map_err(io_error("write it", &path))
+        let synced = self.manifest().file.sync_all();
+        synced.map_err(io_error("write it", &self.path.join(MANIFEST)))
     }
 }
 
 impl Drop for Store {
     fn drop(&mut self) {
-        if !self.kept.load(Ordering::Relaxed) {
-            unmake(&self.made);
-        }
+        unmake(&self.manifest().made);
     }
 }

@@ -12,21 +12,16 @@ use super::manifest::MANIFEST;
 pub(crate) fn real(path: &Path) -> Result<(PathBuf, bool), StoreError> {
     // without the separator at its end, which would follow a link
     let path: PathBuf = path.components().collect();
-    let there = match found(&path)? {
-        Some(there) if there.is_symlink() => {
-            return Err(refused(
-                &path,
-                "a symbolic link; name the folder that it points to",
-            ));
-        }
-        Some(there) if !there.is_dir() => {
-            return Err(refused(
-                &path,
-                "a file, where a folder is to be; name another",
-            ));
-        }
-        there => there.is_some(),
-    };
+    let there = found(&path)?;
+    let wrong = there.as_ref().and_then(|there| match there {
+        link if link.is_symlink() => Some("a symbolic link; name the folder that it points to"),
+        other if !other.is_dir() => Some("a file, where a folder is to be; name another"),
+        _ => None,
+    });
+    if let Some(reason) = wrong {
+        return Err(refused(&path, reason));
+    }
+    let there = there.is_some();
     Ok((path, there))
 }
 
