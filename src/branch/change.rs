@@ -7,7 +7,7 @@ use crate::continuation::Node;
 use crate::continuation::walk::{self, RefusalOf, Refused};
 use crate::continuation::{arclength, newton};
 use crate::flow::sign::Verdict;
-use crate::linalg::{self, Vector};
+use crate::linalg::Vector;
 use crate::model::signature::Signature;
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch, examine};
@@ -95,26 +95,12 @@ pub enum NotEntered {
 /// The event is no wave of the candidate, or no step is admissible.
 pub fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, NotEntered> {
     let wave = &candidate.wave;
-    let nothing = NotEntered::NoSolution;
-    let Ok((matrix, residual)) = newton::jacobian(wave, &candidate.point) else {
-        return Err(nothing);
-    };
-    if residual.is_nan() || residual > RESIDUAL_AT_EVENT {
-        return Err(nothing);
+    let node = Node::on(wave, candidate.point.clone());
+    let solved = |node: &Node| node.residual <= RESIDUAL_AT_EVENT;
+    let mut node = node.filter(solved).ok_or(NotEntered::NoSolution)?;
+    if growth(candidate, &node.tangent) < 0.0 {
+        node.tangent.neg_mut();
     }
-    let Some(kernel) = linalg::kernel(&matrix) else {
-        return Err(nothing);
-    };
-    let mut tangent = kernel.null_vector;
-    if growth(candidate, &tangent) < 0.0 {
-        tangent.neg_mut();
-    }
-    let node = Node {
-        point: candidate.point.clone(),
-        tangent,
-        newton: 0,
-        residual,
-    };
     let refused = match enter_along(wave, &node, ds, tolerance) {
         Ok(beyond) => return Ok(beyond),
         Err(refused) => refused,

@@ -34,7 +34,7 @@ pub struct Located {
 }
 
 /// A scaled margin below this is zero but for rounding.
-pub const AT_ZERO: f64 = 1e-9;
+pub(crate) const AT_ZERO: f64 = 1e-9;
 
 /// A tangent whose parameter component is below this does not tell a direction: beyond the
 /// opening of a zone the branch starts with none.

@@ -162,6 +162,22 @@ pub struct Wanted {
     pub width: f64,
 }
 
+impl Wanted {
+    /// The same posed in another parameter.
+    fn posed_in(&self, parameter: Parameter, width: f64) -> Wanted {
+        Wanted {
+            parameter,
+            width,
+            ..*self
+        }
+    }
+
+    /// Units of the wave when it has this excess speed and this largest |V̇|.
+    pub(super) fn scales(&self, excess: f64, largest_rate: f64) -> Scales {
+        Scales::new(&self.model, self.mode, excess, largest_rate, self.width)
+    }
+}
+
 /// The wave of the model, as a boundary-value problem in `parameter` and its solution: the
 /// slip-stick wave in closed form or, at a mismatch where that is not admissible any more, the
 /// wave that continues it. `width` is the unit of the parameter.
@@ -215,21 +231,16 @@ struct Search<'a> {
 impl Search<'_> {
     /// The slip-stick wave, or the wave that continues it.
     fn slip_stick(&mut self) -> Result<(Wave, Vector), NoStart> {
-        let Wanted {
-            ref model,
-            parameter,
-            mode,
-            which,
-            width,
-        } = *self.wanted;
+        let wanted = *self.wanted;
+        let model = wanted.model;
         let coulomb = Model {
             law: FrictionLaw::Coulomb,
-            ..*model
+            ..model
         };
-        let closed = start::slip_stick(&coulomb, mode, which)?;
+        let closed = start::slip_stick(&coulomb, wanted.mode, wanted.which)?;
         let least = start::least_mismatch(&coulomb, &closed);
         if model.mismatch > least {
-            let (wave, point) = slip_stick_wave(model, parameter, mode, &closed, width)?;
+            let (wave, point) = slip_stick_wave(&wanted, &closed)?;
             let examination = examine(&wave, &point)?;
             match examination.verdict {
                 Verdict::Positive => return Ok((wave, point)),
@@ -249,16 +260,16 @@ impl Search<'_> {
         // from where the wave is slip-stick, through its changes of regime, down to the δ asked for
         let mut above = 1.05 * least.max(model.mismatch);
         let start = loop {
-            let from = model.with(Parameter::Mismatch, above);
-            let way = above - model.mismatch;
-            let (wave, point) = slip_stick_wave(&from, Parameter::Mismatch, mode, &closed, way)?;
+            let from = wanted.posed_in(Parameter::Mismatch, above - model.mismatch);
+            let model = from.model.with(Parameter::Mismatch, above);
+            let (wave, point) = slip_stick_wave(&Wanted { model, ..from }, &closed)?;
             let admissible = examine(&wave, &point)?.verdict == Verdict::Positive;
             if admissible || model.law == FrictionLaw::Coulomb || above > MOST_ABOVE * least {
                 break (wave, point);
             }
             above *= 2.0;
         };
-        let scales = Scales::new(model, mode, closed.excess, closed.least_rate, width);
+        let scales = wanted.scales(closed.excess, closed.least_rate);
         self.lowered(start, above, least, scales)
     }
 
@@ -387,9 +398,8 @@ impl Search<'_> {
         let Wanted {
             ref model,
             parameter,
-            mode,
             which,
-            width,
+            ..
         } = *self.wanted;
         let found = self.begin_undamped().or_else(|reason| match which {
             Which::Fast => self
@@ -401,11 +411,10 @@ impl Search<'_> {
         let (wave, point) = found.map_err(|reason| NoStart::Damped { beta, reason })?;
         let examination = examine(&wave, &point)?;
         // in units that do not depend on where the search came from
-        let excess = wave.excess_at(&point);
         let above = wave.model_at(&point).mismatch;
         let largest = (above * wave.model.constants().coefficients.g - examination.least_pressure)
             / wave.scales.pressure;
-        let scales = Scales::new(model, mode, excess, largest, width);
+        let scales = self.wanted.scales(wave.excess_at(&point), largest);
         // slip-stick waves do not depend on δ: that of the model may be one too
         let direct = posed(&wave, &point, model, parameter, scales)?;
         if examine(&direct.0, &direct.1)?.verdict == Verdict::Positive {
@@ -435,35 +444,32 @@ impl Search<'_> {
 
     /// The slip-stick wave at β > 0 from that at β = 0, posed in β.
     fn begin_undamped(&mut self) -> Result<(Wave, Vector), Lost> {
-        let Wanted {
-            ref model,
-            mode,
-            which,
-            ..
-        } = *self.wanted;
-        let beta = model.damping.stiffness;
-        let undamped = model.with(Parameter::StiffnessDamping, 0.0);
-        let closed = start::slip_stick(&undamped, mode, which).map_err(NoStart::from)?;
+        let wanted = *self.wanted;
+        let beta = wanted.model.damping.stiffness;
+        let undamped = wanted.model.with(Parameter::StiffnessDamping, 0.0);
+        let closed =
+            start::slip_stick(&undamped, wanted.mode, wanted.which).map_err(NoStart::from)?;
         let least = start::least_mismatch(&undamped, &closed);
-        let above = model.mismatch.max(ABOVE_UNDAMPED * least);
-        let from = undamped.with(Parameter::Mismatch, above);
-        let start = slip_stick_wave(&from, Parameter::StiffnessDamping, mode, &closed, beta)?;
+        let above = wanted.model.mismatch.max(ABOVE_UNDAMPED * least);
+        let from = Wanted {
+            model: undamped.with(Parameter::Mismatch, above),
+            ..wanted.posed_in(Parameter::StiffnessDamping, beta)
+        };
+        let start = slip_stick_wave(&from, &closed)?;
         self.followed(start, (0.0, beta), beta, false)
     }
 
     /// The slip-stick wave at this friction from the Hopf point of steady sliding, posed in f.
     fn begin_at_hopf(&mut self) -> Result<(Wave, Vector), Lost> {
-        let Wanted {
-            ref model, mode, ..
-        } = *self.wanted;
-        let found =
-            family(model, Parameter::Friction, mode, model.friction, 2).or_else(|error| {
-                let NoHopf::Separation { least, .. } = error else {
-                    return Err(error);
-                };
-                let above = model.with(Parameter::Mismatch, ABOVE_UNDAMPED * least);
-                family(&above, Parameter::Friction, mode, model.friction, 2)
-            })?;
+        let Wanted { model, mode, .. } = *self.wanted;
+        let in_friction =
+            |model: &Model| family(model, Parameter::Friction, mode, model.friction, 2);
+        let found = in_friction(&model).or_else(|error| match error {
+            NoHopf::Separation { least, .. } => {
+                in_friction(&model.with(Parameter::Mismatch, ABOVE_UNDAMPED * least))
+            }
+            error => Err(error),
+        })?;
         let (wave, point) = beyond_hopf(&found, self.steps)?;
         let at = wave.parameter_at(&point);
         let range = (at.min(model.friction), at.max(model.friction));
@@ -511,17 +517,12 @@ impl Walk {
 
 impl fmt::Display for Walk {
     fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
-        let Walk {
-            column,
-            from,
-            to,
-            at,
-            step,
-        } = self;
+        let Walk { column, step, .. } = self;
         write!(
             out,
-            "walking from {column} = {from:.3e} to {to:.3e} for a first wave: step {step} of at most \
-             {MOST_STEPS}, at {at:.3e}"
+            "walking from {column} = {:.3e} to {:.3e} for a first wave: step {step} of at most \
+             {MOST_STEPS}, at {:.3e}",
+            self.from, self.to, self.at
         )
     }
 }
@@ -567,7 +568,7 @@ const BEYOND_HOPF: f64 = 1e-4;
 ///
 /// # Errors
 /// No admissible wave with a short stick zone exists.
-pub fn beyond_hopf(family: &Family, steps: Steps) -> Result<(Wave, Vector), Lost> {
+pub(crate) fn beyond_hopf(family: &Family, steps: Steps) -> Result<(Wave, Vector), Lost> {
     let beyond = change::enter(&family.opening(), BEYOND_HOPF, steps.tolerance)?;
     let step = arclength::advance(&beyond.wave, &beyond.node, beyond.ds, steps.tolerance)?;
     Ok((beyond.wave, step.node.point))

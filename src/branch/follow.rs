@@ -62,6 +62,20 @@ pub struct Found {
 }
 
 impl Found {
+    /// A point without an event.
+    pub(super) fn new(wave: &Arc<Wave>, s: f64, node: &Node, examination: &Examination) -> Found {
+        Found {
+            wave: wave.clone(),
+            s,
+            entered: None,
+            parameter: wave.parameter_at(&node.point),
+            node: node.clone(),
+            examination: examination.clone(),
+            special: None,
+            uncertainty: 0.0,
+        }
+    }
+
     /// Its type, if it is special.
     pub fn kind(&self) -> Option<EventType> {
         self.special.as_ref().map(Special::kind)
@@ -145,12 +159,7 @@ impl Walker<Branch> {
                     list.len() == wave.with_signature(signature.clone()).unknowns()
                         && list.iter().all(|number| number.is_finite())
                 });
-            let node = Node {
-                point: Vector::from_vec(point),
-                tangent: Vector::from_vec(tangent),
-                newton: 0,
-                residual: 0.0,
-            };
+            let node = Node::at(Vector::from_vec(point), Vector::from_vec(tangent));
             fits.then_some(node).ok_or(NoFollower::Saved)
         };
         let node = of(&state.signature, state.point, state.tangent)?;
@@ -289,16 +298,7 @@ impl Curve for Branch {
     }
 
     fn point(&self, s: f64, node: &Node, examination: &Examination) -> Found {
-        Found {
-            wave: self.wave.clone(),
-            s,
-            entered: None,
-            parameter: self.wave.parameter_at(&node.point),
-            node: node.clone(),
-            examination: examination.clone(),
-            special: None,
-            uncertainty: 0.0,
-        }
+        Found::new(&self.wave, s, node, examination)
     }
 
     fn closing(&self, s: f64, first: &Node, reached: Found) -> Found {

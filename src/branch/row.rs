@@ -31,7 +31,7 @@ impl<const LATER: bool> Serialize for Parameters<LATER> {
 }
 
 /// Columns of `branch.csv` that hold words: no curve can be drawn of them.
-pub const WORD_COLUMNS: [&str; 4] = ["type", "regimes", "stable", "why"];
+pub(crate) const WORD_COLUMNS: [&str; 4] = ["type", "regimes", "stable", "why"];
 
 /// A wave and its stability, as the tables of branches and of maps have them.
 #[derive(Clone, Debug, Default, Serialize)]

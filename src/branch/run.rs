@@ -61,7 +61,7 @@ impl Runner {
     ///
     /// # Errors
     /// The problem asks for what is not there, or there is no first wave.
-    pub fn begin_watched(
+    pub(crate) fn begin_watched(
         problem: &Problem,
         continuation: &Continuation,
         restart: Option<&SavedWave>,
@@ -197,7 +197,7 @@ impl Runner {
         let mut crossings = crossings.into_iter().peekable();
         for (index, mut found) in found.into_iter().enumerate() {
             let value = found.parameter;
-            while let Some(crossing) = crossings.next_if(|crossing| crossing.s < found.s) {
+            while let Some(crossing) = crossings.next_if(|(located, _)| located.s < found.s) {
                 let item = self.crossing(wave, crossing);
                 if item.is_none() {
                     self.notes.push(Note::CrossingLeftOut { parameter, value });
@@ -264,23 +264,14 @@ impl Runner {
             let mut tangent = Vector::zeros(point.len());
             tangent[0] = -1.0;
             let found = Found {
-                wave: wave.clone(),
-                s: 0.0,
-                entered: None,
                 parameter: family.critical,
-                node: Node {
-                    point,
-                    tangent,
-                    newton: 0,
-                    residual: 0.0,
-                },
-                examination,
                 special: match index {
                     0 => Some(Special::HopfPoint),
                     _ if index == last => Some(Special::StickOpens),
                     _ => None,
                 },
                 uncertainty: 8.0 * f64::EPSILON * family.critical,
+                ..Found::new(&wave, 0.0, &Node::at(point, tangent), &examination)
             };
             let mut item = self.item(found, None);
             if self.with_stability() {
@@ -305,22 +296,18 @@ impl Runner {
     }
 
     /// A crossing of the imaginary axis as a point of the branch.
-    fn crossing(&mut self, wave: &Arc<Wave>, crossing: Crossing) -> Option<Item> {
+    fn crossing(&mut self, wave: &Arc<Wave>, (located, spectrum): Crossing) -> Option<Item> {
+        let examination = examine(wave, &located.node.point).ok()?;
         let found = Found {
-            wave: wave.clone(),
-            s: crossing.s,
-            entered: None,
-            parameter: wave.parameter_at(&crossing.node.point),
-            examination: examine(wave, &crossing.node.point).ok()?,
-            node: crossing.node,
             special: Some(Special::Crossing {
-                sector: crossing.sector,
-                omega: (crossing.omega != 0.0).then_some(crossing.omega),
-                grows: crossing.grows,
+                sector: located.sector,
+                omega: (located.omega != 0.0).then_some(located.omega),
+                grows: located.grows,
             }),
-            uncertainty: crossing.uncertainty * wave.scales.parameter,
+            uncertainty: located.uncertainty * wave.scales.parameter,
+            ..Found::new(wave, located.s, &located.node, &examination)
         };
-        Some(self.item(found, Some(&crossing.spectrum)))
+        Some(self.item(found, Some(&spectrum)))
     }
 
     /// Ends a leg; the next one begins unless the whole run is to stop.
@@ -488,7 +475,7 @@ impl Runner {
     }
 
     /// Whether stability is asked for.
-    pub fn with_stability(&self) -> bool {
+    pub(crate) fn with_stability(&self) -> bool {
         self.problem.stability.is_some()
     }
 

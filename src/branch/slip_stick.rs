@@ -1,13 +1,13 @@
 //! The slip-stick wave of a model under every friction law, as a boundary-value problem.
 
-use super::first_wave::NoStart;
+use super::first_wave::{NoStart, Wanted};
 use crate::continuation::newton::{self, Fixed, System};
 use crate::flow::FlowError;
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime, Signature, Zone};
 use crate::model::{FrictionLaw, Model, Parameter};
 use crate::wave::start;
-use crate::wave::{Scales, Wave, ZoneUnknowns};
+use crate::wave::{Wave, ZoneUnknowns};
 
 /// Steps in which the friction law is turned from Coulomb's into the one asked for.
 const LAW_STEPS: usize = 8;
@@ -15,20 +15,22 @@ const LAW_STEPS: usize = 8;
 /// The slip-stick wave of a model as a boundary-value problem, admissible or not: in closed form
 /// under Coulomb's law, and from there in steps of the law.
 pub(super) fn slip_stick_wave(
-    model: &Model,
-    parameter: Parameter,
-    mode: u32,
+    wanted: &Wanted,
     closed: &start::SlipStick,
-    width: f64,
 ) -> Result<(Wave, Vector), NoStart> {
+    let Wanted {
+        ref model,
+        parameter,
+        ..
+    } = *wanted;
     let value = model.value(parameter).unwrap_or(f64::NAN);
     let posed = |law: FrictionLaw| {
         Wave::new(
             Model { law, ..*model },
             parameter,
-            mode,
+            wanted.mode,
             Signature::slip_stick(),
-            Scales::new(model, mode, closed.excess, closed.least_rate, width),
+            wanted.scales(closed.excess, closed.least_rate),
         )
     };
     let mut wave = posed(FrictionLaw::Coulomb);

@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::continuation::newton::{self, Constraint, Failure, Plane, Solution, System};
-use crate::linalg::Vector;
+use crate::linalg::{self, Vector};
 
 /// First step along the branch where none is given, in dimensionless scaled arclength.
 pub const DEFAULT_DS: f64 = 0.005;
@@ -34,7 +34,7 @@ pub struct Steps {
 /// A step turns the tangent by at most this angle (radians), or it is repeated shorter: events
 /// are watched at its ends only, and a function that turns less cannot hide a pair of them from
 /// the interpolation that looks for it.
-pub const LARGEST_ANGLE: f64 = 0.3;
+pub(crate) const LARGEST_ANGLE: f64 = 0.3;
 
 /// Angle and Newton contraction at which the step length is kept.
 const TARGET_ANGLE: f64 = 0.06;
@@ -55,6 +55,37 @@ pub struct Node {
     pub newton: usize,
     /// Largest residual.
     pub residual: f64,
+}
+
+impl Node {
+    /// A point that is known already.
+    pub(crate) fn at(point: Vector, tangent: Vector) -> Node {
+        Node {
+            point,
+            tangent,
+            newton: 0,
+            residual: 0.0,
+        }
+    }
+
+    /// A point with the null vector of the Jacobian of its system as tangent; `None` where that cannot be
+    /// evaluated.
+    pub(crate) fn on<S: System>(system: &S, point: Vector) -> Option<Node> {
+        let (matrix, residual) = newton::jacobian(system, &point).ok()?;
+        let tangent = linalg::kernel(&matrix)?.null_vector;
+        Some(Node {
+            residual,
+            ..Node::at(point, tangent)
+        })
+    }
+
+    /// The node seen the other way.
+    pub(crate) fn backwards(&self) -> Node {
+        Node {
+            tangent: -&self.tangent,
+            ..self.clone()
+        }
+    }
 }
 
 /// A step that was taken, with the advice for the next.
@@ -102,7 +133,7 @@ pub fn tangent<S: System>(
 }
 
 /// Corrects a guess under a constraint and finds the tangent there.
-pub fn correct<S: System>(
+pub(crate) fn correct<S: System>(
     system: &S,
     constraint: &mut impl Constraint<S>,
     guess: &Vector,

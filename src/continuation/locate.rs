@@ -79,7 +79,7 @@ pub fn solve<S: System>(
 }
 
 /// The node at arclength s of the step that sets out from a node.
-pub fn node_at<S: System>(system: &S, from: &Node, s: f64, tolerance: f64) -> Option<Node> {
+pub(crate) fn node_at<S: System>(system: &S, from: &Node, s: f64, tolerance: f64) -> Option<Node> {
     let predicted = &from.point + &from.tangent * s;
     let mut plane = Plane {
         normal: &from.tangent,
@@ -92,7 +92,7 @@ pub fn node_at<S: System>(system: &S, from: &Node, s: f64, tolerance: f64) -> Op
 /// The zero of a function along a step, from places s with values of different signs, and the value
 /// found. `size` is a value that is zero but for rounding; from a bracket as narrow as `width` one more
 /// value is taken.
-pub fn zero_along<S: System>(
+pub(crate) fn zero_along<S: System>(
     system: &S,
     from: &Node,
     (low, high): ((f64, f64), (f64, f64)),
@@ -147,7 +147,7 @@ impl Target {
 
     /// The points at which the target is met on a way through points of one step, between which the
     /// unknown is monotone. `None` if one is not found.
-    pub fn meetings<S: System>(
+    pub(crate) fn meetings<S: System>(
         &self,
         system: &S,
         from: &Node,

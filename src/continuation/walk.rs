@@ -103,7 +103,8 @@ pub enum Refused<F: Error, R: Error> {
 }
 
 /// Why a step of a curve was refused.
-pub type RefusalOf<C> = Refused<<<C as Curve>::System as System>::Failure, <C as Curve>::Refusal>;
+pub(crate) type RefusalOf<C> =
+    Refused<<<C as Curve>::System as System>::Failure, <C as Curve>::Refusal>;
 
 /// How a curve ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,7 +137,7 @@ pub enum End<R, E> {
 }
 
 /// How a curve of a kind ended.
-pub type EndOf<C> = End<RefusalOf<C>, <C as Curve>::End>;
+pub(crate) type EndOf<C> = End<RefusalOf<C>, <C as Curve>::End>;
 
 /// What comes of an event.
 pub enum Met<C: Curve> {
@@ -178,7 +179,7 @@ pub struct Stretch<'a, C: Curve> {
 
 impl<C: Curve> Stretch<'_, C> {
     /// Zeros closer together than this are one event that several watched functions see.
-    pub fn at_once(&self) -> f64 {
+    pub(crate) fn at_once(&self) -> f64 {
         /// As a part of the step.
         const AT_ONCE: f64 = 1e-6;
         AT_ONCE * self.ds.max(1e-3)

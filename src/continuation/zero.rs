@@ -13,7 +13,7 @@
 pub const PATIENCE: u32 = 12;
 
 /// Most values of [`zero_by_slope`] and of [`boundary`].
-pub const MOST_STEPS: usize = 200;
+pub(crate) const MOST_STEPS: usize = 200;
 
 /// Two places at which a function has values of different signs.
 #[derive(Clone, Copy, Debug)]
@@ -119,7 +119,7 @@ pub fn zero<T, E>(
 /// The search ends with a step that is short `enough`, by its length and the place it begins at. The
 /// answer is that place and the one the step leads to, whose error is of the order of the square of
 /// the step at a simple zero: convergence is quadratic.
-pub fn zero_by_slope(
+pub(crate) fn zero_by_slope(
     (mut negative, mut positive): (f64, f64),
     guess: f64,
     mut enough: impl FnMut(f64, f64) -> bool,

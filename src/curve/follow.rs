@@ -392,17 +392,7 @@ impl EventCurve {
             row if row < count => candidate.point[row],
             row => node.point[parameters + row - count],
         });
-        let (matrix, residual) = newton::jacobian(&system, &point).ok()?;
-        let tangent = linalg::kernel(&matrix)?.null_vector;
-        if residual.is_nan() || residual > AT_SECOND {
-            return None;
-        }
-        let from = Node {
-            point,
-            tangent,
-            newton: 0,
-            residual,
-        };
+        let from = Node::on(&system, point).filter(|node| node.residual <= AT_SECOND)?;
         let (ds, tolerance) = (step.ds.min(step.steps.ds), step.steps.tolerance);
         let (node, ds, own) = walk::enter(&system, &from, ds, TRIES, tolerance, |_, to| {
             let own = vanishing(&system, &to.ok()?, vanish)?;

@@ -459,19 +459,8 @@ fn arms(
         Condition::Fold => {
             let null = point.rows(last, last).clone_owned();
             for sign in [1.0, -1.0] {
-                let tangent =
-                    Vector::from_fn(
-                        last + 1,
-                        |row, _| {
-                            if row < last { sign * null[row] } else { 0.0 }
-                        },
-                    );
-                let node = Node {
-                    point: own.clone(),
-                    tangent,
-                    newton: 0,
-                    residual: 0.0,
-                };
+                let tangent = &null * sign;
+                let node = Node::at(own.clone(), tangent.insert_row(last, 0.0));
                 found.extend(step(&wave, &node, INTO));
             }
         }

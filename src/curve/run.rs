@@ -92,7 +92,7 @@ impl Run {
         let mut system = system.clone();
         let node = first_node(&system, start, limits.steps.tolerance)?;
         system.settle(&node.point);
-        let walker = walker(&system, event, backwards(&node), limits)?;
+        let walker = walker(&system, event, node.backwards(), limits)?;
         let mut point = walker.here().point;
         point.kind = Some(event.to_string());
         point.what = What::Begins.to_string();
@@ -176,7 +176,7 @@ impl Run {
     }
 
     /// The points in the order in which they were found.
-    pub fn so_far(&self) -> impl Iterator<Item = &Point> {
+    pub(crate) fn so_far(&self) -> impl Iterator<Item = &Point> {
         let [first, second] = &self.halves;
         let found = first.iter().chain(second).map(|solved| &solved.point);
         std::iter::once(&self.head.point).chain(found)
@@ -322,7 +322,7 @@ impl Head {
         if !(self.system.fits(&node.point) && self.system.fits(&node.tangent)) {
             return Err(Singular::UnfitEvent);
         }
-        let node = if half == 0 { backwards(&node) } else { node };
+        let node = if half == 0 { node.backwards() } else { node };
         walker(&self.system, self.event, node, self.limits)
     }
 }
@@ -347,12 +347,10 @@ fn resumed(
     let system = head.system.of(state.signature, state.condition);
     let zones = system.signature().len();
     let left = state.left.map(Vector::from_vec);
-    let node = Node {
-        point: Vector::from_vec(state.unknowns),
-        tangent: Vector::from_vec(state.tangent),
-        newton: 0,
-        residual: 0.0,
-    };
+    let node = Node::at(
+        Vector::from_vec(state.unknowns),
+        Vector::from_vec(state.tangent),
+    );
     let count = system.wave_unknowns();
     let fits = system.fits(&node.point)
         && system.fits(&node.tangent)
@@ -392,14 +390,6 @@ fn state(walker: &Walker<EventCurve>) -> State {
         travelled: walker.travelled,
         ds: walker.ds,
         creeping: walker.creeping,
-    }
-}
-
-/// A node seen the other way.
-fn backwards(node: &Node) -> Node {
-    Node {
-        tangent: -&node.tangent,
-        ..node.clone()
     }
 }
 

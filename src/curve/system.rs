@@ -111,7 +111,7 @@ impl EventSystem {
     }
 
     /// Number of unknowns of the wave, its parameter left out.
-    pub fn wave_unknowns(&self) -> usize {
+    pub(crate) fn wave_unknowns(&self) -> usize {
         width(self.material, &self.signature) * self.signature.len() + 1
     }
 
@@ -195,7 +195,7 @@ impl EventSystem {
     }
 
     /// F and its derivatives in x, p₁, p₂.
-    pub fn wave_equations(&self, point: &Vector) -> Result<(Vector, Matrix), FlowError> {
+    pub(crate) fn wave_equations(&self, point: &Vector) -> Result<(Vector, Matrix), FlowError> {
         let count = self.wave_unknowns();
         let mut residual = Vector::zeros(count);
         let mut all = Matrix::zeros(count, count + 2);

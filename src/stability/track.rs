@@ -22,9 +22,9 @@ use crate::wave::Wave;
 
 type C64 = Complex<f64>;
 
-/// A crossing of the imaginary axis.
+/// Where an eigenvalue crosses the imaginary axis.
 #[derive(Clone, Debug)]
-pub struct Crossing {
+pub struct Located {
     /// Arclength from the beginning of the step.
     pub s: f64,
     /// The wave there.
@@ -37,9 +37,10 @@ pub struct Crossing {
     pub grows: bool,
     /// Estimated error of the scaled parameter.
     pub uncertainty: f64,
-    /// Spectrum at the crossing.
-    pub spectrum: Spectrum,
 }
+
+/// A crossing with the spectrum there.
+pub type Crossing = (Located, Spectrum);
 
 /// What a step did to the spectrum.
 #[derive(Clone, Debug, Default)]
@@ -98,11 +99,11 @@ pub struct Tracker {
 /// Eigenvalues that a run may compute ahead of [`PER_POINT`]: a spectrum counts as many as it has,
 /// the location of a crossing one for every step of the secant rule. A thousand take some hundredths
 /// of a second.
-pub const ALLOWANCE: usize = 300_000;
+pub(crate) const ALLOWANCE: usize = 300_000;
 
 /// Eigenvalues that every point adds to the allowance, up to where it began: spectra of fewer never
 /// use it up.
-pub const PER_POINT: usize = 1000;
+pub(crate) const PER_POINT: usize = 1000;
 
 /// Halvings of an interval before a count is given up.
 const DEEPEST: u32 = 24;
@@ -139,16 +140,6 @@ struct End {
     s: f64,
     node: Node,
     spectrum: Spectrum,
-}
-
-/// A crossing located, before its spectrum is taken.
-struct Located {
-    s: f64,
-    node: Node,
-    sector: usize,
-    omega: f64,
-    grows: bool,
-    uncertainty: f64,
 }
 
 /// A pair of ends of one eigenvalue, whose real parts have different signs.
@@ -267,7 +258,7 @@ impl Tracker {
         }
         tracked
             .crossings
-            .sort_by(|one, other| one.s.total_cmp(&other.s));
+            .sort_by(|(one, _), (other, _)| one.s.total_cmp(&other.s));
         tracked.spectra = found
             .iter()
             .map(|point| {
@@ -378,15 +369,7 @@ impl Search<'_> {
         let with_spectrum = |located: Located| {
             let seeds = Some(&one.spectrum);
             let spectrum = tracker.spectrum_near(self.wave, &located.node, seeds)?;
-            Some(Crossing {
-                s: located.s,
-                node: located.node,
-                sector: located.sector,
-                omega: located.omega,
-                grows: located.grows,
-                uncertainty: located.uncertainty,
-                spectrum,
-            })
+            Some((located, spectrum))
         };
         located
             .into_iter()
