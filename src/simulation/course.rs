@@ -158,7 +158,7 @@ impl Course {
 
     /// Steps and snapshots that so many samples take, the one at the beginning included; none where
     /// there are not so many.
-    pub fn at_sample(&self, samples: usize) -> Option<(u64, usize)> {
+    pub(crate) fn at_sample(&self, samples: usize) -> Option<(u64, usize)> {
         let taken = samples.checked_sub(1)?;
         let last = if taken > self.whole {
             self.motion.steps_within(self.rest)
@@ -273,7 +273,7 @@ impl Course {
     }
 
     /// Whether it begins with a wave.
-    pub fn has_wave(&self) -> bool {
+    pub(crate) fn has_wave(&self) -> bool {
         self.wave.is_some()
     }
 

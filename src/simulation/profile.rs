@@ -78,7 +78,11 @@ impl Profile {
     ///
     /// # Errors
     /// It holds no wave.
-    pub fn of_table(table: impl Read, path: &Path, speed: f64) -> Result<Profile, ProfileError> {
+    pub(crate) fn of_table(
+        table: impl Read,
+        path: &Path,
+        speed: f64,
+    ) -> Result<Profile, ProfileError> {
         let fault = |source| ProfileError::Table {
             path: path.to_owned(),
             source,

@@ -17,7 +17,7 @@ use crate::model::coefficients::{Geometry, lame};
 
 /// Coupling of a node to its neighbourhood: `[dr][dφ][row][column]`, offsets −1, 0, 1 stored from 0,
 /// rows and columns u, v.
-pub type Block = [[[[f64; 2]; 2]; 3]; 3];
+pub(crate) type Block = [[[[f64; 2]; 2]; 3]; 3];
 
 /// Stiffness and masses by circle, from the inner one outwards.
 #[derive(Clone, Debug, PartialEq)]

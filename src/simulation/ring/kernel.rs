@@ -26,6 +26,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::friction::Friction;
+use super::impulse::release;
 
 /// Most neighbours on either side that a difference reaches to.
 pub(crate) const MOST_REACH: usize = 3;
@@ -200,14 +201,26 @@ pub(super) fn differences<const R: usize>(
     [bend, slope]
 }
 
-/// Takes the nodes `from..to` of a stretch through one step. U and V of the next instant go to
-/// `next`; the nodes within `R` of the range are read. `WATCHED` keeps account of work.
+/// The part `from..to` of a list that is kept; nothing of one that is not.
 #[inline(always)]
-pub(crate) fn step<const R: usize, const WATCHED: bool, F: Friction>(
+fn kept(is_kept: bool, list: &mut [f64], from: usize, to: usize) -> &mut [f64] {
+    if is_kept {
+        &mut list[from..to]
+    } else {
+        &mut []
+    }
+}
+
+/// Takes the nodes `from..to` of a stretch through one step. U, V, Û and V̂ of the next instant go to
+/// `next`; the nodes within `R` of the range are read. `WATCHED` keeps account of work; `CONCENTRATED`
+/// says that reactions have such a part with friction, see [`super::impulse`]: without it Û is U and V̂
+/// is V.
+#[inline(always)]
+pub(crate) fn step<const R: usize, const WATCHED: bool, const CONCENTRATED: bool, F: Friction>(
     constants: &StepConstants,
     law: F,
     nodes: &mut Nodes,
-    next: (&mut [f64], &mut [f64]),
+    next: [&mut [f64]; 4],
     from: usize,
     to: usize,
 ) {
@@ -215,32 +228,51 @@ pub(crate) fn step<const R: usize, const WATCHED: bool, F: Friction>(
     let count = to - from;
     let u = windows::<R>(&nodes.radial, from, to);
     let v = windows::<R>(&nodes.tangential, from, to);
+    let (hat_u, hat_v) = if CONCENTRATED {
+        (
+            windows::<R>(&nodes.effective_radial, from, to),
+            windows::<R>(&nodes.effective, from, to),
+        )
+    } else {
+        (u, v)
+    };
     let radial_rate = &mut nodes.radial_rate[from..to];
     let tangential_rate = &mut nodes.tangential_rate[from..to];
     let share = &mut nodes.share[from..to];
-    let radial_next = &mut next.0[from..to];
-    let tangential_next = &mut next.1[from..to];
-    let (friction_work, contact_work, damping_work) = if WATCHED {
-        (
-            &mut nodes.friction_work[from..to],
-            &mut nodes.contact_work[from..to],
-            &mut nodes.damping_work[from..to],
-        )
-    } else {
-        (&mut [][..], &mut [][..], &mut [][..])
-    };
+    let impulse = kept(CONCENTRATED, &mut nodes.impulse, from, to);
+    let age = kept(CONCENTRATED, &mut nodes.age, from, to);
+    let friction_work = kept(WATCHED, &mut nodes.friction_work, from, to);
+    let contact_work = kept(WATCHED, &mut nodes.contact_work, from, to);
+    let damping_work = kept(WATCHED, &mut nodes.damping_work, from, to);
+    let [radial, tangential, effective_radial, effective] = next;
+    let (radial, tangential) = (&mut radial[from..to], &mut tangential[from..to]);
+    let effective_radial = kept(CONCENTRATED, effective_radial, from, to);
+    let effective = kept(CONCENTRATED, effective, from, to);
     for i in 0..count {
-        let (u0, v0) = (u[R][i], v[R][i]);
-        let [bend_u, slope_u] = differences::<R>(&u, i, &c.b, &c.coupling);
-        let [bend_v, slope_v] = differences::<R>(&v, i, &c.a, &c.coupling);
-        let touched = share[i];
+        let [bend_u, slope_u] = differences::<R>(&hat_u, i, &c.b, &c.coupling);
+        let [bend_v, slope_v] = differences::<R>(&hat_v, i, &c.a, &c.coupling);
+        let force_u = bend_u + slope_v - c.g * hat_u[R][i];
+        let force_v = bend_v - slope_u - c.h * hat_v[R][i];
+
+        let (u0, touched) = (u[R][i], share[i]);
         let touches = touched != 0.0;
         let pressure = c.rest - slope_v;
-        let holds = touches & (pressure >= 0.0);
+        let (handed_out, old_age) = if CONCENTRATED {
+            (impulse[i], age[i])
+        } else {
+            (0.0, 0.0)
+        };
+        let concentrated = handed_out - c.kick * bend_u;
+        let part = if old_age == 0.0 { touched } else { 1.0 };
+        let released = release(c.window, concentrated, old_age, part);
+        let reaction = c.kick * touched * pressure + released;
+        let pushes = if CONCENTRATED { reaction } else { pressure };
+        let holds = touches & (pushes >= 0.0);
 
         // an impact has left a node that touches without velocity, whatever its last step was
-        let before = if touches { 0.0 } else { radial_rate[i] };
-        let free_rate = c.gain * (c.keep * before + c.kick * (bend_u + slope_v - c.g * u0));
+        let was = radial_rate[i];
+        let before = if touches { 0.0 } else { was };
+        let free_rate = c.gain * (c.keep * before + c.kick * force_u);
         let moved = c.dt * free_rate;
         let free = u0 + moved;
         let lands = !holds & (free < c.mismatch);
@@ -252,7 +284,8 @@ pub(crate) fn step<const R: usize, const WATCHED: bool, F: Friction>(
         } else {
             free_rate
         };
-        radial_next[i] = if holds | lands { c.mismatch } else { free };
+        let rests = holds | lands;
+        radial[i] = if rests { c.mismatch } else { free };
         let landed = 1.5 - drop / moved;
         share[i] = if holds {
             1.0
@@ -261,38 +294,74 @@ pub(crate) fn step<const R: usize, const WATCHED: bool, F: Friction>(
         } else {
             0.0
         };
+        radial_rate[i] = rate;
+        if CONCENTRATED {
+            effective_radial[i] = if rests {
+                c.mismatch
+            } else {
+                free + c.material * (1.5 * free_rate - 0.5 * before)
+            };
+            impulse[i] = if holds {
+                concentrated - released
+            } else if lands {
+                // the velocity at the instant, not in the middle of the step
+                (c.kick * (1.0 - landed) * pressure - free_rate / c.gain).max(0.0)
+            } else {
+                0.0
+            };
+            age[i] = if holds { old_age + part } else { 0.0 };
+        }
 
         let old = tangential_rate[i];
-        let change = c.gain * (c.keep * old + c.kick * (bend_v - slope_u - c.h * v0)) - old;
-        let most = if holds {
-            c.gain * c.kick * touched * c.friction * pressure
+        let change = c.gain * (c.keep * old + c.kick * force_v) - old;
+        let most = if CONCENTRATED {
+            c.gain * c.friction * reaction
         } else {
-            0.0
+            c.gain * c.kick * touched * c.friction * pressure
         };
+        let most = if holds { most } else { 0.0 };
         let (slid, kink) = law.slide(old - 1.0, change, most);
         let new = 1.0 + slid;
+        let given = new - old - change;
         // friction that began within the last step
         let late = touched - 0.5;
-        let begun = 0.5 * (new - old - change) / touched * (late * late);
+        let begun = 0.5 * given / touched * (late * late);
         let begun = if holds & (touched != 1.0) { begun } else { 0.0 };
-        let bent = kink + begun;
+        // what was concentrated and ends within this one, unless the node sticks
+        let left = c.window - old_age;
+        let ends = holds & (old_age > 0.0) & (left > 0.0) & (left < 1.0) & (slid != 0.0);
+        let late = left - 0.5;
+        let ended = 0.5 * given * (handed_out / reaction) / left * (late * late);
+        let ends = CONCENTRATED & ends & (reaction > 0.0);
+        let bent = kink + begun - if ends { ended } else { 0.0 };
+        let shifted = v[R][i] + c.dt * (new + bent);
         tangential_rate[i] = new;
-        tangential_next[i] = v0 + c.dt * (new + bent);
+        tangential[i] = shifted;
+        if CONCENTRATED {
+            effective[i] = shifted + c.material * (1.5 * new - 0.5 * old);
+        }
 
         if WATCHED {
             // forces are what is missing between the velocity without and with them
-            let mean = 0.5 * (old + new);
-            // moving the node by what is bent does work against the elastic force
-            let elastic = bend_v - slope_u - c.h * v0;
-            friction_work[i] += (new - old - change) / c.gain * mean - c.dt * bent * elastic;
-            let was = radial_rate[i];
-            let mean_rate = 0.5 * (was + rate);
-            let alone = c.gain * (c.keep * was + c.kick * (bend_u + slope_v - c.g * u0));
-            contact_work[i] += (rate - alone) / c.gain * mean_rate;
+            let (mean_u, mean_v) = (0.5 * (was + rate), 0.5 * (old + new));
+            let alone = c.gain * (c.keep * was + c.kick * force_u);
+            contact_work[i] += (rate - alone) / c.gain * mean_u;
             // αΔt = 1/gain − keep
             let alpha = 1.0 / c.gain - c.keep;
-            damping_work[i] -= alpha * (mean * mean + mean_rate * mean_rate);
+            let (elastic_v, damping) = if CONCENTRATED {
+                let [bend_u, slope_u] = differences::<R>(&u, i, &c.b, &c.coupling);
+                let [bend_v, slope_v] = differences::<R>(&v, i, &c.a, &c.coupling);
+                let elastic_u = bend_u + slope_v - c.g * u0;
+                let elastic_v = bend_v - slope_u - c.h * v[R][i];
+                let damping_u = (c.kick * (force_u - elastic_u) - alpha * mean_u) * mean_u;
+                let damping_v = (c.kick * (force_v - elastic_v) - alpha * mean_v) * mean_v;
+                (elastic_v, damping_u + damping_v)
+            } else {
+                (force_v, -alpha * (mean_v * mean_v + mean_u * mean_u))
+            };
+            damping_work[i] += damping;
+            // moving the node by what is bent does work against the elastic force
+            friction_work[i] += given / c.gain * mean_v - c.dt * bent * elastic_v;
         }
-        radial_rate[i] = rate;
     }
 }

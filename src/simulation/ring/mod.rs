@@ -510,7 +510,7 @@ impl Ring {
             } else {
                 1.0
             };
-            pressure += impulse::release(c, impulse - c.kick * bend, age, part) / c.kick;
+            pressure += impulse::release(c.window, impulse - c.kick * bend, age, part) / c.kick;
         }
         // what would be tension ends the contact with the next step
         pressure.max(0.0)
@@ -552,12 +552,11 @@ impl Stretch {
         for done in 1..=steps {
             let nodes = &mut self.nodes;
             let (from, to) = (R * done, size - R * done);
+            let next = self.next.each_mut().map(|list| &mut list[..]);
             if nodes.effective.is_empty() {
-                let [radial, tangential, ..] = &mut self.next;
-                let next = (&mut radial[..], &mut tangential[..]);
-                step::<R, WATCHED, F>(constants, law, nodes, next, from, to);
+                step::<R, WATCHED, false, F>(constants, law, nodes, next, from, to);
             } else {
-                impulse::step::<R, WATCHED, F>(constants, law, nodes, &mut self.next, from, to);
+                step::<R, WATCHED, true, F>(constants, law, nodes, next, from, to);
             }
             let moved = [
                 &mut nodes.radial,
