@@ -13,7 +13,7 @@
 
 use std::f64::consts::PI;
 
-use super::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet};
+use super::jet::{DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet};
 use super::{FlowError, Frame};
 
 /// Up to this |Δ|t² the series of C, S and ∂S/∂Δ are used. Their terms fall faster than
@@ -53,50 +53,31 @@ struct Propagator {
 impl ContactFlow {
     /// The equation for σ = +1 (slip) or −1 (reverse slip).
     pub(crate) fn new(frame: &Frame, sliding: f64) -> ContactFlow {
-        let at = &frame.at;
-        let s = sliding * at.friction * at.kappa - at.damping;
-        let by = frame.by.map(|by| {
-            let s_by = sliding * (by.friction * at.kappa + at.friction * by.kappa) - by.damping;
-            [by.ma, s_by]
-        });
-        ContactFlow::of(frame, sliding, [at.ma, s], by)
+        let [f, kappa] = [frame.number(|of| of.friction), frame.number(|of| of.kappa)];
+        let s = f * kappa * sliding - frame.number(|of| of.damping);
+        ContactFlow::of(frame, sliding, frame.number(|of| of.ma), s)
     }
 
-    /// The equation mÿ − sẏ + hy = 0 from (m, s) and their derivatives in the frame.
-    pub(crate) fn of(
-        frame: &Frame,
-        sliding: f64,
-        [m, s]: [f64; 2],
-        by: [[f64; 2]; 2],
-    ) -> ContactFlow {
-        let h = frame.at.h;
-        let p = 0.5 * s / m;
-        let q = h / m;
-        let mut p_by = [0.0; 2];
-        let mut q_by = [0.0; 2];
-        for (index, [m_by, s_by]) in by.into_iter().enumerate() {
-            p_by[index] = (0.5 * s_by - p * m_by) / m;
-            q_by[index] = (frame.by[index].h - q * m_by) / m;
-        }
+    /// The equation mÿ − sẏ + hy = 0.
+    pub(super) fn of(frame: &Frame, sliding: f64, m: Dual<2>, s: Dual<2>) -> ContactFlow {
+        let (p, q) = (s * 0.5 / m, frame.number(|of| of.h) / m);
         ContactFlow {
-            p,
-            q,
+            p: p.value,
+            q: q.value,
             shift: if sliding < 0.0 {
                 frame.steady() * 2.0
             } else {
                 Jet::default()
             },
-            p_by,
-            q_by,
+            p_by: p.by,
+            q_by: q.by,
         }
     }
 
     /// 2p and q as jets of the frame.
     pub(super) fn coefficients(&self) -> [Jet; 2] {
-        [
-            Jet::of_frame(2.0 * self.p, [2.0 * self.p_by[0], 2.0 * self.p_by[1]]),
-            Jet::of_frame(self.q, self.q_by),
-        ]
+        let jet = |value: f64, by: [f64; 2]| Jet::lifted(Dual { value, by });
+        [jet(self.p, self.p_by) * 2.0, jet(self.q, self.q_by)]
     }
 
     /// (x, ẋ) after a time t of a solution of ẍ − 2pẋ + qx = 0.

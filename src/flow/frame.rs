@@ -1,7 +1,7 @@
 //! The frame of a wave: the numbers of its equations, with their derivatives.
 
 use super::FlowError;
-use super::jet::Jet;
+use super::jet::{Dual, Jet};
 use crate::model::Constants;
 use crate::model::FrictionLaw;
 
@@ -115,22 +115,22 @@ impl Frame {
         })
     }
 
-    /// A jet of the frame from a function's gradient: `value` and Σ ∂(value)/∂q · q′.
-    pub(crate) fn jet(&self, value: f64, gradient: impl Fn(&Quantities) -> f64) -> Jet {
-        Jet::of_frame(value, [gradient(&self.by[0]), gradient(&self.by[1])])
+    /// A quantity with its derivatives in ln e and in the parameter.
+    pub(super) fn number(&self, of: impl Fn(&Quantities) -> f64) -> Dual<2> {
+        Dual {
+            value: of(&self.at),
+            by: [of(&self.by[0]), of(&self.by[1])],
+        }
     }
 
     /// A quantity as a jet.
     pub(crate) fn quantity(&self, of: impl Fn(&Quantities) -> f64) -> Jet {
-        self.jet(of(&self.at), &of)
+        Jet::lifted(self.number(of))
     }
 
     /// gδ, the pressure of steady sliding.
     pub(crate) fn weight(&self) -> Jet {
-        let at = &self.at;
-        self.jet(at.g * at.mismatch, |by| {
-            by.g * at.mismatch + at.g * by.mismatch
-        })
+        self.quantity(|of| of.g) * self.quantity(|of| of.mismatch)
     }
 
     /// κ as a jet.
@@ -140,32 +140,17 @@ impl Frame {
 
     /// fgδ/h, the tangential displacement of steady sliding.
     pub fn steady(&self) -> Jet {
-        let at = &self.at;
-        let value = at.friction * at.g * at.mismatch / at.h;
-        self.jet(value, |by| {
-            (by.friction * at.g * at.mismatch
-                + at.friction * by.g * at.mismatch
-                + at.friction * at.g * by.mismatch
-                - value * by.h)
-                / at.h
-        })
+        let [f, g] = [self.quantity(|of| of.friction), self.quantity(|of| of.g)];
+        f * g * self.quantity(|of| of.mismatch) / self.quantity(|of| of.h)
     }
 
     /// Y at which Q = rfP in stick, r being the static by the kinetic coefficient:
     /// hY = rfκ + (r − 1)fgδ − α − βh. Without material damping release happens there.
     pub(crate) fn release(&self, law: FrictionLaw) -> Jet {
-        let at = &self.at;
         let r = law.static_ratio();
-        let value =
-            (at.friction * (r * at.kappa + (r - 1.0) * (at.g * at.mismatch)) - at.damping) / at.h;
-        self.jet(value, |by| {
-            (by.friction * (r * at.kappa + (r - 1.0) * (at.g * at.mismatch))
-                + at.friction
-                    * (r * by.kappa + (r - 1.0) * (by.g * at.mismatch + at.g * by.mismatch))
-                - by.damping
-                - value * by.h)
-                / at.h
-        }) - self.material()
+        let pressure = self.kappa() * r + self.weight() * (r - 1.0);
+        let force = self.quantity(|of| of.friction) * pressure - self.quantity(|of| of.damping);
+        force / self.quantity(|of| of.h) - self.material()
     }
 
     /// β as a jet.

@@ -105,21 +105,38 @@ impl<const D: usize> Dual<D> {
         dual.by[index] = 1.0;
         dual
     }
+
+    /// Its reciprocal.
+    pub(crate) fn inverse(self) -> Dual<D> {
+        let inverse = 1.0 / self.value;
+        Dual {
+            value: inverse,
+            by: self.by.map(|by| -by * inverse * inverse),
+        }
+    }
+
+    /// A quantity itself among all those that a zone depends on; one that does not vary among fewer.
+    pub(crate) fn own(value: f64, index: usize) -> Dual<D> {
+        match D {
+            SOURCES => Dual::variable(value, index),
+            _ => Dual::constant(value),
+        }
+    }
+
+    /// A number of the frame among all quantities that a zone depends on, or among none.
+    pub(crate) fn lifted(of: Dual<2>) -> Dual<D> {
+        let mut lifted = Dual::constant(of.value);
+        if D == SOURCES {
+            lifted.by[EXCESS] = of.by[0];
+            lifted.by[PARAMETER] = of.by[1];
+        }
+        lifted
+    }
 }
 
 impl<const D: usize> Default for Dual<D> {
     fn default() -> Dual<D> {
         Dual::constant(0.0)
-    }
-}
-
-impl Jet {
-    /// A quantity of the frame: it depends on e and the parameter alone.
-    pub(crate) fn of_frame(value: f64, by: [f64; 2]) -> Jet {
-        Dual {
-            value,
-            by: [0.0, 0.0, 0.0, by[0], by[1], 0.0, 0.0],
-        }
     }
 }
 
@@ -197,6 +214,18 @@ impl<const D: usize> Div<f64> for Dual<D> {
         self.value /= divisor;
         self.by.iter_mut().for_each(|by| *by /= divisor);
         self
+    }
+}
+
+#[allow(clippy::suspicious_arithmetic_impl)] // the quotient rule multiplies and subtracts
+impl<const D: usize> Div for Dual<D> {
+    type Output = Dual<D>;
+    fn div(self, other: Dual<D>) -> Dual<D> {
+        let value = self.value / other.value;
+        Dual {
+            value,
+            by: std::array::from_fn(|i| (self.by[i] - value * other.by[i]) / other.value),
+        }
     }
 }
 

@@ -28,21 +28,15 @@
 //! order one for any β. As β → 0, R → βM⁻¹B: G becomes the jump of the velocity in the impact, and
 //! N = βR⁻¹ → B⁻¹M makes of the concentrated reaction β(Ü, V̈)⁻ its impulse.
 
-use nalgebra::{Matrix4, Vector4};
-
 use super::jet::{
     DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, PARAMETER, RADIAL_LAYER, SOURCES,
 };
-use super::material::layer_time;
+use super::piece::Piece;
 use super::separation::SeparationFlow;
 use super::sign::{COEFFICIENTS, REMAINDER};
+use super::solvent::{polynomial, solvent};
 use super::square::{Pair, Square};
-use super::{FlowError, Frame, Quantities, Slide, ZoneEnd};
-
-/// Newton iterations for R from its value without coupling, and the steps in which the coupling is
-/// put in where one step does not do.
-const ITERATIONS: usize = 30;
-const COUPLING_STEPS: [u32; 3] = [1, 8, 64];
+use super::{FlowError, Frame, Slide, ZoneEnd};
 
 /// e^{−x} beyond this is nothing.
 const UNDERFLOW: f64 = 708.0;
@@ -84,129 +78,8 @@ pub struct Free<const D: usize> {
     pub acceleration: Pair<D>,
 }
 
-/// A number of the frame with its two derivatives.
-fn of_frame(frame: &Frame, of: impl Fn(&Quantities) -> f64) -> Dual<2> {
-    Dual {
-        value: of(&frame.at),
-        by: [of(&frame.by[0]), of(&frame.by[1])],
-    }
-}
-
-/// A number of the frame among others: all derivatives of a zone, or none.
-fn lifted<const D: usize>(of: Dual<2>) -> Dual<D> {
-    let mut lifted = Dual::constant(of.value);
-    if D == SOURCES {
-        lifted.by[EXCESS] = of.by[0];
-        lifted.by[PARAMETER] = of.by[1];
-    }
-    lifted
-}
-
 fn plus<const D: usize>(x: Pair<D>, y: Pair<D>) -> Pair<D> {
     [x[0] + y[0], x[1] + y[1]]
-}
-
-/// The coefficients −βB, M, S, H.
-type Polynomial = [Square<2>; 4];
-
-fn polynomial(frame: &Frame) -> Polynomial {
-    let of = |of: &dyn Fn(&Quantities) -> f64| of_frame(frame, of);
-    let beta = of(&|q| q.material);
-    let kappa = of(&|q| q.kappa);
-    let alpha = of(&|q| q.damping);
-    let (g, h) = (of(&|q| q.g), of(&|q| q.h));
-    let turned = beta * kappa;
-    [
-        Square::diagonal(-beta * of(&|q| q.radial_stress), -beta * of(&|q| q.stress)),
-        Square([[of(&|q| q.mb), turned], [-turned, of(&|q| q.ma)]]),
-        Square([[alpha + beta * g, kappa], [-kappa, alpha + beta * h]]),
-        Square::diagonal(g, h),
-    ]
-}
-
-/// The coupling taken down to a part of it.
-fn partly_coupled(of: &Polynomial, part: f64) -> [Square<0>; 4] {
-    of.map(|square| {
-        let mut square = square.map(|entry| Dual::constant(entry.value));
-        square.0[0][1].value *= part;
-        square.0[1][0].value *= part;
-        square
-    })
-}
-
-/// X with MX + S(RX + XR) + H(XR² + RXR + R²X) = right: what Newton's method and derivatives solve.
-fn linearised([_, m, s, h]: &[Square<0>; 4], r: Square<0>, right: Square<0>) -> Option<Square<0>> {
-    let square = r * r;
-    let mut matrix = Matrix4::zeros();
-    for column in 0..4 {
-        let mut x = Square::<0>::unit(0.0);
-        x.0[column / 2][column % 2].value = 1.0;
-        let image = *m * x + *s * (r * x + x * r) + *h * (x * square + r * x * r + square * x);
-        for row in 0..4 {
-            matrix[(row, column)] = image.0[row / 2][row % 2].value;
-        }
-    }
-    let right = Vector4::from_fn(|row, _| right.0[row / 2][row % 2].value);
-    let x = matrix.lu().solve(&right)?;
-    let entry = |row: usize| Dual::constant(x[row]);
-    Some(Square([[entry(0), entry(1)], [entry(2), entry(3)]]))
-}
-
-/// R; `None` if Newton's method does not find a matrix whose exponents grow.
-fn solvent(of: &Polynomial) -> Option<Square<2>> {
-    let value =
-        |[first, m, s, h]: &[Square<0>; 4], r: Square<0>| *first + (*m + (*s + *h * r) * r) * r;
-    let [first, m, s, h] = of;
-    let bare = |i: usize| {
-        let entry = |of: &Square<2>| of.0[i][i].value;
-        Some(Dual::constant(layer_time(
-            -entry(first),
-            entry(m),
-            entry(s),
-            entry(h),
-        )?))
-    };
-    let uncoupled = Square::<0>::diagonal(bare(0)?, bare(1)?);
-    let found = COUPLING_STEPS.into_iter().find_map(|steps| {
-        let mut r = uncoupled;
-        for step in 1..=steps {
-            let partly = partly_coupled(of, f64::from(step) / f64::from(steps));
-            let mut last = f64::INFINITY;
-            for _ in 0..ITERATIONS {
-                let correction = linearised(&partly, r, value(&partly, r))?;
-                r = r - correction;
-                let moved = correction.norm() / r.norm();
-                // quadratic until rounding stops it
-                if correction.norm() == 0.0 || moved < 1e-8 && moved >= 0.5 * last {
-                    break;
-                }
-                last = moved;
-            }
-            if last.is_nan() || last > 1e-8 && last.is_finite() {
-                return None;
-            }
-        }
-        let [[a, b], [c, d]] = r.0.map(|row| row.map(|entry| entry.value));
-        let grow = a + d > 0.0 && a * d - b * c > 0.0;
-        (grow || first.norm() == 0.0).then_some(r)
-    })?;
-    let full = partly_coupled(of, 1.0);
-    // the derivatives: those of the coefficients at R held fixed
-    let mut r = found.map(|entry| Dual::<2>::constant(entry.value));
-    let fixed = *first + (*m + (*s + *h * r) * r) * r;
-    for index in 0..2 {
-        let moved = linearised(
-            &full,
-            found,
-            fixed.map(|entry| Dual::constant(-entry.by[index])),
-        )?;
-        for i in 0..2 {
-            for j in 0..2 {
-                r.0[i][j].by[index] = moved.0[i][j].value;
-            }
-        }
-    }
-    Some(r)
 }
 
 impl LayeredFlow {
@@ -226,16 +99,9 @@ impl LayeredFlow {
         let left = Square([[a, -c], [-b, d]]);
         let slow_drag = s + left * h;
         let mass = (m + left * slow_drag).inverse();
-        let inverse = |of: Dual<2>| {
-            let inverse = 1.0 / of.value;
-            Dual {
-                value: inverse,
-                by: of.by.map(|by| -by * inverse * inverse),
-            }
-        };
         let stress = Square::diagonal(
-            inverse(of_frame(frame, |q| q.radial_stress)),
-            inverse(of_frame(frame, |q| q.stress)),
+            frame.number(|q| q.radial_stress).inverse(),
+            frame.number(|q| q.stress).inverse(),
         );
         let (drag, stiffness) = (mass * slow_drag, mass * h);
         let entries = [drag, stiffness, layers];
@@ -249,8 +115,8 @@ impl LayeredFlow {
             rates: stress * (m + (s + h * layers) * layers),
             drag,
             stiffness,
-            beta: of_frame(frame, |q| q.material),
-            mismatch: of_frame(frame, |q| q.mismatch),
+            beta: frame.number(|q| q.material),
+            mismatch: frame.number(|q| q.mismatch),
             steady: Dual {
                 value: steady.value,
                 by: [steady.by[EXCESS], steady.by[PARAMETER]],
@@ -269,18 +135,12 @@ impl LayeredFlow {
     }
 
     fn matrix<const D: usize>(&self, of: &Square<2>) -> Square<D> {
-        of.map(lifted)
+        of.map(Dual::lifted)
     }
 
     /// R⁻¹, for β > 0.
     fn inverse<const D: usize>(&self) -> Square<D> {
-        let beta = self.beta;
-        let inverse = 1.0 / beta.value;
-        let inverse = Dual {
-            value: inverse,
-            by: beta.by.map(|by| -by * inverse * inverse),
-        };
-        self.matrix(&(self.rates * inverse))
+        self.matrix(&(self.rates * self.beta.inverse()))
     }
 
     /// Whether nothing is left of the layers this long before the end. A zone that has shrunk beyond
@@ -302,17 +162,14 @@ impl LayeredFlow {
 
     /// (G_U, G_V) and (V, V̇) at the entry as the zone's own unknowns, and its duration.
     fn sources<const D: usize>(&self, slide: &Slide) -> ([Pair<D>; 2], Dual<D>) {
-        let own = |value: f64, index: usize| {
-            let mut own = Dual::constant(value);
-            if D == SOURCES {
-                own.by[index] = 1.0;
-            }
-            own
-        };
         let [y, w] = slide.entry;
-        let end = [own(slide.radial, RADIAL_LAYER), own(slide.layer, LAYER)];
-        let entry = [own(y, ENTRY_Y) + lifted(self.steady), own(w, ENTRY_W)];
-        ([end, entry], own(slide.duration, DURATION))
+        let end = [
+            Dual::own(slide.radial, RADIAL_LAYER),
+            Dual::own(slide.layer, LAYER),
+        ];
+        let v = Dual::own(y, ENTRY_Y) + Dual::lifted(self.steady);
+        let entry = [v, Dual::own(w, ENTRY_W)];
+        ([end, entry], Dual::own(slide.duration, DURATION))
     }
 
     /// The slow motion and the acceleration at the entry.
@@ -320,7 +177,7 @@ impl LayeredFlow {
         let ([end, [v, w]], duration) = self.sources(slide);
         let [rate, acceleration] = self.rest(duration, end);
         let place = self.matrix(&self.layers) * rate;
-        let position = [lifted::<D>(self.mismatch) - place[0], v - place[1]];
+        let position = [Dual::<D>::lifted(self.mismatch) - place[0], v - place[1]];
         let slow = [position, [-rate[0], w - rate[1]]];
         (slow, plus(self.slow_acceleration(slow), acceleration))
     }
@@ -412,31 +269,26 @@ impl LayeredFlow {
         let layers = self.matrix(&self.layers);
         let position = plus(slow[0], layers * end);
         let rate = plus(slow[1], end);
-        let beta = lifted(self.beta);
+        let beta = Dual::lifted(self.beta);
         let impulse = plus(
             self.slow_acceleration(slow).map(|x| beta * x),
             self.matrix(&self.rates) * end,
         );
         let power = |n: usize| (0..n).fold(Jet::constant(1.0), |power, _| power * duration);
-        let over = |jet: Jet| {
-            let inverse = 1.0 / jet.value;
-            let by = jet.by.map(|by| -by * inverse * inverse);
-            Jet { value: inverse, by }
-        };
         let order = m as f64;
         let [gap, slope] = if self.norm() * t.abs() > SHORT_ZONE {
-            let factor = over(power(m));
-            let gap = position[0] - lifted(self.mismatch);
+            let factor = power(m).inverse();
+            let gap = position[0] - Dual::lifted(self.mismatch);
             [
                 gap * factor,
-                (rate[0] - gap * over(duration) * order) * factor,
+                (rate[0] - gap * duration.inverse() * order) * factor,
             ]
         } else {
             let [gap, slope] = self.short_moments(entry, duration, m);
             if self.forgotten(t) {
-                let factor = over(power(m));
+                let factor = power(m).inverse();
                 let gap_of_layers = (layers * end)[0] * factor;
-                let slope_of_layers = end[0] * factor - gap_of_layers * over(duration) * order;
+                let slope_of_layers = end[0] * factor - gap_of_layers * duration.inverse() * order;
                 [gap + gap_of_layers, slope + slope_of_layers]
             } else {
                 let inverse = self.inverse();
@@ -462,7 +314,7 @@ impl LayeredFlow {
             return Err(FlowError::Overflow { duration: t });
         }
         Ok(ZoneEnd {
-            y: position[1] - lifted(self.steady),
+            y: position[1] - Dual::lifted(self.steady),
             w: rate[1],
             radial_rate: rate[0],
             switching: first,
@@ -507,9 +359,16 @@ impl LayeredFlow {
         [determinant.max(0.0).sqrt(); 2]
     }
 
-    /// A zone cut into pieces on which a power series does: thinner towards the end, where the layers
-    /// are.
-    pub(crate) fn pieces(&self, duration: f64) -> Vec<Piece> {
+    /// The pieces of a zone, U − δ having an m-fold zero at the entry.
+    pub(crate) fn pieces(&self, slide: &Slide, m: usize) -> Result<Vec<Piece>, FlowError> {
+        let stretches = self.stretches(slide.duration).into_iter().enumerate();
+        stretches
+            .map(|(index, stretch)| self.piece(slide, stretch, if index == 0 { m } else { 0 }))
+            .collect()
+    }
+
+    /// A zone cut up: thinner towards the end, where the layers are.
+    fn stretches(&self, duration: f64) -> Vec<Stretch> {
         let radian = 1.0 / self.norm();
         let [short, long] = self.layer_times();
         // distances from the end up to which the longer, and both layers, are there
@@ -528,7 +387,7 @@ impl LayeredFlow {
             }
             let count = (length / longest).ceil().max(1.0) as usize;
             let length = length / count as f64;
-            pieces.extend((0..count).map(|index| Piece {
+            pieces.extend((0..count).map(|index| Stretch {
                 start: start + length * index as f64,
                 length,
                 layers,
@@ -538,19 +397,13 @@ impl LayeredFlow {
         pieces
     }
 
-    /// Taylor coefficients of U − δ and of V in the time of a piece over its length, the first m of
-    /// U − δ zero, and a bound of what they leave out of U.
-    pub(crate) fn taylor(
-        &self,
-        slide: &Slide,
-        piece: &Piece,
-        m: usize,
-    ) -> Result<([[f64; COEFFICIENTS]; 2], f64), FlowError> {
-        let Piece {
+    /// A stretch as a piece, the first m coefficients of U − δ being zero.
+    fn piece(&self, slide: &Slide, stretch: Stretch, m: usize) -> Result<Piece, FlowError> {
+        let Stretch {
             start,
             length,
             layers,
-        } = *piece;
+        } = stretch;
         let (slow, _) = self.entry::<0>(slide);
         let [mut before, mut current] = self.slow.carried(slow, start, false)?;
         let size = |pair: Pair<0>| pair[0].value.abs().max(pair[1].value.abs());
@@ -574,12 +427,11 @@ impl LayeredFlow {
             remainder += (length / thickness).powi(17) * std::f64::consts::E * size(matrix * rate);
         }
         let mut layer = matrix * rate;
-        let mut taylor = [[0.0; COEFFICIENTS]; 2];
+        let (mut gap, mut tangential) = ([0.0; COEFFICIENTS], [0.0; COEFFICIENTS]);
         let mut scale = 1.0;
         for j in 0..COEFFICIENTS {
-            for (row, taylor) in taylor.iter_mut().enumerate() {
-                taylor[j] = (before[row] + layer[row]).value * scale;
-            }
+            gap[j] = (before[0] + layer[0]).value * scale;
+            tangential[j] = (before[1] + layer[1]).value * scale;
             layer = rate;
             if layers > 0 {
                 rate = self.inverse() * rate;
@@ -587,15 +439,20 @@ impl LayeredFlow {
             (before, current) = (current, self.slow_acceleration([before, current]));
             scale *= length / (j + 1) as f64;
         }
-        taylor[0][0] -= self.mismatch.value;
+        gap[0] -= self.mismatch.value;
         let distance = slide.duration - start;
         if layers > 0 && self.norm() * distance <= SHORT_ZONE {
-            let [gap, slope] = self.before_landing(slide, distance)?;
-            taylor[0][0] = gap;
-            taylor[0][1] = slope * length;
+            let [here, slope] = self.before_landing(slide, distance)?;
+            (gap[0], gap[1]) = (here, slope * length);
         }
-        taylor[0][..m].fill(0.0);
-        Ok((taylor, REMAINDER * remainder))
+        gap[..m].fill(0.0);
+        Ok(Piece {
+            start,
+            length,
+            gap,
+            tangential,
+            remainder: REMAINDER * remainder,
+        })
     }
 
     /// U − δ and U̇ a short time d before a landing, where U = δ and U̇ = 0, from the accelerations
@@ -623,13 +480,12 @@ impl LayeredFlow {
     }
 }
 
-/// A piece of a zone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Piece {
+/// A stretch of a zone.
+struct Stretch {
     /// Its beginning after the entry.
-    pub start: f64,
+    start: f64,
     /// Its length.
-    pub length: f64,
+    length: f64,
     /// How many of the layers are felt on it.
     layers: usize,
 }

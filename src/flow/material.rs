@@ -30,7 +30,7 @@
 use crate::continuation::zero::{boundary, zero_by_slope};
 
 use super::contact::{ContactFlow, SHORT_TERMS, SHORT_ZONE};
-use super::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, SOURCES};
+use super::jet::{DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, SOURCES};
 use super::{FlowError, Frame, Slide, ZoneEnd};
 
 /// Smallest positive root ρ of −d + mρ + s₁ρ² + hρ³ with d = βã ≥ 0 and h > 0: the reciprocal of the
@@ -144,39 +144,43 @@ impl MaterialFlow {
     /// The equation for σ = +1 (slip) or −1 (reverse slip). Where its exponents cannot be told apart ρ
     /// is not a number, and [`MaterialFlow::zone`] says so.
     pub(crate) fn new(frame: &Frame, sigma: f64) -> MaterialFlow {
-        let at = &frame.at;
-        let beta = at.material;
-        let drive = sigma * at.friction * at.kappa;
-        let d = beta * at.stress;
-        let m = at.ma - beta * drive;
-        let s = at.damping + beta * at.h - drive;
-        let h = at.h;
-        let mut rho = layer_time(d, m, s, h).unwrap_or(f64::NAN);
-        let slope = m + rho * (2.0 * s + rho * (3.0 * h));
+        let beta = frame.number(|of| of.material);
+        let h = frame.number(|of| of.h);
+        let drive = frame.number(|of| of.friction) * frame.number(|of| of.kappa) * sigma;
+        let d = beta * frame.number(|of| of.stress);
+        let m = frame.number(|of| of.ma) - beta * drive;
+        let s = frame.number(|of| of.damping) + beta * h - drive;
+        let time = layer_time(d.value, m.value, s.value, h.value).unwrap_or(f64::NAN);
+        let slope = m.value + time * (2.0 * s.value + time * (3.0 * h.value));
+        let fixed = d - (m + (s + h * time) * time) * time;
+        let mut rho = Dual {
+            value: time,
+            by: fixed.by.map(|by| by / slope),
+        };
         let s_hat = s + rho * h;
-        let m_hat = m + rho * s_hat;
+        // term by term
+        let m_hat = Dual {
+            value: m.value + time * s_hat.value,
+            by: std::array::from_fn(|i| m.by[i] + rho.by[i] * s_hat.value + time * s_hat.by[i]),
+        };
         // m̂ > 0 follows from ρ being the smallest root
-        if !(slope > 0.0 && m_hat > 0.0) {
-            rho = f64::NAN;
+        if !(slope > 0.0 && m_hat.value > 0.0) {
+            rho.value = f64::NAN;
         }
-        let mut rho_by = [0.0; 2];
-        let by = [0, 1].map(|index| {
-            let by = &frame.by[index];
-            let drive_by = sigma * (by.friction * at.kappa + at.friction * by.kappa);
-            let d_by = by.material * at.stress + beta * by.stress;
-            let m_by = by.ma - by.material * drive - beta * drive_by;
-            let s_by = by.damping + by.material * h + beta * by.h - drive_by;
-            let rho_moved = (d_by - rho * (m_by + rho * (s_by + rho * by.h))) / slope;
-            rho_by[index] = rho_moved;
-            let s_hat_by = s_by + rho_moved * h + rho * by.h;
-            [m_by + rho_moved * s_hat + rho * s_hat_by, -s_hat_by]
-        });
         MaterialFlow {
-            slow: ContactFlow::of(frame, sigma, [m_hat, -s_hat], by),
-            rho,
-            rho_by,
-            beta,
+            slow: ContactFlow::of(frame, sigma, m_hat, -s_hat),
+            rho: rho.value,
+            rho_by: rho.by,
+            beta: beta.value,
         }
+    }
+
+    /// ρ as a jet.
+    fn rho_jet(&self) -> Jet {
+        Jet::lifted(Dual {
+            value: self.rho,
+            by: self.rho_by,
+        })
     }
 
     /// e^{−T/ρ}: what the layer leaves at the entry.
@@ -296,7 +300,7 @@ impl MaterialFlow {
         let [y, w] = self.slow_jets(&entry, t, false)?;
         let acceleration = self.slow_acceleration([y, w]);
         let fast = self.fast_jet(slide, ratio(slide.duration - t, self.rho));
-        let rho = Jet::of_frame(self.rho, self.rho_by);
+        let rho = self.rho_jet();
         let rate = rho * fast;
         let sum = [y + rho * rate, w + rate, acceleration + fast];
         if sum.iter().any(|jet| !jet.value.is_finite()) {
@@ -315,9 +319,12 @@ impl MaterialFlow {
         let jerk = if rest.value == 0.0 {
             jerk
         } else {
-            let rho = self.rho;
-            let inverse = Jet::of_frame(1.0 / rho, self.rho_by.map(|by| -by / (rho * rho)));
-            jerk + rest * inverse
+            let (rho, by) = (self.rho, self.rho_by);
+            let inverse = Dual {
+                value: 1.0 / rho,
+                by: by.map(|by| -by / (rho * rho)),
+            };
+            jerk + rest * Jet::lifted(inverse)
         };
         [slow + rest, jerk]
     }
@@ -349,7 +356,7 @@ impl MaterialFlow {
         }
         let slow = self.slow_jets(&entry, t, true)?;
         let slow_acceleration = self.slow_acceleration(slow);
-        let rho = Jet::of_frame(self.rho, self.rho_by);
+        let rho = self.rho_jet();
         let layer = Jet::variable(slide.layer, LAYER);
         let rate = rho * layer;
         let w = slow[1] + rate;

@@ -26,8 +26,10 @@ pub mod layered;
 pub mod material;
 pub mod method;
 pub mod numeric;
+pub(crate) mod piece;
 pub mod separation;
 pub mod sign;
+mod solvent;
 mod square;
 
 use crate::model::FrictionLaw;
@@ -39,6 +41,7 @@ use layered::LayeredFlow;
 use material::MaterialFlow;
 use method::Method;
 use numeric::{Integrator, NumericalContact, NumericalSeparation};
+use piece::Piece;
 use separation::SeparationFlow;
 
 /// Why a flow cannot be evaluated. Inside a continuation step either rejects the step.
@@ -345,6 +348,19 @@ impl FreeFlow {
         let [u, rate, _, w] = self.state(slide, t)?;
         let acceleration = -(at.damping * rate + at.g * u + at.kappa * w) / at.mb;
         Ok(rate / acceleration)
+    }
+
+    /// Pieces of a zone, U − δ having a zero of this order at the entry.
+    pub(crate) fn pieces(
+        &self,
+        frame: &Frame,
+        slide: &Slide,
+        order: usize,
+    ) -> Result<Vec<Piece>, FlowError> {
+        match self.layered()? {
+            Some(flow) => flow.pieces(slide, order),
+            None => Ok(piece::undamped(frame, self.norm(), slide, order)),
+        }
     }
 
     /// The zone to its end; the switching function is (U − δ)/t^m, with material damping see

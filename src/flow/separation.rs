@@ -12,9 +12,9 @@ use nalgebra::{Matrix4, RowVector4, Vector4};
 
 use super::contact::{SHORT_TERMS, SHORT_ZONE};
 use super::exponential::MatrixJet;
-use super::jet::{DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet, PARAMETER, SOURCES};
+use super::jet::{DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet, Number, PARAMETER, SOURCES};
 use super::square::{Pair, Square};
-use super::{FlowError, Frame, ZoneEnd};
+use super::{FlowError, Frame, Quantities, ZoneEnd};
 
 /// More halvings than this mean more than 2⁴⁰ radians: the phase itself is lost.
 const MOST_HALVINGS: i32 = 40;
@@ -33,42 +33,12 @@ pub struct SeparationFlow {
 impl SeparationFlow {
     /// The equations in this frame. m_a and m_b are positive there.
     pub(crate) fn new(frame: &Frame) -> SeparationFlow {
-        let at = &frame.at;
-        let scale = Vector4::new(at.g.sqrt(), at.mb.sqrt(), at.h.sqrt(), at.ma.sqrt());
-        // entries of the physical matrix by their numerators and masses
-        let fill = |gb: f64, kb: f64, ab: f64, ha: f64, ka: f64, aa: f64, unit: f64| {
-            #[rustfmt::skip]
-            let physical = Matrix4::new(
-                0.0, unit, 0.0, 0.0,
-                -gb, -ab, 0.0, -kb,
-                0.0, 0.0, 0.0, unit,
-                0.0, ka, -ha, -aa,
-            );
-            Matrix4::from_fn(|i, j| physical[(i, j)] * scale[i] / scale[j])
-        };
-        let generator = fill(
-            at.g / at.mb,
-            at.kappa / at.mb,
-            at.damping / at.mb,
-            at.h / at.ma,
-            at.kappa / at.ma,
-            at.damping / at.ma,
-            1.0,
-        );
-        let by = frame.by.map(|by| {
-            let over_b = |value: f64, moved: f64| (moved - value / at.mb * by.mb) / at.mb;
-            let over_a = |value: f64, moved: f64| (moved - value / at.ma * by.ma) / at.ma;
-            fill(
-                over_b(at.g, by.g),
-                over_b(at.kappa, by.kappa),
-                over_b(at.damping, by.damping),
-                over_a(at.h, by.h),
-                over_a(at.kappa, by.kappa),
-                over_a(at.damping, by.damping),
-                0.0,
-            )
-        });
-        SeparationFlow::moved_by(frame, scale, generator, by)
+        let number = |of: fn(&Quantities) -> f64| frame.number(of);
+        let [ma, mb] = [number(|of| of.ma), number(|of| of.mb)];
+        let [alpha, kappa] = [number(|of| of.damping), number(|of| of.kappa)];
+        let drag = Square([[alpha / mb, kappa / mb], [-(kappa / ma), alpha / ma]]);
+        let stiffness = Square::diagonal(number(|of| of.g) / mb, number(|of| of.h) / ma);
+        SeparationFlow::of(frame, &drag, &stiffness)
     }
 
     /// The flow of z̈ = −(drag·ż + stiffness·z), z = (U, V), in this frame.
@@ -86,64 +56,59 @@ impl SeparationFlow {
                 entry * scale[i] / scale[j]
             })
         };
-        let by = [0, 1].map(|index| fill(0.0, &|entry| entry.by[index]));
-        SeparationFlow::moved_by(frame, scale, fill(1.0, &|entry| entry.value), by)
-    }
-
-    fn moved_by(
-        frame: &Frame,
-        scale: Vector4<f64>,
-        generator: Matrix4<f64>,
-        by: [Matrix4<f64>; 2],
-    ) -> SeparationFlow {
-        // the largest column sum of a nearly skew matrix bounds its spectral norm
-        let norm = (0..4)
-            .map(|j| generator.column(j).abs().sum())
-            .fold(0.0, f64::max);
+        let generator = fill(1.0, &|entry| entry.value);
         SeparationFlow {
             scale,
+            // the largest column sum of a nearly skew matrix bounds its spectral norm
+            norm: (0..4)
+                .map(|j| generator.column(j).abs().sum())
+                .fold(0.0, f64::max),
             generator: MatrixJet {
                 at: generator,
-                by,
+                by: [0, 1].map(|index| fill(0.0, &|entry| entry.by[index])),
                 exponent: 0.0,
             },
-            norm,
             mismatch: frame.quantity(|of| of.mismatch),
             steady: frame.steady(),
         }
+    }
+
+    /// A number of each of (U, U̇, V, W), scaled.
+    fn scaled<const D: usize>(
+        &self,
+        [position, rate]: &[Pair<D>; 2],
+        of: impl Fn(&Dual<D>) -> f64,
+    ) -> Vector4<f64> {
+        let [u, u_rate, v, w] = [&position[0], &rate[0], &position[1], &rate[1]].map(of);
+        Vector4::new(u, u_rate, v, w).component_mul(&self.scale)
     }
 
     /// (U, V) and (U̇, V̇) after a time t from these; with derivatives `moving` says that t is the
     /// duration of the zone.
     pub(super) fn carried<const D: usize>(
         &self,
-        [position, rate]: [Pair<D>; 2],
+        from: [Pair<D>; 2],
         t: f64,
         moving: bool,
     ) -> Result<[Pair<D>; 2], FlowError> {
         let flow = self.exponential(t)?;
-        let from = [position[0], rate[0], position[1], rate[1]];
-        let x0 = Vector4::from_fn(|i, _| from[i].value * self.scale[i]);
+        let x0 = self.scaled(&from, |number| number.value);
         let x = flow.at * x0;
-        let slope = self.generator.at * x;
-        let by = flow.by.map(|by| by * x0);
-        let jet = |row: usize| {
-            let mut jet = Dual::<D>::constant(x[row] / self.scale[row]);
-            for (index, slot) in jet.by.iter_mut().enumerate() {
-                *slot = (0..4)
-                    .map(|i| flow.at[(row, i)] * self.scale[i] * from[i].by[index])
-                    .sum::<f64>();
-                if D == SOURCES {
-                    *slot += match index {
-                        DURATION if moving => slope[row],
-                        EXCESS => by[0][row],
-                        PARAMETER => by[1][row],
-                        _ => 0.0,
-                    };
-                }
-                *slot /= self.scale[row];
+        let mut by = [0; D].map(|_| Vector4::zeros());
+        for (index, by) in by.iter_mut().enumerate() {
+            *by = flow.at * self.scaled(&from, |number| number.by[index]);
+            if D == SOURCES {
+                *by += match index {
+                    DURATION if moving => self.generator.at * x,
+                    EXCESS => flow.by[0] * x0,
+                    PARAMETER => flow.by[1] * x0,
+                    _ => Vector4::zeros(),
+                };
             }
-            jet
+        }
+        let jet = |row: usize| Dual {
+            value: x[row] / self.scale[row],
+            by: by.map(|by| by[row] / self.scale[row]),
         };
         Ok([[jet(0), jet(2)], [jet(1), jet(3)]])
     }
@@ -170,55 +135,26 @@ impl SeparationFlow {
         Ok(flow.scaled(flow.exponent.exp()))
     }
 
-    /// x at the entry with U = δ, U̇ = 0.
-    fn entry(&self, entry: [f64; 2]) -> Vector4<f64> {
-        Vector4::new(
-            self.mismatch.value,
-            0.0,
-            entry[0] + self.steady.value,
-            entry[1],
-        )
-        .component_mul(&self.scale)
-    }
-
-    /// Columns of derivatives of the entry in c and the parameter.
-    fn entry_by(&self, index: usize) -> Vector4<f64> {
-        Vector4::new(
-            self.mismatch.by[EXCESS + index],
-            0.0,
-            self.steady.by[EXCESS + index],
-            0.0,
-        )
-        .component_mul(&self.scale)
+    /// (U, V) and (U̇, V̇) at the entry (Y, W), where U = δ and U̇ = 0.
+    fn entry<const D: usize>(&self, [y, w]: [f64; 2]) -> [Pair<D>; 2] {
+        let v = Dual::own(y, ENTRY_Y) + Dual::of(self.steady);
+        [
+            [Dual::of(self.mismatch), v],
+            [Dual::default(), Dual::own(w, ENTRY_W)],
+        ]
     }
 
     /// (U, U̇, Y, W) after a time t from the entry (Y, W).
     pub(crate) fn state(&self, entry: [f64; 2], t: f64) -> Result<[f64; 4], FlowError> {
-        let x = (self.exponential(t)?.at * self.entry(entry)).component_div(&self.scale);
-        Ok([x[0], x[1], x[2] - self.steady.value, x[3]])
+        let [[u, v], [radial_rate, w]] = self.carried(self.entry::<0>(entry), t, false)?;
+        let y = v.value - self.steady.value;
+        Ok([u.value, radial_rate.value, y, w.value])
     }
 
     /// (U, U̇, Y, W) after a time t from the entry (Y, W), with all derivatives.
     pub(crate) fn advance(&self, entry: [f64; 2], t: f64) -> Result<[Jet; 4], FlowError> {
-        let flow = self.exponential(t)?;
-        let x0 = self.entry(entry);
-        let x = flow.at * x0;
-        let rate = self.generator.at * x;
-        let by = [0, 1].map(|i| flow.by[i] * x0 + flow.at * self.entry_by(i));
-        let jet = |row: usize| Jet {
-            value: x[row] / self.scale[row],
-            by: [
-                flow.at[(row, 2)] * self.scale[2] / self.scale[row],
-                flow.at[(row, 3)] * self.scale[3] / self.scale[row],
-                rate[row] / self.scale[row],
-                by[0][row] / self.scale[row],
-                by[1][row] / self.scale[row],
-                0.0,
-                0.0,
-            ],
-        };
-        let y = jet(2) - self.steady;
-        Ok([jet(0), jet(1), y, jet(3)])
+        let [[u, v], [radial_rate, w]] = self.carried(self.entry(entry), t, true)?;
+        Ok([u, radial_rate, v - self.steady, w])
     }
 
     /// The zone from (Y, W) to its end after a time t; the switching function is (U − δ)/t^m, from
@@ -244,8 +180,9 @@ impl SeparationFlow {
 
     /// Σ_{j≥m} t^{j−m}/j! (eᵀAʲx₀) with e the radial component.
     fn short_gap(&self, entry: [f64; 2], t: f64, m: usize) -> Jet {
-        let x0 = self.entry(entry);
-        let x0_by = [0, 1].map(|i| self.entry_by(i));
+        let from = self.entry::<SOURCES>(entry);
+        let x0 = self.scaled(&from, |number| number.value);
+        let x0_by = [0, 1].map(|i| self.scaled(&from, |number| number.by[EXCESS + i]));
         let mut row = RowVector4::new(1.0 / self.scale[0], 0.0, 0.0, 0.0);
         let mut row_by = [RowVector4::zeros(); 2];
         let mut sum = Jet::default();
@@ -312,8 +249,9 @@ mod tests {
         for excess in [0.2, 3e-5, 1e-8] {
             let flow = SeparationFlow::new(&frame(excess, 0.0));
             for t in [1e-9, 0.4, 30.0, 4e3] {
-                let x = flow.exponential(t).unwrap().at * flow.entry([0.1, -0.8]);
-                let before = flow.entry([0.1, -0.8]).norm();
+                let entry = flow.scaled(&flow.entry::<0>([0.1, -0.8]), |number| number.value);
+                let x = flow.exponential(t).unwrap().at * entry;
+                let before = entry.norm();
                 // every squaring doubles the relative error of the last
                 let allowed = 1e-15 * (4.0 + flow.norm * t);
                 assert!((x.norm() / before - 1.0).abs() < allowed, "{excess} {t}");

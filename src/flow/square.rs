@@ -40,9 +40,7 @@ impl<const D: usize> Square<D> {
     pub(crate) fn inverse(&self) -> Square<D> {
         let [[a, b], [c, d]] = self.0;
         let determinant = a * d - b * c;
-        let inverse = 1.0 / determinant.value;
-        let inverse = determinant.map(inverse, -inverse * inverse);
-        Square([[d, -b], [-c, a]]) * inverse
+        Square([[d, -b], [-c, a]]) * determinant.inverse()
     }
 
     /// Its largest row sum of moduli.
@@ -88,15 +86,14 @@ impl<const D: usize> Square<D> {
         }
         let root = square.value.sqrt();
         let root = square.map(root, 0.5 / root);
-        let inverse = |x: Dual<D>| x.map(1.0 / x.value, -1.0 / (x.value * x.value));
         // l − d, and l − a = s − d but for the sign
         let rest = half + root;
-        let small_rest = b * c * inverse(rest);
+        let small_rest = b * c * rest.inverse();
         let (large, small) = (a + small_rest, d - small_rest);
         if !(small.value > 0.0 && large.value > FAR * small.value) {
             return None;
         }
-        let share = inverse(root * 2.0);
+        let share = (root * 2.0).inverse();
         Some([
             (large, Square([[rest, b], [c, small_rest]]) * share),
             (small, Square([[small_rest, -b], [-c, rest]]) * share),

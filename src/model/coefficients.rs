@@ -110,7 +110,7 @@ impl Integrals {
 }
 
 /// Lamé's C = λ + 2μ, λ and μ of a material with E = 1.
-pub fn lame(nu: f64) -> [f64; 3] {
+pub(crate) fn lame(nu: f64) -> [f64; 3] {
     let product = (1.0 + nu) * (1.0 - 2.0 * nu);
     [(1.0 - nu) / product, nu / product, 0.5 / (1.0 + nu)]
 }
@@ -158,7 +158,7 @@ impl Geometry {
     }
 
     /// ∂/∂γ: every coefficient is proportional to 1/γ.
-    pub fn derivative_in_gamma(&self) -> Coefficients {
+    pub(crate) fn derivative_in_gamma(&self) -> Coefficients {
         let value = self.coefficients();
         let factor = -1.0 / self.gamma;
         Coefficients {
@@ -171,7 +171,7 @@ impl Geometry {
     }
 
     /// ∂/∂ν.
-    pub fn derivative_in_nu(&self) -> Coefficients {
+    pub(crate) fn derivative_in_nu(&self) -> Coefficients {
         let value = self.coefficients();
         let Integrals { i0, i2, .. } = Integrals::new(self.xi);
         let elastic = Elastic::new(self.nu);
@@ -189,7 +189,7 @@ impl Geometry {
     }
 
     /// ∂/∂ξ.
-    pub fn derivative_in_xi(&self) -> Coefficients {
+    pub(crate) fn derivative_in_xi(&self) -> Coefficients {
         let value = self.coefficients();
         let integrals = Integrals::new(self.xi);
         let Elastic { c, mu, .. } = Elastic::new(self.nu);

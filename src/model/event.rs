@@ -46,7 +46,7 @@ impl EventType {
     ];
 
     /// Whether events of this type are found in the spectrum: they have a sector and an Im λ.
-    pub fn of_spectrum(self) -> bool {
+    pub(crate) fn of_spectrum(self) -> bool {
         matches!(self, EventType::HB | EventType::BP)
     }
 }

@@ -34,7 +34,7 @@ pub enum FrictionLaw {
 
 impl FrictionLaw {
     /// Static by kinetic coefficient: friction holds up to this times fP in stick.
-    pub fn static_ratio(self) -> f64 {
+    pub(crate) fn static_ratio(self) -> f64 {
         match self {
             FrictionLaw::Coulomb | FrictionLaw::Regularised { .. } => 1.0,
             FrictionLaw::Static { ratio } | FrictionLaw::Stribeck { ratio, .. } => ratio,
@@ -65,7 +65,7 @@ impl FrictionLaw {
     }
 
     /// Whether the friction force jumps at release, and V̈ with it.
-    pub fn jumps_at_release(self) -> bool {
+    pub(crate) fn jumps_at_release(self) -> bool {
         matches!(self, FrictionLaw::Static { .. })
     }
 }

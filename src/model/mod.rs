@@ -188,7 +188,7 @@ impl Model {
 
     /// Whether material damping enters a wave posed in a parameter, be it at β = 0 where β is that
     /// parameter.
-    pub fn has_material_damping(&self, parameter: Parameter) -> bool {
+    pub(crate) fn has_material_damping(&self, parameter: Parameter) -> bool {
         self.damping.stiffness > 0.0 || parameter == Parameter::StiffnessDamping
     }
 

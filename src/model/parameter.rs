@@ -243,7 +243,7 @@ impl Parameter {
     }
 
     /// The parameter of a column; `None` when the column is no parameter.
-    pub fn from_column(column: &str) -> Option<Self> {
+    pub(crate) fn from_column(column: &str) -> Option<Self> {
         Parameter::ALL
             .into_iter()
             .find(|parameter| parameter.column() == column)

@@ -25,7 +25,7 @@ impl Range {
         }
     }
 
-    pub const fn upto(most: f64) -> Range {
+    pub(crate) const fn upto(most: f64) -> Range {
         Range {
             least: Unbounded,
             most: Included(most),

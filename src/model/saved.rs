@@ -23,7 +23,7 @@ struct SavedModel {
     law: FrictionLaw,
 }
 
-pub fn serialize<S: Serializer>(model: &Model, serializer: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn serialize<S: Serializer>(model: &Model, serializer: S) -> Result<S::Ok, S::Error> {
     SavedModel {
         source: match model.source.geometry() {
             Some(tube) => SavedSource::Geometry(tube),
@@ -39,7 +39,7 @@ pub fn serialize<S: Serializer>(model: &Model, serializer: S) -> Result<S::Ok, S
     .serialize(serializer)
 }
 
-pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Model, D::Error> {
+pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Model, D::Error> {
     let saved = SavedModel::deserialize(deserializer)?;
     Ok(Model {
         source: match saved.source {

@@ -90,7 +90,7 @@ pub struct Signature(pub Vec<Zone>);
 
 impl Signature {
     /// One zone of slip: a wave on steady sliding at its Hopf point.
-    pub fn slip_alone() -> Signature {
+    pub(crate) fn slip_alone() -> Signature {
         Signature(vec![Zone {
             regime: Regime::Slip,
             entry: Entry::Section,
@@ -122,7 +122,7 @@ impl Signature {
     }
 
     /// Whether both are the same cycle: without stick a wave may begin anywhere.
-    pub fn is_rotation_of(&self, other: &Signature) -> bool {
+    pub(crate) fn is_rotation_of(&self, other: &Signature) -> bool {
         self.len() == other.len()
             && (0..self.len()).any(|shift| {
                 (0..self.len()).all(|index| self.0[index] == other.zone(index + shift))

@@ -29,7 +29,7 @@ pub enum Toward {
 impl Toward {
     /// The way a branch leaves a Hopf point of steady sliding: damping ends the waves that friction
     /// drives.
-    pub fn beyond_hopf(parameter: Parameter) -> Toward {
+    pub(crate) fn beyond_hopf(parameter: Parameter) -> Toward {
         match parameter {
             Parameter::MassDamping | Parameter::StiffnessDamping => Toward::Down,
             _ => Toward::Up,
@@ -82,7 +82,7 @@ impl Continuation {
     }
 
     /// Largest number of points of a leg: the one given, or what a law can do in seconds.
-    pub fn most_points(&self, law: FrictionLaw) -> usize {
+    pub(crate) fn most_points(&self, law: FrictionLaw) -> usize {
         self.max_points.unwrap_or(match law {
             FrictionLaw::Regularised { .. } => DEFAULT_MAX_POINTS_INTEGRATED,
             _ => DEFAULT_MAX_POINTS,

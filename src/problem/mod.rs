@@ -57,10 +57,10 @@ pub(crate) const DEFAULT_EIGENVALUES: usize = 6;
 pub(crate) const DEFAULT_MAX_FREQUENCY: f64 = 12.0;
 
 /// A commented problem file to start from: the mode-4 branch in the mismatch.
-pub const TEMPLATE: &str = include_str!("template.ron");
+pub(crate) const TEMPLATE: &str = include_str!("template.ron");
 
 /// [`TEMPLATE`] with a section that is a comment there: `map`, `curve` or `simulation`.
-pub fn template_with(section: &str) -> String {
+pub(crate) fn template_with(section: &str) -> String {
     uncommented(TEMPLATE, section)
 }
 
@@ -384,14 +384,14 @@ pub fn says(text: &str, path: &str) -> bool {
 }
 
 /// The decimal that the text of a problem has at a path.
-pub fn decimal_at(text: &str, path: &str) -> Option<Decimal> {
+pub(crate) fn decimal_at(text: &str, path: &str) -> Option<Decimal> {
     let outline = Outline::of(text);
     let there = outline.has(path).then(|| outline.locate(path))?;
     Decimal::try_from(text.get(there)?.to_owned()).ok()
 }
 
 /// The decimal below a path that reads as a double; the shortest where the text has none.
-pub fn decimal_of(text: &str, path: &str, value: f64) -> Decimal {
+pub(crate) fn decimal_of(text: &str, path: &str, value: f64) -> Decimal {
     let outline = Outline::of(text);
     let below = outline.leaves().filter(|leaf| leaf.path.starts_with(path));
     let decimals = below.filter_map(|leaf| Decimal::try_from(leaf.source.to_owned()).ok());
@@ -400,7 +400,7 @@ pub fn decimal_of(text: &str, path: &str, value: f64) -> Decimal {
 }
 
 /// A refusal of what the text of a problem says at a path, for reasons that only show later.
-pub fn refuse_at(
+pub(crate) fn refuse_at(
     text: &str,
     name: &str,
     path: &str,

@@ -163,20 +163,20 @@ impl<'a> Outline<'a> {
     }
 
     /// What does not end, when that is noticed at or before the offset.
-    pub fn broken_before(&self, offset: usize) -> Option<Flaw> {
+    pub(crate) fn broken_before(&self, offset: usize) -> Option<Flaw> {
         let (noticed, flaw) = self.broken.as_ref()?;
         (*noticed <= offset).then(|| flaw.clone())
     }
 
     /// The innermost value around the offset.
-    pub fn innermost(&self, offset: usize) -> Option<usize> {
+    pub(crate) fn innermost(&self, offset: usize) -> Option<usize> {
         self.nodes
             .iter()
             .rposition(|node| node.span.contains(&offset))
     }
 
     /// The value that ends at the offset.
-    pub fn ending(&self, offset: usize) -> Option<usize> {
+    pub(crate) fn ending(&self, offset: usize) -> Option<usize> {
         self.nodes.iter().rposition(|node| node.span.end == offset)
     }
 
@@ -189,7 +189,7 @@ impl<'a> Outline<'a> {
     }
 
     /// The end of the white space and the comments at the offset.
-    pub fn after_blank(&self, mut offset: usize) -> usize {
+    pub(crate) fn after_blank(&self, mut offset: usize) -> usize {
         while offset < self.text.len()
             && let (Token::Blank, length) = next_token(&self.text[offset..])
         {
@@ -199,7 +199,7 @@ impl<'a> Outline<'a> {
     }
 
     /// The word or the mark at the offset; nothing at the end of the text.
-    pub fn token(&self, offset: usize) -> Range<usize> {
+    pub(crate) fn token(&self, offset: usize) -> Range<usize> {
         let length = match &self.text[offset..] {
             "" => 0,
             rest => next_token(rest).1,
@@ -208,18 +208,18 @@ impl<'a> Outline<'a> {
     }
 
     /// Whether the offset lies within a word, or between the name of a group and its values.
-    pub fn splits(&self, node: usize, offset: usize) -> bool {
+    pub(crate) fn splits(&self, node: usize, offset: usize) -> bool {
         let span = self.span(node);
         span.start < offset && offset < span.end && offset <= self.bracket(node).start
     }
 
     /// Whether the value stands in a list or between parentheses, without a key.
-    pub fn is_entry(&self, node: usize) -> bool {
+    pub(crate) fn is_entry(&self, node: usize) -> bool {
         self.nodes[node].key.is_none() && self.nodes[node].parent.is_some()
     }
 
     /// Whether the value stands between parentheses without a key.
-    pub fn is_bare(&self, node: usize) -> bool {
+    pub(crate) fn is_bare(&self, node: usize) -> bool {
         let parent = self.nodes[node].parent;
         self.is_entry(node) && parent.is_some_and(|group| &self.text[self.bracket(group)] == "(")
     }

@@ -81,17 +81,7 @@ impl HighFrequency {
             for zone in &characteristic.zones {
                 if zone.regime == Regime::Stick {
                     // only η is left, and release begins anew
-                    let sum = merge(&paths, true, period);
-                    paths = sum
-                        .iter()
-                        .flat_map(|path| {
-                            (0..2).map(|branch| Path {
-                                branch,
-                                factor: path.factor * split(0.0)[branch],
-                                advance: path.advance,
-                            })
-                        })
-                        .collect();
+                    paths = spread(&merge(&paths, true, period), |_| split(0.0));
                     forgotten = true;
                     continue;
                 }
@@ -111,17 +101,7 @@ impl HighFrequency {
                     determinant.1 -= (x[0] + x[1]) * zone.duration;
                 }
                 if let Jump::Reversal(ratio) = zone.jump {
-                    paths = paths
-                        .iter()
-                        .flat_map(|path| {
-                            let parts = split(ratio * x[path.branch]);
-                            (0..2).map(move |branch| Path {
-                                branch,
-                                factor: path.factor * parts[branch],
-                                advance: path.advance,
-                            })
-                        })
-                        .collect();
+                    paths = spread(&paths, |path| split(ratio * x[path.branch]));
                     paths = merge(&paths, false, period);
                     if start == 0 {
                         determinant.0 *= ratio;
@@ -222,6 +202,21 @@ impl HighFrequency {
         let (above, below) = boundary((low, high), 0.0, |rho| self.size(rho) <= 1.0);
         0.5 * (above + below)
     }
+}
+
+/// Paths that go on in both branches, with these parts of each.
+fn spread(paths: &[Path], parts: impl Fn(&Path) -> [f64; 2]) -> Vec<Path> {
+    let mut both = Vec::with_capacity(2 * paths.len());
+    for path in paths {
+        for (branch, part) in parts(path).into_iter().enumerate() {
+            both.push(Path {
+                branch,
+                factor: path.factor * part,
+                advance: path.advance,
+            });
+        }
+    }
+    both
 }
 
 /// Adds up paths of the same advance; of one branch, or of both where only η counts.

@@ -42,13 +42,10 @@
 //!
 //! with d = 0 where there is stick. F_j tends to 1 as Re λ → ∞.
 
-use nalgebra::Vector4;
-
 use super::perturbation::{
-    C64, FrictionImpact, Jump, LinearZone, ONE, Perturbations, Reaction, ZERO, oscillator,
+    C64, Jump, Landing, LinearZone, Perturbations, Reaction, ZERO, oscillator,
 };
 pub use super::perturbation::{Characteristic, Scaled, Value};
-use super::separation::Separation;
 use crate::flow::FlowError;
 use crate::linalg::Vector;
 use crate::model::Impact;
@@ -86,7 +83,8 @@ impl Characteristic {
             let point = bare.pack(&wave.unpack(point), excess, parameter);
             return Characteristic::new(&bare, &point);
         }
-        let flows = wave.flows(point)?;
+        let posed = wave.at(point)?;
+        let flows = &posed.flows;
         let at = flows.frame.at;
         let count = wave.zones();
         let weight = flows.frame.weight().value;
@@ -100,7 +98,7 @@ impl Characteristic {
         for index in 0..count {
             let zone = wave.signature.zone(index);
             let next = wave.signature.zone(index + 1);
-            let end = wave.zone_end(&flows, point, index)?;
+            let end = posed.zone_end(index)?;
             let (y, w, radial) = (end.y.value, end.w.value, end.radial_rate.value);
             let sliding = |regime: Regime| flows.contact(regime).outer_acceleration([y, w]);
             let jump = match next.entry {
@@ -110,12 +108,11 @@ impl Characteristic {
                 Entry::Release | Entry::Section => Jump::None,
                 Entry::Arrest => Jump::Arrest,
                 Entry::TakeOff if at.material > 0.0 => {
-                    Jump::Depart(wave.reaction(&flows, zone.regime).value)
+                    Jump::Depart(posed.reaction(zone.regime).value)
                 }
                 Entry::TakeOff => Jump::TakeOff,
                 Entry::Reversal if at.material > 0.0 => {
-                    let (slide, after) =
-                        (wave.slide_at(point, index), wave.slide_at(point, index + 1));
+                    let (slide, after) = (posed.slide(index), posed.slide(index + 1));
                     let leaving = flows.contact(zone.regime);
                     let t = slide.duration;
                     let jerk = flows.contact(next.regime).jerk(&after, 0.0, after.entry)
@@ -133,11 +130,11 @@ impl Characteristic {
                         [normal / (beta * b), shear / (beta * a)]
                     };
                     let before = end.impulse.map(|jet| jet.value / beta);
-                    let slide = wave.slide_at(point, index + 1);
-                    let share = wave.reaction(&flows, next.regime).value;
+                    let slide = posed.slide(index + 1);
+                    let share = posed.reaction(next.regime).value;
                     let [lift, bend, radial, tangential] = match next.regime {
                         Regime::Separation => {
-                            let after = wave.entry_acceleration(&flows, point, index + 1)?;
+                            let after = posed.entry_acceleration(index + 1)?;
                             let after = after.map(|jet| jet.value);
                             let [radial, tangential] = left(after);
                             [after[0], after[1], radial, tangential]
@@ -160,10 +157,8 @@ impl Characteristic {
                         arrested: next.entry == Entry::ArrestedLanding,
                     })
                 }
-                Entry::ArrestedLanding | Entry::Landing | Entry::Touch
-                    if wave.model.impact == Impact::Coulomb =>
-                {
-                    let after = wave.rate_after_switch(&flows, &end, index).value;
+                Entry::ArrestedLanding | Entry::Landing | Entry::Touch => {
+                    let after = posed.rate_after_switch(&end, index).value;
                     let free = |w: f64, radial: f64| {
                         (at.kappa * radial - at.damping * w - at.h * (y + steady)) / at.ma
                     };
@@ -172,34 +167,34 @@ impl Characteristic {
                             (free(after, 0.0), -(weight + at.kappa * after) / at.mb)
                         }
                         Regime::Stick => (0.0, 0.0),
-                        _ => {
-                            let flow = flows.contact(next.regime);
+                        regime => {
+                            let flow = flows.contact(regime);
                             (flow.outer_acceleration([y, after]), 0.0)
                         }
                     };
+                    // only a Coulomb impact brings V̇ to 1
                     let arrested = next.entry == Entry::ArrestedLanding;
-                    let friction = next.regime.sliding().unwrap_or(1.0) * at.friction;
+                    let friction = match wave.model.impact {
+                        Impact::Coulomb => next.regime.sliding().unwrap_or(1.0) * at.friction,
+                        Impact::Frictionless => 0.0,
+                    };
                     let share = friction * at.mb / at.ma;
                     let normal = -(weight + at.kappa * w + at.damping * radial) / at.mb;
                     let bent = slide - free(w, radial) + share * normal;
-                    Jump::Impact(FrictionImpact {
+                    Jump::Landing(Landing {
                         eta: (after - w) / radial,
-                        rate: if arrested { slide } else { bent } / radial,
+                        rate: match next.entry {
+                            Entry::ArrestedLanding => slide / radial,
+                            // of [V̈] = −κU̇⁻/m_a the difference would keep less
+                            Entry::Touch if friction == 0.0 => -at.kappa / at.ma,
+                            _ => bent / radial,
+                        },
                         slope: 2.0 * friction * (a - b) / (at.ma * at.ma),
                         share,
                         arrested,
                         bounce: bounce / radial,
                     })
                 }
-                // only a Coulomb impact brings V̇ to 1
-                Entry::ArrestedLanding | Entry::Landing => {
-                    let free = (at.kappa * radial - at.damping * w - at.h * (y + steady)) / at.ma;
-                    Jump::Landing((sliding(next.regime) - free) / radial)
-                }
-                Entry::Touch => Jump::Touch {
-                    tangential: -at.kappa / at.ma,
-                    radial: -(weight + at.kappa * w) / at.mb / radial,
-                },
             };
             zones.push(LinearZone {
                 regime: zone.regime,
@@ -248,26 +243,7 @@ impl Characteristic {
         if self.beta > 0.0 {
             return self.evaluate_material(lambda);
         }
-        let one = Scaled {
-            value: ONE,
-            derivative: ZERO,
-            exponent: 0.0,
-        };
-        let start = |row: usize| {
-            let mut column = Vector4::repeat(ZERO);
-            column[row] = ONE;
-            column
-        };
-        let mut state = Perturbations {
-            columns: [start(2), start(3)],
-            by: [Vector4::repeat(ZERO); 2],
-            exponent: 0.0,
-        };
-        let none = Scaled {
-            value: ZERO,
-            derivative: ZERO,
-            exponent: 0.0,
-        };
+        let mut state = Perturbations::unit();
         if self.stick {
             self.release(lambda, &mut state);
             for zone in &self.zones {
@@ -278,24 +254,14 @@ impl Characteristic {
                 derivative: state.by[0][2],
                 exponent: state.exponent,
             };
-            return Value {
-                unit: one,
-                trace: trace.delayed(lambda, self.period),
-                determinant: none,
-                layer: None,
-                offset: 0.0,
-            };
+            return Value::of_stick([Scaled::ONE, trace.delayed(lambda, self.period)]);
         }
         // from contact to contact, a chain of separation zones being one factor; the determinant
         // factor by factor: as a difference of products it would cancel
-        let mut determinant = one;
+        let mut determinant = Scaled::ONE;
         let mut index = 0;
         while index < self.zones.len() {
-            let mut part = Perturbations {
-                columns: [start(2), start(3)],
-                by: [Vector4::repeat(ZERO); 2],
-                exponent: 0.0,
-            };
+            let mut part = Perturbations::unit();
             loop {
                 self.cross(&self.zones[index], lambda, &mut part, 2);
                 index += 1;
@@ -333,7 +299,7 @@ impl Characteristic {
             exponent: state.exponent,
         };
         Value {
-            unit: one,
+            unit: Scaled::ONE,
             layer: None,
             offset: 0.0,
             trace: trace.delayed(lambda, self.period),
@@ -389,7 +355,7 @@ impl Characteristic {
                 state.exponent += exponent;
             }
             Regime::Separation => {
-                self.separation().flow(lambda, duration, state, count);
+                self.separated(lambda, duration, state, count);
             }
         }
         state.normalise(count);
@@ -408,21 +374,21 @@ impl Characteristic {
             }
             return;
         }
-        if let Jump::Impact(impact) = jump {
+        if let Jump::Landing(landing) = jump {
             for column in 0..count {
                 let (at, by) = (&mut state.columns[column], &mut state.by[column]);
-                let slope = C64::from(if impact.arrested { 0.0 } else { impact.slope });
+                let slope = C64::from(if landing.arrested { 0.0 } else { landing.slope });
                 by[3] += slope * at[0];
                 for vector in [at, by] {
                     let [u, u_rate, ..] = vector.data.0[0];
-                    if impact.arrested {
+                    if landing.arrested {
                         vector[3] = ZERO;
                     } else {
-                        vector[3] += slope * lambda * u - u_rate * impact.share;
+                        vector[3] += slope * lambda * u - u_rate * landing.share;
                     }
-                    vector[3] += u * impact.rate;
-                    vector[2] += u * impact.eta;
-                    vector[1] = u * impact.bounce;
+                    vector[3] += u * landing.rate;
+                    vector[2] += u * landing.eta;
+                    vector[1] = u * landing.bounce;
                     vector[0] = ZERO;
                 }
             }
@@ -430,30 +396,15 @@ impl Characteristic {
         }
         for column in 0..count {
             for vector in [&mut state.columns[column], &mut state.by[column]] {
-                let u = vector[0];
                 match jump {
-                    Jump::None
-                    | Jump::StaticRelease(_)
-                    | Jump::Bend(_)
-                    | Jump::Impact(_)
-                    | Jump::Depart(_)
-                    | Jump::Settle(_) => {}
                     Jump::Arrest => vector[3] = ZERO,
                     Jump::Reversal(ratio) => vector[3] *= ratio,
                     Jump::TakeOff => {
                         vector[0] = ZERO;
                         vector[1] = ZERO;
                     }
-                    Jump::Landing(factor) => {
-                        vector[3] += u * factor;
-                        vector[0] = ZERO;
-                        vector[1] = ZERO;
-                    }
-                    Jump::Touch { tangential, radial } => {
-                        vector[3] += u * tangential;
-                        vector[1] = u * radial;
-                        vector[0] = ZERO;
-                    }
+                    // done above, none, or of the boundary-value problem
+                    _ => {}
                 }
             }
         }
@@ -474,18 +425,5 @@ impl Characteristic {
             / (self.ma * self.ma);
         let delta_by = (lambda * (2.0 * self.a) - linear) / (self.ma * self.ma);
         oscillator([p, q, delta], [C64::from(p_by), q_by, delta_by], s)
-    }
-
-    pub(super) fn separation(&self) -> Separation {
-        Separation {
-            ma: self.ma,
-            mb: self.mb,
-            a: self.a,
-            b: self.b,
-            kappa: self.kappa,
-            g: self.g,
-            h: self.h,
-            damping: self.damping,
-        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use super::perturbation::{C64, ONE, Scaled, ZERO};
+use super::perturbation::{C64, Scaled, ZERO};
 
 /// A complex number with its derivative in λ.
 #[derive(Clone, Copy, Debug)]
@@ -77,11 +77,7 @@ impl Mul<f64> for Dual {
 /// equal size.
 pub(super) fn determinant(mut rows: Vec<Vec<Dual>>) -> Scaled {
     let count = rows.len();
-    let mut product = Scaled {
-        value: ONE,
-        derivative: ZERO,
-        exponent: 0.0,
-    };
+    let mut product = Scaled::ONE;
     for row in &mut rows {
         let size = row
             .iter()

@@ -7,6 +7,7 @@
 
 use nalgebra::Vector4;
 
+use super::boundary::Motion;
 use super::perturbation::{C64, Characteristic, LinearZone, Perturbations, ZERO};
 use crate::model::signature::Regime;
 
@@ -35,9 +36,9 @@ pub struct Eigenfunction {
 /// (η, η′) and its place, one wavelength long.
 struct Trace {
     times: Vec<f64>,
-    states: Vec<Vector4<C64>>,
-    /// Perturbations at the end of the wavelength.
-    end: Vector4<C64>,
+    states: Vec<[C64; 2]>,
+    /// (η, η′) at the end of the wavelength.
+    end: [C64; 2],
     equation_residual: f64,
 }
 
@@ -46,11 +47,11 @@ struct Trace {
 /// null vector of M e^{−λT} − z.
 fn beginning(characteristic: &Characteristic, lambda: C64, z: C64) -> Vector4<C64> {
     if characteristic.stick {
-        let mut state = single(Vector4::new(ZERO, ZERO, C64::from(1.0), ZERO));
+        let mut state = Perturbations::single(Vector4::new(ZERO, ZERO, C64::from(1.0), ZERO));
         characteristic.release(lambda, &mut state);
         return state.columns[0];
     }
-    let mut state = unit_columns();
+    let mut state = Perturbations::unit();
     for zone in &characteristic.zones {
         characteristic.cross(zone, lambda, &mut state, 2);
     }
@@ -69,27 +70,6 @@ fn beginning(characteristic: &Characteristic, lambda: C64, z: C64) -> Vector4<C6
     Vector4::new(ZERO, ZERO, y / size, w / (size * period))
 }
 
-fn unit_columns() -> Perturbations {
-    let column = |row: usize| {
-        let mut column = Vector4::repeat(ZERO);
-        column[row] = C64::from(1.0);
-        column
-    };
-    Perturbations {
-        columns: [column(2), column(3)],
-        by: [Vector4::repeat(ZERO); 2],
-        exponent: 0.0,
-    }
-}
-
-fn single(column: Vector4<C64>) -> Perturbations {
-    Perturbations {
-        columns: [column, Vector4::repeat(ZERO)],
-        by: [Vector4::repeat(ZERO); 2],
-        exponent: 0.0,
-    }
-}
-
 /// The time in which an eigenfunction changes: it turns with λ and with the wave.
 fn shortest(characteristic: &Characteristic, lambda: C64) -> f64 {
     1.0 / (characteristic.period.recip() + lambda.norm())
@@ -104,33 +84,57 @@ fn sampled(zone: &LinearZone, period: f64, resolution: usize) -> Vec<f64> {
         .collect()
 }
 
-/// With material damping: the boundary-value problem is solved zone by zone.
-fn material_trace(
+/// The motion at chosen times of every zone without material damping, u″ and η″ left out, and η and η′ at
+/// the end of the period: [`Characteristic::material_states`] with it.
+fn undamped_states(
     characteristic: &Characteristic,
     lambda: C64,
     z: C64,
-    resolution: usize,
-) -> Trace {
-    let period = characteristic.period;
-    let (sampled_states, end) =
-        characteristic.material_states(lambda, z, |zone| sampled(zone, period, resolution));
+    times: impl Fn(&LinearZone) -> Vec<f64>,
+) -> (Vec<Vec<Motion>>, [C64; 2]) {
+    let mut column = beginning(characteristic, lambda, z);
+    let mut states = Vec::with_capacity(characteristic.zones.len());
+    for zone in &characteristic.zones {
+        let at = |time: f64| {
+            let mut state = Perturbations::single(column);
+            characteristic.flow(zone, lambda, time, &mut state, 1);
+            let moved = state.columns[0] * C64::from(state.exponent.exp());
+            [moved[0], moved[1], ZERO, moved[2], moved[3], ZERO]
+        };
+        states.push(times(zone).into_iter().map(at).collect());
+        let mut state = Perturbations::single(column);
+        characteristic.cross(zone, lambda, &mut state, 1);
+        column = state.columns[0] * C64::from(state.exponent.exp());
+    }
+    (states, [column[2], column[3]])
+}
+
+fn trace(characteristic: &Characteristic, lambda: C64, z: C64, resolution: usize) -> Trace {
+    let (period, damped) = (characteristic.period, characteristic.beta > 0.0);
+    let states_at = |times: &dyn Fn(&LinearZone) -> Vec<f64>| {
+        if damped {
+            return characteristic.material_states(lambda, z, times);
+        }
+        undamped_states(characteristic, lambda, z, times)
+    };
+    let (sampled_states, end) = states_at(&|zone| sampled(zone, period, resolution));
     let mut times = Vec::with_capacity(resolution + 8);
     let mut states = Vec::with_capacity(resolution + 8);
     let mut start = 0.0;
     for (zone, here) in characteristic.zones.iter().zip(&sampled_states) {
-        for (time, state) in sampled(zone, period, resolution).iter().zip(here) {
+        for (time, [_, _, _, eta, rate, _]) in sampled(zone, period, resolution).iter().zip(here) {
             times.push(start + time);
-            states.push(Vector4::new(state[0], state[1], state[3], state[4]));
+            states.push([*eta, *rate]);
         }
         start += zone.duration;
     }
-    // η‴ from η″ by central differences of sixth order, away from the layer's own scale
+    // the highest derivative of η by central differences of sixth order, independent of the derivation
+    // of the flow and away from the scale of a layer
     let h = |zone: &LinearZone| 1e-2 * zone.duration.min(shortest(characteristic, lambda));
-    const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
-    let (stencils, _) = characteristic.material_states(lambda, z, |zone| {
+    let (stencils, _) = states_at(&|zone| {
         let offsets = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
         let around = |share: f64| offsets.map(|offset| share * zone.duration + offset * h(zone));
-        PLACES.into_iter().flat_map(around).collect()
+        [0.25, 0.5, 0.75].into_iter().flat_map(around).collect()
     });
     let mut equation_residual = 0.0_f64;
     for (zone, stencil) in characteristic.zones.iter().zip(&stencils) {
@@ -139,88 +143,26 @@ fn material_trace(
         }
         let sigma = zone.regime.sliding().unwrap_or(0.0);
         for seven in stencil.chunks_exact(7) {
-            let row = |index: usize| seven[index][5];
-            let third = ((row(4) - row(2)) * 45.0 - (row(5) - row(1)) * 9.0 + (row(6) - row(0)))
+            let row = |index: usize| seven[index][if damped { 5 } else { 4 }];
+            let highest = ((row(4) - row(2)) * 45.0 - (row(5) - row(1)) * 9.0 + (row(6) - row(0)))
                 / (60.0 * h(zone));
-            let (terms, size) = characteristic.material_terms(lambda, sigma, seven[3], third);
+            let [u, u_rate, u_bend, eta, rate, bend] = seven[3];
+            let (bend, third) = if damped {
+                (bend, highest)
+            } else {
+                (highest, ZERO)
+            };
+            let motion = [u, u_rate, u_bend, eta, rate, bend];
+            let (terms, size) = characteristic.material_terms(lambda, sigma, motion, third);
             equation_residual = equation_residual.max(terms.norm() / size.max(1e-300));
         }
     }
     Trace {
         times,
         states,
-        end: Vector4::new(ZERO, ZERO, end[0], end[1]),
+        end,
         equation_residual,
     }
-}
-
-fn trace(characteristic: &Characteristic, lambda: C64, z: C64, resolution: usize) -> Trace {
-    if characteristic.beta > 0.0 {
-        return material_trace(characteristic, lambda, z, resolution);
-    }
-    let mut column = beginning(characteristic, lambda, z);
-    let mut times = Vec::with_capacity(resolution + 8);
-    let mut states = Vec::with_capacity(resolution + 8);
-    let mut start = 0.0;
-    let mut equation_residual = 0.0_f64;
-    for zone in &characteristic.zones {
-        let at = |time: f64| {
-            let mut state = single(column);
-            characteristic.flow(zone, lambda, time, &mut state, 1);
-            state.columns[0] * C64::from(state.exponent.exp())
-        };
-        for time in sampled(zone, characteristic.period, resolution) {
-            times.push(start + time);
-            states.push(at(time));
-        }
-        if zone.regime != Regime::Stick {
-            // central differences of sixth order of the exact flow: independent of its derivation
-            let h = 1e-2 * zone.duration.min(shortest(characteristic, lambda));
-            for time in [0.25, 0.5, 0.75].map(|share| share * zone.duration) {
-                let row = |offset: f64| at(time + offset * h)[3];
-                let curvature = ((row(1.0) - row(-1.0)) * 45.0 - (row(2.0) - row(-2.0)) * 9.0
-                    + (row(3.0) - row(-3.0)))
-                    / (60.0 * h);
-                let (terms, size) =
-                    tangential_terms(characteristic, zone.regime, lambda, &at(time), curvature);
-                equation_residual = equation_residual.max(terms.norm() / size.max(1e-300));
-            }
-        }
-        let mut state = single(column);
-        characteristic.cross(zone, lambda, &mut state, 1);
-        column = state.columns[0] * C64::from(state.exponent.exp());
-        start += zone.duration;
-    }
-    Trace {
-        times,
-        states,
-        end: column,
-        equation_residual,
-    }
-}
-
-/// Sum and largest of the terms of the tangential equation.
-fn tangential_terms(
-    characteristic: &Characteristic,
-    regime: Regime,
-    lambda: C64,
-    state: &Vector4<C64>,
-    curvature: C64,
-) -> (C64, f64) {
-    let [u, u_rate, y, rate] = state.data.0[0];
-    let force = regime.sliding().unwrap_or(0.0) * characteristic.friction * characteristic.kappa;
-    let mut terms = vec![
-        curvature * characteristic.ma,
-        rate * (lambda * (2.0 * characteristic.a) - force + characteristic.damping),
-        y * (lambda * force - lambda * lambda * characteristic.a + characteristic.h),
-    ];
-    if regime == Regime::Separation {
-        terms.push(-(u_rate - lambda * u) * characteristic.kappa);
-    }
-    let size = terms
-        .iter()
-        .fold(0.0_f64, |size, term| size.max(term.norm()));
-    (terms.into_iter().sum(), size)
 }
 
 /// The eigenfunction of an eigenvalue λ of a Bloch sector, over the full circle, for a wave of
@@ -235,22 +177,21 @@ pub fn eigenfunction(
     let z = characteristic.multiplier(sector);
     let trace = trace(characteristic, lambda, z, resolution);
     let first = trace.states[0];
-    let slope = |s: f64, state: &Vector4<C64>| {
-        -(-lambda * s).exp() * (state[3] - lambda * state[2]) / speed
-    };
-    let norm = (first[2] * first[2] + slope(0.0, &first) * slope(0.0, &first)).sqrt();
+    let slope =
+        |s: f64, state: &[C64; 2]| -(-lambda * s).exp() * (state[1] - lambda * state[0]) / speed;
+    let norm = (first[0] * first[0] + slope(0.0, &first) * slope(0.0, &first)).sqrt();
     // ψ(0)² + ψ′(0)² may vanish for a complex ψ: then its modulus serves
     let norm = if norm.norm() > 1e-8 {
         norm
     } else {
-        C64::from((first[2].norm_sqr() + slope(0.0, &first).norm_sqr()).sqrt())
+        C64::from((first[0].norm_sqr() + slope(0.0, &first).norm_sqr()).sqrt())
     };
     let turn = (-lambda * characteristic.period).exp();
     let period = characteristic.period;
-    let size = first[2].norm().hypot(first[3].norm() * period);
-    let mut closure = (trace.end[2] * turn - z * first[2]).norm();
+    let size = first[0].norm().hypot(first[1].norm() * period);
+    let mut closure = (trace.end[0] * turn - z * first[0]).norm();
     if !characteristic.stick {
-        closure = closure.hypot((trace.end[3] * turn - z * first[3]).norm() * period);
+        closure = closure.hypot((trace.end[1] * turn - z * first[1]).norm() * period);
     }
     let mut samples = Vec::with_capacity(trace.times.len() * characteristic.mode as usize);
     let mut factor = C64::from(1.0);
@@ -260,7 +201,7 @@ pub fn eigenfunction(
             let decay = (-lambda * *time).exp();
             samples.push(ModeSample {
                 theta: (offset + time) * speed.abs(),
-                psi: factor * decay * state[2] / norm,
+                psi: factor * decay * state[0] / norm,
                 slope: factor * slope(*time, state) / norm,
             });
         }

@@ -42,6 +42,20 @@ pub struct Scaled {
 }
 
 impl Scaled {
+    /// 1.
+    pub(super) const ONE: Scaled = Scaled {
+        value: ONE,
+        derivative: ZERO,
+        exponent: 0.0,
+    };
+
+    /// 0.
+    pub(super) const ZERO: Scaled = Scaled {
+        value: ZERO,
+        derivative: ZERO,
+        exponent: f64::NEG_INFINITY,
+    };
+
     /// A number of modulus one with its derivative, on the scale of the number given.
     pub(super) fn normalised(value: C64, derivative: C64) -> Scaled {
         let size = value.norm();
@@ -116,11 +130,7 @@ impl Value {
         Value {
             unit,
             trace,
-            determinant: Scaled {
-                value: ZERO,
-                derivative: ZERO,
-                exponent: f64::NEG_INFINITY,
-            },
+            determinant: Scaled::ZERO,
             layer: None,
             offset: 0.0,
         }
@@ -202,21 +212,18 @@ pub(super) enum Jump {
     Bend(f64),
     /// u := u′ := 0.
     TakeOff,
-    /// η′ := η′ + factor·u, then u := u′ := 0.
-    Landing(f64),
-    /// η′ := η′ + tangential·u, u′ := radial·u, then u := 0.
-    Touch { tangential: f64, radial: f64 },
-    /// Landing or touch with friction.
-    Impact(FrictionImpact),
+    /// Landing or touch.
+    Landing(Landing),
     /// Take-off with material damping, σfb/a.
     Depart(f64),
     /// Landing or touch with material damping.
     Settle(Reaction),
 }
 
-/// What a Coulomb impact does to a perturbation, in units of u or u′ before it.
+/// What a landing or a touch does to a perturbation, in units of u or u′ before it; without friction in
+/// the impact only `rate` and `bounce`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct FrictionImpact {
+pub(super) struct Landing {
     /// [V̇]/U̇⁻: η := η + eta·u.
     pub(super) eta: f64,
     /// η′ := η′ + rate·u, and a part of each of the following two.
@@ -294,6 +301,24 @@ pub(super) struct Perturbations {
 }
 
 impl Perturbations {
+    /// η = 1 and η′ = 1, each by itself.
+    pub(super) fn unit() -> Perturbations {
+        let unit = |row: usize| Vector4::from_fn(|i, _| if i == row { ONE } else { ZERO });
+        Perturbations {
+            columns: [unit(2), unit(3)],
+            ..Perturbations::single(Vector4::zeros())
+        }
+    }
+
+    /// One perturbation.
+    pub(super) fn single(column: Vector4<C64>) -> Perturbations {
+        Perturbations {
+            columns: [column, Vector4::zeros()],
+            by: [Vector4::zeros(); 2],
+            exponent: 0.0,
+        }
+    }
+
     /// Keeps the mantissas near one.
     pub(super) fn normalise(&mut self, count: usize) {
         let size = self.columns[..count]

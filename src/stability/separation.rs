@@ -23,7 +23,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::perturbation::{C64, ONE, Perturbations, ZERO, square_root};
+use super::perturbation::{C64, Characteristic, ONE, Perturbations, ZERO, square_root};
 use crate::flow::exponential::MatrixJet;
 
 /// Up to this bound of |r s| the power series is summed; beyond it, u of order (rs)³/6 is no
@@ -45,20 +45,6 @@ const ROOT_ERROR: f64 = 1e-11;
 
 /// Largest cancellation allowed in a sum of residues: it costs as many units of rounding.
 const CANCELLATION: f64 = 30.0;
-
-/// The coefficients of a separation zone.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Separation {
-    pub(super) ma: f64,
-    pub(super) mb: f64,
-    /// ã and b̃.
-    pub(super) a: f64,
-    pub(super) b: f64,
-    pub(super) kappa: f64,
-    pub(super) g: f64,
-    pub(super) h: f64,
-    pub(super) damping: f64,
-}
 
 /// P(r) = m r² + p₁r + p₀ and its derivatives in r and λ.
 #[derive(Clone, Copy)]
@@ -118,9 +104,9 @@ struct Residue {
     coupling_by: C64,
 }
 
-impl Separation {
-    /// Carries `count` perturbations through the time s.
-    pub(super) fn flow(&self, lambda: C64, s: f64, state: &mut Perturbations, count: usize) {
+impl Characteristic {
+    /// Carries `count` perturbations through the time s of a separation zone.
+    pub(super) fn separated(&self, lambda: C64, s: f64, state: &mut Perturbations, count: usize) {
         if s == 0.0 {
             return;
         }
@@ -262,20 +248,8 @@ impl Separation {
             .iter()
             .map(|r| r.re * s)
             .fold(f64::NEG_INFINITY, f64::max);
-        let none = Residue {
-            r: ZERO,
-            r_by: ZERO,
-            weight: ZERO,
-            weight_by: ZERO,
-            pa: ZERO,
-            pb: ZERO,
-            coupling: ZERO,
-            pa_by: ZERO,
-            pb_by: ZERO,
-            coupling_by: ZERO,
-        };
-        let mut residues = [none; 4];
-        for (residue, r) in residues.iter_mut().zip(roots) {
+        let mut credible = true;
+        let residues = roots.map(|r| {
             let sigma = r - lambda;
             let (pa, pa_r) = a.at(r);
             let (pb, pb_r) = b.at(r);
@@ -284,17 +258,14 @@ impl Separation {
             let slope = pa_r * pb + pa * pb_r + turned * 2.0;
             let inverse = slope.inv();
             let correction = value * inverse;
-            if correction.norm_sqr() > ROOT_ERROR * ROOT_ERROR * (r.norm_sqr() + least)
-                || !inverse.is_finite()
-            {
-                return None;
-            }
+            credible &= inverse.is_finite()
+                && correction.norm_sqr() <= ROOT_ERROR * ROOT_ERROR * (r.norm_sqr() + least);
             // ∂P/∂λ at constant r, and that of χ
             let (pa_l, pb_l) = (sigma * a.p1_by, sigma * b.p1_by);
             let r_by = -(pa_l * pb + pa * pb_l - turned * 2.0) * inverse;
             let slope_by = pb * a.p1_by + pa_r * pb_l + pa_l * pb_r + pa * b.p1_by - 2.0 * square
                 + (pb * (2.0 * a.m) + pa_r * pb_r * 2.0 + pa * (2.0 * b.m) + 2.0 * square) * r_by;
-            *residue = Residue {
+            Residue {
                 r,
                 r_by,
                 weight: ((r - correction) * s - exponent).exp() * inverse,
@@ -305,9 +276,9 @@ impl Separation {
                 pa_by: pa_l + pa_r * r_by,
                 pb_by: pb_l + pb_r * r_by,
                 coupling_by: (r_by - 1.0) * self.kappa,
-            };
-        }
-        Some((residues, exponent))
+            }
+        });
+        credible.then_some((residues, exponent))
     }
 
     /// Sums the residues of the perturbations; false, and nothing is done, where they cancel.
@@ -447,9 +418,18 @@ mod tests {
     use super::*;
 
     /// Coefficients of a mode-4 wave, ν = 0.3, ξ = 1.5, c = −1.2465.
-    fn separation(damping: f64) -> Separation {
+    fn separation(damping: f64) -> Characteristic {
         let (a, b) = (0.69995, 0.19999);
-        Separation {
+        Characteristic {
+            zones: Vec::new(),
+            stick: false,
+            period: 1.0,
+            mode: 4,
+            excess: 0.0,
+            friction: 0.0,
+            static_friction: 0.0,
+            beta: 0.0,
+            turn: 0.0,
             ma: 1.0 - a,
             mb: 1.0 - b,
             a,
@@ -462,7 +442,7 @@ mod tests {
     }
 
     /// The weights of (u, u′, η, η′) in which the flow is nearly an isometry at high frequency.
-    fn weights(zone: &Separation, lambda: C64) -> [f64; 4] {
+    fn weights(zone: &Characteristic, lambda: C64) -> [f64; 4] {
         let square = lambda.norm_sqr();
         [
             (zone.g + zone.b * square).sqrt(),
@@ -491,7 +471,7 @@ mod tests {
                             by: [Vector4::repeat(ZERO); 2],
                             exponent: 0.0,
                         };
-                        zone.flow(lambda, s, &mut state, 1);
+                        zone.separated(lambda, s, &mut state, 1);
                         let transfer = zone.matrix(lambda, s);
                         let rescale = C64::from((state.exponent - transfer.exponent).exp());
                         let radians = 1.0 + 6.0 * (size + 5.0) * s;

@@ -215,7 +215,7 @@ impl Mode {
 
 /// The modes that grow first, by their places: in the reduced model and in the tube. Such a mode has the
 /// least Hopf friction; without damping, where that is zero for all, it grows fastest.
-pub fn first_to_grow(modes: &[Mode]) -> [Option<usize>; 2] {
+pub(crate) fn first_to_grow(modes: &[Mode]) -> [Option<usize>; 2] {
     [Mode::onset, Mode::onset_of_tube].map(|onset| {
         let mut best: Option<(usize, (f64, f64))> = None;
         for (index, mode) in modes.iter().enumerate() {

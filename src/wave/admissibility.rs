@@ -12,15 +12,15 @@
 
 use crate::continuation::zero::zero_by_slope;
 use crate::flow::jet::Jet;
-use crate::flow::layered::LayeredFlow;
-use crate::flow::sign::{Bernstein, COEFFICIENTS, DEGREE, REMAINDER, Verdict};
+use crate::flow::piece::{horner, horner_curvature, horner_slope};
+use crate::flow::sign::{Bernstein, COEFFICIENTS, Verdict};
 use crate::flow::{FlowError, Slide, SlidingFlow};
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime};
 
 pub use super::margin::{AtZero, Margin, Watch};
 use super::margin::{edge_margin, edge_margins, interior_margin};
-use super::{Flows, Wave};
+use super::{Wave, WaveAt};
 
 /// What an examination found.
 #[derive(Clone, Debug)]
@@ -48,14 +48,14 @@ impl Examination {
 
 /// Collects what the pieces of one zone show.
 struct Collector<'a> {
-    wave: &'a Wave,
+    at: &'a WaveAt<'a>,
     examination: Examination,
 }
 
 impl Collector<'_> {
     fn margin(&mut self, watch: Watch, zone: usize, time: f64, [mut jet, mut beyond]: [Jet; 2]) {
-        self.wave.scale(&mut jet, zone);
-        self.wave.scale(&mut beyond, zone + 1);
+        self.at.wave.scale(&mut jet, zone);
+        self.at.wave.scale(&mut beyond, zone + 1);
         if let Some(known) = self
             .examination
             .margins
@@ -91,9 +91,10 @@ impl Collector<'_> {
 /// Examines a point whatever its signature. Zones of negative duration are refused as such and
 /// not looked into.
 pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
-    let flows = wave.flows(point)?;
+    let at = &wave.at(point)?;
+    let flows = &at.flows;
     let mut collector = Collector {
-        wave,
+        at,
         examination: Examination {
             margins: Vec::with_capacity(4 * wave.zones()),
             verdict: Verdict::Positive,
@@ -104,7 +105,7 @@ pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
     };
     let kappa = flows.frame.at.kappa;
     if kappa.is_nan() || kappa <= 0.0 {
-        let jet = edge_margin(wave, &flows, point, 0, Watch::Coupling)?;
+        let jet = edge_margin(at, 0, Watch::Coupling)?;
         collector.judge(Verdict::Negative);
         collector.margin(Watch::Coupling, 0, 0.0, jet);
     }
@@ -112,7 +113,7 @@ pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
         let entry = wave.entry_at(point, index);
         let duration = wave.duration_at(point, index);
         let regime = wave.signature.zone(index).regime;
-        for margin in edge_margins(wave, &flows, point, index)? {
+        for margin in edge_margins(at, index)? {
             let positive = if margin.1[0].value > 0.0 {
                 Verdict::Positive
             } else {
@@ -133,10 +134,10 @@ pub fn examine(wave: &Wave, point: &Vector) -> Result<Examination, FlowError> {
                 collector.visit(entry[0] + duration + flows.frame.steady().value);
             }
             Regime::Slip | Regime::Reverse | Regime::Contact => {
-                contact_zone(&mut collector, &flows, index, &wave.slide_at(point, index))?;
+                contact_zone(&mut collector, index)?;
             }
             Regime::Separation => {
-                separation_zone(&mut collector, &flows, index, &wave.slide_at(point, index))?;
+                separation_zone(&mut collector, index)?;
             }
         }
     }
@@ -151,13 +152,9 @@ const AT_ARREST: f64 = 1e-5;
 /// numerical method, as far as its samples show them): its values there and at the ends decide
 /// every inequality. Where W = 1 or P = 0 by the switching
 /// conditions, the end itself says nothing, and monotonicity does the rest.
-fn contact_zone(
-    collector: &mut Collector,
-    flows: &Flows,
-    index: usize,
-    slide: &Slide,
-) -> Result<(), FlowError> {
-    let wave = collector.wave;
+fn contact_zone(collector: &mut Collector, index: usize) -> Result<(), FlowError> {
+    let WaveAt { wave, flows, .. } = collector.at;
+    let slide = &collector.at.slide(index);
     let Slide {
         entry, duration, ..
     } = *slide;
@@ -222,17 +219,17 @@ fn contact_zone(
         press(collector, false, drive(time, state));
         let maximum = flow.jerk(slide, time, state) < 0.0;
         if zone.regime != Regime::Contact && maximum == (sigma > 0.0) {
-            interior(collector, flows, Watch::Rate, index, slide, time)?;
+            interior(collector, Watch::Rate, index, time)?;
         }
         if !maximum && zone.regime != Regime::Reverse && !wave.material {
-            interior(collector, flows, Watch::Pressure, index, slide, time)?;
+            interior(collector, Watch::Pressure, index, time)?;
         }
     }
     if let SlidingFlow::Material(material) = flow {
         for time in material.pressure_extremes(slide) {
             press(collector, false, drive(time, flow.state(slide, time)?));
             if material.pressure_bends_up(slide, time) {
-                interior(collector, flows, Watch::Pressure, index, slide, time)?;
+                interior(collector, Watch::Pressure, index, time)?;
             }
         }
     }
@@ -261,116 +258,18 @@ const LOST: f64 = 1e-10;
 /// would take longer than a second.
 const MOST_PIECES: f64 = 1e5;
 
-/// A piece of a separation zone: Taylor coefficients of U − δ and of V, and how much the former leave
-/// out.
-struct SeparationPiece {
-    start: f64,
-    length: f64,
-    gap: [f64; COEFFICIENTS],
-    tangential: [f64; COEFFICIENTS],
-    remainder: f64,
-}
-
-/// The pieces of a zone without material damping, of at most one radian.
-fn undamped_pieces(
-    wave: &Wave,
-    flows: &Flows,
-    index: usize,
-    slide: &Slide,
-) -> Result<Vec<SeparationPiece>, FlowError> {
-    let at = &flows.frame.at;
-    let steady = flows.frame.steady().value;
-    let duration = slide.duration;
-    let radians = flows.separation().norm() * duration;
-    let count = radians.ceil().max(1.0) as usize;
-    let h = duration / count as f64;
-    // U − δ, U̇, Y, W
-    let mut state = [0.0, 0.0, slide.entry[0], slide.entry[1]];
-    let order = wave.order_at_entry(wave.signature.zone(index).entry);
-    let pieces = (0..count).map(|piece| {
-        let mut gap = [0.0; COEFFICIENTS];
-        let mut tangential = [0.0; COEFFICIENTS];
-        gap[0] = state[0];
-        gap[1] = h * state[1];
-        tangential[0] = state[2] + steady;
-        tangential[1] = h * state[3];
-        for j in 0..DEGREE - 1 {
-            let n = j as f64;
-            let scale = 1.0 / ((n + 2.0) * (n + 1.0));
-            let u = if j == 0 { gap[0] + at.mismatch } else { gap[j] };
-            let rates = h * (n + 1.0);
-            gap[j + 2] = -(rates * (at.damping * gap[j + 1] + at.kappa * tangential[j + 1])
-                + at.g * h * h * u)
-                * scale
-                / at.mb;
-            if j == 0 && piece == 0 && order == 3 {
-                // P = 0 at take-off
-                gap[2] = 0.0;
-            }
-            tangential[j + 2] = (rates * (at.kappa * gap[j + 1] - at.damping * tangential[j + 1])
-                - at.h * h * h * tangential[j])
-                * scale
-                / at.ma;
-        }
-        let energy = at.g * (state[0] + at.mismatch).powi(2)
-            + at.mb * state[1].powi(2)
-            + at.h * (state[2] + steady).powi(2)
-            + at.ma * state[3].powi(2);
-        let w_end = horner_slope(&tangential, 1.0) / h;
-        state = [
-            horner(&gap, 1.0),
-            horner_slope(&gap, 1.0) / h,
-            horner(&tangential, 1.0) - steady,
-            w_end,
-        ];
-        SeparationPiece {
-            start: piece as f64 * h,
-            length: h,
-            gap,
-            tangential,
-            remainder: REMAINDER * (radians / count as f64).powi(17) * (energy / at.g).sqrt(),
-        }
-    });
-    Ok(pieces.collect())
-}
-
-/// The pieces of a zone with material damping.
-fn layered_pieces(
-    flow: &LayeredFlow,
-    slide: &Slide,
-    order: usize,
-) -> Result<Vec<SeparationPiece>, FlowError> {
-    let pieces = flow.pieces(slide.duration);
-    let pieces = pieces.into_iter().enumerate().map(|(index, piece)| {
-        let known = if index == 0 { order } else { 0 };
-        let ([gap, tangential], remainder) = flow.taylor(slide, &piece, known)?;
-        Ok(SeparationPiece {
-            start: piece.start,
-            length: piece.length,
-            gap,
-            tangential,
-            remainder,
-        })
-    });
-    pieces.collect()
-}
-
-fn separation_zone(
-    collector: &mut Collector,
-    flows: &Flows,
-    index: usize,
-    slide: &Slide,
-) -> Result<(), FlowError> {
+fn separation_zone(collector: &mut Collector, index: usize) -> Result<(), FlowError> {
     /// With material damping U̇ = 0 at the end: an extreme closer to it than this part of the last
     /// piece is the end.
     const AT_LANDING: f64 = 1e-3;
+    let WaveAt { wave, flows, .. } = collector.at;
+    let slide = &collector.at.slide(index);
     let Slide {
         entry, duration, ..
     } = *slide;
-    let wave = collector.wave;
     let flow = flows.separation();
     let steady = flows.frame.steady().value;
-    let layered = flow.layered()?;
+    let layered = flow.layered()?.is_some();
     let radians = flow.norm() * duration;
     if radians.is_nan() || radians > MOST_PIECES {
         return Err(FlowError::Winding {
@@ -380,11 +279,8 @@ fn separation_zone(
         });
     }
     let order = wave.order_at_entry(wave.signature.zone(index).entry);
-    let pieces = match layered {
-        Some(flow) => layered_pieces(flow, slide, order)?,
-        None => undamped_pieces(wave, flows, index, slide)?,
-    };
-    let at_landing = if layered.is_some() { 2 } else { 1 };
+    let pieces = flow.pieces(&flows.frame, slide, order)?;
+    let at_landing = if layered { 2 } else { 1 };
     let mut falling = false;
     let mut rising = false;
     collector.visit(entry[0] + steady);
@@ -395,11 +291,11 @@ fn separation_zone(
         let gap = Bernstein::from_taylor(&taylor.gap, taylor.remainder);
         collector.judge(gap.verdict(order, if last { at_landing } else { 0 }));
         for place in gap.minima(&mut falling) {
-            if layered.is_some() && last && place > 1.0 - AT_LANDING {
+            if layered && last && place > 1.0 - AT_LANDING {
                 continue;
             }
             let time = taylor.start + place * taylor.length;
-            interior(collector, flows, Watch::Gap, index, slide, time)?;
+            interior(collector, Watch::Gap, index, time)?;
         }
         for place in gap.affine(-1.0, 0.0).minima(&mut rising) {
             let known = collector.examination.largest_gap;
@@ -446,33 +342,15 @@ fn tangential_extremes(taylor: &[f64; COEFFICIENTS]) -> Vec<f64> {
     vec![zero_by_slope((0.0, 1.0), first / (first - last), enough, slopes).1]
 }
 
-fn horner(taylor: &[f64; COEFFICIENTS], t: f64) -> f64 {
-    taylor.iter().rev().fold(0.0, |sum, a| sum * t + a)
-}
-
-fn horner_slope(taylor: &[f64; COEFFICIENTS], t: f64) -> f64 {
-    (1..COEFFICIENTS)
-        .rev()
-        .fold(0.0, |sum, j| sum * t + j as f64 * taylor[j])
-}
-
-fn horner_curvature(taylor: &[f64; COEFFICIENTS], t: f64) -> f64 {
-    (2..COEFFICIENTS)
-        .rev()
-        .fold(0.0, |sum, j| sum * t + (j * (j - 1)) as f64 * taylor[j])
-}
-
 /// Adds the margin of a local minimum inside a zone. Its derivative in the place of the minimum
 /// is zero, so the derivatives are those at a fixed time after the entry.
 fn interior(
     collector: &mut Collector,
-    flows: &Flows,
     watch: Watch,
     index: usize,
-    slide: &Slide,
     time: f64,
 ) -> Result<(), FlowError> {
-    let jet = interior_margin(collector.wave, flows, watch, index, slide, time)?;
+    let jet = interior_margin(collector.at, watch, index, time)?;
     collector.margin(watch, index, time, [jet, Jet::default()]);
     Ok(())
 }

@@ -92,6 +92,23 @@ pub struct Wave {
     direction: f64,
 }
 
+/// A wave at a point, with its frame and flows there.
+pub struct WaveAt<'a> {
+    /// The wave.
+    pub wave: &'a Wave,
+    /// The point.
+    pub point: &'a Vector,
+    /// Frame and flows.
+    pub flows: Flows,
+}
+
+impl WaveAt<'_> {
+    /// A zone as its flow takes it.
+    pub(crate) fn slide(&self, zone: usize) -> Slide {
+        self.wave.slide_at(self.point, zone)
+    }
+}
+
 impl Wave {
     /// The boundary-value problem of a signature, with the default method of the friction law.
     pub fn new(
@@ -138,15 +155,15 @@ impl Wave {
         let (excess, parameter) = (self.excess_at(point), self.parameter_at(point));
         let mut zones = self.unpack(point);
         let bare = wave.pack(&zones, excess, parameter);
-        let flows = wave.flows(&bare)?;
+        let at = wave.at(&bare)?;
         for (index, zone) in zones.iter_mut().enumerate() {
             let regime = self.signature.zone(index).regime;
-            let end = wave.zone_end(&flows, &bare, index)?;
+            let end = at.zone_end(index)?;
             if regime == Regime::Separation {
                 zone[3] = self.entry_at(point, index + 1)[1] - end.w.value;
                 zone[4] = -end.radial_rate.value;
             } else if regime.sliding().is_some() {
-                let [_, next] = wave.entry_acceleration(&flows, &bare, index + 1)?;
+                let [_, next] = at.entry_acceleration(index + 1)?;
                 zone[3] = next.value - end.acceleration.value;
             }
         }
@@ -359,6 +376,18 @@ impl Wave {
         let (parameters, derivative) = self.parameters_at(point);
         let frame = Frame::new(&parameters, &derivative, self.excess_at(point))?;
         Ok(self.flows_of(frame))
+    }
+
+    /// The wave at a point.
+    ///
+    /// # Errors
+    /// There is no frame of its speed.
+    pub fn at<'a>(&'a self, point: &'a Vector) -> Result<WaveAt<'a>, FlowError> {
+        Ok(WaveAt {
+            wave: self,
+            point,
+            flows: self.flows(point)?,
+        })
     }
 
     pub(super) fn flows_of(&self, frame: Frame) -> Flows {

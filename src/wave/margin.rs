@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Flows, Wave};
+use super::{Wave, WaveAt};
 use crate::continuation::newton::Constraint;
 use crate::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, EXCESS, Jet, PARAMETER};
-use crate::flow::{FlowError, Slide, SlidingFlow};
+use crate::flow::{FlowError, SlidingFlow};
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime};
 
@@ -72,16 +72,12 @@ impl Margin {
 }
 
 /// The margins that belong to the ends of a zone.
-pub(super) fn edge_margins(
-    wave: &Wave,
-    flows: &Flows,
-    point: &Vector,
-    index: usize,
-) -> Result<Vec<(Watch, [Jet; 2])>, FlowError> {
+pub(super) fn edge_margins(at: &WaveAt, index: usize) -> Result<Vec<(Watch, [Jet; 2])>, FlowError> {
+    let WaveAt { wave, point, .. } = at;
     let zone = wave.signature.zone(index);
     let next = wave.signature.zone(index + 1);
     let mut margins = Vec::with_capacity(4);
-    let watched = |watch: Watch| edge_margin(wave, flows, point, index, watch);
+    let watched = |watch: Watch| edge_margin(at, index, watch);
     margins.push((Watch::Duration, watched(Watch::Duration)?));
     if zone.entry == Entry::Landing && zone.regime != Regime::Contact {
         margins.push((Watch::LandingRate, watched(Watch::LandingRate)?));
@@ -123,29 +119,24 @@ pub(super) fn edge_margins(
 
 /// One margin at an end of a zone, in physical derivatives: in the unknowns of the zone and, without a
 /// value, in those of the next.
-pub(super) fn edge_margin(
-    wave: &Wave,
-    flows: &Flows,
-    point: &Vector,
-    index: usize,
-    watch: Watch,
-) -> Result<[Jet; 2], FlowError> {
+pub(super) fn edge_margin(at: &WaveAt, index: usize, watch: Watch) -> Result<[Jet; 2], FlowError> {
+    let wave = at.wave;
     let reacts = wave.material && matches!(watch, Watch::LandingSpeed | Watch::Impulse);
     if !reacts {
-        let margin = edge_margin_of_zone(wave, flows, point, index, watch)?;
+        let margin = edge_margin_of_zone(at, index, watch)?;
         return Ok([margin, Jet::default()]);
     }
     // β times what a concentrated reaction takes of Ü, and its friction against what that takes of V̈
     let unit = 1.0 / wave.scales.rate;
-    let [lifted, dragged] = wave.zone_end(flows, point, index)?.impulse;
-    let entered = wave.entry_acceleration(flows, point, index + 1)?;
-    let [radial, tangential] = entered.map(|jet| flows.frame.material() * jet);
+    let [lifted, dragged] = at.zone_end(index)?.impulse;
+    let entered = at.entry_acceleration(index + 1)?;
+    let [radial, tangential] = entered.map(|jet| at.flows.frame.material() * jet);
     let [mut own, mut beyond] = if watch == Watch::LandingSpeed {
         [lifted * unit, radial * -unit]
     } else {
         let drag = dragged.value - tangential.value;
         let sign = unit.copysign(drag);
-        let largest = wave.reaction(flows, Regime::Slip) * unit;
+        let largest = at.reaction(Regime::Slip) * unit;
         [
             largest * lifted - dragged * sign,
             tangential * sign - largest * radial,
@@ -162,13 +153,8 @@ pub(super) fn edge_margin(
 }
 
 /// A margin that depends on one zone.
-fn edge_margin_of_zone(
-    wave: &Wave,
-    flows: &Flows,
-    point: &Vector,
-    index: usize,
-    watch: Watch,
-) -> Result<Jet, FlowError> {
+fn edge_margin_of_zone(at: &WaveAt, index: usize, watch: Watch) -> Result<Jet, FlowError> {
+    let WaveAt { wave, point, flows } = at;
     let zone = wave.signature.zone(index);
     let entry = wave.entry_at(point, index);
     let frame = &flows.frame;
@@ -184,8 +170,8 @@ fn edge_margin_of_zone(
     // 2rfP at W = 1, r the static by the kinetic coefficient
     let band = || {
         let r = wave.model.law.static_ratio();
-        let f = frame.jet(r * frame.at.friction, |by| r * by.friction);
-        f * (frame.weight() + frame.kappa()) * 2.0
+        let f = frame.quantity(|of| of.friction);
+        f * r * (frame.weight() + frame.kappa()) * 2.0
     };
     Ok(match watch {
         Watch::Coupling => frame.kappa() * force,
@@ -195,36 +181,34 @@ fn edge_margin_of_zone(
         Watch::LandingRate if zone.regime == Regime::Reverse => w - 1.0,
         Watch::LandingRate => -w + 1.0,
         Watch::LandingPressure if wave.material => {
-            let [_, acceleration] = wave.entry_acceleration(flows, point, index)?;
+            let [_, acceleration] = at.entry_acceleration(index)?;
             frame.pressure(w + frame.material() * acceleration) * force
         }
         Watch::LandingPressure => frame.pressure(w) * force,
         // a touch takes no more of Ü than there is
-        Watch::Tension if wave.material => {
-            wave.entry_acceleration(flows, point, index)?[0] * (1.0 / scales.layer)
-        }
+        Watch::Tension if wave.material => at.entry_acceleration(index)?[0] * (1.0 / scales.layer),
         Watch::Tension => frame.pressure(w) * -force,
         // Q + fP = (Q − fP) + 2fP
         Watch::LowerForce => (excess(y) + band()) * force,
         Watch::UpperForce => {
-            let end = wave.zone_end(flows, point, index)?;
+            let end = at.zone_end(index)?;
             if wave.material {
                 return Ok(end.acceleration * (-1.0 / scales.layer));
             }
             // the other way round: Q > fP lets reverse slip pass into slip
             excess(end.y) * force
         }
-        Watch::LandingSpeed => -wave.zone_end(flows, point, index)?.radial_rate,
+        Watch::LandingSpeed => -at.zone_end(index)?.radial_rate,
         Watch::Impulse => {
-            let end = wave.zone_end(flows, point, index)?;
+            let end = at.zone_end(index)?;
             let sign = if end.w.value < 1.0 { 1.0 } else { -1.0 };
             // |impulse| − |1 − W⁻|; the impulse is negative as U̇⁻ is
-            -wave.impulse(flows, &end) + (end.w - 1.0) * sign
+            -at.impulse(&end) + (end.w - 1.0) * sign
         }
         Watch::Release => match flows.contact(zone.regime) {
             // in units of V̈ per unit of time
             SlidingFlow::Material(flow) => {
-                flow.entry_rates(&wave.slide_at(point, index))[1] * (-scales.time / scales.layer)
+                flow.entry_rates(&at.slide(index))[1] * (-scales.time / scales.layer)
             }
             _ => Jet::default(),
         },
@@ -234,14 +218,15 @@ fn edge_margin_of_zone(
     })
 }
 
+/// The margin of a local minimum inside a zone at a time after its entry.
 pub(super) fn interior_margin(
-    wave: &Wave,
-    flows: &Flows,
+    at: &WaveAt,
     watch: Watch,
     index: usize,
-    slide: &Slide,
     time: f64,
 ) -> Result<Jet, FlowError> {
+    let WaveAt { wave, flows, .. } = at;
+    let slide = &at.slide(index);
     let regime = wave.signature.zone(index).regime;
     Ok(match watch {
         Watch::Gap => {
@@ -272,17 +257,15 @@ pub struct AtZero {
 impl AtZero {
     /// The margin at another point.
     pub(crate) fn margin_at(&mut self, wave: &Wave, point: &Vector) -> Result<Margin, FlowError> {
-        let flows = wave.flows(point)?;
+        let at = wave.at(point)?;
         let Margin { watch, zone, .. } = self.margin;
         let [mut jet, mut beyond] = match watch {
             Watch::Pressure | Watch::Rate | Watch::Gap => {
-                let slide = wave.slide_at(point, zone);
-                let time = self.stationary(wave, &flows, &slide)?;
-                self.margin.time = time;
-                let jet = interior_margin(wave, &flows, watch, zone, &slide, time)?;
+                self.margin.time = self.stationary(&at)?;
+                let jet = interior_margin(&at, watch, zone, self.margin.time)?;
                 [jet, Jet::default()]
             }
-            _ => edge_margin(wave, &flows, point, zone, watch)?,
+            _ => edge_margin(&at, zone, watch)?,
         };
         wave.scale(&mut jet, zone);
         wave.scale(&mut beyond, zone + 1);
@@ -292,7 +275,9 @@ impl AtZero {
     }
 
     /// The stationary place next to the last one, by Newton's method.
-    fn stationary(&self, wave: &Wave, flows: &Flows, slide: &Slide) -> Result<f64, FlowError> {
+    fn stationary(&self, at: &WaveAt) -> Result<f64, FlowError> {
+        let WaveAt { wave, flows, .. } = at;
+        let slide = &at.slide(self.margin.zone);
         let mut time = self.margin.time;
         let regime = wave.signature.zone(self.margin.zone).regime;
         for _ in 0..8 {

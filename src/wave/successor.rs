@@ -206,12 +206,13 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
         .collect();
     let count = pieces.len();
     let index = margin.zone;
-    let flows = wave.flows(point)?;
+    let at = wave.at(point)?;
+    let flows = &at.flows;
     // at the beginning of a zone
     let at_entry = |index: usize, mut pieces: Vec<Piece>| {
         pieces.rotate_left(index % count);
         let [y, w, ..] = pieces[0].unknowns;
-        let [_, acceleration] = wave.entry_acceleration(&flows, point, index)?;
+        let [_, acceleration] = at.entry_acceleration(index)?;
         Ok::<_, FlowError>(Opened {
             pieces,
             instant: [y, w],
@@ -232,7 +233,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
         Watch::Pressure | Watch::Rate | Watch::Gap => {
             // split: the second part keeps the regime, the first keeps the entry
             let zone = pieces[index].zone;
-            let slide = wave.slide_at(point, index);
+            let slide = at.slide(index);
             let (instant, acceleration) = match zone.regime {
                 Regime::Separation => {
                     let [_, _, y, w] = flows.separation().state(&slide, margin.time)?;

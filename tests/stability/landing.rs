@@ -250,8 +250,8 @@ fn collocation_finds_the_same_function() {
         assert_eq!(wave.signature.to_string(), "slip-separation-stick");
         let characteristic = linearised(&(wave.clone(), point.clone()));
         let share = share(&wave, &point);
-        let flows = wave.flows(&point).expect("a frame");
-        let end = wave.zone_end(&flows, &point, 1).expect("a landing");
+        let posed = wave.at(&point).expect("a frame");
+        let end = posed.zone_end(1).expect("a landing");
         let ratio = end.impulse[1].value / end.impulse[0].value;
         let lambdas = [
             C64::new(0.05, 2.5),
@@ -329,9 +329,10 @@ fn singular((wave, point): &(Wave, Vector), lambda: C64, z: C64) -> C64 {
     let (leave, land) = (entry - 3, total - 6);
     let share = share(wave, point);
     // Ü, V̈ before the landing, and U⃛, V⃛ by the equations on both of its sides
-    let flows = wave.flows(point).expect("a frame");
+    let posed = wave.at(point).expect("a frame");
+    let flows = &posed.flows;
     let at = flows.frame.at;
-    let end = wave.zone_end(&flows, point, 1).expect("a landing");
+    let end = posed.zone_end(1).expect("a landing");
     let [lift, bend] = end.impulse.map(|jet| jet.value / at.material);
     let slip = wave.slide_at(point, 0);
     let after = flows

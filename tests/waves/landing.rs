@@ -65,14 +65,15 @@ fn separation(wave: &Wave) -> usize {
 /// Pressure at take-off, (Ü, V̈) just before landing and V̈ just after it.
 fn at_the_ends(wave: &Wave, point: &Vector) -> [f64; 4] {
     let zone = separation(wave);
-    let flows = wave.flows(point).expect("a frame");
+    let posed = wave.at(point).expect("a frame");
+    let flows = &posed.flows;
     let at = &flows.frame.at;
     let before = zone + wave.zones() - 1;
     let slide = wave.slide_at(point, before);
     let flow = flows.contact(wave.signature.zone(before).regime);
     let state = flow.state(&slide, slide.duration).expect("a state");
     let pressure = at.g * at.mismatch + at.kappa * flow.drive(&slide, slide.duration, state);
-    let end = wave.zone_end(&flows, point, zone).expect("a landing");
+    let end = posed.zone_end(zone).expect("a landing");
     let [radial, tangential] = end.impulse.map(|jet| jet.value / at.material);
     let after = wave.slide_at(point, zone + 1);
     let next = wave.signature.zone(zone + 1).regime;
@@ -180,7 +181,8 @@ fn integrated_backwards(wave: &Wave, point: &Vector) -> f64 {
     let kappa = c.coupling / speed;
     let [a, b] = [c.a, c.b].map(|square| square / (speed * speed));
     let (alpha, beta) = (model.damping.mass, model.damping.stiffness);
-    let flows = wave.flows(point).expect("a frame");
+    let posed = wave.at(point).expect("a frame");
+    let flows = &posed.flows;
     let steady = flows.frame.steady().value;
     // (U, U̇, Ü, V, V̇, V̈)
     let slope = |x: &[f64; 6]| {
@@ -197,7 +199,7 @@ fn integrated_backwards(wave: &Wave, point: &Vector) -> f64 {
         let t = slide.duration;
         if wave.signature.zone(zone).regime == Regime::Separation {
             let state = flows.separation().state(&slide, t).expect("a state");
-            let end = wave.zone_end(&flows, point, zone).expect("a landing");
+            let end = posed.zone_end(zone).expect("a landing");
             let [lift, bend] = end.impulse.map(|jet| jet.value / beta);
             return [state[0], state[1], lift, state[2] + steady, state[3], bend];
         }

@@ -39,7 +39,8 @@ fn check(name: &str, case: &Case) {
     for (wave, point) in specimens(case, STEPS) {
         let count = wave.zones();
         let unknowns = wave.unknowns();
-        let flows = wave.flows(&point).expect("a frame");
+        let posed = wave.at(&point).expect("a frame");
+        let flows = &posed.flows;
         let at = &flows.frame.at;
         let scales = &wave.scales;
         let mut matrix = Matrix::zeros(unknowns - 1, unknowns);
@@ -126,13 +127,13 @@ fn check(name: &str, case: &Case) {
                 continue;
             }
             let (dropped, divided) = dropped(&wave, index, acceleration, jerk, duration);
-            let is_short = divided && is_series(&flows, zone.regime, duration);
+            let is_short = divided && is_series(flows, zone.regime, duration);
             short += usize::from(is_short);
             let expected = if is_short { -dropped } else { 0.0 };
             // the end is at the zero of the switching function to rounding of the point, and V̈
             // of the entry is known to rounding of its terms: both appear over powers of T
             let left = if divided {
-                let end = wave.zone_end(&flows, &point, index).expect("an end");
+                let end = posed.zone_end(index).expect("an end");
                 let rates = match zone.regime {
                     Regime::Slip | Regime::Reverse => {
                         let flow = exact(flows.contact(zone.regime));

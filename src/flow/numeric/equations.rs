@@ -22,7 +22,7 @@
 //! second integrates the variational equations with the first.
 
 use crate::flow::friction::{multiplier, multiplier_quotient};
-use crate::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet, Number};
+use crate::flow::jet::{DURATION, Dual, ENTRY_W, ENTRY_Y, Jet, Number};
 use crate::flow::{Frame, Quantities};
 use crate::model::FrictionLaw;
 
@@ -60,7 +60,11 @@ fn unknowns(entry: [f64; 2], duration: f64) -> [Jet; 3] {
 }
 
 fn inverse(frame: &Frame, mass: f64, by: impl Fn(&Quantities) -> f64) -> Jet {
-    frame.jet(1.0 / mass, |moved| -by(moved) / (mass * mass))
+    let moved = frame.number(by).by.map(|moved| -moved / (mass * mass));
+    Jet::lifted(Dual {
+        value: 1.0 / mass,
+        by: moved,
+    })
 }
 
 impl<N: Number> Sliding<N> {

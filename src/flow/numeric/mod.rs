@@ -11,7 +11,7 @@ use super::{FlowError, Frame, ZoneEnd};
 use crate::flow::method::Method;
 use crate::model::FrictionLaw;
 use collocation::Mesh;
-use equations::{Separated, Sliding};
+use equations::{Field, Separated, Sliding};
 use shooting::Steps;
 
 /// How a zone is integrated.
@@ -41,6 +41,35 @@ impl Integrator {
                     _ => 1,
                 },
             })),
+        }
+    }
+}
+
+impl Integrator {
+    /// x(1) of dx/dτ = F(x), x(0) = 0, with all derivatives of `field`; `frozen` is the same field
+    /// without them, and S = 6D.
+    fn jets<const D: usize, const S: usize>(
+        self,
+        field: &impl Field<D, Jet>,
+        frozen: &impl Field<D, Dual<D>>,
+        duration: f64,
+    ) -> Result<[Jet; D], FlowError> {
+        match self {
+            Integrator::Shooting(steps) => shooting::jets::<D, S>(field, steps, duration),
+            Integrator::Collocation(mesh) => collocation::jets(field, frozen, mesh, duration),
+        }
+    }
+
+    /// x(1) without derivatives.
+    fn values<const D: usize>(
+        self,
+        field: &impl Field<D, f64>,
+        frozen: &impl Field<D, Dual<D>>,
+        duration: f64,
+    ) -> Result<[f64; D], FlowError> {
+        match self {
+            Integrator::Shooting(steps) => shooting::values(field, steps, duration),
+            Integrator::Collocation(mesh) => collocation::values(frozen, mesh, duration),
         }
     }
 }
@@ -87,12 +116,8 @@ impl NumericalContact {
     /// (Y, W) and the switching function (W − 1)/t^m at the end of a zone, with all derivatives.
     pub(crate) fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<[Jet; 3], FlowError> {
         let field: Sliding<Jet> = self.field(m, entry, t);
-        let x = match self.integrator {
-            Integrator::Shooting(steps) => shooting::jets::<2, 12>(&field, steps, t)?,
-            Integrator::Collocation(mesh) => {
-                collocation::jets(&field, &self.field(m, entry, t), mesh, t)?
-            }
-        };
+        let frozen: Sliding<Dual<2>> = self.field(m, entry, t);
+        let x = self.integrator.jets::<2, 12>(&field, &frozen, t)?;
         Ok(field.end(&x))
     }
 
@@ -102,12 +127,8 @@ impl NumericalContact {
             return Ok(entry);
         }
         let field: Sliding<f64> = self.field(0, entry, t);
-        let x = match self.integrator {
-            Integrator::Shooting(steps) => shooting::values(&field, steps, t)?,
-            Integrator::Collocation(mesh) => {
-                collocation::values(&self.field(0, entry, t), mesh, t)?
-            }
-        };
+        let frozen: Sliding<Dual<2>> = self.field(0, entry, t);
+        let x = self.integrator.values(&field, &frozen, t)?;
         let [y, w, _] = field.end(&x);
         Ok([y, w])
     }
@@ -298,12 +319,8 @@ impl NumericalSeparation {
 
     fn solve(&self, entry: [f64; 2], t: f64, m: usize) -> Result<[Jet; 5], FlowError> {
         let field: Separated<Jet> = self.field(m, entry, t);
-        let x = match self.integrator {
-            Integrator::Shooting(steps) => shooting::jets::<4, 24>(&field, steps, t)?,
-            Integrator::Collocation(mesh) => {
-                collocation::jets(&field, &self.field(m, entry, t), mesh, t)?
-            }
-        };
+        let frozen: Separated<Dual<4>> = self.field(m, entry, t);
+        let x = self.integrator.jets::<4, 24>(&field, &frozen, t)?;
         Ok(field.end(&x))
     }
 
@@ -319,12 +336,8 @@ impl NumericalSeparation {
         if t == 0.0 {
             return Ok([self.frame.at.mismatch, 0.0, entry[0], entry[1]]);
         }
-        let x = match self.integrator {
-            Integrator::Shooting(steps) => shooting::values(&field, steps, t)?,
-            Integrator::Collocation(mesh) => {
-                collocation::values(&self.field(0, entry, t), mesh, t)?
-            }
-        };
+        let frozen: Separated<Dual<4>> = self.field(0, entry, t);
+        let x = self.integrator.values(&field, &frozen, t)?;
         let [u, rate, y, w, _] = field.end(&x);
         Ok([u, rate, y, w])
     }
