@@ -9,10 +9,13 @@
 //! 3. Every other inequality of the signature holds over whole zones ([`inequality`]).
 //! 4. What is said of parameter, speed and lengths follows from the enclosure of that zero.
 //!
+//! Beyond that there are arcs between two points ([`arc`]), and the number of eigenvalues that grow ([`count`]).
+//!
 //! A [`Certificate`] has what is needed to do steps 2 to 4 again without continuation.
 
 mod arc;
 mod change;
+mod count;
 mod equations;
 mod flow;
 mod fold;
@@ -22,10 +25,12 @@ mod krawczyk;
 mod perturbation;
 mod propagator;
 mod system;
+mod tail;
 
 use serde::{Deserialize, Serialize};
 
 use arc::Broken;
+pub use count::{Growth, Leading, Uncounted, Verdict};
 
 use crate::branch::row::EigenvalueRow;
 use crate::branch::run::Item;
@@ -84,6 +89,9 @@ pub struct Point {
     /// that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arc: Option<Stretch>,
+    /// How many eigenvalues grow, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub growth: Option<Counted>,
 }
 
 /// Whether there is no further special point between two.
@@ -108,6 +116,21 @@ impl Point {
         }
     }
 
+    /// Counts the growing eigenvalues with |Im λ| up to a window; `None` but at user points, ends and crossings.
+    pub fn counted(&self, window: f64) -> Option<Counted> {
+        let proof = self.proof()?;
+        if !matches!(
+            proof.condition,
+            Condition::Value(_) | Condition::Crossing { .. }
+        ) {
+            return None;
+        }
+        Some(match growth(proof, window, None) {
+            Ok(growth) => Counted::Proven(growth),
+            Err(reason) => Counted::Open(reason.to_string()),
+        })
+    }
+
     /// Proves that on the branch from an earlier point to this there is no other but crossings of eigenvalues;
     /// `None` if the branch does not lead from there to here.
     pub fn stretch(&self, before: &Point) -> Option<Stretch> {
@@ -120,6 +143,15 @@ impl Point {
             Err(reason) => Stretch::Open(reason.to_string()),
         })
     }
+}
+
+/// Whether the growing eigenvalues of a wave are counted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Counted {
+    /// They are.
+    Proven(Growth),
+    /// They are not, for this reason.
+    Open(String),
 }
 
 /// Whether a point is proven.
@@ -286,6 +318,7 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
         parameter: wave.parameter,
         leg: item.leg,
         arc: None,
+        growth: None,
         outcome: match prepared() {
             Ok(proof) => Outcome::Proven(Box::new(proof)),
             Err(reason) => Outcome::Open(reason.to_string()),
@@ -343,15 +376,12 @@ fn eigenvalues(proof: &Proof, wanted: &[(usize, [f64; 2])]) -> Result<Vec<Eigenv
         condition,
         ..
     } = proof;
-    let (system, middle) = system(posed, near, condition)?;
     if lands_with_impulse(posed, near) {
         return Ok(Vec::new());
     }
-    let units = units(&system, &middle, near, posed.unit);
-    let equations = |x: &[Interval]| system.evaluate(x);
-    let wave = krawczyk::enclosed(&equations, &middle, &units).ok_or(Open::NotIsolated)?;
+    let (system, wave) = enclosed(posed, near, condition)?;
     let proven = wanted.iter().filter_map(|(sector, lambda)| {
-        let [growth, omega] = system.eigenvalue(&wave.at, *sector, *lambda)?;
+        let [growth, omega] = system.eigenvalue(&wave, *sector, *lambda)?;
         Some(Eigenvalue {
             sector: *sector,
             near: *lambda,
@@ -360,6 +390,34 @@ fn eigenvalues(proof: &Proof, wanted: &[(usize, [f64; 2])]) -> Result<Vec<Eigenv
         })
     });
     Ok(proven.collect())
+}
+
+/// Counts the growing eigenvalues of a wave; see [`System::growth`].
+fn growth(proof: &Proof, window: f64, stored: Option<&Growth>) -> Result<Growth, Uncounted> {
+    let Proof {
+        posed,
+        near,
+        condition,
+        ..
+    } = proof;
+    if lands_with_impulse(posed, near) {
+        return Err(Uncounted::CoulombImpact);
+    }
+    let (system, wave) = enclosed(posed, near, condition).map_err(|_| Uncounted::Wave)?;
+    system.growth(&wave, window, &proof.eigenvalues, stored)
+}
+
+/// The equations of a point, and intervals of their unknowns.
+fn enclosed<'a>(
+    posed: &'a Posed,
+    near: &'a Near,
+    condition: &'a Condition,
+) -> Result<(System<'a>, Vec<Interval>), Open> {
+    let (system, middle) = system(posed, near, condition)?;
+    let units = units(&system, &middle, near, posed.unit);
+    let equations = |x: &[Interval]| system.evaluate(x);
+    let zero = krawczyk::enclosed(&equations, &middle, &units).ok_or(Open::NotIsolated)?;
+    Ok((system, zero.at))
 }
 
 /// A little wider than proven here: other machines may have other last digits.
@@ -560,6 +618,11 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
         || !both.all(|(a, b)| same(a.growth, b.growth) && same(a.omega, b.omega))
     {
         return Err(Refused::Statement("an eigenvalue"));
+    }
+    if let Some(Counted::Proven(said)) = &point.growth
+        && growth(proof, said.window, Some(said)).as_ref() != Ok(said)
+    {
+        return Err(Refused::Statement("what grows"));
     }
     Ok(())
 }

@@ -405,7 +405,7 @@ impl System<'_> {
     }
 
     /// Whether the state at the end of a zone enters the jump there.
-    fn bends(&self, zone: usize) -> bool {
+    pub(super) fn bends(&self, zone: usize) -> bool {
         let next = self.near.signature.zone(zone + 1).entry;
         matches!(next, Entry::Reversal | Entry::Landing | Entry::Touch)
             || next == Entry::Release && self.sticks()
@@ -413,31 +413,31 @@ impl System<'_> {
 
     /// What the switch at the end of a zone does to a perturbation; see the table of
     /// [`crate::stability::characteristic`].
-    fn jump(
+    pub(super) fn jump<N: Number>(
         &self,
-        frame: &Frame<Mixed>,
-        lambda: Complex<Mixed>,
-        x: &mut Perturbation<Mixed>,
-        end: &[Mixed; 4],
+        frame: &Frame<N>,
+        lambda: Complex<N>,
+        x: &mut Perturbation<N>,
+        end: &[N; 4],
         zone: usize,
     ) {
-        let zero = Complex::real(Mixed::double(0.0));
+        let zero = Complex::real(N::double(0.0));
         let next = self.near.signature.zone(zone + 1);
         let zones = self.near.zones.len();
-        let rate = |zone: usize, state: [Mixed; 4], component: usize| {
+        let rate = |zone: usize, state: [N; 4], component: usize| {
             let flow = self.flow(frame, zone % zones);
-            flow.map_or(Mixed::double(0.0), |flow| {
+            flow.map_or(N::double(0.0), |flow| {
                 flow.derivative(state, true)[component]
             })
         };
-        let landed = [end[Y], end[W], Mixed::double(0.0), Mixed::double(0.0)];
+        let landed = [end[Y], end[W], N::double(0.0), N::double(0.0)];
         match next.entry {
             Entry::Arrest => x[ETA_RATE] = zero,
             Entry::Release => {
                 x[ETA_RATE] = zero;
                 if self.sticks() {
                     // V̈⁺(h + rfκλ − ãλ²)η/h
-                    let stress = Mixed::double(1.0) - frame.ma;
+                    let stress = N::double(1.0) - frame.ma;
                     let factor = Complex::real(frame.h)
                         .plus(lambda.times(lambda).by(-stress))
                         .plus(lambda.by(frame.static_friction * frame.kappa));

@@ -11,7 +11,7 @@ use super::prepare::{early_end, follow, prepare};
 use super::print;
 use super::warn;
 use crate::branch::run::Item;
-use crate::certify::{self, Certificate, Outcome, Point, Stretch};
+use crate::certify::{self, Certificate, Counted, Outcome, Point, Stretch};
 use crate::output::certify::{CertificateFolder, read, sentence};
 use crate::output::store::Kind;
 
@@ -25,6 +25,10 @@ pub(crate) struct CertifyArguments {
     /// Prove also that between the special points there is no other
     #[arg(long, conflicts_with = "verify")]
     arcs: bool,
+    /// Prove also how many eigenvalues grow in the window of the `stability` section, and stability where damping
+    /// allows
+    #[arg(long, conflicts_with = "verify")]
+    spectrum: bool,
 }
 
 pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
@@ -56,14 +60,23 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
             point.arc = arc;
         }
     }
+    if arguments.spectrum {
+        let section = prepared.problem.stability.clone();
+        let window = section.unwrap_or_default().max_frequency;
+        points
+            .par_iter_mut()
+            .for_each(|point| point.growth = point.counted(window));
+    }
     for point in &points {
         folder.write(point)?;
     }
     let report: String = points.iter().map(sentence).collect();
-    let traced = |point: &Point| !matches!(point.arc, Some(Stretch::Open(_)));
-    let all = points
-        .iter()
-        .all(|point| point.is_proven() && traced(point));
+    let complete = |point: &Point| {
+        point.is_proven()
+            && !matches!(point.arc, Some(Stretch::Open(_)))
+            && !matches!(point.growth, Some(Counted::Open(_)))
+    };
+    let all = points.iter().all(complete);
     folder.finish(&Certificate::new(points))?;
     task.say(&report, "certificate", &out)?;
     if let Some(why) = early_end(&branch) {
@@ -112,6 +125,9 @@ fn verdict(point: &Point, before: Option<&Point>) -> String {
         {
             "refused: the arc before it is said otherwise than what is proven".to_owned()
         }
-        _ => VERIFIED.to_owned(),
+        _ => match &point.growth {
+            Some(Counted::Open(reason)) => format!("growing eigenvalues not counted: {reason}"),
+            _ => VERIFIED.to_owned(),
+        },
     }
 }

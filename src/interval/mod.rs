@@ -11,6 +11,7 @@
 mod decimal;
 mod elementary;
 mod number;
+mod taylor;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -19,6 +20,7 @@ use serde::{Deserialize, Serialize};
 pub use decimal::{Decimal, NoDecimal};
 pub use elementary::PI;
 pub use number::{Gradient, Number};
+pub use taylor::TaylorModel;
 
 /// The real numbers from `low` to `high`; none where low > high.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::store::{Growing, Store, StoreError, damaged, decode};
-use crate::certify::{Certificate, Eigenvalue, Outcome, Point, Stretch};
+use crate::certify::{Certificate, Counted, Eigenvalue, Growth, Outcome, Point, Stretch, Verdict};
 use crate::interval::Interval;
 use crate::table;
 
@@ -30,6 +30,9 @@ struct Row {
     arc: &'static str,
     pieces: Option<usize>,
     arc_why: String,
+    growing: Option<usize>,
+    stable: &'static str,
+    stable_why: String,
 }
 
 impl Row {
@@ -47,6 +50,19 @@ impl Row {
             Some(Stretch::Proven(pieces)) => ("yes", Some(*pieces), None),
             Some(Stretch::Open(reason)) => ("no", None, Some(reason)),
         };
+        let (growing, stable, stable_why) = match &point.growth {
+            None => (None, "", String::new()),
+            Some(Counted::Open(reason)) => (None, "", reason.clone()),
+            Some(Counted::Proven(growth)) => {
+                let stable = match growth.verdict {
+                    Verdict::Stable { .. } => "yes",
+                    Verdict::Unstable => "no",
+                    Verdict::Neutral | Verdict::HighFrequency => "",
+                };
+                let why = undecided(growth.verdict).unwrap_or("").to_owned();
+                (Some(growth.on_circle()), stable, why)
+            }
+        };
         Row {
             label: point.label,
             r#type: point.kind.to_string(),
@@ -63,6 +79,9 @@ impl Row {
             arc,
             pieces,
             arc_why: arc_why.cloned().unwrap_or_default(),
+            growing,
+            stable,
+            stable_why,
         }
     }
 }
@@ -79,6 +98,44 @@ fn enclosing(Interval { low, high }: Interval) -> Interval {
 fn written(interval: Interval) -> String {
     let Interval { low, high } = enclosing(interval);
     format!("[{low:?}, {high:?}]")
+}
+
+/// Why stability is undecided where no eigenvalue grows in the window.
+fn undecided(verdict: Verdict) -> Option<&'static str> {
+    match verdict {
+        Verdict::Stable { .. } | Verdict::Unstable => None,
+        Verdict::Neutral => Some("undecided: an eigenvalue is on the imaginary axis"),
+        Verdict::HighFrequency => Some("undecided: growth beyond the window is not excluded"),
+    }
+}
+
+/// The eigenvalues that grow, in a line.
+fn growing(growth: &Growth) -> String {
+    let Growth {
+        window,
+        counts,
+        leading,
+        verdict,
+        ..
+    } = growth;
+    let sectors: Vec<String> = counts.iter().map(usize::to_string).collect();
+    let leads: Vec<String> = leading.iter().map(|one| one.sector.to_string()).collect();
+    let leads = match leads.is_empty() {
+        true => String::new(),
+        false => format!("; the eigenvalues of sectors {} lead", leads.join(" ")),
+    };
+    let follows = match verdict {
+        Verdict::Stable { beyond } => {
+            format!("none beyond, by a bound from |λ| = {beyond:.4} on: the wave is stable")
+        }
+        Verdict::Unstable => "the wave is unstable".to_owned(),
+        verdict => undecided(*verdict).unwrap_or("").to_owned(),
+    };
+    format!(
+        "  growing with |Im λ| up to {window}: {}, in sectors from 0 on {}{leads}; {follows}\n",
+        growth.on_circle(),
+        sectors.join(" "),
+    )
 }
 
 /// What is proven of a point, in a line; further lines for its eigenvalues and for the branch before it.
@@ -126,6 +183,13 @@ pub(crate) fn sentence(point: &Point) -> String {
             }
         }
         Outcome::Open(reason) => lines.push_str(&format!("{}: not proven; {reason}\n", point.kind)),
+    }
+    match &point.growth {
+        Some(Counted::Proven(growth)) => lines.push_str(&growing(growth)),
+        Some(Counted::Open(reason)) => {
+            lines.push_str(&format!("  growing eigenvalues not counted; {reason}\n"));
+        }
+        None => {}
     }
     lines
 }

@@ -131,6 +131,7 @@ fn an_arc_over_an_event_is_not_proven() {
         leg: 0,
         outcome: Outcome::Proven(Box::new(proof)),
         arc: None,
+        growth: None,
     };
     let honest = point(above.clone()).stretch(&point(far.clone()));
     assert!(matches!(honest, Some(Stretch::Proven(_))), "{honest:?}");

@@ -36,7 +36,7 @@ fn a_certificate_is_written_and_verified() {
     assert!(lines.contains("unique within") && lines.contains("13 inequalities proven"));
     let table = fs::read_to_string(Path::new(out).join("certificates.csv")).unwrap();
     let mut reader = csv::Reader::from_reader(table.as_bytes());
-    let header = "label,type,parameter,low,high,speed_low,speed_high,unique,inequalities,proven,why,unstable,arc,pieces,arc_why";
+    let header = "label,type,parameter,low,high,speed_low,speed_high,unique,inequalities,proven,why,unstable,arc,pieces,arc_why,growing,stable,stable_why";
     assert_eq!(
         reader
             .headers()
@@ -157,4 +157,37 @@ fn arcs_are_proven_and_verified() {
     let refused = brakewave(&["certify", "--verify", out]);
     assert_eq!(refused.status.code(), Some(1), "{refused:?}");
     assert!(text(&refused).contains("refused: the arc"));
+}
+
+/// A wave that is stable and one that is not, at the ends of a branch without a `stability` section.
+#[test]
+fn growing_eigenvalues_are_counted_and_verified() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("certified");
+    let out = out.to_str().unwrap();
+    let found = brakewave(&[
+        "certify",
+        &problem("ring_damped_circle"),
+        "--spectrum",
+        "--out",
+        out,
+    ]);
+    assert_eq!(found.status.code(), Some(0), "{found:?}");
+    assert!(text(&found).contains("the wave is stable"));
+    assert!(text(&found).contains("growing with |Im λ| up to 12: 2, in sectors from 0 on 0 1 0"));
+    let table = fs::read_to_string(Path::new(out).join("certificates.csv")).unwrap();
+    assert!(
+        table.contains(",0,yes,\n") && table.contains(",2,no,\n"),
+        "{table}"
+    );
+    let verified = brakewave(&["certify", "--verify", out]);
+    assert_eq!(text(&verified).matches("verified").count(), 2);
+    let certificate = Path::new(out).join("certificate.ron");
+    let honest = fs::read_to_string(&certificate).unwrap();
+    let falsified = honest.replace("verdict: Unstable", "verdict: HighFrequency");
+    assert_ne!(falsified, honest);
+    fs::write(&certificate, falsified).unwrap();
+    let refused = brakewave(&["certify", "--verify", out]);
+    assert_eq!(refused.status.code(), Some(1), "{refused:?}");
+    assert!(text(&refused).contains("refused: what grows"));
 }

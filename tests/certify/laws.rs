@@ -1,6 +1,6 @@
 //! Laws of intervals: what is enclosed is true, against 200 decimal digits.
 
-use brakewave::interval::{Decimal, Interval};
+use brakewave::interval::{Decimal, Interval, Number, TaylorModel};
 use dashu_float::FBig;
 use dashu_float::round::mode::HalfEven;
 use proptest::prelude::*;
@@ -42,6 +42,26 @@ fn interval() -> impl Strategy<Value = Interval> {
 /// A member: an end, or between them.
 fn member(interval: Interval, share: f64) -> f64 {
     (interval.low + share * (interval.high - interval.low)).clamp(interval.low, interval.high)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(500))]
+
+    /// f⁵g⁹ + f/3 of straight lines: of degree 14, so that terms are left out.
+    #[test]
+    fn taylor_models_enclose(f in [-2.0..2.0_f64, -2.0..2.0], g in [-2.0..2.0_f64, -2.0..2.0], t in -1.0..=1.0_f64) {
+        let third = Interval::ONE / Interval::point(3.0);
+        let models = [f, g].map(|[start, slope]| TaylorModel::line(start, slope));
+        let power = |x: TaylorModel, n: usize| (1..n).fold(x, |power, _| power * x);
+        let model = power(models[0], 5) * power(models[1], 9) + models[0].scaled(third);
+        let at = |[start, slope]: [f64; 2]| real(start) + real(slope) * real(t);
+        let power = |x: &Real, n: usize| (1..n).fold(x.clone(), |power, _| &power * x);
+        let (one, other) = (at(f), at(g));
+        let value = power(&one, 5) * power(&other, 9) + &one / real(3.0);
+        prop_assert!(has(Interval::around(model.at(t)[0], model.blur()), &value));
+        prop_assert!(has(model.value(), &value));
+        prop_assert!(value <= real(model.norm()) && -value <= real(model.norm()));
+    }
 }
 
 proptest! {

@@ -3,5 +3,6 @@
 
 mod arcs;
 mod command;
+mod count;
 mod laws;
 mod waves;
