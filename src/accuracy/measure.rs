@@ -10,8 +10,8 @@ use crate::branch::run::{End, RunError, Runner};
 use crate::discretised;
 use crate::flow::method::Method;
 use crate::linalg::Vector;
-use crate::model::EventType;
-use crate::model::FrictionLaw;
+use crate::model::signature::{Regime, Signature};
+use crate::model::{EventType, FrictionLaw};
 use crate::problem::{Continuation, Problem};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::spectrum::{Request, spectrum};
@@ -22,9 +22,6 @@ use crate::wave::{Wave, precise, profile};
 struct Compared {
     wave: Wave,
     point: Vector,
-    speed: f64,
-    switches: Vec<f64>,
-    signature: String,
     /// Leading eigenvalues, sector by sector, made when first asked for.
     leading: OnceCell<Option<Vec<Vec<Complex<f64>>>>>,
 }
@@ -33,6 +30,15 @@ impl Compared {
     fn leading(&self) -> Option<&Vec<Vec<Complex<f64>>>> {
         let made = || leading(&self.wave, &self.point);
         self.leading.get_or_init(made).as_ref()
+    }
+
+    fn speed(&self) -> f64 {
+        self.wave.speed_at(&self.point)
+    }
+
+    /// Ends of the zones; the last one is the wavelength.
+    fn switches(&self) -> Vec<f64> {
+        profile::switches(&self.wave, &self.point)
     }
 }
 
@@ -121,9 +127,6 @@ pub(crate) fn follow(
             }
             if matches!(kind, EventType::UZ | EventType::EP) {
                 followed.waves.push(Compared {
-                    speed: wave.speed_at(point),
-                    switches: profile::switches(wave, point),
-                    signature: wave.signature.to_string(),
                     leading: OnceCell::new(),
                     wave: wave.clone(),
                     point: point.clone(),
@@ -188,10 +191,8 @@ pub(crate) struct Repeats {
 /// Runs a piece of work repeatedly; the median time and the first result.
 fn timed<T>(repeats: Repeats, work: impl Fn() -> Result<T, Missed>) -> Result<(f64, T), Missed> {
     let begun = Instant::now();
-    let mut times = Vec::new();
-    let start = Instant::now();
     let first = work()?;
-    times.push(start.elapsed().as_secs_f64());
+    let mut times = vec![begun.elapsed().as_secs_f64()];
     while times.len() < repeats.most && begun.elapsed().as_secs_f64() < repeats.seconds {
         let start = Instant::now();
         if work().is_err() {
@@ -251,14 +252,14 @@ fn flow_row(
     }
     let pairs = || {
         let pairs = reference.waves.iter().zip(&found.waves);
-        pairs.filter(|(one, other)| one.signature == other.signature)
+        pairs.filter(|(one, other)| one.wave.signature == other.wave.signature)
     };
-    row.speed_error = worst(pairs().map(|(one, other)| (other.speed / one.speed - 1.0).abs()));
+    row.speed_error = worst(pairs().map(|(one, other)| (other.speed() / one.speed() - 1.0).abs()));
     row.switch_error = worst(pairs().flat_map(|(one, other)| {
-        let wavelength = one.switches.last().copied().unwrap_or(1.0);
-        let both = one.switches.iter().zip(&other.switches);
+        let switches = one.switches();
+        let wavelength = switches.last().copied().unwrap_or(1.0);
+        let both = switches.into_iter().zip(other.switches());
         both.map(move |(one, other)| (one - other).abs() / wavelength)
-            .collect::<Vec<_>>()
     }));
     let same = reference.events.len() == found.events.len()
         && (reference.events.iter().zip(&found.events)).all(|(one, other)| one.0 == other.0);
@@ -283,20 +284,20 @@ fn flow_row(
 fn against_closed_form(compared: &Compared) -> Option<(f64, f64)> {
     let Compared { wave, point, .. } = compared;
     // with material damping there is no closed form
-    if compared.signature != "slip-stick" || wave.material {
+    if wave.signature != Signature::slip_stick() || wave.material {
         return None;
     }
     let zones = wave.unpack(point);
     let near = SlipStick {
         excess: wave.excess_at(point),
-        speed: compared.speed,
+        speed: compared.speed(),
         slip: zones[0][2],
         stick: zones[1][2],
         least_rate: f64::NAN,
         release: zones[0][0],
     };
     let exact = precise::slip_stick(&wave.model_at(point), wave.mode, &near)?;
-    let speed = (compared.speed / exact.speed - 1.0).abs();
+    let speed = (compared.speed() / exact.speed - 1.0).abs();
     let period = exact.slip + exact.stick;
     let switch = (near.slip - exact.slip).abs() / period;
     Some((speed, switch))
@@ -312,7 +313,7 @@ fn ring_row(
     let waves: Vec<&Compared> = reference
         .waves
         .iter()
-        .filter(|compared| !compared.signature.contains("separation"))
+        .filter(|compared| !compared.wave.signature.has(Regime::Separation))
         .collect();
     if waves.is_empty() {
         return Ok(Row::failed(
@@ -356,7 +357,7 @@ fn ring_row(
     Ok(Row {
         points: waves.len(),
         speed_error: worst(
-            pairs().map(|(compared, ring)| (ring.speed / compared.speed - 1.0).abs()),
+            pairs().map(|(compared, ring)| (ring.speed / compared.speed() - 1.0).abs()),
         ),
         eigenvalue_error: worst(errors.into_iter()),
         events_expected: 0,

@@ -1,9 +1,11 @@
 //! `brakewave accuracy`.
 
+use std::fmt::Display;
+
 use clap::Args;
 
 use super::failure::{Exit, Failure, Usage};
-use super::options::{Task, format};
+use super::options::{Task, format, positive};
 use super::prepare::prepare;
 use super::progress::{Progress, drive};
 use super::warn;
@@ -26,13 +28,6 @@ pub(crate) struct AccuracyArguments {
     /// Format of the picture: svg, png, pdf or tex (pgfplots)
     #[arg(long, default_value = "svg", value_parser = format)]
     format: Format,
-}
-
-fn positive(text: &str) -> Result<f64, Usage> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err(Usage::Seconds),
-    }
 }
 
 pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
@@ -90,35 +85,26 @@ pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
+/// A line of the table for a reader.
+fn line<T: Display>(method: &str, setting: &str, cells: impl IntoIterator<Item = T>) -> String {
+    let mut text = format!("{method:<11} {setting:<26}");
+    for (cell, width) in cells.into_iter().zip([6, 6, 9, 9, 9, 11, 10, 10]) {
+        text.push_str(&format!(" {cell:>width$}"));
+    }
+    text
+}
+
 /// The rows for a reader.
 fn text(rows: &[Row], exact: bool) -> String {
-    let mut text = format!(
-        "{:<11} {:<26} {:>6} {:>6} {:>9} {:>9} {:>9} {:>11} {:>10} {:>10}\n",
-        "method",
-        "setting",
-        "points",
-        "events",
-        "speed",
-        "switches",
-        "events",
-        "eigenvalues",
-        "seconds",
-        "points/s"
-    );
-    let error = |value: Option<f64>| match value {
-        Some(value) => format!("{value:.1e}"),
-        None => "–".into(),
-    };
-    let measured = |value: Option<f64>, text: fn(f64) -> String| {
-        let value = value.filter(|value| value.is_finite());
-        value.map_or_else(|| "–".into(), text)
-    };
+    let names = "points events speed switches events eigenvalues seconds points/s";
+    let mut text = line("method", "setting", names.split(' ')) + "\n";
+    let shown =
+        |value: Option<f64>, text: fn(f64) -> String| value.map_or_else(|| "–".into(), text);
+    let error = |value| shown(value, |error| format!("{error:.1e}"));
+    let measured = |value: Option<f64>, text| shown(value.filter(|value| value.is_finite()), text);
     for row in rows {
-        text.push_str(&format!(
-            "{:<11} {:<26} {:>6} {:>6} {:>9} {:>9} {:>9} {:>11} {:>10} {:>10}",
-            row.method,
-            row.setting,
-            row.points,
+        let cells = [
+            row.points.to_string(),
             format!("{}/{}", row.events_found, row.events_expected),
             error(row.speed_error),
             error(row.switch_error),
@@ -126,7 +112,8 @@ fn text(rows: &[Row], exact: bool) -> String {
             error(row.eigenvalue_error),
             measured(row.seconds, |seconds| format!("{seconds:.2e}")),
             measured(row.points_per_second, |rate| format!("{rate:.0}")),
-        ));
+        ];
+        text.push_str(&line(&row.method, &row.setting, cells));
         if let Some(failure) = &row.failure {
             text.push_str(&format!("  {failure}"));
         }

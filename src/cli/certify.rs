@@ -8,8 +8,7 @@ use rayon::prelude::*;
 use super::failure::{Exit, Failure};
 use super::options::Task;
 use super::prepare::{early_end, follow, prepare};
-use super::print;
-use super::warn;
+use super::{print, stopped};
 use crate::branch::run::Item;
 use crate::certify::{self, Certificate, Counted, Outcome, Point, Stretch};
 use crate::output::certify::{CertificateFolder, read, sentence};
@@ -80,8 +79,7 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
     folder.finish(&Certificate::new(points))?;
     task.say(&report, "certificate", &out)?;
     if let Some(why) = early_end(&branch) {
-        warn(&why);
-        return Ok(Exit::Numerical);
+        return stopped(&why);
     }
     Ok(if all { Exit::Done } else { Exit::Unmet })
 }

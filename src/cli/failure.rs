@@ -144,7 +144,7 @@ pub(crate) enum Usage {
     )]
     ManyPoints(u128),
     #[error("take a positive number such as 0.005")]
-    Width,
+    NotPositive,
     #[error(
         "--epsilon smooths Coulomb's law, but `friction_law` is Regularised(epsilon: {0}); leave the \
          option out, or give --at smoothing=VALUE"
@@ -159,8 +159,6 @@ pub(crate) enum Usage {
     Waves(String),
     #[error("{0}..{1} is no range of modes: write the smaller one first, from 1 to {most}", most = crate::problem::MAX_MODE)]
     Modes(u32, u32),
-    #[error("give a positive number of seconds")]
-    Seconds,
     #[error("write I/N with 1 ≤ I ≤ N, for example 2/4")]
     Shard,
     #[error("name a problem file")]

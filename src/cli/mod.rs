@@ -148,6 +148,12 @@ fn titled(problem: &Problem, text: &str) -> String {
     title.map_or_else(|| text.to_owned(), |title| format!("{title}\n\n{text}"))
 }
 
+/// Ends a verb that could not compute what was asked for.
+fn stopped(reason: &impl ToString) -> Result<Exit, Failure> {
+    warn(&reason.to_string());
+    Ok(Exit::Numerical)
+}
+
 /// Writes a warning to standard error.
 fn warn(text: &str) {
     let _ = writeln!(io::stderr(), "warning: {text}");

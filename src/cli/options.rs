@@ -119,9 +119,15 @@ pub(crate) fn cores() -> usize {
 
 /// A picture format on the command line.
 pub(crate) fn format(text: &str) -> Result<Format, Usage> {
-    let mut all = Format::ALL.into_iter();
-    let known = all.find(|format| format.extension() == text);
-    known.ok_or_else(|| Usage::Format(text.to_owned()))
+    Format::named(text).ok_or_else(|| Usage::Format(text.to_owned()))
+}
+
+/// A positive number on the command line.
+pub(crate) fn positive(text: &str) -> Result<f64, Usage> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err(Usage::NotPositive),
+    }
 }
 
 /// NAME=VALUE on the command line.

@@ -58,9 +58,8 @@ impl State {
 pub(crate) struct Progress {
     state: Arc<Mutex<State>>,
     bar: Option<ProgressBar>,
-    /// Ends the thread that writes lines.
-    stop: Option<Sender<()>>,
-    thread: Option<JoinHandle<()>>,
+    /// The thread that writes lines, and what ends it.
+    lines: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl Progress {
@@ -71,22 +70,18 @@ impl Progress {
             words: BEGINNING.to_owned(),
             first: None,
         }));
-        let terminal = stderr().is_terminal();
-        let (mut stop, mut thread) = (None, None);
-        if !quiet && !terminal {
-            let (sender, stopped) = channel();
-            let seen = state.clone();
+        let seen = state.clone();
+        let lines = || {
+            let (stop, stopped) = channel();
+            let thread = Builder::new().spawn(move || write_lines(&seen, &stopped));
             // without a thread there are no lines
-            thread = Builder::new()
-                .spawn(move || write_lines(&seen, &stopped))
-                .ok();
-            stop = Some(sender);
-        }
+            Some((stop, thread.ok()?))
+        };
+        let terminal = stderr().is_terminal();
         Progress {
             state,
             bar: (!quiet && terminal).then(bar),
-            stop,
-            thread,
+            lines: (!quiet && !terminal).then(lines).flatten(),
         }
     }
 
@@ -113,8 +108,8 @@ impl Progress {
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        drop(self.stop.take());
-        if let Some(thread) = self.thread.take() {
+        if let Some((stop, thread)) = self.lines.take() {
+            drop(stop);
             let _ = thread.join();
         }
         if let Some(bar) = &self.bar {

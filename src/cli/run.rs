@@ -5,7 +5,7 @@ use clap::Args;
 use super::failure::{Exit, Failure};
 use super::options::{Task, Threads};
 use super::prepare::{early_end, follow, prepare};
-use super::{summary, titled, warn};
+use super::{stopped, summary, titled, warn};
 use crate::branch::run::Runner;
 use crate::model::Sectors;
 use crate::output::pictures;
@@ -65,9 +65,5 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     for note in branch.notes() {
         warn(&note.to_string());
     }
-    if let Some(why) = early_end(&branch) {
-        warn(&why);
-        return Ok(Exit::Numerical);
-    }
-    Ok(Exit::Done)
+    early_end(&branch).map_or(Ok(Exit::Done), |why| stopped(&why))
 }

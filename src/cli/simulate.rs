@@ -9,7 +9,7 @@ use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, Threads, cores};
 use super::prepare::ready;
 use super::progress::{Progress, drive};
-use super::{titled, warn};
+use super::{stopped, titled, warn};
 use crate::branch::run::RunError;
 use crate::model::{Model, Parameter};
 use crate::output::pictures;
@@ -142,7 +142,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
         warn(&format!("the files will take about {:.0} GB", 1e-9 * bytes));
     }
     let clock = Instant::now();
-    let (mut saved, mut stopped) = (clock, None);
+    let (mut saved, mut refused) = (clock, None);
     drive(task.quiet, || {
         match course.step() {
             Ok(None) => return Ok(None),
@@ -160,7 +160,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
                 }
             }
             Err(reason) => {
-                stopped = Some(reason);
+                refused = Some(reason);
                 return Ok(None);
             }
         }
@@ -172,9 +172,8 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
         );
         Ok(Some((course.position(0.0), words)))
     })?;
-    if let Some(reason) = stopped {
-        warn(&reason.to_string());
-        return Ok(Exit::Numerical);
+    if let Some(reason) = refused {
+        return stopped(&reason);
     }
     let seconds = clock.elapsed().as_secs_f64();
     folder.line(END, &course.motion().line())?;
@@ -191,10 +190,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
         });
         match found {
             Ok(found) => eigenvalues.extend(found),
-            Err(error) => {
-                warn(&error.to_string());
-                return Ok(Exit::Numerical);
-            }
+            Err(error) => return stopped(&error),
         }
     }
     drop(progress);

@@ -7,10 +7,10 @@ use clap::Args;
 use faer::c64;
 
 use super::failure::{Exit, Failure, Usage};
-use super::options::{assignment, picture, set, spare, write};
+use super::options::{assignment, picture, positive, set, spare, write};
 use super::prepare::{Prepared, prepare};
 use super::progress::drive;
-use super::{print, summary, warn};
+use super::{print, stopped, summary, warn};
 use crate::branch::BranchPoint;
 use crate::branch::passage::Passage;
 use crate::branch::row::{EigenfunctionRow, EigenvalueRow, WaveEigenvalueRow};
@@ -47,7 +47,7 @@ pub(crate) struct SpectrumArguments {
     discretised: Option<usize>,
     /// Width of the friction law tanh((1 − V̇)/ε) that the discretised ring has in place of Coulomb's
     /// [default: 0.005]; the law `Regularised` of a problem has its own
-    #[arg(long, value_name = "EPSILON", requires = "discretised", value_parser = width, allow_negative_numbers = true)]
+    #[arg(long, value_name = "EPSILON", requires = "discretised", value_parser = positive, allow_negative_numbers = true)]
     epsilon: Option<f64>,
     /// Draw the multipliers of the discretised ring, the exact ones over them: FILE.svg, .png or .pdf
     #[arg(long, value_name = "FILE", requires = "discretised")]
@@ -67,14 +67,6 @@ fn ring_points(text: &str) -> Result<usize, Usage> {
     within
         .filter(|points| *points <= discretised::MOST_POINTS)
         .ok_or(Usage::ManyPoints(points))
-}
-
-/// Width of a smooth friction law.
-fn width(text: &str) -> Result<f64, Usage> {
-    match text.parse::<f64>() {
-        Ok(width) if width.is_finite() && width > 0.0 => Ok(width),
-        _ => Err(Usage::Width),
-    }
 }
 
 /// The width of the friction law of a discretised ring: the problem's own, or what Coulomb's law is
@@ -167,7 +159,10 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
     }
     match passage.found() {
         None => Ok(Exit::Numerical),
-        Some(item) => write_spectrum(item, &request, &prepared.problem, arguments),
+        Some(item) => match arguments.discretised {
+            None => write_spectrum(item, &request, arguments),
+            Some(points) => write_ring(item, &request, &prepared.problem, arguments, points),
+        },
     }
 }
 
@@ -197,73 +192,71 @@ fn remark(passage: &Passage, parameter: Parameter, value: f64, wanted: u16) {
     }
 }
 
-/// The eigenvalues of a wave on standard output, and its eigenfunctions where they are asked for.
-fn write_spectrum(
+/// The eigenvalues of the discretised ring on standard output, and its multipliers as a picture.
+fn write_ring(
     item: &Item,
     request: &Request,
     problem: &Problem,
     arguments: &SpectrumArguments,
+    points: usize,
 ) -> Result<Exit, Failure> {
     let (wave, unknowns) = item.wave();
-    if let Some(points) = arguments.discretised {
-        let settings = discretised::Settings {
-            points,
-            // where the branch has come, should ε be its parameter
-            epsilon: smoothing(wave.model_at(unknowns).law, arguments.epsilon)?,
-            ..discretised::Settings::default()
-        };
-        let inputs = std::slice::from_ref(&arguments.problem);
-        let picture = picture(arguments.plot.as_deref(), inputs)?;
-        let ring = discretised::solve_from(wave, unknowns, &settings);
-        let found = ring.and_then(|ring| {
-            let all = Request {
-                eigenvalues: usize::MAX,
-                max_frequency: f64::INFINITY,
-                ..request.clone()
-            };
-            let all = picture.map(|_| ring.leading(&all)).transpose()?;
-            Ok((ring.speed, ring.leading(request)?, all, ring.period()))
+    let settings = discretised::Settings {
+        points,
+        // where the branch has come, should ε be its parameter
+        epsilon: smoothing(wave.model_at(unknowns).law, arguments.epsilon)?,
+        ..discretised::Settings::default()
+    };
+    let inputs = std::slice::from_ref(&arguments.problem);
+    let picture = picture(arguments.plot.as_deref(), inputs)?;
+    let everything = Request {
+        eigenvalues: usize::MAX,
+        max_frequency: f64::INFINITY,
+        ..request.clone()
+    };
+    let solved = discretised::solve_from(wave, unknowns, &settings).and_then(|ring| {
+        let all = picture.map(|_| ring.leading(&everything)).transpose()?;
+        Ok((ring.leading(request)?, all, ring))
+    });
+    let (values, all, ring) = match solved {
+        Ok(solved) => solved,
+        Err(error) => return stopped(&error),
+    };
+    if let (Some(file), Some(all)) = (picture, all) {
+        let exact = Characteristic::new(wave, unknowns).ok();
+        let exact = exact.map(|exact| compute(&exact, request, None));
+        let exact = exact.iter().flat_map(|exact| {
+            let leading = exact.leading(request.eigenvalues);
+            leading.map(|(sector, eigenvalue)| (sector, eigenvalue.value()))
         });
-        return match found {
-            Ok((speed, values, all, period)) => {
-                if let (Some(file), Some(all)) = (picture, all) {
-                    let exact = Characteristic::new(wave, unknowns).ok();
-                    let exact = exact.map(|exact| compute(&exact, request, None));
-                    let exact = exact.iter().flat_map(|exact| {
-                        let leading = exact.leading(request.eigenvalues);
-                        leading.map(|(sector, eigenvalue)| (sector, eigenvalue.value()))
-                    });
-                    let exact: Vec<(usize, c64)> = exact.collect();
-                    let drawn = pictures::multipliers::discretised(&all, &exact, points, period);
-                    pictures::save(file, problem, drawn)?;
-                }
-                let row = |(sector, value): (usize, c64)| EigenvalueRow {
-                    sector,
-                    re: value.re,
-                    im: value.im,
-                    // the ring gives no error of its own
-                    error: f64::NAN,
-                };
-                let eigenvalues: Vec<EigenvalueRow> = values.into_iter().map(row).collect();
-                let point = BranchPoint {
-                    speed,
-                    ..item.point.clone()
-                };
-                print(&eigenvalue_table(&eigenvalues, &point, arguments.csv))?;
-                Ok(Exit::Done)
-            }
-            Err(error) => {
-                warn(&error.to_string());
-                Ok(Exit::Numerical)
-            }
-        };
+        let exact: Vec<(usize, c64)> = exact.collect();
+        let drawn = pictures::multipliers::discretised(&all, &exact, points, ring.period());
+        pictures::save(file, problem, drawn)?;
     }
+    let row = |(sector, value): (usize, c64)| EigenvalueRow {
+        sector,
+        re: value.re,
+        im: value.im,
+        // the ring gives no error of its own
+        error: f64::NAN,
+    };
+    let eigenvalues: Vec<EigenvalueRow> = values.into_iter().map(row).collect();
+    let mut point = item.point.clone();
+    point.speed = ring.speed;
+    print(&eigenvalue_table(&eigenvalues, &point, arguments.csv))?;
+    Ok(Exit::Done)
+}
+
+/// The eigenvalues of a wave on standard output, and its eigenfunctions where they are asked for.
+fn write_spectrum(
+    item: &Item,
+    request: &Request,
+    arguments: &SpectrumArguments,
+) -> Result<Exit, Failure> {
+    let (wave, unknowns) = item.wave();
     let characteristic = match Characteristic::new(wave, unknowns) {
         Ok(characteristic) => characteristic,
-        Err(error) => {
-            warn(&error.to_string());
-            return Ok(Exit::Numerical);
-        }
+        Err(error) => return stopped(&error),
     };
     let spectrum = compute(&characteristic, request, None);
     let mut point = item.point.clone();

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure, Usage};
 use super::options::{assignment, picture, set};
-use super::progress::drive;
+use super::progress::Progress;
 use super::{print, summary, warn};
 use crate::model::Parameter;
 use crate::output::store::{Existing, Kind, Store};
@@ -107,28 +107,16 @@ pub(crate) fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
         families: usize::from(arguments.families),
         order: arguments.order.map(usize::from),
     };
-    let (mut modes, mut begun) = (Vec::<Mode>::new(), false);
-    let all = last + 1 - first;
-    drive(false, || {
-        let done = modes.len() as u32;
-        // the first one may take long
-        if !begun {
-            begun = true;
-            return Ok(Some((0.0, format!("0 of {all} modes"))));
-        }
-        if done == all {
-            return Ok(None);
-        }
-        let mode = first + done;
-        modes.push(steady::mode(
-            &coefficients,
-            geometry.as_ref(),
-            mode,
-            &settings,
-        )?);
-        let part = f64::from(done + 1) / f64::from(all);
-        Ok(Some((part, format!("{} of {all} modes", done + 1))))
-    })?;
+    let mut modes = Vec::<Mode>::new();
+    let progress = Progress::new(false);
+    for mode in first..=last {
+        let (done, all) = (modes.len(), last + 1 - first);
+        let part = done as f64 / f64::from(all);
+        progress.show(part, format!("{done} of {all} modes"));
+        let geometry = geometry.as_ref();
+        modes.push(steady::mode(&coefficients, geometry, mode, &settings)?);
+    }
+    drop(progress);
     let [reduced, full] = first_to_grow(&modes);
     let hertz = |omega| problem.output.hertz(omega);
     let rows = modes.iter().enumerate().map(|(index, mode)| {

@@ -37,9 +37,6 @@ pub(crate) fn branch(
     let events = store::table(&folder.join(EVENTS))?;
     let number =
         |table: &Table, row: usize, column: &str| table.field(row, column).unwrap_or(f64::NAN);
-    let text = |table: &Table, row: usize, column: &str| -> String {
-        table.field(row, column).unwrap_or_default()
-    };
     // the frequency in hertz where the rotation is known
     let heard = points.has("hertz");
     let asked = (0..points.len()).any(|row| !points.text(row, "stable").is_empty());
@@ -58,13 +55,13 @@ pub(crate) fn branch(
         "regimes"
     );
     for row in 0..points.len() {
-        let label = text(&points, row, "label");
+        let label = points.text(row, "label");
         if !label.is_empty() {
             let _ = writeln!(
                 report,
                 "{:>6} {label:>5} {:<4} {} {}{} {} {}",
-                text(&points, row, "point"),
-                text(&points, row, "type"),
+                points.text(row, "point"),
+                points.text(row, "type"),
                 figure(number(&points, row, parameter.column())),
                 figure(number(&points, row, "speed")),
                 match points.field::<f64>(row, "hertz") {
@@ -76,7 +73,7 @@ pub(crate) fn branch(
                 } else {
                     String::new()
                 },
-                text(&points, row, "regimes")
+                points.text(row, "regimes")
             );
         }
     }
@@ -87,7 +84,7 @@ pub(crate) fn branch(
         let _ = write!(
             report,
             "  {} at {} = {:.15} ± {:.0e}, c = {:.15}",
-            text(&events, row, "type"),
+            events.text(row, "type"),
             parameter.symbol(),
             number(&events, row, parameter.column()),
             number(&events, row, "uncertainty"),
@@ -100,11 +97,11 @@ pub(crate) fn branch(
             let _ = write!(report, ", ω = {omega:.12} in sector {sector}");
         }
         let [before, after] =
-            ["regimes_before", "regimes_after"].map(|column| text(&events, row, column));
+            ["regimes_before", "regimes_after"].map(|column| events.text(row, column));
         if before != after {
             let _ = write!(report, ": {before} → {after}");
         }
-        let _ = writeln!(report, "; {}", text(&events, row, "what"));
+        let _ = writeln!(report, "; {}", events.text(row, "what"));
     }
     if asked {
         report.push_str(&stable_parts(&points, parameter, whole_circle));

@@ -57,7 +57,7 @@ impl Plane {
     }
 
     /// Whether the points of a row are those of a grid, which one branch can meet.
-    pub fn is_grid(&self) -> bool {
+    pub(crate) fn is_grid(&self) -> bool {
         matches!(self.points, MapPoints::Grid { .. })
     }
 }

@@ -68,32 +68,22 @@ pub fn row(problem: &Problem, map: &Map, index: usize) -> Result<Vec<Cell>, RunE
             search.one_by_one(&points)?
         };
         for (column, values) in points.iter().enumerate() {
+            let cell = |passage, found| Cell {
+                row: index,
+                column,
+                start: name,
+                passage,
+                found,
+            };
             let here = hits.iter().filter(|hit| hit.column == column);
+            let waves = here.map(|hit| CellPoint::Wave(Box::new(hit.point.clone())));
             let before = cells.len();
-            for (passage, hit) in here.enumerate() {
-                cells.push(Cell {
-                    row: index,
-                    column,
-                    start: name,
-                    passage: passage + 1,
-                    found: CellPoint::Wave(Box::new(hit.point.clone())),
-                });
-            }
+            cells.extend((1..).zip(waves).map(|(passage, wave)| cell(passage, wave)));
             if cells.len() == before {
-                let at = problem
-                    .model
-                    .with(map.first.parameter, values[0])
-                    .with(map.second.parameter, values[1]);
-                cells.push(Cell {
-                    row: index,
-                    column,
-                    start: name,
-                    passage: 0,
-                    found: CellPoint::Nothing {
-                        model: Box::new(at),
-                        why: whys[column].clone(),
-                    },
-                });
+                let model = problem.model.with(map.first.parameter, values[0]);
+                let model = Box::new(model.with(map.second.parameter, values[1]));
+                let why = whys[column].clone();
+                cells.push(cell(0, CellPoint::Nothing { model, why }));
             }
         }
     }

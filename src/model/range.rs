@@ -47,7 +47,7 @@ impl Range {
     }
 
     /// Whether a number lies within; not a number lies nowhere.
-    pub fn admits(self, value: f64) -> bool {
+    pub(crate) fn admits(self, value: f64) -> bool {
         (self.least, self.most).contains(&value)
     }
 

@@ -1,7 +1,7 @@
 //! The curve of an event in the plane of its parameters, with the regions on either side named.
 
 use super::names::{event, occurring, quantity, short_signature};
-use crate::curve::{Curve, Region};
+use crate::curve::{self, Curve, Region};
 use crate::output::render::{
     Axis, BLACK, BLUE, Extent, Key, Layer, Legend, Mark, Name, Panel, Pen, Picture, Point, Shape,
     VERMILLION,
@@ -25,25 +25,19 @@ pub(crate) fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
         let quantity = quantity(curve.parameters[index].column());
         Axis::new(quantity, Extent::Fixed(ranges[index].0, ranges[index].1))
     });
-    let plane = |[x, y]: [f64; 2]| -> Point { (x, y) };
-    let line: Vec<Point> = curve
-        .points
-        .iter()
-        .map(|point| plane(point.parameters))
-        .collect();
-    let start: Vec<Point> = line.get(curve.start).copied().into_iter().collect();
-    let special: Vec<(Point, &str)> = curve
+    let plane = |point: &curve::Point| (point.parameters[0], point.parameters[1]);
+    let line: Vec<Point> = curve.points.iter().map(plane).collect();
+    let start = line.get(curve.start).copied().into_iter().collect();
+    let special = curve
         .points
         .iter()
         .enumerate()
         .filter_map(|(index, point)| {
-            let kind = point
-                .kind
-                .as_deref()
-                .filter(|kind| !matches!(*kind, "EP" | "MX"))?;
-            (index != curve.start).then_some((plane(point.parameters), kind))
-        })
-        .collect();
+            let kind = point.kind.as_deref()?;
+            let shown = index != curve.start && !matches!(kind, "EP" | "MX");
+            shown.then_some((plane(point), kind))
+        });
+    let special: Vec<(Point, &str)> = special.collect();
     let mut kinds = occurring(special.iter().map(|one| one.1));
     kinds.sort_unstable();
     let mark = |kind: &str| {
@@ -53,23 +47,12 @@ pub(crate) fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
 
     let same = common_signature(&curve.regions);
     let (pen, on_branch) = (Pen::solid(BLUE, 2.2), Mark::new(Shape::Disc, MARK, BLACK));
-    let marked = special
-        .iter()
-        .map(|(point, kind)| Layer::Marks(vec![*point], mark(kind)));
-    let layers = [Layer::Line(line, pen)]
-        .into_iter()
-        .chain(marked)
-        .chain([
-            Layer::Marks(start, on_branch),
-            Layer::Names(
-                curve
-                    .regions
-                    .iter()
-                    .map(|region| name(region, same))
-                    .collect(),
-            ),
-        ])
-        .collect();
+    let mut layers = vec![Layer::Line(line, pen)];
+    let marked = special.iter();
+    layers.extend(marked.map(|(point, kind)| Layer::Marks(vec![*point], mark(kind))));
+    layers.push(Layer::Marks(start, on_branch));
+    let names = curve.regions.iter().map(|region| name(region, same));
+    layers.push(Layer::Names(names.collect()));
 
     let mut what = format!("{} ({})", curve.event, event(curve.event));
     if let Some(sector) = curve.sector {

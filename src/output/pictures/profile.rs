@@ -103,7 +103,7 @@ impl Profile {
     }
 
     /// What a function tells of the samples, over θ.
-    pub fn over(&self, value: impl Fn(&Sample) -> f64) -> Vec<Point> {
+    pub(crate) fn over(&self, value: impl Fn(&Sample) -> f64) -> Vec<Point> {
         let samples = self.samples.iter();
         samples
             .map(|sample| (sample.theta, value(sample)))
@@ -111,7 +111,7 @@ impl Profile {
     }
 
     /// The zones in the order of θ.
-    pub fn zones(&self) -> Vec<Zone<'_>> {
+    pub(crate) fn zones(&self) -> Vec<Zone<'_>> {
         let mut zones: Vec<Zone<'_>> = Vec::new();
         for samples in self
             .samples
@@ -135,7 +135,7 @@ impl Profile {
     }
 
     /// What gaps are measured from: δ, or the least U where δ is not known.
-    pub fn contact(&self) -> f64 {
+    pub(crate) fn contact(&self) -> f64 {
         let radial = self.samples.iter().map(|sample| sample.radial);
         let least = radial
             .filter(|value| drawable(*value))
@@ -171,7 +171,11 @@ impl Profiles {
     ///
     /// # Errors
     /// One of them cannot be read.
-    pub fn read(folder: &Path, tables: &Tables, labels: &[usize]) -> Result<Self, StoreError> {
+    pub(crate) fn read(
+        folder: &Path,
+        tables: &Tables,
+        labels: &[usize],
+    ) -> Result<Self, StoreError> {
         let files = store::numbered(&folder.join(PROFILES), ".csv")?;
         let mut all = Vec::new();
         for (label, path) in files {
@@ -222,7 +226,7 @@ impl Profiles {
     }
 
     /// The profiles to show, each with its look.
-    pub fn shown(&self) -> Vec<Shown<'_>> {
+    pub(crate) fn shown(&self) -> Vec<Shown<'_>> {
         let chosen = self.chosen();
         let values: Vec<f64> = chosen
             .iter()
@@ -253,7 +257,7 @@ impl Profiles {
     }
 
     /// Explains which colour belongs to which value of the parameter.
-    pub fn legend(&self, shown: &[Shown<'_>]) -> Legend {
+    pub(crate) fn legend(&self, shown: &[Shown<'_>]) -> Legend {
         let key = |one: &Shown<'_>| (Key::Line(Pen::solid(one.colour, 2.4)), one.text.clone());
         match shown {
             [] => Legend::default(),

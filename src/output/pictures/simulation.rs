@@ -43,6 +43,8 @@ struct Motion {
     codes: Vec<u8>,
     /// Contact line at the beginning.
     start: Table,
+    /// Its length.
+    length: f64,
     /// Contact line at the end, if that was reached.
     end: Option<Table>,
     /// V̇ along the contact line at the time of each snapshot.
@@ -58,10 +60,12 @@ pub(super) fn pictures(folder: &Path, problem: &Problem) -> Result<[Picture; 4],
     let speed = (0..measures.len()).find(|row| measures.text(*row, "name") == "speed");
     let codes = needed(&folder.join(REGIMES))?;
     let line = ["phi", "U", "V_dot", "P"];
+    let start = read(&folder.join(START), &line)?;
     let motion = Motion {
         series: read(&folder.join(SERIES), &["time", "V", "V_dot"])?,
         codes: codes.get(npy::HEADER..).unwrap_or_default().to_vec(),
-        start: read(&folder.join(START), &line)?,
+        length: length(&start),
+        start,
         end: read_if_there(&folder.join(END), &line)?,
         snapshots: snapshots(folder, problem)?,
         speed: speed
@@ -98,31 +102,28 @@ fn snapshots(folder: &Path, problem: &Problem) -> Result<Vec<(f64, Vec<f64>)>, S
     Ok(found)
 }
 
-impl Motion {
-    /// Length of the line: one interval more than from the first to the last point.
-    fn length(&self) -> f64 {
-        let angles = column(&self.start, "phi");
-        let width = angles.get(1).copied().unwrap_or(TAU);
-        let length = width * angles.len() as f64;
-        if length.is_finite() { length } else { TAU }
-    }
+/// Length of the contact line: one interval more than from the first to the last point.
+fn length(line: &Table) -> f64 {
+    let angles = column(line, "phi");
+    let width = angles.get(1).copied().unwrap_or(TAU);
+    let length = width * angles.len() as f64;
+    if length.is_finite() { length } else { TAU }
+}
 
+impl Motion {
     fn space_time(&self) -> Picture {
         let columns = columns(self.start.len());
         let times = column(&self.series, "time");
         // what a kill has left of the one without the other
         let kept = self.codes.len().checked_div(columns).unwrap_or(0);
         let times = &times[..times.len().min(kept)];
-        let length = self.length();
+        let length = self.length;
         let last = times.last().copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
         let mut cells = Vec::new();
         let shown = evenly(times.len(), ROWS);
         for (index, &row) in shown.iter().enumerate() {
             let until = shown.get(index + 1).map_or(last, |next| times[*next]);
-            let mut codes = self.codes[row * columns..(row + 1) * columns].to_vec();
-            // the first column of the row, moved with the wave
-            let shift = (self.speed * times[row] / length).rem_euclid(1.0) * columns as f64;
-            codes.rotate_left((shift.round() as usize) % columns.max(1));
+            let codes = self.moving(times[row], &self.codes[row * columns..(row + 1) * columns]);
             let mut from = 0;
             for stretch in codes.chunk_by(|one, other| one == other) {
                 let to = from + stretch.len();
@@ -162,12 +163,9 @@ impl Motion {
         let mut heights: Vec<f64> = curves.iter().map(height).collect();
         heights.sort_by(f64::total_cmp);
         let scale = LIFT * step / heights[heights.len() / 2];
-        let length = self.length();
+        let length = self.length;
         let line = |(time, values): &(f64, Vec<f64>)| {
-            let count = values.len();
-            let shift = (self.speed * time / length).rem_euclid(1.0) * count as f64;
-            let mut values = values.clone();
-            values.rotate_left((shift.round() as usize) % count.max(1));
+            let (count, values) = (values.len(), self.moving(*time, values));
             let point = |(index, value): (usize, &f64)| {
                 (length * index as f64 / count as f64, time + scale * value)
             };
@@ -186,6 +184,15 @@ impl Motion {
             vec![Panel::new(x, y, layers).high(420.0)],
             Legend::default(),
         )
+    }
+
+    /// Values along the contact line from the point on that moves with the wave.
+    fn moving<T: Copy>(&self, time: f64, values: &[T]) -> Vec<T> {
+        let count = values.len();
+        let shift = (self.speed * time / self.length).rem_euclid(1.0) * count as f64;
+        let mut values = values.to_vec();
+        values.rotate_left((shift.round() as usize) % count.max(1));
+        values
     }
 
     /// Place on the tube, or in the frame of the wave where that is known.
@@ -214,7 +221,7 @@ impl Motion {
                 let points = column(table, "phi").into_iter().zip(column(table, name));
                 Layer::Line(points.collect(), *pen)
             });
-            let x = Axis::new(("place", "φ"), Extent::Fixed(0.0, self.length()));
+            let x = Axis::new(("place", "φ"), Extent::Fixed(0.0, self.length));
             let y = Axis::new(quantity, Extent::Data(0.05));
             Panel::new(x, y, layers.collect()).high(150.0)
         };

@@ -81,7 +81,7 @@ pub(super) fn unstable(from: f64) -> Cell {
 
 impl<'a> Chosen<'a> {
     /// Chooses at most `most` labels, the first one always among them.
-    pub fn of(table: Option<&'a Table>, most: usize) -> Self {
+    pub(crate) fn of(table: Option<&'a Table>, most: usize) -> Self {
         let Some(table) = table else {
             return Chosen::default();
         };
@@ -111,14 +111,14 @@ impl<'a> Chosen<'a> {
     }
 
     /// Shapes tell sectors apart; colours the labels, or the sectors when there is one label.
-    pub fn mark(&self, label: usize, sector: usize) -> Mark {
+    pub(crate) fn mark(&self, label: usize, sector: usize) -> Mark {
         let index = if self.labels.len() > 1 { label } else { sector };
         let colour = CATEGORIES[index % CATEGORIES.len()];
         Mark::new(SHAPES[sector % SHAPES.len()], SIZE, colour)
     }
 
     /// Explains sectors and labels.
-    pub fn legend(&self, tables: &Tables) -> Legend {
+    pub(crate) fn legend(&self, tables: &Tables) -> Legend {
         if self.sectors.is_empty() {
             return Legend::default();
         }

@@ -82,7 +82,7 @@ pub(super) type Marks = (EventType, Vec<Point>);
 
 impl Tables {
     /// Reads the tables of a folder.
-    pub fn read(folder: &Path, parameter: &str) -> Result<Self, StoreError> {
+    pub(crate) fn read(folder: &Path, parameter: &str) -> Result<Self, StoreError> {
         let tables = Tables {
             folder: folder.to_owned(),
             parameter: parameter.to_owned(),
@@ -94,13 +94,13 @@ impl Tables {
     }
 
     /// Eigenvalues, where they were asked for.
-    pub fn spectrum(&self) -> Result<Option<Table>, StoreError> {
+    pub(crate) fn spectrum(&self) -> Result<Option<Table>, StoreError> {
         let columns = ["label", "sector", "re", "im"];
         read_if_there(&self.folder.join(SPECTRUM), &columns)
     }
 
     /// Fails unless `name` is a column of `branch.csv` that can be drawn over the parameter.
-    pub fn check_column(&self, name: &str) -> Result<(), StoreError> {
+    pub(crate) fn check_column(&self, name: &str) -> Result<(), StoreError> {
         self.check(name, &WORD_COLUMNS)
     }
 
@@ -124,17 +124,17 @@ impl Tables {
     }
 
     /// A value at a labelled point.
-    pub fn at_label(&self, label: &str, column: &str) -> Option<f64> {
+    pub(crate) fn at_label(&self, label: &str, column: &str) -> Option<f64> {
         self.labelled(label, |table, row| number(table, row, column))
     }
 
     /// The value of the parameter at a labelled point.
-    pub fn parameter_at(&self, label: &str) -> Option<f64> {
+    pub(crate) fn parameter_at(&self, label: &str) -> Option<f64> {
         self.at_label(label, &self.parameter)
     }
 
     /// Sequence of the regimes at a labelled point.
-    pub fn regimes_at(&self, label: &str) -> String {
+    pub(crate) fn regimes_at(&self, label: &str) -> String {
         let row = self.branch.labelled(label);
         row.map_or_else(String::new, |row| {
             self.branch.text(row, "regimes").to_owned()
@@ -142,21 +142,21 @@ impl Tables {
     }
 
     /// Length of a labelled wave: where its last zone ends.
-    pub fn length_at(&self, label: &str) -> Option<f64> {
+    pub(crate) fn length_at(&self, label: &str) -> Option<f64> {
         self.labelled(label, |table, row| {
             list(table, row, "switches").last().copied()
         })
     }
 
     /// Whether a label was asked for by the value of its parameter.
-    pub fn asked_for(&self, label: &str) -> bool {
+    pub(crate) fn asked_for(&self, label: &str) -> bool {
         let row = self.events.labelled(label);
         row.and_then(|row| kind(&self.events, row)) == Some(EventType::UZ)
     }
 
     /// Place of a labelled point along the branch. A second leg runs from the start of the first
     /// the other way.
-    pub fn position(&self, label: &str) -> i64 {
+    pub(crate) fn position(&self, label: &str) -> i64 {
         let row = self.branch.labelled(label).unwrap_or(0);
         let place = i64::try_from(row).unwrap_or(i64::MAX);
         match self.branch.text(row, "leg") {
@@ -167,7 +167,7 @@ impl Tables {
 
     /// The special points in a picture of a column over the parameter, the less important ones
     /// first.
-    pub fn marks(&self, column: &str) -> Vec<Marks> {
+    pub(crate) fn marks(&self, column: &str) -> Vec<Marks> {
         let rows = |table| (0..Table::len(table)).map(move |row| (table, row));
         let mut seen = HashSet::new();
         let mut marks: Vec<(EventType, Point)> = Vec::new();

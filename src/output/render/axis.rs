@@ -32,12 +32,12 @@ impl From<(&str, &str)> for Quantity {
 
 impl Quantity {
     /// Word and symbol.
-    pub fn caption(&self) -> String {
+    pub(crate) fn caption(&self) -> String {
         self.around(&self.symbol)
     }
 
     /// The symbol, or the word where there is none.
-    pub fn short(&self) -> &str {
+    pub(crate) fn short(&self) -> &str {
         if self.symbol.is_empty() {
             &self.word
         } else {
@@ -77,7 +77,7 @@ pub(crate) struct Axis {
 
 impl Axis {
     /// An axis of this extent with ticks of the renderer's choice.
-    pub fn new(quantity: impl Into<Quantity>, extent: Extent) -> Self {
+    pub(crate) fn new(quantity: impl Into<Quantity>, extent: Extent) -> Self {
         Axis {
             quantity: quantity.into(),
             extent,
@@ -121,7 +121,7 @@ pub(crate) enum Ticks {
 
 impl Scale {
     /// The axis over these values.
-    pub fn of(axis: &Axis, values: impl Iterator<Item = f64>, ticks: Ticks) -> Scale {
+    pub(crate) fn of(axis: &Axis, values: impl Iterator<Item = f64>, ticks: Ticks) -> Scale {
         let quantity = &axis.quantity;
         let logarithmic = matches!(axis.extent, Extent::Decades | Extent::Logarithmic(_));
         let roomy = |(low, high): (f64, f64), room: f64| {
@@ -168,7 +168,7 @@ impl Scale {
     }
 
     /// Where a value lies between the ends, from 0 to 1; what is infinite lies at an end.
-    pub fn part(&self, value: f64) -> f64 {
+    pub(crate) fn part(&self, value: f64) -> f64 {
         let value = if self.logarithmic {
             value.log10()
         } else {
@@ -178,7 +178,7 @@ impl Scale {
     }
 
     /// Width of the widest figures.
-    pub fn figures_width(&self) -> f64 {
+    pub(crate) fn figures_width(&self) -> f64 {
         let widths = self.ticks.iter().map(|tick| width(&tick.text, TICK_SIZE));
         widths.fold(0.0, f64::max)
     }

@@ -74,7 +74,7 @@ pub(super) fn compose(
 
 impl Canvas<'_> {
     /// A filled polygon.
-    pub fn polygon(&mut self, corners: &[Place], colour: RGBColor) -> Drawn {
+    pub(crate) fn polygon(&mut self, corners: &[Place], colour: RGBColor) -> Drawn {
         let corners = coordinates(corners);
         let style = ShapeStyle::from(&colour).filled();
         let drawn = self.backend.fill_polygon(corners, &style);

@@ -42,7 +42,7 @@ pub(super) struct Frame {
 
 impl Frame {
     /// Where a point of the data lies; none for what cannot be drawn.
-    pub fn place(&self, (x, y): Point) -> Option<Place> {
+    pub(crate) fn place(&self, (x, y): Point) -> Option<Place> {
         (drawable(x) && drawable(y)).then(|| self.at(self.x.part(x), self.y.part(y)))
     }
 
@@ -55,7 +55,7 @@ impl Frame {
     }
 
     /// Draws layers.
-    pub fn paint(&self, canvas: &mut Canvas<'_>, layers: &[Layer]) -> Drawn {
+    pub(crate) fn paint(&self, canvas: &mut Canvas<'_>, layers: &[Layer]) -> Drawn {
         layers.iter().try_for_each(|layer| match layer {
             Layer::Line(points, pen) => {
                 let places: Vec<_> = points.iter().map(|point| self.place(*point)).collect();
@@ -150,7 +150,7 @@ impl Frame {
     }
 
     /// Draws the border, the ticks, their figures and the captions.
-    pub fn border(&self, canvas: &mut Canvas<'_>) -> Drawn {
+    pub(crate) fn border(&self, canvas: &mut Canvas<'_>) -> Drawn {
         let pen = Pen::solid(BLACK, 1.3);
         let ((left, top), (right, bottom)) = (self.from, self.to);
         let long = |tick: &Tick| match tick.text.is_empty() {

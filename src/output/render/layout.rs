@@ -36,7 +36,7 @@ impl Picture {
     ///
     /// # Errors
     /// When the backend fails.
-    pub fn svg(&self) -> Result<String, RenderError> {
+    pub(crate) fn svg(&self) -> Result<String, RenderError> {
         let frames = self.frames();
         compose(self.height(&frames), |canvas| self.draw(canvas, &frames))
     }

@@ -69,7 +69,7 @@ struct Item<'a> {
 
 impl Legend {
     /// The legend with one more group, unless that says nothing.
-    pub fn with<T: Into<String>>(
+    pub(crate) fn with<T: Into<String>>(
         mut self,
         heading: &str,
         entries: impl IntoIterator<Item = (Key, T)>,

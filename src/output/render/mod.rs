@@ -171,7 +171,7 @@ pub(crate) struct Heading {
 
 /// Failure to render a picture.
 #[derive(Debug, thiserror::Error)]
-pub enum RenderError {
+pub(crate) enum RenderError {
     /// PNG and PDF were left out when the program was built.
     #[error("this build writes SVG and TeX only; build it with the feature `raster` for {0}")]
     FormatMissing(&'static str),
@@ -191,7 +191,7 @@ pub enum RenderError {
 
 /// File format of the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub(crate) enum Format {
     /// Scalable vector graphics.
     Svg,
     /// Pixels, about 460 per inch at the width of a column.
@@ -203,11 +203,10 @@ pub enum Format {
 }
 
 impl Format {
-    /// All of them.
-    pub(crate) const ALL: [Format; 4] = [Format::Svg, Format::Png, Format::Pdf, Format::Tex];
+    const ALL: [Format; 4] = [Format::Svg, Format::Png, Format::Pdf, Format::Tex];
 
     /// Extension of the file name.
-    pub fn extension(self) -> &'static str {
+    pub(crate) fn extension(self) -> &'static str {
         match self {
             Format::Svg => "svg",
             Format::Png => "png",
@@ -220,24 +219,28 @@ impl Format {
     ///
     /// # Errors
     /// When it was left out.
-    pub fn available(self) -> Result<Format, RenderError> {
+    pub(crate) fn available(self) -> Result<Format, RenderError> {
         if matches!(self, Format::Png | Format::Pdf) && cfg!(not(feature = "raster")) {
             return Err(RenderError::FormatMissing(self.extension()));
         }
         Ok(self)
     }
 
-    /// The format of a file by its extension.
-    pub fn of(path: &Path) -> Option<Format> {
-        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    /// The format with this extension.
+    pub(crate) fn named(extension: &str) -> Option<Format> {
         let mut all = Format::ALL.into_iter();
         all.find(|format| format.extension() == extension)
+    }
+
+    /// The format of a file by its extension.
+    pub(crate) fn of(path: &Path) -> Option<Format> {
+        Format::named(&path.extension()?.to_str()?.to_ascii_lowercase())
     }
 }
 
 impl Picture {
     /// A picture of panels one below the other.
-    pub fn new(panels: Vec<Panel>, legend: Legend) -> Picture {
+    pub(crate) fn new(panels: Vec<Panel>, legend: Legend) -> Picture {
         Picture {
             panels,
             legend,
@@ -246,7 +249,7 @@ impl Picture {
     }
 
     /// The picture with a line of text above it.
-    pub fn titled(self, title: Option<&str>) -> Picture {
+    pub(crate) fn titled(self, title: Option<&str>) -> Picture {
         Picture {
             title: title.map(str::to_owned),
             ..self
@@ -254,7 +257,7 @@ impl Picture {
     }
 
     /// The picture with a smaller line below its title.
-    pub fn subtitled(self, subtitle: &str) -> Picture {
+    pub(crate) fn subtitled(self, subtitle: &str) -> Picture {
         Picture {
             subtitle: Some(subtitle.to_owned()),
             ..self
@@ -265,7 +268,7 @@ impl Picture {
     ///
     /// # Errors
     /// When the format was left out of this build or a library refuses.
-    pub fn file(&self, format: Format) -> Result<Vec<u8>, RenderError> {
+    pub(crate) fn file(&self, format: Format) -> Result<Vec<u8>, RenderError> {
         match format.available()? {
             Format::Svg => Ok(self.svg()?.into_bytes()),
             Format::Tex => Ok(self.tex()?.into_bytes()),
@@ -281,7 +284,7 @@ impl Picture {
 
 impl Panel {
     /// A panel of the usual height.
-    pub fn new(x: Axis, y: Axis, layers: Vec<Layer>) -> Panel {
+    pub(crate) fn new(x: Axis, y: Axis, layers: Vec<Layer>) -> Panel {
         Panel {
             x,
             y,
@@ -291,12 +294,12 @@ impl Panel {
     }
 
     /// The panel with another height.
-    pub fn high(self, height: f64) -> Panel {
+    pub(crate) fn high(self, height: f64) -> Panel {
         Panel { height, ..self }
     }
 
     /// The panel with a remark in place of its layers where there is nothing to show.
-    pub fn unless(self, nothing: bool, remark: &str) -> Panel {
+    pub(crate) fn unless(self, nothing: bool, remark: &str) -> Panel {
         match nothing {
             true => Panel {
                 layers: vec![Layer::Remark(remark.to_owned())],
@@ -309,7 +312,7 @@ impl Panel {
 
 impl Cell {
     /// A stretch of the horizontal axis over the whole height.
-    pub fn upright(from: f64, to: f64, colour: RGBColor) -> Cell {
+    pub(crate) fn upright(from: f64, to: f64, colour: RGBColor) -> Cell {
         Cell {
             from: (from, f64::NEG_INFINITY),
             to: (to, f64::INFINITY),
@@ -337,7 +340,7 @@ impl Layer {
 
 impl Mark {
     /// A mark of this look.
-    pub fn new(shape: Shape, size: f64, colour: RGBColor) -> Mark {
+    pub(crate) fn new(shape: Shape, size: f64, colour: RGBColor) -> Mark {
         Mark {
             shape,
             size,

@@ -67,7 +67,7 @@ pub(crate) struct Pen {
 
 impl Pen {
     /// A line without gaps.
-    pub fn solid(colour: RGBColor, width: f64) -> Self {
+    pub(crate) fn solid(colour: RGBColor, width: f64) -> Self {
         Pen {
             colour,
             width,
@@ -76,7 +76,7 @@ impl Pen {
     }
 
     /// A line of long strokes.
-    pub fn dashed(colour: RGBColor, width: f64) -> Self {
+    pub(crate) fn dashed(colour: RGBColor, width: f64) -> Self {
         Pen {
             colour,
             width,

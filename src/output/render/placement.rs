@@ -42,18 +42,14 @@ pub(super) fn written<'a>(
     layers: &[Layer],
     names: &'a [Name],
 ) -> Vec<(Place, &'a str)> {
-    let lines: Vec<Vec<Place>> = layers
-        .iter()
-        .filter_map(|layer| match layer {
-            Layer::Line(points, _) => Some(
-                points
-                    .iter()
-                    .filter_map(|point| frame.place(*point))
-                    .collect(),
-            ),
-            _ => None,
-        })
-        .collect();
+    let places = |layer: &Layer| -> Vec<Place> {
+        let Layer::Line(points, _) = layer else {
+            return Vec::new();
+        };
+        let drawn = points.iter().filter_map(|point| frame.place(*point));
+        drawn.collect()
+    };
+    let lines: Vec<Vec<Place>> = layers.iter().map(places).collect();
     let middle = |pair: &[Place]| (0.5 * (pair[0].0 + pair[1].0), 0.5 * (pair[0].1 + pair[1].1));
     let mut taken: Vec<(usize, Room)> = Vec::new();
     let mut written = Vec::new();

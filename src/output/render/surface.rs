@@ -42,7 +42,7 @@ pub(super) struct Text<'a> {
 
 impl<'a> Text<'a> {
     /// A text in black, as long as it is.
-    pub fn new(place: Place, text: &'a str, size: f64, align: Align) -> Text<'a> {
+    pub(crate) fn new(place: Place, text: &'a str, size: f64, align: Align) -> Text<'a> {
         Text {
             place,
             text,
@@ -54,12 +54,12 @@ impl<'a> Text<'a> {
     }
 
     /// The text cut to a width.
-    pub fn within(self, room: f64) -> Text<'a> {
+    pub(crate) fn within(self, room: f64) -> Text<'a> {
         Text { room, ..self }
     }
 
     /// The text in another colour.
-    pub fn coloured(self, colour: RGBColor) -> Text<'a> {
+    pub(crate) fn coloured(self, colour: RGBColor) -> Text<'a> {
         Text { colour, ..self }
     }
 }
