@@ -54,28 +54,23 @@ impl std::fmt::Display for Rung {
 
 /// The ladder for a friction law, from coarse to fine within each method.
 pub(crate) fn ladder(law: FrictionLaw) -> Vec<Rung> {
-    let mut rungs = Vec::new();
-    if law.piecewise_linear() {
-        rungs.push(Rung::Flow(Method::Exact));
-    }
-    if !matches!(law, FrictionLaw::Regularised { .. }) {
-        for tolerance in [1e-5, 1e-7, 1e-9, 1e-11, 1e-13] {
-            rungs.push(Rung::Flow(Method::Shooting { tolerance }));
-        }
-        for intervals in [3, 5, 10, 20, 40] {
-            let degree = 4;
-            rungs.push(Rung::Flow(Method::Collocation { intervals, degree }));
-        }
+    let exact = law.piecewise_linear().then_some(Method::Exact);
+    let collocation = |intervals| Method::Collocation {
+        intervals,
+        degree: 4,
+    };
+    let mut methods: Vec<Method> = exact.into_iter().collect();
+    if matches!(law, FrictionLaw::Regularised { .. }) {
+        methods.extend([50, 100, 200, 400].map(collocation));
     } else {
-        for intervals in [50, 100, 200, 400] {
-            let degree = 4;
-            rungs.push(Rung::Flow(Method::Collocation { intervals, degree }));
-        }
+        let tolerances = [1e-5, 1e-7, 1e-9, 1e-11, 1e-13];
+        methods.extend(tolerances.map(|tolerance| Method::Shooting { tolerance }));
+        methods.extend([3, 5, 10, 20, 40].map(collocation));
     }
+    let mut rungs: Vec<Rung> = methods.into_iter().map(Rung::Flow).collect();
     if law == FrictionLaw::Coulomb {
-        for (points, epsilon) in [(25, 0.1), (50, 0.05), (100, 0.02), (200, 0.005)] {
-            rungs.push(Rung::Ring { points, epsilon });
-        }
+        let rings = [(25, 0.1), (50, 0.05), (100, 0.02), (200, 0.005)];
+        rungs.extend(rings.map(|(points, epsilon)| Rung::Ring { points, epsilon }));
     }
     rungs
 }

@@ -15,7 +15,9 @@ use crate::model::{Model, Parameter};
 use crate::output::pictures;
 use crate::output::render::Format;
 use crate::output::run::{PROFILE_RESOLUTION, Restart, profile_file};
-use crate::output::simulation::{END, START, SimulationCheckpoint, SimulationFolder, columns};
+use crate::output::simulation::{
+    END, GROWTH, MEASURES, START, SimulationCheckpoint, SimulationFolder, columns,
+};
 use crate::output::store::{Checkpoint, Kind, Store, VERSION, damaged};
 use crate::problem::{self, Continuation, Problem, Start};
 use crate::simulation::course::{Course, NoCourse, Piece};
@@ -178,7 +180,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
     let seconds = clock.elapsed().as_secs_f64();
     folder.line(END, &course.motion().line())?;
     let measures = course.measures();
-    folder.measures(&measures)?;
+    folder.table(MEASURES, &measures)?;
     let mut eigenvalues = Vec::new();
     let progress = Progress::new(task.quiet);
     let mut done = 0.0;
@@ -195,7 +197,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
     }
     drop(progress);
     if section.growth.is_some() && course.has_wave() {
-        folder.growth(&eigenvalues)?;
+        folder.table(GROWTH, &eigenvalues)?;
     }
     pictures::draw(folder.store(), Some(&problem), Format::Svg)?;
     let (motion, taken) = (course.motion(), course.taken());

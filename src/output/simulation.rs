@@ -11,9 +11,8 @@ use super::render::Format;
 use super::store::{Checkpoint, Growing, Kind, Store, StoreError, damaged};
 use super::{npy, vtk};
 use crate::problem::Problem;
-use crate::simulation::growth::GrowthRow;
 use crate::simulation::line::Line;
-use crate::simulation::measure::{Measure, Sample};
+use crate::simulation::measure::Sample;
 use crate::simulation::motion::{Motion, Saved};
 use crate::simulation::task::Body;
 use crate::table::{self, Table};
@@ -28,7 +27,8 @@ pub(crate) const START: &str = "start.csv";
 pub(crate) const END: &str = "end.csv";
 /// Name of the table of measures.
 pub(crate) const MEASURES: &str = "measures.csv";
-const GROWTH: &str = "growth.csv";
+/// Name of the table of the growth of perturbations.
+pub(crate) const GROWTH: &str = "growth.csv";
 const SNAPSHOTS: &str = "snapshots";
 
 /// Most columns of the array of regimes.
@@ -239,15 +239,13 @@ impl SimulationFolder {
         self.store.save(SimulationCheckpoint::FILE, checkpoint)
     }
 
-    /// Writes what was measured.
-    pub(crate) fn measures(&self, measures: &[Measure]) -> Result<(), StoreError> {
-        let rows = measures.iter().copied();
-        self.store.replace(MEASURES, table::table(rows).as_bytes())
-    }
-
-    /// Writes the growth of perturbations.
-    pub(crate) fn growth(&self, rows: &[GrowthRow]) -> Result<(), StoreError> {
-        let rows = rows.iter().copied();
-        self.store.replace(GROWTH, table::table(rows).as_bytes())
+    /// Writes a table of what was found.
+    pub(crate) fn table<Row: Serialize + Default + Copy>(
+        &self,
+        name: &str,
+        rows: &[Row],
+    ) -> Result<(), StoreError> {
+        let text = table::table(rows.iter().copied());
+        self.store.replace(name, text.as_bytes())
     }
 }
