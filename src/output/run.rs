@@ -168,8 +168,8 @@ impl RunFolder {
         let kept = |rows: usize| resumed.then_some(rows);
         let spectrum = branch.with_stability().then_some(SPECTRUM);
         if !resumed {
-            let mut names = pictures::names(Kind::Run, problem, Format::Svg);
-            names.extend(spectrum.map(str::to_owned));
+            let mut names = Vec::from_iter(spectrum.map(str::to_owned));
+            names.extend(pictures::names(Kind::Run, problem, Format::Svg));
             store.begin(&[BRANCH, EVENTS, Restart::FILE], names, Some(PROFILES))?;
         }
         let header = table::columns(&EventRow::columns(problem.model));
