@@ -819,9 +819,8 @@ fn large_garbage_is_refused_quickly() {
         let before = Instant::now();
         let error = parse(&text, "p.ron").unwrap_err().to_string();
         let elapsed = before.elapsed();
-        // A fraction of a second when alone; anything quadratic would take minutes.
-        assert!(elapsed < Duration::from_secs(5), "{elapsed:?} {error}");
-
+        // A fraction of a second when alone; anything quadratic in millions of characters takes hours.
+        assert!(elapsed < Duration::from_secs(100), "{elapsed:?} {error}");
         assert!(error.len() < 2000);
     }
     assert!(parse(&"(".repeat(10 << 20), "p.ron").is_err());
