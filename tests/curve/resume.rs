@@ -17,41 +17,54 @@ fn copied<T: serde::Serialize + DeserializeOwned>(value: &T) -> T {
     ron::from_str(&ron::to_string(value).unwrap()).unwrap()
 }
 
-/// Take-off through several signatures and round a fold, folds round a cusp, and Hopf points: resumed
-/// after any of its steps, each takes the very next two of them, to the last bit.
+/// A curve resumed after any of its steps takes the very next two of them, to the last bit.
+fn resumes_after_any_step(problem: &Problem) {
+    let start = start(problem).unwrap();
+    let begin = || Run::begin(&start.system, start.event, &start.point, start.limits);
+    let mut run = begin().unwrap();
+    let head: Head = copied(run.head());
+    assert_eq!(&head, run.head());
+    let mut steps: Vec<Step> = Vec::new();
+    while let Some(step) = run.step().unwrap() {
+        steps.push(step);
+    }
+    let whole = run.curve();
+    assert!(steps.len() > 10, "{}", steps.len());
+    let saved: Vec<Step> = copied(&steps);
+    for count in 0..=steps.len() {
+        let mut run = Run::resume(head.clone(), saved[..count].to_vec()).unwrap();
+        for next in 0..2 {
+            let expected = steps.get(count + next);
+            assert_eq!(run.step().unwrap().as_ref(), expected, "{count} + {next}");
+        }
+        if count == steps.len() {
+            assert_eq!(run.curve(), whole);
+        }
+    }
+}
+
+/// Take-off through several signatures and round a fold.
 #[test]
-fn a_curve_resumed_after_any_step_takes_the_same_steps() {
-    let hopf = tube(
+fn a_curve_of_take_off_resumed_after_any_step_takes_the_same_steps() {
+    resumes_after_any_step(&problem("mode4_curve"));
+}
+
+/// Folds round a cusp.
+#[test]
+fn a_curve_of_folds_resumed_after_any_step_takes_the_same_steps() {
+    resumes_after_any_step(&problem("mode2_cusp"));
+}
+
+/// Hopf points.
+#[test]
+fn a_curve_of_hopf_points_resumed_after_any_step_takes_the_same_steps() {
+    resumes_after_any_step(&tube(
         0.5,
         0.072,
         0.0,
         "continuation: (parameter: Mismatch, range: (0.06, 0.2), toward: Down), curve: (event: HB, \
          sector: 0, parameters: (Mismatch, Friction), range: ((0.06, 0.09), (0.4, 0.6)))",
-    );
-    for problem in [problem("mode4_curve"), problem("mode2_cusp"), hopf] {
-        let start = start(&problem).unwrap();
-        let begin = || Run::begin(&start.system, start.event, &start.point, start.limits);
-        let mut run = begin().unwrap();
-        let head: Head = copied(run.head());
-        assert_eq!(&head, run.head());
-        let mut steps: Vec<Step> = Vec::new();
-        while let Some(step) = run.step().unwrap() {
-            steps.push(step);
-        }
-        let whole = run.curve();
-        assert!(steps.len() > 10, "{}", steps.len());
-        let saved: Vec<Step> = copied(&steps);
-        for count in 0..=steps.len() {
-            let mut run = Run::resume(head.clone(), saved[..count].to_vec()).unwrap();
-            for next in 0..2 {
-                let expected = steps.get(count + next);
-                assert_eq!(run.step().unwrap().as_ref(), expected, "{count} + {next}");
-            }
-            if count == steps.len() {
-                assert_eq!(run.curve(), whole);
-            }
-        }
-    }
+    ));
 }
 
 /// What does not fit is refused, not gone on with.
