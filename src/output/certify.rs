@@ -223,7 +223,10 @@ impl CertificateFolder {
     /// Writes the certificate.
     pub(crate) fn finish(&self, certificate: &Certificate) -> Result<(), StoreError> {
         let path = self.store.path().join(Self::FILE);
-        let text = ron::ser::to_string_pretty(certificate, ron::ser::PrettyConfig::default());
+        let text = ron::ser::to_string_pretty(
+            certificate as &dyn erased_serde::Serialize,
+            ron::ser::PrettyConfig::default(),
+        );
         let text = text.map_err(|error| damaged(&path, error.to_string()))?;
         self.store.replace(Self::FILE, text.as_bytes())
     }

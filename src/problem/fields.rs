@@ -71,7 +71,7 @@ const EXPECTED: &str =
 
 /// Refuses the first value that is not admitted whatever the others are.
 pub(super) fn check(problem: &Problem, outline: &Outline) -> Result<(), Flaw> {
-    let written = ron::to_string(problem).map_err(|error| {
+    let written = ron::to_string(problem as &dyn erased_serde::Serialize).map_err(|error| {
         let help = "`brakewave new` prints a problem file to start from";
         Flaw::new(0..0, error.to_string(), help)
     })?;

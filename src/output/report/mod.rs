@@ -52,7 +52,9 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
         }
     }
     let pretty = ron::ser::PrettyConfig::default();
-    let file = problem.and_then(|problem| ron::ser::to_string_pretty(&problem, pretty).ok());
+    let file = problem.and_then(|problem| {
+        ron::ser::to_string_pretty(&problem as &dyn erased_serde::Serialize, pretty).ok()
+    });
     let content = [
         ("title", escaped(&title)),
         ("kind", kind.to_owned()),

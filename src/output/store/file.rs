@@ -41,8 +41,11 @@ pub(crate) fn table(path: &Path) -> Result<Table, StoreError> {
     Table::parse(&bytes(path)?).map_err(|error| damaged(path, error.to_string()))
 }
 
-/// A value as RON.
-pub(crate) fn encode(path: &Path, value: &impl Serialize) -> Result<String, StoreError> {
+/// A value as RON. Behind a vtable, for the writer of RON is a thousand lines for every type of a field.
+pub(crate) fn encode(
+    path: &Path,
+    value: &dyn erased_serde::Serialize,
+) -> Result<String, StoreError> {
     ron::to_string(value).map_err(|error| damaged(path, error.to_string()))
 }
 
