@@ -54,7 +54,10 @@ impl Beyond {
             None => {
                 let margins = examine(&candidate.wave, &candidate.point).ok()?.margins;
                 let size = |margin: &Margin| margin.jet.value.abs();
-                let least = margins.into_iter();
+                // a flight that lands at P = 0 may land without speed, too
+                let grazes = matches!(change.margin.watch, Watch::Gap | Watch::LandingSpeed);
+                let named = |margin: &Margin| grazes || margin.watch != Watch::LandingSpeed;
+                let least = margins.into_iter().filter(named);
                 least.min_by(|a, b| size(a).total_cmp(&size(b)))?.into()
             }
         };
@@ -233,9 +236,7 @@ pub(super) fn carried(
             .filter(|(target, _)| target.zone == zone)
             .map(|(_, source)| *source)
             .collect();
-        let Some(first) = own.first().or(sources.first()).copied() else {
-            return None;
-        };
+        let first = own.first().or(sources.first()).copied()?;
         let time = own.iter().fold(Interval::ZERO, |sum, own| sum + own.time);
         let steps = Interval::point(to.steps(zone) as f64);
         for step in 0..to.steps(zone) {

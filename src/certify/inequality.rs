@@ -4,7 +4,7 @@
 //! from a known zero of order m it is tᵐg(t), and g > 0 is proven by subdivision; elsewhere m = 0. A touch
 //! inside a zone, where the margin of an event vanishes, is a known zero of order 2 in both directions.
 
-use super::flow::{Flow, GAP, Series, W};
+use super::flow::{Flow, GAP, GAP_RATE, Series, W, Y};
 use super::frame::Frame;
 use super::system::{Condition, Near, System};
 use crate::interval::{Gradient, Interval, Number};
@@ -199,6 +199,37 @@ impl<N: Positive> Zone<'_, N> {
             (_, 1) => self.function(&forwards, quantity, at_start).falls(time),
             _ => false,
         }
+    }
+
+    /// Whether a flight from take-off to where U = δ and P = 0 again is its own mirror image in time, so that it
+    /// lands without speed and P falls to 0 there as it rose from 0.
+    ///
+    /// Without damping (U(−t), −V(−t)) solves the equations with (U(t), V(t)). With time from the middle of the
+    /// flight, ± τ at its ends, the odd part of U and the even part of V solve them too; at τ this U vanishes, and
+    /// this V̇. Where no solution but zero does so there is no such part, and −U̇ at the end is U̇ at take-off, 0.
+    fn is_mirrored(&self) -> bool {
+        let zone = self.system.near.signature.zone(self.index);
+        if zone.entry != Entry::TakeOff || !self.frame.damping.is_zero() {
+            return false;
+        }
+        let steps = self.system.steps(self.index);
+        let (_, step) = self.system.step_at(self.x, self.index, 0);
+        let half = step.scaled(Interval::point(0.5));
+        // the difference of two solutions is one without a force
+        let from_middle = |component: Option<usize>| {
+            let mut state = [N::double(0.0); 4];
+            if let Some(component) = component {
+                state[component] = N::double(1.0);
+            }
+            (0..steps).fold(state, |state, _| self.flow.series(state).state(half))
+        };
+        let still = from_middle(None);
+        let [[w, gap], [other_w, other_gap]] = [Y, GAP_RATE].map(|component| {
+            let moved = from_middle(Some(component));
+            [W, GAP].map(|component| moved[component] - still[component])
+        });
+        let determinant = w * other_gap - gap * other_w;
+        !determinant.value().contains(0.0)
     }
 
     fn function<'s>(
@@ -396,10 +427,12 @@ pub fn prove<N: Positive>(
                         let holds = there.is_some_and(|there| there.is_positive());
                         hold(holds, Unproven::Pressure(index))?;
                     }
+                    let lifted = vanishing.is(Watch::LandingPressure, index)
+                        || vanishing.closed_as(before, Regime::Separation, Entry::Touch);
                     let at_start = match closed(before) {
                         true => 2,
-                        // P is more than there
-                        false if short || vanishing.is(Watch::LandingPressure, index) => 1,
+                        // where it is short P is more than just after the landing
+                        false if short || lifted => 1,
                         false => 0,
                     };
                     let at_end = match next.entry {
@@ -422,13 +455,22 @@ pub fn prove<N: Positive>(
                 hold(open, Unproven::Gap(index))?;
             }
             Regime::Separation => {
-                edge(Watch::LandingSpeed)?;
+                // P = 0 where it lands
+                let lifted = vanishing.is(Watch::LandingPressure, index + 1)
+                    || vanishing.closed_as(index + 1, Regime::Separation, Entry::Touch);
+                let mirrored = lifted && zone_at(index)?.is_mirrored();
+                if !mirrored {
+                    edge(Watch::LandingSpeed)?;
+                }
                 if impact == Impact::Coulomb && next.entry == Entry::ArrestedLanding {
                     edge(Watch::Impulse)?;
                 }
                 let looked = zone_at(index)?;
                 let at_start = order + usize::from(vanishing.is(Watch::Tension, index));
-                let at_end = 1 + usize::from(vanishing.is(Watch::LandingSpeed, index));
+                let at_end = match mirrored {
+                    true => 3,
+                    false => 1 + usize::from(vanishing.is(Watch::LandingSpeed, index)),
+                };
                 let touch = vanishing.is(Watch::Gap, index);
                 let open = looked.is_positive(Quantity::Gap, at_start, at_end, touch);
                 hold(open, Unproven::Gap(index))?;

@@ -294,7 +294,6 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
             Special::User(..) | Special::Edge(..) => decimal_of(text, "continuation", value),
             _ => decimal_of(text, wave.parameter.path(), value),
         })?;
-        let near = Near::new(wave, point);
         let posed = Posed {
             written: Written::new(&wave.model, |path| decimal_at(text, path)),
             impact: wave.model.impact,
@@ -302,7 +301,7 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
             mode: wave.mode,
             unit: wave.scales.parameter.abs(),
         };
-        let proof = prove(posed, near, condition, beyond)?;
+        let proof = prove(posed, Near::new(wave, point), condition, beyond)?;
         let eigenvalues = match &proof.condition {
             Condition::Value(_) => eigenvalues(&proof, &leading(&item.eigenvalues))?,
             _ => Vec::new(),
