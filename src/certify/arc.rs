@@ -93,8 +93,13 @@ impl<'a> Place<'a> {
 
     /// The zone that has no length here.
     fn closed(&self) -> Option<usize> {
+        let zones = 0..self.near.signature.len();
         match self.condition {
-            Condition::Margin { watch, zone, .. } if *watch == Watch::Duration => Some(*zone),
+            Condition::Margin {
+                watch: Watch::Duration,
+                zone,
+                ..
+            } if zones.contains(zone) => Some(*zone),
             _ => None,
         }
     }

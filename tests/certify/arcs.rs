@@ -3,6 +3,7 @@
 use brakewave::certify::{self, Condition, Outcome, Point, Proof, Stretch};
 use brakewave::interval::{Decimal, Interval};
 use brakewave::model::{EventType, Parameter};
+use brakewave::wave::admissibility::Watch;
 use brakewave::wave::start::Which;
 
 use super::waves::{has, mismatch_of_pressure, points, points_of, proof, slip_stick_at};
@@ -103,6 +104,17 @@ fn a_false_wave_beyond_an_event_is_not_proven() {
         }
         let over = points[from + 1].stretch(&before).unwrap();
         assert!(matches!(over, Stretch::Open(_)), "{from}: {over:?}");
+    }
+    // a zone that the signature has not
+    let closed = |proof: &mut Proof| {
+        proof.condition = Condition::Margin {
+            watch: Watch::Duration,
+            zone: 99,
+            time: 0.0,
+        };
+    };
+    for from in [0, 3] {
+        assert!(matches!(arc(&closed, from), Stretch::Open(_)));
     }
 }
 
