@@ -2,7 +2,7 @@
 
 use super::follow::{EventCurve, Refusal, Solved, Stop, What};
 use super::point::{Curve, Limits, Point};
-use super::regions;
+use super::regions::{self, Region};
 use super::saved::{End, Found, Head, Next, Reason, State, Step};
 use super::system::{Condition, EventSystem, NotEvaluated};
 use crate::continuation::Node;
@@ -274,6 +274,15 @@ impl Run {
 
     /// The curve from one end to the other, with what lies beside it.
     pub fn curve(self) -> Curve {
+        self.with(regions::regions)
+    }
+
+    /// The curve without what lies beside it, which takes longer to find than the curve itself.
+    pub fn unnamed(self) -> Curve {
+        self.with(|_, _| Vec::new())
+    }
+
+    fn with(self, beside: impl FnOnce(&[Solved], &Limits) -> Vec<Region>) -> Curve {
         let Run {
             head, halves, ends, ..
         } = self;
@@ -287,7 +296,7 @@ impl Run {
             unknowns: Vector::from_vec(head.unknowns),
         });
         points.extend(second);
-        let regions = regions::regions(&points, &head.limits);
+        let regions = beside(&points, &head.limits);
         let word = |index: usize| ends.get(index).map(|end| end.reason.to_string());
         Curve {
             event: head.event,

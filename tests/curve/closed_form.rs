@@ -7,7 +7,7 @@ use brakewave::model::{Constants, Model, Parameter};
 use brakewave::problem::parse;
 use brakewave::wave::start::{SlipStick, Which, fold_in_friction, slip_stick};
 
-use crate::{curve, observed, tube};
+use crate::{observed, tube, unnamed};
 
 /// Every how many points the closed form of the fold, a search, is asked for.
 const OFTEN: usize = 10;
@@ -52,7 +52,7 @@ fn take_off_of_slip_stick() {
         "continuation: (parameter: Mismatch, range: (0.02, 0.3), toward: Down), \
          curve: (event: GR, parameters: (Mismatch, Friction), range: ((0.01, 0.6), (0.1, 1.2)))",
     );
-    let curve = curve(&problem);
+    let curve = unnamed(&problem);
     let base = problem.model;
     let fold = fold_in_friction(&base, 4).unwrap();
     let (mut apart, mut own, mut counts, mut spread) =
@@ -103,7 +103,7 @@ fn reverse_slip_of_slip_stick() {
             "continuation: (parameter: Mismatch, range: (0.02, 0.3), toward: Down), \
              curve: (event: RV, parameters: (Mismatch, Friction), range: ((0.01, 0.6), (0.1, 1.2)))",
         );
-        let curve = curve(&problem);
+        let curve = unnamed(&problem);
         let base = problem.model;
         let (mut worst, mut spread) = (0.0_f64, (2.0_f64, 0.0_f64));
         for point in &curve.points {
@@ -147,7 +147,7 @@ fn folds_of_undamped_waves_share_their_shape() {
                  (event: LP, parameters: (Friction, {second}), range: ((0.2, 3.0), {range}))"
             ),
         );
-        let curve = curve(&problem);
+        let curve = unnamed(&problem);
         let base = problem.model;
         let (mut fold, mut residual) = (0.0_f64, 0.0_f64);
         let mut values = (f64::INFINITY, 0.0_f64);
@@ -206,7 +206,7 @@ fn folds_of_damped_waves_do_not() {
         "continuation: (parameter: Friction, range: (0.2, 3.0), toward: Up), curve: \
          (event: LP, parameters: (Friction, MassDamping), range: ((0.2, 3.0), (0.0, 0.2)))",
     );
-    let curve = curve(&problem);
+    let curve = unnamed(&problem);
     let base = problem.model;
     let shapes: Vec<f64> = curve
         .points
@@ -254,7 +254,7 @@ fn stick_vanishes_on_the_hopf_line() {
              curve: (event: ST, parameters: ({name}, Friction), range: ({range}, (0.1, 1.2))))"
         );
         let problem = parse(&text, "test").unwrap();
-        let curve = curve(&problem);
+        let curve = unnamed(&problem);
         let base = problem.model;
         let c = base.constants().coefficients;
         let stiffness = 16.0 * c.a + c.h;

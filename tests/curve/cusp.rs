@@ -4,7 +4,7 @@ use brakewave::branch::EventType;
 use brakewave::branch::run::Runner;
 use brakewave::problem::parse;
 
-use crate::{curve, observed};
+use crate::{observed, unnamed};
 
 /// Folds in f of the slip-stick branch of mode 2 at this β.
 fn folds(beta: f64) -> Vec<f64> {
@@ -34,7 +34,7 @@ fn two_folds_meet() {
                 continuation: (parameter: Friction, range: (0.3, 3.0), toward: Up), \
                 curve: (event: LP, parameters: (Friction, StiffnessDamping), \
                 range: ((2.1, 3.0), (0.0, 0.02)), ds_max: 0.05))";
-    let curve = curve(&parse(text, "cusp").unwrap());
+    let curve = unnamed(&parse(text, "cusp").unwrap());
     let cusps: Vec<_> = curve
         .points
         .iter()

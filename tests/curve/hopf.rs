@@ -3,7 +3,7 @@
 use brakewave::branch::EventType;
 use brakewave::branch::run::Runner;
 
-use crate::{curve, observed, tube};
+use crate::{observed, tube, unnamed};
 
 #[test]
 fn a_pair_of_sector_0_on_its_axis() {
@@ -14,7 +14,7 @@ fn a_pair_of_sector_0_on_its_axis() {
         "continuation: (parameter: Mismatch, range: (0.06, 0.2), toward: Down), curve: (event: HB, \
          sector: 0, parameters: (Mismatch, Friction), range: ((0.01, 0.3), (0.1, 1.2)))",
     );
-    let curve = curve(&problem);
+    let curve = unnamed(&problem);
     assert_eq!(curve.sector, Some(0));
     let first = &curve.points[curve.start];
     assert!((first.parameters[0] - 0.071_075_493_844_074).abs() < 1e-11);

@@ -12,7 +12,7 @@ mod resume;
 
 use brakewave::branch::run::Runner;
 use brakewave::curve::start::{NoCurve, Start, find};
-use brakewave::curve::{Curve, follow};
+use brakewave::curve::{Curve, Run, follow};
 use brakewave::problem::{Problem, parse};
 
 /// Shows the worst error of a claim.
@@ -41,4 +41,12 @@ fn start(problem: &Problem) -> Result<Start, NoCurve> {
 fn curve(problem: &Problem) -> Curve {
     let start = start(problem).unwrap();
     follow(&start.system, start.event, &start.point, start.limits).unwrap()
+}
+
+/// A curve with nothing named beside it.
+fn unnamed(problem: &Problem) -> Curve {
+    let start = start(problem).unwrap();
+    let mut run = Run::begin(&start.system, start.event, &start.point, start.limits).unwrap();
+    while run.step().unwrap().is_some() {}
+    run.unnamed()
 }

@@ -2,10 +2,10 @@
 
 use brakewave::curve::{Curve, Point};
 
-use crate::{curve, observed, start, tube};
+use crate::{observed, start, tube, unnamed};
 
 fn along(event: &str, friction: f64) -> Curve {
-    curve(&tube(
+    unnamed(&tube(
         friction,
         0.3,
         0.0,
