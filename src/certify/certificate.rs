@@ -1,0 +1,236 @@
+//! What is proven of special points, what it takes to check it, and why something is not.
+
+use serde::{Deserialize, Serialize};
+
+use super::arc::{self, Broken};
+use super::{Beyond, Condition, Growth, Near, Posed, Unproven, growth};
+use crate::interval::Interval;
+use crate::model::{EventType, Parameter};
+
+/// All that was proven of a branch, and what proves it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Certificate {
+    /// Version of the program.
+    pub version: String,
+    /// The special points in their order.
+    pub points: Vec<Point>,
+}
+
+impl Certificate {
+    /// The certificate of a branch.
+    pub fn new(points: Vec<Point>) -> Certificate {
+        Certificate {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            points,
+        }
+    }
+}
+
+/// A special point of a branch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Point {
+    /// Label of the event.
+    pub label: usize,
+    /// Its type.
+    pub kind: EventType,
+    /// Continuation parameter.
+    pub parameter: Parameter,
+    /// Leg of the branch.
+    #[serde(default)]
+    pub leg: usize,
+    /// What was found.
+    pub outcome: Outcome,
+    /// Whether the branch from the point before has no other special point but crossings of eigenvalues, where
+    /// that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arc: Option<Stretch>,
+    /// How many eigenvalues grow, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub growth: Option<Counted>,
+}
+
+/// Whether there is no further special point between two.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Stretch {
+    /// It is proven, in so many pieces.
+    Proven(usize),
+    /// It is not, for this reason.
+    Open(String),
+}
+
+impl Point {
+    /// Whether it is proven.
+    pub fn is_proven(&self) -> bool {
+        matches!(self.outcome, Outcome::Proven(_))
+    }
+
+    fn proof(&self) -> Option<&Proof> {
+        match &self.outcome {
+            Outcome::Proven(proof) => Some(proof),
+            Outcome::Open(_) => None,
+        }
+    }
+
+    /// Counts the growing eigenvalues with |Im λ| up to a window; `None` but at user points, ends and crossings.
+    pub fn counted(&self, window: f64) -> Option<Counted> {
+        let proof = self.proof()?;
+        if !matches!(
+            proof.condition,
+            Condition::Value(_) | Condition::Crossing { .. }
+        ) {
+            return None;
+        }
+        Some(match growth(proof, window, None) {
+            Ok(growth) => Counted::Proven(growth),
+            Err(reason) => Counted::Open(reason.to_string()),
+        })
+    }
+
+    /// Proves that on the branch from an earlier point to this there is no other but crossings of eigenvalues;
+    /// `None` if the branch does not lead from there to here.
+    pub fn stretch(&self, before: &Point) -> Option<Stretch> {
+        if self.leg != before.leg {
+            return None;
+        }
+        let ends = before.proof().zip(self.proof()).ok_or(Broken::End);
+        Some(match ends.and_then(|(from, to)| arc::prove(from, to)) {
+            Ok(pieces) => Stretch::Proven(pieces),
+            Err(reason) => Stretch::Open(reason.to_string()),
+        })
+    }
+}
+
+/// Whether the growing eigenvalues of a wave are counted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Counted {
+    /// They are.
+    Proven(Growth),
+    /// They are not, for this reason.
+    Open(String),
+}
+
+/// Whether a point is proven.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Outcome {
+    /// It is.
+    Proven(Box<Proof>),
+    /// It is not, for this reason.
+    Open(String),
+}
+
+/// A statement, and what it takes to check it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Proof {
+    /// The model and its equations.
+    pub posed: Posed,
+    /// What singles out the point.
+    pub condition: Condition,
+    /// The wave beyond a change of regime, as the continuation has entered it.
+    pub beyond: Option<Beyond>,
+    /// The wave in doubles.
+    pub near: Near,
+    /// What is proven.
+    pub statement: Statement,
+    /// Eigenvalues: at values of the parameter, the one of every Bloch sector that was found to lead.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub eigenvalues: Vec<Eigenvalue>,
+}
+
+/// An eigenvalue λ of a wave, with e^{λt}.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Eigenvalue {
+    /// Bloch sector.
+    pub sector: usize,
+    /// λ in doubles.
+    pub near: [f64; 2],
+    /// Re λ.
+    pub growth: Interval,
+    /// Im λ.
+    pub omega: Interval,
+}
+
+impl Proof {
+    /// Whether the wave is unstable.
+    pub fn is_unstable(&self) -> bool {
+        let mut eigenvalues = self.eigenvalues.iter();
+        eigenvalues.any(|eigenvalue| eigenvalue.growth.is_positive())
+    }
+}
+
+/// What is proven of a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Statement {
+    /// The continuation parameter lies in here.
+    pub parameter: Interval,
+    /// The speed c.
+    pub speed: Interval,
+    /// Length of every zone, duration times |c|.
+    pub lengths: Vec<Interval>,
+    /// No other such wave has its parameter within this distance and all its other unknowns within the same
+    /// share of their units.
+    pub unique: f64,
+    /// Im λ of an eigenvalue that crosses the imaginary axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub omega: Option<Interval>,
+    /// Inequalities proven.
+    pub inequalities: usize,
+}
+
+/// Why a point is not proven.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Open {
+    /// β > 0.
+    #[error("not covered: waves with material damping")]
+    MaterialDamping,
+    /// A law whose flow has no closed form.
+    #[error("not covered: friction that depends on the velocity")]
+    Law,
+    /// A method other than the exact one.
+    #[error("not covered: equations solved by a numerical method")]
+    Method,
+    /// The vertical family.
+    #[error("not covered: in the family at the Hopf point of steady sliding no parameter moves")]
+    Family,
+    /// The perturbation of a Coulomb impact.
+    #[error("not covered: eigenvalues of waves with a Coulomb impact")]
+    CoulombImpact,
+    /// D = 0.
+    #[error("not covered: where D = 0 there is no wave")]
+    Undriven,
+    /// A zone that begins at V̇ = 0, or switches that the table has not.
+    #[error("not covered: a sequence of zones that is not in the table of switches")]
+    Signature,
+    /// Too long a zone, or numbers that are not finite.
+    #[error("undecided: the equations cannot be enclosed")]
+    NotEnclosed,
+    /// Krawczyk's operator does not map a box into itself.
+    #[error("undecided: no box is known to have exactly one solution")]
+    NotIsolated,
+    /// An inequality.
+    #[error("undecided: {0} is not proven")]
+    Inequality(#[from] Unproven),
+}
+
+/// Why a stored proof does not hold.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refused {
+    /// The proof fails.
+    #[error("it is no proof: {0}")]
+    Open(#[from] Open),
+    /// What it says is not what is proven.
+    #[error("{0} is said otherwise than what is proven")]
+    Statement(&'static str),
+    /// The type does not follow.
+    #[error("its type is {said}, but what vanishes there makes it {found}")]
+    Kind {
+        /// In the certificate.
+        said: EventType,
+        /// By the margin that vanishes.
+        found: EventType,
+    },
+}
