@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use clap::Args;
-use rayon::prelude::*;
 
 use super::failure::{Exit, Failure};
 use super::options::Task;
 use super::prepare::{early_end, follow, prepare};
+use super::progress::each;
 use super::{print, stopped};
 use crate::branch::run::Item;
 use crate::certify::{self, Certificate, Counted, Outcome, Point, Stretch};
@@ -46,15 +46,14 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
         let (points, events) = (branch.progress().points, special.len());
         Ok(format!("{points} points, {events} to prove"))
     })?;
-    let proofs = special.par_iter();
-    let mut points: Vec<Point> = proofs
-        .filter_map(|item| certify::certify(item, prepared.source.text()))
-        .collect();
+    let quiet = task.quiet;
+    let proofs = each(quiet, &special, "points", |item| {
+        certify::certify(item, prepared.source.text())
+    });
+    let mut points: Vec<Point> = proofs.into_iter().flatten().collect();
     if arguments.arcs {
-        let arcs: Vec<_> = points
-            .par_windows(2)
-            .map(|both| both[1].stretch(&both[0]))
-            .collect();
+        let pairs: Vec<_> = points.windows(2).collect();
+        let arcs = each(quiet, &pairs, "arcs", |both| both[1].stretch(&both[0]));
         for (point, arc) in points.iter_mut().skip(1).zip(arcs) {
             point.arc = arc;
         }
@@ -62,9 +61,10 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
     if arguments.spectrum {
         let section = prepared.problem.stability.clone();
         let window = section.unwrap_or_default().max_frequency;
-        points
-            .par_iter_mut()
-            .for_each(|point| point.growth = point.counted(window));
+        let counts = each(quiet, &points, "spectra", |point| point.counted(window));
+        for (point, count) in points.iter_mut().zip(counts) {
+            point.growth = count;
+        }
     }
     for point in &points {
         folder.write(point)?;
@@ -91,11 +91,11 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
         false => read(path)?,
     };
     let points = &certificate.points;
-    let verdicts = (0..points.len()).into_par_iter().map(|index| {
+    let indices: Vec<usize> = (0..points.len()).collect();
+    let verdicts = each(quiet, &indices, "points", |&index| {
         let before = index.checked_sub(1).map(|before| &points[before]);
         verdict(&points[index], before)
     });
-    let verdicts: Vec<String> = verdicts.collect();
     let lines = points.iter().zip(&verdicts);
     let lines =
         lines.map(|(point, verdict)| format!("{} {}: {verdict}\n", point.label, point.kind));

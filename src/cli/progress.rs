@@ -2,12 +2,14 @@
 //! after one second if there is long to wait.
 
 use std::io::{IsTerminal, Write, stderr};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
 
 use super::failure::Failure;
 
@@ -36,6 +38,28 @@ pub(crate) fn drive(
         progress.show(part, words);
     }
     Ok(())
+}
+
+/// Does the same with everything in a list, in parallel, and shows how many are done; outcomes in the
+/// order of the list.
+pub(crate) fn each<T: Sync, R: Send>(
+    quiet: bool,
+    list: &[T],
+    what: &str,
+    work: impl Fn(&T) -> R + Sync,
+) -> Vec<R> {
+    let (progress, done, all) = (Progress::new(quiet), AtomicUsize::new(0), list.len());
+    let show = |done: usize| {
+        let words = format!("{done} of {all} {what}");
+        progress.show(done as f64 / all as f64, words);
+    };
+    show(0);
+    let outcomes = list.par_iter().map(|one| {
+        let outcome = work(one);
+        show(done.fetch_add(1, Ordering::Relaxed) + 1);
+        outcome
+    });
+    outcomes.collect()
 }
 
 /// What is known of the work.
