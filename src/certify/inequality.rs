@@ -376,8 +376,11 @@ pub fn prove<N: Positive>(
         let order = system.order(index);
         match zone.regime {
             Regime::Stick => {
-                // Q = fP at the end, and Q grows; where a reverse zone closes Q = −fP at the beginning
-                if !vanishing.closed_as(before, Regime::Reverse, Entry::Reversal) {
+                // Q = fP at the end, and Q grows; where a reverse zone from W = 1 closes Q = −fP at the beginning
+                let closed = vanishing.closed(before)
+                    && near.signature.zone(before).regime == Regime::Reverse
+                    && system.order(before) == 1;
+                if !closed {
                     edge(Watch::LowerForce)?;
                 }
                 let pressure = frame.weight + frame.kappa;

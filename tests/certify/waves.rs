@@ -274,6 +274,7 @@ fn crossings_of_the_imaginary_axis_are_proven() {
 #[test]
 fn the_problem_files_are_proven() {
     let names = [
+        "brake_lining",
         "mode2_cusp",
         "mode4_curve",
         "mode4_damping",
@@ -283,6 +284,7 @@ fn the_problem_files_are_proven() {
         "mode8_reverse",
         "mode8_reverse_nu03",
         "positive_coupling",
+        "ring_coulomb_impact",
     ];
     for name in names {
         for point in points_of(name, &[]) {
