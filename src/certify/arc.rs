@@ -24,7 +24,7 @@ use super::equations::Evaluated;
 use super::inequality::{self, Part, Unproven};
 use super::krawczyk::{self, Chord};
 use super::system::{Condition, Near, Posed, System};
-use super::{Proof, units};
+use super::{Proof, enclosed, units};
 use crate::interval::{Gradient, Interval};
 use crate::linalg::{Matrix, kernel};
 use crate::wave::admissibility::Watch;
@@ -119,9 +119,7 @@ impl<'a> Ending<'a> {
     fn new(posed: &'a Posed, place: Place<'a>, steps: &[usize], excess: f64) -> Option<Ending<'a>> {
         let Place { near, condition } = place;
         let (system, guess) = System::cut(posed, near, condition, Some(steps))?;
-        let equations = |x: &[Interval]| system.evaluate(x);
-        let units = units(&system, &guess, near, posed.unit);
-        let mut at = krawczyk::enclosed(&equations, &guess, &units)?.at;
+        let mut at = enclosed(posed, &system, &guess)?;
         at.truncate(system.waves());
         if system.minimum(&at).is_some() {
             at.remove(system.waves() - 3);

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use super::inequality::{self, Part};
 use super::system::{Condition, Near, System, TIME};
-use super::{Open, Posed, krawczyk, system, units};
+use super::{Open, Posed, enclosed, krawczyk, system};
 use crate::branch::special::Change;
 use crate::interval::Interval;
 use crate::linalg::Vector;
@@ -194,13 +194,7 @@ fn state_at(
     let index = index.min(system.steps(zone) - 1);
     let (state, _) = system.step_at(x, zone, index);
     let rest = time - step * Interval::point(index as f64);
-    Some(match system.flow(&frame, zone) {
-        Some(flow) => flow.series(state).state(rest),
-        None => {
-            let [y, w, gap, rate] = state;
-            [y + rest, w, gap, rate]
-        }
-    })
+    Some(system.later(&frame, zone, state, rest))
 }
 
 /// A wave enclosed by one system in the unknowns of another with the same stretches; `None` if they are not.
@@ -320,12 +314,6 @@ pub(super) fn is_cut_anew(posed: &Posed, near: &Near, cuts: [&System; 2]) -> boo
     let wave = enclosed(posed, &one, &guess);
     let carried = wave.and_then(|wave| carried(&one, &wave, &other, &middle));
     carried.is_some_and(|carried| is_same(posed, &other, &middle, &carried))
-}
-
-fn enclosed(posed: &Posed, system: &System, middle: &[f64]) -> Option<Vec<Interval>> {
-    let equations = |x: &[Interval]| system.evaluate(x);
-    let units = units(system, middle, system.near, posed.unit);
-    Some(krawczyk::enclosed(&equations, middle, &units)?.at)
 }
 
 /// Whether a wave that solves the equations of a system is the one that they have next to `middle`.

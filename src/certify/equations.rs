@@ -99,11 +99,7 @@ impl System<'_> {
         zone: usize,
     ) -> Option<N> {
         let (entry, _) = self.step_at(x, zone, 0);
-        let (last, time) = self.step_at(x, zone, self.steps[zone] - 1);
-        let end = match self.flow(frame, zone) {
-            Some(flow) => flow.series(last).state(time),
-            None => [entry[Y] + time, entry[W], entry[GAP], entry[GAP_RATE]],
-        };
+        let end = self.end_of_zone(frame, x, zone);
         self.edge(frame, watch, zone, &entry, &end)
     }
 

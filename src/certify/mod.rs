@@ -139,19 +139,10 @@ fn leading(rows: &[EigenvalueRow]) -> Vec<(usize, [f64; 2])> {
 
 /// Proves eigenvalues next to those in doubles; those that are not proven are left out.
 fn eigenvalues(proof: &Proof, wanted: &[(usize, [f64; 2])]) -> Result<Vec<Eigenvalue>, Open> {
-    if wanted.is_empty() {
+    if wanted.is_empty() || lands_with_impulse(&proof.posed, &proof.near) {
         return Ok(Vec::new());
     }
-    let Proof {
-        posed,
-        near,
-        condition,
-        ..
-    } = proof;
-    if lands_with_impulse(posed, near) {
-        return Ok(Vec::new());
-    }
-    let (system, wave) = enclosed(posed, near, condition)?;
+    let (system, wave) = known(proof)?;
     let proven = wanted.iter().filter_map(|(sector, lambda)| {
         let [growth, omega] = system.eigenvalue(&wave, *sector, *lambda)?;
         Some(Eigenvalue {
@@ -166,30 +157,25 @@ fn eigenvalues(proof: &Proof, wanted: &[(usize, [f64; 2])]) -> Result<Vec<Eigenv
 
 /// Counts the growing eigenvalues of a wave; see [`System::growth`].
 fn growth(proof: &Proof, window: f64, stored: Option<&Growth>) -> Result<Growth, Uncounted> {
-    let Proof {
-        posed,
-        near,
-        condition,
-        ..
-    } = proof;
-    if lands_with_impulse(posed, near) {
+    if lands_with_impulse(&proof.posed, &proof.near) {
         return Err(Uncounted::CoulombImpact);
     }
-    let (system, wave) = enclosed(posed, near, condition).map_err(|_| Uncounted::Wave)?;
+    let (system, wave) = known(proof).map_err(|_| Uncounted::Wave)?;
     system.growth(&wave, window, &proof.eigenvalues, stored)
 }
 
 /// The equations of a point, and intervals of their unknowns.
-fn enclosed<'a>(
-    posed: &'a Posed,
-    near: &'a Near,
-    condition: &'a Condition,
-) -> Result<(System<'a>, Vec<Interval>), Open> {
-    let (system, middle) = system(posed, near, condition)?;
-    let units = units(&system, &middle, near, posed.unit);
+fn known(proof: &Proof) -> Result<(System<'_>, Vec<Interval>), Open> {
+    let (system, middle) = system(&proof.posed, &proof.near, &proof.condition)?;
+    let wave = enclosed(&proof.posed, &system, &middle).ok_or(Open::NotIsolated)?;
+    Ok((system, wave))
+}
+
+/// Intervals of the unknowns of a system next to values in doubles.
+fn enclosed(posed: &Posed, system: &System, middle: &[f64]) -> Option<Vec<Interval>> {
     let equations = |x: &[Interval]| system.evaluate(x);
-    let zero = krawczyk::enclosed(&equations, &middle, &units).ok_or(Open::NotIsolated)?;
-    Ok((system, zero.at))
+    let units = units(system, middle, system.near, posed.unit);
+    Some(krawczyk::enclosed(&equations, middle, &units)?.at)
 }
 
 /// A little wider than proven here: other machines may have other last digits.

@@ -381,10 +381,9 @@ impl System<'_> {
             };
             let state = [slot(0), slot(1), slot(2), slot(3)];
             let time = slot(TIME).scaled(Interval::ONE / Interval::point(steps as f64));
-            let end = match self.flow(&frame, zone) {
-                _ if !self.bends(zone) => state,
-                Some(flow) => flow.series(state).state(time),
-                None => [state[Y] + time, state[W], state[2], state[3]],
+            let end = match self.bends(zone) {
+                true => self.later(&frame, zone, state, time),
+                false => state,
             };
             let mut switch: Vec<Perturbation<Mixed>> = (0..dimension(regime)).map(unit).collect();
             for column in matrix.iter_mut().chain(&mut switch) {

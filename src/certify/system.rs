@@ -268,6 +268,29 @@ impl<'a> System<'a> {
         }
     }
 
+    /// A state of a zone a time later.
+    pub(super) fn later<N: Number>(
+        &self,
+        frame: &Frame<N>,
+        zone: usize,
+        state: [N; 4],
+        time: N,
+    ) -> [N; 4] {
+        match self.flow(frame, zone) {
+            Some(flow) => flow.series(state).state(time),
+            None => {
+                let [y, w, gap, rate] = state;
+                [y + time, w, gap, rate]
+            }
+        }
+    }
+
+    /// The state at the end of a zone at values of the unknowns.
+    pub(super) fn end_of_zone<N: Number>(&self, frame: &Frame<N>, x: &[N], zone: usize) -> [N; 4] {
+        let (last, time) = self.step_at(x, zone, self.steps[zone] - 1);
+        self.later(frame, zone, last, time)
+    }
+
     /// Order of the zero just after the entry of a zone: of W − 1 in sliding, of U − δ in separation.
     pub fn order(&self, zone: usize) -> usize {
         match self.near.signature.zone(zone).entry {

@@ -18,7 +18,6 @@
 //! spectral radius is less than 1 there is no eigenvalue, in any sector. As Λ → ∞ the bound becomes that of
 //! [`crate::stability::asymptotic::HighFrequency`].
 
-use super::flow::{GAP_RATE, W, Y};
 use super::frame::Frame;
 use super::propagator::{Complex, ETA, ETA_RATE, Perturbation, dimension, unit};
 use super::system::System;
@@ -255,20 +254,6 @@ impl System<'_> {
             .find(|zone| regime(zone) == Regime::Stick)
             .or_else(|| (0..zones).find(|zone| regime(zone).sliding().is_some()))?;
         Some((0..zones).map(|index| (first + index) % zones).collect())
-    }
-
-    /// The state at the end of a zone of a wave that is known to intervals.
-    pub(super) fn end_of_zone(
-        &self,
-        frame: &Frame<Interval>,
-        wave: &[Interval],
-        zone: usize,
-    ) -> [Interval; 4] {
-        let (last, time) = self.step_at(wave, zone, self.steps(zone) - 1);
-        match self.flow(frame, zone) {
-            Some(flow) => flow.series(last).state(time),
-            None => [last[Y] + time, last[W], last[2], last[GAP_RATE]],
-        }
     }
 
     /// Whether a wave that is known to intervals has no eigenvalue with |λ| ≥ Λ, Re λ ≥ ρ ≥ 0 and |Im λ| ≤ `top`, in
