@@ -14,7 +14,6 @@ use brakewave::discretised::{Settings, solve};
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Damping, Impact, Model};
 use brakewave::output::run::Restart;
-use brakewave::output::store::Checkpoint;
 use brakewave::simulation::growth::{self, Listing, Request};
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Setup};

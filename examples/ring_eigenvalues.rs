@@ -12,7 +12,6 @@ use std::path::Path;
 
 use brakewave::model::Impact;
 use brakewave::output::run::Restart;
-use brakewave::output::store::Checkpoint;
 use brakewave::simulation::growth::{self, INSTANTS, Listing, Request};
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Setup};

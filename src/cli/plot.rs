@@ -11,7 +11,7 @@ use crate::output::origin;
 use crate::output::pictures::{self, View};
 use crate::output::render::Format;
 use crate::output::run::Restart;
-use crate::output::store::{Checkpoint, Kind, Store};
+use crate::output::store::{Kind, Store};
 use crate::problem::Plot;
 
 #[derive(Debug, Args)]

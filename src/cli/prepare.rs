@@ -7,7 +7,6 @@ use super::progress::{Progress, drive};
 use crate::branch::SavedWave;
 use crate::branch::run::{End, Item, RunError, Runner};
 use crate::output::run::Restart;
-use crate::output::store::Checkpoint;
 use crate::problem::{self, Continuation, Problem, Start, Toward};
 
 /// A problem read and ready to run.

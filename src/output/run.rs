@@ -62,6 +62,14 @@ impl Checkpoint for Restart {
 }
 
 impl Restart {
+    /// Reads that of a folder.
+    ///
+    /// # Errors
+    /// When it cannot be read, or is damaged.
+    pub fn read(folder: &Path) -> Result<Restart, StoreError> {
+        Checkpoint::read(folder)
+    }
+
     /// The wave of a label.
     ///
     /// # Errors

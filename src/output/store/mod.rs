@@ -38,7 +38,7 @@ use place::{make, real, stranger, unmake};
 pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// What is saved to go on from: RON, replaced as a whole.
-pub trait Checkpoint: Serialize + DeserializeOwned {
+pub(crate) trait Checkpoint: Serialize + DeserializeOwned {
     /// Name of its file.
     const FILE: &'static str;
 
