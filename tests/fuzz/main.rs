@@ -22,7 +22,7 @@ mod mutations;
 mod watch;
 
 /// Inputs of one run of all targets together, unless `BRAKEWAVE_FUZZ_INPUTS` says otherwise.
-const INPUTS: usize = 120;
+const INPUTS: usize = 80;
 
 /// A number from the environment.
 fn setting(name: &str, default: usize) -> usize {
