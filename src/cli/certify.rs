@@ -47,13 +47,13 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
         Ok(format!("{points} points, {events} to prove"))
     })?;
     let quiet = task.quiet;
-    let proofs = each(quiet, &special, "points", |item| {
+    let proofs: Vec<_> = each(quiet, &special, "points", |item| {
         certify::certify(item, prepared.source.text())
     });
     let mut points: Vec<Point> = proofs.into_iter().flatten().collect();
     if arguments.arcs {
         let pairs: Vec<_> = points.windows(2).collect();
-        let arcs = each(quiet, &pairs, "arcs", |both| both[1].stretch(&both[0]));
+        let arcs: Vec<_> = each(quiet, &pairs, "arcs", |both| both[1].stretch(&both[0]));
         for (point, arc) in points.iter_mut().skip(1).zip(arcs) {
             point.arc = arc;
         }
@@ -61,7 +61,7 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
     if arguments.spectrum {
         let section = prepared.problem.stability.clone();
         let window = section.unwrap_or_default().max_frequency;
-        let counts = each(quiet, &points, "spectra", |point| point.counted(window));
+        let counts: Vec<_> = each(quiet, &points, "spectra", |point| point.counted(window));
         for (point, count) in points.iter_mut().zip(counts) {
             point.growth = count;
         }
@@ -92,7 +92,7 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
     };
     let points = &certificate.points;
     let indices: Vec<usize> = (0..points.len()).collect();
-    let verdicts = each(quiet, &indices, "points", |&index| {
+    let verdicts: Vec<String> = each(quiet, &indices, "points", |&index| {
         let before = index.checked_sub(1).map(|before| &points[before]);
         verdict(&points[index], before)
     });

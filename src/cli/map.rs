@@ -3,15 +3,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::{Args, Subcommand};
-use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
 use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, Threads, cores, picture};
 use super::print;
-use super::progress::Progress;
+use super::progress::each;
 use crate::map;
 use crate::output::map::{MapFolder, of_shard};
 use crate::output::origin::Origin;
@@ -115,25 +113,17 @@ fn run(arguments: &MapArguments, task: &Task) -> Result<Exit, Failure> {
         .step_by(shard.of)
         .filter(|row| finished.binary_search(row).is_err())
         .collect();
-    let progress = Progress::new(task.quiet);
-    let done = AtomicUsize::new(0);
-    let show = |done: usize| {
-        let words = format!("{done} of {} rows", rows.len());
-        progress.show(done as f64 / rows.len() as f64, words);
-    };
-    show(0);
     let most = rows.len().min(MOST_THREADS);
     arguments.threads.install(cores(), most, || {
-        rows.par_iter().try_for_each(|&row| -> Result<(), Failure> {
+        let written: Result<(), Failure> = each(task.quiet, &rows, "rows", |&row| {
             let cells = map::row(&problem, section, row)?;
             // the first row that is there replaces an earlier map
             folder.begin(&rows)?;
             folder.write(row, &cells)?;
-            show(done.fetch_add(1, Ordering::Relaxed) + 1);
-            Ok(())
-        })
+            Ok::<(), Failure>(())
+        });
+        written
     })?;
-    drop(progress);
     folder.begin(&rows)?;
     let what = if shard.of > 1 { "shard" } else { "map" };
     if shard.of == 1 {

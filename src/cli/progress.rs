@@ -41,13 +41,13 @@ pub(crate) fn drive(
 }
 
 /// Does the same with everything in a list, in parallel, and shows how many are done; outcomes in the
-/// order of the list.
-pub(crate) fn each<T: Sync, R: Send>(
+/// order of the list, or the end of all work with an error where a `Result` collects them.
+pub(crate) fn each<T: Sync, R: Send, C: FromParallelIterator<R>>(
     quiet: bool,
     list: &[T],
     what: &str,
     work: impl Fn(&T) -> R + Sync,
-) -> Vec<R> {
+) -> C {
     let (progress, done, all) = (Progress::new(quiet), AtomicUsize::new(0), list.len());
     let show = |done: usize| {
         let words = format!("{done} of {all} {what}");
