@@ -19,7 +19,8 @@ import pandas
 PARAMETERS = ["mismatch", "friction", "mass_damping", "stiffness_damping", "gamma", "nu", "xi", "smoothing"]
 REGIMES = ["separation", "slip", "stick", "reverse"]
 """Regimes in the order of their codes in regimes.npy."""
-COLOURS = dict(zip(REGIMES + ["contact"], ["#ffffff", "#fdd49e", "#9e9ac8", "#2c9c56", "#d9d9d9"]))
+COLOURS = dict(zip(REGIMES + ["contact"], ["#ccece3", "#e6f4fc", "#b3b3b3", "#efc29e", "#f0d7e5"]))
+"""Colours of the zones of regimes, as in the pictures of the program itself."""
 
 _TEXT = (
     "type regimes regimes_before regimes_after regime switches stable why what start name method setting failure "

@@ -30,6 +30,20 @@ pub enum Regime {
 }
 
 impl Regime {
+    /// All regimes.
+    pub(crate) const ALL: [Regime; 5] = [
+        Regime::Slip,
+        Regime::Stick,
+        Regime::Reverse,
+        Regime::Separation,
+        Regime::Contact,
+    ];
+
+    /// The regime of this name.
+    pub(crate) fn named(name: &str) -> Option<Regime> {
+        Regime::ALL.into_iter().find(|regime| regime.name() == name)
+    }
+
     /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -191,13 +205,6 @@ pub fn switches(from: Regime, to: Regime, impact: Impact) -> &'static [Entry] {
 /// Every chain of zones that leads from `from` into `to` with at most `longest` zones between,
 /// shortest first. The last zone of each chain is `to` with its entry.
 pub fn paths(from: Regime, to: Regime, longest: usize, impact: Impact) -> Vec<Vec<Zone>> {
-    const ALL: [Regime; 5] = [
-        Regime::Slip,
-        Regime::Stick,
-        Regime::Reverse,
-        Regime::Separation,
-        Regime::Contact,
-    ];
     let mut finished = Vec::new();
     let mut open: Vec<Vec<Zone>> = vec![Vec::new()];
     for length in 0..=longest {
@@ -212,7 +219,7 @@ pub fn paths(from: Regime, to: Regime, longest: usize, impact: Impact) -> Vec<Ve
             if length == longest {
                 continue;
             }
-            for regime in ALL {
+            for regime in Regime::ALL {
                 for &entry in switches(last, regime, impact) {
                     let mut chain = chain.clone();
                     chain.push(Zone { regime, entry });

@@ -4,8 +4,10 @@
 //! differences of δ. Each profile therefore stands on a base line of its own, and the regimes
 //! show in its colours.
 
-use super::names::{ANGLE, occurring, regime_colour, zone_colour};
+use super::colours;
+use super::names::{ANGLE, occurring, regime_name};
 use super::profile::{NONE, Profile, Profiles, Sample, Shown};
+use crate::model::signature::Regime;
 use crate::output::render::{
     Axis, BLACK, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
     Tick, WHITE, drawable, mix, number,
@@ -24,9 +26,9 @@ struct Raised<'a> {
 }
 
 /// Place where the regime changes on a base line.
-struct Change<'a> {
+struct Change {
     /// The regimes, and the number of the change among those between the same.
-    between: (&'a str, &'a str, usize),
+    between: (Option<Regime>, Option<Regime>, usize),
     at: Point,
 }
 
@@ -51,7 +53,7 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
             Raised { profile, points }
         })
         .collect();
-    let changes: Vec<Vec<Change<'_>>> = raised.iter().map(Raised::changes).collect();
+    let changes: Vec<Vec<Change>> = raised.iter().map(Raised::changes).collect();
     let point = Mark::new(Shape::Circle, 2.6, BLACK);
 
     let base = Pen::solid(mix(WHITE, GREY, 0.45), 1.2);
@@ -60,11 +62,11 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
     // From the top down: a high gap stands before the profile above it.
     for (one, changes) in raised.iter().zip(&changes).rev() {
         for zone in one.profile.zones() {
-            if zone.regime == "separation" {
+            if zone.regime == Some(Regime::Separation) {
                 let gap = one.points[zone.samples.clone()].to_vec();
-                layers.push(Layer::Area(gap, zone_colour(zone.regime)));
+                layers.push(Layer::Area(gap, colours::of_zone(zone.regime)));
             }
-            let pen = Pen::solid(regime_colour(zone.regime), 2.6);
+            let pen = Pen::solid(colours::of_regime(zone.regime), 2.6);
             layers.push(Layer::Line(one.points[zone.samples].to_vec(), pen));
         }
         let places = changes.iter().map(|change| change.at).collect();
@@ -97,13 +99,19 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
     };
 
     let samples = shown.iter().flat_map(|one| &one.profile.samples);
-    let regimes = occurring(samples.map(|sample| sample.regime.as_str())).into_iter();
-    let apart = (Key::Area(zone_colour("separation")), "apart");
+    let regimes = occurring(samples.map(|sample| sample.regime)).into_iter();
+    let apart = (
+        Key::Area(colours::of_zone(Some(Regime::Separation))),
+        "apart",
+    );
     let apart = largest.map(|_| apart);
     let mut legend = Legend::default()
         .with(
             "",
-            regimes.map(|name| (Key::Line(Pen::solid(regime_colour(name), 2.6)), name)),
+            regimes.map(|regime| {
+                let pen = Pen::solid(colours::of_regime(regime), 2.6);
+                (Key::Line(pen), regime_name(regime))
+            }),
         )
         .with(
             "",
@@ -158,13 +166,13 @@ fn bar(largest: f64, foot: f64, scale: f64) -> Layer {
     }
 }
 
-impl<'a> Raised<'a> {
+impl Raised<'_> {
     /// Places where the regime changes along the profile.
-    fn changes(&self) -> Vec<Change<'a>> {
-        let mut changes: Vec<Change<'a>> = Vec::new();
+    fn changes(&self) -> Vec<Change> {
+        let mut changes: Vec<Change> = Vec::new();
         for pair in self.profile.zones().windows(2) {
             let (from, to) = (pair[0].regime, pair[1].regime);
-            let same = |other: &&Change<'_>| (other.between.0, other.between.1) == (from, to);
+            let same = |other: &&Change| (other.between.0, other.between.1) == (from, to);
             let rank = changes.iter().filter(same).count();
             changes.push(Change {
                 between: (from, to, rank),
@@ -176,7 +184,7 @@ impl<'a> Raised<'a> {
 }
 
 /// Joins the same change on neighbouring profiles.
-fn loci(changes: &[Vec<Change<'_>>]) -> Vec<Layer> {
+fn loci(changes: &[Vec<Change>]) -> Vec<Layer> {
     let mut lines = Vec::new();
     for pair in changes.windows(2) {
         for change in &pair[0] {

@@ -1,13 +1,11 @@
-//! What the columns, events and regimes of the tables are called in pictures, and their colours.
+//! What the columns, events and regimes of the tables are called in pictures, and their marks.
 
-use crate::output::render::{
-    BLACK, BLUE, CATEGORIES, GREEN, GREY, Key, Mark, ORANGE, PURPLE, Quantity, SKY, Shape,
-    VERMILLION, WHITE, mix,
-};
 use plotters::style::RGBColor;
 
-use crate::model::EventType;
-use crate::model::Parameter;
+use super::colours;
+use crate::model::signature::Regime;
+use crate::model::{EventType, Parameter};
+use crate::output::render::{BLACK, GREY, Key, Mark, Quantity, Shape};
 
 /// The quantity in a column of `branch.csv`.
 pub(super) fn quantity(column: &str) -> Quantity {
@@ -73,93 +71,76 @@ pub(super) fn event_mark(kind: EventType) -> Mark {
     Mark::new(shape, size, BLACK)
 }
 
-/// Colour of a regime sequence, the same in every picture of every run. Beyond the commonest ones it follows
-/// from the letters of the sequence, and two may share one.
-pub(super) fn signature_colour(regimes: &str) -> RGBColor {
-    let regimes = canonical(regimes);
-    match regimes.as_str() {
-        "slip-stick" => BLUE,
-        "slip-reverse-stick" => VERMILLION,
-        "slip-separation-slip-reverse-stick" => GREEN,
-        "slip-separation-reverse-stick" => PURPLE,
-        "slip-separation-slip-stick" => ORANGE,
-        "slip-separation-stick" => SKY,
-        "slip-separation-reverse" => BLACK,
-        _ => {
-            let sum = regimes.bytes().fold(0_usize, |sum, byte| {
-                sum.wrapping_mul(31).wrapping_add(usize::from(byte))
-            });
-            let base = CATEGORIES[sum % (CATEGORIES.len() - 1)];
-            // darker or paler than the commonest
-            match sum / 7 % 2 {
-                0 => mix(base, BLACK, 0.45),
-                _ => mix(base, WHITE, 0.35),
-            }
-        }
-    }
+/// The regimes of a sequence as tables have it; a word that is no regime is unknown.
+pub(super) fn sequence(regimes: &str) -> Vec<Option<Regime>> {
+    regimes.split('-').map(Regime::named).collect()
 }
 
-/// A signature in one of its cyclic forms: where there is no stick zone, waves begin anywhere.
+/// Colour of a sequence of regimes, in whichever of its cyclic forms it is written.
+pub(super) fn signature_colour(regimes: &str) -> RGBColor {
+    colours::of_sequence(&turned(sequence(regimes)))
+}
+
+/// A sequence in one of its cyclic forms: where there is no stick zone, waves begin anywhere.
+fn turned(mut regimes: Vec<Option<Regime>>) -> Vec<Option<Regime>> {
+    if regimes.contains(&Some(Regime::Stick)) {
+        return regimes;
+    }
+    let name = |regime: &Option<Regime>| regime.map_or("", Regime::name);
+    let from = |start: usize| -> Vec<&str> {
+        let cyclic = regimes.iter().cycle().skip(start);
+        cyclic.take(regimes.len()).map(name).collect()
+    };
+    let best = (0..regimes.len()).max_by_key(|start| from(*start));
+    regimes.rotate_left(best.unwrap_or(0));
+    regimes
+}
+
+/// A signature in one of its cyclic forms.
 pub(super) fn canonical(regimes: &str) -> String {
-    let zones: Vec<&str> = regimes.split('-').collect();
-    if zones.contains(&"stick") {
+    let known = sequence(regimes);
+    if known.contains(&None) {
         return regimes.to_owned();
     }
-    let turned = (0..zones.len()).map(|from| [&zones[from..], &zones[..from]].concat().join("-"));
-    turned.max().unwrap_or_default()
+    let names = turned(known).into_iter().flatten().map(Regime::name);
+    names.collect::<Vec<_>>().join("-")
 }
 
 /// A signature of regimes shortened: `slip-reverse-stick` becomes `sl-rev-st`.
 pub(super) fn short_signature(regimes: &str) -> String {
-    let short: Vec<String> = regimes.split('-').map(short_regime).collect();
-    short.join("-")
+    let short = sequence(regimes).into_iter().map(short_regime);
+    short.collect::<Vec<_>>().join("-")
 }
 
 /// The name of a regime shortened.
-pub(super) fn short_regime(name: &str) -> String {
-    let length = if matches!(name, "slip" | "stick") {
-        2
-    } else {
-        3
-    };
-    name.chars().take(length).collect()
-}
-
-/// Colour of a regime's lines.
-pub(super) fn regime_colour(name: &str) -> RGBColor {
-    match name {
-        "slip" => BLUE,
-        "stick" => BLACK,
-        "separation" => GREEN,
-        "reverse" => VERMILLION,
-        _ => PURPLE,
+pub(super) fn short_regime(regime: Option<Regime>) -> &'static str {
+    match regime {
+        Some(Regime::Slip) => "sl",
+        Some(Regime::Stick) => "st",
+        Some(Regime::Separation) => "sep",
+        Some(Regime::Reverse) => "rev",
+        Some(Regime::Contact) => "con",
+        None => "?",
     }
 }
 
-/// Pale colour of a regime's zone, behind curves; their luminances 0.88, 0.78, 0.59 and 0.45 tell them apart
-/// in grey too.
-pub(super) fn zone_colour(name: &str) -> RGBColor {
-    match name {
-        "slip" => mix(WHITE, SKY, 0.15),
-        "stick" => mix(WHITE, BLACK, 0.30),
-        "separation" => mix(WHITE, GREEN, 0.20),
-        "reverse" => mix(WHITE, VERMILLION, 0.38),
-        _ => mix(WHITE, PURPLE, 0.3),
-    }
+/// The name of a regime, as far as it is known.
+pub(super) fn regime_name(regime: Option<Regime>) -> &'static str {
+    regime.map_or("unknown", Regime::name)
 }
 
 /// Explanations of zones by their colour.
-pub(super) fn zone_keys<'a>(regimes: &[&'a str]) -> Vec<(Key, &'a str)> {
-    let key = |name: &&'a str| (Key::Area(zone_colour(name)), *name);
+pub(super) fn zone_keys(regimes: &[Option<Regime>]) -> Vec<(Key, &'static str)> {
+    let key = |one: &Option<Regime>| (Key::Area(colours::of_zone(*one)), regime_name(*one));
     regimes.iter().map(key).collect()
 }
 
-/// The names that occur, in the order of their appearance.
-pub(super) fn occurring<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut known: Vec<&str> = Vec::new();
-    for name in names {
-        if !known.contains(&name) {
-            known.push(name);
+/// What occurs, in the order of its appearance.
+pub(super) fn occurring<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
+    let mut known: Vec<T> = Vec::new();
+    for one in all {
+        if !known.contains(&one) {
+            known.push(one);
         }
     }
     known

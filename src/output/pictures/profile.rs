@@ -8,6 +8,7 @@ use plotters::style::RGBColor;
 
 use super::names::quantity;
 use super::tables::{Tables, number as cell, read_if_there};
+use crate::model::signature::Regime;
 use crate::output::run::PROFILES;
 use crate::output::store::{self, StoreError};
 
@@ -32,8 +33,8 @@ pub(super) struct Sample {
     pub pressure: f64,
     /// Q.
     pub shear: f64,
-    /// Name of the regime.
-    pub regime: String,
+    /// The regime, if it is a known one.
+    pub regime: Option<Regime>,
 }
 
 /// A sampled wave.
@@ -59,9 +60,9 @@ pub(super) struct Profile {
 
 /// Stretch of samples in the same regime.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Zone<'a> {
-    /// Name of the regime.
-    pub regime: &'a str,
+pub(super) struct Zone {
+    /// The regime, if it is a known one.
+    pub regime: Option<Regime>,
     /// Its samples.
     pub samples: Range<usize>,
     /// First θ.
@@ -86,7 +87,7 @@ impl Profile {
                 rate: value("V_dot"),
                 pressure: value("P"),
                 shear: value("Q"),
-                regime: table.text(row, "regime").to_owned(),
+                regime: Regime::named(table.text(row, "regime")),
             })
         };
         let samples: Vec<Sample> = (0..table.len()).filter_map(sample).collect();
@@ -111,15 +112,15 @@ impl Profile {
     }
 
     /// The zones in the order of θ.
-    pub(crate) fn zones(&self) -> Vec<Zone<'_>> {
-        let mut zones: Vec<Zone<'_>> = Vec::new();
+    pub(crate) fn zones(&self) -> Vec<Zone> {
+        let mut zones: Vec<Zone> = Vec::new();
         for samples in self
             .samples
             .chunk_by(|one, other| one.regime == other.regime)
         {
             let start = zones.last().map_or(0, |zone| zone.samples.end);
             zones.push(Zone {
-                regime: &samples[0].regime,
+                regime: samples[0].regime,
                 samples: start..start + samples.len(),
                 from: samples[0].theta,
                 to: samples[samples.len() - 1].theta,

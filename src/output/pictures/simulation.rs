@@ -7,10 +7,12 @@ use crate::output::render::{
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use super::names::{VELOCITY, zone_colour, zone_keys};
+use super::colours;
+use super::names::{VELOCITY, zone_keys};
 use super::profile::evenly;
 use super::tables::{column, needed, number, read, read_if_there};
 use super::waves::{STICK, plane};
+use crate::model::signature;
 use crate::output::simulation::{END, MEASURES, REGIMES, SERIES, START, columns, snapshot_file};
 use crate::output::store::StoreError;
 use crate::output::{npy, vtk};
@@ -110,6 +112,11 @@ fn length(line: &Table) -> f64 {
     if length.is_finite() { length } else { TAU }
 }
 
+/// A regime of a simulation among those of waves.
+fn of_waves(regime: Regime) -> Option<signature::Regime> {
+    signature::Regime::named(regime.name())
+}
+
 impl Motion {
     fn space_time(&self) -> Picture {
         let columns = columns(self.start.len());
@@ -128,12 +135,12 @@ impl Motion {
             for stretch in codes.chunk_by(|one, other| one == other) {
                 let to = from + stretch.len();
                 let regime = Regime::ALL.get(usize::from(stretch[0]));
-                let name = regime.map_or("", |regime| regime.name());
+
                 let place = |column: usize| length * column as f64 / columns as f64;
                 cells.push(Cell {
                     from: (place(from), times[row]),
                     to: (place(to), until),
-                    colour: zone_colour(name),
+                    colour: colours::of_zone(regime.and_then(|regime| of_waves(*regime))),
                 });
                 from = to;
             }
@@ -141,8 +148,8 @@ impl Motion {
         let x = Axis::new(self.place(), Extent::Fixed(0.0, length));
         let y = Axis::new(("time", "t"), Extent::Fixed(0.0, last));
         let panel = Panel::new(x, y, vec![Layer::Cells(cells)]).high(420.0);
-        let names = Regime::ALL.map(|regime| regime.name());
-        Picture::new(vec![panel], Legend::default().with("", zone_keys(&names)))
+        let regimes = Regime::ALL.map(of_waves);
+        Picture::new(vec![panel], Legend::default().with("", zone_keys(&regimes)))
     }
 
     /// V̇ of the contact line at the beginning and at the snapshots, curve above curve in the order of time,

@@ -1,8 +1,10 @@
 //! All switching positions against the parameter, with the zones between them.
 
+use super::colours;
 use super::diagram::{NONE, joined, one_way, parameter_axis, same_leg, signature_between};
-use super::names::{ANGLE, occurring, regime_colour, zone_colour, zone_keys};
+use super::names::{ANGLE, occurring, regime_name, sequence, zone_keys};
 use super::tables::{Tables, list, number};
+use crate::model::signature::Regime;
 use crate::output::render::{
     Axis, BLACK, Extent, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
 };
@@ -13,8 +15,8 @@ use crate::table::Table;
 const MOST: usize = 64;
 
 /// A stretch of the branch with the same zones.
-struct Band<'a> {
-    regimes: Vec<&'a str>,
+struct Band {
+    regimes: Vec<Option<Regime>>,
     /// Values of the parameter with the end of each zone.
     columns: Vec<(f64, Vec<f64>)>,
 }
@@ -33,26 +35,33 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     let top = ends.fold(0.0, f64::max);
 
     // Where the branch turns back, zones would lie on top of each other.
-    let places = |band: &Band<'_>| band.columns.iter().map(|column| column.0).collect();
+    let places = |band: &Band| band.columns.iter().map(|column| column.0).collect();
     let shaded = one_way(&bands.iter().map(places).collect::<Vec<_>>());
     let regimes = occurring(bands.iter().flat_map(|band| band.regimes.iter().copied()));
     let legend = if shaded {
         Legend::default().with("", zone_keys(&regimes))
     } else {
-        let key = |name: &&str| Key::Line(Pen::solid(regime_colour(name), 2.0));
-        Legend::default().with("end of", regimes.iter().map(|name| (key(name), *name)))
+        let key = |one: &Option<Regime>| Key::Line(Pen::solid(colours::of_regime(*one), 2.0));
+        Legend::default().with(
+            "end of",
+            regimes.iter().map(|one| (key(one), regime_name(*one))),
+        )
     };
 
     let mut layers = Vec::new();
     let mut lines = Vec::new();
     for band in &bands {
-        for (zone, name) in band.regimes.iter().enumerate() {
-            let colour = if shaded { BLACK } else { regime_colour(name) };
+        for (zone, regime) in band.regimes.iter().enumerate() {
+            let colour = if shaded {
+                BLACK
+            } else {
+                colours::of_regime(*regime)
+            };
             let end: Vec<Point> = band.line(Some(zone)).collect();
             if shaded {
                 let back = end.iter().rev().copied();
                 let corners = band.line(zone.checked_sub(1)).chain(back);
-                layers.push(Layer::Area(corners.collect(), zone_colour(name)));
+                layers.push(Layer::Area(corners.collect(), colours::of_zone(*regime)));
             }
             lines.push(Layer::Line(end, Pen::solid(colour, 1.8)));
         }
@@ -73,7 +82,7 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     Ok(Picture::new(vec![panel], legend))
 }
 
-impl Band<'_> {
+impl Band {
     /// The end of a zone, or release, over the parameter.
     fn line(&self, zone: Option<usize>) -> impl Iterator<Item = Point> {
         self.columns.iter().map(move |(x, ends)| {
@@ -84,7 +93,7 @@ impl Band<'_> {
 }
 
 /// The zones along the branch.
-fn bands<'a>(branch: &'a Table, parameter: &str) -> Vec<Band<'a>> {
+fn bands(branch: &Table, parameter: &str) -> Vec<Band> {
     let ends = |row| {
         let ends = list(branch, row, "switches");
         let whole = !ends.is_empty() && ends.len() <= MOST;
@@ -107,7 +116,7 @@ fn bands<'a>(branch: &'a Table, parameter: &str) -> Vec<Band<'a>> {
     let joined = joined(branch.len(), step).into_iter();
     joined
         .map(|(signature, columns)| Band {
-            regimes: signature.split('-').collect(),
+            regimes: sequence(signature),
             columns,
         })
         .collect()

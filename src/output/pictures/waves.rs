@@ -1,7 +1,8 @@
 //! Waves over their wavelength, as lines in the colours of the parameter, and friction along one of them.
 
+use super::colours;
 use super::names::{
-    ANGLE, DISPLACEMENT, VELOCITY, occurring, short_regime, zone_colour, zone_keys,
+    ANGLE, DISPLACEMENT, VELOCITY, occurring, regime_name, short_regime, zone_keys,
 };
 use super::profile::{NONE, Profile, Profiles, Sample, Shown};
 use crate::output::render::{
@@ -117,10 +118,13 @@ fn friction_along(profile: &Profile, parameter: &str) -> (Vec<Layer>, Vec<Layer>
     let zones = profile.zones();
     let shades = zones
         .iter()
-        .map(|zone| Cell::upright(zone.from, zone.to, zone_colour(zone.regime)));
+        .map(|zone| Cell::upright(zone.from, zone.to, colours::of_zone(zone.regime)));
     let headings = zones.iter().map(|zone| Heading {
         ends: [zone.from, zone.to],
-        names: vec![zone.regime.to_owned(), short_regime(zone.regime)],
+        names: vec![
+            regime_name(zone.regime).to_owned(),
+            short_regime(zone.regime).to_owned(),
+        ],
     });
     let (curve, bound) = (Pen::solid(BLACK, 2.2), Pen::dashed(BLUE, 1.8));
     let mut velocity = vec![

@@ -29,7 +29,7 @@ pub(crate) use axis::{Axis, Extent, Quantity, Tick, drawable, range};
 pub(crate) use legend::{Key, Legend};
 pub(crate) use palette::{
     BLACK, BLUE, CATEGORIES, GREEN, GREY, ORANGE, PURPLE, Pattern, Pen, SKY, VERMILLION, WHITE,
-    mix, ordered,
+    hexadecimal, mix, ordered,
 };
 
 /// Height of the only panel of a picture, in pixels of a sheet that is 510 wide.

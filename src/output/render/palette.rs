@@ -43,6 +43,11 @@ pub(crate) fn mix(from: RGBColor, to: RGBColor, part: f64) -> RGBColor {
     )
 }
 
+/// A colour as HTML and SVG write it.
+pub(crate) fn hexadecimal(RGBColor(red, green, blue): RGBColor) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
 /// Pattern of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pattern {

@@ -8,6 +8,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::origin;
+use super::pictures::colours;
 use super::run::{BRANCH, EVENTS, SPECTRUM, profile_file};
 use super::store::{self, Kind, Store, StoreError, VERSION};
 use crate::problem::Problem;
@@ -59,6 +60,7 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
         ("title", escaped(&title)),
         ("kind", kind.to_owned()),
         ("version", VERSION.to_owned()),
+        ("colours", colours::of_zones()),
         ("data", data),
         ("pictures", pictures(folder, &names)?),
         ("tables", tables),

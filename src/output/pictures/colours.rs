@@ -1,0 +1,124 @@
+//! The colours of regimes and of their sequences, in every picture, on the page of a report, in the reader
+//! for Python and in `docs/wave.svg`.
+//!
+//! A regime has one hue: full for lines, pale for zones behind curves. Colours of sequences are never pale, so
+//! that a picture may use paleness for something else.
+
+use plotters::style::RGBColor;
+
+use crate::model::signature::Regime;
+use crate::output::render::{
+    BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, WHITE, hexadecimal, mix,
+};
+
+/// Colours of sequences beyond the commonest ones: indigo, wine, olive, forest, rose, brown, slate.
+const RARE: [RGBColor; 7] = [
+    RGBColor(51, 34, 136),
+    RGBColor(136, 34, 85),
+    RGBColor(153, 153, 51),
+    RGBColor(17, 119, 51),
+    RGBColor(204, 102, 119),
+    RGBColor(140, 86, 75),
+    RGBColor(70, 90, 110),
+];
+
+/// Colour of a regime's lines; of an unknown one purple.
+pub(super) fn of_regime(regime: Option<Regime>) -> RGBColor {
+    match regime {
+        Some(Regime::Slip) => BLUE,
+        Some(Regime::Stick) => BLACK,
+        Some(Regime::Separation) => GREEN,
+        Some(Regime::Reverse) => VERMILLION,
+        Some(Regime::Contact) | None => PURPLE,
+    }
+}
+
+/// Pale colour of a regime's zone, behind curves; the luminances 0.88, 0.78, 0.59 and 0.45 of the first four
+/// tell them apart in grey too.
+pub(super) fn of_zone(regime: Option<Regime>) -> RGBColor {
+    match regime {
+        Some(Regime::Slip) => mix(WHITE, SKY, 0.15),
+        Some(Regime::Separation) => mix(WHITE, GREEN, 0.20),
+        Some(Regime::Reverse) => mix(WHITE, VERMILLION, 0.38),
+        Some(Regime::Stick) => mix(WHITE, BLACK, 0.30),
+        Some(Regime::Contact) | None => mix(WHITE, PURPLE, 0.3),
+    }
+}
+
+/// The colours of zones by their regimes, as an object of JavaScript.
+pub(crate) fn of_zones() -> String {
+    let pair = |regime: Regime| {
+        let colour = hexadecimal(of_zone(Some(regime)));
+        format!("{}: \"{colour}\"", regime.name())
+    };
+    format!("{{ {} }}", Regime::ALL.map(pair).join(", "))
+}
+
+/// Colour of a sequence of regimes, the same in every picture of every run. Beyond the commonest ones it follows
+/// from the sequence, and two may share one.
+pub(super) fn of_sequence(regimes: &[Option<Regime>]) -> RGBColor {
+    use Regime::{Reverse, Separation, Slip, Stick};
+    let known: Option<Vec<Regime>> = regimes.iter().copied().collect();
+    match known.as_deref() {
+        Some([Slip, Stick]) => BLUE,
+        Some([Slip, Reverse, Stick]) => VERMILLION,
+        Some([Slip, Separation, Slip, Reverse, Stick]) => GREEN,
+        Some([Slip, Separation, Reverse, Stick]) => PURPLE,
+        Some([Slip, Separation, Slip, Stick]) => ORANGE,
+        Some([Slip, Separation, Stick]) => SKY,
+        Some([Slip, Separation, Reverse]) => BLACK,
+        _ => {
+            let digit = |one: &Option<Regime>| one.map_or(0, |regime| regime as usize + 1);
+            let digits = regimes.iter().map(digit);
+            let sum = digits.fold(0_usize, |sum, digit| {
+                sum.wrapping_mul(31).wrapping_add(digit)
+            });
+            RARE[sum % RARE.len()]
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The reader for Python and the drawing of the tube have the colours of the pictures.
+    #[test]
+    fn regimes_have_one_colour_everywhere() {
+        let python = include_str!("../../../python/brakewave.py");
+        let line = python.lines().find(|line| line.starts_with("COLOURS"));
+        let drawing = include_str!("../../../docs/wave.svg");
+        use Regime::{Contact, Reverse, Separation, Slip, Stick};
+        let pale =
+            [Separation, Slip, Stick, Reverse, Contact].map(|one| hexadecimal(of_zone(Some(one))));
+        let wanted = pale
+            .each_ref()
+            .map(|colour| format!("\"{colour}\""))
+            .join(", ");
+        assert!(line.is_some_and(|line| line.contains(&wanted)), "{wanted}");
+        for (regime, zone) in [Separation, Slip, Stick, Reverse].into_iter().zip(&pale) {
+            assert!(
+                drawing.contains(&format!("height=\"340\" fill=\"{zone}\"")),
+                "{regime:?}"
+            );
+            let ring = format!(
+                "stroke=\"{}\" stroke-width=\"9\"",
+                hexadecimal(of_regime(Some(regime)))
+            );
+            assert!(
+                regime == Separation || drawing.contains(&ring),
+                "{regime:?}"
+            );
+        }
+    }
+
+    /// No colour of a sequence is pale: paleness means something else where maps show stability.
+    #[test]
+    fn sequences_are_not_pale() {
+        for colour in RARE {
+            let RGBColor(red, green, blue) = colour;
+            let light = 0.3 * f64::from(red) + 0.59 * f64::from(green) + 0.11 * f64::from(blue);
+            assert!(light < 160.0, "{colour:?}");
+        }
+    }
+}
