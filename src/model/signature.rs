@@ -14,17 +14,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::Impact;
 
-/// Contact regime of a zone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+/// Contact regime of a zone, in the order in which a cycle without stick begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Regime {
     /// The surface moves with the shaft: V̇ = 1.
     Stick,
     /// The surface lags behind the shaft: V̇ < 1, Q = fP.
     Slip,
-    /// The surface overtakes the shaft: V̇ > 1, Q = −fP.
-    Reverse,
     /// No contact: P = Q = 0.
     Separation,
+    /// The surface overtakes the shaft: V̇ > 1, Q = −fP.
+    Reverse,
     /// Contact under a friction law that is smooth through V̇ = 1: no stick, no sliding direction.
     Contact,
 }
@@ -66,7 +66,7 @@ impl Regime {
 }
 
 /// How a zone is entered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Entry {
     /// stick → slip at Q = fP; V̇ = 1 and V̈ = 0, the whole state is reset.
     Release,
@@ -90,7 +90,7 @@ pub enum Entry {
 }
 
 /// One zone of a signature.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Zone {
     /// Regime that holds in the zone.
     pub regime: Regime,
@@ -141,6 +141,23 @@ impl Signature {
             && (0..self.len()).any(|shift| {
                 (0..self.len()).all(|index| self.0[index] == other.zone(index + shift))
             })
+    }
+
+    /// Where the cycle begins, so that a wave has one name however it was reached: at a release, or
+    /// anywhere without stick; among these places where the sequence comes first in the order of
+    /// regimes. Several places only where the cycle repeats itself.
+    pub(crate) fn beginnings(&self) -> Vec<usize> {
+        let mut places: Vec<usize> = (0..self.len()).collect();
+        if self.0.iter().any(|zone| zone.entry == Entry::Release) {
+            places.retain(|&index| self.0[index].entry == Entry::Release);
+        }
+        let from = |index: usize| (0..self.len()).map(move |step| self.zone(index + step));
+        let first = places
+            .iter()
+            .copied()
+            .min_by(|&one, &other| from(one).cmp(from(other)));
+        places.retain(|&index| first.is_some_and(|first| from(index).eq(from(first))));
+        places
     }
 
     /// The zone at an index taken modulo the number of zones.
@@ -235,6 +252,54 @@ pub fn paths(from: Regime, to: Regime, longest: usize, impact: Impact) -> Vec<Ve
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Wherever a cycle is cut, it begins at the same zone: with stick at the release, without stick
+    /// with slip, and with separation after it where there is a choice.
+    #[test]
+    fn a_cycle_has_one_beginning() {
+        use Regime::{Contact, Reverse, Separation, Slip, Stick};
+        for (regimes, releases, name) in [
+            (
+                vec![Separation, Slip, Reverse, Slip],
+                None,
+                "slip-separation-slip-reverse",
+            ),
+            (
+                vec![Reverse, Slip, Separation],
+                None,
+                "slip-separation-reverse",
+            ),
+            (vec![Contact, Separation], None, "separation-contact"),
+            (
+                vec![Slip, Stick, Slip, Separation, Slip, Stick],
+                Some([0, 2]),
+                "slip-stick-slip-separation-slip-stick",
+            ),
+        ] {
+            let zones = regimes.iter().enumerate().map(|(index, &regime)| Zone {
+                regime,
+                entry: match releases {
+                    Some(releases) if releases.contains(&index) => Entry::Release,
+                    _ => Entry::Landing,
+                },
+            });
+            let mut zones: Vec<Zone> = zones.collect();
+            for _ in 0..zones.len() {
+                zones.rotate_left(1);
+                let places = Signature(zones.clone()).beginnings();
+                assert_eq!(places.len(), 1);
+                let mut begun = zones.clone();
+                begun.rotate_left(places[0]);
+                assert_eq!(Signature(begun).to_string(), name);
+            }
+        }
+        // a cycle that repeats itself may begin at any of its parts
+        let twice = [Separation, Slip, Separation, Slip].map(|regime| Zone {
+            regime,
+            entry: Entry::Landing,
+        });
+        assert_eq!(Signature(twice.to_vec()).beginnings(), [1, 3]);
+    }
 
     #[test]
     fn paths_follow_the_switching_table() {

@@ -66,7 +66,7 @@ pub fn candidates(
     let mut found = Vec::new();
     let mut add = |pieces: Vec<Piece>| {
         // one zone alone has no switch that could fix its phase
-        let Some(pieces) = sectioned(wave, &flows, pieces).map(from_release) else {
+        let Some(pieces) = sectioned(wave, &flows, pieces).map(from_beginning) else {
             return;
         };
         let signature = Signature(pieces.iter().map(|piece| piece.zone).collect());
@@ -183,11 +183,13 @@ fn sectioned(wave: &Wave, flows: &Flows, mut pieces: Vec<Piece>) -> Option<Vec<P
     Some(pieces)
 }
 
-/// Rotates a cycle so that it begins at a release, if there is one.
-fn from_release(mut pieces: Vec<Piece>) -> Vec<Piece> {
-    // among several releases the one before the longest zones keeps the origin steady
-    let start = (0..pieces.len())
-        .filter(|&index| pieces[index].zone.entry == Entry::Release)
+/// Rotates a cycle so that it begins where its name does.
+fn from_beginning(mut pieces: Vec<Piece>) -> Vec<Piece> {
+    let signature = Signature(pieces.iter().map(|piece| piece.zone).collect());
+    // where the cycle repeats itself the longest zone keeps the origin steady
+    let start = signature
+        .beginnings()
+        .into_iter()
         .max_by(|&one, &other| pieces[one].unknowns[2].total_cmp(&pieces[other].unknowns[2]))
         .unwrap_or(0);
     pieces.rotate_left(start);

@@ -280,7 +280,7 @@ fn integration_backwards_finds_the_same_take_off() {
             damping(0.0, 1e-3),
             3,
             0.02,
-            "separation-slip-reverse-slip",
+            "slip-separation-slip-reverse",
         ),
         (
             tube(0.4, 1.5, 0.8, 0.1),
@@ -332,7 +332,7 @@ fn a_stick_zone_opens_between_reverse_slip_and_slip() {
         assert_eq!(
             regimes(found),
             (
-                "separation-slip-reverse-slip".to_string(),
+                "slip-separation-slip-reverse".to_string(),
                 "slip-separation-slip-reverse-stick".to_string()
             )
         );
