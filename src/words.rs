@@ -27,6 +27,10 @@ impl Display for Special {
             Special::Edge(parameter, value) => {
                 write!(f, "edge of the range, {} = {value}", parameter.column())
             }
+            Special::CoulombLimit => f.write_str(
+                "edge of the range, stiffness_damping = 0: the limit of little damping is this wave \
+                 with Coulomb impacts, whatever `impact` says",
+            ),
             Special::Closed => f.write_str("the branch closes on its first point"),
             Special::Change(change) => change.fmt(f),
             Special::Crossing {

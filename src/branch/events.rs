@@ -2,12 +2,14 @@
 
 use super::follow::Branch;
 use super::special::Refusal;
+use crate::continuation::Node;
 use crate::continuation::arclength;
 use crate::continuation::locate::{self, Place, Target};
 use crate::continuation::newton::{self, Constraint, Plane, System};
 use crate::continuation::walk::{Curve, Stretch};
 use crate::flow::sign::Verdict;
 use crate::linalg::Vector;
+use crate::model::signature::Entry;
 use crate::wave::Wave;
 use crate::wave::admissibility::{AtZero, Examination, Margin};
 
@@ -36,9 +38,11 @@ pub struct Located {
 /// A scaled margin below this is zero but for rounding.
 pub(crate) const AT_ZERO: f64 = 1e-9;
 
-/// A tangent whose parameter component is below this does not tell a direction: beyond the
-/// opening of a zone the branch starts with none.
-pub(super) const VERTICAL: f64 = 1e-7;
+/// A tangent whose parameter component is below this does not tell a direction.
+const VERTICAL: f64 = 1e-7;
+
+/// Parts of a step after which the direction of the parameter is looked for.
+const NEAR: [f64; 3] = [1e-3, 1e-2, 1e-1];
 
 /// Slope of the parameter along the arc at which a fold counts as found. The parameter is
 /// quadratic there, so its error is of order 1e-26; speed and zone lengths are linear, with an
@@ -56,6 +60,16 @@ type Step<'a> = Stretch<'a, Branch>;
 pub(super) fn rounding(place: &Place, margin: &Margin) -> f64 {
     let slopes: f64 = margin.jet.by.iter().map(|by| by.abs()).sum();
     AT_ZERO + 8.0 * place.blur * slopes
+}
+
+/// Whether the tangent at a node does not tell the direction of the parameter: beyond the opening of a
+/// separation zone the branch starts with none, but for rounding, which thin layers magnify.
+pub(super) fn is_vertical(wave: &Wave, node: &Node) -> bool {
+    let opens = |zone: usize| {
+        wave.signature.zone(zone).entry == Entry::TakeOff
+            && wave.duration_at(&node.point, zone) == 0.0
+    };
+    node.tangent[node.tangent.len() - 1].abs() <= VERTICAL || (0..wave.zones()).any(opens)
 }
 
 /// Whether D = 0 but for rounding.
@@ -128,13 +142,14 @@ fn fold(wave: &Wave, step: &Step) -> Option<Option<(Place, Located)>> {
         (0.0, step.from.tangent[last]),
         (step.ds, step.to.tangent[last]),
     );
-    if low.1.abs() <= VERTICAL {
-        // where a zone opens the parameter is stationary: a short way on it tells its direction
-        let near = 1e-3 * step.ds;
-        let node = arclength::advance(wave, step.from, near, tolerance)
-            .ok()?
-            .node;
-        low = (near, node.tangent[last]);
+    if is_vertical(wave, step.from) {
+        // where a zone opens the parameter is stationary: a short way on it tells its direction. A layer
+        // may turn the branch on a shorter one
+        low = NEAR.into_iter().find_map(|part| {
+            let near = part * step.ds;
+            let step = arclength::advance(wave, step.from, near, tolerance).ok()?;
+            Some((near, step.node.tangent[last]))
+        })?;
     }
     if low.1 * high.1 >= 0.0 {
         return Some(None);

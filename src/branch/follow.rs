@@ -8,7 +8,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::change;
-use super::events::{self, Event, Located, VERTICAL};
+use super::events::{self, Event, Located};
 use super::special::{Change, Ending, Failure, NoFollower, Refusal, Special, Stop};
 use super::{EventType, change::Beyond};
 use crate::continuation::locate::{Place, retangent};
@@ -16,7 +16,8 @@ use crate::continuation::newton::System;
 use crate::continuation::walk::{self, Curve, Entry, Met, Stretch, Walker};
 use crate::continuation::{Node, Steps};
 use crate::linalg::Vector;
-use crate::model::signature::Signature;
+use crate::model::Parameter;
+use crate::model::signature::{Regime, Signature};
 use crate::wave::Wave;
 use crate::wave::admissibility::{Examination, Margin, Watch, examine};
 
@@ -262,7 +263,11 @@ impl Curve for Branch {
             }
             Event::Edge(value) => {
                 found.parameter = value;
-                found.special = Some(Special::Edge(parameter, value));
+                let lands = self.wave.signature.has(Regime::Separation);
+                found.special = Some(match parameter {
+                    Parameter::StiffnessDamping if lands && value == 0.0 => Special::CoulombLimit,
+                    _ => Special::Edge(parameter, value),
+                });
                 return Ok(Met::Ended(vec![found], walk::End::Edge));
             }
             Event::Change(margin) if margin.watch == Watch::Coupling => {
@@ -397,7 +402,7 @@ impl Branch {
             }
         };
         let drift = node.tangent[node.tangent.len() - 1];
-        change.turned_back = drift.abs() > VERTICAL && drift * self.heading < 0.0;
+        change.turned_back = drift * self.heading < 0.0 && !events::is_vertical(&wave, &node);
         let wave = Arc::new(wave);
         let curve = Branch {
             wave: wave.clone(),

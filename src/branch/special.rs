@@ -31,6 +31,8 @@ pub enum Special {
     User(Parameter, f64),
     /// An edge of the range.
     Edge(Parameter, f64),
+    /// An edge of the range at β = 0, where a wave that separates is one with Coulomb impacts.
+    CoulombLimit,
     /// The first point of the branch once more.
     Closed,
     /// A change of regime.
@@ -52,9 +54,11 @@ impl Special {
     /// Its type.
     pub fn kind(&self) -> EventType {
         match self {
-            Special::Start | Special::HopfPoint | Special::Edge(..) | Special::Closed => {
-                EventType::EP
-            }
+            Special::Start
+            | Special::HopfPoint
+            | Special::Edge(..)
+            | Special::CoulombLimit
+            | Special::Closed => EventType::EP,
             Special::StickOpens => EventType::ST,
             Special::Fold(_) => EventType::LP,
             Special::User(..) => EventType::UZ,

@@ -64,7 +64,9 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
     let prepared = || -> Result<Proof, Open> {
         covered(wave)?;
         let (condition, beyond) = condition(wave, point, special, || match special {
-            Special::User(..) | Special::Edge(..) => decimal_of(text, "continuation", value),
+            Special::User(..) | Special::Edge(..) | Special::CoulombLimit => {
+                decimal_of(text, "continuation", value)
+            }
             _ => decimal_of(text, wave.parameter.path(), value),
         })?;
         let posed = Posed {
@@ -199,9 +201,11 @@ fn condition(
     value: impl Fn() -> Decimal,
 ) -> Result<(Condition, Option<Beyond>), Open> {
     Ok(match special {
-        Special::User(..) | Special::Edge(..) | Special::Start | Special::Closed => {
-            (Condition::Value(value()), None)
-        }
+        Special::User(..)
+        | Special::Edge(..)
+        | Special::CoulombLimit
+        | Special::Start
+        | Special::Closed => (Condition::Value(value()), None),
         Special::Fold(_) => (Condition::Fold, None),
         Special::Change(change) if change.margin.watch == Watch::Coupling => {
             return Err(Open::Undriven);

@@ -31,6 +31,7 @@
 use super::jet::{
     DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, PARAMETER, RADIAL_LAYER, SOURCES,
 };
+use super::material::THIN;
 use super::piece::Piece;
 use super::separation::SeparationFlow;
 use super::sign::{COEFFICIENTS, REMAINDER};
@@ -144,10 +145,12 @@ impl LayeredFlow {
     }
 
     /// Whether nothing is left of the layers this long before the end. A zone that has shrunk beyond
-    /// nothing by more than a layer goes on as it was while it was long: the layers would grow there.
+    /// nothing by more than a layer goes on as it was while it was long: the layers would grow there. So
+    /// they would for β < 0, where a step may end that passes β = 0.
     fn forgotten(&self, time: f64) -> bool {
         let longest = self.thickness();
-        time > 0.0 && time >= UNDERFLOW * longest || time < -longest
+        let none = self.beta.value <= 0.0;
+        none || time > 0.0 && time >= UNDERFLOW * longest || time < -longest
     }
 
     /// What is left of the layers' velocity, and of their acceleration, a time before the end.
@@ -346,10 +349,13 @@ impl LayeredFlow {
     }
 
     /// Times in which the layers decay, the shorter first: the same twice where they are of about one
-    /// length, or turn.
+    /// length, or turn, and nothing where they are too thin to be told from the end, or β ≤ 0.
     fn layer_times(&self) -> [f64; 2] {
         let [[a, b], [c, d]] = self.layers.0.map(|row| row.map(|entry| entry.value));
         let (half, determinant) = (0.5 * (a + d), a * d - b * c);
+        if half <= THIN / self.norm() {
+            return [0.0; 2];
+        }
         let discriminant = half * half - determinant;
         let long = half + discriminant.max(0.0).sqrt();
         let short = if long > 0.0 { determinant / long } else { 0.0 };
@@ -422,6 +428,11 @@ impl LayeredFlow {
             rate = (matrix - Square::unit(short)) * (1.0 / (long - short)) * rate;
         }
         let thickness = if layers == 1 { long } else { short };
+        // alone the longer layer grows by its own exponent: the other one would bring its rounding back
+        let inverse = match layers {
+            1 => Square::unit(1.0 / long),
+            _ => self.inverse(),
+        };
         if layers > 0 {
             // the layers grow by e at most
             remainder += (length / thickness).powi(17) * std::f64::consts::E * size(matrix * rate);
@@ -434,7 +445,7 @@ impl LayeredFlow {
             tangential[j] = (before[1] + layer[1]).value * scale;
             layer = rate;
             if layers > 0 {
-                rate = self.inverse() * rate;
+                rate = inverse * rate;
             }
             (before, current) = (current, self.slow_acceleration([before, current]));
             scale *= length / (j + 1) as f64;
@@ -488,4 +499,48 @@ struct Stretch {
     length: f64,
     /// How many of the layers are felt on it.
     layers: usize,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flow::piece::horner;
+    use crate::model::Constants;
+    use crate::model::coefficients::Geometry;
+
+    /// The polynomials of the pieces are the motion: at the end of each of them too, where a rounding of the
+    /// other layer would have grown by (long/short)¹⁶.
+    #[test]
+    fn pieces_end_where_the_motion_is() {
+        for (nu, xi, excess) in [(0.3, 1.5, 0.2), (0.44, 3.5, 0.05), (0.48, 2.1, 0.4)] {
+            for beta in [1e-2, 1e-3, 2e-5, 1e-7] {
+                let parameters = Constants {
+                    coefficients: Geometry { nu, xi, gamma: 1.0 }.coefficients(),
+                    friction: 0.2,
+                    mismatch: 0.1,
+                    stiffness_damping: beta,
+                    ..Constants::default()
+                };
+                let frame = Frame::new(&parameters, &Constants::default(), excess).unwrap();
+                let flow = LayeredFlow::new(&frame).unwrap();
+                let slide = Slide {
+                    entry: [0.05, -0.8],
+                    duration: 0.6,
+                    layer: -0.7,
+                    radial: 0.9,
+                };
+                for piece in flow.pieces(&slide, 3).unwrap() {
+                    let end = (piece.start + piece.length).min(slide.duration);
+                    let state = flow.state(&slide, end).unwrap();
+                    let error = horner(&piece.tangential, 1.0) - flow.steady.value - state[2];
+                    // the exponential rounds per radian, and V̇ times the rounding of the time
+                    let rounding = 1e-14 * (1.0 + flow.norm() * slide.duration);
+                    assert!(
+                        error.abs() < piece.remainder + rounding,
+                        "ν = {nu}, β = {beta}, t = {end}: {error:e}"
+                    );
+                }
+            }
+        }
+    }
 }

@@ -34,12 +34,22 @@ use super::jet::{DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, SOURCES};
 use super::{FlowError, Frame, Slide, ZoneEnd};
 
 /// Smallest positive root ρ of −d + mρ + s₁ρ² + hρ³ with d = βã ≥ 0 and h > 0: the reciprocal of the
-/// largest exponent of the sliding equation. `None` where a coefficient is not finite.
+/// largest exponent of the sliding equation. `None` where a coefficient is not finite. For d < 0, where a
+/// step may end that passes β = 0, the root goes on smoothly: it is the negative one next to d/m, or `None`.
 pub(super) fn layer_time(d: f64, m: f64, s: f64, h: f64) -> Option<f64> {
     let at = |x: f64| -d + x * (m + x * (s + x * h));
     let slope = |x: f64| m + x * (2.0 * s + x * (3.0 * h));
     if d == 0.0 && m > 0.0 {
         return Some(0.0);
+    }
+    let rounded = |step: f64, x: f64| step <= 2.0 * f64::EPSILON * x.abs();
+    // the cubic with the other sign is negative at the upper end
+    let falling = |x: f64| (-at(x), -slope(x));
+    if d < 0.0 {
+        let beyond = 2.0 * d / m;
+        let (_, root) = (m > 0.0 && at(beyond) < 0.0)
+            .then(|| zero_by_slope((0.0, beyond), d / m, rounded, falling))?;
+        return Some(root);
     }
     // the cubic rises from −d to infinity; where it has extremes, the root lies before the maximum
     // or after the minimum
@@ -75,9 +85,6 @@ pub(super) fn layer_time(d: f64, m: f64, s: f64, h: f64) -> Option<f64> {
     } else {
         high
     };
-    let rounded = |step: f64, x: f64| step <= 2.0 * f64::EPSILON * x;
-    // the cubic with the other sign is negative at the upper end
-    let falling = |x: f64| (-at(x), -slope(x));
     let (_, root) = zero_by_slope((high, low), guess, rounded, falling);
     Some(root)
 }
@@ -87,7 +94,7 @@ const AT_SWITCH: f64 = 1e-6;
 
 /// A layer thinner than this fraction of the time scale of the oscillator, and the number of layers
 /// in which it decays below rounding.
-const THIN: f64 = 1e-12;
+pub(super) const THIN: f64 = 1e-12;
 const LAYERS: f64 = 50.0;
 
 /// The sliding equation of one direction in one frame.
@@ -118,9 +125,15 @@ fn decayed(u: f64) -> f64 {
     if u > 708.0 { 0.0 } else { (-u).exp() }
 }
 
-/// time/ρ, which is 0/0 = 0 at the very end of a layer without thickness.
+/// time/ρ, which is 0/0 = 0 at the very end of a layer without thickness, and infinite beside it.
 fn ratio(time: f64, rho: f64) -> f64 {
-    if time == 0.0 { 0.0 } else { time / rho }
+    if time == 0.0 {
+        0.0
+    } else if rho <= 0.0 {
+        f64::INFINITY
+    } else {
+        time / rho
+    }
 }
 
 /// φ(x) = (1 − e^{−x})/x and χ(x) = (1 − φ)/x.
@@ -557,7 +570,7 @@ impl MaterialFlow {
         let mut places = Vec::new();
         if self.rho < THIN * unit {
             // the layer does not reach this far, and the zeros of the slope would be those of the sum
-            let before = duration - LAYERS * self.rho;
+            let before = duration - LAYERS * self.rho.max(0.0);
             zeros = self.slow.zeros(value, slope, before);
             places.push(before.max(0.0));
         } else {

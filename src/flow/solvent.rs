@@ -95,7 +95,9 @@ pub(super) fn solvent(of: &Polynomial) -> Option<Square<2>> {
             }
         }
         let [[a, b], [c, d]] = r.0.map(|row| row.map(|entry| entry.value));
-        let grow = a + d > 0.0 && a * d - b * c > 0.0;
+        // β < 0, where a step may end that passes β = 0: R goes on smoothly, with its sign
+        let forwards = if first.0[0][0].value > 0.0 { -1.0 } else { 1.0 };
+        let grow = forwards * (a + d) > 0.0 && a * d - b * c > 0.0;
         (grow || first.norm() == 0.0).then_some(r)
     })?;
     let full = partly_coupled(of, 1.0);

@@ -175,8 +175,8 @@ fn contact_zone(collector: &mut Collector, index: usize) -> Result<(), FlowError
     // a smooth law has no direction of sliding to keep
     let mut decided = zone.regime == Regime::Contact;
     let mut press = |collector: &mut Collector, at_end: bool, drive: f64| {
-        // with material damping P jumps to 0 from a positive value
-        if at_end && takes_off && !wave.material {
+        // with material damping P jumps to 0 from a positive value, of the order of β
+        if at_end && takes_off && flows.frame.at.material <= 0.0 {
             least_pressure = least_pressure.min(0.0);
             return;
         }

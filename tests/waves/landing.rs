@@ -5,6 +5,7 @@
 use brakewave::branch::EventType::{self, CO, GR, RV};
 use brakewave::branch::follow::{Follower, Found, Limits};
 use brakewave::branch::polish;
+use brakewave::branch::special::Special;
 use brakewave::continuation::walk::End;
 use brakewave::linalg::Vector;
 use brakewave::model::signature::{Entry, Regime};
@@ -168,6 +169,30 @@ fn the_limit_is_the_coulomb_impact() {
         );
         assert!((order - 1.0).abs() < 5e-3, "{order}");
     }
+}
+
+/// A branch that falls in β comes to β = 0 itself, where its wave has Coulomb impacts and says so.
+#[test]
+fn a_branch_reaches_the_limit() {
+    let (wave, point) = damped(&undamped_limit(0.045), 1e-3);
+    let limits = Limits {
+        range: (0.0, 0.01),
+        stop_at: Vec::new(),
+        steps: STEPS,
+    };
+    let run = to_the_end(
+        Follower::new(wave, &point, false, limits).expect("a start"),
+        None,
+    );
+    assert_eq!(run.end, Some(End::Edge));
+    assert!(run.events().is_empty(), "{:?}", kinds(&run));
+    let last = run.points.last().expect("points");
+    assert_eq!(last.special, Some(Special::CoulombLimit));
+    assert_eq!(last.parameter, 0.0);
+    let error = (speed(last) + 1.248728692461).abs();
+    observed("β → 0 along a branch against the Coulomb impact", error);
+    // as many digits are given
+    assert!(error < 1e-12, "{error:e}");
 }
 
 /// The equations of separation, integrated backwards from the end of every separation zone, where no motion
