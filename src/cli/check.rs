@@ -14,6 +14,7 @@ use crate::branch::compare::{Compared, Comparison, compare, number};
 use crate::certify::{Point, certify};
 use crate::model::Parameter;
 use crate::output::certify::sentence;
+use crate::output::store::Offers;
 use crate::problem::{self, Problem};
 
 #[derive(Debug, Args)]
@@ -61,7 +62,7 @@ pub(crate) fn check(arguments: &CheckArguments) -> Result<Exit, Failure> {
             file: file.display().to_string(),
             found: Vec::new(),
             exit: failure.exit(),
-            trouble: Some(failure.to_string()),
+            trouble: Some(format!("{failure}{}", failure.cure(Offers::default()))),
         });
         print(&text(&outcome))?;
         outcomes.push(outcome);

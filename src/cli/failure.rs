@@ -10,7 +10,7 @@ use crate::discretised;
 use crate::model::Parameter;
 use crate::output::pictures::PlotError;
 use crate::output::render::RenderError;
-use crate::output::store::StoreError;
+use crate::output::store::{Offers, StoreError};
 use crate::problem::ProblemError;
 use crate::simulation::course::NoCourse;
 use crate::simulation::profile::ProfileError;
@@ -71,6 +71,14 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
+    /// What helps, if it does not say so itself, with the options that the verb has.
+    pub(crate) fn cure(&self, offers: Offers) -> &'static str {
+        match self {
+            Failure::Store(error) | Failure::Plot(PlotError::Store(error)) => error.cure(offers),
+            _ => "",
+        }
+    }
+
     /// The exit code that it means.
     pub(crate) fn exit(&self) -> Exit {
         match self {

@@ -23,8 +23,11 @@ mod summary;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{
+    ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum,
+};
 
+use crate::output::store::Offers;
 use crate::problem::{self, Problem};
 use failure::{EXIT_CODES, Exit, Failure};
 
@@ -104,7 +107,8 @@ impl Purpose {
 
 /// Runs the command line of this process and returns its exit code.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let matches = Arguments::command().get_matches();
+    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let result = match arguments.verb {
         Verb::Run(arguments) => run::run(&arguments),
         Verb::Check(arguments) => check::check(&arguments),
@@ -126,9 +130,25 @@ pub fn main() -> ExitCode {
     match result {
         Ok(exit) => exit.into(),
         Err(failure) => {
-            let _ = writeln!(io::stderr(), "error: {failure}");
+            let cure = failure.cure(offers(&Arguments::command(), &matches));
+            let _ = writeln!(io::stderr(), "error: {failure}{cure}");
             failure.exit().into()
         }
+    }
+}
+
+/// Which options the verb of a command line has that help.
+fn offers(command: &Command, matches: &ArgMatches) -> Offers {
+    let verb = matches.subcommand();
+    if let Some((verb, matches)) =
+        verb.and_then(|(name, matches)| Some((command.find_subcommand(name)?, matches)))
+    {
+        return offers(verb, matches);
+    }
+    let has = |name: &str| command.get_arguments().any(|one| one.get_id() == name);
+    Offers {
+        out: has("out"),
+        resume: has("resume"),
     }
 }
 

@@ -41,8 +41,13 @@ impl Task {
 
     /// Where the results go: by default `results/` and the name of the problem file with an ending, once.
     pub(crate) fn folder(&self, ending: &str) -> PathBuf {
-        let stem = self.problem.file_stem();
-        let mut name = stem.map_or_else(|| "problem".into(), |stem| stem.to_owned());
+        // the stem of a file `..ron` is the folder above itself
+        let stem = self
+            .problem
+            .file_stem()
+            .filter(|stem| *stem != "." && *stem != "..");
+        let name = stem.or(self.problem.file_name());
+        let mut name = name.map_or_else(|| "problem".into(), |name| name.to_owned());
         if !name.to_string_lossy().ends_with(ending) {
             name.push(ending);
         }

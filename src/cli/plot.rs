@@ -10,7 +10,7 @@ use super::print;
 use crate::output::origin;
 use crate::output::pictures::{self, View};
 use crate::output::render::Format;
-use crate::output::run::Restart;
+use crate::output::run::{Restart, RunFolder};
 use crate::output::store::{Kind, Store};
 use crate::problem::Plot;
 
@@ -67,7 +67,10 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
         Some(Kind::MapShard) => return Err(Usage::Unjoined(folder.clone()).into()),
         Some(Kind::Certificate) => return Err(Usage::NoPicture(folder.clone()).into()),
         // a folder of a version before manifests may still hold a run
-        _ if run => Some(Restart::read(folder)?.problem),
+        _ if run => Some(match &store {
+            Ok(store) => RunFolder::saved(store)?.problem,
+            Err(_) => Restart::read(folder)?.problem,
+        }),
         _ => origin::problem(folder)?,
     };
     let store = store?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::origin::Origin;
 use super::pictures;
 use super::render::Format;
-use super::store::{self, Growing, Kind, Store, StoreError, damaged};
+use super::store::{self, Growing, Kind, Store, StoreError, damaged, unfinished};
 use crate::accuracy::{Row, Rung};
 use crate::problem::Problem;
 use crate::table::{self, Table};
@@ -34,7 +34,7 @@ pub(crate) struct Interrupted {
 pub(crate) fn rows(folder: &Path) -> Result<Vec<Row>, StoreError> {
     let path = folder.join(TABLE);
     if !path.exists() {
-        return Err(damaged(&path, "it is missing"));
+        return Err(unfinished(folder, "accuracy", "nothing is measured yet"));
     }
     parse(&path, &store::bytes(&path)?)
 }

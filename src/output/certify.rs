@@ -10,7 +10,7 @@ use crate::interval::Interval;
 use crate::table;
 
 /// Name of the table.
-const TABLE: &str = "certificates.csv";
+pub(crate) const TABLE: &str = "certificates.csv";
 
 /// A row of the table.
 #[derive(Clone, Debug, Default, Serialize)]

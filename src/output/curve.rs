@@ -12,14 +12,14 @@ use serde::de::DeserializeOwned;
 use super::origin::Origin;
 use super::pictures;
 use super::render::Format;
-use super::store::{Growing, Kind, Store, StoreError, damaged, encode, hash};
+use super::store::{Growing, Kind, Store, StoreError, damaged, encode, hash, unfinished};
 use crate::curve::{Curve, Head, Point, Run, Step};
 use crate::model::Parameter;
 use crate::problem::Problem;
 use crate::table;
 
 /// Name of the table.
-const TABLE: &str = "curve.csv";
+pub(crate) const TABLE: &str = "curve.csv";
 /// Name of the steps.
 const STEPS: &str = "curve.steps";
 
@@ -78,8 +78,12 @@ impl CurveFolder {
     /// # Errors
     /// When they are damaged, or there is none.
     pub(crate) fn saved(store: &Store) -> Result<Run, StoreError> {
-        let saved = CurveFolder::steps(store)?.map(|saved| saved.run);
-        saved.ok_or_else(|| damaged(&store.path().join(STEPS), "it is empty"))
+        let saved = match store.path().join(STEPS).exists() {
+            true => CurveFolder::steps(store)?,
+            false => None,
+        };
+        let nothing = || unfinished(store.path(), "curve", "no step is saved yet");
+        saved.map(|saved| saved.run).ok_or_else(nothing)
     }
 
     fn steps(store: &Store) -> Result<Option<Interrupted>, StoreError> {

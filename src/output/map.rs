@@ -15,8 +15,8 @@ use super::origin::Origin;
 use super::pictures;
 use super::render::Format;
 use super::store::{
-    Kind, Store, StoreError, VERSION, damaged, decode, encode, hash, io_error, numbered, read,
-    refused, replace,
+    Kind, Store, StoreError, VERSION, decode, encode, hash, io_error, numbered, read, refused,
+    resumable,
 };
 use crate::map::{Cell, CellRow, Plane};
 use crate::table::{self, number};
@@ -160,11 +160,11 @@ impl MapFolder {
     fn cells(&self, row: usize, file: &Path) -> Result<String, StoreError> {
         let mut text = read(file)?;
         if !text.starts_with(&self.place(row)) {
-            return Err(damaged(file, format!("it is not row {row} of this map")));
+            return Err(resumable(file, format!("it is not row {row} of this map")));
         }
         let cells = text.split_off(text.find('\n').map_or(text.len(), |end| end + 1));
         if text != self.head(row, &cells) {
-            return Err(damaged(
+            return Err(resumable(
                 file,
                 "it is cut short or changed: its checksum is not that of its cells",
             ));
@@ -205,35 +205,34 @@ impl MapFolder {
             return Err(refused(self.path(), reason));
         }
         self.begin(&[])?;
-        let path = self.path().join(TABLE);
-        replace(&path, |out| {
+        self.store.write(TABLE, |path, out| {
             out.write_all(table::header::<CellRow>().as_bytes())
-                .map_err(io_error("write it", &path))?;
+                .map_err(io_error("write it", path))?;
             for (row, file) in &rows {
                 let cells = self.cells(*row, file)?;
                 out.write_all(cells.as_bytes())
-                    .map_err(io_error("write it", &path))?;
+                    .map_err(io_error("write it", path))?;
             }
             Ok(())
         })?;
         #[cfg(feature = "parquet")]
-        self.convert(&path)?;
+        self.convert()?;
         Ok(())
     }
 
     /// The table as Parquet.
     #[cfg(feature = "parquet")]
-    fn convert(&self, table: &Path) -> Result<(), StoreError> {
+    fn convert(&self) -> Result<(), StoreError> {
         use super::parquet::{Kind, convert};
         let kind = |name: &str| match name {
             "row" | "column" | "passage" | "unstable" | "lead_sector" => Kind::Integer,
             "start" | "regimes" | "switches" | "stable" | "why" => Kind::Text,
             _ => Kind::Number,
         };
-        let parquet = self.path().join(PARQUET);
-        replace(&parquet, |out| {
-            convert(table, out, kind)
-                .map_err(|error| io_error("write it", &parquet)(std::io::Error::other(error)))
+        let table = self.path().join(TABLE);
+        self.store.write(PARQUET, |path, out| {
+            convert(&table, out, kind)
+                .map_err(|error| io_error("write it", path)(std::io::Error::other(error)))
         })
     }
 

@@ -12,7 +12,9 @@ use serde::{Deserialize, Serialize};
 
 use super::pictures;
 use super::render::Format;
-use super::store::{self, Checkpoint, Growing, Kind, Store, StoreError, VERSION, damaged, refused};
+use super::store::{
+    self, Checkpoint, Growing, Kind, Store, StoreError, VERSION, damaged, refused, unfinished,
+};
 use crate::branch::SavedWave;
 use crate::branch::row::{BranchRow, EventRow, SpectrumRow};
 use crate::branch::run::{Item, Progress, Runner};
@@ -157,6 +159,15 @@ impl RunFolder {
     ) -> Result<Option<Restart>, StoreError> {
         let saved: Option<Restart> = store.interrupted(problem, BRANCH, 1)?;
         Ok(saved.filter(|saved| saved.progress.points > 0))
+    }
+
+    /// What a run has saved, to be shown.
+    ///
+    /// # Errors
+    /// When that is damaged, or nothing is saved yet.
+    pub(crate) fn saved(store: &Store) -> Result<Restart, StoreError> {
+        let saved = store.saved(BRANCH, 1)?;
+        saved.ok_or_else(|| unfinished(store.path(), "run", "nothing is saved yet"))
     }
 
     /// Begins a folder, in place of what an earlier run left there; or goes on with what is saved, to

@@ -161,6 +161,129 @@ fn links_are_not_followed() {
     }
 }
 
+/// A backup made of hard links shares no byte with what is written later.
+#[cfg(unix)]
+#[test]
+fn hard_links_are_not_written_through() {
+    let (bench, files) = finished();
+    let text = fs::read_to_string(bench.path("out/branch.ron")).expect("a restart file");
+    let points = String::from_utf8_lossy(&files[Path::new("branch.csv")]);
+    let saved = format!("points:{},", points.lines().count() - 1);
+    // as a kill before the first step was saved leaves it
+    let begun = changed(&text, &saved, "points:0,");
+    bench.put("other.ron", changed(SMALL, "[0.195]", "[0.196]"));
+    for (index, (restart, arguments)) in [
+        (&text, &["run", "other.ron", "--out", "out", "--force"][..]),
+        (&begun, &["run", "problem.ron", "--out", "out", "--resume"]),
+        (&text, &["plot", "out", "--format", "tex"]),
+        (&text, &["report", "out"]),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        fs::remove_dir_all(bench.path("out")).expect("a folder");
+        for (name, bytes) in &files {
+            let path = bench.path("out").join(name);
+            fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            fs::write(path, bytes).expect("a file");
+        }
+        bench.put("out/branch.ron", restart);
+        let before = snapshot(&bench.path("out"));
+        let backup = format!("backup{index}");
+        for name in before.keys() {
+            let path = bench.path(&backup).join(name);
+            fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            fs::hard_link(bench.path("out").join(name), path).expect("a link");
+        }
+        bench.run(arguments).expect(0);
+        let backed_up = snapshot(&bench.path(&backup));
+        assert_same(&backed_up, &before, &format!("{arguments:?}"));
+        bench
+            .run(&["run", "problem.ron", "--out", &backup, "--resume"])
+            .expect(0);
+    }
+}
+
+/// Files are written beside their place under names that are not the user's.
+#[test]
+fn names_that_look_temporary_are_the_users_own() {
+    let (bench, mut files) = finished();
+    for name in ["branch.ron.new", "diagram.svg.new", "profiles/mine.csv.new"] {
+        bench.put(&format!("out/{name}"), "mine");
+        files.insert(name.into(), b"mine".to_vec());
+    }
+    for more in ["--force", "--resume"] {
+        bench
+            .run(&["run", "problem.ron", "--out", "out", more])
+            .expect(0);
+        assert_same(&snapshot(&bench.path("out")), &files, more);
+    }
+    bench.run(&["plot", "out"]).expect(0);
+    assert_same(&snapshot(&bench.path("out")), &files, "drawn");
+}
+
+/// A folder of the user's with a name of the list: refused before any result is removed.
+#[test]
+fn a_folder_in_the_list_of_files_is_not_removed() {
+    let (bench, _) = finished();
+    fs::create_dir(bench.path("out/zdir")).expect("a folder");
+    let manifest = fs::read_to_string(bench.path("out").join(MANIFEST)).expect("a manifest");
+    bench.put(&format!("out/{MANIFEST}"), manifest + "zdir\n");
+    let run = ["run", "problem.ron", "--out", "out", "--force"];
+    refused(&bench, &run, 2, "out/zdir: in the way");
+}
+
+/// The stem of `..ron` is a dot: the folder of all results itself.
+#[test]
+fn a_file_of_dots_has_a_folder_of_its_own() {
+    let bench = Bench::new();
+    for name in ["..ron", "...ron"] {
+        bench.put(name, SMALL);
+        bench.run(&["run", name, "--quiet"]).expect(0);
+        assert!(bench.path("results").join(name).join(MANIFEST).exists());
+    }
+    assert_eq!(bench.names(), ["...ron", "..ron", "results"]);
+}
+
+/// A folder that is moved away takes its results along, and nothing is written to another in its place.
+#[cfg(unix)]
+#[test]
+fn a_folder_replaced_during_a_run_is_left_alone() {
+    let bench = Bench::new();
+    bench.put("problem.ron", finest());
+    let run = ["run", "problem.ron", "--out", "out", "--quiet"];
+    bench.run(&run).expect(0);
+    let whole = snapshot(&bench.path("out"));
+    fs::remove_dir_all(bench.path("out")).expect("a folder");
+    let child = bench
+        .command(&run)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the binary runs");
+    while !bench.path("out/profiles/2.csv").exists() {
+        thread::sleep(Duration::from_micros(200));
+    }
+    fs::rename(bench.path("out"), bench.path("moved")).expect("a folder");
+    fs::create_dir(bench.path("out")).expect("a folder");
+    bench.put("out/mine", "mine");
+    let ended = child.wait_with_output().expect("a child");
+    let stderr = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(4), "{stderr}");
+    assert!(stderr.contains("out: moved away or replaced"), "{stderr}");
+    assert_eq!(snapshot(&bench.path("out")).len(), 1, "{stderr}");
+    let resume = [
+        "run",
+        "problem.ron",
+        "--out",
+        "moved",
+        "--quiet",
+        "--resume",
+    ];
+    bench.run(&resume).expect(0);
+    assert_same(&snapshot(&bench.path("moved")), &whole, "moved");
+}
+
 #[test]
 fn inputs_are_not_replaced() {
     let (bench, _) = finished();

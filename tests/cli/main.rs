@@ -1,6 +1,7 @@
 //! Black-box tests of the binary: what its users and their scripts rely on.
 
 mod accuracy;
+mod advice;
 mod bad_input;
 mod branch_end;
 mod budgets;

@@ -92,8 +92,8 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
         assert_same(&snapshot(&out), &full, name);
     }
 
-    // killed twice, and what a power failure may add: rows torn within a character, a restart
-    // file half written, a profile of a label that is not saved, a name cut short
+    // killed twice, and what a power failure may add: rows torn within a character, a profile of a
+    // label that is not saved, a name cut short
     fs::remove_dir_all(&out).expect("a fresh start");
     assert!(kill_at(&bench, &RUN, &reaches("branch.csv", length / 5)));
     kill_at(&bench, &RESUME, &reaches("branch.csv", length / 2));
@@ -104,7 +104,6 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
     for (name, torn) in [
         ("branch.csv", &b"99,,,slip-sti"[..]),
         ("events.csv", &b"99,RV,1.0,\xce"[..]),
-        ("branch.ron.new", &b"(version:\"0"[..]),
         (&next, &b"theta,U"[..]),
         (MANIFEST, named.as_bytes()),
     ] {

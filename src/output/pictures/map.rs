@@ -11,7 +11,7 @@ use plotters::style::RGBColor;
 
 use super::names::{canonical, quantity, short_signature, signature_colour};
 use crate::output::map::TABLE;
-use crate::output::store::{StoreError, damaged};
+use crate::output::store::{StoreError, resumable, unfinished};
 use crate::problem::{Map, MapAxis, MapPoints};
 
 /// How much of its colour a region keeps, by the stability of its waves; unknown stability counts
@@ -33,7 +33,11 @@ struct Wave {
 /// # Errors
 /// When the table cannot be read.
 pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, StoreError> {
-    let waves = read(&folder.join(TABLE), map)?;
+    let path = folder.join(TABLE);
+    if !path.exists() {
+        return Err(unfinished(folder, "map", "its rows are not joined yet"));
+    }
+    let waves = read(&path, map)?;
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for wave in &waves {
         *counts.entry(&wave.regimes).or_default() += 1;
@@ -126,12 +130,12 @@ fn cells(waves: &[&Wave], half: Point, colour: impl Fn(&Wave) -> RGBColor) -> La
 
 /// First passages of the table, in its order, row by row: maps may be long.
 fn read(path: &Path, map: &Map) -> Result<Vec<Wave>, StoreError> {
-    let fault = |error: csv::Error| damaged(path, error.to_string());
+    let fault = |error: csv::Error| resumable(path, error.to_string());
     let mut reader = csv::Reader::from_path(path).map_err(fault)?;
     let header = reader.headers().map_err(fault)?.clone();
     let place = |column: &str| {
         let place = header.iter().position(|name| name == column);
-        place.ok_or_else(|| damaged(path, format!("it has no column `{column}`")))
+        place.ok_or_else(|| resumable(path, format!("it has no column `{column}`")))
     };
     let (x, y) = (map.second.parameter.column(), map.first.parameter.column());
     let [row, column, passage] = [place("row")?, place("column")?, place("passage")?];

@@ -28,7 +28,7 @@ use super::accuracy::rows;
 use super::curve::CurveFolder;
 use super::render::{Format, Picture, RenderError, number};
 use super::steady::TABLE as MODES;
-use super::store::{self, Kind, Store, StoreError};
+use super::store::{self, Kind, Store, StoreError, unfinished};
 use crate::model::Parameter;
 use crate::problem::{Plot, Problem};
 pub(crate) use diagram::View;
@@ -110,6 +110,12 @@ pub(crate) fn draw(
         (Some(Kind::Accuracy), _) => rows(folder).map(|rows| accuracy::picture(&rows)),
         (Some(Kind::Steady), _) => {
             store::table(&folder.join(MODES)).map(|modes| steady::picture(&modes))
+        }
+        (Some(Kind::Map), None) => {
+            return Err(unfinished(folder, "map", "no row is there yet").into());
+        }
+        (Some(Kind::Simulation), None) => {
+            return Err(unfinished(folder, "simulate", "nothing is saved yet").into());
         }
         (Some(Kind::Simulation), Some(known)) => {
             let pictures = simulation::pictures(folder, known)?.map(Ok);

@@ -7,10 +7,11 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::origin;
 use super::pictures::colours;
-use super::run::{BRANCH, EVENTS, SPECTRUM, profile_file};
-use super::store::{self, Kind, Store, StoreError, VERSION};
+use super::run::{BRANCH, EVENTS, RunFolder, SPECTRUM, profile_file};
+use super::simulation::SERIES;
+use super::store::{self, Kind, Store, StoreError, VERSION, damaged, unfinished};
+use super::{accuracy, certify, curve, map, origin, steady};
 use crate::problem::Problem;
 use crate::table::{self, Table};
 
@@ -38,6 +39,7 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
     let names = store.names();
     let there = |name: &str| names.iter().any(|known| known == name) && folder.join(name).exists();
     let problem = origin::problem(folder)?;
+    complete(store, problem.as_ref())?;
     let title = problem.as_ref().and_then(|problem| problem.title.clone());
     let kind = store.kind().map_or("", Kind::name);
     let title = title.unwrap_or_else(|| format!("Results of {kind}"));
@@ -78,6 +80,33 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
     }
     page.push_str(rest);
     Ok(page)
+}
+
+/// Refuses a folder without the table that all the rest belongs to, or without what must be saved with it.
+fn complete(store: &Store, problem: Option<&Problem>) -> Result<(), StoreError> {
+    let saved = problem.is_some();
+    let (table, verb) = match store.kind() {
+        Some(Kind::Run) if saved => (BRANCH, None),
+        Some(Kind::Run) => return RunFolder::saved(store).map(|_| ()),
+        Some(Kind::Map) => (map::TABLE, Some("map")),
+        Some(Kind::Curve) => (curve::TABLE, Some("curve")),
+        Some(Kind::Accuracy) => (accuracy::TABLE, Some("accuracy")),
+        Some(Kind::Simulation) => (SERIES, (!saved).then_some("simulate")),
+        Some(Kind::Certificate) => (certify::TABLE, None),
+        Some(Kind::Steady) => (steady::TABLE, None),
+        Some(Kind::MapShard) | None => return Ok(()),
+    };
+    let path = store.path().join(table);
+    let there = path.exists() && !store::table(&path)?.columns().all(str::is_empty);
+    match verb {
+        _ if there => Ok(()),
+        Some(verb) => Err(unfinished(
+            store.path(),
+            verb,
+            format!("{table} is missing"),
+        )),
+        None => Err(damaged(&path, "it is missing, or has no header")),
+    }
 }
 
 /// The numbers of a branch, as the script reads them.

@@ -44,9 +44,7 @@ pub(super) fn admit(
         left |= found(&path.join(name))?.is_some();
     }
     if existing == Existing::Refuse && (left || stranger(path)?.is_some()) {
-        let reason = "holds results already; --force replaces them, --resume goes on, --out DIR takes \
-                      another folder";
-        return Err(refused(path, reason));
+        return Err(StoreError::Occupied(path.to_path_buf()));
     }
     let Some(earlier) = manifest.header.as_ref().filter(|_| left) else {
         return Ok(left);

@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::process;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -121,15 +124,74 @@ pub(crate) fn new_file(path: &Path) -> Result<File, StoreError> {
     file.map_err(io_error("create it", path))
 }
 
-/// Where a file is written before it takes its place.
-pub(crate) fn beside(path: &Path) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
-    name.push(NEW);
-    name.into()
+/// What the name of a file begins with that is being written, before it takes its place.
+const NEW: &str = ".brakewave-";
+
+/// A new file beside others, under a name that nobody else has given: a number that is used once, and
+/// its checksum.
+pub(super) fn new_beside(path: &Path) -> Result<(PathBuf, File), StoreError> {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    loop {
+        let now = SystemTime::now().duration_since(UNIX_EPOCH);
+        let (time, count) = (
+            now.unwrap_or_default(),
+            COUNT.fetch_add(1, Ordering::Relaxed),
+        );
+        let once = hash(format!("{} {time:?} {count}", process::id()).as_bytes());
+        let new = path.with_file_name(format!("{NEW}{once:016x}-{:016x}", checksum(once)));
+        match OpenOptions::new().write(true).create_new(true).open(&new) {
+            Ok(file) => return Ok((new, file)),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(io_error("create it", path)(error)),
+        }
+    }
 }
 
-/// What the name of such a file ends in.
-pub(crate) const NEW: &str = ".new";
+fn checksum(once: u64) -> u64 {
+    hash(&once.to_le_bytes())
+}
+
+/// Whether a file was being written by this program when it was killed.
+pub(super) fn is_left_over(name: &str) -> bool {
+    let number = |text: &str| u64::from_str_radix(text, 16).ok();
+    let parts = name.strip_prefix(NEW).and_then(|rest| rest.split_once('-'));
+    let parts = parts.and_then(|(once, sum)| number(once).zip(number(sum)));
+    parts.is_some_and(|(once, sum)| checksum(once) == sum)
+}
+
+/// Whether an open file is still the one at its path; where the system does not tell, whether one is.
+pub(super) fn is_at(file: &File, path: &Path) -> bool {
+    let own = file.metadata().ok();
+    let both = own.zip(fs::symlink_metadata(path).ok());
+    #[cfg(unix)]
+    let same = |own: Metadata, there: Metadata| {
+        use std::os::unix::fs::MetadataExt;
+        (own.dev(), own.ino()) == (there.dev(), there.ino())
+    };
+    #[cfg(not(unix))]
+    let same = |_: Metadata, there: Metadata| there.is_file();
+    both.is_some_and(|(own, there)| same(own, there))
+}
+
+/// Whether a file has another name too: what is written to it changes both.
+pub(super) fn is_shared(found: &Metadata) -> bool {
+    #[cfg(unix)]
+    return std::os::unix::fs::MetadataExt::nlink(found) > 1;
+    #[cfg(not(unix))]
+    return false;
+}
+
+/// Puts a copy in the place of a file that has another name too; whether it had.
+pub(super) fn unshare(path: &Path) -> Result<bool, StoreError> {
+    let shared = found(path)?.is_some_and(|there| is_shared(&there));
+    if shared {
+        let text = bytes(path)?;
+        replace(path, |out| {
+            out.write_all(&text).map_err(io_error("write it", path))
+        })?;
+    }
+    Ok(shared)
+}
 
 /// Replaces a file as a whole: written beside, brought to the disk, renamed.
 ///
@@ -139,8 +201,7 @@ pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
-    let new = beside(path);
-    let file = new_file(&new)?;
+    let (new, file) = new_beside(path)?;
     let done = (|| {
         let mut out = BufWriter::new(file);
         write(&mut out)?;
@@ -190,11 +251,12 @@ impl Growing {
         Ok(growing)
     }
 
-    /// A file that is there, cut back to `length` bytes.
+    /// A file that is there, cut back to `length` bytes; a copy of it where it has another name too.
     pub(super) fn cut(path: PathBuf, length: usize) -> Result<Growing, StoreError> {
         if !found(&path)?.is_some_and(|there| there.is_file()) {
             return Err(damaged(&path, "it is no longer there"));
         }
+        unshare(&path)?;
         let mut file = OpenOptions::new()
             .write(true)
             .open(&path)
@@ -238,5 +300,29 @@ impl Growing {
         self.file
             .sync_all()
             .map_err(io_error("write it", &self.path))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a kill leaves half written is known by its name, which no user gives by accident.
+    #[test]
+    fn what_is_left_over_is_known_by_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("branch.ron");
+        let names: Vec<String> = (0..3)
+            .map(|_| {
+                let (new, _) = new_beside(&path).unwrap();
+                new.file_name().unwrap().to_str().unwrap().to_owned()
+            })
+            .collect();
+        assert!(names[0] != names[1] && names[1] != names[2]);
+        assert!(names.iter().all(|name| is_left_over(name)));
+        let changed = names[0].replace(NEW, ".brakewave-1");
+        for name in [&changed, "branch.ron.new", ".brakewave-", ".brakewave-1-2"] {
+            assert!(!is_left_over(name), "{name}");
+        }
     }
 }

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
-use super::error::{READ, StoreError, damaged, io_error, refused};
+use super::error::{READ, StoreError, io_error, refused};
 use super::file::found;
 
 /// Name of the manifest.
@@ -121,7 +121,7 @@ impl Manifest {
             file.set_len(whole as u64)
                 .map_err(io_error("mend it", path))?;
         }
-        let foreign = || damaged(path, "it is no manifest of brakewave");
+        let foreign = || StoreError::Foreign(path.to_path_buf());
         let text = std::str::from_utf8(&bytes[..whole]).map_err(|_| foreign())?;
         let mut lines = text.lines();
         let header = Header::parse(&mut lines);

@@ -4,65 +4,44 @@
 //! and the name of every file the program wrote there, a line each. A name is appended before its
 //! file is made, so that a kill leaves nothing unnamed. Only what is listed is ever replaced or
 //! removed; anything else in the way is refused, and links are not followed. The manifest is also
-//! the lock: it is held while results are written and falls with the process, however that ends.
+//! the lock: it is held while results are written and falls with the process, however that ends. It
+//! also tells the folder from another one that is put in its place, where nothing is written.
+//!
+//! A file is never written to under another name: one with a hard link is replaced by a copy first.
 
 mod admit;
+mod checkpoint;
 mod error;
 mod file;
 mod manifest;
 mod place;
 
 use std::collections::BTreeSet;
-use std::fs::{self, OpenOptions, TryLockError};
-use std::io::Write;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 use crate::problem::Problem;
 
 pub(crate) use admit::Existing;
-pub use error::StoreError;
-pub(crate) use error::{READ, damaged, io_error, refused};
-pub(crate) use file::{Growing, bytes, decode, encode, hash, numbered, read, replace, table};
+pub(crate) use checkpoint::Checkpoint;
+pub use error::{Offers, StoreError};
+pub(crate) use error::{READ, damaged, io_error, refused, resumable, unfinished};
+pub(crate) use file::{Growing, bytes, decode, encode, hash, numbered, read, table};
 pub(crate) use manifest::{Kind, MANIFEST};
 
 use admit::admit;
-use file::{NEW, beside, found, length_of_lines, number, remove};
+use file::{
+    found, is_at, is_left_over, is_shared, length_of_lines, number, remove, replace, unshare,
+};
 use manifest::{Header, Manifest};
 use place::{make, real, stranger, unmake};
 
 /// This version, as manifests and checkpoints carry it.
 pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// What is saved to go on from: RON, replaced as a whole.
-pub(crate) trait Checkpoint: Serialize + DeserializeOwned {
-    /// Name of its file.
-    const FILE: &'static str;
-
-    /// The problem with all its settings.
-    fn problem(&self) -> &Problem;
-
-    /// What is wrong with it, if its parts do not belong together.
-    fn flaw(&self) -> Option<String> {
-        None
-    }
-
-    /// Reads that of a folder.
-    ///
-    /// # Errors
-    /// When it cannot be read, or is damaged.
-    fn read(folder: &Path) -> Result<Self, StoreError> {
-        let path = folder.join(Self::FILE);
-        let found: Self = decode(&path)?;
-        match found.flaw() {
-            Some(flaw) => Err(damaged(&path, flaw)),
-            None => Ok(found),
-        }
-    }
-}
 
 /// A result folder.
 #[derive(Debug)]
@@ -119,6 +98,7 @@ impl Store {
             path,
             header,
         };
+        store.sweep()?;
         if !store.results {
             // a full disk is noticed here and not after the computation
             store.restart()?;
@@ -137,18 +117,27 @@ impl Store {
             );
             return Err(refused(folder, reason));
         }
-        let mut options = OpenOptions::new();
-        let opened = options.read(true).append(true).create(true).open(&path);
-        let file = opened.map_err(io_error("open it for writing", &path))?;
-        // a file system without locks does not keep anybody from computing
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            let reason = "another process is writing there; wait until it is done, or take another \
-                          folder with --out";
-            return Err(refused(folder, reason));
-        }
-        if found(&path)?.is_none() {
-            let reason = "another process has just left it; try again";
-            return Err(refused(folder, reason));
+        let open = || {
+            let mut options = OpenOptions::new();
+            let opened = options.read(true).append(true).create(true).open(&path);
+            let file = opened.map_err(io_error("open it for writing", &path))?;
+            // a file system without locks does not keep anybody from computing
+            if let Err(TryLockError::WouldBlock) = file.try_lock() {
+                let reason = "another process is writing there; wait until it is done, or take another \
+                              folder with --out";
+                return Err(refused(folder, reason));
+            }
+            match is_at(&file, &path) {
+                true => Ok(file),
+                false => {
+                    let reason = "another process has just left it; try again";
+                    Err(refused(folder, reason))
+                }
+            }
+        };
+        let mut file = open()?;
+        if unshare(&path)? {
+            file = open()?;
         }
         made.extend(new.then(|| path.clone()));
         Manifest::read(&path, file, true)
@@ -168,11 +157,19 @@ impl Store {
             );
             return Err(refused(&path, reason));
         }
-        let opened = OpenOptions::new().read(true).append(true).open(&file);
-        let manifest = opened.map_err(io_error("open it for writing", &file))?;
-        let manifest = Manifest::read(&file, manifest, false)?;
+        let open = || {
+            let opened = OpenOptions::new().read(true).append(true).open(&file);
+            opened.map_err(io_error("open it for writing", &file))
+        };
+        let mut opened = open()?;
+        let shared = opened.metadata().is_ok_and(|manifest| is_shared(&manifest));
+        // while somebody is writing the list stays theirs
+        if shared && opened.try_lock().is_ok() && unshare(&file)? {
+            opened = open()?;
+        }
+        let manifest = Manifest::read(&file, opened, false)?;
         let Some(header) = manifest.header.clone() else {
-            return Err(damaged(&file, "it is no manifest of brakewave"));
+            return Err(StoreError::Foreign(file));
         };
         Ok(Store {
             path,
@@ -251,7 +248,7 @@ impl Store {
         for entry in fs::read_dir(&folder).map_err(io_error(READ, &folder))? {
             let name = entry.map_err(io_error(READ, &folder))?.file_name();
             let name = name.to_string_lossy();
-            if number(Path::new(&*name)).is_some() && !name.ends_with(NEW) {
+            if number(Path::new(&*name)).is_some() {
                 self.free(&manifest, &format!("{numbered}/{name}"))?;
             }
         }
@@ -264,12 +261,10 @@ impl Store {
             return Ok(());
         }
         let path = self.unlinked(name)?;
-        for path in [beside(&path), path] {
-            if found(&path)?.is_some() {
-                let reason = "in the way: brakewave did not write it; move it away, or take another \
-                              folder with --out";
-                return Err(refused(&path, reason));
-            }
+        if found(&path)?.is_some() {
+            let reason = "in the way: brakewave did not write it; move it away, or take another \
+                          folder with --out";
+            return Err(refused(&path, reason));
         }
         Ok(())
     }
@@ -290,27 +285,70 @@ impl Store {
         Ok(())
     }
 
-    /// Removes the files of the list that are not to be kept, and folders that are empty then.
+    /// Removes the files of the list that are not to be kept, and folders that are empty then; none where
+    /// one of them cannot be.
     ///
     /// # Errors
-    /// When a file cannot be removed.
+    /// When a file cannot be removed, or something that is no file has its name.
     pub(crate) fn retain(&self, keep: impl Fn(&str) -> bool) -> Result<(), StoreError> {
         let manifest = self.manifest();
-        let mut folders = BTreeSet::new();
-        for name in &manifest.names {
-            let path = self.path.join(name);
-            remove(&beside(&self.unlinked(name)?))?;
-            if !keep(name) {
-                remove(&path)?;
-                folders.extend(path.parent().map(Path::to_path_buf));
+        self.stay(&manifest)?;
+        let mut paths = Vec::new();
+        for name in manifest.names.iter().filter(|name| !keep(name)) {
+            let path = self.unlinked(name)?;
+            if found(&path)?.is_some_and(|there| there.is_dir()) {
+                let reason = "in the way: a folder with the name of a result; move it away";
+                return Err(refused(&path, reason));
             }
+            paths.push(path);
         }
-        folders.remove(&self.path);
-        for folder in folders {
+        for path in &paths {
+            remove(path)?;
+        }
+        for folder in self.folders(paths.iter()) {
             // stays where it is not empty
             let _ = fs::remove_dir(&folder);
         }
         Ok(())
+    }
+
+    /// The folders inside this one in which files lie.
+    fn folders<'a>(&self, paths: impl Iterator<Item = &'a PathBuf>) -> BTreeSet<PathBuf> {
+        let folders = paths.filter_map(|path| path.parent());
+        let inside = folders.filter(|folder| *folder != self.path);
+        inside.map(Path::to_path_buf).collect()
+    }
+
+    /// Removes what was being written when an earlier process was killed.
+    fn sweep(&self) -> Result<(), StoreError> {
+        let paths: Vec<PathBuf> = {
+            let names = &self.manifest().names;
+            names.iter().map(|name| self.path.join(name)).collect()
+        };
+        let mut folders = self.folders(paths.iter());
+        folders.insert(self.path.clone());
+        for folder in folders {
+            // no folder, or a link to one: nothing of ours is in it
+            if !found(&folder)?.is_some_and(|there| there.is_dir()) {
+                continue;
+            }
+            for entry in fs::read_dir(&folder).map_err(io_error(READ, &folder))? {
+                let path = entry.map_err(io_error(READ, &folder))?.path();
+                let name = path.file_name().and_then(|name| name.to_str());
+                if name.is_some_and(is_left_over) {
+                    remove(&path)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a folder that has taken the place of the one that was opened.
+    fn stay(&self, manifest: &Manifest) -> Result<(), StoreError> {
+        match is_at(&manifest.file, &self.path.join(MANIFEST)) {
+            true => Ok(()),
+            false => Err(StoreError::Moved(self.path.clone())),
+        }
     }
 
     /// Removes the files of a folder for numbered ones whose number is larger than `last`.
@@ -345,6 +383,7 @@ impl Store {
         names: impl IntoIterator<Item = S>,
     ) -> Result<(), StoreError> {
         let mut manifest = self.manifest();
+        self.stay(&manifest)?;
         let mut text = String::new();
         for name in names {
             let name = name.as_ref();
@@ -427,16 +466,32 @@ impl Store {
         table: &str,
         lines: usize,
     ) -> Result<Option<C>, StoreError> {
-        let path = self.path.join(C::FILE);
         if !self.resumes {
             return Ok(None);
         }
+        let saved: Option<C> = self.saved(table, lines)?;
+        if saved
+            .as_ref()
+            .is_some_and(|saved| saved.problem() != problem)
+        {
+            let path = self.path.join(C::FILE);
+            return Err(damaged(&path, "it holds another problem than the manifest"));
+        }
+        Ok(saved)
+    }
+
+    /// The checkpoint of a folder, as [`Store::interrupted`].
+    ///
+    /// # Errors
+    /// When it is damaged, or missing.
+    pub(crate) fn saved<C: Checkpoint>(
+        &self,
+        table: &str,
+        lines: usize,
+    ) -> Result<Option<C>, StoreError> {
+        let path = self.path.join(C::FILE);
         if path.exists() {
-            let saved = C::read(&self.path)?;
-            if saved.problem() != problem {
-                return Err(damaged(&path, "it holds another problem than the manifest"));
-            }
-            return Ok(Some(saved));
+            return C::read(&self.path).map(Some);
         }
         let rows = bytes(&self.path.join(table)).unwrap_or_default();
         match length_of_lines(&rows, Some(lines + 1)) {
@@ -450,10 +505,22 @@ impl Store {
     /// # Errors
     /// When something else has its name, or the system refuses.
     pub(crate) fn replace(&self, name: &str, bytes: &[u8]) -> Result<(), StoreError> {
-        let path = self.place(name)?;
-        replace(&path, |out| {
-            out.write_all(bytes).map_err(io_error("write it", &path))
+        self.write(name, |path, out| {
+            out.write_all(bytes).map_err(io_error("write it", path))
         })
+    }
+
+    /// The same for what is written piece by piece.
+    ///
+    /// # Errors
+    /// As [`Store::replace`].
+    pub(crate) fn write(
+        &self,
+        name: &str,
+        write: impl FnOnce(&Path, &mut BufWriter<File>) -> Result<(), StoreError>,
+    ) -> Result<(), StoreError> {
+        let path = self.place(name)?;
+        replace(&path, |out| write(&path, out))
     }
 
     /// Replaces a file by a value as RON.
@@ -477,6 +544,40 @@ impl Store {
 
 impl Drop for Store {
     fn drop(&mut self) {
-        unmake(&self.manifest().made);
+        let manifest = self.manifest();
+        if self.stay(&manifest).is_ok() {
+            unmake(&manifest.made);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What was half written when a process was killed goes with the next one, and nothing else.
+    #[test]
+    fn what_is_left_over_is_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out");
+        let open = |existing| Store::open(&path, Kind::Run, &1, existing, &[]).unwrap();
+        let store = open(Existing::Refuse);
+        store.begin(&["branch.ron"], Vec::new(), None).unwrap();
+        store.replace("profiles/1.csv", b"1").unwrap();
+        drop(store);
+        let names = || {
+            let all = [path.clone(), path.join("profiles")];
+            let entries = all.iter().flat_map(|folder| fs::read_dir(folder).unwrap());
+            entries.count()
+        };
+        let before = names();
+        for inside in ["branch.ron", "profiles/1.csv"] {
+            // as a kill leaves it
+            file::new_beside(&path.join(inside)).unwrap();
+            fs::write(path.join(inside).with_extension("new"), "mine").unwrap();
+        }
+        assert_eq!(names(), before + 4);
+        drop(open(Existing::Resume));
+        assert_eq!(names(), before + 2);
     }
 }
