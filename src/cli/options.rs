@@ -18,7 +18,7 @@ use crate::simulation::task::SimulationStart;
 pub(crate) struct Task {
     /// Problem file
     pub problem: PathBuf,
-    /// Result folder [default: results/ and the name of the problem file, with the verb but for `run`]
+    /// Result folder [default: results/ and the name of the problem file, plus `_VERB`, except for `run`]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Go on with what was interrupted; its files end as if it had not been
