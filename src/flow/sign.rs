@@ -153,6 +153,49 @@ impl Bernstein {
         }
     }
 
+    /// The place in \[0, 1\] from which on the function is negative, where it is by more than noise: the first
+    /// one, however short the dip.
+    pub(crate) fn first_crossing(&self) -> Option<f64> {
+        self.crossing_at(0)
+    }
+
+    fn crossing_at(&self, depth: u32) -> Option<f64> {
+        let inner = &self.coefficients;
+        if inner.iter().all(|b| *b >= -self.noise) {
+            return None;
+        }
+        if inner[0] < -self.noise || depth == DEEPEST {
+            return Some(0.0);
+        }
+        let ends = [(0.0, inner[0]), (1.0, inner[DEGREE])];
+        let changes = inner
+            .windows(2)
+            .filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0));
+        let simple = ends[0].1 > 0.0 && ends[1].1 < -self.noise && changes.count() == 1;
+        if simple {
+            let bracket = Bracket::new(ends[0], ends[1]);
+            let Ok(zero) = zero(bracket, f64::EPSILON, |place| {
+                Ok::<_, Infallible>((self.value(place), ()))
+            });
+            return Some(zero.bracket.high.0);
+        }
+        let (left, right) = self.halves();
+        let first = left.crossing_at(depth + 1).map(|place| 0.5 * place);
+        let second = || right.crossing_at(depth + 1).map(|place| 0.5 + 0.5 * place);
+        first.or_else(second)
+    }
+
+    /// Value at t.
+    fn value(&self, t: f64) -> f64 {
+        let mut row = self.coefficients;
+        for level in 0..DEGREE {
+            for index in 0..DEGREE - level {
+                row[index] += t * (row[index + 1] - row[index]);
+            }
+        }
+        row[0]
+    }
+
     /// scale·self + offset.
     pub(crate) fn affine(&self, scale: f64, offset: f64) -> Bernstein {
         Bernstein {
@@ -298,6 +341,23 @@ mod tests {
         assert_eq!(verdict(&[0.0, 0.0, -1.0], 2, 0), Verdict::Positive);
         assert_eq!(verdict(&[0.0, 1.0, 2.0], 1, 1), Verdict::Positive);
         assert_eq!(verdict(&[0.0, 0.5, 0.6], 1, 0), Verdict::Negative);
+    }
+
+    #[test]
+    fn the_first_crossing_is_found_however_short_the_dip() {
+        let first = |roots: &[f64]| {
+            let bernstein = Bernstein::from_taylor(&with_roots(roots), 0.0);
+            bernstein.first_crossing()
+        };
+        // (t − 0.4)(t − 0.4002) is negative for 2e-4 and 1e-8 deep: each root is known to noise over slope
+        assert!((first(&[0.4, 0.4002]).unwrap() - 0.4).abs() < 1e-10);
+        // a touch is no crossing
+        assert_eq!(first(&[0.4, 0.4]), None);
+        assert_eq!(first(&[-0.1, 1.2, 1.3]), None);
+        // negative at once
+        assert_eq!(first(&[0.5]), Some(0.0));
+        // a bounce that lasts 1e-9 of the piece, its zero at the start divided out
+        assert!((first(&[1e-9, 2.0]).unwrap() - 1e-9).abs() < 1e-15);
     }
 
     #[test]

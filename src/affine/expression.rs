@@ -1,0 +1,392 @@
+//! Expressions of a problem file: numbers, names, `+ - * / ^`, functions of one argument, brackets.
+//!
+//! `^` binds more closely than the sign before it and groups to the right: `-x^2` is −(x²). An expression is
+//! read once; what its names stand for is said when it is evaluated, in any [`Algebra`]: real numbers for a
+//! value, affine forms for the matrices of a flow.
+
+use std::ops::Range;
+
+use winnow::LocatingSlice;
+use winnow::ascii::{digit0, digit1, multispace0};
+use winnow::combinator::{
+    Infix, Prefix, alt, cut_err, delimited, dispatch, expression, fail, opt, preceded,
+};
+use winnow::prelude::*;
+use winnow::token::{any, one_of, take_while};
+
+/// Longest expression in characters: what reads and evaluates it nests no deeper than that, so that the
+/// stack suffices.
+const LONGEST: usize = 1000;
+
+/// A function of one argument.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Function {
+    /// Sine, of radians.
+    Sin,
+    /// Cosine, of radians.
+    Cos,
+    /// Tangent, of radians.
+    Tan,
+    /// Exponential function.
+    Exp,
+    /// Natural logarithm.
+    Ln,
+    /// Square root.
+    Sqrt,
+    /// Absolute value.
+    Abs,
+    /// Hyperbolic tangent.
+    Tanh,
+}
+
+impl Function {
+    /// All of them with the names by which expressions call them.
+    pub const ALL: [(&str, Function); 8] = [
+        ("sin", Function::Sin),
+        ("cos", Function::Cos),
+        ("tan", Function::Tan),
+        ("exp", Function::Exp),
+        ("ln", Function::Ln),
+        ("sqrt", Function::Sqrt),
+        ("abs", Function::Abs),
+        ("tanh", Function::Tanh),
+    ];
+
+    fn named(name: &str) -> Option<Function> {
+        let mut all = Function::ALL.into_iter();
+        all.find_map(|(known, function)| (known == name).then_some(function))
+    }
+
+    /// Value and derivative at a real number.
+    pub(crate) fn at(self, x: f64) -> (f64, f64) {
+        match self {
+            Function::Sin => (x.sin(), x.cos()),
+            Function::Cos => (x.cos(), -x.sin()),
+            Function::Tan => (x.tan(), 1.0 + x.tan() * x.tan()),
+            Function::Exp => (x.exp(), x.exp()),
+            Function::Ln => (x.ln(), x.recip()),
+            Function::Sqrt => (x.sqrt(), 0.5 / x.sqrt()),
+            Function::Abs => (x.abs(), x.signum()),
+            Function::Tanh => (x.tanh(), 1.0 - x.tanh() * x.tanh()),
+        }
+    }
+}
+
+impl Operation {
+    const ALL: [Operation; 5] = [
+        Operation::Plus,
+        Operation::Minus,
+        Operation::Times,
+        Operation::Over,
+        Operation::Power,
+    ];
+}
+
+/// An operation on two numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operation {
+    /// Sum.
+    Plus,
+    /// Difference.
+    Minus,
+    /// Product.
+    Times,
+    /// Quotient.
+    Over,
+    /// Power.
+    Power,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Node {
+    Number(f64),
+    Name(String),
+    Negative(Box<Expression>),
+    Binary(Operation, Box<[Expression; 2]>),
+    /// A function by its name.
+    Call(String, Box<Expression>),
+}
+
+/// An expression, with the bytes of the text that it was read from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expression {
+    node: Node,
+    /// Bytes of the text.
+    pub span: Range<usize>,
+}
+
+/// What is wrong with an expression.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Wrong {
+    /// It is longer than can be read.
+    #[error("the expression has {0} characters; at most {LONGEST} are read")]
+    TooLong(usize),
+    /// Nothing, or something else, stands where a number, a name or an operator should.
+    #[error("the expression makes no sense from here on")]
+    Unreadable,
+    /// A name that stands for nothing.
+    #[error("`{0}` is no state, parameter or abbreviation")]
+    Unknown(String),
+    /// A function that there is not.
+    #[error("`{0}` is no function")]
+    NoFunction(String),
+    /// It cannot be evaluated.
+    #[error(transparent)]
+    Obstacle(#[from] Obstacle),
+}
+
+/// Why an operation has no result in an algebra.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Obstacle {
+    /// Product or quotient of two factors that both depend on the states, or on state and phase.
+    #[error("not affine in the states: a product of things that change")]
+    Product,
+    /// A function of something that depends on the states.
+    #[error("not affine in the states: a function of something that changes")]
+    Function,
+    /// The phase outside `sin` and `cos`, or times something that is no whole number.
+    #[error("the phase may stand in `sin` and `cos` only, times a whole number")]
+    Phase,
+    /// The result is not a finite number.
+    #[error("the value is not a finite number")]
+    NotFinite,
+}
+
+/// Something wrong, and the bytes of the text it is about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flaw {
+    /// What.
+    pub wrong: Wrong,
+    /// Where.
+    pub span: Range<usize>,
+}
+
+/// What an expression can be evaluated in.
+pub trait Algebra: Clone {
+    /// A number.
+    fn number(value: f64) -> Self;
+    /// −self.
+    fn negative(self) -> Self;
+    /// An operation on two elements.
+    ///
+    /// # Errors
+    /// Where the algebra has no result.
+    fn operate(self, operation: Operation, other: Self) -> Result<Self, Obstacle>;
+    /// A function of an element.
+    ///
+    /// # Errors
+    /// Where the algebra has no result.
+    fn apply(self, function: Function) -> Result<Self, Obstacle>;
+}
+
+type Text<'a> = LocatingSlice<&'a str>;
+
+impl Expression {
+    /// Reads an expression.
+    ///
+    /// # Errors
+    /// What is wrong, with its place.
+    pub fn read(text: &str) -> Result<Expression, Flaw> {
+        let length = text.chars().count();
+        if length > LONGEST {
+            let wrong = Wrong::TooLong(length);
+            return Err(Flaw {
+                wrong,
+                span: 0..text.len(),
+            });
+        }
+        let read = delimited(multispace0, sum, multispace0).parse(LocatingSlice::new(text));
+        let read = read.map_err(|error| {
+            let at = error.offset().min(text.len());
+            let rest = text[at..].chars().next().map_or(0, char::len_utf8);
+            (Wrong::Unreadable, at..at + rest)
+        });
+        read.map_err(|(wrong, span)| Flaw { wrong, span })
+    }
+
+    /// Hands over every name in it, with its place.
+    pub fn names(&self, take: &mut impl FnMut(&str, &Range<usize>)) {
+        match &self.node {
+            Node::Number(_) => {}
+            Node::Name(name) => take(name, &self.span),
+            Node::Negative(one) | Node::Call(_, one) => one.names(take),
+            Node::Binary(_, both) => both.iter().for_each(|part| part.names(take)),
+        }
+    }
+
+    /// Its value, where names stand for what `meaning` says.
+    ///
+    /// # Errors
+    /// A name without meaning, or an operation without result, with its place.
+    pub fn evaluate<A: Algebra>(&self, meaning: &impl Fn(&str) -> Option<A>) -> Result<A, Flaw> {
+        let here = |wrong| Flaw {
+            wrong,
+            span: self.span.clone(),
+        };
+        let value = match &self.node {
+            Node::Number(value) => Ok(A::number(*value)),
+            Node::Name(name) => meaning(name).ok_or_else(|| Wrong::Unknown(name.clone())),
+            Node::Negative(one) => Ok(one.evaluate(meaning)?.negative()),
+            Node::Binary(operation, both) => {
+                let [one, other] = &**both;
+                let (one, other) = (one.evaluate(meaning)?, other.evaluate(meaning)?);
+                one.operate(*operation, other).map_err(Wrong::from)
+            }
+            Node::Call(name, one) => {
+                let argument = one.evaluate(meaning)?;
+                let function = Function::named(name);
+                let function = function.ok_or_else(|| Wrong::NoFunction(name.clone()));
+                function.and_then(|function| Ok(argument.apply(function)?))
+            }
+        };
+        value.map_err(here)
+    }
+}
+
+/// A number, a call, a name or something in brackets.
+fn operand(text: &mut Text) -> ModalResult<Expression> {
+    let exponent = (one_of(['e', 'E']), opt(one_of(['+', '-'])), digit1);
+    let digits = alt(((digit1, opt(('.', digit0))).void(), ('.', digit1).void()));
+    let number = (digits, opt(exponent)).take().parse_to().map(Node::Number);
+    let first = |c: char| c.is_alphabetic() || c == '_';
+    let more = |c: char| c.is_alphanumeric() || c == '_';
+    let name = (one_of(first), take_while(0.., more)).take();
+    let brackets = || {
+        let closed = cut_err(preceded(multispace0, ')'));
+        delimited(('(', multispace0), cut_err(sum), closed)
+    };
+    let named = (name, opt(preceded(multispace0, brackets())));
+    let named = named.map(|(name, argument): (&str, _)| match argument {
+        None => Node::Name(name.to_owned()),
+        Some(argument) => Node::Call(name.to_owned(), Box::new(argument)),
+    });
+    let node = alt((
+        number,
+        named,
+        brackets().map(|inner: Expression| inner.node),
+    ));
+    let spanned = node.with_span();
+    let spanned = delimited(multispace0, spanned, multispace0);
+    spanned
+        .map(|(node, span)| Expression { node, span })
+        .parse_next(text)
+}
+
+/// Operands with signs and operators between them.
+fn sum(text: &mut Text) -> ModalResult<Expression> {
+    fn binary<const OPERATION: usize>(
+        _: &mut Text,
+        one: Expression,
+        other: Expression,
+    ) -> ModalResult<Expression> {
+        let span = one.span.start..other.span.end;
+        let node = Node::Binary(Operation::ALL[OPERATION], Box::new([one, other]));
+        Ok(Expression { node, span })
+    }
+    expression(operand)
+        .prefix(dispatch! {any;
+            '-' => Prefix(9, |_: &mut Text, one: Expression| {
+                let span = one.span.clone();
+                Ok(Expression { node: Node::Negative(Box::new(one)), span })
+            }),
+            '+' => Prefix(9, |_: &mut Text, one| Ok(one)),
+            _ => fail,
+        })
+        .infix(dispatch! {any;
+            '+' => Infix::Left(5, binary::<0>),
+            '-' => Infix::Left(5, binary::<1>),
+            '*' => Infix::Left(7, binary::<2>),
+            '/' => Infix::Left(7, binary::<3>),
+            '^' => Infix::Right(11, binary::<4>),
+            _ => fail,
+        })
+        .parse_next(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl Algebra for f64 {
+        fn number(value: f64) -> f64 {
+            value
+        }
+        fn negative(self) -> f64 {
+            -self
+        }
+        fn operate(self, operation: Operation, other: f64) -> Result<f64, Obstacle> {
+            Ok(match operation {
+                Operation::Plus => self + other,
+                Operation::Minus => self - other,
+                Operation::Times => self * other,
+                Operation::Over => self / other,
+                Operation::Power => self.powf(other),
+            })
+        }
+        fn apply(self, function: Function) -> Result<f64, Obstacle> {
+            Ok(function.at(self).0)
+        }
+    }
+
+    fn value(text: &str) -> Result<f64, Flaw> {
+        Expression::read(text)?.evaluate(&|name| match name {
+            "x" => Some(3.0),
+            "omega_0" => Some(0.5),
+            _ => None,
+        })
+    }
+
+    #[test]
+    fn operators_bind_as_in_mathematics() {
+        for (text, expected) in [
+            ("-x^2", -9.0),
+            ("2^-1", 0.5),
+            ("2^3^2", 512.0),
+            ("1 - 2 - 3", -4.0),
+            ("8/4/2", 1.0),
+            ("1 + 2*x", 7.0),
+            ("-(1 + 2)*x", -9.0),
+            ("1e-3*.5e3 + 2.", 2.5),
+            (" cos ( 0 ) * omega_0", 0.5),
+            ("x*-2", -6.0),
+            ("sqrt(x + 1)*exp(ln(1))/x", 2.0 / 3.0),
+        ] {
+            assert_eq!(value(text), Ok(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_has_its_place() {
+        let wrong = |text: &str| value(text).unwrap_err();
+        for (text, span) in [
+            ("x + * 2", 4..5),
+            ("(x + 2", 6..6),
+            ("", 0..0),
+            ("x x", 2..3),
+            ("2 x", 2..3),
+        ] {
+            let flaw = wrong(text);
+            assert_eq!((flaw.wrong, flaw.span), (Wrong::Unreadable, span), "{text}");
+        }
+        let flaw = wrong("2*xx + x");
+        assert_eq!((flaw.wrong, flaw.span), (Wrong::Unknown("xx".into()), 2..4));
+        let flaw = wrong("x + sine(x)");
+        assert_eq!(
+            (flaw.wrong, flaw.span),
+            (Wrong::NoFunction("sine".into()), 4..11)
+        );
+        // deeper than any stack, were it not refused; what is read fits on it
+        assert!(matches!(
+            wrong(&"(".repeat(100_000)).wrong,
+            Wrong::TooLong(_)
+        ));
+        for deep in ["(", "-", "x^", "sin("] {
+            assert_eq!(
+                wrong(&deep.repeat(LONGEST / deep.len())).wrong,
+                Wrong::Unreadable
+            );
+        }
+        let tower = format!("{}x{}", "(".repeat(499), ")".repeat(499));
+        assert_eq!(value(&tower), Ok(3.0));
+    }
+}

@@ -1,0 +1,431 @@
+//! What expressions are evaluated in: numbers with derivatives, and affine forms in states and forcing.
+
+use super::expression::{Algebra, Function, Obstacle, Operation};
+
+/// How many parameters may vary at once: two along a curve of events.
+pub const VARYING: usize = 2;
+
+/// A number with its derivatives in the parameters that vary.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Dual {
+    /// Its value.
+    pub value: f64,
+    /// ∂/∂p of the parameters that vary, zero where fewer do.
+    pub by: [f64; VARYING],
+}
+
+impl Dual {
+    /// The value of the parameter that varies as number `index` among those that do, if it does.
+    pub(crate) fn parameter(value: f64, index: Option<usize>) -> Dual {
+        let mut by = [0.0; VARYING];
+        if let Some(index) = index {
+            by[index] = 1.0;
+        }
+        Dual { value, by }
+    }
+
+    /// f(self) for a function with this value and derivative.
+    fn chain(self, (value, derivative): (f64, f64)) -> Dual {
+        let by = self
+            .by
+            .map(|by| if by == 0.0 { 0.0 } else { derivative * by });
+        Dual { value, by }
+    }
+
+    /// Combination of both with these weights.
+    fn sum(self, weight: f64, other: Dual, other_weight: f64) -> Dual {
+        Dual {
+            value: weight * self.value + other_weight * other.value,
+            by: [0, 1].map(|p| weight * self.by[p] + other_weight * other.by[p]),
+        }
+    }
+
+    fn times(self, other: Dual) -> Dual {
+        Dual {
+            value: self.value * other.value,
+            by: [0, 1].map(|p| self.by[p] * other.value + self.value * other.by[p]),
+        }
+    }
+
+    fn power(self, exponent: Dual) -> Dual {
+        let (x, n) = (self.value, exponent.value);
+        if exponent.by == [0.0; VARYING] {
+            let slope = if n == 0.0 { 0.0 } else { n * x.powf(n - 1.0) };
+            return self.chain((x.powf(n), slope));
+        }
+        let value = x.powf(n);
+        Dual {
+            value,
+            by: [0, 1].map(|p| value * (n * self.by[p] / x + x.ln() * exponent.by[p])),
+        }
+    }
+
+    fn finite(self) -> Result<Dual, Obstacle> {
+        let finite = self.value.is_finite() && self.by.iter().all(|by| by.is_finite());
+        finite.then_some(self).ok_or(Obstacle::NotFinite)
+    }
+}
+
+impl Algebra for Dual {
+    fn number(value: f64) -> Dual {
+        Dual::parameter(value, None)
+    }
+
+    fn negative(self) -> Dual {
+        self.sum(-1.0, Dual::default(), 0.0)
+    }
+
+    fn operate(self, operation: Operation, other: Dual) -> Result<Dual, Obstacle> {
+        let result = match operation {
+            Operation::Plus => self.sum(1.0, other, 1.0),
+            Operation::Minus => self.sum(1.0, other, -1.0),
+            Operation::Times => self.times(other),
+            Operation::Over => {
+                let x = other.value;
+                self.times(other.chain((x.recip(), -x.powi(-2))))
+            }
+            Operation::Power => self.power(other),
+        };
+        result.finite()
+    }
+
+    fn apply(self, function: Function) -> Result<Dual, Obstacle> {
+        self.chain(function.at(self.value)).finite()
+    }
+}
+
+/// Highest multiple of the phase.
+const HIGHEST: usize = 16;
+
+/// An affine form Σ aᵢxᵢ + a + Σ (cₕ cos hφ + sₕ sin hφ) in the states x and the phase φ, whose coefficients
+/// have derivatives in the parameters.
+///
+/// What it depends on is told by the expression and not by values: 0·x depends on x.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Form {
+    /// aᵢ, up to the last state that occurs.
+    pub states: Vec<Dual>,
+    /// a.
+    pub constant: Dual,
+    /// (cₕ, sₕ) for h = 1, 2, …
+    pub harmonics: Vec<[Dual; 2]>,
+    /// The whole number of times that it has the phase itself, on the way into `sin` and `cos`.
+    phase: Option<f64>,
+}
+
+impl Form {
+    /// The state with this index.
+    pub(crate) fn state(index: usize) -> Form {
+        let mut states = vec![Dual::default(); index + 1];
+        states[index] = Dual::number(1.0);
+        Form {
+            states,
+            ..Form::default()
+        }
+    }
+
+    /// The phase φ.
+    pub(crate) fn phase() -> Form {
+        Form {
+            phase: Some(1.0),
+            ..Form::default()
+        }
+    }
+
+    /// A number that depends on parameters only.
+    pub(crate) fn constant(constant: Dual) -> Form {
+        Form {
+            constant,
+            ..Form::default()
+        }
+    }
+
+    fn is_constant(&self) -> bool {
+        self.is_periodic() && self.harmonics.is_empty()
+    }
+
+    /// Whether it depends on cosines and sines of the phase only.
+    fn is_periodic(&self) -> bool {
+        self.states.is_empty() && self.phase.is_none()
+    }
+
+    /// Every coefficient through a function that keeps zero.
+    fn map(mut self, change: impl Fn(Dual) -> Dual) -> Form {
+        self.states
+            .iter_mut()
+            .for_each(|term| *term = change(*term));
+        self.constant = change(self.constant);
+        let harmonics = self.harmonics.iter_mut().flatten();
+        harmonics.for_each(|term| *term = change(*term));
+        self
+    }
+
+    fn scaled(self, factor: Dual) -> Result<Form, Obstacle> {
+        if self.phase.is_some() {
+            let whole = factor.value.fract() == 0.0 && factor.by == [0.0; VARYING];
+            if !whole {
+                return Err(Obstacle::Phase);
+            }
+        }
+        let phase = self.phase.map(|phase| phase * factor.value);
+        let scaled = self.map(|term| term.times(factor));
+        Form { phase, ..scaled }.finite()
+    }
+
+    fn sum(mut self, other: Form, sign: f64) -> Result<Form, Obstacle> {
+        let states = self.states.len().max(other.states.len());
+        self.states.resize(states, Dual::default());
+        for (term, more) in self.states.iter_mut().zip(other.states) {
+            *term = term.sum(1.0, more, sign);
+        }
+        self.constant = self.constant.sum(1.0, other.constant, sign);
+        let harmonics = self.harmonics.len().max(other.harmonics.len());
+        self.harmonics.resize(harmonics, Default::default());
+        for (pair, more) in self.harmonics.iter_mut().zip(other.harmonics) {
+            *pair = [0, 1].map(|part| pair[part].sum(1.0, more[part], sign));
+        }
+        self.phase = match (self.phase, other.phase) {
+            (None, None) => None,
+            (one, other) => Some(one.unwrap_or(0.0) + sign * other.unwrap_or(0.0)),
+        };
+        self.finite()
+    }
+
+    /// Product of two forms in cosines and sines: cos m cos n = (cos(m − n) + cos(m + n))/2, and so on.
+    fn periodic_product(&self, other: &Form) -> Result<Form, Obstacle> {
+        let terms = |form: &Form| {
+            let mut terms = vec![[form.constant, Dual::default()]];
+            terms.extend_from_slice(&form.harmonics);
+            terms
+        };
+        let (one, other) = (terms(self), terms(other));
+        let highest = one.len() + other.len() - 2;
+        if highest > HIGHEST {
+            return Err(Obstacle::Phase);
+        }
+        let mut product = vec![[Dual::default(); 2]; highest + 1];
+        for (m, [c1, s1]) in one.iter().enumerate() {
+            for (n, [c2, s2]) in other.iter().enumerate() {
+                let (cc, ss) = (c1.times(*c2), s1.times(*s2));
+                let (cs, sc) = (c1.times(*s2), s1.times(*c2));
+                let mut add = |h: usize, cosine: Dual, sine: Dual| {
+                    let [c, s] = product[h];
+                    product[h] = [c.sum(1.0, cosine, 1.0), s.sum(1.0, sine, 1.0)];
+                };
+                add(m + n, cc.sum(0.5, ss, -0.5), cs.sum(0.5, sc, 0.5));
+                let sign = if m >= n { 0.5 } else { -0.5 };
+                add(m.abs_diff(n), cc.sum(0.5, ss, 0.5), sc.sum(sign, cs, -sign));
+            }
+        }
+        let constant = product[0][0];
+        let harmonics = product.split_off(1);
+        let product = Form {
+            constant,
+            harmonics,
+            ..Form::default()
+        };
+        product.finite()
+    }
+
+    /// cos or sin of mφ + q.
+    fn wave(self, function: Function) -> Result<Form, Obstacle> {
+        let m = self.phase.unwrap_or(0.0);
+        let multiple = m.abs();
+        if !self.states.is_empty() || !self.harmonics.is_empty() {
+            return Err(Obstacle::Function);
+        }
+        if multiple > HIGHEST as f64 {
+            return Err(Obstacle::Phase);
+        }
+        let cosine = self.constant.apply(Function::Cos)?;
+        let sine = self.constant.apply(Function::Sin)?;
+        // cos(mφ + q) = cos q cos mφ − sin q sin mφ, sin(mφ + q) = sin q cos mφ + cos q sin mφ
+        let [c, s] = match function {
+            Function::Cos => [cosine, sine.negative()],
+            _ => [sine, cosine],
+        };
+        let s = if m < 0.0 { s.negative() } else { s };
+        if multiple == 0.0 {
+            return Ok(Form::constant(c));
+        }
+        let mut harmonics = vec![[Dual::default(); 2]; multiple as usize];
+        if let Some(last) = harmonics.last_mut() {
+            *last = [c, s];
+        }
+        Ok(Form {
+            harmonics,
+            ..Form::default()
+        })
+    }
+
+    fn finite(self) -> Result<Form, Obstacle> {
+        let harmonics = self.harmonics.iter().flatten();
+        let terms = self.states.iter().chain([&self.constant]).chain(harmonics);
+        let all: Result<Vec<Dual>, Obstacle> = terms.map(|term| term.finite()).collect();
+        all.map(|_| self)
+    }
+
+    /// The form itself, where the phase stands inside `sin` and `cos` only.
+    ///
+    /// # Errors
+    /// Where it does not.
+    pub(crate) fn settled(self) -> Result<Form, Obstacle> {
+        match self.phase {
+            Some(_) => Err(Obstacle::Phase),
+            None => Ok(self),
+        }
+    }
+}
+
+impl Algebra for Form {
+    fn number(value: f64) -> Form {
+        Form::constant(Dual::number(value))
+    }
+
+    fn negative(self) -> Form {
+        let phase = self.phase.map(|phase| -phase);
+        let negative = self.map(Dual::negative);
+        Form { phase, ..negative }
+    }
+
+    fn operate(self, operation: Operation, other: Form) -> Result<Form, Obstacle> {
+        match operation {
+            Operation::Plus => self.sum(other, 1.0),
+            Operation::Minus => self.sum(other, -1.0),
+            Operation::Times if other.is_constant() => self.scaled(other.constant),
+            Operation::Times if self.is_constant() => other.scaled(self.constant),
+            Operation::Times if self.is_periodic() && other.is_periodic() => {
+                self.periodic_product(&other)
+            }
+            Operation::Over if other.is_constant() => {
+                let inverse = Dual::number(1.0).operate(Operation::Over, other.constant)?;
+                self.scaled(inverse)
+            }
+            Operation::Power if self.is_constant() && other.is_constant() => {
+                let power = self.constant.operate(Operation::Power, other.constant)?;
+                Ok(Form::constant(power))
+            }
+            Operation::Power if self.is_periodic() && other.is_constant() => {
+                let exponent = other.constant;
+                let whole = exponent.by == [0.0; VARYING]
+                    && exponent.value.fract() == 0.0
+                    && (0.0..=HIGHEST as f64).contains(&exponent.value);
+                if !whole {
+                    return Err(Obstacle::Function);
+                }
+                let factors = 0..exponent.value as usize;
+                factors
+                    .into_iter()
+                    .try_fold(Form::number(1.0), |power, _| power.periodic_product(&self))
+            }
+            _ => Err(Obstacle::Product),
+        }
+    }
+
+    fn apply(self, function: Function) -> Result<Form, Obstacle> {
+        match function {
+            Function::Cos | Function::Sin => self.wave(function),
+            _ if self.is_constant() => Ok(Form::constant(self.constant.apply(function)?)),
+            _ => Err(Obstacle::Function),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::expression::{Expression, Flaw, Wrong};
+    use super::*;
+
+    /// States x, v; parameters p = 0.7 and q = 1.3, which vary.
+    fn form(text: &str) -> Result<Form, Flaw> {
+        Expression::read(text)?.evaluate(&|name| match name {
+            "x" => Some(Form::state(0)),
+            "v" => Some(Form::state(1)),
+            "p" => Some(Form::constant(Dual::parameter(0.7, Some(0)))),
+            "q" => Some(Form::constant(Dual::parameter(1.3, Some(1)))),
+            "phase" => Some(Form::phase()),
+            _ => None,
+        })
+    }
+
+    /// Value and derivatives in p and q of a form at a state and a phase.
+    fn value(form: &Form, states: [f64; 2], phase: f64) -> Dual {
+        let mut sum = form.constant;
+        for (term, state) in form.states.iter().zip(states) {
+            sum = sum.sum(1.0, *term, state);
+        }
+        for (h, [c, s]) in form.harmonics.iter().enumerate() {
+            let angle = (h + 1) as f64 * phase;
+            sum = sum.sum(1.0, *c, angle.cos()).sum(1.0, *s, angle.sin());
+        }
+        sum
+    }
+
+    #[test]
+    fn a_form_is_its_expression() {
+        // for every expression its value as a function of x, v, φ, p, q, in plain arithmetic
+        type Direct = fn([f64; 5]) -> f64;
+        let cases: [(&str, Direct); 6] = [
+            ("p*x - 2*v/q + 3", |[x, v, _, p, q]| {
+                p * x - 2.0 * v / q + 3.0
+            }),
+            ("p*cos(phase)^3 - x", |[x, _, f, p, _]| {
+                p * f.cos().powi(3) - x
+            }),
+            ("sin(2*phase - q)*cos(phase)*p", |[_, _, f, p, q]| {
+                (2.0 * f - q).sin() * f.cos() * p
+            }),
+            ("(1 - cos(3*phase))*(q + sin(phase))", |[_, _, f, _, q]| {
+                (1.0 - (3.0 * f).cos()) * (q + f.sin())
+            }),
+            ("-(x - v)*exp(p*q)*tanh(q) + p^q", |[x, v, _, p, q]| {
+                -(x - v) * (p * q).exp() * q.tanh() + p.powf(q)
+            }),
+            ("cos(q - 2*phase) + abs(p - q)*x", |[x, _, f, p, q]| {
+                (q - 2.0 * f).cos() + (p - q).abs() * x
+            }),
+        ];
+        for (text, direct) in cases {
+            let form = form(text).unwrap().settled().unwrap();
+            for phase in [0.0, 0.9, -2.2, 4.0] {
+                let point = [0.4, -1.1, phase, 0.7, 1.3];
+                let found = value(&form, [0.4, -1.1], phase);
+                assert!((found.value - direct(point)).abs() < 1e-14, "{text}");
+                for (p, index) in [(0, 3), (1, 4)] {
+                    let shifted = |shift: f64| {
+                        let mut point = point;
+                        point[index] += shift;
+                        direct(point)
+                    };
+                    // central difference: error h²/6 of third derivatives of order ten, and 1e-16/h
+                    let difference = (shifted(1e-5) - shifted(-1e-5)) / 2e-5;
+                    assert!((found.by[p] - difference).abs() < 1e-8, "{text}, {p}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_affine_is_refused_with_its_place() {
+        for (text, obstacle, span) in [
+            ("1 + x*v", Obstacle::Product, 4..7),
+            ("0*x*v", Obstacle::Product, 0..5),
+            ("p/x", Obstacle::Product, 0..3),
+            ("x*cos(phase)", Obstacle::Product, 0..12),
+            ("x^2 + 1", Obstacle::Product, 0..3),
+            ("2*sin(x)", Obstacle::Function, 2..8),
+            ("exp(cos(phase))", Obstacle::Function, 0..15),
+            ("cos(0.5*phase)", Obstacle::Phase, 4..13),
+            ("1/(p - p)", Obstacle::NotFinite, 0..9),
+            ("ln(p - 1)", Obstacle::NotFinite, 0..9),
+        ] {
+            let flaw = form(text).unwrap_err();
+            assert_eq!(
+                (flaw.wrong, flaw.span),
+                (Wrong::Obstacle(obstacle), span),
+                "{text}"
+            );
+        }
+        assert_eq!(form("phase + x").unwrap().settled(), Err(Obstacle::Phase));
+    }
+}

@@ -1,0 +1,14 @@
+//! Hybrid systems that a user writes down.
+//!
+//! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names; [`form`] is
+//! what expressions of such a system are evaluated in, [`mode`] the linear flow that a mode is made into at
+//! given parameters, [`flow`] that flow with the signs of its guards, and [`motion`] follows it through its switches;
+//! [`steady`] has the equilibria.
+
+pub mod expression;
+pub mod flow;
+pub mod form;
+pub mod mode;
+pub mod motion;
+pub mod steady;
+pub mod system;

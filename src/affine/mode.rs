@@ -1,0 +1,519 @@
+//! A system at given values of its parameters: every mode a linear flow ż = Mz of z = (x, 1, cos φ, sin φ,
+//! cos 2φ, …), with φ̇ = ω. Exact at resonance and for a singular matrix, where a particular solution is not.
+
+use super::expression::{Expression, Flaw};
+use super::form::{Dual, Form, VARYING};
+use super::system::{Mistake, Switch, System, SystemError};
+use crate::linalg::{Matrix, Vector};
+
+/// A linear form in z with its derivatives in the parameters that vary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Its coefficients.
+    pub at: Vector,
+    /// Their derivatives.
+    pub by: [Vector; VARYING],
+}
+
+impl Row {
+    fn zero(size: usize) -> Row {
+        let zero = Vector::zeros(size);
+        Row {
+            by: [zero.clone(), zero.clone()],
+            at: zero,
+        }
+    }
+
+    fn set(&mut self, column: usize, value: Dual) {
+        self.at[column] = value.value;
+        for (by, derivative) in self.by.iter_mut().zip(value.by) {
+            by[column] = derivative;
+        }
+    }
+
+    /// cᵀM with derivatives.
+    fn through(&self, matrix: &MatrixBy) -> Row {
+        Row {
+            at: matrix.at.tr_mul(&self.at),
+            by: [0, 1].map(|p| matrix.at.tr_mul(&self.by[p]) + matrix.by[p].tr_mul(&self.at)),
+        }
+    }
+
+    fn negative(&self) -> Row {
+        Row {
+            at: -&self.at,
+            by: self.by.each_ref().map(|by| -by),
+        }
+    }
+}
+
+/// A matrix with its derivatives in the parameters that vary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MatrixBy {
+    /// Its entries.
+    pub at: Matrix,
+    /// Their derivatives.
+    pub by: [Matrix; VARYING],
+}
+
+impl MatrixBy {
+    fn zero(rows: usize, columns: usize) -> MatrixBy {
+        let zero = Matrix::zeros(rows, columns);
+        MatrixBy {
+            by: [zero.clone(), zero.clone()],
+            at: zero,
+        }
+    }
+
+    fn set_row(&mut self, row: usize, values: &Row) {
+        self.at.set_row(row, &values.at.transpose());
+        for (by, values) in self.by.iter_mut().zip(&values.by) {
+            by.set_row(row, &values.transpose());
+        }
+    }
+
+    fn row(&self, row: usize) -> Row {
+        Row {
+            at: self.at.row(row).transpose(),
+            by: self.by.each_ref().map(|by| by.row(row).transpose()),
+        }
+    }
+}
+
+/// A way for a mode to end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exit {
+    /// The mode that begins.
+    pub to: usize,
+    /// New states as linear forms of z.
+    pub reset: MatrixBy,
+    /// What is not negative where it is taken.
+    pub conditions: Vec<Row>,
+    /// The mode that begins where infinitely many such exits end in finite time.
+    pub rest: Option<usize>,
+}
+
+/// What is positive in a mode, and where the mode leads when it is zero no more: the first exit whose conditions hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Guard {
+    /// As a linear form of z.
+    pub row: Row,
+    /// Exits in the order of the file.
+    pub exits: Vec<Exit>,
+}
+
+/// A mode at given parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AffineMode {
+    /// M of ż = Mz.
+    pub matrix: MatrixBy,
+    /// Everything that is positive in it.
+    pub guards: Vec<Guard>,
+    /// What is zero all along in a sliding mode.
+    pub surface: Option<Row>,
+}
+
+/// A system at given parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AffineSystem {
+    /// Number of states.
+    pub states: usize,
+    /// Multiples of the phase that occur: cos hφ and sin hφ for h from 1 to this.
+    pub harmonics: usize,
+    /// Angular frequency of the forcing; zero without.
+    pub omega: Dual,
+    /// Modes of the file, then the sliding modes.
+    pub modes: Vec<AffineMode>,
+}
+
+impl AffineSystem {
+    /// The vector z of a state at a phase.
+    pub fn lift(&self, state: &[f64], phase: f64) -> Vector {
+        let n = self.states;
+        Vector::from_fn(self.size(), |index, _| match index {
+            _ if index < n => state[index],
+            _ if index == n => 1.0,
+            _ => {
+                let angle = (index - n).div_ceil(2) as f64 * phase;
+                if (index - n) % 2 == 1 {
+                    angle.cos()
+                } else {
+                    angle.sin()
+                }
+            }
+        })
+    }
+
+    /// Length of z.
+    pub fn size(&self) -> usize {
+        self.states + 1 + 2 * self.harmonics
+    }
+}
+
+/// A switch with its expressions as forms.
+struct FormSwitch<'a> {
+    switch: &'a Switch,
+    guard: Form,
+    reset: Vec<(usize, Form)>,
+    conditions: Vec<Form>,
+}
+
+impl System {
+    /// The system at these values of its parameters, with derivatives in those of the indices `varying`.
+    ///
+    /// # Errors
+    /// An expression that is not affine in the states or has no finite value, with its place; two modes that
+    /// cannot slide.
+    pub fn at(&self, values: &[f64], varying: &[usize]) -> Result<AffineSystem, SystemError> {
+        let evaluation = Evaluation::new(self, values, varying)?;
+        let omega = match &self.forcing {
+            None => Dual::default(),
+            Some(expression) => {
+                let omega = evaluation.form("forcing", expression)?.constant;
+                if omega.value <= 0.0 {
+                    let mistake = Mistake::Frequency(omega.value);
+                    return Err(SystemError::at("forcing", mistake));
+                }
+                omega
+            }
+        };
+        let names = self.source.modes.names();
+        let modes = names.zip(&self.modes).map(|(name, mode)| {
+            let path = format!("modes.{name}");
+            let rates = self.source.states.iter().zip(&mode.rates);
+            let rates =
+                rates.map(|(state, rate)| evaluation.form(&format!("{path}.rates.{state}"), rate));
+            let switches =
+                mode.switches.iter().enumerate().map(|(index, switch)| {
+                    evaluation.switch(&format!("{path}.until.{index}"), switch)
+                });
+            Ok((
+                rates.collect::<Result<Vec<_>, _>>()?,
+                switches.collect::<Result<Vec<_>, _>>()?,
+            ))
+        });
+        let modes: Vec<(Vec<Form>, Vec<FormSwitch>)> = modes.collect::<Result<_, SystemError>>()?;
+        let forms = modes.iter().flat_map(|(rates, switches)| {
+            let switches = switches.iter().flat_map(|switch| {
+                let reset = switch.reset.iter().map(|(_, form)| form);
+                [&switch.guard]
+                    .into_iter()
+                    .chain(reset)
+                    .chain(&switch.conditions)
+            });
+            rates.iter().chain(switches)
+        });
+        let harmonics = forms.map(|form| form.harmonics.len()).max().unwrap_or(0);
+        let shape = Shape {
+            states: self.source.states.len(),
+            harmonics,
+        };
+        let modes = modes.iter().map(|(rates, switches)| AffineMode {
+            matrix: shape.matrix(rates, omega),
+            guards: shape.guards(switches),
+            surface: None,
+        });
+        let mut system = AffineSystem {
+            states: shape.states,
+            harmonics,
+            omega,
+            modes: modes.collect(),
+        };
+        for (index, sides) in self.sliding.iter().enumerate() {
+            system.slide(self, self.modes.len() + index, *sides)?;
+        }
+        Ok(system)
+    }
+}
+
+/// What the names of a system stand for.
+struct Evaluation<'a> {
+    system: &'a System,
+    values: &'a [f64],
+    varying: &'a [usize],
+    abbreviations: Vec<Form>,
+}
+
+impl<'a> Evaluation<'a> {
+    fn new(
+        system: &'a System,
+        values: &'a [f64],
+        varying: &'a [usize],
+    ) -> Result<Evaluation<'a>, SystemError> {
+        let mut evaluation = Evaluation {
+            system,
+            values,
+            varying,
+            abbreviations: Vec::new(),
+        };
+        let names = system.source.define.names();
+        for (name, expression) in names.zip(&system.define) {
+            // an abbreviation may stand for the phase: only its use tells whether that makes sense
+            let form = evaluation.evaluate(&format!("define.{name}"), expression)?;
+            evaluation.abbreviations.push(form);
+        }
+        Ok(evaluation)
+    }
+
+    fn meaning(&self, name: &str) -> Option<Form> {
+        let source = &self.system.source;
+        if let Some(state) = source.states.iter().position(|state| state == name) {
+            return Some(Form::state(state));
+        }
+        if let Some(index) = source.parameters.index(name) {
+            let varies = self.varying.iter().position(|varying| *varying == index);
+            let value = Dual::parameter(self.values[index], varies);
+            return Some(Form::constant(value));
+        }
+        if let Some(index) = source.define.index(name) {
+            return self.abbreviations.get(index).cloned();
+        }
+        match name {
+            "pi" => Some(Form::constant(Dual::parameter(std::f64::consts::PI, None))),
+            "phase" => Some(Form::phase()),
+            _ => None,
+        }
+    }
+
+    fn evaluate(&self, path: &str, expression: &Expression) -> Result<Form, SystemError> {
+        let form = expression.evaluate(&|name| self.meaning(name));
+        form.map_err(|flaw| SystemError::at(path, Mistake::Expression(flaw)))
+    }
+
+    fn form(&self, path: &str, expression: &Expression) -> Result<Form, SystemError> {
+        let form = self.evaluate(path, expression)?;
+        form.settled().map_err(|obstacle| {
+            let flaw = Flaw {
+                wrong: obstacle.into(),
+                span: expression.span.clone(),
+            };
+            SystemError::at(path, Mistake::Expression(flaw))
+        })
+    }
+
+    fn switch<'b>(&self, path: &str, switch: &'b Switch) -> Result<FormSwitch<'b>, SystemError> {
+        let names = &self.system.source.states;
+        let reset = switch.reset.iter().map(|(state, expression)| {
+            let path = format!("{path}.reset.{}", names[*state]);
+            Ok((*state, self.form(&path, expression)?))
+        });
+        let conditions = switch.conditions.iter().enumerate();
+        let conditions = conditions
+            .map(|(index, expression)| self.form(&format!("{path}.if.{index}"), expression));
+        Ok(FormSwitch {
+            switch,
+            guard: self.form(&format!("{path}.zero"), &switch.zero)?,
+            reset: reset.collect::<Result<_, SystemError>>()?,
+            conditions: conditions.collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+/// Where what stands in z.
+struct Shape {
+    states: usize,
+    harmonics: usize,
+}
+
+impl Shape {
+    fn size(&self) -> usize {
+        self.states + 1 + 2 * self.harmonics
+    }
+
+    fn row(&self, form: &Form) -> Row {
+        let mut row = Row::zero(self.size());
+        let harmonics = form.harmonics.iter().flatten();
+        let after = [&form.constant].into_iter().chain(harmonics);
+        for (column, value) in form.states.iter().enumerate() {
+            row.set(column, *value);
+        }
+        for (column, value) in after.enumerate() {
+            row.set(self.states + column, *value);
+        }
+        row
+    }
+
+    fn matrix(&self, rates: &[Form], omega: Dual) -> MatrixBy {
+        let mut matrix = MatrixBy::zero(self.size(), self.size());
+        for (state, rate) in rates.iter().enumerate() {
+            matrix.set_row(state, &self.row(rate));
+        }
+        for h in 1..=self.harmonics {
+            let cosine = self.states + 2 * h - 1;
+            let mut turn = |row: usize, column: usize, factor: f64| {
+                matrix.at[(row, column)] = factor * omega.value;
+                for (by, derivative) in matrix.by.iter_mut().zip(omega.by) {
+                    by[(row, column)] = factor * derivative;
+                }
+            };
+            turn(cosine, cosine + 1, -(h as f64));
+            turn(cosine + 1, cosine, h as f64);
+        }
+        matrix
+    }
+
+    /// Guards in the order of the file, each with all its exits.
+    fn guards(&self, switches: &[FormSwitch]) -> Vec<Guard> {
+        let mut guards: Vec<(&Form, Guard)> = Vec::new();
+        for switch in switches {
+            let exit = self.exit(switch);
+            match guards.iter_mut().find(|(form, _)| **form == switch.guard) {
+                Some((_, guard)) => guard.exits.push(exit),
+                None => guards.push((
+                    &switch.guard,
+                    Guard {
+                        row: self.row(&switch.guard),
+                        exits: vec![exit],
+                    },
+                )),
+            }
+        }
+        guards.into_iter().map(|(_, guard)| guard).collect()
+    }
+
+    fn exit(&self, switch: &FormSwitch) -> Exit {
+        let mut reset = MatrixBy::zero(self.states, self.size());
+        reset.at.fill_with_identity();
+        for (state, form) in &switch.reset {
+            reset.set_row(*state, &self.row(form));
+        }
+        Exit {
+            to: switch.switch.to,
+            reset,
+            conditions: switch
+                .conditions
+                .iter()
+                .map(|form| self.row(form))
+                .collect(),
+            rest: switch.switch.rest,
+        }
+    }
+}
+
+/// Relative size of what two rows may differ by where they are the same for the mathematics: coefficients
+/// are made from the same numbers in different order.
+const SAME: f64 = 1e-12;
+
+impl AffineSystem {
+    /// Puts the sliding mode with this index between two modes: Filippov's field F₋ − d (nᵀF₋)/(nᵀd) where
+    /// F₊ − F₋ keeps the direction d and n is the gradient of the guard of the first mode. It lasts while both
+    /// fields point at the surface, and each of the two modes crosses into the other where one does not.
+    fn slide(&mut self, system: &System, own: usize, sides: [usize; 2]) -> Result<(), SystemError> {
+        let names = sides.map(|side| system.mode_name(side).to_owned());
+        let path = format!("sliding.{}", system.mode_name(own));
+        let refuse = |mistake: fn(String, String) -> Mistake| {
+            let [one, other] = names.clone();
+            Err(SystemError::at(path.clone(), mistake(one, other)))
+        };
+        let guard_of = |from: usize, to: usize| {
+            let guards = &self.modes[from].guards;
+            let mut between = guards
+                .iter()
+                .enumerate()
+                .filter(|(_, guard)| guard.exits.iter().any(|exit| exit.to == to));
+            let first = between.next();
+            first
+                .filter(|_| between.next().is_none())
+                .map(|(index, _)| index)
+        };
+        let [first, second] = sides;
+        let (Some(leave_first), Some(leave_second)) =
+            (guard_of(first, second), guard_of(second, first))
+        else {
+            return refuse(Mistake::NoSurface);
+        };
+        let surface = self.modes[first].guards[leave_first].row.clone();
+        let opposite = &self.modes[second].guards[leave_second].row;
+        let size = surface.at.amax();
+        let meets = (&surface.at + &opposite.at).amax() <= SAME * size;
+        if !meets || size == 0.0 {
+            return refuse(Mistake::NoSurface);
+        }
+        let [below, above] = sides.map(|side| &self.modes[side].matrix);
+        // ∂/∂t of the surface's form along both fields
+        let [toward, away] = [below, above].map(|matrix| surface.through(matrix));
+        let difference = MatrixBy {
+            at: &above.at - &below.at,
+            by: [0, 1].map(|p| &above.by[p] - &below.by[p]),
+        };
+        // the largest row of F₊ − F₋; the others are multiples of it
+        let rows = 0..self.states;
+        let largest = rows.max_by(|one, other| {
+            let size = |row: usize| difference.at.row(row).amax();
+            size(*one).total_cmp(&size(*other))
+        });
+        let largest = largest.unwrap_or(0);
+        let (reference, pivot) = {
+            let row = difference.at.row(largest);
+            (row.transpose(), row.iamax_full().1)
+        };
+        let scale = reference[pivot];
+        let mut direction = Row::zero(self.states);
+        for state in 0..self.states {
+            let row = difference.row(state);
+            let ratio = row.at[pivot] / scale;
+            let parallel = (&row.at - &reference * ratio).amax() <= SAME * scale.abs();
+            if scale == 0.0 || !parallel {
+                return refuse(Mistake::SlidingNotAffine);
+            }
+            let by = [0, 1]
+                .map(|p| (row.by[p][pivot] - ratio * difference.by[p][(largest, pivot)]) / scale);
+            direction.set(state, Dual { value: ratio, by });
+        }
+        let normal = surface.at.rows(0, self.states);
+        let across = normal.dot(&direction.at);
+        if across.abs() <= SAME * size * direction.at.amax() {
+            return refuse(Mistake::SlidingNotAffine);
+        }
+        let across_by = [0, 1].map(|p| {
+            surface.by[p].rows(0, self.states).dot(&direction.at) + normal.dot(&direction.by[p])
+        });
+        let mut matrix = below.clone();
+        for state in 0..self.states {
+            let weight = direction.at[state] / across;
+            let row = Row {
+                at: below.at.row(state).transpose() - &toward.at * weight,
+                by: [0, 1].map(|p| {
+                    let by = (direction.by[p][state] - weight * across_by[p]) / across;
+                    below.by[p].row(state).transpose() - &toward.by[p] * weight - &toward.at * by
+                }),
+            };
+            matrix.set_row(state, &row);
+        }
+        let stay = MatrixBy {
+            at: Matrix::identity(self.states, self.size()),
+            ..MatrixBy::zero(self.states, self.size())
+        };
+        let exit = |to: usize, conditions: Vec<Row>| Exit {
+            to,
+            reset: stay.clone(),
+            conditions,
+            rest: None,
+        };
+        let guards = vec![
+            Guard {
+                row: toward.negative(),
+                exits: vec![exit(first, Vec::new())],
+            },
+            Guard {
+                row: away.clone(),
+                exits: vec![exit(second, Vec::new())],
+            },
+        ];
+        // at the surface: the sliding mode where the other field points back, the other mode where not
+        let slides = [away, toward.negative()];
+        for ((from, guard), held) in [(first, leave_first), (second, leave_second)]
+            .into_iter()
+            .zip(slides)
+        {
+            let exits = &mut self.modes[from].guards[guard].exits;
+            exits.insert(0, exit(own, vec![held]));
+        }
+        self.modes.push(AffineMode {
+            matrix,
+            guards,
+            surface: Some(surface),
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,263 @@
+//! The motion of a hybrid system from a state: the first zero of every guard, found by bounds and not by samples,
+//! and what begins there.
+
+use super::flow::{ModeFlow, Onset};
+use super::mode::{AffineSystem, Row};
+use crate::linalg::Vector;
+
+/// Where a motion is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// Time since the beginning.
+    pub time: f64,
+    /// Phase of the forcing; zero without.
+    pub phase: f64,
+    /// The mode.
+    pub mode: usize,
+    /// The state.
+    pub state: Vec<f64>,
+}
+
+/// A switch from one mode to another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Switching {
+    /// Its time.
+    pub time: f64,
+    /// Phase of the forcing there.
+    pub phase: f64,
+    /// The mode that ends.
+    pub from: usize,
+    /// The mode that begins.
+    pub to: usize,
+    /// The guard that is zero, by its number in the mode that ends.
+    pub guard: usize,
+    /// States before it.
+    pub before: Vec<f64>,
+    /// States after the reset.
+    pub after: Vec<f64>,
+}
+
+/// What a step of a motion came to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    /// The time asked for.
+    Reached,
+    /// A switch before it.
+    Switched(Switching),
+}
+
+/// Why a motion does not go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Halt {
+    /// A guard is zero and no exit has its conditions fulfilled.
+    #[error("at t = {time} guard {guard} of mode {mode} is zero and no `if` holds")]
+    NoExit {
+        /// Its time.
+        time: f64,
+        /// The mode.
+        mode: usize,
+        /// The guard.
+        guard: usize,
+    },
+    /// A guard is zero all along, so that nothing tells whether the mode lasts.
+    #[error("at t = {time} guard {guard} of mode {mode} is zero and stays so")]
+    Undecided {
+        /// Its time.
+        time: f64,
+        /// The mode.
+        mode: usize,
+        /// The guard.
+        guard: usize,
+    },
+    /// Infinitely many switches end in finite time.
+    #[error(
+        "switches accumulate at t = {time}: chattering, each zone {ratio:.4} times as long as the one before"
+    )]
+    Chattering {
+        /// Where they end.
+        time: f64,
+        /// Ratio of the lengths of successive zones.
+        ratio: f64,
+    },
+    /// Modes hand over to one another without a rest.
+    #[error("at t = {time} modes follow one another without any time passing")]
+    Livelock {
+        /// Its time.
+        time: f64,
+    },
+    /// The state grows beyond all numbers.
+    #[error("the motion grows without bound by t = {time}")]
+    Unbounded {
+        /// Time of the last state that was finite.
+        time: f64,
+    },
+}
+
+/// Zones shorter than this, in units of a piece of their mode, are those of a chattering that ends: the next
+/// digits of the state are rounding.
+const CHATTER: f64 = 1e-12;
+
+/// So many of them in a row are a chattering, and so many switches without time a livelock.
+const IN_A_ROW: usize = 8;
+
+/// A motion of a system.
+#[derive(Clone, Debug)]
+pub struct Motion<'a> {
+    system: &'a AffineSystem,
+    flows: Vec<ModeFlow>,
+    place: Place,
+    /// Whether the state has just been entered, so that guards may be zero.
+    fresh: bool,
+    /// Time at which the zone began.
+    entered: f64,
+    /// Durations of the last zones that were short.
+    short: Vec<f64>,
+}
+
+impl<'a> Motion<'a> {
+    /// A motion that begins at a place; pieces are no longer than `longest`.
+    pub fn new(system: &'a AffineSystem, place: Place, longest: f64) -> Motion<'a> {
+        let flows = system.modes.iter();
+        Motion {
+            flows: flows.map(|mode| ModeFlow::new(mode, longest)).collect(),
+            system,
+            fresh: true,
+            entered: place.time,
+            short: Vec::new(),
+            place,
+        }
+    }
+
+    /// Where it is.
+    pub fn place(&self) -> &Place {
+        &self.place
+    }
+
+    /// Moves on to a time, or to the first switch before it.
+    ///
+    /// # Errors
+    /// Why the motion does not go on.
+    pub fn step(&mut self, until: f64) -> Result<Step, Halt> {
+        let Place {
+            time: start,
+            phase,
+            mode,
+            ..
+        } = self.place;
+        let flow = &self.flows[mode];
+        let mut z = self.system.lift(&self.place.state, phase);
+        let guards = 0..self.system.modes[mode].guards.len();
+        let mut orders = vec![0; guards.len()];
+        if self.fresh {
+            for guard in guards.clone() {
+                match flow.onset(guard, &z) {
+                    Onset::Positive(order) => orders[guard] = order,
+                    Onset::Negative => return self.switch(guard, start, &z),
+                    Onset::Zero => {
+                        return Err(Halt::Undecided {
+                            time: start,
+                            mode,
+                            guard,
+                        });
+                    }
+                }
+            }
+        }
+        let (mut time, mut begun) = (start, 0.0);
+        while time < until {
+            let rest = until - time;
+            let part = (rest / flow.length).min(1.0);
+            let mut first: Option<(f64, usize)> = None;
+            for guard in guards.clone() {
+                let crossing = flow.crossing(guard, &z, orders[guard], part);
+                // at one instant the file's order decides
+                if let Some(after) = crossing
+                    && first.is_none_or(|(known, _)| after < known)
+                {
+                    first = Some((after, guard));
+                }
+                orders[guard] = 0;
+            }
+            if let Some((after, guard)) = first {
+                let z = flow.within(&z, after);
+                return self.switch(guard, start + begun + after, &z);
+            }
+            if part < 1.0 {
+                z = flow.within(&z, rest);
+                time = until;
+            } else {
+                z = flow.advance(&z);
+                begun += flow.length;
+                time = start + begun;
+            }
+            if !z.iter().all(|x| x.is_finite()) {
+                return Err(Halt::Unbounded { time: start });
+            }
+        }
+        self.fresh = false;
+        self.place.state = z.rows(0, self.system.states).iter().copied().collect();
+        self.place.phase = phase + self.system.omega.value * (until - start);
+        self.place.time = until;
+        Ok(Step::Reached)
+    }
+
+    /// Goes over to the mode that a guard leads to.
+    fn switch(&mut self, guard: usize, time: f64, z: &Vector) -> Result<Step, Halt> {
+        let Place {
+            time: start,
+            phase,
+            mode,
+            ..
+        } = self.place;
+        let value = |row: &Row| row.at.dot(z);
+        // a condition that is zero holds; so it does where rounding alone makes it negative
+        let holds = |row: &Row| {
+            let size: f64 = row.at.iter().zip(z).map(|(c, z)| (c * z).abs()).sum();
+            value(row) >= -16.0 * f64::EPSILON * size
+        };
+        let mut exits = self.system.modes[mode].guards[guard].exits.iter();
+        let exit = exits.find(|exit| exit.conditions.iter().all(holds));
+        let exit = exit.ok_or(Halt::NoExit { time, mode, guard })?;
+        let mut to = exit.to;
+        let lasted = time - self.entered;
+        let length = self.flows[mode].length;
+        if lasted > CHATTER * length {
+            self.short.clear();
+        } else {
+            self.short.push(lasted);
+        }
+        if self.short.len() > IN_A_ROW {
+            let [.., before, last] = self.short[..] else {
+                return Err(Halt::Livelock { time });
+            };
+            let ratio = if before > 0.0 { last / before } else { 1.0 };
+            match exit.rest {
+                Some(rest) => to = rest,
+                None if lasted > 0.0 && ratio < 1.0 => {
+                    return Err(Halt::Chattering { time, ratio });
+                }
+                None => return Err(Halt::Livelock { time }),
+            }
+            self.short.clear();
+        }
+        let after: Vec<f64> = (&exit.reset.at * z).iter().copied().collect();
+        let before = z.rows(0, self.system.states).iter().copied().collect();
+        let phase = phase + self.system.omega.value * (time - start);
+        self.place = Place {
+            time,
+            phase: phase.rem_euclid(std::f64::consts::TAU),
+            mode: to,
+            state: after.clone(),
+        };
+        (self.fresh, self.entered) = (true, time);
+        Ok(Step::Switched(Switching {
+            time,
+            phase,
+            from: mode,
+            to,
+            guard,
+            before,
+            after,
+        }))
+    }
+}

@@ -1,0 +1,520 @@
+//! A hybrid system as its author writes it down, and its expressions once they are read.
+//!
+//! A mode has a rate for every state and lasts while every `zero` of its switches is positive. Where one falls
+//! to zero the mode `to` begins, with some states reset. Two modes that meet in one surface may have a
+//! sliding mode between them.
+
+use std::collections::HashSet;
+use std::fmt;
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use serde::de::{MapAccess, Visitor};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::expression::{Expression, Flaw, Function, Wrong};
+
+/// Most states.
+pub const MAX_STATES: usize = 50;
+
+/// A map that keeps the order in which it is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ordered<T>(pub Vec<(String, T)>);
+
+impl<T> Default for Ordered<T> {
+    fn default() -> Self {
+        Ordered(Vec::new())
+    }
+}
+
+impl<T> Ordered<T> {
+    /// The index of a name.
+    pub fn index(&self, name: &str) -> Option<usize> {
+        self.0.iter().position(|(known, _)| known == name)
+    }
+
+    /// Names in order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(|(name, _)| name.as_str())
+    }
+}
+
+impl<T: Serialize> Serialize for Ordered<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (name, value) in &self.0 {
+            map.serialize_entry(name, value)?;
+        }
+        map.end()
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Ordered<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Entries<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
+            type Value = Ordered<T>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a map `{\"name\": value, ..}`")
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Ordered<T>, A::Error> {
+                let mut entries = Vec::new();
+                while let Some(entry) = map.next_entry()? {
+                    entries.push(entry);
+                }
+                Ok(Ordered(entries))
+            }
+        }
+        deserializer.deserialize_map(Entries(PhantomData))
+    }
+}
+
+/// The section `system` of a problem file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Source {
+    /// Names of the states.
+    pub states: Vec<String>,
+    /// Parameters and their values.
+    #[serde(default)]
+    pub parameters: Ordered<f64>,
+    /// Angular frequency of the forcing, an expression in the parameters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forcing: Option<String>,
+    /// Abbreviations, each in terms of what stands before it.
+    #[serde(default, skip_serializing_if = "is_empty")]
+    pub define: Ordered<String>,
+    /// Modes by name.
+    pub modes: Ordered<ModeSource>,
+    /// Sliding modes by name, each with the two modes that meet in its surface.
+    #[serde(default, skip_serializing_if = "is_empty")]
+    pub sliding: Ordered<(String, String)>,
+}
+
+fn is_empty<T>(map: &Ordered<T>) -> bool {
+    map.0.is_empty()
+}
+
+/// A mode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModeSource {
+    /// Rate of every state.
+    pub rates: Ordered<String>,
+    /// What ends it.
+    #[serde(default)]
+    pub until: Vec<SwitchSource>,
+}
+
+/// A way for a mode to end.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SwitchSource {
+    /// What is positive during the mode and falls to zero at its end.
+    pub zero: String,
+    /// The mode that begins.
+    pub to: String,
+    /// States that jump, and their new values as expressions in the old ones.
+    #[serde(default, skip_serializing_if = "is_empty")]
+    pub reset: Ordered<String>,
+    /// Expressions that are not negative where this way is taken.
+    #[serde(default, rename = "if", skip_serializing_if = "Vec::is_empty")]
+    pub conditions: Vec<String>,
+    /// The mode that begins where infinitely many of these switches end in finite time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rest: Option<String>,
+}
+
+/// What is wrong with a system.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Mistake {
+    /// An expression.
+    #[error("{}", .0.wrong)]
+    Expression(Flaw),
+    /// No states, or too many.
+    #[error("{0} states; from 1 to {MAX_STATES} are possible")]
+    States(usize),
+    /// No mode.
+    #[error("no modes: nothing moves")]
+    NoModes,
+    /// A name that is no name, has a meaning already, or stands for two things.
+    #[error("`{0}` cannot be a name here: {1}")]
+    Name(String, BadName),
+    /// A state without rate.
+    #[error("the rate of `{0}` is missing")]
+    NoRate(String),
+    /// A rate or a reset of something that is no state.
+    #[error("`{0}` is no state")]
+    NoState(String),
+    /// A mode that there is not.
+    #[error("`{0}` is no mode")]
+    NoMode(String),
+    /// The phase without a forcing.
+    #[error("`phase` has no meaning without `forcing`")]
+    NoForcing,
+    /// The frequency of the forcing is not positive.
+    #[error("the angular frequency of the forcing is {0}; it must be positive")]
+    Frequency(f64),
+    /// Two modes that do not meet in one surface.
+    #[error(
+        "the modes `{0}` and `{1}` do not meet in one surface: each needs one switch to the other, with the same `zero` but for the sign"
+    )]
+    NoSurface(String, String),
+    /// Two modes between which sliding has no exact flow.
+    #[error(
+        "sliding between `{0}` and `{1}` has no exact flow: the difference of their rates changes its direction, or does not cross the surface"
+    )]
+    SlidingNotAffine(String, String),
+}
+
+/// Why a name cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BadName {
+    /// It is no word.
+    #[error("a name is a letter followed by letters, digits and `_`")]
+    NoWord,
+    /// The language has it.
+    #[error("it has a meaning of its own")]
+    Reserved,
+    /// It is there twice.
+    #[error("it stands for something else already")]
+    Twice,
+}
+
+/// Something wrong with a system, and the place: names of fields joined by dots, as in
+/// `modes.free.rates.v`.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{path}: {mistake}")]
+pub struct SystemError {
+    /// Path of the field below `system`.
+    pub path: String,
+    /// What is wrong with it.
+    pub mistake: Mistake,
+    /// A name that is known and nearly the same.
+    pub nearest: Option<String>,
+}
+
+impl SystemError {
+    pub(super) fn at(path: impl Into<String>, mistake: Mistake) -> SystemError {
+        SystemError {
+            path: path.into(),
+            mistake,
+            nearest: None,
+        }
+    }
+
+    /// With the nearest of the names that would be right.
+    fn near<'a>(mut self, name: &str, known: impl Iterator<Item = &'a str>) -> SystemError {
+        let close = known.map(|known| (strsim::osa_distance(name, known), known));
+        let nearest = close.min_by_key(|(distance, _)| *distance);
+        let alike = |distance: usize| 3 * distance <= name.chars().count().max(3);
+        self.nearest = nearest
+            .filter(|(distance, _)| alike(*distance))
+            .map(|(_, known)| known.to_owned());
+        self
+    }
+}
+
+/// A way for a mode to end, its expressions read.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Switch {
+    pub zero: Expression,
+    pub to: usize,
+    pub reset: Vec<(usize, Expression)>,
+    pub conditions: Vec<Expression>,
+    pub rest: Option<usize>,
+}
+
+/// A mode, its expressions read: the rates in the order of the states.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Mode {
+    pub rates: Vec<Expression>,
+    pub switches: Vec<Switch>,
+}
+
+/// A hybrid system whose names and expressions make sense.
+#[derive(Clone, Debug, PartialEq)]
+pub struct System {
+    /// As it is written.
+    pub source: Source,
+    pub(super) forcing: Option<Expression>,
+    pub(super) define: Vec<Expression>,
+    pub(super) modes: Vec<Mode>,
+    /// Indices of the modes on the two sides of each sliding mode.
+    pub(super) sliding: Vec<[usize; 2]>,
+}
+
+/// What every expression may name beside states, parameters and abbreviations.
+const RESERVED: [&str; 2] = ["phase", "pi"];
+
+impl System {
+    /// Reads every expression and looks up every name.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with its place.
+    pub fn new(source: Source) -> Result<System, SystemError> {
+        let states = source.states.len();
+        if states == 0 || states > MAX_STATES {
+            return Err(SystemError::at("states", Mistake::States(states)));
+        }
+        if source.modes.0.is_empty() {
+            return Err(SystemError::at("modes", Mistake::NoModes));
+        }
+        source.check_names()?;
+        let read = Reader { source: &source };
+        let forcing = source.forcing.as_ref();
+        let forcing = forcing
+            .map(|text| read.expression("forcing", text, Scope::Parameters(0)))
+            .transpose()?;
+        let define = source
+            .define
+            .0
+            .iter()
+            .enumerate()
+            .map(|(index, (name, text))| {
+                read.expression(&format!("define.{name}"), text, Scope::All(index))
+            });
+        let define = define.collect::<Result<_, _>>()?;
+        let modes = source.modes.0.iter();
+        let modes = modes.map(|(name, mode)| read.mode(&format!("modes.{name}"), mode));
+        let modes = modes.collect::<Result<_, _>>()?;
+        let sliding = source.sliding.0.iter().map(|(name, (one, other))| {
+            let mode = |side: &str| read.mode_index(&format!("sliding.{name}"), side);
+            Ok([mode(one)?, mode(other)?])
+        });
+        let sliding = sliding.collect::<Result<_, SystemError>>()?;
+        Ok(System {
+            forcing,
+            define,
+            modes,
+            sliding,
+            source,
+        })
+    }
+
+    /// Name of a mode: first those of the file, then the sliding ones.
+    pub fn mode_name(&self, mode: usize) -> &str {
+        let mut names = self.source.modes.names().chain(self.source.sliding.names());
+        names.nth(mode).unwrap_or_default()
+    }
+
+    /// Index of a mode by its name.
+    pub fn mode(&self, name: &str) -> Option<usize> {
+        let mut names = self.source.modes.names().chain(self.source.sliding.names());
+        names.position(|known| known == name)
+    }
+
+    /// Names of parameters that no expression has.
+    pub fn unused_parameters(&self) -> Vec<&str> {
+        let mut used = HashSet::new();
+        let mut take = |name: &str, _: &Range<usize>| {
+            used.insert(name.to_owned());
+        };
+        let switches = self.modes.iter().flat_map(|mode| &mode.switches);
+        let of_switches = switches.flat_map(|switch| {
+            let reset = switch.reset.iter().map(|(_, value)| value);
+            [&switch.zero]
+                .into_iter()
+                .chain(reset)
+                .chain(&switch.conditions)
+        });
+        let rates = self.modes.iter().flat_map(|mode| &mode.rates);
+        let all = self
+            .forcing
+            .iter()
+            .chain(&self.define)
+            .chain(rates)
+            .chain(of_switches);
+        all.for_each(|expression| expression.names(&mut take));
+        let names = self.source.parameters.names();
+        names.filter(|name| !used.contains(*name)).collect()
+    }
+
+    /// Names of modes to which no switch leads; none of them is a sliding mode.
+    pub fn unentered_modes(&self) -> Vec<&str> {
+        let switches = self.modes.iter().flat_map(|mode| &mode.switches);
+        let mut entered: HashSet<usize> = switches
+            .flat_map(|switch| [Some(switch.to), switch.rest])
+            .flatten()
+            .collect();
+        entered.extend(self.sliding.iter().flatten());
+        let names = self.source.modes.names().enumerate();
+        let alone = names.filter(|(index, _)| !entered.contains(index));
+        alone.map(|(_, name)| name).collect()
+    }
+}
+
+impl Source {
+    /// Every name is a word and stands for one thing.
+    fn check_names(&self) -> Result<(), SystemError> {
+        let mut seen = HashSet::new();
+        let values = [(
+            "states",
+            self.states.iter().map(String::as_str).collect::<Vec<_>>(),
+        )];
+        let values = values.into_iter().chain([
+            ("parameters", self.parameters.names().collect()),
+            ("define", self.define.names().collect()),
+        ]);
+        let functions = Function::ALL.map(|(name, _)| name);
+        for (section, names) in values {
+            for name in names {
+                let reserved = RESERVED.contains(&name) || functions.contains(&name);
+                check_name(section, name, reserved, &mut seen)?;
+            }
+        }
+        let mut seen = HashSet::new();
+        for (section, names) in [
+            ("modes", self.modes.names().collect::<Vec<_>>()),
+            ("sliding", self.sliding.names().collect()),
+        ] {
+            for name in names {
+                check_name(section, name, false, &mut seen)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn check_name<'a>(
+    section: &str,
+    name: &'a str,
+    reserved: bool,
+    seen: &mut HashSet<&'a str>,
+) -> Result<(), SystemError> {
+    let mut letters = name.chars();
+    let first = letters
+        .next()
+        .is_some_and(|c| c.is_alphabetic() || c == '_');
+    let bad = if !first || !letters.all(|c| c.is_alphanumeric() || c == '_') {
+        BadName::NoWord
+    } else if reserved {
+        BadName::Reserved
+    } else if !seen.insert(name) {
+        BadName::Twice
+    } else {
+        return Ok(());
+    };
+    let path = format!("{section}.{name}");
+    Err(SystemError::at(path, Mistake::Name(name.to_owned(), bad)))
+}
+
+/// What an expression may name, with the number of abbreviations that stand before it.
+#[derive(Clone, Copy)]
+enum Scope {
+    Parameters(usize),
+    All(usize),
+}
+
+struct Reader<'a> {
+    source: &'a Source,
+}
+
+impl Reader<'_> {
+    fn expression(&self, path: &str, text: &str, scope: Scope) -> Result<Expression, SystemError> {
+        let flawed = |flaw| SystemError::at(path, Mistake::Expression(flaw));
+        let expression = Expression::read(text).map_err(flawed)?;
+        let Source {
+            states,
+            parameters,
+            define,
+            forcing,
+            ..
+        } = self.source;
+        let (states, abbreviations) = match scope {
+            Scope::Parameters(abbreviations) => (&[][..], abbreviations),
+            Scope::All(abbreviations) => (&states[..], abbreviations),
+        };
+        let known = || {
+            let states = states.iter().map(String::as_str);
+            let define = define.names().take(abbreviations);
+            states.chain(parameters.names()).chain(define)
+        };
+        let mut unknown = None;
+        expression.names(&mut |name, span| {
+            let here = known().any(|known| known == name) || name == "pi" || name == "phase";
+            let unforced = name == "phase" && (forcing.is_none() || states.is_empty());
+            if unknown.is_none() && (!here || unforced) {
+                unknown = Some((name.to_owned(), span.clone()));
+            }
+        });
+        let Some((name, span)) = unknown else {
+            return Ok(expression);
+        };
+        if name == "phase" && forcing.is_none() {
+            return Err(SystemError::at(path, Mistake::NoForcing));
+        }
+        let flaw = Flaw {
+            span,
+            wrong: Wrong::Unknown(name.clone()),
+        };
+        Err(flawed(flaw).near(&name, known()))
+    }
+
+    fn mode_index(&self, path: &str, name: &str) -> Result<usize, SystemError> {
+        let modes = &self.source.modes;
+        modes.index(name).ok_or_else(|| {
+            let error = SystemError::at(path, Mistake::NoMode(name.to_owned()));
+            error.near(name, modes.names())
+        })
+    }
+
+    /// The states that a map is about, each of them once.
+    fn state_indices(&self, path: &str, map: &Ordered<String>) -> Result<Vec<usize>, SystemError> {
+        let states = &self.source.states;
+        let mut seen = HashSet::new();
+        let indices = map.names().map(|name| {
+            let path = format!("{path}.{name}");
+            if !seen.insert(name) {
+                let mistake = Mistake::Name(name.to_owned(), BadName::Twice);
+                return Err(SystemError::at(path, mistake));
+            }
+            let index = states.iter().position(|state| state == name);
+            index.ok_or_else(|| {
+                let error = SystemError::at(path, Mistake::NoState(name.to_owned()));
+                error.near(name, states.iter().map(String::as_str))
+            })
+        });
+        indices.collect()
+    }
+
+    fn mode(&self, path: &str, mode: &ModeSource) -> Result<Mode, SystemError> {
+        let all = Scope::All(self.source.define.0.len());
+        self.state_indices(&format!("{path}.rates"), &mode.rates)?;
+        let rates = self.source.states.iter().map(|state| {
+            let missing = || {
+                let path = format!("{path}.rates");
+                SystemError::at(path, Mistake::NoRate(state.clone()))
+            };
+            let index = mode.rates.index(state).ok_or_else(missing)?;
+            let (name, text) = &mode.rates.0[index];
+            self.expression(&format!("{path}.rates.{name}"), text, all)
+        });
+        let rates = rates.collect::<Result<_, _>>()?;
+        let switches = mode.until.iter().enumerate();
+        let switches = switches.map(|(index, switch)| {
+            let path = format!("{path}.until.{index}");
+            let states = self.state_indices(&format!("{path}.reset"), &switch.reset)?;
+            let reset = states.into_iter().zip(&switch.reset.0);
+            let reset = reset.map(|(state, (name, text))| {
+                let path = format!("{path}.reset.{name}");
+                Ok((state, self.expression(&path, text, all)?))
+            });
+            let conditions = switch.conditions.iter().enumerate();
+            let conditions = conditions
+                .map(|(index, text)| self.expression(&format!("{path}.if.{index}"), text, all));
+            let rest = switch.rest.as_ref();
+            let rest = rest.map(|name| self.mode_index(&format!("{path}.rest"), name));
+            Ok(Switch {
+                zero: self.expression(&format!("{path}.zero"), &switch.zero, all)?,
+                to: self.mode_index(&format!("{path}.to"), &switch.to)?,
+                reset: reset.collect::<Result<_, SystemError>>()?,
+                conditions: conditions.collect::<Result<_, _>>()?,
+                rest: rest.transpose()?,
+            })
+        });
+        let switches = switches.collect::<Result<_, SystemError>>()?;
+        Ok(Mode { rates, switches })
+    }
+}

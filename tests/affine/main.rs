@@ -1,0 +1,10 @@
+//! Systems that a user writes down: their motion against figures of an independent program in 40 digits, their
+//! derivatives against differences, and what is refused.
+
+#![allow(clippy::excessive_precision)] // figures as they are printed
+
+mod matrices;
+mod motion;
+mod refusals;
+mod steady;
+mod systems;

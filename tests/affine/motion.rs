@@ -1,0 +1,243 @@
+//! Motions along known periodic orbits, through impacts, stick, sliding and several modes.
+
+use brakewave::affine::motion::{Halt, Motion, Step, Switching};
+
+use crate::systems::{BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, at, place, system};
+
+/// A zone of a reference orbit: its mode, its duration, and the state at its end before the reset.
+type Zone<'a> = (&'a str, f64, &'a [f64]);
+
+/// Follows an orbit from just after a switch and compares every zone with the reference; errors are relative to
+/// the largest number of the zone, and times to the period.
+fn agrees(
+    text: &str,
+    replaced: &[(&str, f64)],
+    start: (&str, &[f64], f64),
+    zones: &[Zone],
+    allowed: f64,
+) {
+    let system = system(text);
+    let affine = at(&system, replaced);
+    let (mode, state, phase) = start;
+    let period: f64 = zones.iter().map(|(_, duration, _)| duration).sum();
+    let mut motion = Motion::new(&affine, place(&system, mode, state, phase), period);
+    let mut time = 0.0;
+    for (mode, duration, end) in zones {
+        let Ok(Step::Switched(Switching {
+            time: at,
+            from,
+            before,
+            ..
+        })) = motion.step(3.0 * period)
+        else {
+            panic!("no switch after {time} in {mode}: {:?}", motion.place());
+        };
+        assert_eq!(system.mode_name(from), *mode, "after {time}");
+        let late = (at - time - duration).abs();
+        assert!(
+            late < allowed * period,
+            "{mode}: {} of {duration}",
+            at - time
+        );
+        let size = end.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+        for (found, expected) in before.iter().zip(*end) {
+            assert!(
+                (found - expected).abs() < allowed * size,
+                "{mode}: {before:?} for {end:?}"
+            );
+        }
+        time = at;
+    }
+}
+
+#[test]
+fn motions_follow_the_reference_orbits() {
+    let tau = std::f64::consts::TAU;
+    // a number has 1e-16 of the largest, an unstable orbit multiplies that by its multiplier per period, and each
+    // piece adds as much
+    agrees(
+        IMPACT,
+        &[],
+        ("free", &[1.0, -1.3565863500759056], 0.07595216493831239),
+        &[("free", tau, &[1.0, 1.695732937594882])],
+        1e-13,
+    );
+    // at its fold, from an impact of 4e-3
+    agrees(
+        IMPACT,
+        &[("A", 0.09997075362831327)],
+        ("free", &[1.0, -0.0032892245151560843], 1.5466104642377407),
+        &[("free", tau, &[1.0, 0.0041115306439451054])],
+        1e-12,
+    );
+    // an impact, a graze and an impact: the touch with speed zero is no impact
+    agrees(
+        IMPACT,
+        &[("A", 2.0902833592017951), ("w", 0.8)],
+        ("free", &[1.0, -3.9097702966611666], -0.22376088589243618),
+        &[("free", 7.853981633974483, &[1.0, 4.887212870826458])],
+        1e-12,
+    );
+    // half orbits: the other half is the mirror image
+    agrees(
+        FRICTION,
+        &[],
+        ("forth", &[-0.5317810120197659, 0.0], -1.3520017654536613),
+        &[("forth", 2.6179938779914944, &[0.5317810120197659, 0.0])],
+        1e-13,
+    );
+    agrees(
+        FRICTION,
+        &[("w", 0.7154524024937617)],
+        ("forth", &[-1.3353725171623817, 0.0], -2.3032631942093973),
+        &[
+            ("forth", 4.357457671131015, &[1.3353725171623817, 0.0]),
+            ("stick", 0.03359985085024083, &[1.3353725171623817, 0.0]),
+            ("back", 4.357457671131015, &[-1.3353725171623817, 0.0]),
+            ("stick", 0.03359985085024083, &[-1.3353725171623817, 0.0]),
+        ],
+        1e-12,
+    );
+    // two zones, and the third region never entered
+    agrees(
+        CHUA,
+        &[],
+        (
+            "upper",
+            &[1.0, 0.24670019835559305, -0.21924034688918570],
+            0.0,
+        ),
+        &[
+            (
+                "upper",
+                1.3385258278271572,
+                &[1.0, -0.3536888989448704, -1.3363052912634864],
+            ),
+            (
+                "inner",
+                0.9392728534342899,
+                &[1.0, 0.24670019835559305, -0.2192403468891857],
+            ),
+        ],
+        1e-12,
+    );
+    agrees(
+        RELAY,
+        &[],
+        ("plus", &[0.0, 1.0, 0.26086655101946478], 0.0),
+        &[
+            (
+                "plus",
+                7.0802971962724096,
+                &[0.0, 0.9928139478692885, -0.21678980709164327],
+            ),
+            (
+                "slide",
+                11.219983001198371,
+                &[0.0, -1.0, -0.26086655101946478],
+            ),
+        ],
+        1e-11, // sliding leaves where the control comes to ±1 with a slope of 1e-2
+    );
+    agrees(
+        BUCK,
+        &[],
+        ("off", &[11.998231707599141, 0.5996357983523682, 3.8], 0.0),
+        &[
+            (
+                "off",
+                0.45511133260672491 * 4e-4,
+                &[11.990772602793999, 0.4901383960180118, 5.8024898634695896],
+            ),
+            (
+                "on",
+                0.54488866739327509 * 4e-4,
+                &[11.998231707599141, 0.5996357983523682, 8.2],
+            ),
+        ],
+        1e-12,
+    );
+    agrees(
+        BALL,
+        &[],
+        ("flight", &[0.0, 2.0943951023931955], 0.014141546406084158),
+        &[("flight", tau, &[0.0, -4.188790204786391])],
+        1e-13,
+    );
+    agrees(
+        THERMOSTAT,
+        &[],
+        ("on", &[0.9, 0.32830697326469068], 0.0),
+        &[
+            ("on", 0.8138215577652983, &[1.1, 1.6716930267353093]),
+            ("off", 0.8138215577652983, &[0.9, 0.32830697326469068]),
+        ],
+        1e-13,
+    );
+}
+
+/// A ball on a table at rest bounces after vₙ = eⁿv₀ for 2vₙ, all of it over at 2v₀/(1 − e).
+#[test]
+fn chattering_ends_at_its_limit() {
+    let system = system(BALL);
+    for e in [0.3, 0.5, 0.9] {
+        let affine = at(&system, &[("G", 0.0), ("e", e)]);
+        let mut motion = Motion::new(&affine, place(&system, "flight", &[0.0, 1.0], 0.0), 10.0);
+        let (mut bounces, mut speed) = (0, 1.0);
+        let halt = loop {
+            match motion.step(1e3) {
+                Ok(Step::Switched(switching)) => {
+                    speed *= e;
+                    bounces += 1;
+                    if speed > 1e-6 {
+                        let relative = switching.after[1] / speed - 1.0;
+                        // the time of flight 2v is known to some units of rounding of a piece
+                        assert!(relative.abs() < 1e-14 / speed, "{speed:e} {relative:e}");
+                    }
+                }
+                Ok(Step::Reached) => panic!("{bounces} bounces and no end"),
+                Err(halt) => break halt,
+            }
+        };
+        let end = 2.0 / (1.0 - e);
+        match halt {
+            Halt::Chattering { time, .. } | Halt::Livelock { time } => {
+                assert!((time - end).abs() < 1e-9 * end, "{time} for {end}");
+            }
+            other => panic!("{other}"),
+        }
+    }
+}
+
+/// Without forcing and damping the energy of x'' = −x between two elastic walls stays what it is.
+#[test]
+fn elastic_walls_keep_the_energy() {
+    let text = r#"(
+        states: ["x", "v"],
+        modes: {"free": (
+            rates: {"x": "v", "v": "-x"},
+            until: [
+                (zero: "1 - x", to: "free", reset: {"v": "-v"}),
+                (zero: "x + 0.5", to: "free", reset: {"v": "-v"}),
+            ],
+        )},
+    )"#;
+    let system = system(text);
+    let affine = at(&system, &[]);
+    let mut motion = Motion::new(&affine, place(&system, "free", &[0.2, 1.5], 0.0), 10.0);
+    let mut switches = 0;
+    while motion.place().time < 1000.0 {
+        if let Step::Switched(_) = motion.step(1000.0).unwrap() {
+            switches += 1;
+        }
+    }
+    let [x, v] = motion.place().state[..] else {
+        panic!()
+    };
+    // from wall to wall by arcs of a circle of this radius
+    let radius = (0.2_f64 * 0.2 + 1.5 * 1.5).sqrt();
+    let passage = (1.0 / radius).asin() + (0.5 / radius).asin();
+    assert!((f64::from(switches) - 1000.0 / passage).abs() < 2.0);
+    // each switch adds a few roundings
+    assert!((x.hypot(v) - radius).abs() < 1e-16 * 8.0 * f64::from(switches));
+}
