@@ -21,6 +21,15 @@ REGIMES = ["separation", "slip", "stick", "reverse"]
 """Regimes in the order of their codes in regimes.npy."""
 COLOURS = dict(zip(REGIMES + ["contact"], ["#ccece3", "#e6f4fc", "#b3b3b3", "#efc29e", "#f0d7e5"]))
 """Colours of the zones of regimes, as in the pictures of the program itself."""
+SEQUENCES = {
+    "slip-stick": "#0072b2",
+    "slip-reverse-stick": "#d55e00",
+    "slip-separation-slip-reverse-stick": "#009e73",
+    "slip-separation-reverse-stick": "#cc79a7",
+    "slip-separation-slip-stick": "#e69f00",
+    "slip-separation-stick": "#56b4e9",
+}
+"""Colours of the commonest sequences of regimes, as in the pictures of the program itself."""
 
 _TEXT = (
     "type regimes regimes_before regimes_after regime switches stable why what start name method setting failure "
@@ -205,6 +214,10 @@ def _axes(axes):
     return axes
 
 
+MARKS = {"LP": "s", "HB": "|", "BP": "v", "GR": "^", "RV": "D", "CO": "o", "ST": "s", "UZ": ".", "EP": "o", "MX": "x"}
+"""Marks of special points, as in the pictures of the program itself; those of LP, BP and EP are hollow."""
+
+
 def draw_branch(run, x=None, y="speed", axes=None):
     """A branch diagram: solid where stable, dashed where unstable, dotted where undecided or not asked for, and
     a marker for every event. `x` is the parameter of the run unless given."""
@@ -219,9 +232,12 @@ def draw_branch(run, x=None, y="speed", axes=None):
             last += 1
         piece = table.loc[first:last]
         axes.plot(piece[x], piece[y], style.get(piece["stable"].iloc[0], ":"), color="black", lw=1)
-    for kind, points in table[table["type"] != ""].groupby("type"):
-        # Hopf points are many: ticks
-        axes.plot(points[x], points[y], "|" if kind == "HB" else "o", ms=5, label=kind)
+    # where a branch is left both ways it does not end
+    legs = table["leg"] != table["leg"].shift()
+    marked = table[(table["type"] != "") & ~(legs & (legs.sum() > 1) & (table["type"] == "EP"))]
+    for kind, points in marked.groupby("type"):
+        face = "white" if kind in ("LP", "BP", "EP") else "black"
+        axes.plot(points[x], points[y], MARKS[kind], color="black", mfc=face, ms=5, label=kind)
     axes.set(xlabel=x, ylabel=y)
     axes.legend()
     return axes
@@ -257,7 +273,7 @@ def draw_map(folder, start="fast", axes=None):
     x, y = (varying(table) + PARAMETERS)[:2]
     table = table[(table["start"] == start) & (table["passage"] == 1)]
     for regimes, waves in table.groupby("regimes"):
-        axes.plot(waves[x], waves[y], "s", ms=2, label=regimes)
+        axes.plot(waves[x], waves[y], "s", ms=2, label=regimes, color=SEQUENCES.get(regimes))
     axes.set(xlabel=x, ylabel=y)
     axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
     return axes

@@ -278,7 +278,7 @@ class Folders(unittest.TestCase):
             drawn = [
                 (tuple(one), tuple(other), line.get_linestyle())
                 for line in axes.lines
-                if line.get_color() == "black"
+                if line.get_linestyle() != "None"
                 for one, other in zip(line.get_xydata(), line.get_xydata()[1:])
             ]
             points = list(zip(branch[x], branch["speed"]))

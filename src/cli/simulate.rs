@@ -12,12 +12,11 @@ use super::progress::{Progress, drive};
 use super::{stopped, titled, warn};
 use crate::branch::run::RunError;
 use crate::model::{Model, Parameter};
+use crate::output::layout::{END, GROWTH, MEASURES, START, profile_file};
 use crate::output::pictures;
 use crate::output::render::Format;
-use crate::output::run::{PROFILE_RESOLUTION, Restart, profile_file};
-use crate::output::simulation::{
-    END, GROWTH, MEASURES, START, SimulationCheckpoint, SimulationFolder, columns,
-};
+use crate::output::run::{PROFILE_RESOLUTION, Restart};
+use crate::output::simulation::{SimulationCheckpoint, SimulationFolder, columns};
 use crate::output::store::{Checkpoint, Kind, Store, VERSION, damaged};
 use crate::problem::{self, Continuation, Problem, Start};
 use crate::simulation::course::{Course, NoCourse, Piece};

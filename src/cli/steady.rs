@@ -9,6 +9,7 @@ use super::options::{assignment, picture, set};
 use super::progress::Progress;
 use super::{print, summary, warn};
 use crate::model::Parameter;
+use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store};
 use crate::output::{self, pictures};
 use crate::problem::{self, MAX_MODE};
@@ -125,9 +126,11 @@ pub(crate) fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
     let text = table::table(rows);
     if let Some(store) = &store {
         output::steady::write(store, &problem, &text)?;
+        pictures::draw(store, Some(&problem), Format::Svg)?;
     }
     if let Some(file) = picture {
-        let drawn = pictures::steady::picture(&Table::parse(text.as_bytes()).unwrap_or_default());
+        let table = Table::parse(text.as_bytes()).unwrap_or_default();
+        let drawn = pictures::steady::picture(&table, Some(&problem));
         pictures::save(file, &problem, drawn)?;
     }
     print(&summary::table(text, arguments.csv, &SHOWN))?;

@@ -8,7 +8,7 @@ use crate::curve::{Curve, Point};
 use crate::model::EventType;
 use crate::model::Parameter;
 use crate::output::curve::words;
-use crate::output::run::{BRANCH, EVENTS};
+use crate::output::layout::{BRANCH, EVENTS};
 use crate::output::store::{self, StoreError};
 use crate::table::Table;
 

@@ -40,7 +40,7 @@ impl Regime {
     ];
 
     /// The regime of this name.
-    pub(crate) fn named(name: &str) -> Option<Regime> {
+    pub fn named(name: &str) -> Option<Regime> {
         Regime::ALL.into_iter().find(|regime| regime.name() == name)
     }
 

@@ -2,16 +2,13 @@
 
 use std::path::Path;
 
+use super::layout::{self, ACCURACY as TABLE};
 use super::origin::Origin;
-use super::pictures;
 use super::render::Format;
 use super::store::{self, Growing, Kind, Store, StoreError, damaged, unfinished};
 use crate::accuracy::{Row, Rung};
 use crate::problem::Problem;
 use crate::table::{self, Table};
-
-/// Name of the table.
-pub(crate) const TABLE: &str = "accuracy.csv";
 
 /// The folder being written.
 #[derive(Debug)]
@@ -89,7 +86,7 @@ impl AccuracyFolder {
         let table = match interrupted {
             Some(earlier) => store.cut(TABLE, earlier.length)?,
             None => {
-                let pictures = pictures::names(Kind::Accuracy, problem, format);
+                let pictures = layout::pictures(Kind::Accuracy, problem, format);
                 store.begin(&[TABLE, Origin::FILE], pictures, None)?;
                 Origin::keep(&store, problem)?;
                 store.table(TABLE, &table::header::<Row>(), None)?

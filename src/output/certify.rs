@@ -4,13 +4,11 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::layout::CERTIFICATES as TABLE;
 use super::store::{Growing, Store, StoreError, damaged, decode};
 use crate::certify::{Certificate, Counted, Eigenvalue, Growth, Outcome, Point, Stretch, Verdict};
 use crate::interval::Interval;
 use crate::table;
-
-/// Name of the table.
-pub(crate) const TABLE: &str = "certificates.csv";
 
 /// A row of the table.
 #[derive(Clone, Debug, Default, Serialize)]

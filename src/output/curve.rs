@@ -9,8 +9,8 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::layout::{self, CURVE as TABLE};
 use super::origin::Origin;
-use super::pictures;
 use super::render::Format;
 use super::store::{Growing, Kind, Store, StoreError, damaged, encode, hash, unfinished};
 use crate::curve::{Curve, Head, Point, Run, Step};
@@ -18,8 +18,6 @@ use crate::model::Parameter;
 use crate::problem::Problem;
 use crate::table;
 
-/// Name of the table.
-pub(crate) const TABLE: &str = "curve.csv";
 /// Name of the steps.
 const STEPS: &str = "curve.steps";
 
@@ -115,7 +113,7 @@ impl CurveFolder {
         problem: &Problem,
         format: Format,
     ) -> Result<CurveFolder, StoreError> {
-        let pictures = pictures::names(Kind::Curve, problem, format);
+        let pictures = layout::pictures(Kind::Curve, problem, format);
         store.begin(&[Origin::FILE, STEPS, TABLE], pictures, None)?;
         Origin::keep(&store, problem)?;
         let steps = store.create(STEPS, b"")?;

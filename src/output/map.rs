@@ -11,8 +11,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use super::layout::{self, MAP as TABLE, MAP_ORIGIN as ORIGIN};
 use super::origin::Origin;
-use super::pictures;
 use super::render::Format;
 use super::store::{
     Kind, Store, StoreError, VERSION, decode, encode, hash, io_error, numbered, read, refused,
@@ -21,14 +21,9 @@ use super::store::{
 use crate::map::{Cell, CellRow, Plane};
 use crate::table::{self, number};
 
-/// The joined table.
-pub(crate) const TABLE: &str = "map.csv";
 /// The joined table as Parquet.
 pub(crate) const PARQUET: &str = "map.parquet";
 const ROWS: &str = "rows";
-
-/// Name of the file with the problem.
-pub(crate) const ORIGIN: &str = "map.ron";
 
 /// Reads `map.ron` of a shard.
 ///
@@ -90,7 +85,7 @@ impl MapFolder {
         if *begun {
             return Ok(());
         }
-        let mut names = pictures::names(Kind::Map, &self.origin.problem, Format::Svg);
+        let mut names = layout::pictures(Kind::Map, &self.origin.problem, Format::Svg);
         names.extend(cfg!(feature = "parquet").then(|| PARQUET.to_owned()));
         names.extend(rows.iter().map(|row| row_name(*row)));
         if self.store.resumes() {

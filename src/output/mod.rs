@@ -3,6 +3,7 @@
 pub(crate) mod accuracy;
 pub(crate) mod certify;
 pub(crate) mod curve;
+pub(crate) mod layout;
 pub(crate) mod map;
 pub(crate) mod npy;
 pub(crate) mod origin;

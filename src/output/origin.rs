@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::map;
+use super::layout::MAP_ORIGIN;
 use super::run::Restart;
 use super::simulation::SimulationCheckpoint;
 use super::store::{Checkpoint, Store, StoreError, VERSION, decode};
@@ -52,7 +52,7 @@ pub(crate) fn problem(folder: &Path) -> Result<Option<Problem>, StoreError> {
     if there(SimulationCheckpoint::FILE) {
         return Ok(Some(SimulationCheckpoint::read(folder)?.problem));
     }
-    let file = [map::ORIGIN, Origin::FILE]
+    let file = [MAP_ORIGIN, Origin::FILE]
         .into_iter()
         .find(|name| there(name));
     let origin = file.map(|file| decode::<Origin>(&folder.join(file)));

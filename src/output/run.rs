@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::pictures;
+use super::layout::{self, BRANCH, EVENTS, PROFILES, SPECTRUM, profile_file};
 use super::render::Format;
 use super::store::{
     self, Checkpoint, Growing, Kind, Store, StoreError, VERSION, damaged, refused, unfinished,
@@ -112,20 +112,6 @@ pub(crate) fn labelled(folder: &Path, label: usize) -> Result<Labelled, StoreErr
     })
 }
 
-/// Name of the table of points.
-pub(crate) const BRANCH: &str = "branch.csv";
-/// Name of the table of events.
-pub(crate) const EVENTS: &str = "events.csv";
-/// Name of the table of eigenvalues.
-pub(crate) const SPECTRUM: &str = "spectrum.csv";
-/// Name of the folder of profiles.
-pub(crate) const PROFILES: &str = "profiles";
-
-/// The file of the profile of a label.
-pub(crate) fn profile_file(label: usize) -> String {
-    format!("{PROFILES}/{label}.csv")
-}
-
 /// Intervals of a profile over one wavelength.
 pub(crate) const PROFILE_RESOLUTION: usize = 360;
 
@@ -188,7 +174,7 @@ impl RunFolder {
         let spectrum = branch.with_stability().then_some(SPECTRUM);
         if !resumed {
             let mut names = Vec::from_iter(spectrum.map(str::to_owned));
-            names.extend(pictures::names(Kind::Run, problem, Format::Svg));
+            names.extend(layout::pictures(Kind::Run, problem, Format::Svg));
             store.begin(&[BRANCH, EVENTS, Restart::FILE], names, Some(PROFILES))?;
         }
         let header = table::columns(&EventRow::columns(problem.model));

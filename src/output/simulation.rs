@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::pictures;
+use super::layout::{self, END, MEASURES, REGIMES, SERIES, SNAPSHOTS, START};
 use super::render::Format;
 use super::store::{Checkpoint, Growing, Kind, Store, StoreError, damaged};
 use super::{npy, vtk};
@@ -14,34 +14,10 @@ use crate::problem::Problem;
 use crate::simulation::line::Line;
 use crate::simulation::measure::Sample;
 use crate::simulation::motion::{Motion, Saved};
-use crate::simulation::task::Body;
 use crate::table::{self, Table};
-
-/// Name of the time series.
-pub(crate) const SERIES: &str = "series.csv";
-/// Name of the array of regimes.
-pub(crate) const REGIMES: &str = "regimes.npy";
-/// Name of the contact line at the beginning.
-pub(crate) const START: &str = "start.csv";
-/// Name of the contact line at the end.
-pub(crate) const END: &str = "end.csv";
-/// Name of the table of measures.
-pub(crate) const MEASURES: &str = "measures.csv";
-/// Name of the table of the growth of perturbations.
-pub(crate) const GROWTH: &str = "growth.csv";
-const SNAPSHOTS: &str = "snapshots";
 
 /// Most columns of the array of regimes.
 const COLUMNS: usize = 512;
-
-/// Name of a snapshot, counted from 1.
-pub(crate) fn snapshot_file(number: usize, body: &Body) -> String {
-    let extension = match body {
-        Body::Ring { .. } => "npy",
-        Body::Annulus { .. } => "vtk",
-    };
-    format!("{SNAPSHOTS}/{number:04}.{extension}")
-}
 
 /// Every how many points one is kept in the array of regimes.
 fn stride(points: usize) -> usize {
@@ -131,7 +107,7 @@ impl SimulationFolder {
     ) -> Result<SimulationFolder, StoreError> {
         let checkpoint = SimulationCheckpoint::FILE;
         let tables = [SERIES, REGIMES, START, checkpoint, END, MEASURES];
-        let pictures = pictures::names(Kind::Simulation, problem, Format::Svg);
+        let pictures = layout::pictures(Kind::Simulation, problem, Format::Svg);
         store.begin(&tables, pictures, Some(SNAPSHOTS))?;
         let columns = columns(points);
         Ok(SimulationFolder {

@@ -23,7 +23,15 @@ fn a_report_is_one_page_by_itself() {
     let loads = page.replace("http://www.w3.org/", "");
     assert!(!loads.contains("http://") && !loads.contains("https://"));
     assert!(page.contains("Squeal &amp; &lt;noise&gt;") && !page.contains("<noise>"));
+    let left_out = page.contains("leaves out");
+    assert!(!left_out, "a small folder is there as a whole");
+    let written = fs::read_to_string(bench.path("problem.ron")).expect("the problem");
+    let shown = written.replace('&', "&amp;").replace('<', "&lt;");
+    let shown = shown.replace('>', "&gt;").replace('"', "&quot;");
+    assert!(page.contains(&shown), "the problem file as it was written");
     for part in [
+        "alt=\"Branch diagram: speed c against mismatch",
+        "prefers-color-scheme: dark",
         "user point mismatch = 0.195",
         "id=\"profile-1\"",
         "id=\"spectrum\"",
@@ -70,6 +78,24 @@ fn opens_in_a_browser(bench: &Bench) {
     let text = String::from_utf8_lossy(&opened.stdout);
     assert!(text.contains("class=\"ready\" data-label=\"1\""), "{text}");
     assert!(text.contains("stable: "), "the sentence of the first point");
+    // a line for every run of equal stability, not one for every step
+    let page = fs::read_to_string(bench.path("out/report.html")).expect("the page");
+    let (_, points) = page.split_once("id=\"points\">\n").expect("the points");
+    let rows = points
+        .lines()
+        .skip(1)
+        .take_while(|line| !line.starts_with("</"));
+    let look = |row: &str| row.rsplit(',').nth(1).map(str::to_owned);
+    let mut looks: Vec<_> = rows.map(look).collect();
+    // the last point begins no line
+    looks.pop();
+    assert!(looks.len() > 4, "{looks:?}");
+    looks.dedup();
+    assert_eq!(text.matches("data-line=").count(), looks.len());
+    assert!(
+        text.contains("<option value=\"amplitude\">"),
+        "the choice of the column"
+    );
 }
 
 /// Any kind of result folder has a page; what is no result folder is refused.
@@ -101,4 +127,26 @@ fn a_new_file_for_a_verb_runs() {
         let text = bench.run(&["new", "--for", verb]).expect(0).stdout;
         assert!(text.contains(&format!("\n    {section}")), "{text}");
     }
+}
+
+/// A large picture is left out where small ones have taken the room, and the page says so.
+#[test]
+fn a_report_says_what_it_leaves_out() {
+    let bench = Bench::new();
+    bench.put("problem.ron", SMALL);
+    bench.run(&["run", "problem.ron", "--out", "out"]).expect(0);
+    let page = || {
+        bench.run(&["report", "out"]).expect(0);
+        fs::read_to_string(bench.path("out/report.html")).expect("the page")
+    };
+    assert!(page().contains("<figcaption>diagram.svg</figcaption>"));
+    let mut picture = fs::read_to_string(bench.path("out/diagram.svg")).expect("the picture");
+    picture.push_str(&"<!-- large -->".repeat(50_000));
+    bench.put("out/diagram.svg", picture);
+    let page = page();
+    assert!(!page.contains("<figcaption>diagram.svg</figcaption>"));
+    assert!(
+        page.contains("<a href=\"diagram.svg\">diagram.svg</a> (7"),
+        "the size in KB"
+    );
 }

@@ -32,7 +32,8 @@ pub(super) fn picture(rows: &[Row]) -> Picture {
     );
     let panel = Panel::new(x, y, layers);
     let panel = panel.unless(points.is_empty(), "no method has an error to show");
-    Picture::new(vec![panel], Legend::default().with("", entries))
+    let picture = Picture::new(vec![panel], Legend::default().with("", entries));
+    picture.titled(Some("Methods: error against run time"))
 }
 
 /// Name of a method, its time in seconds and its error, where both are positive.

@@ -45,13 +45,23 @@ pub(super) fn of_zone(regime: Option<Regime>) -> RGBColor {
     }
 }
 
-/// The colours of zones by their regimes, as an object of JavaScript.
-pub(crate) fn of_zones() -> String {
-    let pair = |regime: Regime| {
-        let colour = hexadecimal(of_zone(Some(regime)));
-        format!("{}: \"{colour}\"", regime.name())
+/// Background of the page of a report in its dark theme.
+const DARK: RGBColor = RGBColor(22, 24, 27);
+
+/// The colours of zones as style sheets of a page: the light theme, the dark one.
+pub(crate) fn style_sheets() -> [String; 2] {
+    let dark = |regime| match regime {
+        Regime::Stick => mix(DARK, WHITE, 0.35),
+        other => mix(DARK, of_regime(Some(other)), 0.4),
     };
-    format!("{{ {} }}", Regime::ALL.map(pair).join(", "))
+    let sheet = |colour: &dyn Fn(Regime) -> RGBColor| {
+        let rule = |regime: Regime| {
+            let fill = hexadecimal(colour(regime));
+            format!(".zone-{} {{ fill: {fill}; }}", regime.name())
+        };
+        Regime::ALL.map(rule).join("\n")
+    };
+    [sheet(&|regime| of_zone(Some(regime))), sheet(&dark)]
 }
 
 /// Colour of a sequence of regimes, the same in every picture of every run. Beyond the commonest ones it follows
@@ -67,6 +77,7 @@ pub(super) fn of_sequence(regimes: &[Option<Regime>]) -> RGBColor {
         Some([Slip, Separation, Slip, Stick]) => ORANGE,
         Some([Slip, Separation, Stick]) => SKY,
         Some([Slip, Separation, Reverse]) => BLACK,
+        Some([Slip, Separation]) => RARE[1],
         _ => {
             let digit = |one: &Option<Regime>| one.map_or(0, |regime| regime as usize + 1);
             let digits = regimes.iter().map(digit);
@@ -96,6 +107,21 @@ mod tests {
             .map(|colour| format!("\"{colour}\""))
             .join(", ");
         assert!(line.is_some_and(|line| line.contains(&wanted)), "{wanted}");
+        for name in [
+            "slip-stick",
+            "slip-reverse-stick",
+            "slip-separation-slip-reverse-stick",
+            "slip-separation-reverse-stick",
+            "slip-separation-slip-stick",
+            "slip-separation-stick",
+        ] {
+            let regimes: Vec<_> = name.split('-').map(Regime::named).collect();
+            let colour = hexadecimal(of_sequence(&regimes));
+            assert!(
+                python.contains(&format!("\"{name}\": \"{colour}\"")),
+                "{name}"
+            );
+        }
         for (regime, zone) in [Separation, Slip, Stick, Reverse].into_iter().zip(&pale) {
             assert!(
                 drawing.contains(&format!("height=\"340\" fill=\"{zone}\"")),

@@ -2,7 +2,7 @@
 
 use crate::output::render::{
     Axis, BLACK, Cell, Extent, GREY, HEIGHT, Heading, Key, Layer, Legend, Mark, Panel, Pattern,
-    Pen, Picture, Point, Shape, WHITE, mix, range,
+    Pen, Picture, Point, Shape, VERMILLION, WHITE, mix, range,
 };
 use plotters::style::RGBColor;
 
@@ -10,6 +10,7 @@ use super::names::{event, event_mark, quantity, short_signature, signature_colou
 use super::tables::{Tables, column, kind, number};
 use crate::model::{EventType, Parameter};
 use crate::output::store::StoreError;
+use crate::stability::verdict::Stability;
 use crate::table::Table;
 
 /// Most signatures in the legend.
@@ -33,33 +34,51 @@ enum Standing {
     Unknown,
 }
 
-/// Standings, what stands in their cells, what they are called and how they are drawn.
-const STANDINGS: [(Standing, &str, &str, Pattern); 4] = {
-    use Standing::{Stable, Undecided, Unknown, Unstable};
-    [
-        (Stable, "yes", "stable", Pattern::Solid),
-        (Unstable, "no", "unstable", Pattern::Dashed),
-        (Undecided, "undecided", "undecided", Pattern::Dotted),
-        (Unknown, "", "not examined", Pattern::Solid),
-    ]
-};
-
 impl Standing {
     fn of(branch: &Table, row: usize) -> Self {
         let cell = branch.text(row, "stable");
-        let known = STANDINGS.iter().find(|standing| standing.1 == cell);
-        known.map_or(Standing::Unknown, |standing| standing.0)
-    }
-
-    /// The line of this standing; `mixed` when other stretches were examined.
-    fn pen(self, colour: RGBColor, mixed: bool) -> Pen {
-        let thin = mixed && self == Standing::Unknown;
-        Pen {
-            colour,
-            width: if thin { 0.6 * CURVE } else { CURVE },
-            pattern: STANDINGS[self as usize].3,
+        let verdicts = [Stability::Yes, Stability::No, Stability::Undecided];
+        match verdicts.into_iter().find(|one| one.word() == cell) {
+            Some(Stability::Yes) => Standing::Stable,
+            Some(Stability::No) => Standing::Unstable,
+            Some(Stability::Undecided) => Standing::Undecided,
+            None => Standing::Unknown,
         }
     }
+
+    /// The pattern of this standing: solid is said of stable waves only.
+    fn pattern(self) -> Pattern {
+        match self {
+            Standing::Stable => Pattern::Solid,
+            Standing::Unstable => Pattern::Dashed,
+            Standing::Undecided | Standing::Unknown => Pattern::Dotted,
+        }
+    }
+
+    /// The line of this standing.
+    fn pen(self, colour: RGBColor) -> Pen {
+        Pen {
+            colour,
+            width: CURVE,
+            pattern: self.pattern(),
+        }
+    }
+}
+
+/// Explains the lines of these standings.
+fn standing_keys(drawn: impl Fn(Standing) -> bool) -> Vec<(Key, &'static str)> {
+    use Standing::{Stable, Undecided, Unknown, Unstable};
+    let key = |standing: Standing, name| (Key::Line(standing.pen(BLACK)), name);
+    let stable = drawn(Stable).then(|| key(Stable, "stable"));
+    let unstable = drawn(Unstable).then(|| key(Unstable, "unstable"));
+    let open = match (drawn(Undecided), drawn(Unknown)) {
+        (true, true) => Some("stability undecided or not asked for"),
+        (true, false) => Some("stability undecided"),
+        (false, true) => Some("stability not asked for"),
+        (false, false) => None,
+    };
+    let open = open.map(|name| key(Unknown, name));
+    stable.into_iter().chain(unstable).chain(open).collect()
 }
 
 /// A stretch of the curve drawn the same way.
@@ -141,9 +160,6 @@ pub(super) fn parameter_axis(tables: &Tables) -> Axis {
     View::whole("").decided(tables).axis(&tables.parameter)
 }
 
-/// More Hopf points than this are strokes on the line: stars would hide it.
-const MOST_STARS: usize = 8;
-
 /// Height of the panel with the count of growing eigenvalues.
 const COUNT_HEIGHT: f64 = 0.35 * HEIGHT;
 
@@ -154,7 +170,7 @@ pub(super) fn diagram(tables: &Tables, view: &View) -> Result<Picture, StoreErro
     let branch = &tables.branch;
     let count = |row: usize| number(branch, row, "unstable");
     let place = |row: usize| number(branch, row, &tables.parameter);
-    let mut steps = Vec::new();
+    let (mut steps, mut beyond) = (Vec::new(), Vec::new());
     for row in 0..branch.len() {
         if let (Some(x), Some(y)) = (place(row), count(row))
             && view.shows(&(x, y))
@@ -164,6 +180,12 @@ pub(super) fn diagram(tables: &Tables, view: &View) -> Result<Picture, StoreErro
                 .last()
                 .filter(|_| row > 0 && same_leg(branch, row - 1))
             {
+                // no eigenvalue of the window grows, and the wave is unstable all the same
+                let unstable = |row| Standing::of(branch, row) == Standing::Unstable;
+                if before == 0.0 && unstable(row - 1) {
+                    let from = steps.last().map_or(x, |step: &Point| step.0);
+                    beyond.extend([(from, 0.0), (x, 0.0), (f64::NAN, f64::NAN)]);
+                }
                 steps.push((x, before));
             } else {
                 steps.push((f64::NAN, f64::NAN));
@@ -182,37 +204,87 @@ pub(super) fn diagram(tables: &Tables, view: &View) -> Result<Picture, StoreErro
             .cloned()
             .collect();
         layers.push(Layer::Line(steps, Pen::solid(BLACK, 1.6)));
+        if !beyond.is_empty() {
+            let pen = Pen::solid(VERMILLION, 4.5);
+            layers.push(Layer::Line(beyond, pen));
+            let words = "in the lower panel: grows at high frequency only";
+            picture.legend = picture.legend.with("", [(Key::Line(pen), words)]);
+        }
         let panel = Panel::new(view.axis(&tables.parameter), y, layers);
         picture.panels.push(panel.high(COUNT_HEIGHT));
     }
     Ok(picture)
 }
 
-/// Pale bands behind the curve, one for each sequence of regimes, with their names; none where the branch
-/// turns back, for they would lie on top of each other.
-fn bands(stretches: &[Stretch<'_>]) -> Vec<Layer> {
+/// A stretch of the parameter with the waves of one sequence.
+struct Band<'a> {
+    signature: &'a str,
+    ends: [f64; 2],
+}
+
+/// The bands from left to right, one for each sequence of regimes; none where the branch turns back, for they
+/// would lie on top of each other.
+fn bands<'a>(stretches: &[Stretch<'a>]) -> Vec<Band<'a>> {
     let places = |one: &Stretch<'_>| -> Vec<f64> { one.points.iter().map(|p| p.0).collect() };
     let lines: Vec<Vec<f64>> = stretches.iter().map(places).collect();
     if !one_way(&lines) {
         return Vec::new();
     }
-    let (mut cells, mut headings) = (Vec::new(), Vec::new());
-    for group in stretches.chunk_by(|one, next| one.signature == next.signature) {
+    let groups = stretches.chunk_by(|one, next| one.signature == next.signature);
+    let band = |group: &[Stretch<'a>]| {
+        let (from, to) = ends(group.iter().flat_map(places))?;
         let signature = group[0].signature;
-        let (from, to) = ends(group.iter().flat_map(places)).unwrap_or_default();
-        if from < to && !signature.is_empty() {
-            let colour = mix(WHITE, signature_colour(signature), BAND);
-            cells.push(Cell::upright(from, to, colour));
-            headings.push(Heading {
-                ends: [from, to],
-                names: vec![signature.to_owned(), short_signature(signature)],
-            });
+        let ends = [from, to];
+        (from < to && !signature.is_empty()).then_some(Band { signature, ends })
+    };
+    let mut all: Vec<Band<'_>> = groups.filter_map(band).collect();
+    all.sort_by(|one, other| one.ends[0].total_cmp(&other.ends[0]));
+    // the legs of a branch that is followed both ways meet within a band
+    all.dedup_by(|next, one| {
+        let on = next.signature == one.signature && next.ends[0] <= one.ends[1];
+        if on {
+            one.ends[1] = next.ends[1];
         }
-    }
-    if cells.is_empty() {
+        on
+    });
+    all
+}
+
+/// Pale bands behind the curve with their names above them.
+fn named_bands(bands: &[Band<'_>], signatures: &[&str]) -> Vec<Layer> {
+    if bands.is_empty() {
         return Vec::new();
     }
+    let cell = |band: &Band<'_>| {
+        let colour = mix(WHITE, signature_colour(band.signature), BAND);
+        Cell::upright(band.ends[0], band.ends[1], colour)
+    };
+    let heading = |band: &Band<'_>| {
+        let names = [band.signature.to_owned(), short_signature(band.signature)];
+        let names = names.map(|name| numbered(band.signature, signatures, name));
+        let number = numeral(band.signature, signatures);
+        Heading {
+            ends: band.ends,
+            names: names.into_iter().chain(number).collect(),
+        }
+    };
+    let cells = bands.iter().map(cell).collect();
+    let headings = bands.iter().map(heading).collect();
     vec![Layer::Cells(cells), Layer::Headings(headings)]
+}
+
+/// The number of a sequence in the legend, by which narrow bands go.
+fn numeral(signature: &str, signatures: &[&str]) -> Option<String> {
+    let place = signatures.iter().position(|known| *known == signature)?;
+    (signatures.len() > 1 && place < MOST_NAMED).then(|| (place + 1).to_string())
+}
+
+/// The name of a sequence after its number.
+fn numbered(signature: &str, signatures: &[&str], name: String) -> String {
+    match numeral(signature, signatures) {
+        Some(number) => format!("{number} {name}"),
+        None => name,
+    }
 }
 
 /// The picture of a column of `branch.csv`.
@@ -230,25 +302,22 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
         points.retain(|point| view.shows(point));
     }
     marks.retain(|(_, points)| !points.is_empty());
-    let signatures = signatures(&stretches);
+    let bands = bands(&stretches);
+    let banded = !bands.is_empty();
+    let mut signatures = signatures(&stretches);
+    if banded {
+        // those that the legend names are numbered from left to right
+        let named = signatures.len().min(MOST_NAMED);
+        let place = |name: &&str| bands.iter().position(|band| band.signature == *name);
+        signatures[..named].sort_by_key(|name| place(name).unwrap_or(usize::MAX));
+    }
     let colour = |signature: &str| match signature {
         "" => BLACK,
         signature => signature_colour(signature),
     };
-    let hopf = marks.iter().filter(|(kind, _)| *kind == EventType::HB);
-    let crowded = hopf.map(|(_, points)| points.len()).sum::<usize>() > MOST_STARS;
-    let mark = |kind: EventType| match kind {
-        EventType::HB if crowded => Mark::new(Shape::Tick, 6.0, BLACK),
-        kind => event_mark(kind),
-    };
-    let mixed = stretches
-        .iter()
-        .any(|stretch| stretch.standing != Standing::Unknown);
-
-    let mut layers = bands(&stretches);
-    let banded = !layers.is_empty();
+    let mut layers = named_bands(&bands, &signatures);
     for stretch in &stretches {
-        let pen = stretch.standing.pen(colour(stretch.signature), mixed);
+        let pen = stretch.standing.pen(colour(stretch.signature));
         let points = stretch.points.clone();
         layers.push(match points.len() {
             // A branch of one point is a dot, unless an event marks it anyway.
@@ -257,7 +326,7 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
         });
     }
     for (kind, points) in &marks {
-        layers.push(Layer::Marks(points.clone(), mark(*kind)));
+        layers.push(Layer::Marks(points.clone(), event_mark(*kind)));
     }
     if stretches.is_empty() && marks.is_empty() {
         let none = tables.branch.is_empty();
@@ -265,15 +334,23 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
         layers = vec![Layer::Remark(remark.to_owned())];
     }
 
-    let standings = STANDINGS.into_iter().filter(|(standing, ..)| {
-        let drawn = |one: &Stretch<'_>| one.standing == *standing && one.extends();
-        mixed && stretches.iter().any(drawn)
-    });
+    let drawn = |standing: Standing| {
+        let mut all = stretches.iter();
+        all.any(|one| one.standing == standing && one.extends())
+    };
     let kinds = EventType::ALL.into_iter();
     let present = kinds.filter(|kind| marks.iter().any(|mark| mark.0 == *kind));
     let named = signatures.iter().take(MOST_NAMED).map(|signature| {
         let key = Key::Line(Pen::solid(colour(signature), CURVE + 0.6));
-        (key, short_signature(signature))
+        let name = short_signature(signature);
+        (
+            key,
+            if banded {
+                numbered(signature, &signatures, name)
+            } else {
+                name
+            },
+        )
     });
     let others = format!("and {} others", signatures.len().saturating_sub(MOST_NAMED));
     let others = (Key::Line(Pen::solid(GREY, CURVE)), others);
@@ -283,13 +360,15 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
         .chain(others)
         .filter(|_| signatures.len() > 1 || !banded);
     let legend = Legend::default()
+        .with("", standing_keys(drawn))
         .with(
             "",
-            standings.map(|(one, _, name, _)| (Key::Line(one.pen(BLACK, mixed)), name)),
-        )
-        .with(
-            "",
-            present.map(|kind| (Key::Mark(mark(kind)), format!("{kind} {}", event(kind)))),
+            present.map(|kind| {
+                (
+                    Key::Mark(event_mark(kind)),
+                    format!("{kind} {}", event(kind)),
+                )
+            }),
         )
         .with("", coloured);
     let x = view.axis(&tables.parameter);
@@ -353,6 +432,11 @@ fn standing_between(branch: &Table, row: usize) -> Standing {
     } else {
         second
     }
+}
+
+/// How the line between two neighbouring rows is drawn.
+pub(super) fn pattern_between(branch: &Table, row: usize) -> Pattern {
+    standing_between(branch, row).pattern()
 }
 
 /// Cuts the branch where its look changes, where a value is missing and between legs.

@@ -5,7 +5,7 @@
 //! show in its colours.
 
 use super::colours;
-use super::names::{ANGLE, occurring, regime_name};
+use super::names::{ANGLE, LENGTH, occurring, regime_name};
 use super::profile::{NONE, Profile, Profiles, Sample, Shown};
 use crate::model::signature::Regime;
 use crate::output::render::{
@@ -37,7 +37,7 @@ pub(super) fn picture(profiles: &Profiles) -> Picture {
     let shown = along_branch(profiles.shown());
     let x = Axis::new(ANGLE, Extent::Data(0.0));
     if shown.is_empty() {
-        let y = Axis::new(("radial displacement", "U"), Extent::Data(0.0));
+        let y = Axis::new(("radial displacement", "U", LENGTH), Extent::Data(0.0));
         let panel = Panel::new(x, y, Vec::new()).unless(true, NONE);
         return Picture::new(vec![panel], Legend::default());
     }

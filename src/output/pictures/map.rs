@@ -10,7 +10,7 @@ use std::path::Path;
 use plotters::style::RGBColor;
 
 use super::names::{canonical, quantity, short_signature, signature_colour};
-use crate::output::map::TABLE;
+use crate::output::layout::MAP;
 use crate::output::store::{StoreError, resumable, unfinished};
 use crate::problem::{Map, MapAxis, MapPoints};
 
@@ -33,7 +33,7 @@ struct Wave {
 /// # Errors
 /// When the table cannot be read.
 pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, StoreError> {
-    let path = folder.join(TABLE);
+    let path = folder.join(MAP);
     if !path.exists() {
         return Err(unfinished(folder, "map", "its rows are not joined yet"));
     }

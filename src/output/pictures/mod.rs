@@ -11,6 +11,7 @@ mod displacement;
 pub(crate) mod map;
 pub(crate) mod multipliers;
 mod names;
+pub(crate) mod page;
 mod profile;
 mod simulation;
 mod spectrum;
@@ -26,12 +27,12 @@ use rayon::prelude::{IntoParallelIterator, ParallelIterator};
 
 use super::accuracy::rows;
 use super::curve::CurveFolder;
-use super::render::{Format, Picture, RenderError, number};
-use super::steady::TABLE as MODES;
+use super::layout::{self, STEADY};
+use super::render::{Format, Picture, RenderError};
 use super::store::{self, Kind, Store, StoreError, unfinished};
-use crate::model::Parameter;
 use crate::problem::{Plot, Problem};
 pub(crate) use diagram::View;
+use names::constant_parameters;
 use profile::Profiles;
 use tables::Tables;
 
@@ -48,46 +49,6 @@ pub(crate) enum PlotError {
 
 /// A picture by the name of its file, without the extension.
 type Named = (String, Result<Picture, StoreError>);
-
-/// Names of the files of the pictures in a folder of this kind.
-pub(crate) fn names(kind: Kind, problem: &Problem, format: Format) -> Vec<String> {
-    let names = match kind {
-        Kind::Run => problem.output.plots.iter().map(name).collect(),
-        Kind::Simulation => simulation::NAMES.map(str::to_owned).to_vec(),
-        Kind::Map | Kind::Curve | Kind::Accuracy | Kind::Steady => vec![kind.name().to_owned()],
-        Kind::MapShard | Kind::Certificate => Vec::new(),
-    };
-    let file = |name: String| file(&name, format);
-    names.into_iter().map(file).collect()
-}
-
-fn file(name: &str, format: Format) -> String {
-    format!("{name}.{}", format.extension())
-}
-
-/// Name of a picture of a branch.
-fn name(plot: &Plot) -> String {
-    // A column name comes from a file and must not lead out of the folder.
-    let safe = |c: char| {
-        if c.is_alphanumeric() || c == '-' {
-            c
-        } else {
-            '_'
-        }
-    };
-    let name = match plot {
-        Plot::Diagram => "diagram",
-        Plot::Pressure => "pressure",
-        Plot::Displacement => "displacement",
-        Plot::Wave => "wave",
-        Plot::PhasePlane => "phase_plane",
-        Plot::Friction => "friction",
-        Plot::Spectrum => "spectrum",
-        Plot::Multipliers => "multipliers",
-        Plot::Column(name) => &format!("column_{}", name.chars().map(safe).collect::<String>()),
-    };
-    name.to_owned()
-}
 
 /// Draws the pictures of a folder, each with the title of its problem, and returns the files. Folders of
 /// earlier versions may not tell their problem.
@@ -109,7 +70,7 @@ pub(crate) fn draw(
         }),
         (Some(Kind::Accuracy), _) => rows(folder).map(|rows| accuracy::picture(&rows)),
         (Some(Kind::Steady), _) => {
-            store::table(&folder.join(MODES)).map(|modes| steady::picture(&modes))
+            store::table(&folder.join(STEADY)).map(|modes| steady::picture(&modes, problem))
         }
         (Some(Kind::Map), None) => {
             return Err(unfinished(folder, "map", "no row is there yet").into());
@@ -119,7 +80,7 @@ pub(crate) fn draw(
         }
         (Some(Kind::Simulation), Some(known)) => {
             let pictures = simulation::pictures(folder, known)?.map(Ok);
-            let names = simulation::NAMES.map(str::to_owned);
+            let names = layout::MOTION.map(str::to_owned);
             return put(store, problem, format, names.into_iter().zip(pictures));
         }
         (None | Some(Kind::Run), Some(known)) => {
@@ -146,7 +107,7 @@ fn of_branch(folder: &Path, problem: &Problem) -> Result<Vec<Named>, StoreError>
     let picture = |plot: &Plot| {
         let described = describe(plot, &tables, &profiles);
         (
-            name(plot),
+            layout::plot(plot),
             described.map(|picture| picture.subtitled(&subtitle)),
         )
     };
@@ -175,21 +136,8 @@ pub(crate) fn draw_view(
         store,
         Some(problem),
         format,
-        [("view".to_owned(), Ok(drawn))],
+        [(layout::VIEW.to_owned(), Ok(drawn))],
     )
-}
-
-/// The mode and the parameters that differ from zero, but for the one on the axis.
-fn constant_parameters(problem: &Problem, axis: Parameter) -> String {
-    let others = Parameter::ALL.into_iter().filter(|one| *one != axis);
-    let values = others.filter_map(|one| Some((one, problem.model.value(one)?)));
-    let mut words = vec![format!("k = {}", problem.wave.mode)];
-    words.extend(
-        values
-            .filter(|(_, value)| *value != 0.0)
-            .map(|(one, value)| format!("{} = {}", one.symbol(), number::significant(value, 4))),
-    );
-    words.join(", ")
 }
 
 /// Whether a picture shows the waves in the folder of profiles.
@@ -225,18 +173,40 @@ pub(crate) fn put(
     pictures: impl IntoIterator<Item = Named>,
 ) -> Result<Vec<PathBuf>, PlotError> {
     let pictures: Vec<Named> = pictures.into_iter().collect();
-    store.claim(pictures.iter().map(|(name, _)| file(name, format)))?;
-    let title = problem.and_then(|problem| problem.title.as_deref());
+    store.claim(
+        pictures
+            .iter()
+            .map(|(name, _)| layout::picture(name, format)),
+    )?;
     let drawn: Vec<Result<PathBuf, PlotError>> = pictures
         .into_par_iter()
         .map(|(name, picture)| {
-            let name = file(&name, format);
-            store.replace(&name, &picture?.titled(title).file(format)?)?;
+            let name = layout::picture(&name, format);
+            let picture = match problem {
+                Some(problem) => of_problem(problem, picture?),
+                None => picture?,
+            };
+            store.replace(&name, &picture.file(format)?)?;
             Ok(store.path().join(name))
         })
         .collect();
     // the first error in the order of the pictures, whichever came first in time
     drawn.into_iter().collect()
+}
+
+/// A picture with the title of its problem, and with units where the problem says what they are.
+fn of_problem(problem: &Problem, picture: Picture) -> Picture {
+    let title = problem.title.as_deref();
+    // one with a title of its own has that of the problem below it
+    let below = title.filter(|_| picture.title.is_some() && picture.subtitle.is_none());
+    let picture = match below {
+        Some(title) => picture.subtitled(title),
+        None => picture.titled(title),
+    };
+    match problem.output.rotation {
+        Some(_) => picture.dimensional(),
+        None => picture,
+    }
 }
 
 /// Writes a picture to a file that the user has named, with the title of its problem.
@@ -248,7 +218,7 @@ pub(crate) fn save(
     problem: &Problem,
     picture: Picture,
 ) -> Result<(), PlotError> {
-    let bytes = picture.titled(problem.title.as_deref()).file(format)?;
+    let bytes = of_problem(problem, picture).file(format)?;
     Ok(fs::write(path, bytes).map_err(store::io_error("write it", path))?)
 }
 

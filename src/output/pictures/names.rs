@@ -5,38 +5,79 @@ use plotters::style::RGBColor;
 use super::colours;
 use crate::model::signature::Regime;
 use crate::model::{EventType, Parameter};
-use crate::output::render::{BLACK, GREY, Key, Mark, Quantity, Shape};
+use crate::output::render::{BLACK, GREY, Key, Mark, Quantity, Shape, number};
+use crate::problem::Problem;
 
 /// The quantity in a column of `branch.csv`.
 pub(super) fn quantity(column: &str) -> Quantity {
     if let Some(parameter) = Parameter::from_column(column) {
-        return (parameter.words(), parameter.symbol()).into();
+        let unit = match parameter {
+            Parameter::Mismatch => LENGTH,
+            Parameter::MassDamping => RATE,
+            Parameter::StiffnessDamping => TIME,
+            _ => "",
+        };
+        return (parameter.words(), parameter.symbol(), unit).into();
     }
-    let (word, symbol) = match column {
-        "speed" => ("speed", "c"),
-        "switches" => ("switching positions", "θ"),
-        "min_pressure" => ("least pressure", "min P"),
-        "max_gap" => ("largest gap", "max(U − δ)"),
-        "amplitude" => ("amplitude of", "V"),
-        "unstable" => ("unstable eigenvalues", ""),
-        "lead_re" => ("leading", "Re λ"),
-        "lead_im" => ("leading", "Im λ"),
-        "lead_sector" => ("sector of the leading eigenvalue", ""),
-        "newton" => ("Newton iterations", ""),
-        "hertz" => ("frequency in hertz", ""),
+    let (word, symbol, unit) = match column {
+        "speed" => ("speed", "c", RATE),
+        "switches" => ("switching positions", "θ", ANGLE.2),
+        "min_pressure" => ("least pressure", "min P", STRESS),
+        "max_gap" => ("largest gap", "max(U − δ)", LENGTH),
+        "amplitude" => ("amplitude of", "V", LENGTH),
+        "unstable" => ("unstable eigenvalues", "", ""),
+        "lead_re" => ("leading", "Re λ", RATE),
+        "lead_im" => ("leading", "Im λ", RATE),
+        "lead_sector" => ("sector of the leading eigenvalue", "", ""),
+        "newton" => ("Newton iterations", "", ""),
+        "hertz" => ("frequency", "", "Hz"),
         other => return (&*other.replace('_', " "), "").into(),
     };
-    (word, symbol).into()
+    (word, symbol, unit).into()
 }
 
+// Units of the tables; docs/units.md derives them.
+
+/// Of lengths: the inner radius.
+pub(super) const LENGTH: &str = "R";
+/// Of angular velocities and eigenvalues: that of the shaft.
+pub(super) const RATE: &str = "Ω";
+/// Of times.
+pub(super) const TIME: &str = "1/Ω";
+/// Of pressure and friction on waves and rings.
+pub(super) const STRESS: &str = "γI₀E";
+
+/// A quantity by its word, its symbol and its unit.
+pub(super) type Named = (&'static str, &'static str, &'static str);
+
 /// Place along a travelling wave.
-pub(super) const ANGLE: (&str, &str) = ("position", "θ");
+pub(super) const ANGLE: Named = ("position", "θ", "rad");
 
 /// Tangential displacement.
-pub(super) const DISPLACEMENT: (&str, &str) = ("tangential displacement", "V");
+pub(super) const DISPLACEMENT: Named = ("tangential displacement", "V", LENGTH);
 
 /// Its rate.
-pub(super) const VELOCITY: (&str, &str) = ("velocity", "V\u{307}");
+pub(super) const VELOCITY: Named = ("velocity", "V\u{307}", "RΩ");
+
+/// The mode and the parameters that differ from zero, but for the one on the axis.
+pub(super) fn constant_parameters(problem: &Problem, axis: Parameter) -> String {
+    let mode = format!("k = {}", problem.wave.mode);
+    format!("{mode}, {}", parameters(problem, axis))
+}
+
+/// The parameters that differ from zero, but for one, and the unit of rates where it is known.
+pub(super) fn parameters(problem: &Problem, except: Parameter) -> String {
+    let word = |symbol, value| format!("{symbol} = {}", number::significant(value, 4));
+    let others = Parameter::ALL.into_iter().filter(|one| *one != except);
+    let values = others.filter_map(|one| Some((one, problem.model.value(one)?)));
+    let values = values.filter(|(_, value)| *value != 0.0);
+    let mut words: Vec<String> = values
+        .map(|(one, value)| word(one.symbol(), value))
+        .collect();
+    let rotation = problem.output.rotation;
+    words.extend(rotation.map(|rotation| format!("{} rad/s", word(RATE, rotation))));
+    words.join(", ")
+}
 
 /// What an event type stands for, as short as a legend needs it.
 pub(super) fn event(kind: EventType) -> &'static str {
@@ -59,9 +100,10 @@ pub(super) fn event_mark(kind: EventType) -> Mark {
     let (shape, size) = match kind {
         EventType::EP => (Shape::Circle, 3.0),
         EventType::MX => (Shape::Cross, 6.5),
-        EventType::UZ => return Mark::new(Shape::Tick, 4.5, GREY),
+        EventType::UZ => return Mark::new(Shape::Disc, 3.4, GREY),
         EventType::LP => (Shape::OpenSquare, 5.2),
-        EventType::HB => (Shape::Star, 6.5),
+        // many may lie close together, and must not hide the line
+        EventType::HB => (Shape::Tick, 6.0),
         EventType::BP => (Shape::OpenDown, 6.0),
         EventType::GR => (Shape::Up, 6.0),
         EventType::RV => (Shape::Diamond, 6.0),

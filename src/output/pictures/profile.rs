@@ -1,19 +1,25 @@
 //! Waves over their wavelength, as sampled in the folder `profiles`.
 
-use crate::output::render::{Key, Legend, Pen, Point, Quantity, drawable, number, ordered};
+use crate::output::render::{
+    Extent, Key, Legend, Pen, Point, Quantity, drawable, number, ordered, range,
+};
 use std::ops::Range;
 use std::path::Path;
 
 use plotters::style::RGBColor;
 
-use super::names::quantity;
+use super::diagram::parameter_axis;
 use super::tables::{Tables, number as cell, read_if_there};
 use crate::model::signature::Regime;
-use crate::output::run::PROFILES;
+use crate::output::layout::PROFILES;
 use crate::output::store::{self, StoreError};
 
 /// Most profiles shown in one picture.
 const MOST: usize = 9;
+
+/// Waves of the same regimes that are nearer than this, in parts of the axis of the parameter and in parts of
+/// the range of speeds, look the same: one of them is shown.
+const NEAR: f64 = 0.02;
 
 /// What an empty picture says.
 pub(super) const NONE: &str = "no profiles were asked for";
@@ -46,6 +52,8 @@ pub(super) struct Profile {
     pub position: i64,
     /// Value of the parameter on the axis of the diagrams, when known.
     pub parameter: Option<f64>,
+    /// Speed, when known.
+    pub speed: Option<f64>,
     /// Mismatch δ, when known.
     pub mismatch: Option<f64>,
     /// Friction coefficient f, when known.
@@ -95,6 +103,7 @@ impl Profile {
             label: label.to_owned(),
             position: tables.position(label),
             parameter: tables.parameter_at(label),
+            speed: tables.at_label(label, "speed"),
             mismatch: tables.at_label(label, "mismatch"),
             friction: tables.at_label(label, "friction"),
             asked_for: tables.asked_for(label),
@@ -152,6 +161,8 @@ pub(super) struct Profiles {
     pub parameter: Quantity,
     /// Those with samples.
     pub all: Vec<Profile>,
+    /// Whether the axis of the parameter is logarithmic.
+    pub logarithmic: bool,
     /// Labels of those to show; where there are none they are chosen.
     pub wanted: Vec<String>,
 }
@@ -186,17 +197,34 @@ impl Profiles {
             (Some(a), Some(b)) => a.total_cmp(&b),
             (a, b) => b.is_some().cmp(&a.is_some()),
         });
-        let parameter = quantity(&tables.parameter);
+        let axis = parameter_axis(tables);
+        let logarithmic = matches!(axis.extent, Extent::Logarithmic(_));
         let wanted = labels.iter().map(usize::to_string).collect();
         Ok(Profiles {
-            parameter,
+            parameter: axis.quantity,
+            logarithmic,
             all,
             wanted,
         })
     }
 
+    /// Whether two waves look the same. Beyond a fold there is another wave at the same parameter: their
+    /// speeds tell them apart.
+    fn alike(&self, one: &Profile, other: &Profile) -> bool {
+        let place = |profile: &Profile| {
+            let value = profile.parameter.unwrap_or(f64::NAN);
+            if self.logarithmic { value.ln() } else { value }
+        };
+        let speed = |profile: &Profile| profile.speed.unwrap_or(f64::NAN);
+        let near = |of: &dyn Fn(&Profile) -> f64| {
+            let width = range(self.all.iter().map(of)).map_or(0.0, |(low, high)| high - low);
+            (of(one) - of(other)).abs() <= NEAR * width
+        };
+        one.regimes == other.regimes && near(&place) && near(&speed)
+    }
+
     /// The profiles to show: those wanted, or else at most nine, one of every sequence of regimes before
-    /// those that were asked for by a value and those in between.
+    /// those that were asked for by a value and those in between; of waves that look the same one.
     fn chosen(&self) -> Vec<&Profile> {
         let all = &self.all;
         if !self.wanted.is_empty() {
@@ -209,8 +237,11 @@ impl Profiles {
             let of_kind: Vec<usize> = (0..all.len())
                 .filter(|other| regimes(other) == regimes(&index))
                 .collect();
-            // the middle one of its kind
-            if of_kind[of_kind.len() / 2] == index {
+            // the middle one of its kind, of those asked for if there are any
+            let asked = of_kind.iter().filter(|other| all[**other].asked_for);
+            let asked: Vec<usize> = asked.copied().collect();
+            let from = if asked.is_empty() { of_kind } else { asked };
+            if from[from.len() / 2] == index {
                 order.push(index);
             }
         }
@@ -218,7 +249,10 @@ impl Profiles {
         order.extend(evenly(all.len(), MOST));
         let mut taken: Vec<usize> = Vec::new();
         for index in order {
-            if taken.len() < MOST && !taken.contains(&index) {
+            let mut others = taken.iter();
+            let shown =
+                others.any(|other| *other == index || self.alike(&all[*other], &all[index]));
+            if taken.len() < MOST && !shown {
                 taken.push(index);
             }
         }

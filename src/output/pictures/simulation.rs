@@ -8,12 +8,13 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use super::colours;
-use super::names::{VELOCITY, zone_keys};
+use super::names::{ANGLE, LENGTH, Named, STRESS, TIME, VELOCITY, zone_keys};
 use super::profile::evenly;
 use super::tables::{column, needed, number, read, read_if_there};
 use super::waves::{STICK, plane};
 use crate::model::signature;
-use crate::output::simulation::{END, MEASURES, REGIMES, SERIES, START, columns, snapshot_file};
+use crate::output::layout::{END, MEASURES, REGIMES, SERIES, START, snapshot_file};
+use crate::output::simulation::columns;
 use crate::output::store::StoreError;
 use crate::output::{npy, vtk};
 use crate::problem::Problem;
@@ -31,8 +32,13 @@ const RING_VELOCITY: usize = 4;
 /// Height of the middle one of the curves of V̇ in distances of their base lines.
 const LIFT: f64 = 1.6;
 
-/// Names of the pictures.
-pub(super) const NAMES: [&str; 4] = ["space_time", "velocity", "phase_plane", "profiles"];
+/// What they show.
+pub(super) const SHOWN: [&str; 4] = [
+    "Regimes of contact over place and time",
+    "Velocity V\u{307} along the contact line at the beginning and at every snapshot, one above the other",
+    "One point of the contact line in the plane of V and V\u{307}",
+    "Radial displacement, velocity and pressure along the contact line at the beginning and at the end",
+];
 
 /// Time that the phase plane shows, at the end, in units of 1/Ω.
 const ORBIT: f64 = 12.0;
@@ -53,6 +59,8 @@ struct Motion {
     snapshots: Vec<(f64, Vec<f64>)>,
     /// Speed of the wave; zero where none was measured.
     speed: f64,
+    /// Unit of its pressures.
+    stress: &'static str,
 }
 
 /// The pictures of a simulation from the tables of its folder, in the order of their names. Without a
@@ -73,6 +81,10 @@ pub(super) fn pictures(folder: &Path, problem: &Problem) -> Result<[Picture; 4],
         speed: speed
             .and_then(|row| number(&measures, row, "value"))
             .unwrap_or(0.0),
+        stress: match problem.simulation.as_ref().map(|section| &section.body) {
+            Some(Body::Annulus { .. }) => "E",
+            _ => STRESS,
+        },
     };
     Ok([
         motion.space_time(),
@@ -146,7 +158,7 @@ impl Motion {
             }
         }
         let x = Axis::new(self.place(), Extent::Fixed(0.0, length));
-        let y = Axis::new(("time", "t"), Extent::Fixed(0.0, last));
+        let y = Axis::new(("time", "t", TIME), Extent::Fixed(0.0, last));
         let panel = Panel::new(x, y, vec![Layer::Cells(cells)]).high(420.0);
         let regimes = Regime::ALL.map(of_waves);
         Picture::new(vec![panel], Legend::default().with("", zone_keys(&regimes)))
@@ -186,7 +198,7 @@ impl Motion {
             text: ["V\u{307}:".to_owned(), "1".to_owned()],
         });
         let x = Axis::new(self.place(), Extent::Fixed(0.0, length));
-        let y = Axis::new(("velocity at time", "t"), Extent::Data(0.03));
+        let y = Axis::new(("velocity at time", "t", TIME), Extent::Data(0.03));
         Picture::new(
             vec![Panel::new(x, y, layers).high(420.0)],
             Legend::default(),
@@ -203,8 +215,9 @@ impl Motion {
     }
 
     /// Place on the tube, or in the frame of the wave where that is known.
-    fn place(&self) -> (&'static str, &'static str) {
-        ("place", if self.speed == 0.0 { "φ" } else { "φ − ct" })
+    fn place(&self) -> Named {
+        let symbol = if self.speed == 0.0 { "φ" } else { "φ − ct" };
+        ("place", symbol, ANGLE.2)
     }
 
     fn phase_plane(&self) -> Picture {
@@ -223,19 +236,19 @@ impl Motion {
             .as_ref()
             .map(|end| (end, Pen::solid(BLUE, 1.6), "at the end"));
         let lines: Vec<(&Table, Pen, &str)> = [start].into_iter().chain(end).collect();
-        let panel = |(name, quantity): (&str, (&str, &str))| {
+        let panel = |(name, quantity): (&str, Named)| {
             let layers = lines.iter().map(|(table, pen, _)| {
                 let points = column(table, "phi").into_iter().zip(column(table, name));
                 Layer::Line(points.collect(), *pen)
             });
-            let x = Axis::new(("place", "φ"), Extent::Fixed(0.0, self.length));
+            let x = Axis::new(("place", "φ", ANGLE.2), Extent::Fixed(0.0, self.length));
             let y = Axis::new(quantity, Extent::Data(0.05));
             Panel::new(x, y, layers.collect()).high(150.0)
         };
         let panels = [
-            ("U", ("radial", "U")),
+            ("U", ("radial", "U", LENGTH)),
             ("V_dot", VELOCITY),
-            ("P", ("pressure", "P")),
+            ("P", ("pressure", "P", self.stress)),
         ]
         .map(panel);
         let entries = lines.iter().map(|(_, pen, name)| (Key::Line(*pen), *name));

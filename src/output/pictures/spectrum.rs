@@ -1,6 +1,6 @@
 //! Eigenvalues in the plane of λ.
 
-use super::names::{occurring, quantity};
+use super::names::{RATE, occurring, quantity};
 use super::profile::evenly;
 use super::tables::{Tables, number as value_of};
 use crate::output::render::{
@@ -67,8 +67,8 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
         let mark = chosen.mark(one.label, one.sector);
         Layer::Marks(vec![one.value], mark)
     }));
-    let x = Axis::new(("", "Re λ"), Extent::Data(0.08));
-    let y = Axis::new(("", "Im λ"), Extent::Data(0.05));
+    let x = Axis::new(("", "Re λ", RATE), Extent::Data(0.08));
+    let y = Axis::new(("", "Im λ", RATE), Extent::Data(0.05));
     let panel = Panel::new(x, y, layers);
     let panel = panel.unless(chosen.eigenvalues.is_empty(), NONE);
     Ok(Picture::new(vec![panel], chosen.legend(tables)))

@@ -1,10 +1,13 @@
 //! Growth of the perturbations of steady sliding, and the friction where it begins, by mode.
 
+use super::names::{Named, RATE, parameters};
 use super::tables::column;
+use crate::model::Parameter;
 use crate::output::render::{
     Axis, BLUE, Extent, GREEN, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point,
     Shape, VERMILLION,
 };
+use crate::problem::Problem;
 use crate::table::Table;
 
 /// Height of each of two panels.
@@ -36,7 +39,7 @@ impl Curve {
 }
 
 /// The picture: growth rates and, with damping, the Hopf friction.
-pub(crate) fn picture(modes: &Table) -> Picture {
+pub(crate) fn picture(modes: &Table, problem: Option<&Problem>) -> Picture {
     let solid = |colour| Pen::solid(colour, 1.9);
     let dashed = Pen::dashed(GREEN, 1.6);
     // the last one on top
@@ -57,7 +60,7 @@ pub(crate) fn picture(modes: &Table) -> Picture {
             solid(VERMILLION),
         ),
     ];
-    let panel = |quantity, of: usize, height| {
+    let panel = |quantity: Named, of: usize, height| {
         let mut layers = vec![Layer::Across(0.0, Pen::solid(GREY, 1.0))];
         for curve in &curves {
             let values = curve.values[of].iter().copied();
@@ -69,18 +72,24 @@ pub(crate) fn picture(modes: &Table) -> Picture {
         let panel = Panel::new(x, Axis::new(quantity, Extent::Data(0.05)), layers).high(height);
         panel.unless(modes.is_empty(), "no mode was asked for")
     };
-    let growth = ("growth rate", "Re λ");
+    let growth = ("growth rate", "Re λ", RATE);
     // without damping every friction makes every mode grow: there is nothing to show
     let mut hopf = curves.iter().flat_map(|curve| &curve.values[1]);
     let panels = match hopf.any(|friction| *friction > 0.0) {
         true => vec![
             panel(growth, 0, HALF_HEIGHT),
-            panel(("Hopf friction", "f"), 1, HALF_HEIGHT),
+            panel(("Hopf friction", "f", ""), 1, HALF_HEIGHT),
         ],
         false => vec![panel(growth, 0, HEIGHT)],
     };
     let known = |curve: &&Curve| curve.values[0].iter().any(|growth| growth.is_finite());
     let entries = curves.iter().rev().filter(known);
     let entries = entries.map(|curve| (Key::Mark(curve.mark), curve.name));
-    Picture::new(panels, Legend::default().with("", entries))
+    let picture = Picture::new(panels, Legend::default().with("", entries));
+    let picture = picture.titled(Some("Perturbations of steady sliding, by mode"));
+    match problem {
+        // the mismatch changes nothing under Coulomb's law
+        Some(problem) => picture.subtitled(&parameters(problem, Parameter::Mismatch)),
+        None => picture,
+    }
 }

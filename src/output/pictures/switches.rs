@@ -5,6 +5,7 @@ use super::diagram::{NONE, joined, one_way, parameter_axis, same_leg, signature_
 use super::names::{ANGLE, occurring, regime_name, sequence, zone_keys};
 use super::tables::{Tables, list, number};
 use crate::model::signature::Regime;
+use crate::output::render::number::significant;
 use crate::output::render::{
     Axis, BLACK, Extent, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
 };
@@ -41,17 +42,25 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     let legend = if shaded {
         Legend::default().with("", zone_keys(&regimes))
     } else {
+        // the last zone ends where the wave does, at the same place all along
+        let own = bands.iter().filter_map(|band| band.regimes.split_last());
+        let regimes = occurring(own.flat_map(|(_, rest)| rest.iter().copied()));
         let key = |one: &Option<Regime>| Key::Line(Pen::solid(colours::of_regime(*one), 2.0));
-        Legend::default().with(
-            "end of",
-            regimes.iter().map(|one| (key(one), regime_name(*one))),
-        )
+        let entries = regimes.iter().map(|one| (key(one), regime_name(*one)));
+        let whole = format!("the wave ends at θ = {}", significant(top, 4));
+        Legend::default()
+            .with("end of", entries)
+            .with::<&str>(&whole, [])
     };
 
     let mut layers = Vec::new();
     let mut lines = Vec::new();
     for band in &bands {
+        let last = band.regimes.len() - 1;
         for (zone, regime) in band.regimes.iter().enumerate() {
+            if zone == last && !shaded {
+                continue;
+            }
             let colour = if shaded {
                 BLACK
             } else {
@@ -75,7 +84,11 @@ pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
         layers.push(Layer::Marks(points.collect(), mark));
     }
     let x = parameter_axis(tables);
-    let y = Axis::new(ANGLE, Extent::Fixed(0.0, top));
+    let height = match shaded {
+        true => Extent::Fixed(0.0, top),
+        false => Extent::Data(0.05),
+    };
+    let y = Axis::new(ANGLE, height);
     let panel = Panel::new(x, y, layers)
         .unless(top <= 0.0, "no switching positions")
         .unless(branch.is_empty(), NONE);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use crate::branch::row::WORD_COLUMNS;
 use crate::model::EventType;
-use crate::output::run::{BRANCH, EVENTS, SPECTRUM};
+use crate::output::layout::{BRANCH, EVENTS, SPECTRUM};
 use crate::output::store::{self, StoreError, damaged, refused};
 use crate::table::Table;
 
@@ -165,18 +165,31 @@ impl Tables {
         }
     }
 
+    /// Labels of the point that the branch leaves both ways: it is no end.
+    pub(crate) fn begun(&self) -> Vec<&str> {
+        let leg = |row: usize| self.branch.text(row, "leg");
+        let rows = 0..self.branch.len();
+        let first = rows.filter(|row| *row == 0 || leg(row - 1) != leg(*row));
+        let first: Vec<&str> = first.map(|row| self.branch.text(row, "label")).collect();
+        if first.len() > 1 { first } else { Vec::new() }
+    }
+
     /// The special points in a picture of a column over the parameter, the less important ones
     /// first.
     pub(crate) fn marks(&self, column: &str) -> Vec<Marks> {
         let rows = |table| (0..Table::len(table)).map(move |row| (table, row));
         let mut seen = HashSet::new();
         let mut marks: Vec<(EventType, Point)> = Vec::new();
+        let begun = self.begun();
         for (table, row) in rows(&self.branch).chain(rows(&self.events)) {
             let Some(kind) = kind(table, row) else {
                 continue;
             };
-            // The same event is usually in both tables.
             let label = table.text(row, "label");
+            if kind == EventType::EP && !label.is_empty() && begun.contains(&label) {
+                continue;
+            }
+            // The same event is usually in both tables.
             if !label.is_empty() && !seen.insert((label, kind)) {
                 continue;
             }
@@ -188,7 +201,8 @@ impl Tables {
                 marks.push((kind, (x, y)));
             }
         }
-        marks.sort_by_key(|(kind, _)| !matches!(kind, EventType::EP | EventType::UZ));
+        let less = |kind| matches!(kind, EventType::EP | EventType::UZ | EventType::HB);
+        marks.sort_by_key(|(kind, _)| !less(*kind));
         let groups = marks.chunk_by(|one, other| one.0 == other.0);
         let points = |group: &[(EventType, Point)]| group.iter().map(|mark| mark.1).collect();
         groups.map(|group| (group[0].0, points(group))).collect()

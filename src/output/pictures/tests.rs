@@ -12,6 +12,8 @@ use crate::output::render::{Extent, Format, Layer, Picture, Point, number};
 use crate::output::store::{MANIFEST, Store, StoreError};
 use crate::problem::{self, Plot, Problem};
 
+mod branch;
+
 const BRANCH: &str = "point,label,type,regimes,mismatch,friction,mass_damping,stiffness_damping,\
 gamma,nu,xi,speed,switches,min_pressure,max_gap,amplitude,stable,unstable,lead_re,lead_im,\
 lead_sector,newton,residual,leg\n";
@@ -241,74 +243,6 @@ fn unfinished_last_rows_are_ignored() {
 }
 
 #[test]
-fn diagram_has_markers_and_labels() {
-    let rows = [
-        row("1", "EP", 0.1, "yes", 1),
-        row("2", "GR", 0.2, "yes", 1),
-        row("3", "HB", 0.3, "no", 1),
-        row("", "", 0.4, "no", 1),
-    ];
-    let folder = folder(&rows);
-    fs::write(
-        folder.path().join("events.csv"),
-        "label,type,mismatch,speed\n2,GR,0.2,-1.242\n7,CO,0.25,-1.2425\n",
-    )
-    .unwrap();
-    let diagram = picture(&folder, Plot::Diagram);
-    assert_eq!(captions(&diagram), ["mismatch δ", "speed c"]);
-    assert_eq!(
-        explanations(&diagram),
-        [
-            "stable",
-            "unstable",
-            "EP end",
-            "HB Hopf",
-            "GR take-off",
-            "CO coalescence"
-        ]
-    );
-    assert_eq!(marks(&diagram), 4);
-    let text = svg(&folder, Plot::Diagram);
-    for wanted in captions(&diagram)
-        .iter()
-        .map(String::as_str)
-        .chain(explanations(&diagram))
-    {
-        assert!(text.contains(wanted), "{wanted}");
-    }
-    // Each event once in the picture and once in the legend.
-    assert_eq!(text.matches("<polygon").count(), 8);
-}
-
-#[test]
-fn stability_is_explained_only_when_examined() {
-    let rows = [row("", "", 0.1, "", 1), row("", "", 0.2, "", 1)];
-    assert!(explanations(&picture(&folder(&rows), Plot::Diagram)).is_empty());
-}
-
-#[test]
-fn legs_are_not_joined() {
-    let curves = |legs: [usize; 4]| {
-        let rows: Vec<String> = legs
-            .iter()
-            .zip([0.1, 0.2, 0.3, 0.4])
-            .map(|(leg, mismatch)| row("", "", mismatch, "", *leg))
-            .collect();
-        let diagram = picture(&folder(&rows), Plot::Diagram);
-        let points = |layer: &&Layer| match layer {
-            Layer::Line(points, _) => Some(points.len()),
-            _ => None,
-        };
-        layers(&diagram)
-            .iter()
-            .filter_map(points)
-            .collect::<Vec<_>>()
-    };
-    assert_eq!(curves([1, 1, 1, 1]), [4]);
-    assert_eq!(curves([1, 1, 2, 2]), [2, 2]);
-}
-
-#[test]
 fn profiles_are_drawn() {
     let rows = [
         row("1", "EP", 0.1, "", 1),
@@ -450,58 +384,6 @@ fn the_enlarged_view_is_where_the_foremost_multiplier_is() {
         let inside = corners.iter().filter(|(re, im)| re.hypot(*im) < 1.0);
         assert!((1..4).contains(&inside.count()), "{growth} {frequency}");
     }
-}
-
-/// A band says of a value of the parameter which waves are there: its ends are events, its name and its
-/// colour those of the sequence.
-#[test]
-fn bands_are_where_their_waves_are() {
-    let mut rows: Vec<String> = [0.4, 0.3, 0.2, 0.1]
-        .iter()
-        .map(|mismatch| row("", "", *mismatch, "", 1))
-        .collect();
-    rows[1] = row("2", "RV", 0.3, "", 1);
-    for row in &mut rows[1..] {
-        *row = row.replace("slip-stick", "slip-reverse-stick");
-    }
-    let diagram = picture(&folder(&rows), Plot::Diagram);
-    let bands: Vec<([f64; 2], String)> = layers(&diagram)
-        .into_iter()
-        .filter_map(|layer| match layer {
-            Layer::Headings(headings) => Some(headings),
-            _ => None,
-        })
-        .flatten()
-        .map(|heading| (heading.ends, heading.names[0].clone()))
-        .collect();
-    let wanted = [
-        ([0.3, 0.4], "slip-stick"),
-        ([0.1, 0.3], "slip-reverse-stick"),
-    ];
-    assert_eq!(bands.len(), wanted.len());
-    for ((ends, name), (wanted, known)) in bands.iter().zip(wanted) {
-        assert_eq!((*ends, name.as_str()), (wanted, known));
-    }
-    // none where the branch turns back
-    rows.push(row("", "", 0.2, "", 1));
-    let folded = picture(&folder(&rows), Plot::Diagram);
-    assert!(
-        !layers(&folded)
-            .iter()
-            .any(|layer| matches!(layer, Layer::Cells(_)))
-    );
-}
-
-/// Values far apart get a logarithmic axis, unless one is asked for or not.
-#[test]
-fn wide_branches_have_a_logarithmic_axis() {
-    let extent = |low: f64| {
-        let rows = [row("", "", low, "", 1), row("", "", 0.2, "", 1)];
-        picture(&folder(&rows), Plot::Diagram).panels[0].x.extent
-    };
-    assert!(matches!(extent(0.001), Extent::Logarithmic(_)));
-    assert!(matches!(extent(0.01), Extent::Data(_)));
-    assert!(matches!(extent(0.0), Extent::Data(_)));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::colours;
 use super::names::{
-    ANGLE, DISPLACEMENT, VELOCITY, occurring, regime_name, short_regime, zone_keys,
+    ANGLE, DISPLACEMENT, LENGTH, STRESS, VELOCITY, occurring, regime_name, short_regime, zone_keys,
 };
 use super::profile::{NONE, Profile, Profiles, Sample, Shown};
 use crate::output::render::{
@@ -37,7 +37,7 @@ pub(super) fn pressure(profiles: &Profiles) -> Picture {
     // Zero is where contact is lost and belongs into the picture.
     let mut layers = vec![Layer::Across(0.0, Pen::solid(GREY, 1.2))];
     layers.extend(lines(&shown, |wave| wave.over(|sample| sample.pressure)));
-    let panel = along(("pressure", "P"), 0.05, layers).unless(shown.is_empty(), NONE);
+    let panel = along(("pressure", "P", STRESS), 0.05, layers).unless(shown.is_empty(), NONE);
     Picture::new(vec![panel], profiles.legend(&shown))
 }
 
@@ -50,8 +50,8 @@ pub(super) fn wave(profiles: &Profiles) -> Picture {
         panel.unless(shown.is_empty(), NONE)
     };
     let panels = vec![
-        panel(("tangential", "V"), |sample| sample.tangential),
-        panel(("radial", "U"), |sample| sample.radial),
+        panel(("tangential", "V", LENGTH), |sample| sample.tangential),
+        panel(("radial", "U", LENGTH), |sample| sample.radial),
     ];
     Picture::new(panels, profiles.legend(&shown))
 }
@@ -108,8 +108,8 @@ pub(super) fn friction(profiles: &Profiles) -> Picture {
         Some(profile) => friction_along(profile, profiles.parameter.short()),
         None => Default::default(),
     };
-    let force = along(("friction force", "Q"), 0.05, force).high(180.0);
-    let velocity = along(("velocity", "1 − V\u{307}"), 0.05, velocity).high(140.0);
+    let force = along(("friction force", "Q", STRESS), 0.05, force).high(180.0);
+    let velocity = along(("velocity", "1 − V\u{307}", VELOCITY.2), 0.05, velocity).high(140.0);
     Picture::new(vec![force.unless(chosen.is_none(), NONE), velocity], legend)
 }
 

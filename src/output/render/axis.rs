@@ -19,6 +19,10 @@ pub(crate) struct Quantity {
     pub word: String,
     /// Symbol, such as `δ`.
     pub symbol: String,
+    /// The unit of the tables, such as `R`; empty for a number.
+    pub unit: &'static str,
+    /// Whether the unit is written.
+    pub dimensional: bool,
 }
 
 impl From<(&str, &str)> for Quantity {
@@ -26,14 +30,32 @@ impl From<(&str, &str)> for Quantity {
         Quantity {
             word: word.to_owned(),
             symbol: symbol.to_owned(),
+            ..Quantity::default()
+        }
+    }
+}
+
+impl From<(&str, &str, &'static str)> for Quantity {
+    fn from((word, symbol, unit): (&str, &str, &'static str)) -> Self {
+        Quantity {
+            unit,
+            ..(word, symbol).into()
         }
     }
 }
 
 impl Quantity {
-    /// Word and symbol.
+    /// Word and symbol, and the unit where it is written.
     pub(crate) fn caption(&self) -> String {
-        self.around(&self.symbol)
+        self.measured(self.around(&self.symbol))
+    }
+
+    /// A caption with the unit after it, where that is written.
+    fn measured(&self, caption: String) -> String {
+        match (self.dimensional, self.unit) {
+            (false, _) | (true, "") => caption,
+            (true, unit) => format!("{caption} ({unit})"),
+        }
     }
 
     /// The symbol, or the word where there is none.
@@ -315,16 +337,17 @@ impl Notation {
             exponent => format!(" × {}", number::power_of_ten(-exponent)),
         };
         if self.base == 0.0 {
-            return format!("{}{factor}", quantity.caption());
+            let caption = format!("{}{factor}", quantity.around(&quantity.symbol));
+            return quantity.measured(caption);
         }
         let sign = if self.base < 0.0 { "+" } else { "−" };
         let base = number::trimmed(&number::fixed(self.base.abs(), self.base_decimals));
         let difference = format!("({} {sign} {base}){factor}", quantity.short());
-        if quantity.symbol.is_empty() {
+        quantity.measured(if quantity.symbol.is_empty() {
             difference
         } else {
             quantity.around(&difference)
-        }
+        })
     }
 }
 

@@ -17,10 +17,12 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
 
 use super::frame::Frame;
+use super::mark::{Mark, Shape};
+use super::paint::Sheet;
 use super::palette::{Pattern, Pen, WHITE};
-use super::surface::{Align, Drawn, Place, Surface, Text, WIDTH};
+use super::picture::Layer;
+use super::surface::{Align, Drawn, Place, RenderError, Surface, Text, WIDTH};
 use super::text::{clean, cut};
-use super::{Layer, Mark, RenderError, Shape};
 
 /// Units of the file per pixel. The backend knows whole units only; curves need finer ones.
 const UNITS: f64 = 10.0;
@@ -72,16 +74,6 @@ pub(super) fn compose(
     Ok(buffer.replacen(&raw, &wanted, 1))
 }
 
-impl Canvas<'_> {
-    /// A filled polygon.
-    pub(crate) fn polygon(&mut self, corners: &[Place], colour: RGBColor) -> Drawn {
-        let corners = coordinates(corners);
-        let style = ShapeStyle::from(&colour).filled();
-        let drawn = self.backend.fill_polygon(corners, &style);
-        drawn.map_err(refused)
-    }
-}
-
 impl Surface for Canvas<'_> {
     fn line(&mut self, places: &[Place], pen: Pen) -> Drawn {
         let places = coordinates(places);
@@ -111,6 +103,13 @@ impl Surface for Canvas<'_> {
         self.backend
             .draw_rect(coordinate(&upper), coordinate(&lower), &style, true)
             .map_err(refused)
+    }
+
+    fn polygon(&mut self, corners: &[Place], colour: RGBColor) -> Drawn {
+        let corners = coordinates(corners);
+        let style = ShapeStyle::from(&colour).filled();
+        let drawn = self.backend.fill_polygon(corners, &style);
+        drawn.map_err(refused)
     }
 
     fn text(&mut self, text: Text<'_>) -> Drawn {
@@ -164,7 +163,9 @@ impl Surface for Canvas<'_> {
             }
         }
     }
+}
 
+impl Sheet for Canvas<'_> {
     fn panel(&mut self, frame: &Frame, layers: &[Layer]) -> Drawn {
         frame.paint(self, layers)
     }

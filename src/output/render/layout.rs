@@ -3,10 +3,11 @@
 use super::axis::{Scale, TICK_SIZE, Tick, Ticks};
 use super::canvas::compose;
 use super::frame::{CAPTION_SIZE, Frame};
+use super::paint::Sheet;
 use super::palette::GREY;
-use super::surface::{Align, Drawn, Surface, Text, WIDTH};
+use super::picture::{Layer, Panel, Picture};
+use super::surface::{Align, Drawn, RenderError, Text, WIDTH};
 use super::text::width;
-use super::{Layer, Panel, Picture, RenderError};
 
 /// Size of the title.
 const TITLE_SIZE: f64 = 18.0;
@@ -42,7 +43,7 @@ impl Picture {
     }
 
     /// Draws the picture with its frames.
-    pub(super) fn draw(&self, on: &mut dyn Surface, (frames, bottom): &(Vec<Frame>, f64)) -> Drawn {
+    pub(super) fn draw(&self, on: &mut dyn Sheet, (frames, bottom): &(Vec<Frame>, f64)) -> Drawn {
         let (middle, room) = (0.5 * WIDTH, WIDTH - 20.0);
         if let Some(title) = &self.title {
             // what fits exactly must not be cut by rounding

@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use super::Mark;
+use super::mark::Mark;
 use super::palette::{BLACK, Pen};
 use super::surface::{Align, Drawn, Surface, Text, WIDTH};
 use super::text::width;

@@ -1,9 +1,9 @@
 //! Names in a panel: where there is room for them.
 
 use super::frame::Frame;
+use super::picture::{Layer, Name};
 use super::surface::Place;
 use super::text::width;
-use super::{Layer, Name};
 
 /// Size of the names.
 pub(super) const NAME_SIZE: f64 = 14.0;

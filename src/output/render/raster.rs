@@ -7,8 +7,7 @@ use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 use svg2pdf::{ConversionOptions, PageOptions};
 
-use super::RenderError;
-use super::surface::WIDTH;
+use super::surface::{RenderError, WIDTH};
 
 /// Pixels of the PNG per pixel of the sheet.
 const SCALE: f32 = 3.0;

@@ -1,13 +1,34 @@
 //! What a picture is drawn on, and the pieces that stand outside of the data: the same for SVG and TeX.
 
+use std::error::Error;
+
 use plotters::style::RGBColor;
 
-use super::frame::Frame;
+use super::mark::Mark;
 use super::palette::{BLACK, Pen};
-use super::{Layer, Mark, RenderError};
 
 /// Width of every picture: 85 mm at six pixels per millimetre.
 pub(super) const WIDTH: f64 = 510.0;
+
+/// Failure to render a picture.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum RenderError {
+    /// PNG and PDF were left out when the program was built.
+    #[error("this build writes SVG and TeX only; build it with the feature `raster` for {0}")]
+    FormatMissing(&'static str),
+    /// The backend failed.
+    #[error("cannot compose the picture: {0}")]
+    Compose(Box<dyn Error + Send + Sync>),
+    /// The picture could not be converted.
+    #[error("cannot convert the picture to {format}: {source}")]
+    #[cfg_attr(not(feature = "raster"), allow(dead_code))] // SVG needs no conversion
+    Convert {
+        /// The format asked for.
+        format: &'static str,
+        /// Why.
+        source: Box<dyn Error + Send + Sync>,
+    },
+}
 
 /// A position in pixels, from the upper left corner.
 pub(super) type Place = (f64, f64);
@@ -72,17 +93,14 @@ pub(super) trait Surface {
     /// A filled rectangle.
     fn area(&mut self, from: Place, to: Place, colour: RGBColor) -> Drawn;
 
+    /// A filled polygon.
+    fn polygon(&mut self, corners: &[Place], colour: RGBColor) -> Drawn;
+
     /// A point with a white rim.
     fn mark(&mut self, place: Place, mark: Mark) -> Drawn;
 
     /// A text.
     fn text(&mut self, text: Text<'_>) -> Drawn;
-
-    /// What is drawn in a frame.
-    fn panel(&mut self, frame: &Frame, layers: &[Layer]) -> Drawn;
-
-    /// A frame with its ticks, figures and captions, over all panels.
-    fn border(&mut self, frame: &Frame) -> Drawn;
 
     /// A closed line.
     fn outline(&mut self, corners: &[Place], pen: Pen) -> Drawn {

@@ -12,9 +12,11 @@ use plotters::style::RGBColor;
 use super::axis::{Scale, TICK_SIZE, Tick, drawable};
 use super::canvas::thinned;
 use super::frame::Frame;
+use super::mark::{Mark, Shape};
+use super::paint;
 use super::palette::{BLACK, Pattern, Pen, WHITE};
-use super::surface::{Align, Drawn, Place, Surface, Text, WIDTH};
-use super::{Cell, Layer, Mark, Picture, Point, RenderError, Shape};
+use super::picture::{Cell, Layer, Picture, Point};
+use super::surface::{Align, Drawn, Place, RenderError, Surface, Text, WIDTH};
 
 /// Pixels per millimetre.
 const PIXELS: f64 = 6.0;
@@ -82,6 +84,13 @@ impl Surface for Sheet {
         self.add(format_args!("\\fill[{colour}] {from} rectangle {to};\n"))
     }
 
+    fn polygon(&mut self, corners: &[Place], colour: RGBColor) -> Drawn {
+        let corners = corners.iter().map(|corner| self.millimetres(*corner));
+        let corners = corners.collect::<Vec<_>>().join(" -- ");
+        let colour = self.colour(colour);
+        self.add(format_args!("\\fill[{colour}] {corners} -- cycle;\n"))
+    }
+
     fn mark(&mut self, place: Place, mark: Mark) -> Drawn {
         let (mark, place) = (self.look(mark), self.millimetres(place));
         self.add(format_args!(
@@ -106,7 +115,9 @@ impl Surface for Sheet {
             escaped(text.text)
         ))
     }
+}
 
+impl paint::Sheet for Sheet {
     /// A frame with its axes and what is drawn in it, then what stands outside of it.
     fn panel(&mut self, frame: &Frame, layers: &[Layer]) -> Drawn {
         let (width, height) = (frame.to.0 - frame.from.0, frame.to.1 - frame.from.1);

@@ -2,16 +2,19 @@
 //!
 //! The page holds the tables and pictures of the folder. That of a run has a diagram besides, in which
 //! pointing at a point shows its wave, its pressure, its spectrum and the sentence of its event: the
-//! numbers stand in the page as CSV, thinned out to what a screen can show, and a script draws them.
+//! numbers stand in the page as CSV, thinned out to what a screen can show, and a script draws them. The
+//! page says what it leaves out.
 
 use std::fmt::Write;
 use std::path::Path;
 
-use super::pictures::colours;
-use super::run::{BRANCH, EVENTS, RunFolder, SPECTRUM, profile_file};
-use super::simulation::SERIES;
-use super::store::{self, Kind, Store, StoreError, VERSION, damaged, unfinished};
-use super::{accuracy, certify, curve, map, origin, steady};
+use super::layout::{
+    ACCURACY, BRANCH, CERTIFICATES, CURVE, EVENTS, MAP, SERIES, SPECTRUM, STEADY, profile_file,
+};
+use super::origin;
+use super::pictures::{colours, page};
+use super::run::RunFolder;
+use super::store::{self, Kind, SOURCE, Store, StoreError, VERSION, damaged, unfinished};
 use crate::problem::Problem;
 use crate::table::{self, Table};
 
@@ -21,14 +24,16 @@ pub(crate) const PAGE: &str = "report.html";
 /// The page around its content: style and script, with `{{name}}` where content goes.
 const FRAME: &str = include_str!("page.html");
 
-/// What the page shows of each kind, at most: together well below a megabyte.
-const POINTS: usize = 3_000;
+/// What the page shows of each kind, at most: together about a megabyte.
+/// Points times columns.
+const CELLS: usize = 40_000;
+/// Samples of profiles.
 const SAMPLES: usize = 8_000;
 /// Events, and eigenvalues.
 const EIGENVALUES: usize = 4_000;
 const ROWS: usize = 400;
-/// Bytes of pictures.
-const PICTURES: usize = 250_000;
+/// Bytes of pictures, small ones first.
+const PICTURES: usize = 600_000;
 
 /// The page of a folder.
 ///
@@ -43,10 +48,11 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
     let title = problem.as_ref().and_then(|problem| problem.title.clone());
     let kind = store.kind().map_or("", Kind::name);
     let title = title.unwrap_or_else(|| format!("Results of {kind}"));
+    let mut left = Vec::new();
     let mut data = String::new();
     let mut tables = String::new();
     if let (true, Some(problem)) = (there(BRANCH), &problem) {
-        data = branch(folder, problem, &there)?;
+        data = branch(folder, problem, &there, &mut left)?;
     }
     for name in &names {
         let shown = name.ends_with(".csv") && !name.contains('/') && name != BRANCH;
@@ -54,19 +60,34 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
             tables.push_str(&listed(name, &store::table(&folder.join(name))?));
         }
     }
-    let pretty = ron::ser::PrettyConfig::default();
-    let file = problem.and_then(|problem| {
-        ron::ser::to_string_pretty(&problem as &dyn erased_serde::Serialize, pretty).ok()
-    });
+    let pictures = pictures(store, problem.as_ref(), &mut left)?;
+    let (origin, file) = match there(SOURCE) {
+        true => (
+            "Problem file, as it was written",
+            store::read(&folder.join(SOURCE))?,
+        ),
+        false => ("Problem, with all its settings", settings(problem.as_ref())),
+    };
+    let left = match left.is_empty() {
+        true => String::new(),
+        false => format!(
+            "<p class=\"left\">To keep this page small it leaves out some of what lies beside it. {}</p>",
+            left.join(" ")
+        ),
+    };
+    let [zones, dark] = colours::style_sheets();
     let content = [
         ("title", escaped(&title)),
         ("kind", kind.to_owned()),
         ("version", VERSION.to_owned()),
-        ("colours", colours::of_zones()),
+        ("zones", zones),
+        ("dark", dark),
         ("data", data),
-        ("pictures", pictures(folder, &names)?),
+        ("left", left),
+        ("pictures", pictures),
         ("tables", tables),
-        ("problem", escaped(&file.unwrap_or_default())),
+        ("origin", origin.to_owned()),
+        ("problem", escaped(&file)),
     ];
     // each name once, from left to right: content is not searched for names
     let mut page = String::new();
@@ -88,12 +109,12 @@ fn complete(store: &Store, problem: Option<&Problem>) -> Result<(), StoreError> 
     let (table, verb) = match store.kind() {
         Some(Kind::Run) if saved => (BRANCH, None),
         Some(Kind::Run) => return RunFolder::saved(store).map(|_| ()),
-        Some(Kind::Map) => (map::TABLE, Some("map")),
-        Some(Kind::Curve) => (curve::TABLE, Some("curve")),
-        Some(Kind::Accuracy) => (accuracy::TABLE, Some("accuracy")),
+        Some(Kind::Map) => (MAP, Some("map")),
+        Some(Kind::Curve) => (CURVE, Some("curve")),
+        Some(Kind::Accuracy) => (ACCURACY, Some("accuracy")),
         Some(Kind::Simulation) => (SERIES, (!saved).then_some("simulate")),
-        Some(Kind::Certificate) => (certify::TABLE, None),
-        Some(Kind::Steady) => (steady::TABLE, None),
+        Some(Kind::Certificate) => (CERTIFICATES, None),
+        Some(Kind::Steady) => (STEADY, None),
         Some(Kind::MapShard) | None => return Ok(()),
     };
     let path = store.path().join(table);
@@ -109,22 +130,64 @@ fn complete(store: &Store, problem: Option<&Problem>) -> Result<(), StoreError> 
     }
 }
 
-/// The numbers of a branch, as the script reads them.
+/// A problem with all its settings, where its file was not kept.
+fn settings(problem: Option<&Problem>) -> String {
+    let pretty = ron::ser::PrettyConfig::default();
+    let text = problem.and_then(|problem| {
+        ron::ser::to_string_pretty(problem as &dyn erased_serde::Serialize, pretty).ok()
+    });
+    text.unwrap_or_default()
+}
+
+/// The numbers of a branch, as the script reads them; adds to what is left out.
 fn branch(
     folder: &Path,
     problem: &Problem,
     there: &impl Fn(&str) -> bool,
+    left: &mut Vec<String>,
 ) -> Result<String, StoreError> {
-    let points = store::table(&folder.join(BRANCH))?;
-    let parameter = problem.parameter().column();
-    let every = points.len().div_ceil(POINTS).max(1);
+    let drawn = page::drawn(folder, problem)?;
+    let points = &drawn.branch;
+    let every = (points.len() * drawn.columns.len()).div_ceil(CELLS).max(1);
     let labelled = |row: usize| !points.text(row, "label").is_empty();
     let kept = |row: &usize| row.is_multiple_of(every) || labelled(*row);
     let rows: Vec<usize> = (0..points.len()).filter(kept).collect();
-    let columns = [
-        parameter, "speed", "point", "leg", "label", "type", "regimes", "stable", "unstable", "why",
+    if rows.len() < points.len() {
+        let (shown, all) = (rows.len(), points.len());
+        left.push(format!(
+            "The diagram has {shown} of {all} points, all labelled ones among them."
+        ));
+    }
+    let words = [
+        "point", "leg", "label", "regimes", "stable", "unstable", "why",
     ];
-    let mut text = block("points", &points, &rows, &columns);
+    let numbers = drawn.columns.iter().map(|(name, _)| name.as_str());
+    let numbers = numbers.filter(|name| !words.contains(name));
+    let columns: Vec<&str> = numbers.chain(words).collect();
+    let header = [&columns[..], &["line", "mark"]].concat();
+    let body = rows.iter().map(|&row| {
+        let cells = columns.iter().map(|column| short(points.text(row, column)));
+        let look = [drawn.lines[row].to_owned(), drawn.marks[row].clone()];
+        cells.chain(look).collect()
+    });
+    let mut text = block("points", &header, body);
+    let axes = drawn
+        .columns
+        .iter()
+        .enumerate()
+        .map(|(index, (name, caption))| {
+            let logarithmic = if index == 0 && drawn.logarithmic {
+                "yes"
+            } else {
+                "no"
+            };
+            vec![name.clone(), caption.clone(), logarithmic.to_owned()]
+        });
+    text.push_str(&block(
+        "columns",
+        &["column", "caption", "logarithmic"],
+        axes,
+    ));
     let others: [(&str, &str, &[&str]); 2] = [
         ("sentences", EVENTS, &["label", "type", "what"]),
         ("spectrum", SPECTRUM, &["label", "sector", "re", "im"]),
@@ -132,8 +195,12 @@ fn branch(
     for (id, name, columns) in others {
         if there(name) {
             let table = store::table(&folder.join(name))?;
-            let rows: Vec<usize> = (0..table.len().min(EIGENVALUES)).collect();
-            text.push_str(&block(id, &table, &rows, columns));
+            let shown = table.len().min(EIGENVALUES);
+            if shown < table.len() {
+                let all = table.len();
+                left.push(format!("It has the first {shown} of {all} rows of {name}."));
+            }
+            text.push_str(&block(id, columns, cells(&table, 0..shown, columns)));
         }
     }
     let mut profiles = Vec::new();
@@ -146,25 +213,42 @@ fn branch(
     }
     let samples: usize = profiles.iter().map(|(_, table)| table.len()).sum();
     let every = samples.div_ceil(SAMPLES).max(1);
+    if every > 1 {
+        left.push(format!("Of the profiles one sample in {every} is here."));
+    }
     for (label, profile) in profiles {
         let last = profile.len().saturating_sub(1);
         let kept = |row: &usize| row.is_multiple_of(every) || *row == last;
-        let rows: Vec<usize> = (0..profile.len()).filter(kept).collect();
+        let rows = (0..profile.len()).filter(kept);
         let columns = ["theta", "U", "V", "P", "regime"];
         let id = format!("profile-{label}");
-        text.push_str(&block(&id, &profile, &rows, &columns));
+        text.push_str(&block(&id, &columns, cells(&profile, rows, &columns)));
     }
     Ok(text)
 }
 
-/// Some rows and columns of a table as a block of CSV in the page, with as many digits as can be seen.
-fn block(id: &str, table: &Table, rows: &[usize], columns: &[&str]) -> String {
+/// Some rows and columns of a table, with as many digits as can be seen.
+fn cells(
+    table: &Table,
+    rows: impl Iterator<Item = usize>,
+    columns: &[&str],
+) -> impl Iterator<Item = Vec<String>> {
+    let cells = move |row| {
+        columns
+            .iter()
+            .map(|column| short(table.text(row, column)))
+            .collect()
+    };
+    rows.map(cells)
+}
+
+/// Rows as a block of CSV in the page.
+fn block(id: &str, columns: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let mut text = format!("<script type=\"text/csv\" id=\"{id}\">\n");
     let names: Vec<String> = columns.iter().map(ToString::to_string).collect();
     text.push_str(&table::line_of(&names));
-    for &row in rows {
-        let cells = columns.iter().map(|column| short(table.text(row, column)));
-        text.push_str(&table::line_of(&cells.collect::<Vec<_>>()));
+    for row in rows {
+        text.push_str(&table::line_of(&row));
     }
     // nothing inside may end the element
     let end = text.len().min(id.len() + 33);
@@ -226,26 +310,44 @@ fn digits(cell: &str) -> String {
     }
 }
 
-/// The pictures of a folder, inside the page.
-fn pictures(folder: &Path, names: &[String]) -> Result<String, StoreError> {
+/// The pictures of a folder, inside the page, as many of them as there is room for, small ones first; adds to
+/// what is left out.
+fn pictures(
+    store: &Store,
+    problem: Option<&Problem>,
+    left: &mut Vec<String>,
+) -> Result<String, StoreError> {
+    let folder = store.path();
+    let mut found = Vec::new();
+    for name in store.names() {
+        if name.ends_with(".svg") && folder.join(&name).exists() {
+            found.push((store::read(&folder.join(&name))?, name));
+        }
+    }
+    let mut sizes: Vec<usize> = found.iter().map(|(picture, _)| picture.len()).collect();
+    sizes.sort_unstable();
+    let sums = sizes.iter().scan(0, |sum, size| {
+        *sum += size;
+        Some((*sum, *size))
+    });
+    let largest = sums.take_while(|(sum, _)| *sum <= PICTURES).last();
+    let largest = largest.map_or(0, |(_, size)| size);
     let mut text = String::new();
-    let mut room = PICTURES;
-    for name in names.iter().filter(|name| name.ends_with(".svg")) {
-        let path = folder.join(name);
-        if !path.exists() {
+    for (picture, name) in &found {
+        let shown = escaped(&page::description(name, store.kind(), problem));
+        let name = escaped(name);
+        if picture.len() > largest {
+            let (size, limit) = (picture.len().div_ceil(1000), PICTURES / 1000);
+            left.push(format!(
+                "The picture <a href=\"{name}\">{name}</a> ({size} KB) is not in it: pictures take {limit} KB \
+                 at most, the smallest first."
+            ));
             continue;
         }
-        let picture = store::read(&path)?;
-        if picture.len() > room {
-            let _ = writeln!(text, "<p>{} is left out: it is large.</p>", escaped(name));
-            continue;
-        }
-        room -= picture.len();
+        let data = encoded(picture);
         let _ = writeln!(
             text,
-            "<figure><img alt=\"{0}\" src=\"data:image/svg+xml,{1}\"><figcaption>{0}</figcaption></figure>",
-            escaped(name),
-            encoded(&picture)
+            "<figure><img alt=\"{shown}\" src=\"data:image/svg+xml,{data}\"><figcaption>{name}</figcaption></figure>"
         );
     }
     Ok(text)
@@ -283,7 +385,8 @@ mod tests {
     fn texts_stay_where_they_are_put() {
         let hostile = "a,b\n1,</script><b>\n";
         let table = Table::parse(hostile.as_bytes()).unwrap();
-        let text = block("points", &table, &[0], &["a", "b"]);
+        let columns = ["a", "b"];
+        let text = block("points", &columns, cells(&table, 0..1, &columns));
         assert_eq!(text.matches("</").count(), 1);
         assert!(text.ends_with("</script>\n"));
         assert!(!listed("<i>", &table).contains("<b>"));

@@ -11,9 +11,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::VERSION;
 use super::error::{READ, StoreError, damaged, io_error};
 use crate::table::{self, Table};
+
+/// This version, as manifests and checkpoints carry it.
+pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The content of a file.
 ///

@@ -30,7 +30,7 @@ pub(crate) use admit::Existing;
 pub(crate) use checkpoint::Checkpoint;
 pub use error::{Offers, StoreError};
 pub(crate) use error::{READ, damaged, io_error, refused, resumable, unfinished};
-pub(crate) use file::{Growing, bytes, decode, encode, hash, numbered, read, table};
+pub(crate) use file::{Growing, VERSION, bytes, decode, encode, hash, numbered, read, table};
 pub(crate) use manifest::{Kind, MANIFEST};
 
 use admit::admit;
@@ -40,8 +40,8 @@ use file::{
 use manifest::{Header, Manifest};
 use place::{make, real, stranger, unmake};
 
-/// This version, as manifests and checkpoints carry it.
-pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
+/// The problem file as it was written, beside its results.
+pub(crate) const SOURCE: &str = "source.ron";
 
 /// A result folder.
 #[derive(Debug)]
@@ -52,13 +52,15 @@ pub(crate) struct Store {
     /// Results are there that were not replaced yet.
     results: bool,
     resumes: bool,
+    /// The problem file as it was written.
+    source: Option<String>,
 }
 
 impl Store {
     /// Takes hold of a folder. Nothing of earlier results changes before [`Store::begin`]; a folder
     /// that is made here is gone again if that is never called.
     ///
-    /// `inputs` are the files and folders that the results are computed from.
+    /// `inputs` are the files and folders that the results are computed from, the problem file first.
     ///
     /// # Errors
     /// When the folder cannot be written, holds anything that is not to be touched, or is being
@@ -97,6 +99,9 @@ impl Store {
             manifest: Mutex::new(manifest),
             path,
             header,
+            source: inputs
+                .first()
+                .and_then(|file| fs::read_to_string(file).ok()),
         };
         store.sweep()?;
         if !store.results {
@@ -177,6 +182,7 @@ impl Store {
             header,
             results: true,
             resumes: false,
+            source: None,
         })
     }
 
@@ -222,7 +228,9 @@ impl Store {
         more: Vec<String>,
         numbered: Option<&str>,
     ) -> Result<(), StoreError> {
-        let names = names.iter().copied().chain(more.iter().map(String::as_str));
+        let source = self.source.as_ref().map(|_| SOURCE);
+        let names = names.iter().copied().chain(source);
+        let names = names.chain(more.iter().map(String::as_str));
         if let Some(numbered) = numbered {
             self.guard(numbered)?;
         }
@@ -231,7 +239,11 @@ impl Store {
         }
         self.manifest().made.clear();
         self.restart()?;
-        self.claim(names)
+        self.claim(names)?;
+        match &self.source {
+            Some(text) => self.replace(SOURCE, text.as_bytes()),
+            None => Ok(()),
+        }
     }
 
     /// Refuses files with a number for a name in a folder of such that are not on the list.

@@ -1,0 +1,102 @@
+//! Names of the files of result folders, their pictures included.
+
+use super::render::Format;
+use super::store::Kind;
+use crate::problem::{Plot, Problem};
+use crate::simulation::task::Body;
+
+/// Points of a branch.
+pub(crate) const BRANCH: &str = "branch.csv";
+/// Events of a branch.
+pub(crate) const EVENTS: &str = "events.csv";
+/// Eigenvalues at the labels of a branch.
+pub(crate) const SPECTRUM: &str = "spectrum.csv";
+/// Folder of the waves at the labels of a branch.
+pub(crate) const PROFILES: &str = "profiles";
+
+/// The wave at a label.
+pub(crate) fn profile_file(label: usize) -> String {
+    format!("{PROFILES}/{label}.csv")
+}
+
+/// Waves of a map.
+pub(crate) const MAP: &str = "map.csv";
+/// The problem of a map.
+pub(crate) const MAP_ORIGIN: &str = "map.ron";
+/// Points of a curve.
+pub(crate) const CURVE: &str = "curve.csv";
+/// Errors and run times of methods.
+pub(crate) const ACCURACY: &str = "accuracy.csv";
+/// Proofs of special points.
+pub(crate) const CERTIFICATES: &str = "certificates.csv";
+/// Modes of steady sliding.
+pub(crate) const STEADY: &str = "steady.csv";
+
+/// Time series of a simulation.
+pub(crate) const SERIES: &str = "series.csv";
+/// Regimes over place and time.
+pub(crate) const REGIMES: &str = "regimes.npy";
+/// Contact line at the beginning.
+pub(crate) const START: &str = "start.csv";
+/// Contact line at the end.
+pub(crate) const END: &str = "end.csv";
+/// What was measured of a simulation.
+pub(crate) const MEASURES: &str = "measures.csv";
+/// Growth of perturbations.
+pub(crate) const GROWTH: &str = "growth.csv";
+/// Folder of snapshots.
+pub(super) const SNAPSHOTS: &str = "snapshots";
+
+/// A snapshot, counted from 1.
+pub(crate) fn snapshot_file(number: usize, body: &Body) -> String {
+    let extension = match body {
+        Body::Ring { .. } => "npy",
+        Body::Annulus { .. } => "vtk",
+    };
+    format!("{SNAPSHOTS}/{number:04}.{extension}")
+}
+
+/// Pictures of a simulation, without extension.
+pub(super) const MOTION: [&str; 4] = ["space_time", "velocity", "phase_plane", "profiles"];
+/// Picture of one view of a branch, without extension.
+pub(super) const VIEW: &str = "view";
+
+/// Files of the pictures in a folder of this kind.
+pub(crate) fn pictures(kind: Kind, problem: &Problem, format: Format) -> Vec<String> {
+    let names = match kind {
+        Kind::Run => problem.output.plots.iter().map(plot).collect(),
+        Kind::Simulation => MOTION.map(str::to_owned).to_vec(),
+        Kind::Map | Kind::Curve | Kind::Accuracy | Kind::Steady => vec![kind.name().to_owned()],
+        Kind::MapShard | Kind::Certificate => Vec::new(),
+    };
+    names.iter().map(|name| picture(name, format)).collect()
+}
+
+/// The file of a picture.
+pub(super) fn picture(name: &str, format: Format) -> String {
+    format!("{name}.{}", format.extension())
+}
+
+/// Name of a picture of a branch.
+pub(super) fn plot(plot: &Plot) -> String {
+    // A column name comes from a file and must not lead out of the folder.
+    let safe = |c: char| {
+        if c.is_alphanumeric() || c == '-' {
+            c
+        } else {
+            '_'
+        }
+    };
+    let name = match plot {
+        Plot::Diagram => "diagram",
+        Plot::Pressure => "pressure",
+        Plot::Displacement => "displacement",
+        Plot::Wave => "wave",
+        Plot::PhasePlane => "phase_plane",
+        Plot::Friction => "friction",
+        Plot::Spectrum => "spectrum",
+        Plot::Multipliers => "multipliers",
+        Plot::Column(name) => &format!("column_{}", name.chars().map(safe).collect::<String>()),
+    };
+    name.to_owned()
+}
