@@ -10,6 +10,7 @@ matplotlib for the pictures. docs/files.md of brakewave describes every column.
 """
 
 from dataclasses import dataclass
+from itertools import cycle
 from math import log, pi
 from pathlib import Path
 
@@ -30,6 +31,8 @@ SEQUENCES = {
     "slip-separation-stick": "#56b4e9",
 }
 """Colours of the commonest sequences of regimes, as in the pictures of the program itself."""
+RARE = ["#332288", "#882255", "#999933", "#117733", "#cc6677", "#8c564b", "#465a6e"]
+"""Colours of other sequences, in the order of their appearance."""
 
 _TEXT = (
     "type regimes regimes_before regimes_after regime switches stable why what start name method setting failure "
@@ -272,8 +275,9 @@ def draw_map(folder, start="fast", axes=None):
     axes, table = _axes(axes), folder.map
     x, y = (varying(table) + PARAMETERS)[:2]
     table = table[(table["start"] == start) & (table["passage"] == 1)]
+    rare = cycle(RARE)
     for regimes, waves in table.groupby("regimes"):
-        axes.plot(waves[x], waves[y], "s", ms=2, label=regimes, color=SEQUENCES.get(regimes))
+        axes.plot(waves[x], waves[y], "s", ms=2, label=regimes, color=SEQUENCES.get(regimes) or next(rare))
     axes.set(xlabel=x, ylabel=y)
     axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
     return axes
