@@ -15,7 +15,7 @@ use crate::output::map::{MapFolder, of_shard};
 use crate::output::origin::Origin;
 use crate::output::pictures::{self, PlotError};
 use crate::output::render::Format;
-use crate::output::store::{Existing, Kind, Store};
+use crate::output::store::{Existing, Kind, SOURCE, Store};
 use crate::problem::Problem;
 
 #[derive(Debug, Args)]
@@ -149,7 +149,10 @@ fn merge(arguments: &MergeArguments) -> Result<Exit, Failure> {
     // a shard may be joined in its own folder, whose rows stay then
     let existing = Existing::of(own, arguments.force);
     let problem = origin.problem.clone();
-    let store = Store::open(&arguments.out, Kind::Map, &problem, existing, &[])?;
+    // the problem file as it was written goes along
+    let source = (!own).then(|| first.join(SOURCE));
+    let inputs: Vec<PathBuf> = source.into_iter().collect();
+    let store = Store::open(&arguments.out, Kind::Map, &problem, existing, &inputs)?;
     let folder = MapFolder::new(store, origin)?;
     folder.join(&arguments.shards)?;
     draw(picture, folder.store(), &problem)?;
