@@ -20,9 +20,10 @@ use crate::output::simulation::{SimulationCheckpoint, SimulationFolder, columns}
 use crate::output::store::{Checkpoint, Kind, Store, VERSION, damaged};
 use crate::problem::{self, Continuation, Problem, Start};
 use crate::simulation::course::{Course, NoCourse, Piece};
-use crate::simulation::growth::GrowthRow;
+
 use crate::simulation::measure::{Measure, Sample};
 use crate::simulation::motion::Motion;
+use crate::simulation::perturbations::{Grows, GrowthRow};
 use crate::simulation::profile::Profile;
 use crate::simulation::task::{Simulation, SimulationStart};
 use crate::table;
@@ -180,7 +181,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
     folder.line(END, &course.motion().line())?;
     let measures = course.measures();
     folder.table(MEASURES, &measures)?;
-    let mut eigenvalues = Vec::new();
+    let (mut eigenvalues, mut unresolved) = (Vec::new(), Vec::new());
     let progress = Progress::new(task.quiet);
     let mut done = 0.0;
     for (perturbations, parameters, wave) in course.perturbations() {
@@ -190,6 +191,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
             progress.show(course.position(done), words);
         });
         match found {
+            Ok(found) if found.is_empty() => unresolved.push(perturbations.sector()),
             Ok(found) => eigenvalues.extend(found),
             Err(error) => return stopped(&error),
         }
@@ -202,6 +204,12 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
     let (motion, taken) = (course.motion(), course.taken());
     let mut text = report(&measures, &eigenvalues, course.samples());
     // writing to a string does not fail
+    for sector in unresolved {
+        let _ = writeln!(
+            text,
+            "sector {sector}: no growth rate is resolved; take more `pairs`, or another `amplitude`"
+        );
+    }
     if course.rest() > 0.0 {
         let _ = writeln!(
             text,
@@ -270,6 +278,15 @@ fn disk_space(motion: &Motion, count: usize, snapshots: usize) -> f64 {
     count as f64 * row as f64 + snapshots as f64 * (snapshot * motion.size()) as f64
 }
 
+/// Whether a perturbation grows, in a word.
+fn grows(grows: Grows) -> &'static str {
+    match grows {
+        Grows::Yes => "yes",
+        Grows::No => "no",
+        Grows::Undecided => "undecided",
+    }
+}
+
 fn report(measures: &[Measure], eigenvalues: &[GrowthRow], samples: &[Sample]) -> String {
     let mut text = String::new();
     // writing to a string does not fail
@@ -288,15 +305,22 @@ fn report(measures: &[Measure], eigenvalues: &[GrowthRow], samples: &[Sample]) -
     if !eigenvalues.is_empty() {
         let _ = writeln!(
             text,
-            "\n{:>6} {:>12} {:>12} {:>9} {:>9} {:>9}",
-            "sector", "growth", "frequency", "residual", "scatter", "grid"
+            "\n{:>6} {:>12} {:>12} {:>9} {:>9} {:>9} {:>9}  grows",
+            "sector", "growth", "frequency", "error", "residual", "scatter", "grid"
         );
         for row in eigenvalues {
             let value = row.eigenvalue;
             let _ = writeln!(
                 text,
-                "{:>6} {:>12.6} {:>12.6} {:>9.1e} {:>9.1e} {:>9.1e}",
-                row.sector, value.re, value.im, value.residual, value.scatter, row.grid
+                "{:>6} {:>12.6} {:>12.6} {:>9.1e} {:>9.1e} {:>9.1e} {:>9.1e}  {}",
+                row.sector,
+                value.re,
+                value.im,
+                row.error,
+                value.residual,
+                value.scatter,
+                row.grid,
+                grows(row.grows)
             );
         }
     }

@@ -116,15 +116,11 @@ pub struct Eigenvalue {
     pub scatter: f64,
 }
 
-/// A row of `growth.csv`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct GrowthRow {
-    /// Bloch sector.
-    pub sector: usize,
-    /// The eigenvalue.
-    pub eigenvalue: Eigenvalue,
-    /// Its difference from that of a coarser grid.
-    pub grid: f64,
+impl Eigenvalue {
+    /// |λ₁ − λ₂|.
+    pub(super) fn distance(&self, other: &Eigenvalue) -> f64 {
+        (other.re - self.re).hypot(other.im - self.im)
+    }
 }
 
 /// Why there is no answer.
@@ -292,12 +288,11 @@ pub fn averaged(
     let mut means: Vec<Eigenvalue> = sets[0]
         .iter()
         .map(|value| {
-            let distance = |other: &Eigenvalue| (other.re - value.re).hypot(other.im - value.im);
             let matched: Vec<&Eigenvalue> = sets
                 .iter()
                 .filter_map(|set| {
                     set.iter()
-                        .min_by(|one, other| distance(one).total_cmp(&distance(other)))
+                        .min_by(|one, other| value.distance(one).total_cmp(&value.distance(other)))
                 })
                 .collect();
             let (re, im) = matched.iter().fold((0.0, 0.0), |(re, im), other| {

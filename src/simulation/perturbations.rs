@@ -1,7 +1,9 @@
 //! What the section `growth` of a simulation asks for: perturbations of a wave, sector by sector, on the
 //! ring of the simulation and on one of half as many points.
 
-use super::growth::{self, GrowthError, GrowthRow, Listing, Request};
+use serde::Serialize;
+
+use super::growth::{self, Eigenvalue, GrowthError, Listing, Request};
 use super::motion::{Motion, MotionError, angle};
 use super::profile::Profile;
 use super::ring::Setup;
@@ -19,6 +21,79 @@ const LISTING: Listing = Listing {
 
 /// Share of the work on the finer ring: half the points take a quarter of the steps of nodes.
 const FINE: f64 = 0.8;
+
+/// Whether a perturbation grows, as far as the error of its eigenvalue lets one say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Grows {
+    /// Re λ > 0 by more than the error.
+    Yes,
+    /// Re λ < 0 by more than the error.
+    No,
+    /// The error is larger than |Re λ|.
+    #[default]
+    Undecided,
+}
+
+/// A row of `growth.csv`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct GrowthRow {
+    /// Bloch sector.
+    pub sector: usize,
+    /// The eigenvalue.
+    pub eigenvalue: Eigenvalue,
+    /// Its difference from that of a coarser grid.
+    pub grid: f64,
+    /// Estimate of |λ − exact|.
+    pub error: f64,
+    /// The sign of the growth rate.
+    pub grows: Grows,
+}
+
+/// What the difference of two grids, one twice as fine as the other, is multiplied with. The error of the finer
+/// one is this difference where it falls like the spacing, less where it falls faster, and 1/(2^p − 1) times it
+/// where it falls like the power p: 4 covers p ≥ 0.32. At landings whose impulse is arrested at V̇ = 1 the error
+/// falls that slowly on grids of 100 to 800 points.
+const SLOWEST: f64 = 4.0;
+
+impl GrowthRow {
+    /// Eigenvalues beside those of a ring of half as many points. Where fronts come late the frequencies are off
+    /// in proportion: no difference counts less than the median relative one of all, for another eigenvalue of the
+    /// coarse ring may be near by accident.
+    pub fn list(sector: usize, fine: Vec<Eigenvalue>, coarse: &[Eigenvalue]) -> Vec<GrowthRow> {
+        let nearest = |eigenvalue: &Eigenvalue| {
+            let distances = coarse
+                .iter()
+                .map(|other| (eigenvalue.distance(other), other.scatter));
+            distances
+                .min_by(|one, other| one.0.total_cmp(&other.0))
+                .unwrap_or((f64::INFINITY, 0.0))
+        };
+        let relative = |value: &Eigenvalue| nearest(value).0 / value.re.hypot(value.im);
+        let mut ratios: Vec<f64> = fine.iter().map(relative).collect();
+        ratios.sort_by(f64::total_cmp);
+        let median = ratios.get(ratios.len().saturating_sub(1) / 2).copied();
+        let row = |eigenvalue: Eigenvalue| {
+            let (grid, rough) = nearest(&eigenvalue);
+            let least = median.unwrap_or(0.0) * eigenvalue.re.hypot(eigenvalue.im);
+            let error =
+                SLOWEST * (grid.max(least) + eigenvalue.scatter + rough) + eigenvalue.residual;
+            let grows = match eigenvalue.re {
+                re if re > error => Grows::Yes,
+                re if re < -error => Grows::No,
+                _ => Grows::Undecided,
+            };
+            GrowthRow {
+                sector,
+                eigenvalue,
+                grid,
+                error,
+                grows,
+            }
+        };
+        fine.into_iter().map(row).collect()
+    }
+}
 
 /// The perturbations of one sector.
 pub struct Perturbations {
@@ -118,14 +193,7 @@ impl Perturbations {
         };
         let fine = on(&self.fine, FINE)?;
         let coarse = on(&self.coarse, 1.0 - FINE)?;
-        let rows = LISTING.of(&self.fine, fine).map(|eigenvalue| GrowthRow {
-            sector: self.sector(),
-            eigenvalue,
-            grid: coarse
-                .iter()
-                .map(|other| (other.re - eigenvalue.re).hypot(other.im - eigenvalue.im))
-                .fold(f64::INFINITY, f64::min),
-        });
-        Ok(rows.collect())
+        let listed = LISTING.of(&self.fine, fine).collect();
+        Ok(GrowthRow::list(self.sector(), listed, &coarse))
     }
 }

@@ -2,6 +2,7 @@
 //! waves and eigenvalues that other parts of the crate compute in other ways.
 
 mod annulus;
+mod growth_rates;
 mod landing;
 mod laws;
 mod material;
