@@ -101,18 +101,24 @@ pub fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, N
     if growth(candidate, &node.tangent) < 0.0 {
         node.tangent.neg_mut();
     }
-    let refused = match enter_along(wave, &node, ds, tolerance) {
-        Ok(beyond) => return Ok(beyond),
-        Err(refused) => refused,
-    };
+    let direct = enter_along(wave, &node, ds, tolerance);
+    let length = direct.as_ref().map_or(0.0, |beyond| beyond.ds);
+    if !wave.material || length >= IN_LAYER * ds {
+        return direct;
+    }
     // a layer thinner than any step turns the tangent within the first one, or hides it in rounding
-    let layers: &[f64] = if wave.material { &INSIDE } else { &[] };
-    let mut settled = layers
+    let settled = INSIDE
         .iter()
         .filter_map(|part| settled(candidate, &node, part * ds, tolerance));
-    let entered = settled.find_map(|node| enter_along(wave, &node, ds, tolerance).ok());
-    entered.ok_or(refused)
+    settled
+        .filter_map(|node| enter_along(wave, &node, ds, tolerance).ok())
+        .find(|beyond| beyond.ds > length)
+        .map_or(direct, Ok)
 }
+
+/// A first step shorter than this part of the one asked for may end within a layer, where rounding
+/// alone says what is admissible.
+const IN_LAYER: f64 = 1e-6;
 
 /// Parts of a step, as durations of a nascent zone, where the tangent beyond a layer is looked for.
 const INSIDE: [f64; 3] = [1e-2, 1e-1, 1e-3];

@@ -135,6 +135,34 @@ fn branches_with_thin_layers_end_in_the_same_place() {
     observed("scaling: thin layers", worst);
 }
 
+/// A layer of β = 2e-8 is thinner than the first steps into separation. Whatever rounding says of those
+/// within it, as it does in the last of these units, the branch goes on beyond.
+#[test]
+fn separation_opens_in_any_unit() {
+    let case = Case {
+        model: Model {
+            damping: Damping {
+                mass: 0.01299,
+                stiffness: 1.755e-8,
+            },
+            ..tube(0.1929, 2.947, 0.109, 0.6)
+        },
+        mode: 2,
+        range: (0.57, 0.6),
+        ..fast_in_mismatch()
+    };
+    let unit = case.follow(&[]);
+    assert_eq!(unit.events().len(), 1);
+    let mut worst = 0.0_f64;
+    for index in [0, 1, 2, 21] {
+        let s = some_units().nth(index).expect("a unit");
+        let run = in_units(case, s).follow(&[]);
+        assert_eq!(run.end, Some(End::Edge), "in units of {s}");
+        worst = worst.max(difference(&run, &unit, s));
+    }
+    observed("scaling: opening beyond a thin layer", worst);
+}
+
 /// How much the events of two branches differ, relative to their units.
 fn difference(run: &Run, unit: &Run, s: f64) -> f64 {
     let mut worst = 0.0_f64;
