@@ -9,9 +9,10 @@ matplotlib for the pictures. docs/files.md of brakewave describes every column.
     brakewave.draw_branch(run).figure.savefig("branch.png")
 """
 
+import warnings
 from dataclasses import dataclass
 from itertools import cycle
-from math import log, pi
+from math import inf, log, pi
 from pathlib import Path
 
 import numpy
@@ -165,6 +166,24 @@ class Tube:
     """Radius of the shaft less R, d, m."""
     rotation: float
     """Angular velocity Ω of the shaft, rad/s."""
+
+    def __post_init__(self):
+        positive = ["young", "density", "inner", "oversize", "rotation"]
+        for name in positive:
+            if not 0 < getattr(self, name) < inf:
+                raise ValueError(f"`{name}` must be greater than 0 and finite, found {getattr(self, name)}")
+        if not -1 < self.poisson < 0.5:
+            raise ValueError(f"`poisson` must lie between -1 and 0.5, both excluded, found {self.poisson}")
+        if not self.inner < self.outer < inf:
+            raise ValueError(f"`outer` must be greater than `inner`, {self.inner}, found {self.outer}")
+        bore = self.inner * self.rotation
+        for odd, words in [
+            (self.mismatch >= 0.2 - 1e-12, f"the shaft is {self.mismatch:.0%} thicker than the bore of the tube"),
+            (self.gamma > 1, f"gamma = {self.gamma:.3g}: the surface of the shaft outruns sound"),
+            (bore >= 50, f"the surface of the shaft runs at {bore:.0f} m/s; `rotation` is in rad/s, not rpm"),
+        ]:
+            if odd:
+                warnings.warn(words, stacklevel=3)
 
     @property
     def gamma(self):

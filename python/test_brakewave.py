@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import warnings
 from math import pi
 from pathlib import Path
 
@@ -231,6 +232,28 @@ class Folders(unittest.TestCase):
         slip_stick = 1.2427008006300821
         hertz = 4 * slip_stick * 1000 / (2 * pi * 0.1)
         self.assertAlmostEqual(tube.hertz(slip_stick / root, 4), hertz, delta=1e-9)
+
+    def test_what_is_no_tube_is_refused(self):
+        numbers = dict(young=2e9, density=2000, poisson=0.3, inner=0.1, outer=0.15, oversize=50e-6, rotation=20 * pi)
+        for wrong in [{"poisson": 0.6}, {"poisson": 0.5}, {"inner": 0.2}, {"outer": 0.1}, {"young": 0}, {"rotation": -1}]:
+            with self.assertRaisesRegex(ValueError, "|".join(wrong)):
+                brakewave.Tube(**numbers | wrong)
+        for odd, words in [({"rotation": 600}, "not rpm"), ({"oversize": 0.02}, "20% thicker"), ({"young": 2}, "sound")]:
+            with self.assertWarnsRegex(UserWarning, words):
+                brakewave.Tube(**numbers | odd)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            brakewave.Tube(**numbers)
+
+    def test_a_section_in_si_units_is_the_same_tube(self):
+        """`tube` of a problem file against the conversion of this module, to rounding."""
+        numbers = "young: 2e9, density: 2000, poisson: 0.3, inner: 0.1, outer: 0.15, oversize: 50e-6, rotation: Rpm(600)"
+        range = "continuation: (parameter: Mismatch, range: (4e-4, 5e-4), toward: Down),"
+        branch = self.compute("run", f"(tube: ({numbers}, friction: 0.5), {WAVE} {range})", "si").branch
+        tube = brakewave.Tube(2e9, 2000, 0.3, 0.1, 0.15, 50e-6, 2 * pi * 10)
+        for name in ["gamma", "xi"]:
+            self.assertAlmostEqual(branch[name][0] / getattr(tube, name), 1, delta=1e-15)
+        self.assertAlmostEqual(branch["hertz"][0] / tube.hertz(branch["speed"][0], 4), 1, delta=1e-15)
 
     def test_a_tube_has_the_elasticity_of_the_program(self):
         """Virtual work with the field X by quadrature, against κ = −λ² = ak² + h + ikfD of `steady` and against

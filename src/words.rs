@@ -6,13 +6,81 @@ use crate::branch::Reason;
 use crate::branch::special::{Change, Failure, Inadmissible, Note, Refusal, Special, Stop, Tried};
 use crate::continuation::walk::End;
 use crate::curve::{self, Gone, What};
-use crate::model::EventType;
+use crate::model::{EventType, Impact, Landing};
+use crate::problem::{Doubt, Rotation};
 use crate::stability::track::Remark;
 use crate::wave::admissibility::Watch;
 
 /// What is left of a wave where D = 0.
 const D_ZERO: &str = "D = 0: nothing drives a wave here; what is left is steady sliding with a linear wave \
                       of arbitrary amplitude, which neither grows nor decays";
+
+impl Landing {
+    /// Its name, for captions too.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Landing::Impact(Impact::Frictionless) => "frictionless impact",
+            Landing::Impact(Impact::Coulomb) => "Coulomb impact",
+            Landing::Damped => "damped landing",
+        }
+    }
+
+    /// What it stands for.
+    pub(crate) fn remark(self) -> &'static str {
+        match self {
+            Landing::Impact(Impact::Frictionless) => {
+                "the law of the 2008 paper, which is not the limit of any damped model; \
+                 `impact: Coulomb` is (docs/impact.md)"
+            }
+            Landing::Impact(Impact::Coulomb) => {
+                "the limit of small material damping (docs/impact.md)"
+            }
+            Landing::Damped => "with material damping there is no impact (docs/impact.md)",
+        }
+    }
+}
+
+impl Display for Doubt {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match *self {
+            Doubt::Supersonic { gamma } => write!(
+                f,
+                "gamma = {gamma}: the surface of the shaft runs at {:.3e} times the speed of sound sqrt(E/rho); \
+                 gamma is rho R^2 Omega^2/E",
+                gamma.sqrt()
+            ),
+            Doubt::Interference { mismatch } => write!(
+                f,
+                "the shaft is {:.3} % thicker than the bore of the tube: the model is linear, for small strains; \
+                 the mismatch is d/R",
+                100.0 * mismatch
+            ),
+            Doubt::Fast { speed, rotation } => {
+                write!(
+                    f,
+                    "the surface of the shaft runs at {speed:.0} m/s, faster than in any brake"
+                )?;
+                match rotation {
+                    Rotation::RadPerSecond(_) => {
+                        f.write_str("; revolutions per minute are written `Rpm(600.0)`")
+                    }
+                    Rotation::Rpm(_) => Ok(()),
+                }
+            }
+            Doubt::Inaudible { hertz, mode, bare } => {
+                let kilohertz = hertz / 1e3;
+                write!(
+                    f,
+                    "waves of mode {mode} have about {kilohertz:.0} kHz, which nobody hears"
+                )?;
+                match bare {
+                    true => f.write_str("; `output.rotation` is in rad/s"),
+                    false => Ok(()),
+                }
+            }
+        }
+    }
+}
 
 impl Display for Special {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {

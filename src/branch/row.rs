@@ -149,11 +149,14 @@ pub struct EventRow<'a> {
     what: &'a str,
     #[serde(skip_serializing_if = "Parameters::are_absent")]
     later: Parameters<true>,
+    /// Where the rotation of the shaft is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hertz: Option<f64>,
 }
 
 impl<'a> EventRow<'a> {
-    /// An event.
-    pub fn new(event: &'a Event) -> EventRow<'a> {
+    /// An event, and the frequency in hertz that is heard of its wave, where that is known.
+    pub fn new(event: &'a Event, hertz: Option<f64>) -> EventRow<'a> {
         EventRow {
             label: event.label,
             kind: Some(event.kind),
@@ -166,13 +169,15 @@ impl<'a> EventRow<'a> {
             uncertainty: event.uncertainty,
             what: &event.what,
             later: Parameters(Some(event.model)),
+            hertz,
         }
     }
 
     /// A row for the names of its columns: later parameters have one only where the model has them.
-    pub fn columns(model: Model) -> EventRow<'a> {
+    pub fn columns(model: Model, hertz: Option<f64>) -> EventRow<'a> {
         EventRow {
             later: Parameters(Some(model)),
+            hertz,
             ..EventRow::default()
         }
     }

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::failure::{Exit, Failure};
 use super::junit::{self, Suite, Verdict};
-use super::options::{spare, write};
+use super::options::{read, spare, write};
 use super::prepare::{early_end, follow, ready};
 use super::{print, warn};
 use crate::branch::compare::{Compared, Comparison, compare, number};
@@ -15,7 +15,7 @@ use crate::certify::{Point, certify};
 use crate::model::Parameter;
 use crate::output::certify::sentence;
 use crate::output::store::Offers;
-use crate::problem::{self, Problem};
+use crate::problem::Problem;
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArguments {
@@ -101,7 +101,7 @@ fn simulates_only(problem: &Problem) -> bool {
 
 fn check_file(path: &Path) -> Result<Outcome, Failure> {
     let file = path.display().to_string();
-    let (problem, text) = problem::read(path)?;
+    let (problem, text) = read(path)?;
     if simulates_only(&problem) {
         return Ok(Outcome {
             file,

@@ -173,6 +173,14 @@ pub(crate) enum Usage {
     NoProblem,
     #[error("{} and {} are shards of different maps", .0.display(), .1.display())]
     OtherMap(PathBuf, PathBuf),
+    #[error("{}: there is no such folder", .0.display())]
+    NoFolder(PathBuf),
+    #[error("{}: it is there already; --force replaces it", .0.display())]
+    Drawn(PathBuf),
+    #[error("--at gives {} two values", .0.column())]
+    Twice(Parameter),
+    #[error("--passage counts passages of the branch through a value of {0}: give --at {0}=VALUE")]
+    Passage(&'static str),
     #[error("{} holds no branch", .0.display())]
     NoBranch(PathBuf),
     #[error("{} holds no branch: --x, --y, --log and --range draw columns of one", .0.display())]

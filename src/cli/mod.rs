@@ -84,23 +84,35 @@ struct NewArguments {
     purpose: Purpose,
 }
 
-/// What a new problem file is for.
+/// What a new problem file is for: a verb that reads one, or the folder of a run.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Purpose {
     Run,
-    Map,
+    Check,
+    Certify,
+    Plot,
+    Spectrum,
+    Accuracy,
     Curve,
-    Simulate,
+    Map,
     Steady,
+    Simulate,
+    Report,
 }
 
 impl Purpose {
-    fn template(self) -> String {
+    /// The optional sections that it takes.
+    fn sections(self) -> &'static [&'static str] {
         match self {
-            Purpose::Run | Purpose::Steady => problem::TEMPLATE.to_owned(),
-            Purpose::Map => problem::template_with("map"),
-            Purpose::Curve => problem::template_with("curve"),
-            Purpose::Simulate => problem::template_with("simulation"),
+            Purpose::Run | Purpose::Check | Purpose::Plot | Purpose::Report => {
+                &["continuation", "expect"]
+            }
+            Purpose::Certify | Purpose::Spectrum => &["continuation", "stability"],
+            Purpose::Accuracy => &["continuation"],
+            Purpose::Curve => &["continuation", "curve"],
+            Purpose::Map => &["map"],
+            Purpose::Steady => &[],
+            Purpose::Simulate => &["simulation"],
         }
     }
 }
@@ -121,7 +133,9 @@ pub fn main() -> ExitCode {
         Verb::Steady(arguments) => steady::steady(&arguments),
         Verb::Simulate(arguments) => simulate::simulate(&arguments),
         Verb::Report(arguments) => report::report(&arguments),
-        Verb::New(arguments) => print(&arguments.purpose.template()).map(|()| Exit::Done),
+        Verb::New(arguments) => {
+            print(&problem::template(arguments.purpose.sections())).map(|()| Exit::Done)
+        }
         #[cfg(feature = "completions")]
         Verb::Completions { shell } => shell::completions(shell),
         #[cfg(feature = "completions")]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::failure::{Failure, Usage};
-use super::print;
+use super::{print, warn};
 use crate::model::Parameter;
 use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store, io_error};
@@ -35,7 +35,7 @@ pub(crate) struct Task {
 impl Task {
     /// The problem, its text and its name for messages.
     pub(crate) fn read(&self) -> Result<(Problem, String, String), Failure> {
-        let (problem, text) = problem::read(&self.problem)?;
+        let (problem, text) = read(&self.problem)?;
         Ok((problem, text, self.problem.display().to_string()))
     }
 
@@ -91,6 +91,23 @@ impl Task {
             _ => {}
         }
         inputs
+    }
+}
+
+/// Reads a problem file, with a warning of what no real tube has.
+pub(crate) fn read(path: &Path) -> Result<(Problem, String), Failure> {
+    let (problem, text) = problem::read(path)?;
+    for doubt in problem.doubts() {
+        warn(&format!("{}: {doubt}", path.display()));
+    }
+    Ok((problem, text))
+}
+
+/// Refuses a result folder that is not there.
+pub(crate) fn there(folder: &Path) -> Result<(), Usage> {
+    match folder.is_dir() {
+        true => Ok(()),
+        false => Err(Usage::NoFolder(folder.to_owned())),
     }
 }
 
@@ -151,6 +168,15 @@ pub(crate) fn assignment(text: &str) -> Result<(Parameter, f64), Usage> {
         return Err(Usage::NotFinite(number));
     }
     Ok((parameter, number))
+}
+
+/// Refuses a parameter that is given two values.
+pub(crate) fn once(assignments: &[(Parameter, f64)]) -> Result<(), Usage> {
+    let twice = assignments.iter().enumerate().find(|(index, (one, _))| {
+        let mut before = assignments[..*index].iter();
+        before.any(|(other, _)| other == one)
+    });
+    twice.map_or(Ok(()), |(_, (parameter, _))| Err(Usage::Twice(*parameter)))
 }
 
 /// Replaces a parameter of the model, under the rules of a problem file.

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::failure::{Exit, Failure, Usage};
-use super::options::format;
+use super::options::{format, there};
 use super::print;
 use crate::output::origin;
 use crate::output::pictures::{self, View};
@@ -27,18 +27,32 @@ pub(crate) struct PlotArguments {
     /// The column on its vertical axis [default: speed]
     #[arg(long, value_name = "COLUMN")]
     y: Option<String>,
-    /// A logarithmic horizontal axis
-    #[arg(long)]
-    log: bool,
+    /// A logarithmic axis: x, which is assumed, or y; give it twice for both
+    #[arg(long, value_name = "AXIS", value_enum, num_args = 0..=1, default_missing_value = "x")]
+    log: Vec<Side>,
     /// Part of the horizontal axis
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     range: Option<(f64, f64)>,
+    /// Part of the vertical axis
+    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
+    range_y: Option<(f64, f64)>,
+    /// Replace a view that was drawn before
+    #[arg(long)]
+    force: bool,
+}
+
+/// An axis of a diagram.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Side {
+    X,
+    Y,
 }
 
 impl PlotArguments {
     /// Whether one view is asked for instead of all pictures.
     fn view(&self) -> bool {
-        self.x.is_some() || self.y.is_some() || self.log || self.range.is_some()
+        let ranges = self.range.is_some() || self.range_y.is_some();
+        self.x.is_some() || self.y.is_some() || !self.log.is_empty() || ranges
     }
 }
 
@@ -57,6 +71,7 @@ fn range(text: &str) -> Result<(f64, f64), Usage> {
 
 pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
     let (folder, format) = (&arguments.folder, arguments.format.available()?);
+    there(folder)?;
     let store = Store::visit(folder);
     let kind = store.as_ref().ok().and_then(Store::kind);
     let run = kind.is_none_or(|kind| kind == Kind::Run);
@@ -79,10 +94,16 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
             return Err(Usage::NoBranch(folder.clone()).into());
         }
         if arguments.view() {
+            let earlier = store.path().join(pictures::view_file(format));
+            if earlier.exists() && !arguments.force {
+                return Err(Usage::Drawn(earlier).into());
+            }
             let view = View {
                 column: arguments.y.clone().unwrap_or("speed".to_owned()),
                 range: arguments.range.unwrap_or(View::EVERYWHERE),
-                logarithmic: Some(arguments.log),
+                logarithmic: Some(arguments.log.contains(&Side::X)),
+                height: arguments.range_y.unwrap_or(View::EVERYWHERE),
+                logarithmic_height: arguments.log.contains(&Side::Y),
             };
             let x = arguments.x.as_deref();
             return list(&pictures::draw_view(&store, problem, x, &view, format)?);

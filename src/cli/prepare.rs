@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::failure::Failure;
+use super::options::read;
 use super::progress::{Progress, drive};
 use crate::branch::SavedWave;
 use crate::branch::run::{End, Item, RunError, Runner};
@@ -114,7 +115,7 @@ impl Source {
 
 /// Reads a problem file, and the wave it restarts from if it does.
 pub(crate) fn prepare(path: &Path) -> Result<Prepared, Failure> {
-    let (problem, text) = problem::read(path)?;
+    let (problem, text) = read(path)?;
     ready(problem, text, path)
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::failure::{Exit, Failure};
+use super::options::there;
 use super::print;
 use crate::output::report;
 use crate::output::store::Store;
@@ -16,6 +17,7 @@ pub(crate) struct ReportArguments {
 }
 
 pub(crate) fn report(arguments: &ReportArguments) -> Result<Exit, Failure> {
+    there(&arguments.folder)?;
     let store = Store::visit(&arguments.folder)?;
     let page = report::page(&store)?;
     store.replace(report::PAGE, page.as_bytes())?;

@@ -7,7 +7,6 @@ use super::options::{Task, Threads};
 use super::prepare::{early_end, follow, prepare};
 use super::{stopped, summary, titled, warn};
 use crate::branch::run::Runner;
-use crate::model::Sectors;
 use crate::output::pictures;
 use crate::output::render::Format;
 use crate::output::run::{Restart, RunFolder};
@@ -53,10 +52,9 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         Ok(pictures::draw(folder.store(), Some(problem), Format::Svg)?)
     })?;
     if !task.quiet {
-        let section = problem.stability.as_ref();
-        let whole_circle = section.is_some_and(|section| section.sectors == Sectors::All);
-        let parameter = prepared.continuation.parameter;
-        let mut text = titled(problem, &summary::branch(&out, parameter, whole_circle)?);
+        let restart = prepared.restart.as_ref();
+        let model = restart.map_or(problem.model, |wave| wave.model);
+        let mut text = titled(problem, &summary::branch(&out, problem, &model)?);
         if finished {
             text.push_str("the run was finished already: nothing was left to compute\n");
         }

@@ -7,7 +7,7 @@ use clap::Args;
 use faer::c64;
 
 use super::failure::{Exit, Failure, Usage};
-use super::options::{assignment, picture, positive, set, spare, write};
+use super::options::{assignment, once, picture, positive, set, spare, write};
 use super::prepare::{Prepared, prepare};
 use super::progress::drive;
 use super::{print, stopped, summary, warn};
@@ -39,9 +39,9 @@ pub(crate) struct SpectrumArguments {
     /// Bloch sector [default: those of the file, or all]
     #[arg(long, value_name = "J")]
     sector: Option<usize>,
-    /// Which passage of the branch through the value, where it turns back
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
-    passage: u16,
+    /// Which passage of the branch through the value of --at, where it turns back [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    passage: Option<u16>,
     /// Eigenvalues of the discretised ring with N points per wavelength instead of the exact ones
     #[arg(long, value_name = "N", conflicts_with = "eigenfunctions", value_parser = ring_points, allow_negative_numbers = true)]
     discretised: Option<usize>,
@@ -118,6 +118,7 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
     // the branch itself needs no stability
     problem.stability = None;
     let parameter = continuation.parameter;
+    once(&arguments.at)?;
     let mut target = None;
     // a value of the command line is on no line of the file
     let mut of_file = true;
@@ -128,6 +129,9 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
             set(problem, other, value)?;
             of_file = false;
         }
+    }
+    if target.is_none() && arguments.passage.is_some() {
+        return Err(Usage::Passage(parameter.column()).into());
     }
     continuation.stop_at.clear();
     continuation.stop_after.clear();
@@ -149,13 +153,14 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments) -> Result<Exit, Failure> {
         true => prepared.begin(false)?,
         false => prepared.start(false, &prepared.problem)?,
     };
-    let mut passage = Passage::new(branch, target, arguments.passage.into());
+    let wanted = arguments.passage.unwrap_or(1);
+    let mut passage = Passage::new(branch, target, wanted.into());
     drive(false, || {
         let words = |passage: &Passage| format!("{} points on the way", passage.points());
         Ok(passage.step().then(|| (f64::NAN, words(&passage))))
     })?;
     if let Some(value) = target {
-        remark(&passage, parameter, value, arguments.passage);
+        remark(&passage, parameter, value, wanted);
     }
     match passage.found() {
         None => Ok(Exit::Numerical),

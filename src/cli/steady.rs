@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::failure::{Exit, Failure, Usage};
-use super::options::{assignment, picture, set};
+use super::options::{assignment, once, picture, read, set};
 use super::progress::Progress;
 use super::{print, summary, warn};
 use crate::model::Parameter;
 use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store};
 use crate::output::{self, pictures};
-use crate::problem::{self, MAX_MODE};
+use crate::problem::MAX_MODE;
 use crate::steady::row::ModeRow;
 use crate::steady::{self, Mode, Settings, first_to_grow};
 use crate::table::{self, Table};
@@ -87,7 +87,8 @@ fn modes(text: &str) -> Result<(u32, u32), Usage> {
 pub(crate) fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
     let inputs = [arguments.problem.clone()];
     let picture = picture(arguments.plot.as_deref(), &inputs)?;
-    let (mut problem, _) = problem::read(&arguments.problem)?;
+    let (mut problem, _) = read(&arguments.problem)?;
+    once(&arguments.at)?;
     for (parameter, value) in &arguments.at {
         set(&mut problem, *parameter, *value)?;
     }

@@ -5,12 +5,14 @@ use std::io::{self, IsTerminal};
 use std::path::Path;
 
 use crate::curve::{Curve, Point};
-use crate::model::EventType;
-use crate::model::Parameter;
+use crate::model::{Damping, EventType, FrictionLaw, Landing, Model, Parameter, Sectors};
 use crate::output::curve::words;
 use crate::output::layout::{BRANCH, EVENTS};
+use crate::output::run::separates;
 use crate::output::store::{self, StoreError};
+use crate::problem::{Problem, Start};
 use crate::table::Table;
+use crate::wave::start::{Onset, Which, onset, slip_stick};
 
 /// A number for a table: 12 significant digits, in a width of 18.
 fn figure(value: f64) -> String {
@@ -26,13 +28,14 @@ fn figure(value: f64) -> String {
     }
 }
 
-/// The report of a result folder, from its tables: a run that was resumed is reported as a whole.
-/// `whole_circle` says that all sectors were asked for.
+/// The report of the folder of a run, from its tables: a run that was resumed is reported as a whole.
+/// `model` is that of the first wave.
 pub(crate) fn branch(
     folder: &Path,
-    parameter: Parameter,
-    whole_circle: bool,
+    problem: &Problem,
+    model: &Model,
 ) -> Result<String, StoreError> {
+    let parameter = problem.parameter();
     let points = store::table(&folder.join(BRANCH))?;
     let events = store::table(&folder.join(EVENTS))?;
     let number =
@@ -101,12 +104,76 @@ pub(crate) fn branch(
         if before != after {
             let _ = write!(report, ": {before} → {after}");
         }
+        if let Some(hertz) = events.field::<f64>(row, "hertz") {
+            let _ = write!(report, ", {hertz:.2} Hz");
+        }
         let _ = writeln!(report, "; {}", events.text(row, "what"));
     }
-    if asked {
+    if let Some(section) = &problem.stability {
+        let whole_circle = section.sectors == Sectors::All;
         report.push_str(&stable_parts(&points, parameter, whole_circle));
     }
+    if let (Some(_), Some(gamma)) = (problem.tube, model.value(Parameter::Gamma)) {
+        let (scale, mismatch) = (gamma.sqrt(), model.mismatch);
+        let share = mismatch / scale;
+        let _ = writeln!(
+            report,
+            "√γ = {scale:.4e}; the tube has δ = {mismatch:.4e} = {share:.4} √γ"
+        );
+    }
+    if separates(&points) {
+        let landing = Landing::of(model, parameter);
+        let _ = writeln!(
+            report,
+            "landings by {}: {}",
+            landing.name(),
+            landing.remark()
+        );
+    }
+    let changes = |row| events.field(row, "type").is_some_and(EventType::of_regimes);
+    if !(0..events.len()).any(changes) {
+        report.push_str(&expected(problem, model).unwrap_or_default());
+    }
     Ok(report)
+}
+
+/// Where a branch without a change of regime would have had the first ones.
+fn expected(problem: &Problem, model: &Model) -> Option<String> {
+    let which = match problem.wave.start {
+        Start::Fast | Start::Hopf => Which::Fast,
+        Start::Slow => Which::Slow,
+        Start::Restart { .. } => return None,
+    };
+    let damping = Damping {
+        stiffness: 0.0,
+        ..model.damping
+    };
+    let law = FrictionLaw::Coulomb;
+    let plain = Model {
+        damping,
+        law,
+        ..*model
+    };
+    let wave = slip_stick(&plain, problem.wave.mode, which).ok()?;
+    let Onset {
+        separation,
+        reverse,
+    } = onset(&plain, &wave);
+    let mut places = Vec::new();
+    if reverse > 0.0 {
+        places.push(format!("an RV at δ = {reverse:.6e}"));
+    }
+    // behind an RV it is another wave that separates, at about the same place
+    let about = if reverse > separation { "about " } else { "" };
+    places.push(format!("a GR at {about}δ = {separation:.6e}"));
+    let simpler = match plain == *model {
+        true => "",
+        false => " without material damping and under Coulomb's law",
+    };
+    Some(format!(
+        "no change of regime in this range; the slip-stick wave has {}{simpler} (closed form)\n",
+        places.join(" and ")
+    ))
 }
 
 /// Eleven characters on the stability of a point: the verdict, and how many eigenvalues grow.

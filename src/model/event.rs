@@ -49,6 +49,12 @@ impl EventType {
     pub(crate) fn of_spectrum(self) -> bool {
         matches!(self, EventType::HB | EventType::BP)
     }
+
+    /// Whether the sequence of regimes changes at events of this type.
+    pub(crate) fn of_regimes(self) -> bool {
+        use EventType::{CO, GR, RV, ST};
+        matches!(self, GR | RV | CO | ST)
+    }
 }
 
 impl fmt::Display for EventType {

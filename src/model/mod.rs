@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 
 use coefficients::{Coefficients, Geometry};
 pub use event::EventType;
+pub(crate) use laws::Landing;
 pub use laws::{Damping, FrictionLaw, Impact};
 pub use parameter::Parameter;
 pub use sectors::Sectors;

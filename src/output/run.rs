@@ -20,8 +20,9 @@ use crate::branch::row::{BranchRow, EventRow, SpectrumRow};
 use crate::branch::run::{Item, Progress, Runner};
 use crate::curve::start::Labelled;
 use crate::model::EventType;
+use crate::model::signature::Regime;
 use crate::problem::{Problem, Start};
-use crate::table;
+use crate::table::{self, Table};
 
 /// Content of `branch.ron`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -112,6 +113,12 @@ pub(crate) fn labelled(folder: &Path, label: usize) -> Result<Labelled, StoreErr
     })
 }
 
+/// Whether a wave in the table of points lifts off.
+pub(crate) fn separates(branch: &Table) -> bool {
+    let separation = |name| Regime::named(name) == Some(Regime::Separation);
+    (0..branch.len()).any(|row| branch.text(row, "regimes").split('-').any(separation))
+}
+
 /// Intervals of a profile over one wavelength.
 pub(crate) const PROFILE_RESOLUTION: usize = 360;
 
@@ -177,7 +184,7 @@ impl RunFolder {
             names.extend(layout::pictures(Kind::Run, problem, Format::Svg));
             store.begin(&[BRANCH, EVENTS, Restart::FILE], names, Some(PROFILES))?;
         }
-        let header = table::columns(&EventRow::columns(problem.model));
+        let header = table::columns(&EventRow::columns(problem.model, problem.output.rotation));
         let columns = table::columns(&BranchRow::columns(problem.output.rotation));
         let mut folder = RunFolder {
             branch: store.table(BRANCH, &table::line_of(&columns), kept(now.points))?,
@@ -231,11 +238,12 @@ impl RunFolder {
 
     fn append(&mut self, item: &Item) -> Result<(), StoreError> {
         let mode = f64::from(item.wave().0.mode);
-        let hertz = self.restart.problem.output.hertz(mode * item.point.speed);
-        let row = BranchRow::new(&item.point, item.leg, hertz);
+        let output = &self.restart.problem.output;
+        let hertz = |speed: f64| output.hertz(mode * speed);
+        let row = BranchRow::new(&item.point, item.leg, hertz(item.point.speed));
         self.branch.row(&row)?;
         if let Some(event) = &item.event {
-            self.events.row(&EventRow::new(event))?;
+            self.events.row(&EventRow::new(event, hertz(event.speed)))?;
         }
         if let (Some(file), Some(label)) = (&mut self.spectrum, item.point.label) {
             for &eigenvalue in &item.eigenvalues {

@@ -1,12 +1,14 @@
 //! What every number and every text of a problem must hold to by itself: one table.
 //!
-//! The problem is written out again, with its defaults, and every value found there is held against
-//! the table by its path. What values must hold to among each other is in [`super::validation`].
+//! Every number and text of the data is held against the table by its path; the outline of the text tells
+//! where it stands. What values must hold to among each other is in [`super::validation`].
 
 use super::error::{Flaw, excerpt};
+use super::leaf::{self, Leaf};
 use super::map::{MAX_GRID, MAX_MAP_POINTS};
 use super::outline::Outline;
-use super::{MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, MAX_WORDS, Problem, is_text};
+use super::written::Written;
+use super::{MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, MAX_WORDS, is_text};
 use crate::flow::method::{MAX_DEGREE, MAX_INTERVALS};
 use crate::model::Parameter;
 use crate::model::range::Range;
@@ -21,7 +23,14 @@ const AROUND: Range = Range::from(MIN_SIMULATION_POINTS as f64).to(MAX_SIMULATIO
 
 /// Path, admitted values, and the rule in words, with `{}` for the values.
 #[rustfmt::skip] // one field a line
-const FIELDS: [(&str, Range, &str); 41] = [
+const FIELDS: [(&str, Range, &str); 48] = [
+    ("tube.young", POSITIVE, "Young's modulus, in Pa, must be {}"),
+    ("tube.density", POSITIVE, "the density, in kg/m³, must be {}"),
+    ("tube.poisson", Range::above(-1.0).below(0.5), "Poisson's ratio must lie {}"),
+    ("tube.inner", POSITIVE, "the inner radius, in m, must be {}"),
+    ("tube.outer", POSITIVE, "the outer radius, in m, must be {}"),
+    ("tube.oversize", POSITIVE, "the radius of the shaft less that of the tube, in m, must be {}"),
+    ("tube.rotation", POSITIVE, "the shaft must turn: the rotation must be {}"),
     ("model.coefficients.b", POSITIVE, "b must be {}"),
     ("model.coefficients.g", POSITIVE, "g must be {}"),
     ("model.coefficients.h", POSITIVE, "h must be {}"),
@@ -70,29 +79,25 @@ const EXPECTED: &str =
     "the tolerance must be {}; it is relative, or absolute where the expected value is 0";
 
 /// Refuses the first value that is not admitted whatever the others are.
-pub(super) fn check(problem: &Problem, outline: &Outline) -> Result<(), Flaw> {
-    let written = ron::to_string(problem as &dyn erased_serde::Serialize).map_err(|error| {
-        let help = "`brakewave new` prints a problem file to start from";
-        Flaw::new(0..0, error.to_string(), help)
-    })?;
-    for leaf in Outline::of(&written).leaves() {
-        let found = if leaf.source.starts_with('"') {
-            word(&leaf.name, leaf.source)
-        } else {
-            number(&leaf.name, leaf.source)
-        };
-        if let Some((message, help)) = found {
-            return Err(Flaw::new(outline.locate(&leaf.path), message, help));
-        }
-    }
-    Ok(())
+pub(super) fn check(written: &Written, outline: &Outline<'_>) -> Result<(), Flaw> {
+    let flaw = leaf::find(written, |path, leaf| {
+        let (message, help) = match leaf {
+            Leaf::Number(value) => number(&path.name(), value),
+            Leaf::Text(text) => word(&path.name(), text),
+        }?;
+        Some(Flaw::new(outline.locate(&path.address()), message, help))
+    });
+    flaw.map_or(Ok(()), Err)
 }
 
 /// What is wrong with a number, and its cure.
-fn number(name: &str, source: &str) -> Option<(String, String)> {
-    let value: f64 = source.parse().ok()?;
-    let field = FIELDS.iter().find(|(path, ..)| *path == name);
-    let parameter = Parameter::ALL.into_iter().find(|one| one.path() == name);
+fn number(name: &str, value: f64) -> Option<(String, String)> {
+    // a tube has what has no unit under the name that a model has for it
+    let of_tube = name.strip_prefix("tube.");
+    let in_model = of_tube.map(|field| format!("model.{field}"));
+    let is_of = |path: &str| path == name || in_model.as_deref() == Some(path);
+    let field = FIELDS.iter().find(|(path, ..)| is_of(path));
+    let parameter = Parameter::ALL.into_iter().find(|one| is_of(one.path()));
     let (admitted, rule) = match (field, parameter) {
         (Some((_, range, rule)), _) => (range.admits(value), Some(range.rule(rule))),
         (None, Some(parameter)) => (parameter.admits(value), Some(parameter.rule())),
@@ -104,7 +109,7 @@ fn number(name: &str, source: &str) -> Option<(String, String)> {
         (Some(rule), true) if !admitted => rule,
         _ => return None,
     };
-    Some((not_admitted(name, source), help))
+    Some((not_admitted(name, &format!("{value:?}")), help))
 }
 
 /// The message about a value that is not admitted.
@@ -114,8 +119,7 @@ pub(super) fn not_admitted(name: &str, value: &str) -> String {
 
 /// What is wrong with a text: it is shown, or names a file. Escapes bring control characters past
 /// the reader.
-fn word(name: &str, source: &str) -> Option<(String, String)> {
-    let text: String = ron::from_str(source).ok()?;
+fn word(name: &str, text: &str) -> Option<(String, String)> {
     let refused = |c: &char| matches!(c, '\n' | '\r') || !is_text(*c);
     if let Some(found) = text.chars().find(refused) {
         let code = u32::from(found);
@@ -131,5 +135,5 @@ fn word(name: &str, source: &str) -> Option<(String, String)> {
     } else {
         return None;
     };
-    Some((not_admitted(name, source), rule))
+    Some((not_admitted(name, &format!("{text:?}")), rule))
 }

@@ -5,18 +5,21 @@
 
 mod continuation;
 mod curve;
+mod doubt;
 mod error;
 mod examples;
 mod expectation;
 mod explanation;
 mod fields;
+mod leaf;
 mod map;
 mod outline;
 #[cfg(test)]
 mod tests;
+mod tube;
 mod validation;
+mod written;
 
-use std::borrow::Cow;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -26,9 +29,11 @@ use serde::{Deserialize, Serialize};
 
 pub use continuation::{Continuation, StopAfter, Toward};
 pub use curve::{Curve, CurveEvent};
+pub use doubt::Doubt;
 pub use error::ProblemError;
 pub use expectation::Expectation;
 pub use map::{Map, MapAxis, MapPoints};
+pub use tube::{Rotation, Tube};
 
 use crate::flow::method::Method;
 use crate::interval::Decimal;
@@ -37,6 +42,8 @@ use crate::simulation::task::Simulation;
 use crate::stability::spectrum::Request;
 use error::Flaw;
 use outline::Outline;
+use tube::place_of;
+use written::Written;
 
 /// Largest problem file accepted, in bytes.
 pub(crate) const MAX_BYTES: usize = 4 << 20;
@@ -56,26 +63,38 @@ pub(crate) const DEFAULT_EIGENVALUES: usize = 6;
 /// Largest |Im λ| searched where none is given, in units of Ω.
 pub(crate) const DEFAULT_MAX_FREQUENCY: f64 = 12.0;
 
-/// A commented problem file to start from: the mode-4 branch in the mismatch.
-pub(crate) const TEMPLATE: &str = include_str!("template.ron");
+/// A commented problem file to start from, with every section; see [`template`].
+const TEMPLATE: &str = include_str!("template.ron");
 
-/// [`TEMPLATE`] with a section that is a comment there: `map`, `curve` or `simulation`.
-pub(crate) fn template_with(section: &str) -> String {
-    uncommented(TEMPLATE, section)
-}
+/// Sections of [`TEMPLATE`] that may be comments.
+const OPTIONAL: [&str; 6] = [
+    "continuation",
+    "stability",
+    "map",
+    "curve",
+    "simulation",
+    "expect",
+];
 
-/// A commented problem file with one of its commented sections.
-fn uncommented(template: &str, section: &str) -> String {
-    let opening = format!("    // {section}: (");
-    let mut inside = false;
-    let lines = template.lines().map(|line| {
-        inside |= line == opening;
-        let plain = match line.strip_prefix("    // ") {
-            Some(rest) if inside => format!("    {rest}\n"),
+/// A commented problem file in which these sections are in use and other optional ones are comments.
+pub(crate) fn template(sections: &[&str]) -> String {
+    let mut inside = None;
+    let lines = TEMPLATE.lines().map(|line| {
+        let comment = line.strip_prefix("    // ");
+        let text = comment.or(line.strip_prefix("    ")).unwrap_or(line);
+        let opens = |name: &&str| {
+            let rest = text.strip_prefix(*name);
+            rest.is_some_and(|rest| rest.starts_with(": (") || rest.starts_with(": ["))
+        };
+        inside = inside.or(OPTIONAL.into_iter().find(opens));
+        let line = match (inside.map(|name| sections.contains(&name)), comment) {
+            (Some(true), Some(_)) => format!("    {text}\n"),
+            (Some(false), None) => format!("    // {text}\n"),
             _ => format!("{line}\n"),
         };
-        inside &= line != "    // ),";
-        plain
+        let ends = text == ")," || text == "]," || (text.ends_with("),") && !text.starts_with(' '));
+        inside = inside.filter(|_| !ends);
+        line
     });
     lines.collect()
 }
@@ -88,6 +107,9 @@ pub struct Problem {
     pub title: Option<String>,
     /// The brake.
     pub model: Model,
+    /// The same in SI units, where the file has it so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tube: Option<Tube>,
     /// The wave to begin with.
     pub wave: Wave,
     /// How the equations of a zone are solved; the cheapest that is exact, or accurate to 1e-12,
@@ -343,7 +365,7 @@ pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
     if text.len() > MAX_BYTES {
         return Err(too_large(name));
     }
-    let text = &*readable(text.strip_prefix('\u{FEFF}').unwrap_or(text));
+    let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     let refuse = |flaw| ProblemError::in_text(name, text, flaw);
     if let Some((at, found)) = text.char_indices().find(|(_, c)| !is_text(*c)) {
         let message = format!(
@@ -353,24 +375,18 @@ pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
         let help = "remove it; is the file a problem file in the encoding UTF-8?";
         return Err(refuse(Flaw::new(at..at + found.len_utf8(), message, help)));
     }
-    let problem: Problem = options()
+    let written: Written = options()
         .from_str(text)
         .map_err(|error| refuse(explanation::explain(text, &error)))?;
     let outline = Outline::of(text);
-    validation::lengths(&problem, &outline)
-        .and_then(|()| fields::check(&problem, &outline))
-        .and_then(|()| validation::check(&problem, &outline))
-        .map_err(refuse)?;
-    Ok(problem)
-}
-
-/// The text for `ron`, where a name is followed by values or it is not: `start: Wave` gets another name.
-fn readable(text: &str) -> Cow<'_, str> {
-    let at = Outline::of(text).locate("simulation.start");
-    match &text[at.clone()] {
-        "Wave" => format!("{}Own{}", &text[..at.start], &text[at.start..]).into(),
-        _ => text.into(),
-    }
+    let checked = || {
+        validation::lengths(&written, &outline)?;
+        fields::check(&written, &outline)?;
+        let problem = written.problem(&outline)?;
+        validation::check(&problem, &outline)?;
+        Ok(problem)
+    };
+    checked().map_err(refuse)
 }
 
 /// Whether a character is text, as tables, pictures and reports in XML can hold it.
@@ -378,23 +394,26 @@ fn is_text(c: char) -> bool {
     matches!(c, '\t' | '\n' | '\r') || !(c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}'))
 }
 
-/// Whether the text of a problem says something at a path.
+/// Whether the text of a problem says something at a path of the model or of another section.
 pub fn says(text: &str, path: &str) -> bool {
-    Outline::of(text).has(path)
+    let outline = Outline::of(text);
+    outline.has(&place_of(path, &outline))
 }
 
 /// The decimal that the text of a problem has at a path.
 pub(crate) fn decimal_at(text: &str, path: &str) -> Option<Decimal> {
     let outline = Outline::of(text);
-    let there = outline.has(path).then(|| outline.locate(path))?;
+    let path = place_of(path, &outline);
+    let there = outline.has(&path).then(|| outline.locate(&path))?;
     Decimal::try_from(text.get(there)?.to_owned()).ok()
 }
 
-/// The decimal below a path that reads as a double; the shortest where the text has none.
+/// The decimal in a section, or at a path, that reads as a double; the shortest where the text has none.
 pub(crate) fn decimal_of(text: &str, path: &str, value: f64) -> Decimal {
     let outline = Outline::of(text);
-    let below = outline.leaves().filter(|leaf| leaf.path.starts_with(path));
-    let decimals = below.filter_map(|leaf| Decimal::try_from(leaf.source.to_owned()).ok());
+    let path = place_of(path, &outline);
+    let below = outline.below(&path);
+    let decimals = below.filter_map(|source| Decimal::try_from(source.to_owned()).ok());
     let mut equal = decimals.filter(|decimal| decimal.nearest() == value);
     equal.next().unwrap_or_else(|| Decimal::of(value))
 }
@@ -408,7 +427,8 @@ pub(crate) fn refuse_at(
     help: impl Into<String>,
 ) -> ProblemError {
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
-    let at = Outline::of(text).locate(path);
+    let outline = Outline::of(text);
+    let at = outline.locate(&place_of(path, &outline));
     ProblemError::in_text(name, text, Flaw::new(at, message, help))
 }
 

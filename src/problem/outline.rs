@@ -10,23 +10,10 @@ use super::error::Flaw;
 /// A value of the text.
 struct Node {
     parent: Option<usize>,
-    /// Place among what the parent holds.
-    place: usize,
-    /// How many values it holds.
-    holds: usize,
     /// What stands before the colon.
     key: Option<Range<usize>>,
     /// The whole value, with the name before its bracket.
     span: Range<usize>,
-}
-
-/// A value that holds no others.
-pub(super) struct Leaf<'a> {
-    /// Names of the fields on the way to it, joined by dots.
-    pub name: String,
-    /// The same with the numbers of entries.
-    pub path: String,
-    pub source: &'a str,
 }
 
 pub(super) struct Outline<'a> {
@@ -111,15 +98,8 @@ impl<'a> Outline<'a> {
     }
 
     fn push(&mut self, open: &[usize], key: Option<Range<usize>>, span: Range<usize>) {
-        let parent = open.last().copied();
-        let place = parent.map_or(0, |parent| self.nodes[parent].holds);
-        if let Some(parent) = parent {
-            self.nodes[parent].holds += 1;
-        }
         self.nodes.push(Node {
-            parent,
-            place,
-            holds: 0,
+            parent: open.last().copied(),
             key,
             span,
         });
@@ -127,11 +107,7 @@ impl<'a> Outline<'a> {
 
     /// Takes back the last value, a word, as the key of the next.
     fn take_key(&mut self) -> Option<Range<usize>> {
-        let word = self.nodes.pop()?;
-        if let Some(parent) = word.parent {
-            self.nodes[parent].holds -= 1;
-        }
-        Some(word.span)
+        Some(self.nodes.pop()?.span)
     }
 
     fn close(&mut self, node: Option<usize>, span: Range<usize>) {
@@ -241,31 +217,16 @@ impl<'a> Outline<'a> {
         })
     }
 
-    /// Every value that holds no others.
-    pub fn leaves(&self) -> impl Iterator<Item = Leaf<'a>> {
-        let leaves = (0..self.nodes.len()).filter(|&node| self.nodes[node].holds == 0);
-        leaves.map(|node| Leaf {
-            name: self.path(node),
-            path: self.address(node),
-            source: self.source(node),
-        })
-    }
-
-    /// The path of a value with the numbers of entries, as [`Outline::locate`] takes it.
-    fn address(&self, node: usize) -> String {
-        let mut steps = Vec::new();
-        let mut at = node;
-        while let Some(parent) = self.nodes[at].parent {
-            match self.key(at) {
-                Some(key) => steps.push(key.to_owned()),
-                // what is optional is written with or without it
-                None if self.source(parent).starts_with("Some(") => {}
-                None => steps.push(self.nodes[at].place.to_string()),
-            }
-            at = parent;
-        }
-        steps.reverse();
-        steps.join(".")
+    /// What is written as the value with this path, and as the values that it holds.
+    pub fn below(&self, path: &str) -> impl Iterator<Item = &'a str> {
+        let top = self.at(path).map(|node| self.span(node));
+        (0..self.nodes.len())
+            .filter(move |&node| {
+                let span = self.span(node);
+                let within = |top: &Range<usize>| top.start <= span.start && span.end <= top.end;
+                top.as_ref().is_some_and(within)
+            })
+            .map(|node| self.source(node))
     }
 
     /// The place of the value with this path, or the beginning of the nearest one around it.

@@ -68,7 +68,7 @@ fn marked(error: &ProblemError) -> String {
 }
 
 /// Asserts that the text is refused at the marked place with these words.
-fn refused(text: &str, place: &str, message: &str, help: &str) -> ProblemError {
+pub(super) fn refused(text: &str, place: &str, message: &str, help: &str) -> ProblemError {
     let error = parse(text, "p.ron").expect_err(text);
     let display = error.to_string();
     assert_eq!(marked(&error), place, "{display}");
@@ -116,12 +116,20 @@ fn template_parses() {
 
 #[test]
 fn optional_lines_of_the_template_are_right() {
-    let sections = ["map", "curve", "simulation"];
-    let all = sections.iter().fold(TEMPLATE.to_owned(), |text, section| {
-        let with = uncommented(&text, section);
-        assert_ne!(with, text, "{section}");
-        with
-    });
+    let all = template(&OPTIONAL);
+    assert_eq!(template(&["continuation", "expect"]), TEMPLATE);
+    for section in OPTIONAL {
+        let with = parse(&template(&[section]), "p.ron").unwrap();
+        let given = [
+            with.continuation.is_some(),
+            with.stability.is_some(),
+            with.map.is_some(),
+            with.curve.is_some(),
+            with.simulation.is_some(),
+            !with.expect.is_empty(),
+        ];
+        assert_eq!(given, OPTIONAL.map(|one| one == section), "{section}");
+    }
     let lines: Vec<String> = all
         .lines()
         .map(|line| match line.trim_start().strip_prefix("// ") {
@@ -209,6 +217,8 @@ fn every_field_has_an_example_that_is_right() {
         ),
         ("simulation.growth", "(simulation: (growth: (@)))"),
         ("output", "(output: (@))"),
+        ("tube", "(tube: (@))"),
+        ("tube.damping", "(tube: (damping: (@)))"),
         ("expect", "(expect: [(@)])"),
     ];
     for (home, section) in sections {
@@ -336,6 +346,31 @@ fn problems_survive_a_round_trip() {
     );
     let parsed = parse(&own, "p.ron").unwrap().simulation.unwrap();
     assert_eq!(parsed.start, SimulationStart::OwnWave);
+    // what is shown, and counted, is the text as it was written
+    let wrong = own
+        .replace("// bare\n", "")
+        .replace("points: 96", "points: 0");
+    let marked = wrong.find("points: 0").unwrap() + "points: ".len();
+    assert_eq!(
+        parse(&wrong, "p.ron").unwrap_err().column(),
+        Some(marked + 1)
+    );
+    let wrong = own.replace("// bare\n, ", ", duratoin: 1, ");
+    refused(&wrong, "duratoin", "unknown field `duratoin`", "duration");
+    for start in [
+        "Wave(dir: \"r/x\")",
+        "Wave()",
+        "Wave(3)",
+        "OwnWave",
+        "Wave(dir: \"r/x\", label: -3)",
+    ] {
+        let error = parse(
+            &own.replace("/* of its own */ Wave // bare\n", start),
+            "p.ron",
+        )
+        .unwrap_err();
+        assert!(error.to_string().contains(start), "{error}");
+    }
     for text in [FULL, TEMPLATE, &restart, &given, &ring, &tube, &own] {
         let problem = parse(text, "p.ron").unwrap();
         let stored = ron::to_string(&problem).unwrap();

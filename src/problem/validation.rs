@@ -7,6 +7,8 @@ use super::expectation::MAX_EXPECTATIONS;
 use super::fields::not_admitted;
 use super::map::MAX_MAP_POINTS;
 use super::outline::Outline;
+use super::tube::place_of;
+use super::written::Written;
 use super::{
     Continuation, Curve, CurveEvent, Expectation, MAX_USER_POINTS, Map, MapPoints, Plot, Problem,
     Start, Toward, drawable_columns,
@@ -49,12 +51,12 @@ pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
 }
 
 /// Refuses lists without end, before anything is done with their entries.
-pub(super) fn lengths(problem: &Problem, outline: &Outline) -> Check {
-    let points = problem.continuation.as_ref();
+pub(super) fn lengths(written: &Written, outline: &Outline) -> Check {
+    let points = written.continuation.as_ref();
     let points = points.map_or(0, |section| section.stop_at.len());
     for (path, count, most) in [
         ("continuation.stop_at", points, MAX_USER_POINTS),
-        ("expect", problem.expect.len(), MAX_EXPECTATIONS),
+        ("expect", written.expect.len(), MAX_EXPECTATIONS),
     ] {
         if count > most {
             let message = format!("`{path}` has {count} entries");
@@ -65,6 +67,54 @@ pub(super) fn lengths(problem: &Problem, outline: &Outline) -> Check {
     Ok(())
 }
 
+impl Problem {
+    /// What a plot shows but the problem does not ask for, and how to ask for it.
+    pub(crate) fn lacks(&self, plot: &Plot) -> Option<(&'static str, String)> {
+        const STABILITY: (&str, &str) =
+            ("the section `stability`", "add `stability: (sectors: All)`");
+        const PROFILES: (&str, &str) = ("profiles", "add `profiles: 9` to `output`");
+        const CONDITIONING: (&str, &str) =
+            ("`conditioning`", "add `conditioning: true` to `output`");
+        const ROTATION: (&str, &str) = (
+            "the angular velocity of the shaft",
+            "add `rotation: 62.8` in rad/s to `output`",
+        );
+        let Problem {
+            stability, output, ..
+        } = self;
+        let (needed, given) = match plot {
+            Plot::Diagram => return None,
+            Plot::Spectrum | Plot::Multipliers => (STABILITY, stability.is_some()),
+            Plot::Pressure
+            | Plot::Displacement
+            | Plot::Wave
+            | Plot::PhasePlane
+            | Plot::Friction => (PROFILES, output.profiles > 0),
+            Plot::Column(name) => match name.as_str() {
+                "unstable" | "lead_re" | "lead_im" | "lead_sector" => {
+                    (STABILITY, stability.is_some())
+                }
+                "condition" | "expected_error" => (CONDITIONING, output.conditioning),
+                "hertz" => (ROTATION, output.rotation.is_some()),
+                name => {
+                    let lacking = Parameter::from_column(name)
+                        .filter(|&parameter| self.model.value(parameter).is_none())
+                        .filter(|_| !self.restarts())?;
+                    let (_, cure) = lacking.absent();
+                    return Some(("this parameter in the model", format!("use `{cure}`")));
+                }
+            },
+        };
+        let (needed, cure) = needed;
+        (!given).then(|| (needed, cure.to_owned()))
+    }
+
+    /// Whether the first wave brings its own model.
+    fn restarts(&self) -> bool {
+        matches!(self.wave.start, Start::Restart { .. })
+    }
+}
+
 struct Checks<'a> {
     problem: &'a Problem,
     outline: &'a Outline<'a>,
@@ -72,7 +122,13 @@ struct Checks<'a> {
 
 impl Checks<'_> {
     fn refuse(&self, path: &str, message: impl Into<String>, help: impl Into<String>) -> Check {
-        Err(Flaw::new(self.outline.locate(path), message, help))
+        let at = self.outline.locate(&self.place(path));
+        Err(Flaw::new(at, message, help))
+    }
+
+    /// Where the file has what the problem has at a path.
+    fn place(&self, path: &str) -> String {
+        place_of(path, self.outline)
     }
 
     /// Refuses the value at the path unless it holds to the rule.
@@ -82,9 +138,10 @@ impl Checks<'_> {
         }
         // messages name the fields only; the place tells the entry of a list
         let is_field = |step: &&str| step.parse::<usize>().is_err();
+        let path = self.place(path);
         let fields: Vec<&str> = path.split('.').filter(is_field).collect();
         let message = not_admitted(&fields.join("."), &format!("{value:?}"));
-        self.refuse(path, message, rule)
+        self.refuse(&path, message, rule)
     }
 
     /// Refuses an entry that stands in its list already.
@@ -171,6 +228,20 @@ impl Checks<'_> {
 
     fn model(&self) -> Check {
         let model = &self.problem.model;
+        if let Some(tube) = &self.problem.tube {
+            let rule = format!(
+                "the outer radius is greater than the inner one, {:?}",
+                tube.inner
+            );
+            self.admit("tube.outer", tube.outer, tube.outer > tube.inner, &rule)?;
+            for parameter in [Parameter::Mismatch, Parameter::Xi, Parameter::Gamma] {
+                let value = model.value(parameter).unwrap_or(f64::NAN);
+                if !(parameter.admits(value) && value.is_finite()) {
+                    let message = format!("this tube has {} = {value:?}", parameter.column());
+                    return self.refuse(parameter.path(), message, parameter.rule());
+                }
+            }
+        }
         if let Source::Given { a, b, coupling, .. } = model.source {
             let rule = "a must be greater than b";
             self.admit("model.coefficients.a", a, a > b, rule)?;
@@ -228,7 +299,24 @@ impl Checks<'_> {
         let begins = format!("the branch starts at {column} = {value:?}");
         if !(lower..=upper).contains(&value) {
             let message = format!("{begins}, outside the range from {lower:?} to {upper:?}");
-            let help = format!("widen the range or change `{column}` in the model");
+            let help = match self.problem.tube {
+                None => format!("widen the range or change `{column}` in the model"),
+                Some(_) if section.parameter == Parameter::Mismatch => {
+                    let scale = self
+                        .problem
+                        .model
+                        .value(Parameter::Gamma)
+                        .unwrap_or(1.0)
+                        .sqrt();
+                    // most tubes have their first events between these, for all lengths scale with √γ
+                    let (least, most) = (1e-3 * scale, 1.01 * scale.max(value));
+                    format!(
+                        "mismatch is oversize/inner, without a unit; a range to begin with is \
+                         ({least:.2e}, {most:.2e})"
+                    )
+                }
+                Some(_) => format!("widen the range: `{column}` has the units of a model"),
+            };
             return self.refuse("continuation.range", message, help);
         }
         let (edge, opposite) = match section.toward {
@@ -351,7 +439,7 @@ impl Checks<'_> {
         if self.problem.model.law != FrictionLaw::Coulomb {
             return self.refuse(
                 "model.friction_law",
-                "`model.friction_law` is not Coulomb's, and no other is simulated",
+                "`friction_law` is not Coulomb's, and no other is simulated",
                 "leave it out; a ring has `friction: Tanh(epsilon: 0.01)` in its section",
             );
         }
@@ -422,58 +510,12 @@ impl Checks<'_> {
                 self.admit(&path, plot, columns.contains(name), &rule)?;
             }
             self.once(&path, index, plots)?;
-            if let Some((needed, cure)) = self.lacks(plot) {
+            if let Some((needed, cure)) = self.problem.lacks(plot) {
                 let message = format!("the plot {plot:?} shows nothing without {needed}");
                 return self.refuse(&path, message, format!("{cure}, or leave out the plot"));
             }
         }
         Ok(())
-    }
-
-    /// What a plot shows but the problem does not ask for, and how to ask for it.
-    fn lacks(&self, plot: &Plot) -> Option<(&'static str, String)> {
-        const STABILITY: (&str, &str) =
-            ("the section `stability`", "add `stability: (sectors: All)`");
-        const PROFILES: (&str, &str) = ("profiles", "add `profiles: 9` to `output`");
-        const CONDITIONING: (&str, &str) =
-            ("`conditioning`", "add `conditioning: true` to `output`");
-        const ROTATION: (&str, &str) = (
-            "the angular velocity of the shaft",
-            "add `rotation: 62.8` in rad/s to `output`",
-        );
-        let Problem {
-            stability, output, ..
-        } = self.problem;
-        let (needed, given) = match plot {
-            Plot::Diagram => return None,
-            Plot::Spectrum | Plot::Multipliers => (STABILITY, stability.is_some()),
-            Plot::Pressure
-            | Plot::Displacement
-            | Plot::Wave
-            | Plot::PhasePlane
-            | Plot::Friction => (PROFILES, output.profiles > 0),
-            Plot::Column(name) => match name.as_str() {
-                "unstable" | "lead_re" | "lead_im" | "lead_sector" => {
-                    (STABILITY, stability.is_some())
-                }
-                "condition" | "expected_error" => (CONDITIONING, output.conditioning),
-                "hertz" => (ROTATION, output.rotation.is_some()),
-                name => {
-                    let lacking = Parameter::from_column(name)
-                        .filter(|&parameter| self.problem.model.value(parameter).is_none())
-                        .filter(|_| !self.restarts())?;
-                    let (_, cure) = lacking.absent();
-                    return Some(("this parameter in the model", format!("use `{cure}`")));
-                }
-            },
-        };
-        let (needed, cure) = needed;
-        (!given).then(|| (needed, cure.to_owned()))
-    }
-
-    /// Whether the first wave brings its own model.
-    fn restarts(&self) -> bool {
-        matches!(self.problem.wave.start, Start::Restart { .. })
     }
 
     fn expectation(&self, path: &str, event: &Expectation) -> Check {
@@ -512,7 +554,7 @@ impl Checks<'_> {
         let column = section.parameter.column();
         let varies = |name: &str| name == column || Parameter::from_column(name).is_none();
         let numbers = event.numbers();
-        if !self.restarts() && !numbers.iter().any(|(name, _)| varies(name)) {
+        if !self.problem.restarts() && !numbers.iter().any(|(name, _)| varies(name)) {
             let message = format!(
                 "only values of the model are expected of this {} event, and a branch in \
                  `{column}` keeps them",

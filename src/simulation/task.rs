@@ -1,8 +1,12 @@
 //! What to simulate in time, and from where.
 
+use std::fmt;
+use std::marker::PhantomData;
 use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{EnumAccess, MapAccess, VariantAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::ring::{Law, Order};
 use crate::model::Sectors;
@@ -106,12 +110,12 @@ pub enum Circle {
 }
 
 /// The motion at the beginning.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum SimulationStart {
     /// Steady sliding.
     SteadySliding,
     /// The wave that the branch of the problem begins with, written `start: Wave`.
+    #[serde(rename = "Wave")]
     OwnWave,
     /// A wave of a result folder that has its profile.
     Wave {
@@ -127,6 +131,98 @@ pub enum SimulationStart {
         /// Speed c ≠ 0 of the wave.
         speed: f64,
     },
+}
+
+impl<'de> Deserialize<'de> for SimulationStart {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_enum(
+            "SimulationStart",
+            &["SteadySliding", "Wave", "Profile"],
+            StartVisitor,
+        )
+    }
+}
+
+/// Reads a start: values follow the name `Wave`, or they do not.
+struct StartVisitor;
+
+/// The names of starts.
+#[derive(Deserialize)]
+#[serde(variant_identifier)]
+enum StartName {
+    SteadySliding,
+    Wave,
+    Profile,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredWave {
+    dir: PathBuf,
+    label: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Tabulated {
+    file: PathBuf,
+    speed: f64,
+}
+
+impl<'de> Visitor<'de> for StartVisitor {
+    type Value = SimulationStart;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("the start of a simulation")
+    }
+
+    fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<SimulationStart, A::Error> {
+        let (name, content): (StartName, _) = data.variant()?;
+        let mut entered = false;
+        match name {
+            StartName::SteadySliding => {
+                content.unit_variant()?;
+                Ok(SimulationStart::SteadySliding)
+            }
+            StartName::Profile => {
+                let values = Values::<Tabulated>::new(&mut entered);
+                let Tabulated { file, speed } =
+                    content.struct_variant(&["file", "speed"], values)?;
+                Ok(SimulationStart::Profile { file, speed })
+            }
+            StartName::Wave => {
+                let values = Values::<StoredWave>::new(&mut entered);
+                match content.struct_variant(&["dir", "label"], values) {
+                    Ok(StoredWave { dir, label }) => Ok(SimulationStart::Wave { dir, label }),
+                    // no bracket was opened
+                    Err(_) if !entered => Ok(SimulationStart::OwnWave),
+                    Err(error) => Err(error),
+                }
+            }
+        }
+    }
+}
+
+/// Reads the values of a variant, and tells whether there are any.
+struct Values<'a, T>(&'a mut bool, PhantomData<T>);
+
+impl<'a, T> Values<'a, T> {
+    fn new(entered: &'a mut bool) -> Self {
+        Values(entered, PhantomData)
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for Values<'_, T> {
+    type Value = T;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("values in parentheses")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+        *self.0 = true;
+        T::deserialize(MapAccessDeserializer::new(map))
+    }
 }
 
 /// A travelling harmonic added at the beginning.

@@ -301,17 +301,34 @@ pub fn fold_in_friction(model: &Model, mode: u32) -> Option<f64> {
     Some(boundary((low, high), 0.0, too_long).1)
 }
 
-/// δ below which the slip-stick wave is no longer admissible: there the pressure touches zero in
-/// slip, δ = −κ min V̇/g, or reverse slip appears before stick,
-/// δ = −(α + fκ + h(F/h − T2))/(2fg), whichever is larger.
-pub fn least_mismatch(model: &Model, wave: &SlipStick) -> f64 {
+/// Where the inequalities of the slip-stick wave fail as δ falls; it does not depend on δ itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Onset {
+    /// The pressure touches zero in slip at δ = −κ min V̇/g.
+    pub separation: f64,
+    /// Reverse slip appears before stick at δ = −(α + fκ + h(F/h − T2))/(2fg); below 0 where it never does.
+    pub reverse: f64,
+}
+
+/// Where the slip-stick wave gives way to others.
+pub fn onset(model: &Model, wave: &SlipStick) -> Onset {
     let parameters = model.constants();
     let coefficients = parameters.coefficients;
     let kappa = coefficients.coupling / wave.speed;
-    let separation = -kappa * wave.least_rate / coefficients.g;
-    let reverse = -(parameters.mass_damping
-        + parameters.friction * kappa
-        + coefficients.h * (wave.release - wave.stick))
-        / (2.0 * parameters.friction * coefficients.g);
+    Onset {
+        separation: -kappa * wave.least_rate / coefficients.g,
+        reverse: -(parameters.mass_damping
+            + parameters.friction * kappa
+            + coefficients.h * (wave.release - wave.stick))
+            / (2.0 * parameters.friction * coefficients.g),
+    }
+}
+
+/// δ below which the slip-stick wave is no longer admissible, for one reason or the other.
+pub fn least_mismatch(model: &Model, wave: &SlipStick) -> f64 {
+    let Onset {
+        separation,
+        reverse,
+    } = onset(model, wave);
     separation.max(reverse)
 }

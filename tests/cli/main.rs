@@ -9,6 +9,7 @@ mod check;
 mod fields;
 mod figures;
 mod files;
+mod first_contact;
 mod folders;
 mod harness;
 mod pipe;

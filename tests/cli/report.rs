@@ -114,19 +114,27 @@ fn every_kind_of_folder_has_a_page() {
     assert!(refused.contains("no result folder"), "{refused}");
 }
 
-/// A new problem file for a verb is one that the verb takes.
+/// A new problem file for a verb is one that the verb takes, and has what it reads.
 #[test]
 fn a_new_file_for_a_verb_runs() {
     let bench = Bench::new();
-    for verb in ["curve", "steady"] {
-        let text = bench.run(&["new", "--for", verb]).expect(0).stdout;
-        bench.put("new.ron", text);
+    let template = |verb: &str| bench.run(&["new", "--for", verb]).expect(0).stdout;
+    for verb in ["curve", "steady", "run", "check", "spectrum"] {
+        bench.put("new.ron", template(verb));
         bench.run(&[verb, "new.ron"]).expect(0);
     }
-    for (verb, section) in [("map", "map: ("), ("simulate", "simulation: (")] {
-        let text = bench.run(&["new", "--for", verb]).expect(0).stdout;
+    // what takes longer only has its section
+    for (verb, section) in [
+        ("map", "map: ("),
+        ("simulate", "simulation: ("),
+        ("certify", "stability: ("),
+    ] {
+        let text = template(verb);
         assert!(text.contains(&format!("\n    {section}")), "{text}");
     }
+    assert!(!template("steady").contains("\n    continuation: ("));
+    let [run, plot, report] = ["run", "plot", "report"].map(template);
+    assert!(run == plot && run == report && run != template("accuracy"));
 }
 
 /// A large picture is left out where small ones have taken the room, and the page says so.

@@ -10,6 +10,7 @@ use super::names::{event, event_mark, quantity, short_signature, signature_colou
 use super::tables::{Tables, column, kind, number};
 use crate::model::{EventType, Parameter};
 use crate::output::store::StoreError;
+use crate::problem::{Plot, Problem};
 use crate::stability::verdict::Stability;
 use crate::table::Table;
 
@@ -104,6 +105,41 @@ pub(crate) struct View {
     pub range: (f64, f64),
     /// Whether the horizontal axis is logarithmic; where nothing is said the values decide.
     pub logarithmic: Option<bool>,
+    /// Part of the vertical axis.
+    pub height: (f64, f64),
+    /// Whether the vertical axis is logarithmic.
+    pub logarithmic_height: bool,
+}
+
+/// Why a view would show nothing, or not what was asked for.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum NoView {
+    /// The column has no numbers.
+    #[error("column `{column}` of branch.csv has no values{}", needed.as_ref().map_or(String::new(), |(needed, cure)| format!(" without {needed}: {cure}, and run anew")))]
+    Empty {
+        /// The column.
+        column: String,
+        /// What it needs, and how the problem file asks for it.
+        needed: Option<(&'static str, String)>,
+    },
+    /// No point lies there.
+    #[error("no point has `{column}` from {} to {}: it goes from {} to {}", asked.0, asked.1, there.0, there.1)]
+    Outside {
+        /// The column.
+        column: String,
+        /// Ends of the axis that are asked for.
+        asked: (f64, f64),
+        /// Least and greatest value.
+        there: (f64, f64),
+    },
+    /// A logarithmic axis has no place for a value.
+    #[error("`{column}` is {value} at a point, which a logarithmic axis cannot show")]
+    NotPositive {
+        /// The column.
+        column: String,
+        /// A value that is not greater than 0.
+        value: f64,
+    },
 }
 
 /// Ratio of the ends of a branch from which on its axis is logarithmic, for else all that happens at
@@ -123,7 +159,48 @@ impl View {
             column: column.to_owned(),
             range: View::EVERYWHERE,
             logarithmic: None,
+            height: View::EVERYWHERE,
+            logarithmic_height: false,
         }
+    }
+
+    /// Refuses a view of nothing, and a logarithmic axis for what is not positive.
+    pub(super) fn check(&self, problem: &Problem, tables: &Tables) -> Result<(), NoView> {
+        let axes = [
+            (
+                &tables.parameter,
+                self.range,
+                self.logarithmic == Some(true),
+            ),
+            (&self.column, self.height, self.logarithmic_height),
+        ];
+        for (name, asked, logarithmic) in axes {
+            let name = name.clone();
+            let values = column(&tables.branch, &name);
+            let Some(there) = range(values.iter().copied()) else {
+                let needed = problem.lacks(&Plot::Column(name.clone()));
+                return Err(NoView::Empty {
+                    column: name,
+                    needed,
+                });
+            };
+            let shown = |value: &&f64| (asked.0..=asked.1).contains(*value);
+            let mut shown = values.iter().filter(shown).peekable();
+            if shown.peek().is_none() {
+                return Err(NoView::Outside {
+                    column: name,
+                    asked,
+                    there,
+                });
+            }
+            if let Some(&value) = shown.find(|value| logarithmic && **value <= 0.0) {
+                return Err(NoView::NotPositive {
+                    column: name,
+                    value,
+                });
+            }
+        }
+        Ok(())
     }
 
     /// The view with its axis decided.
@@ -141,9 +218,14 @@ impl View {
         }
     }
 
-    fn shows(&self, (x, _): &Point) -> bool {
+    fn shows(&self, (x, y): &Point) -> bool {
+        let (low, high) = self.height;
+        self.shows_at(*x) && (low..=high).contains(y) && (*y > 0.0 || !self.logarithmic_height)
+    }
+
+    fn shows_at(&self, x: f64) -> bool {
         let (low, high) = self.range;
-        (low..=high).contains(x) && (*x > 0.0 || self.logarithmic != Some(true))
+        (low..=high).contains(&x) && (x > 0.0 || self.logarithmic != Some(true))
     }
 
     fn axis(&self, parameter: &str) -> Axis {
@@ -173,7 +255,7 @@ pub(super) fn diagram(tables: &Tables, view: &View) -> Result<Picture, StoreErro
     let (mut steps, mut beyond) = (Vec::new(), Vec::new());
     for row in 0..branch.len() {
         if let (Some(x), Some(y)) = (place(row), count(row))
-            && view.shows(&(x, y))
+            && view.shows_at(x)
         {
             // the count changes at an event and not on the way to it
             if let Some(&(_, before)) = steps
@@ -372,7 +454,11 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
         )
         .with("", coloured);
     let x = view.axis(&tables.parameter);
-    let y = Axis::new(quantity(column), Extent::Data(0.05));
+    let height = match view.logarithmic_height {
+        true => Extent::Logarithmic(0.05),
+        false => Extent::Data(0.05),
+    };
+    let y = Axis::new(quantity(column), height);
     Ok(Picture::new(vec![Panel::new(x, y, layers)], legend))
 }
 
@@ -400,7 +486,8 @@ fn signatures<'a>(stretches: &[Stretch<'a>]) -> Vec<&'a str> {
 ///
 /// At an event the row shows one side only; the neighbour knows on which side the step lies.
 pub(super) fn signature_between(branch: &Table, row: usize) -> &str {
-    if switches_regimes(kind(branch, row)) || branch.text(row, "regimes").is_empty() {
+    let changes = kind(branch, row).is_some_and(EventType::of_regimes);
+    if changes || branch.text(row, "regimes").is_empty() {
         branch.text(row + 1, "regimes")
     } else {
         branch.text(row, "regimes")
@@ -412,18 +499,13 @@ pub(super) fn same_leg(branch: &Table, row: usize) -> bool {
     row + 1 < branch.len() && branch.text(row, "leg") == branch.text(row + 1, "leg")
 }
 
-fn switches_regimes(kind: Option<EventType>) -> bool {
-    use EventType::{CO, GR, RV, ST};
-    matches!(kind, Some(GR | RV | CO | ST))
-}
-
 /// Stability of the waves between two neighbouring rows.
 fn standing_between(branch: &Table, row: usize) -> Standing {
     use EventType::{BP, HB, LP};
     let [first, second] = [row, row + 1].map(|row| Standing::of(branch, row));
     let [starts, ends] = [row, row + 1].map(|row| {
         let kind = kind(branch, row);
-        matches!(kind, Some(LP | HB | BP)) || switches_regimes(kind)
+        matches!(kind, Some(LP | HB | BP)) || kind.is_some_and(EventType::of_regimes)
     });
     // On the boundary itself the sign is chance.
     let first_tells = ends || first == Standing::Unknown;

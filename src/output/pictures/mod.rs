@@ -29,9 +29,11 @@ use super::accuracy::rows;
 use super::curve::CurveFolder;
 use super::layout::{self, STEADY};
 use super::render::{Format, Picture, RenderError};
+use super::run::separates;
 use super::store::{self, Kind, Store, StoreError, unfinished};
-use crate::problem::{Plot, Problem};
-pub(crate) use diagram::View;
+use crate::model::{Landing, Parameter};
+use crate::problem::{Plot, Problem, Start};
+pub(crate) use diagram::{NoView, View};
 use names::constant_parameters;
 use profile::Profiles;
 use tables::Tables;
@@ -42,6 +44,9 @@ pub(crate) enum PlotError {
     /// A table could not be read, or a picture not be written.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// A view would show nothing.
+    #[error(transparent)]
+    View(#[from] NoView),
     /// A picture could not be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -103,7 +108,7 @@ fn of_branch(folder: &Path, problem: &Problem) -> Result<Vec<Named>, StoreError>
         true => Profiles::read(folder, &tables, &problem.output.labels)?,
         false => Profiles::default(),
     };
-    let subtitle = constant_parameters(problem, section.parameter);
+    let subtitle = caption(problem, section.parameter, &tables);
     let picture = |plot: &Plot| {
         let described = describe(plot, &tables, &profiles);
         (
@@ -112,6 +117,11 @@ fn of_branch(folder: &Path, problem: &Problem) -> Result<Vec<Named>, StoreError>
         )
     };
     Ok(plots.iter().map(picture).collect())
+}
+
+/// Name of the file of a view.
+pub(crate) fn view_file(format: Format) -> String {
+    layout::picture(layout::VIEW, format)
 }
 
 /// Draws one column of the branch over another one, or over the parameter.
@@ -127,17 +137,26 @@ pub(crate) fn draw_view(
 ) -> Result<Vec<PathBuf>, PlotError> {
     let parameter = problem.parameter();
     let tables = Tables::read(store.path(), x.unwrap_or(parameter.column()))?;
+    tables.check_column(&view.column)?;
+    view.check(problem, &tables)?;
     let drawn = match view.column.as_str() {
         "speed" => diagram::diagram(&tables, view)?,
         _ => diagram::picture(&tables, view)?,
     };
-    let drawn = drawn.subtitled(&constant_parameters(problem, parameter));
-    put(
-        store,
-        Some(problem),
-        format,
-        [(layout::VIEW.to_owned(), Ok(drawn))],
-    )
+    let drawn = drawn.subtitled(&caption(problem, parameter, &tables));
+    let named = [(layout::VIEW.to_owned(), Ok(drawn))];
+    put(store, Some(problem), format, named)
+}
+
+/// The constant parameters of a branch, and what its landings are.
+fn caption(problem: &Problem, axis: Parameter, tables: &Tables) -> String {
+    let mut words = constant_parameters(problem, axis);
+    // a restart brings its own model
+    if separates(&tables.branch) && !matches!(problem.wave.start, Start::Restart { .. }) {
+        words.push_str(", ");
+        words.push_str(Landing::of(&problem.model, axis).name());
+    }
+    words
 }
 
 /// Whether a picture shows the waves in the folder of profiles.

@@ -89,7 +89,8 @@ impl Tables {
             branch: read(&folder.join(BRANCH), &[])?,
             events: read_if_there(&folder.join(EVENTS), &[])?.unwrap_or_default(),
         };
-        tables.check(parameter, &["type", "regimes", "switches", "stable"])?;
+        let [kind, regimes, stable, why] = WORD_COLUMNS;
+        tables.check(parameter, &[kind, regimes, stable, why, "switches"])?;
         Ok(tables)
     }
 
