@@ -162,14 +162,8 @@ fn fold(wave: &Wave, step: &Step) -> Option<Option<(Place, Located)>> {
         normal: &step.from.tangent,
         through: &place.node.point,
     };
-    // ln(e/e₀) may be zero, but e has the rounding of a number of its own size
-    let mut sizes = place.node.point.abs();
-    sizes[last - 1] = sizes[last - 1].max(1.0);
-    let matrix = newton::bordered(wave, &mut plane, &place.node.point)
-        .ok()?
-        .matrix;
-    let noise = newton::noise(wave, &matrix, &place.node.point);
-    let rounding = newton::rounding(&matrix, &sizes, noise.as_ref())?[last];
+    let bordered = newton::bordered(wave, &mut plane, &place.node.point).ok()?;
+    let rounding = wave.rounding(&bordered.matrix, &place.node.point, 0.0)?;
     // the parameter is off by ½·slope²/curvature, the curvature being the mean one of the step
     let curvature = (high.1 - low.1).abs() / (high.0 - low.0);
     let uncertainty = rounding + 0.5 * slope.abs() * slope.abs() / curvature;

@@ -355,7 +355,7 @@ impl Runner {
         }
         point.conditioning = self.known_to(&found.wave, &found.node);
         let special = found.special.as_ref();
-        let event = special.map(|special| event(&point, special, found.uncertainty));
+        let event = special.map(|special| event(&point, special, &found));
         self.progress.events += usize::from(event.is_some());
         self.judge(&mut point, &found, spectrum);
         let eigenvalues = match (point.label, spectrum, &self.problem.stability) {

@@ -8,6 +8,7 @@
 pub mod asymptotic;
 mod boundary;
 pub mod characteristic;
+mod crossing;
 mod dual;
 pub mod eigenfunction;
 mod material;

@@ -13,6 +13,7 @@ use std::cell::Cell;
 use nalgebra::Complex;
 
 use super::characteristic::Characteristic;
+use super::crossing::uncertainty;
 use super::spectrum::{Eigenvalue, Request, Spectrum, beside_translation, margin, spectrum};
 use crate::continuation::Node;
 use crate::continuation::arclength::advance;
@@ -133,6 +134,9 @@ const SAME: f64 = 1e-8;
 /// Eigenvalues are accounted for down to this fraction of that depth, or of the window's: those
 /// below may have passed its left edge.
 const ACCOUNTED: f64 = 0.5;
+
+/// Rounding of λ, relative to its size.
+const ROUNDING: f64 = 1e-14;
 
 /// One end of an interval.
 #[derive(Clone, Debug)]
@@ -498,7 +502,6 @@ impl Search<'_> {
                 return Err(());
             }
             let size = rate + value.norm();
-            let slope = (high.1.re - low.1.re) / width;
             let real = value.im.abs() < REAL * rate;
             let side = if (value.re > 0.0) == (low.1.re > 0.0) {
                 &mut low
@@ -508,20 +511,19 @@ impl Search<'_> {
             *side = (s, value);
             let rounded = value.re.abs() <= 4.0 * f64::EPSILON * size || width <= 1e-15 * other.s;
             let re = if rounded { 0.0 } else { value.re };
-            Ok((re, (node, value, slope, size, real)))
+            Ok((re, (node, value, size, real)))
         };
         let ends = Bracket::new((one.s, change.from.re), (other.s, change.to.re));
         let Zero {
             place: s, found, ..
         } = zero(ends, 0.0, at).ok()?;
-        let (node, value, slope, size, real) = found;
-        let last = node.tangent.len() - 1;
-        // rounding of λ, carried to s by the slope of Re λ, and to the parameter by the tangent
-        let error = (value.re.abs() + 1e-14 * size) / slope.abs();
+        let (node, value, size, real) = found;
+        let rounding = value.re.abs() + ROUNDING * size;
+        let uncertainty = uncertainty(self.wave, &node.point, change.sector, value, rounding);
         let symmetric = one.spectrum.symmetric(change.sector);
         Some(Located {
             s,
-            uncertainty: error * node.tangent[last].abs(),
+            uncertainty: uncertainty.unwrap_or(f64::NAN),
             node,
             sector: change.sector,
             omega: match (real, symmetric) {

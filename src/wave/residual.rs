@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{Scales, Wave, WaveAt};
-use crate::continuation::newton::System;
+use crate::continuation::newton::{self, System};
 use crate::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet, LAYER, RADIAL_LAYER};
 use crate::flow::{FlowError, Frame, Quantities, SlidingFlow, ZoneEnd};
 use crate::linalg::{Matrix, Vector};
@@ -170,6 +170,22 @@ impl WaveAt<'_> {
         let quantity = |of: fn(&Quantities) -> f64| self.flows.frame.quantity(of);
         let normal = quantity(|of| of.friction) * quantity(|of| of.mb);
         normal / quantity(|of| of.ma) * end.radial_rate
+    }
+}
+
+impl Wave {
+    /// First-order bound of what rounding leaves of the scaled parameter, which a matrix of the wave's
+    /// equations and one more determines; `last` is the rounding of that one besides what its derivatives show.
+    pub(crate) fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64> {
+        let parameter = point.len() - 1;
+        // ln(e/e₀) may be zero, but e has the rounding of a number of its own size
+        let mut sizes = point.abs();
+        sizes[parameter - 1] = sizes[parameter - 1].max(1.0);
+        let mut noise = newton::noise(self, matrix, point);
+        if let Some(noise) = &mut noise {
+            noise[parameter] = last;
+        }
+        Some(newton::rounding(matrix, &sizes, noise.as_ref())?[parameter])
     }
 }
 

@@ -23,6 +23,7 @@ mod reference;
 mod scaling;
 mod seeds;
 mod translation;
+mod uncertainty;
 mod verdict;
 mod wavelength;
 mod waves;
