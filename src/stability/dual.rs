@@ -73,6 +73,9 @@ impl Mul<f64> for Dual {
     }
 }
 
+/// Columns below this are scaled up: the squares of their entries come near the limits of double precision.
+const FAINT: f64 = 1e-100;
+
 /// A determinant with its derivative, by elimination with the largest pivots of the columns of rows of
 /// equal size.
 pub(super) fn determinant(mut rows: Vec<Vec<Dual>>) -> Scaled {
@@ -89,6 +92,16 @@ pub(super) fn determinant(mut rows: Vec<Vec<Dual>>) -> Scaled {
         }
     }
     for index in 0..count {
+        // a layer that has died away since the entry of its zone leaves entries whose squares vanish
+        let most = rows[index..].iter().fold(0.0_f64, |most, row| {
+            most.max(row[index].at.re.abs()).max(row[index].at.im.abs())
+        });
+        if most > 0.0 && most < FAINT {
+            for row in &mut rows[index..] {
+                row[index] = row[index] * most.recip();
+            }
+            product.exponent += most.ln();
+        }
         let size = |row: &Vec<Dual>| row[index].at.norm_sqr();
         let largest = (index..count)
             .max_by(|&one, &other| size(&rows[one]).total_cmp(&size(&rows[other])))

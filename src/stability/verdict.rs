@@ -77,6 +77,10 @@ impl fmt::Display for Reason {
             Reason::HighFrequency(limit) => {
                 write!(f, "grows at high frequency: sup Re = {limit:.3e}")
             }
+            Reason::Unsettled(limit) if *limit <= 0.0 => write!(
+                f,
+                "growth beyond the frequencies searched is not excluded, though sup Re tends to {limit:.3e}"
+            ),
             Reason::Unsettled(limit) => {
                 write!(f, "high frequency is not settled: sup Re <= {limit:.3e}")
             }

@@ -2,19 +2,21 @@
 //! collocation of the boundary-value problem, eigenfunctions, and a wave that is stable on the full
 //! circle.
 
-use brakewave::branch::Stability;
+use brakewave::branch::run::Item;
+use brakewave::branch::{EventType, Stability};
 use brakewave::linalg::Vector;
 use brakewave::model::{Damping, Model};
+use brakewave::problem;
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::eigenfunction::eigenfunction;
-use brakewave::stability::spectrum::Spectrum;
+use brakewave::stability::spectrum::{Eigenvalue, Spectrum};
 use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 use nalgebra::{DMatrix, DVector};
 
 use crate::chebyshev::differentiation;
 use crate::observed;
-use crate::waves::{C64, mode4, tube, wave, window};
+use crate::waves::{C64, follow, mode4, tube, wave, window};
 
 fn with_beta(mismatch: f64, beta: f64) -> Model {
     Model {
@@ -272,4 +274,63 @@ fn real_eigenvalues_are_listed() {
     let all: usize = listed.map(|value| 1 + usize::from(value.im > 0.0)).sum();
     let inside = sector.eigenvalues.iter();
     assert_eq!(all, inside.filter(|value| value.im.abs() <= 12.0).count());
+}
+
+/// The wave of a problem file that a branch in the mismatch reaches, and its spectrum.
+fn reached(text: &str) -> Spectrum {
+    let problem = problem::parse(text, "damped").expect("a problem");
+    let rows = follow(&problem, text);
+    let user = |item: &Item| item.point.kind == Some(EventType::UZ);
+    let item = rows.items.iter().find(|item| user(item)).expect("a point");
+    let (wave, point) = item.wave();
+    window(&Characteristic::new(wave, point).expect("Coulomb's law"))
+}
+
+/// Eigenvalues of an independent program, in these sectors, and how well they are known.
+#[track_caller]
+fn has(spectrum: &Spectrum, known: f64, expected: &[(usize, [f64; 2])]) {
+    for &(sector, [re, im]) in expected {
+        let value = C64::new(re, im);
+        let near = |one: &Eigenvalue| (one.value() - value).norm();
+        let all = spectrum.sectors[sector].eigenvalues.iter();
+        let error = all.map(near).fold(f64::INFINITY, f64::min);
+        observed(&format!("eigenvalue of sector {sector}"), error);
+        assert!(error < known, "{value}: {error:e}");
+    }
+}
+
+/// A wave whose period ends as the reaction brings V̇ to 1: two conditions join a period to the next, not
+/// three, for the landing forgets V̈.
+#[test]
+fn arrested_landings_may_close_a_period() {
+    let spectrum = reached(
+        "(model: (coefficients: Geometry(nu: 0.27, xi: 1.43, gamma: 1.0), friction: 0.5, mismatch: 0.2,
+          damping: (stiffness: 0.004)), wave: (mode: 3, start: Fast), continuation: (parameter: Mismatch,
+          range: (0.0067, 0.2), toward: Down, ds: 0.05, ds_max: 0.05, stop_at: [0.0067055661985]))",
+    );
+    let growing = [0.01080817551, -0.8568059725];
+    let decaying = [-0.001478614178, 1.751497998];
+    // ten digits are given
+    has(&spectrum, 2e-9, &[(1, growing), (1, decaying)]);
+    assert_eq!(spectrum.stable, Stability::No);
+    let defect = spectrum.translation_defect.expect("sector 0 was asked for");
+    assert!(defect < 1e-11, "{defect:e}");
+}
+
+/// Layers whose amplitude at the other end of a zone is of the order 1e-200 leave the spectrum as it is.
+#[test]
+fn faint_layers_do_not_refuse_a_spectrum() {
+    for (beta, [re, im]) in [
+        (0.0008, [-0.021356294273, 1.2548105316]),
+        (0.001, [-0.02065449641, 1.254861908]),
+    ] {
+        let spectrum = reached(&format!(
+            "(model: (coefficients: Geometry(nu: 0.25, xi: 1.5, gamma: 1.0), friction: 0.5, mismatch: 0.2,
+              damping: (stiffness: {beta})), wave: (mode: 2, start: Fast), continuation: (parameter: Mismatch,
+              range: (0.0234, 0.2), toward: Down, ds: 0.05, ds_max: 0.05, stop_at: [0.0234606]))",
+        ));
+        // the mismatch is given to seven digits
+        has(&spectrum, 1e-7, &[(1, [re, im])]);
+        assert_eq!(spectrum.unstable(), 0);
+    }
 }

@@ -40,6 +40,8 @@
 //!
 //! D_m summed over the choices of m conditions in which B stands. Of the three multipliers of a period one
 //! is that of the layer, which is large: D₁ takes the place of 1 in F_j, −D₂ and D₃ those of t and d.
+//! An arrested landing joins two conditions only, η and η′, for it forgets η″: there are two multipliers, and
+//! D₀ takes the place of 1, −D₁ and D₂ those of t and d.
 
 mod part;
 
@@ -173,7 +175,7 @@ impl Phase {
         }
     }
 
-    /// g and n, or D₁, −D₂, D₃ and D₀, e^{Σ rT} of the exponents counted from the end taken out.
+    /// g and n, or D₁, −D₂, D₃ and D₀ (with two conditions D₀, −D₁ and D₂), e^{Σ rT} of the exponents counted from the end taken out.
     fn determinants(&self) -> Value {
         let mut shapes = Scaled::ONE;
         for part in &self.parts {
@@ -207,13 +209,16 @@ impl Phase {
         };
         // of modulus one, for the exponents alone tell how large they are
         let unit = |of: Scaled| {
+            if of.value == ZERO {
+                return Scaled::ZERO;
+            }
             let unit = Scaled::normalised(of.value, of.derivative);
             let exponent = unit.exponent + of.exponent;
             Scaled { exponent, ..unit }
         };
         let of = |rows: Vec<Vec<Dual>>| determinant(rows).times(inverse);
         if !self.joints.is_empty() {
-            let mut powers: [Option<Scaled>; 4] = [None; 4];
+            let mut powers = vec![Scaled::ZERO; self.joints.len() + 1];
             for choice in 0..1_usize << self.joints.len() {
                 let mut rows = self.rows.clone();
                 let chosen = self
@@ -225,26 +230,20 @@ impl Phase {
                         if stands { before } else { behind }.clone()
                     });
                 rows.extend(chosen);
-                let found = of(rows);
                 let power = &mut powers[choice.count_ones() as usize];
-                *power = Some(power.map_or(found, |sum| sum.plus(found)));
+                *power = power.plus(of(rows));
             }
-            let [none, one, two, three] = powers.map(|power| {
-                let of = power.unwrap_or(shapes);
-                let mut unit = unit(of);
-                if of.value == ZERO {
-                    unit.exponent = f64::NEG_INFINITY;
-                }
-                unit
-            });
+            let mut powers = powers.into_iter().map(unit).rev();
+            let mut next = || powers.next().unwrap_or(Scaled::ZERO);
+            let [determinant, trace, unit] = [next(), next(), next()];
             return Value {
-                unit: one,
-                trace: two.times(Scaled {
+                unit,
+                trace: trace.times(Scaled {
                     value: -ONE,
                     ..Scaled::ONE
                 }),
-                determinant: three,
-                layer: Some(none),
+                determinant,
+                layer: powers.next(),
                 offset: 0.0,
             };
         }
@@ -431,7 +430,7 @@ impl Characteristic {
         while let Some(&zone) = zones.peek() {
             if zone.regime == Regime::Stick {
                 let held = [ZERO, ZERO, ZERO, eta, ZERO, ZERO];
-                states.push(vec![held; times(zone).len()]);
+                states.push(vec![held; times(&zone).len()]);
                 zones.next();
                 continue;
             }
