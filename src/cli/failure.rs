@@ -159,7 +159,7 @@ pub(crate) enum Usage {
     )]
     OwnWidth(f64),
     #[error(
-        "`friction_law`: the discretised ring has Coulomb's law smoothed, or Regularised(…)\n  \
+        "`friction_law`: the discretised ring has Coulomb's or Stribeck's law smoothed, or Regularised(…)\n  \
          help: leave out --discretised for the exact eigenvalues under this one"
     )]
     LawOfRing,

@@ -69,16 +69,16 @@ fn ring_points(text: &str) -> Result<usize, Usage> {
         .ok_or(Usage::ManyPoints(points))
 }
 
-/// The width of the friction law of a discretised ring: the problem's own, or what Coulomb's law is
-/// smoothed with. Other laws are not posed.
+/// The width of the friction law of a discretised ring: the problem's own, or what the sign of the sliding
+/// velocity is smoothed with under Coulomb's and Stribeck's. Static friction is not posed.
 fn smoothing(law: FrictionLaw, asked: Option<f64>) -> Result<f64, Usage> {
     match (law, asked) {
-        (FrictionLaw::Coulomb, asked) => {
+        (FrictionLaw::Coulomb | FrictionLaw::Stribeck { .. }, asked) => {
             Ok(asked.unwrap_or(discretised::Settings::default().epsilon))
         }
         (FrictionLaw::Regularised { epsilon }, None) => Ok(epsilon),
         (FrictionLaw::Regularised { epsilon }, Some(_)) => Err(Usage::OwnWidth(epsilon)),
-        (FrictionLaw::Static { .. } | FrictionLaw::Stribeck { .. }, _) => Err(Usage::LawOfRing),
+        (FrictionLaw::Static { .. }, _) => Err(Usage::LawOfRing),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::chain::{Block, Factors, Nodes, Stages};
-use crate::model::Model;
+use crate::model::{FrictionLaw, Model};
 
 /// Number of spacings beyond which nothing is felt within T without material damping (see the text of
 /// the module).
@@ -69,6 +69,8 @@ pub(super) struct Equations {
     pub(super) coupling: f64,
     pub(super) friction: f64,
     pub(super) epsilon: f64,
+    /// (r − 1, v₀) of Stribeck's law: friction has the factor 1 + (r − 1)e^{−|1 − V̇|/v₀}.
+    pub(super) weakening: (f64, f64),
 }
 
 /// Radau IIA with three stages: coefficients. The last row holds the weights.
@@ -150,6 +152,10 @@ impl Equations {
             coupling: 0.5 * coefficients.coupling / spacing,
             friction: parameters.friction,
             epsilon,
+            weakening: match model.law {
+                FrictionLaw::Stribeck { ratio, velocity } => (ratio - 1.0, velocity),
+                _ => (0.0, f64::INFINITY),
+            },
         }
     }
 
@@ -193,14 +199,19 @@ impl Equations {
         for stage in 0..3 {
             let (before, after) = (behind[stage], ahead[stage]);
             let pressure = self.friction * (self.weight - self.coupling * (after - before));
-            let sign = ((1.0 - rate[stage]) / self.epsilon).tanh();
+            let gap = 1.0 - rate[stage];
+            let sign = (gap / self.epsilon).tanh();
+            let (weakening, velocity) = self.weakening;
+            let weakened = weakening * (-gap.abs() / velocity).exp();
+            let factor = 1.0 + weakened;
             force[stage] = self.tension * (after - 2.0 * here[stage] + before)
                 - self.damping * rate[stage]
                 - self.stiffness * here[stage]
-                + pressure * sign;
-            slopes.rate[stage] =
-                -self.damping - pressure * (1.0 - sign) * (1.0 + sign) / self.epsilon;
-            let pull = self.friction * self.coupling * sign;
+                + pressure * sign * factor;
+            slopes.rate[stage] = -self.damping
+                - pressure * (1.0 - sign) * (1.0 + sign) / self.epsilon * factor
+                + pressure * sign.abs() * weakened / velocity;
+            let pull = self.friction * self.coupling * sign * factor;
             slopes.ahead[stage] = self.tension - pull;
             slopes.behind[stage] = self.tension + pull;
         }

@@ -6,7 +6,8 @@
 //! x₁ = q/(1+q),  x₂ = −q/(1−q),   y_i = ±[(F − α)x_i − F]/(2q),   F = σfκ (0 in separation),
 //! ```
 //!
-//! with the upper sign for i = 1. Separation decouples to this order: u is O(1/λ) of η, and so is what it
+//! with the upper sign for i = 1. Under friction that depends on the velocity α − E stands for α, see
+//! [`super::course`], and both are means over the zone. Separation decouples to this order: u is O(1/λ) of η, and so is what it
 //! gives back at landing, with friction or without: λu is of the order of η, and η′ of that of λη.
 //! Reversals multiply η′ by V̈⁺/V̈⁻ and mix the two branches. The characteristic function becomes a sum
 //! of exponentials Σ a_p e^{−λτ_p} over the paths through the branches, and lim sup Re λ is the root ρ
@@ -85,12 +86,17 @@ impl HighFrequency {
                     forgotten = true;
                     continue;
                 }
-                let force = zone.regime.sliding().unwrap_or(0.0)
-                    * characteristic.friction
-                    * characteristic.kappa;
+                let [force, drag] = match &zone.course {
+                    Some(course) => [course.force, course.drag],
+                    None => {
+                        let sigma = zone.regime.sliding().unwrap_or(0.0);
+                        [sigma * characteristic.friction * characteristic.kappa, 0.0]
+                    }
+                };
+                let pushed = force - (characteristic.damping - drag);
                 let y = [0, 1].map(|i| {
                     let sign = if i == 0 { 1.0 } else { -1.0 };
-                    sign * ((force - characteristic.damping) * x[i] - force) / (2.0 * q)
+                    sign * (pushed * x[i] - force) / (2.0 * q)
                 });
                 for path in &mut paths {
                     path.factor *= (y[path.branch] * zone.duration).exp();
@@ -167,7 +173,7 @@ impl HighFrequency {
     }
 
     /// t(λ) in the limit.
-    pub(crate) fn trace_at(&self, lambda: Complex<f64>) -> Complex<f64> {
+    pub fn trace_at(&self, lambda: Complex<f64>) -> Complex<f64> {
         self.trace
             .iter()
             .map(|(factor, delay)| (-lambda * *delay).exp() * *factor)

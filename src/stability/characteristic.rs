@@ -42,15 +42,19 @@
 //!
 //! with d = 0 where there is stick. F_j tends to 1 as Re λ → ∞.
 
-use super::perturbation::{
-    C64, Jump, Landing, LinearZone, Perturbations, Reaction, ZERO, oscillator,
-};
+use std::sync::Arc;
+
+use super::course::Course;
+use super::perturbation::{C64, Jump, LinearZone, Perturbations, ZERO, oscillator};
 pub use super::perturbation::{Characteristic, Scaled, Value};
-use crate::flow::FlowError;
+use super::switch::jump;
+use crate::flow::numeric::series::pieces;
+use crate::flow::separation::SeparationFlow;
+use crate::flow::{FlowError, Slide, ZoneEnd};
 use crate::linalg::Vector;
 use crate::model::Impact;
 use crate::model::signature::{Entry, Regime};
-use crate::wave::Wave;
+use crate::wave::{Wave, WaveAt};
 
 /// Why a wave has no characteristic function here.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -58,21 +62,51 @@ pub enum NotLinearised {
     /// The flow could not be evaluated.
     #[error("{0}")]
     Flow(#[from] FlowError),
-    /// Friction that depends on the velocity: the slip zone has no constant coefficients.
+    /// Friction changes too sharply along a zone for a power series.
     #[error(
-        "the eigenfunction problem is posed for friction that does not depend on the velocity: \
-         stability is undecided"
+        "friction changes so sharply near V̇ = 1 that its perturbations cannot be followed along the \
+         wave: stability is undecided; take a larger epsilon"
     )]
-    FrictionLaw,
+    Sharp,
+}
+
+/// How friction that depends on the velocity varies along a zone, and how far its method misses the end of
+/// the zone, in units of V̇ and of the wave's time.
+fn along(
+    posed: &WaveAt,
+    index: usize,
+    end: &ZoneEnd,
+    a: f64,
+) -> Result<(Option<Arc<Course>>, f64), NotLinearised> {
+    let WaveAt { wave, flows, .. } = posed;
+    let regime = wave.signature.zone(index).regime;
+    let Slide {
+        entry, duration, ..
+    } = posed.slide(index);
+    let reached = [end.y.value, end.w.value];
+    let missed =
+        |[y, w]: [f64; 2]| ((y - reached[0]) / wave.scales.time).abs() + (w - reached[1]).abs();
+    if regime == Regime::Stick {
+        return Ok((None, 0.0));
+    }
+    let at = flows.frame.at;
+    if regime == Regime::Separation {
+        let [u, rate, y, w] = SeparationFlow::new(&flows.frame).state(entry, duration)?;
+        let lift = (rate - end.radial_rate.value).abs();
+        let height = ((u - at.mismatch) / wave.scales.time).abs();
+        return Ok((None, missed([y, w]) + lift + height));
+    }
+    let sigma = regime.sliding().unwrap_or(1.0);
+    let (pieces, found) =
+        pieces(&flows.frame, wave.model.law, sigma, entry, duration).ok_or(NotLinearised::Sharp)?;
+    let course = Course::new(pieces, [a, at.ma, at.h, at.damping]);
+    Ok((Some(Arc::new(course)), missed(found)))
 }
 
 impl Characteristic {
     /// Linearises a solved wave.
     pub fn new(wave: &Wave, point: &Vector) -> Result<Characteristic, NotLinearised> {
         let law = wave.model.law;
-        if !law.piecewise_linear() {
-            return Err(NotLinearised::FrictionLaw);
-        }
         let model = wave.model_at(point);
         let undamped = model.damping.stiffness == 0.0;
         if wave.material && undamped && wave.signature.has(Regime::Separation) {
@@ -84,128 +118,35 @@ impl Characteristic {
             return Characteristic::new(&bare, &point);
         }
         let posed = wave.at(point)?;
-        let flows = &posed.flows;
-        let at = flows.frame.at;
+        let at = posed.flows.frame.at;
         let count = wave.zones();
-        let weight = flows.frame.weight().value;
-        let steady = flows.frame.steady().value;
         let coefficients = model.constants().coefficients;
         let excess = wave.excess_at(point);
         // a/c² = 1/(1 + e)²
         let a = (1.0 + excess).powi(-2);
         let b = coefficients.b / coefficients.a * a;
         let mut zones = Vec::with_capacity(count);
+        let mut defect = 0.0;
         for index in 0..count {
-            let zone = wave.signature.zone(index);
-            let next = wave.signature.zone(index + 1);
             let end = posed.zone_end(index)?;
-            let (y, w, radial) = (end.y.value, end.w.value, end.radial_rate.value);
-            let sliding = |regime: Regime| flows.contact(regime).outer_acceleration([y, w]);
-            let jump = match next.entry {
-                Entry::Release if law.jumps_at_release() => Jump::StaticRelease(
-                    flows.contact(Regime::Slip).outer_acceleration([y, 1.0]) / at.h,
-                ),
-                Entry::Release | Entry::Section => Jump::None,
-                Entry::Arrest => Jump::Arrest,
-                Entry::TakeOff if at.material > 0.0 => {
-                    Jump::Depart(posed.reaction(zone.regime).value)
-                }
-                Entry::TakeOff => Jump::TakeOff,
-                Entry::Reversal if at.material > 0.0 => {
-                    let (slide, after) = (posed.slide(index), posed.slide(index + 1));
-                    let leaving = flows.contact(zone.regime);
-                    let t = slide.duration;
-                    let jerk = flows.contact(next.regime).jerk(&after, 0.0, after.entry)
-                        - leaving.jerk(&slide, t, [y, w]);
-                    Jump::Bend(jerk / leaving.acceleration(&slide, t, [y, w]))
-                }
-                Entry::Reversal => Jump::Reversal(sliding(next.regime) / sliding(zone.regime)),
-                Entry::ArrestedLanding | Entry::Landing | Entry::Touch if at.material > 0.0 => {
-                    let beta = at.material;
-                    // (U⃛, V⃛) of separation at U̇ = 0 less m_bÜ/(βb̃) and m_aV̈/(βã)
-                    let left = |[lift, bend]: [f64; 2]| {
-                        let normal = weight + at.kappa * (w + beta * bend);
-                        let rubbed = (at.damping + beta * at.h) * w + at.h * (y + steady);
-                        let shear = rubbed - at.kappa * beta * lift;
-                        [normal / (beta * b), shear / (beta * a)]
-                    };
-                    let before = end.impulse.map(|jet| jet.value / beta);
-                    let slide = posed.slide(index + 1);
-                    let share = posed.reaction(next.regime).value;
-                    let [lift, bend, radial, tangential] = match next.regime {
-                        Regime::Separation => {
-                            let after = posed.entry_acceleration(index + 1)?;
-                            let after = after.map(|jet| jet.value);
-                            let [radial, tangential] = left(after);
-                            [after[0], after[1], radial, tangential]
-                        }
-                        Regime::Stick => [0.0; 4],
-                        _ => {
-                            let flow = flows.contact(next.regime);
-                            let bend = flow.acceleration(&slide, 0.0, slide.entry);
-                            let jerk = flow.jerk(&slide, 0.0, slide.entry);
-                            [0.0, bend, 0.0, jerk - at.ma * bend / (beta * a)]
-                        }
-                    };
-                    let [normal, shear] = left(before);
-                    Jump::Settle(Reaction {
-                        before: before[1] / before[0],
-                        after: bend / before[0],
-                        bend: (tangential - shear - share * (radial - normal)) / before[0],
-                        share,
-                        lift: lift / before[0],
-                        arrested: next.entry == Entry::ArrestedLanding,
-                    })
-                }
-                Entry::ArrestedLanding | Entry::Landing | Entry::Touch => {
-                    let after = posed.rate_after_switch(&end, index).value;
-                    let free = |w: f64, radial: f64| {
-                        (at.kappa * radial - at.damping * w - at.h * (y + steady)) / at.ma
-                    };
-                    let (slide, bounce) = match next.regime {
-                        Regime::Separation => {
-                            (free(after, 0.0), -(weight + at.kappa * after) / at.mb)
-                        }
-                        Regime::Stick => (0.0, 0.0),
-                        regime => {
-                            let flow = flows.contact(regime);
-                            (flow.outer_acceleration([y, after]), 0.0)
-                        }
-                    };
-                    // only a Coulomb impact brings V̇ to 1
-                    let arrested = next.entry == Entry::ArrestedLanding;
-                    let friction = match wave.model.impact {
-                        Impact::Coulomb => next.regime.sliding().unwrap_or(1.0) * at.friction,
-                        Impact::Frictionless => 0.0,
-                    };
-                    let share = friction * at.mb / at.ma;
-                    let normal = -(weight + at.kappa * w + at.damping * radial) / at.mb;
-                    let bent = slide - free(w, radial) + share * normal;
-                    Jump::Landing(Landing {
-                        eta: (after - w) / radial,
-                        rate: match next.entry {
-                            Entry::ArrestedLanding => slide / radial,
-                            // of [V̈] = −κU̇⁻/m_a the difference would keep less
-                            Entry::Touch if friction == 0.0 => -at.kappa / at.ma,
-                            _ => bent / radial,
-                        },
-                        slope: 2.0 * friction * (a - b) / (at.ma * at.ma),
-                        share,
-                        arrested,
-                        bounce: bounce / radial,
-                    })
-                }
+            let regime = wave.signature.zone(index).regime;
+            let (course, missed) = if law.piecewise_linear() {
+                (None, 0.0)
+            } else {
+                along(&posed, index, &end, a)?
             };
+            defect += missed;
             zones.push(LinearZone {
-                regime: zone.regime,
+                regime,
                 duration: wave.duration_at(point, index),
-                jump,
+                jump: jump(&posed, index, &end, [a, b])?,
+                course,
             });
         }
         // begin behind a release, or else with a contact zone
         let release = (0..count).find(|&index| wave.signature.zone(index).entry == Entry::Release);
         let contact =
-            (0..count).find(|&index| wave.signature.zone(index).regime.sliding().is_some());
+            (0..count).find(|&index| wave.signature.zone(index).regime != Regime::Separation);
         zones.rotate_left(release.or(contact).unwrap_or(0));
         let mut characteristic = Characteristic {
             period: zones.iter().map(|zone| zone.duration).sum(),
@@ -225,6 +166,7 @@ impl Characteristic {
             damping: at.damping,
             beta: at.material,
             turn: 0.0,
+            defect,
         };
         if characteristic.beta > 0.0 {
             characteristic.turn = characteristic.material_turn();
@@ -269,18 +211,24 @@ impl Characteristic {
                     .zones
                     .get(index)
                     .is_some_and(|zone| zone.regime == Regime::Separation);
-                if index == self.zones.len() || !separated {
+                // what friction damps quickly leaves nothing of such a difference: it has its own factor
+                let apart = self.zones[index - 1].course.is_some();
+                if index == self.zones.len() || !separated || apart {
                     break;
                 }
             }
             let [one, other] = part.columns;
             let [one_by, other_by] = part.by;
-            determinant = determinant.times(Scaled {
-                value: one[2] * other[3] - one[3] * other[2],
-                derivative: one_by[2] * other[3] + one[2] * other_by[3]
-                    - one_by[3] * other[2]
-                    - one[3] * other_by[2],
-                exponent: 2.0 * part.exponent,
+            let last = &self.zones[index - 1];
+            determinant = determinant.times(match &last.course {
+                Some(course) => self.wronskian(course, last, lambda),
+                None => Scaled {
+                    value: one[2] * other[3] - one[3] * other[2],
+                    derivative: one_by[2] * other[3] + one[2] * other_by[3]
+                        - one_by[3] * other[2]
+                        - one[3] * other_by[2],
+                    exponent: 2.0 * part.exponent,
+                },
             });
             for (column, by) in state.columns.iter_mut().zip(&mut state.by) {
                 let (y, w, y_by, w_by) = (column[2], column[3], by[2], by[3]);
@@ -339,6 +287,11 @@ impl Characteristic {
     ) {
         match zone.regime {
             Regime::Stick => {}
+            Regime::Slip | Regime::Reverse | Regime::Contact if zone.course.is_some() => {
+                if let Some(course) = &zone.course {
+                    self.follow(course, lambda, duration, state, count);
+                }
+            }
             Regime::Slip | Regime::Reverse | Regime::Contact => {
                 let sigma = zone.regime.sliding().unwrap_or(1.0);
                 let (matrix, by, exponent) = self.contact(lambda, sigma, duration);

@@ -70,6 +70,9 @@ fn beginning(characteristic: &Characteristic, lambda: C64, z: C64) -> Vector4<C6
     Vector4::new(ZERO, ZERO, y / size, w / (size * period))
 }
 
+/// Where in each zone the equations are tested.
+const SHARES: [f64; 3] = [0.25, 0.5, 0.75];
+
 /// The time in which an eigenfunction changes: it turns with λ and with the wave.
 fn shortest(characteristic: &Characteristic, lambda: C64) -> f64 {
     1.0 / (characteristic.period.recip() + lambda.norm())
@@ -134,7 +137,7 @@ fn trace(characteristic: &Characteristic, lambda: C64, z: C64, resolution: usize
     let (stencils, _) = states_at(&|zone| {
         let offsets = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
         let around = |share: f64| offsets.map(|offset| share * zone.duration + offset * h(zone));
-        [0.25, 0.5, 0.75].into_iter().flat_map(around).collect()
+        SHARES.into_iter().flat_map(around).collect()
     });
     let mut equation_residual = 0.0_f64;
     for (zone, stencil) in characteristic.zones.iter().zip(&stencils) {
@@ -142,7 +145,10 @@ fn trace(characteristic: &Characteristic, lambda: C64, z: C64, resolution: usize
             continue;
         }
         let sigma = zone.regime.sliding().unwrap_or(0.0);
-        for seven in stencil.chunks_exact(7) {
+        let constant = [sigma * characteristic.friction * characteristic.kappa, 0.0];
+        for (seven, share) in stencil.chunks_exact(7).zip(SHARES) {
+            let course = zone.course.as_ref();
+            let friction = course.map_or(constant, |course| course.at(share * zone.duration));
             let row = |index: usize| seven[index][if damped { 5 } else { 4 }];
             let highest = ((row(4) - row(2)) * 45.0 - (row(5) - row(1)) * 9.0 + (row(6) - row(0)))
                 / (60.0 * h(zone));
@@ -153,7 +159,7 @@ fn trace(characteristic: &Characteristic, lambda: C64, z: C64, resolution: usize
                 (highest, ZERO)
             };
             let motion = [u, u_rate, u_bend, eta, rate, bend];
-            let (terms, size) = characteristic.material_terms(lambda, sigma, motion, third);
+            let (terms, size) = characteristic.material_terms(lambda, friction, motion, third);
             equation_residual = equation_residual.max(terms.norm() / size.max(1e-300));
         }
     }

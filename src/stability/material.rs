@@ -277,15 +277,15 @@ impl Characteristic {
         }
     }
 
-    /// Sum and largest of the terms of the tangential equation with material damping; σ = 0 in separation.
+    /// Sum and largest of the terms of the tangential equation with material damping; σfκ is 0 in separation,
+    /// and taken from α is what friction gains with the velocity.
     pub(super) fn material_terms(
         &self,
         lambda: C64,
-        sigma: f64,
+        [drive, drag]: [f64; 2],
         [u, u_rate, u_bend, eta, rate, second]: Motion,
         third: C64,
     ) -> (C64, f64) {
-        let drive = sigma * self.friction * self.kappa;
         let (a, beta) = (self.a, self.beta);
         // (h + σfκλ − ãλ²) + (2ãλ − σfκ)d − ãd² on η + βη′
         let hat = [
@@ -295,7 +295,7 @@ impl Characteristic {
         ];
         let terms = [
             second,
-            rate * self.damping,
+            rate * (self.damping - drag),
             hat[0] * (lambda * drive - lambda * lambda * a + self.h),
             hat[1] * (lambda * (2.0 * a) - drive),
             -hat[2] * a,

@@ -8,6 +8,7 @@
 pub mod asymptotic;
 mod boundary;
 pub mod characteristic;
+mod course;
 mod crossing;
 mod dual;
 pub mod eigenfunction;
@@ -15,5 +16,6 @@ mod material;
 mod perturbation;
 mod separation;
 pub mod spectrum;
+mod switch;
 pub mod track;
 pub mod verdict;

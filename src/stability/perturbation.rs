@@ -1,7 +1,10 @@
 //! A wave as its perturbations see it, and the numbers that carry them.
 
+use std::sync::Arc;
+
 use nalgebra::{Complex, Vector4};
 
+use super::course::Course;
 use crate::model::signature::Regime;
 
 pub(super) type C64 = Complex<f64>;
@@ -255,11 +258,13 @@ pub(super) struct Reaction {
 }
 
 /// One zone with the switch at its end.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct LinearZone {
     pub(super) regime: Regime,
     pub(super) duration: f64,
     pub(super) jump: Jump,
+    /// Under friction that depends on the velocity, how it varies while the zone slides.
+    pub(super) course: Option<Arc<Course>>,
 }
 
 /// The linearised wave.
@@ -290,6 +295,8 @@ pub struct Characteristic {
     pub(super) beta: f64,
     /// Turning of g at λ = 0 that is taken out of it.
     pub(super) turn: f64,
+    /// How far the method of a wave without a closed form misses the ends of its zones, in all.
+    pub(super) defect: f64,
 }
 
 /// Perturbations (u, u′, η, η′) with their derivatives in λ, up to two of them, times e^{exponent}.

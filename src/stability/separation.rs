@@ -430,6 +430,7 @@ mod tests {
             static_friction: 0.0,
             beta: 0.0,
             turn: 0.0,
+            defect: 0.0,
             ma: 1.0 - a,
             mb: 1.0 - b,
             a,

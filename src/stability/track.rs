@@ -97,7 +97,7 @@ pub struct Tracker {
     allowance: Cell<usize>,
 }
 
-/// Eigenvalues that a run may compute ahead of [`PER_POINT`]: a spectrum counts as many as it has,
+/// Eigenvalues in closed form that a run may compute ahead of [`PER_POINT`]: a spectrum counts as many as it has,
 /// the location of a crossing one for every step of the secant rule. A thousand take some hundredths
 /// of a second.
 pub(crate) const ALLOWANCE: usize = 300_000;
@@ -202,7 +202,7 @@ impl Tracker {
         }
         let characteristic = Characteristic::new(wave, &node.point).ok()?;
         let found = spectrum(&characteristic, &self.request, seeds);
-        self.spend(size(&found));
+        self.spend(size(&found) * characteristic.cost(self.request.max_frequency));
         (!found.sectors.is_empty()).then_some(found)
     }
 

@@ -3,7 +3,7 @@
 use brakewave::flow::method::Method;
 use brakewave::flow::sign::Verdict;
 use brakewave::model::FrictionLaw;
-use brakewave::stability::characteristic::{Characteristic, NotLinearised};
+use brakewave::stability::characteristic::Characteristic;
 use brakewave::wave::admissibility::examine;
 use nalgebra::Complex;
 
@@ -33,8 +33,6 @@ fn stribeck_by_both_methods() {
             error,
         );
         assert!(error < 1e-9, "{error:e}");
-        let characteristic = Characteristic::new(&wave, &shot);
-        assert_eq!(characteristic.err(), Some(NotLinearised::FrictionLaw));
     }
 }
 

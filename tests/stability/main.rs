@@ -24,6 +24,7 @@ mod scaling;
 mod seeds;
 mod translation;
 mod uncertainty;
+mod velocity;
 mod verdict;
 mod wavelength;
 mod waves;

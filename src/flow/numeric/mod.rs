@@ -2,6 +2,7 @@
 
 pub mod collocation;
 pub mod equations;
+pub(crate) mod series;
 pub mod shooting;
 
 use std::cell::RefCell;

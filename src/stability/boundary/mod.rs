@@ -427,10 +427,10 @@ impl Characteristic {
         let [mut eta, mut rate] = [ONE, ZERO];
         let mut phases = self.phases(lambda).into_iter();
         let mut zones = self.zones.iter().peekable();
-        while let Some(&zone) = zones.peek() {
+        while let Some(zone) = zones.peek() {
             if zone.regime == Regime::Stick {
                 let held = [ZERO, ZERO, ZERO, eta, ZERO, ZERO];
-                states.push(vec![held; times(&zone).len()]);
+                states.push(vec![held; times(zone).len()]);
                 zones.next();
                 continue;
             }

@@ -63,7 +63,7 @@ impl Part {
         let at = |time: f64| shapes.iter().map(|shape| shape.at(time)).collect();
         let (entry, exit) = (at(0.0), at(zone.duration));
         let mut part = Part {
-            zone: *zone,
+            zone: zone.clone(),
             entry,
             exit,
             shapes,

@@ -31,6 +31,7 @@ fn wave(beta: f64, speed: f64, zones: Vec<LinearZone>) -> Characteristic {
         damping: 0.0,
         beta,
         turn: 0.0,
+        defect: 0.0,
     }
 }
 
@@ -39,6 +40,7 @@ fn zone(regime: Regime, duration: f64, jump: Jump) -> LinearZone {
         regime,
         duration,
         jump,
+        course: None,
     }
 }
 

@@ -64,7 +64,9 @@ impl Search<'_> {
                 let correction = last.norm();
                 // the correction after the last one: size, correction, correction³/size²
                 let next = correction * (correction / size).powi(2);
-                let rounding = f64::EPSILON * (4.0 + lambda.norm() * self.delay) / by.norm();
+                // of F, and of a wave without a closed form what its method misses
+                let unit = f64::EPSILON + self.characteristic.defect;
+                let rounding = unit * (4.0 + lambda.norm() * self.delay) / by.norm();
                 if !quadratic || arrived || correction < CONTRACTION * size {
                     lambda -= last;
                     return Some(Eigenvalue {

@@ -13,6 +13,9 @@ use crate::stability::verdict::{Reason, Stability};
 /// and zeros lie that dense; beyond this number the window is cut and the answer left open.
 const MOST_ZEROS: f64 = 20_000.0;
 
+/// The same where friction varies along the wave, so that each value takes a hundred times as long.
+const MOST_ZEROS_ALONG: f64 = 400.0;
+
 /// How often the window is deepened to find as many eigenvalues as were asked for, and how deep in
 /// units of 1/T: what decays by e⁶ within a period is of no interest, and from point to point of a
 /// branch the window would grow without end where a sector has fewer eigenvalues.
@@ -51,7 +54,9 @@ pub fn spectrum(
     };
     let wanted = request.max_frequency + margin(request, characteristic);
     let expected = wanted * delay / std::f64::consts::PI * request.sectors.len() as f64;
-    let cut = (MOST_ZEROS / expected).min(1.0);
+    let along = characteristic.varies();
+    let most = if along { MOST_ZEROS_ALONG } else { MOST_ZEROS };
+    let cut = (most / expected).min(1.0);
     let (right, clear) = right_edge(&search, &high, cut * wanted);
     if clear && characteristic.beta == 0.0 {
         search.edge = Some(Edge {
@@ -137,7 +142,7 @@ pub fn spectrum(
             eigenvalues,
         });
     }
-    if !spectrum.complete {
+    if !spectrum.complete && !(along && cut < 1.0) {
         spectrum.counted = search.growing(&spectrum);
     }
     (spectrum.stable, spectrum.reasons) = verdict(&search, &spectrum, request, &high);

@@ -73,7 +73,12 @@ pub(super) fn verdict(
     }
     // between the window and the frequencies where the limit holds
     let mut top = request.max_frequency.max(STRIPS.0 * search.rate);
-    while top < STRIPS.1 * search.rate && 2.0 * top * search.delay < MOST_TURNS {
+    let most = if search.characteristic.varies() {
+        MOST_TURNS_ALONG
+    } else {
+        MOST_TURNS
+    };
+    while top < STRIPS.1 * search.rate && 2.0 * top * search.delay < most {
         top *= 2.0;
         let strip = Window::symmetric(-0.1 * search.spacing, spectrum.right, top);
         let Some((found, complete)) = search.zeros(&strip, &request.sectors, &[]) else {
@@ -96,8 +101,10 @@ pub(super) fn verdict(
     (Stability::Undecided, reasons)
 }
 
-/// Most radians that the longest delay may turn in the strip of a verdict.
+/// Most radians that the longest delay may turn in the strip of a verdict, and where friction varies along
+/// the wave, which takes a hundred times as long.
 const MOST_TURNS: f64 = 1e5;
+const MOST_TURNS_ALONG: f64 = 600.0;
 
 /// Whether the limit is reached at a frequency: its error, which falls like 1/ω, cannot bring
 /// |t| + |d| to 1 beyond it.
@@ -107,6 +114,10 @@ fn settled(characteristic: &Characteristic, high: &HighFrequency, top: f64) -> b
     const SAMPLES: usize = 200;
     if characteristic.beta > 0.0 {
         return quiet(characteristic, high, top);
+    }
+    // what friction damps faster than the wave turns is not yet in the limit
+    if top < characteristic.steepest() {
+        return false;
     }
     let error = (0..=SAMPLES)
         .map(|index| {
