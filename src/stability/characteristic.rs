@@ -65,7 +65,7 @@ pub enum NotLinearised {
     /// Friction changes too sharply along a zone for a power series.
     #[error(
         "friction changes so sharply near V̇ = 1 that its perturbations cannot be followed along the \
-         wave: stability is undecided; take a larger epsilon"
+         wave: stability is undecided; take a larger epsilon or velocity"
     )]
     Sharp,
 }

@@ -22,6 +22,9 @@ use crate::flow::numeric::series::{Piece, Series, TERMS, at};
 /// √|Δ|s of one step at most: 2²⁹/29! is below rounding.
 const RADIANS: f64 = 2.0;
 
+/// Most steps of one piece: at frequencies that need more nothing is searched, and no number is given.
+const MOST_STEPS: f64 = 1e7;
+
 /// Terms of z.
 const ORDER: usize = TERMS + 2;
 
@@ -270,8 +273,7 @@ impl Characteristic {
                 break;
             }
             let steps = self.steps(segment, lambda.norm(), length);
-            // a number that is not one, or a window that no walk can end in
-            if !(steps < 1e7) {
+            if steps.is_nan() || steps > MOST_STEPS {
                 pairs = [[[C64::from(f64::NAN); 2]; 2]; 2];
                 break;
             }

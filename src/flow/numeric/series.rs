@@ -174,7 +174,7 @@ pub(crate) fn pieces(
         while moved(length / trial) > expansion.room {
             length *= 0.7;
         }
-        if pieces.len() == MOST_PIECES || !(length > 0.0) {
+        if pieces.len() == MOST_PIECES || length.is_nan() || length <= 0.0 {
             return None;
         }
         let share = length / trial;

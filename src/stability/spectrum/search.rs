@@ -142,7 +142,7 @@ pub fn spectrum(
             eigenvalues,
         });
     }
-    if !spectrum.complete && !(along && cut < 1.0) {
+    if !(spectrum.complete || along && cut < 1.0) {
         spectrum.counted = search.growing(&spectrum);
     }
     (spectrum.stable, spectrum.reasons) = verdict(&search, &spectrum, request, &high);
