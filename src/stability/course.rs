@@ -23,7 +23,7 @@ use crate::flow::numeric::series::{Piece, Series, TERMS, at};
 const RADIANS: f64 = 2.0;
 
 /// Most steps of one piece: at frequencies that need more nothing is searched, and no number is given.
-const MOST_STEPS: f64 = 1e7;
+const MOST_STEPS: f64 = 1e4;
 
 /// Terms of z.
 const ORDER: usize = TERMS + 2;
