@@ -104,7 +104,7 @@ impl Refused {
             Refused::NoRestart => return None,
             Refused::Eigenvalues { .. } => (
                 "stability.max_frequency",
-                "write for example `max_frequency: 12.0`",
+                "leave it out for 12/√γ, or write a smaller one",
             ),
         })
     }

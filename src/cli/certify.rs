@@ -13,6 +13,7 @@ use crate::branch::run::Item;
 use crate::certify::{self, Certificate, Counted, Outcome, Point, Stretch};
 use crate::output::certify::{CertificateFolder, read, sentence};
 use crate::output::store::Kind;
+use crate::problem::StabilitySection;
 
 #[derive(Debug, Args)]
 pub(crate) struct CertifyArguments {
@@ -59,8 +60,10 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
         }
     }
     if arguments.spectrum {
-        let section = prepared.problem.stability.clone();
-        let window = section.unwrap_or_default().max_frequency;
+        let problem = &prepared.problem;
+        let section = problem.stability.clone();
+        let section = section.unwrap_or_else(|| StabilitySection::of(&problem.model));
+        let window = section.max_frequency;
         let counts: Vec<_> = each(quiet, &points, "spectra", |point| point.counted(window));
         for (point, count) in points.iter_mut().zip(counts) {
             point.growth = count;

@@ -18,7 +18,7 @@ use crate::branch::run::{End, Item, answer};
 use crate::discretised;
 use crate::model::{FrictionLaw, Parameter};
 use crate::output::pictures;
-use crate::problem::{DEFAULT_EIGENVALUES, DEFAULT_MAX_FREQUENCY, Problem};
+use crate::problem::{Problem, StabilitySection};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::eigenfunction::eigenfunction;
 use crate::stability::spectrum::{Request, spectrum as compute};
@@ -88,11 +88,8 @@ const RESOLUTION: usize = 180;
 /// The sectors, eigenvalues and frequencies that are asked for.
 fn request(problem: &Problem, sector: Option<usize>) -> Result<Request, Usage> {
     let mode = problem.wave.mode as usize;
-    let mut request = problem.request().unwrap_or_else(|| Request {
-        sectors: (0..=mode / 2).collect(),
-        eigenvalues: DEFAULT_EIGENVALUES,
-        max_frequency: DEFAULT_MAX_FREQUENCY,
-    });
+    let assumed = || StabilitySection::of(&problem.model).request(problem.wave.mode);
+    let mut request = problem.request().unwrap_or_else(assumed);
     match sector {
         Some(sector) if sector >= mode => return Err(Usage::Sector { sector, mode }),
         Some(sector) => request.sectors = vec![sector],

@@ -95,9 +95,11 @@ pub fn find(
     plain.output.profiles = 0;
     plain.output.conditioning = false;
     // spectra are wanted for the sake of Hopf points only, in their sector only
+    let section = problem.stability.clone();
+    let section = section.unwrap_or_else(|| StabilitySection::of(&problem.model));
     let of_sector = StabilitySection {
         sectors: Sectors::Only(vec![curve.sector]),
-        ..problem.stability.clone().unwrap_or_default()
+        ..section
     };
     let event = curve.event.kind();
     plain.stability = (event == Some(EventType::HB)).then_some(of_sector);

@@ -60,8 +60,8 @@ pub(crate) const MAX_TOLERANCE: f64 = 1e-4;
 
 /// Eigenvalues kept per Bloch sector where no number is given.
 pub(crate) const DEFAULT_EIGENVALUES: usize = 6;
-/// Largest |Im λ| searched where none is given, in units of Ω.
-pub(crate) const DEFAULT_MAX_FREQUENCY: f64 = 12.0;
+/// Largest |Im λ| searched at γ = 1 where none is given, in units of Ω.
+const DEFAULT_MAX_FREQUENCY: f64 = 12.0;
 
 /// A commented problem file to start from, with every section; see [`template`].
 const TEMPLATE: &str = include_str!("template.ron");
@@ -221,7 +221,7 @@ pub struct StabilitySection {
     pub sectors: Sectors,
     /// Eigenvalues to keep per sector, at least 1.
     pub eigenvalues: usize,
-    /// Largest |Im λ| to search, in units of Ω.
+    /// Largest |Im λ| to search, in units of Ω; [`StabilitySection::of`] the model unless the file gives it.
     pub max_frequency: f64,
 }
 
@@ -236,6 +236,16 @@ impl Default for StabilitySection {
 }
 
 impl StabilitySection {
+    /// What is assumed for waves of a model: eigenvalues are proportional to 1/√γ, and so is the largest
+    /// frequency. Where γ is the parameter of a branch, its value in the model counts.
+    pub fn of(model: &Model) -> StabilitySection {
+        let gamma = model.value(Parameter::Gamma).unwrap_or(1.0);
+        StabilitySection {
+            max_frequency: DEFAULT_MAX_FREQUENCY / gamma.sqrt(),
+            ..StabilitySection::default()
+        }
+    }
+
     /// What to compute for waves of a mode.
     pub fn request(&self, mode: u32) -> Request {
         Request {
@@ -382,8 +392,13 @@ pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
     let checked = || {
         validation::lengths(&written, &outline)?;
         fields::check(&written, &outline)?;
-        let problem = written.problem(&outline)?;
+        let mut problem = written.problem(&outline)?;
         validation::check(&problem, &outline)?;
+        if let Some(section) = &mut problem.stability
+            && !outline.has("stability.max_frequency")
+        {
+            section.max_frequency = StabilitySection::of(&problem.model).max_frequency;
+        }
         Ok(problem)
     };
     checked().map_err(refuse)

@@ -114,6 +114,21 @@ fn template_parses() {
     assert_eq!(continuation.tolerance, DEFAULT_TOLERANCE);
 }
 
+/// Eigenvalues are proportional to 1/√γ, and so is the window where the file gives none.
+#[test]
+fn the_window_of_stability_fits_the_model() {
+    let window = |gamma: &str, section: &str| {
+        let text = TEMPLATE
+            .replace("gamma: 1.0", &format!("gamma: {gamma}"))
+            .replace("    output:", &format!("    stability: {section},\n    output:"));
+        let problem = parse(&text, "p.ron").unwrap();
+        problem.request().unwrap().max_frequency
+    };
+    assert_eq!(window("1.0", "()").to_bits(), 12.0_f64.to_bits());
+    assert_eq!(window("0.0625", "(sectors: All)"), 48.0);
+    assert_eq!(window("0.0625", "(max_frequency: 12.0)"), 12.0);
+}
+
 #[test]
 fn optional_lines_of_the_template_are_right() {
     let all = template(&OPTIONAL);

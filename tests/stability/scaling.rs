@@ -55,6 +55,7 @@ const CASES: [Case; 5] = [
     },
 ];
 
+/// The window is the one assumed, which scales with the model.
 fn run(case: &Case, s: f64) -> Rows {
     let [alpha, beta] = [case.damping[0] / s, case.damping[1] * s];
     let [low, high] = case.range.map(|delta| delta * s);
@@ -63,12 +64,11 @@ fn run(case: &Case, s: f64) -> Rows {
          mismatch: {high:?}, damping: (mass: {alpha:?}, stiffness: {beta:?})), \
          wave: (mode: 4, start: Fast), \
          continuation: (parameter: Mismatch, range: ({low:?}, {high:?}), toward: Down), \
-         stability: (sectors: {}, eigenvalues: 6, max_frequency: {:?}), \
+         stability: (sectors: {}, eigenvalues: 6), \
          output: (plots: [], profiles: 3))",
         s * s,
         case.friction,
-        case.sectors,
-        12.0 / s
+        case.sectors
     );
     let problem = problem::parse(&text, case.name).expect("a problem");
     follow(&problem, &text)
