@@ -6,6 +6,7 @@ use crate::branch::Reason;
 use crate::branch::special::{Change, Failure, Inadmissible, Note, Refusal, Special, Stop, Tried};
 use crate::continuation::walk::End;
 use crate::curve::{self, Gone, What};
+use crate::map::Missing;
 use crate::model::{EventType, Impact, Landing};
 use crate::problem::{Doubt, Rotation};
 use crate::stability::track::Remark;
@@ -436,6 +437,26 @@ impl Display for Gone {
                 "an inequality of the {} zone that vanishes along with the event fails",
                 regime.name()
             ),
+        }
+    }
+}
+
+impl Display for Missing {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Missing::NoStart(reason) => reason.fmt(f),
+            Missing::NoBranch(reason) => write!(
+                f,
+                "{reason}; and no branch that begins elsewhere in the plane comes here"
+            ),
+            Missing::Cut(failure) => write!(f, "a branch ends before: {failure}"),
+            Missing::ComesBack => {
+                f.write_str("the branch comes back to waves it has passed before")
+            }
+            Missing::Elsewhere => f.write_str("the branch does not come here"),
+            Missing::Listed => {
+                f.write_str("what the branch meets here is listed under another start")
+            }
         }
     }
 }

@@ -68,6 +68,31 @@ pub enum NoStart {
     },
 }
 
+impl NoStart {
+    /// Whether the search came to its end: the branch that leads to the model was followed until it turned
+    /// back, or there is none. Otherwise it was cut short.
+    pub fn came_to_an_end(&self) -> bool {
+        match self {
+            NoStart::NoWave(_) => true,
+            NoStart::Damped { reason, .. } | NoStart::Unreached { reason, .. } => {
+                reason.came_to_an_end()
+            }
+            NoStart::Flow(_) | NoStart::Newton(_) | NoStart::Smoothing { .. } => false,
+        }
+    }
+}
+
+impl Lost {
+    fn came_to_an_end(&self) -> bool {
+        match self {
+            Lost::NoStart(reason) => reason.came_to_an_end(),
+            Lost::Both(one, other) => one.came_to_an_end() && other.came_to_an_end(),
+            Lost::NoHopf(_) | Lost::Folds { .. } | Lost::TurnsBack { .. } => true,
+            _ => false,
+        }
+    }
+}
+
 /// How a search for a first wave ended without one.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Lost {

@@ -9,7 +9,7 @@ use clap::{Args, Subcommand};
 use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, Threads, cores, picture};
 use super::print;
-use super::progress::each;
+use super::progress::{Progress, each};
 use crate::map;
 use crate::output::map::{MapFolder, of_shard};
 use crate::output::origin::Origin;
@@ -115,8 +115,20 @@ fn run(arguments: &MapArguments, task: &Task) -> Result<Exit, Failure> {
         .collect();
     let most = rows.len().min(MOST_THREADS);
     arguments.threads.install(cores(), most, || {
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let progress = Progress::new(task.quiet);
+        let mut watch = |waves: usize| {
+            progress.show(
+                f64::NAN,
+                format!("{waves} waves on lines through the plane"),
+            );
+        };
+        let map = map::Rows::new(&problem, section, &mut watch)?;
+        drop(progress);
         let written: Result<(), Failure> = each(task.quiet, &rows, "rows", |&row| {
-            let cells = map::row(&problem, section, row)?;
+            let cells = map.row(row)?;
             // the first row that is there replaces an earlier map
             folder.begin(&rows)?;
             folder.write(row, &cells)?;

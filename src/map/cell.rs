@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use crate::branch::BranchPoint;
+use crate::branch::first_wave::NoStart;
 use crate::branch::row::{WaveRow, why};
+use crate::branch::special::Failure;
 use crate::model::Model;
 
 /// A wave that exists at a point of the plane, or the statement that none was found there.
@@ -30,10 +32,42 @@ pub enum CellPoint {
     Nothing {
         /// Model with the parameters of the point.
         model: Box<Model>,
-        /// Why the branch does not come here.
-        why: String,
+        /// Why no branch comes here.
+        why: Missing,
     },
 }
+
+/// Why there is no wave of a start at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Missing {
+    /// There is none to begin with at this point.
+    NoStart(NoStart),
+    /// There is none to begin with on this row, and none that begins on other lines comes here.
+    NoBranch(NoStart),
+    /// A branch on its way here fails.
+    Cut(Failure),
+    /// The branch comes back to waves that it has passed.
+    ComesBack,
+    /// The branch passes elsewhere.
+    Elsewhere,
+    /// What the branch meets here is listed under another start.
+    Listed,
+}
+
+impl Missing {
+    /// Whether every search that could have come here came to its end; otherwise one was cut short,
+    /// and whether there is a wave is not known.
+    pub fn is_known(&self) -> bool {
+        match self {
+            Missing::NoStart(reason) | Missing::NoBranch(reason) => reason.came_to_an_end(),
+            Missing::Cut(_) => false,
+            Missing::ComesBack | Missing::Elsewhere | Missing::Listed => true,
+        }
+    }
+}
+
+/// The word of the column `found` where a search was cut short.
+pub(crate) const NOT_REACHED: &str = "not reached";
 
 /// A row of `map.csv`.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -42,6 +76,7 @@ pub struct CellRow<'a> {
     column: usize,
     start: &'static str,
     passage: usize,
+    found: &'static str,
     wave: WaveRow<'a>,
     why: String,
 }
@@ -49,15 +84,19 @@ pub struct CellRow<'a> {
 impl<'a> CellRow<'a> {
     /// What was found at a point.
     pub fn new(cell: &'a Cell) -> CellRow<'a> {
-        let (wave, why) = match &cell.found {
-            CellPoint::Wave(point) => (WaveRow::new(point), why(point)),
-            CellPoint::Nothing { model, why } => (WaveRow::nothing(**model), why.clone()),
+        let (found, wave, why) = match &cell.found {
+            CellPoint::Wave(point) => ("wave", WaveRow::new(point), why(point)),
+            CellPoint::Nothing { model, why } => {
+                let found = if why.is_known() { "none" } else { NOT_REACHED };
+                (found, WaveRow::nothing(**model), why.to_string())
+            }
         };
         CellRow {
             row: cell.row,
             column: cell.column,
             start: cell.start,
             passage: cell.passage,
+            found,
             wave,
             why,
         }

@@ -1,20 +1,25 @@
 //! Maps: which waves exist where in a plane of two parameters.
 //!
 //! ```text
-//! problem ──► plane: where ──► row: branches through its cells ──► cells, stability
+//! problem ──► plane: where ──► lattice: a few lines in both parameters ──► row: branches through its cells
+//!                                  └────────── line: a branch along it ───────────┘
 //! ```
 //!
-//! A map falls into rows that know nothing of each other, so that any of them can be computed on
-//! any thread or machine. Along the row of a grid one branch per start is followed in the second
-//! parameter, through its folds and changes of regime, and meets the values of the grid exactly.
+//! Any row can be computed on any thread or machine: it depends on the problem alone. Along the row of a grid
+//! branches are followed in the second parameter, through their folds and changes of regime, and meet the
+//! values of the grid exactly: one for each start, from the slip-stick wave of the row, and one through every
+//! wave of the [`lattice`] that these do not meet.
 //! Quasi-random points have no neighbours to come from: each is reached by itself.
-//!
-//! A map shows the waves that are connected with the closed-form slip-stick waves within its row.
 
 mod cell;
+mod lattice;
+mod line;
 mod plane;
 mod row;
 
-pub use cell::{Cell, CellPoint, CellRow};
+pub use cell::{Cell, CellPoint, CellRow, Missing};
+#[cfg(feature = "cli")]
+pub(crate) use cell::NOT_REACHED;
+pub use line::MOST_POINTS;
 pub use plane::Plane;
-pub use row::{MOST_POINTS, row};
+pub use row::Rows;

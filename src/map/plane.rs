@@ -56,9 +56,16 @@ impl Plane {
         }
     }
 
-    /// Whether the points of a row are those of a grid, which one branch can meet.
-    pub(crate) fn is_grid(&self) -> bool {
-        matches!(self.points, MapPoints::Grid { .. })
+    /// The values of both parameters on a grid.
+    pub(super) fn axes(&self) -> Option<[Vec<f64>; 2]> {
+        let MapPoints::Grid { rows, columns } = self.points else {
+            return None;
+        };
+        let values = |axis: &MapAxis, count| {
+            let value = |index| equidistant(axis.range, index, count);
+            (0..count).map(value).collect()
+        };
+        Some([values(&self.first, rows), values(&self.second, columns)])
     }
 }
 

@@ -221,7 +221,7 @@ impl MapFolder {
         use super::parquet::{Kind, convert};
         let kind = |name: &str| match name {
             "row" | "column" | "passage" | "unstable" | "lead_sector" => Kind::Integer,
-            "start" | "regimes" | "switches" | "stable" | "why" => Kind::Text,
+            "start" | "found" | "regimes" | "switches" | "stable" | "why" => Kind::Text,
             _ => Kind::Number,
         };
         let table = self.path().join(TABLE);

@@ -120,7 +120,10 @@ fn the_window_of_stability_fits_the_model() {
     let window = |gamma: &str, section: &str| {
         let text = TEMPLATE
             .replace("gamma: 1.0", &format!("gamma: {gamma}"))
-            .replace("    output:", &format!("    stability: {section},\n    output:"));
+            .replace(
+                "    output:",
+                &format!("    stability: {section},\n    output:"),
+            );
         let problem = parse(&text, "p.ron").unwrap();
         problem.request().unwrap().max_frequency
     };

@@ -1,15 +1,17 @@
-//! The plane of a map, coloured by the signatures of its waves, in the colours of all pictures.
+//! The plane of a map, coloured by the signatures of its waves, in the colours of all pictures; white where no
+//! branch comes to a point, hatched where the search for one was cut short.
 
 use crate::output::render::{
-    Axis, BLACK, Cell, Extent, HEIGHT, Key, Layer, Legend, Mark, Panel, Picture, Point, Shape,
-    WHITE, mix,
+    Axis, BLACK, Cell, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point,
+    Shape, WHITE, mix,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use plotters::style::RGBColor;
 
-use super::names::{canonical, quantity, short_signature, signature_colour};
+use super::names::{quantity, short_signature, signature_colour};
+use crate::map::NOT_REACHED;
 use crate::output::layout::MAP;
 use crate::output::store::{StoreError, resumable, unfinished};
 use crate::problem::{Map, MapAxis, MapPoints};
@@ -28,6 +30,16 @@ struct Wave {
     stable: String,
 }
 
+/// A point without a wave of a start.
+struct Blank {
+    row: usize,
+    column: usize,
+    at: Point,
+    start: String,
+    /// Whether a search was cut short.
+    cut: bool,
+}
+
 /// The picture of the table in a map's folder.
 ///
 /// # Errors
@@ -37,7 +49,7 @@ pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, StoreError> {
     if !path.exists() {
         return Err(unfinished(folder, "map", "its rows are not joined yet"));
     }
-    let waves = read(&path, map)?;
+    let (waves, blanks) = read(&path, map)?;
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for wave in &waves {
         *counts.entry(&wave.regimes).or_default() += 1;
@@ -74,9 +86,23 @@ pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, StoreError> {
     };
     let panels = starts.iter().map(|start| {
         let shown: Vec<&Wave> = waves.iter().filter(|wave| wave.start == *start).collect();
+        let cut = blanks.iter().filter(|one| one.cut && one.start == *start);
         let layers = match map.points {
-            MapPoints::QuasiRandom { .. } => scattered(&shown, colour),
-            MapPoints::Grid { .. } => vec![cells(&shown, (half_width, half_height), colour)],
+            MapPoints::QuasiRandom { .. } => {
+                let mut layers = scattered(&shown, colour);
+                let cut = cut.map(|blank| blank.at).collect();
+                layers.push(Layer::Marks(cut, Mark::new(Shape::Cross, 3.0, GREY)));
+                layers
+            }
+            MapPoints::Grid { rows, columns } => {
+                let mut layers = vec![cells(&shown, (half_width, half_height), colour)];
+                let cut = cut.map(|blank| (blank.row, blank.column)).collect();
+                let low = |axis: &MapAxis, half: f64| axis.range.0 - half;
+                let corner = (low(&map.second, half_width), low(&map.first, half_height));
+                let cell = (2.0 * half_width, 2.0 * half_height);
+                layers.extend(hatched(&cut, (rows, columns), corner, cell));
+                layers
+            }
         };
         match starts.len() {
             1 => panel(layers, "", HEIGHT),
@@ -92,12 +118,20 @@ pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, StoreError> {
         .into_iter()
         .filter(|(verdict, _)| waves.iter().any(|wave| wave.stable == *verdict))
         .map(|(verdict, share)| (Key::Area(mix(WHITE, BLACK, 0.75 * share)), verdict));
-    let mut legend = Legend::default().with(
-        "",
-        names
-            .iter()
-            .map(|name| (Key::Area(signature_colour(name)), short_signature(name))),
-    );
+    let coloured = names
+        .iter()
+        .map(|name| (Key::Area(signature_colour(name)), short_signature(name)));
+    let blank = |cut: bool| {
+        let of_panel = |one: &&Blank| one.cut == cut && starts.contains(&one.start.as_str());
+        blanks.iter().find(of_panel)
+    };
+    let cut = match map.points {
+        MapPoints::QuasiRandom { .. } => Key::Mark(Mark::new(Shape::Cross, 3.0, GREY)),
+        MapPoints::Grid { .. } => Key::Hatched(hatching()),
+    };
+    let none = blank(false).map(|_| (Key::Area(WHITE), "no branch comes here".to_owned()));
+    let cut = blank(true).map(|_| (cut, "not reached: a branch fails before".to_owned()));
+    let mut legend = Legend::default().with("", coloured.chain(none).chain(cut));
     if waves.iter().any(|wave| !wave.stable.is_empty()) {
         legend = legend.with("stable", shades);
     }
@@ -128,8 +162,59 @@ fn cells(waves: &[&Wave], half: Point, colour: impl Fn(&Wave) -> RGBColor) -> La
     Layer::Cells(rows.map(cell).collect())
 }
 
-/// First passages of the table, in its order, row by row: maps may be long.
-fn read(path: &Path, map: &Map) -> Result<Vec<Wave>, StoreError> {
+/// Lines of the hatching across the panel, how far each leans, as a part of the width, and parts of the
+/// height in which they are looked at: less than a pixel.
+const HATCHES: usize = 60;
+const LEANS: f64 = 0.5;
+const PARTS: usize = 600;
+
+fn hatching() -> Pen {
+    Pen::solid(GREY, 0.8)
+}
+
+/// Leaning lines over these cells of a grid, whose lower left corner and size of a cell are given.
+fn hatched(
+    cut: &HashSet<(usize, usize)>,
+    (rows, columns): (usize, usize),
+    corner: Point,
+    cell: Point,
+) -> Vec<Layer> {
+    if cut.is_empty() {
+        return Vec::new();
+    }
+    let mut layers = Vec::new();
+    for number in 0..HATCHES {
+        let foot = (1.0 + LEANS) * (number as f64 + 0.5) / HATCHES as f64 - LEANS;
+        let place = |part: usize| {
+            let up = (part as f64 + 0.5) / PARTS as f64;
+            (foot + LEANS * up, up)
+        };
+        let inside = |part: usize| {
+            let (across, up) = place(part);
+            let number = |share: f64, count: usize| (share * count as f64) as usize;
+            (0.0..1.0).contains(&across)
+                && cut.contains(&(number(up, rows), number(across, columns)))
+        };
+        let parts: Vec<usize> = (0..PARTS).collect();
+        for run in parts.chunk_by(|one, next| inside(*one) == inside(*next)) {
+            let (first, last) = (run[0], run[run.len() - 1]);
+            if inside(first) {
+                let ends = [first, last].map(|part| {
+                    let (across, up) = place(part);
+                    (
+                        corner.0 + across * columns as f64 * cell.0,
+                        corner.1 + up * rows as f64 * cell.1,
+                    )
+                });
+                layers.push(Layer::Line(ends.to_vec(), hatching()));
+            }
+        }
+    }
+    layers
+}
+
+/// First passages of the table and points without a wave, in its order, row by row: maps may be long.
+fn read(path: &Path, map: &Map) -> Result<(Vec<Wave>, Vec<Blank>), StoreError> {
     let fault = |error: csv::Error| resumable(path, error.to_string());
     let mut reader = csv::Reader::from_path(path).map_err(fault)?;
     let header = reader.headers().map_err(fault)?.clone();
@@ -141,22 +226,34 @@ fn read(path: &Path, map: &Map) -> Result<Vec<Wave>, StoreError> {
     let [row, column, passage] = [place("row")?, place("column")?, place("passage")?];
     let [x, y] = [place(x)?, place(y)?];
     let [start, regimes, stable] = [place("start")?, place("regimes")?, place("stable")?];
-    let mut waves = Vec::new();
+    // tables of earlier versions do not tell
+    let found = place("found").ok();
+    let (mut waves, mut blanks) = (Vec::new(), Vec::new());
     for record in reader.records() {
         let record = record.map_err(fault)?;
         let cell = |place: usize| record.get(place).unwrap_or("");
         let value = |place: usize| cell(place).parse::<f64>().unwrap_or(f64::NAN);
         let count = |place: usize| cell(place).parse().unwrap_or(usize::MAX - 1);
-        if cell(passage) == "1" {
+        let (row, column) = (count(row), count(column));
+        let (at, start) = ((value(x), value(y)), cell(start).to_owned());
+        if cell(passage) == "0" {
+            blanks.push(Blank {
+                row,
+                column,
+                at,
+                start,
+                cut: found.is_some_and(|found| cell(found) == NOT_REACHED),
+            });
+        } else if cell(passage) == "1" {
             waves.push(Wave {
-                row: count(row),
-                column: count(column),
-                at: (value(x), value(y)),
-                start: cell(start).to_owned(),
-                regimes: canonical(cell(regimes)),
+                row,
+                column,
+                at,
+                start,
+                regimes: cell(regimes).to_owned(),
                 stable: cell(stable).to_owned(),
             });
         }
     }
-    Ok(waves)
+    Ok((waves, blanks))
 }

@@ -138,16 +138,6 @@ fn turned(mut regimes: Vec<Option<Regime>>) -> Vec<Option<Regime>> {
     regimes
 }
 
-/// A signature in one of its cyclic forms.
-pub(super) fn canonical(regimes: &str) -> String {
-    let known = sequence(regimes);
-    if known.contains(&None) {
-        return regimes.to_owned();
-    }
-    let names = turned(known).into_iter().flatten().map(Regime::name);
-    names.collect::<Vec<_>>().join("-")
-}
-
 /// A signature of regimes shortened: `slip-reverse-stick` becomes `sl-rev-st`.
 pub(super) fn short_signature(regimes: &str) -> String {
     let short = sequence(regimes).into_iter().map(short_regime);

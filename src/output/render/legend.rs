@@ -31,6 +31,8 @@ pub(crate) enum Key {
     Mark(Mark),
     /// A coloured area.
     Area(RGBColor),
+    /// A hatched area.
+    Hatched(Pen),
 }
 
 impl Key {
@@ -38,7 +40,7 @@ impl Key {
         match self {
             Key::Line(_) => 32.0,
             Key::Mark(_) => 18.0,
-            Key::Area(_) => 24.0,
+            Key::Area(_) | Key::Hatched(_) => 24.0,
         }
     }
 }
@@ -102,6 +104,15 @@ impl Legend {
                 Some(Key::Area(colour)) => {
                     let (from, to) = ((left, middle - 6.0), (left + 18.0, middle + 6.0));
                     on.area(from, to, colour)?;
+                    let corners = [from, (to.0, from.1), to, (from.0, to.1)];
+                    on.outline(&corners, Pen::solid(BLACK, 0.8))?;
+                }
+                Some(Key::Hatched(pen)) => {
+                    let (from, to) = ((left, middle - 6.0), (left + 18.0, middle + 6.0));
+                    for foot in [0.0, 6.0, 12.0] {
+                        let foot = (left + foot, to.1);
+                        on.line(&[foot, (foot.0 + 6.0, from.1)], pen)?;
+                    }
                     let corners = [from, (to.0, from.1), to, (from.0, to.1)];
                     on.outline(&corners, Pen::solid(BLACK, 0.8))?;
                 }
