@@ -461,6 +461,23 @@ impl Display for Missing {
     }
 }
 
+impl Display for curve::Name {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            curve::Name::Pair { grows: true } => f.write_str("the pair grows"),
+            curve::Name::Pair { grows: false } => f.write_str("the pair decays"),
+            curve::Name::Waves { count, regimes } => {
+                match count {
+                    None => {}
+                    Some(1) => f.write_str("1 wave ")?,
+                    Some(count) => write!(f, "{count} waves ")?,
+                }
+                f.write_str(&list(regimes, ", "))
+            }
+        }
+    }
+}
+
 impl Display for curve::Refusal {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {

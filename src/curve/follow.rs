@@ -1,6 +1,6 @@
 //! An event in two parameters as a curve for the walker.
 
-use super::point::{Limits, Point};
+use super::point::{Limits, Point, PointType};
 use super::system::{Condition, EventSystem};
 use crate::branch::special::Change;
 use crate::branch::{EventType, beyond};
@@ -466,7 +466,7 @@ impl Curve for EventCurve {
         together: &[Event],
     ) -> Result<Met<EventCurve>, Refusal> {
         let mut solved = self.point(place.s, &place.node, step.after);
-        let mut say = |kind: String, what: &What| {
+        let mut say = |kind: PointType, what: &What| {
             solved.point.kind = Some(kind);
             solved.point.what = what.to_string();
         };
@@ -474,7 +474,7 @@ impl Curve for EventCurve {
         Ok(match together[0] {
             Event::Edge(index, value) => {
                 let parameter = self.system.parameters()[index];
-                say(EventType::EP.to_string(), &What::Edge(parameter, value));
+                say(PointType::One(EventType::EP), &What::Edge(parameter, value));
                 // exactly the value that was asked for
                 solved.point.parameters[index] = value;
                 Met::Ended(vec![solved], End::Edge)
@@ -490,7 +490,7 @@ impl Curve for EventCurve {
                 let second = self.second(&place.node.point, &margins[0], step.steps.tolerance);
                 let mut entries = margins.iter();
                 let entry = entries.find_map(|margin| self.enter(step, &place.node, margin));
-                let kind = format!("{}+{}", self.event, second.kind);
+                let kind = PointType::Two(self.event, second.kind);
                 let what = What::Meeting {
                     second: Box::new(second),
                     may_go_on: matches!(self.system.condition, Condition::Margin(_)),
@@ -503,15 +503,15 @@ impl Curve for EventCurve {
                 }
             }
             Event::Fold => {
-                say(format!("{}+LP", self.event), &What::Fold);
+                say(PointType::Two(self.event, EventType::LP), &What::Fold);
                 Met::Passed(solved)
             }
             Event::Cusp => {
-                say("CP".into(), &What::Cusp);
+                say(PointType::CP, &What::Cusp);
                 Met::Passed(solved)
             }
             Event::ZeroOmega => {
-                say("BT".into(), &What::ZeroOmega);
+                say(PointType::BT, &What::ZeroOmega);
                 Met::Ended(vec![solved], there)
             }
         })

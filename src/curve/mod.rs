@@ -29,7 +29,6 @@ pub mod start;
 pub mod system;
 
 pub use follow::{Gone, Refusal, What};
-pub use point::{Curve, Limits, Point};
-pub use regions::Region;
+pub use point::{Curve, Limits, Name, Point, PointType, Region};
 pub use run::{Run, Singular, follow};
 pub use saved::{End, Found, Head, Next, Reason, State, Step};

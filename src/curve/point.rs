@@ -1,11 +1,12 @@
 //! What a curve of events is made of, as plain data.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
-use super::regions::Region;
 use crate::continuation::Steps;
-use crate::model::EventType;
-use crate::model::Parameter;
+use crate::model::signature::Regimes;
+use crate::model::{EventType, Parameter, UnknownType};
 
 /// How far to follow, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,6 +17,50 @@ pub struct Limits {
     pub steps: Steps,
     /// Largest number of points in either direction.
     pub most_points: usize,
+}
+
+/// Type of a point of a curve; written as tables have it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum PointType {
+    /// The start, or an end.
+    One(EventType),
+    /// Two events at once.
+    Two(EventType, EventType),
+    /// Cusp.
+    CP,
+    /// ω → 0.
+    BT,
+}
+
+impl fmt::Display for PointType {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            PointType::One(event) => event.fmt(formatter),
+            PointType::Two(one, other) => write!(formatter, "{one}+{other}"),
+            PointType::CP => formatter.write_str("CP"),
+            PointType::BT => formatter.write_str("BT"),
+        }
+    }
+}
+
+impl From<PointType> for String {
+    fn from(kind: PointType) -> String {
+        kind.to_string()
+    }
+}
+
+impl TryFrom<String> for PointType {
+    type Error = UnknownType;
+
+    fn try_from(text: String) -> Result<PointType, UnknownType> {
+        Ok(match (text.as_str(), text.split_once('+')) {
+            ("CP", _) => PointType::CP,
+            ("BT", _) => PointType::BT,
+            (_, Some((one, other))) => PointType::Two(one.parse()?, other.parse()?),
+            (one, None) => PointType::One(one.parse()?),
+        })
+    }
 }
 
 /// A point of the curve: a row of `curve.csv`.
@@ -32,7 +77,7 @@ pub struct Point {
     /// ω of a Hopf point.
     pub omega: Option<f64>,
     /// Type of a point of codimension two, of the start and of the ends.
-    pub kind: Option<String>,
+    pub kind: Option<PointType>,
     /// What happens there, in words; empty at ordinary points.
     pub what: String,
     /// Newton iterations.
@@ -62,4 +107,35 @@ pub struct Curve {
     pub failed: bool,
     /// Names of places beside it.
     pub regions: Vec<Region>,
+}
+
+/// The name of a place beside the curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// Stretch of the curve with the same waves that it belongs to, from 0.
+    pub stretch: usize,
+    /// Whether it lies on the left of the curve, in the order of its points, the second parameter
+    /// pointing upwards.
+    pub left: bool,
+    /// Both parameters.
+    pub place: [f64; 2],
+    /// What is there.
+    pub name: Name,
+}
+
+/// What is at a place beside a curve.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Name {
+    /// The pair of a Hopf point.
+    Pair {
+        /// Whether it grows.
+        grows: bool,
+    },
+    /// Waves.
+    Waves {
+        /// How many, where that is known.
+        count: Option<usize>,
+        /// Their regimes, each once.
+        regimes: Vec<Regimes>,
+    },
 }

@@ -20,7 +20,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Complex;
 
 use super::follow::{INTO, Solved};
-use super::point::Limits;
+use super::point::{Limits, Name, PointType, Region};
 use super::system::{Condition, EventSystem};
 use crate::branch::beyond;
 use crate::branch::follow::{self, Follower, Found};
@@ -31,24 +31,11 @@ use crate::continuation::walk;
 use crate::flow::sign::Verdict;
 use crate::linalg::Vector;
 use crate::model::EventType::{EP, LP, RV, ST, UZ};
+use crate::model::signature::{Regimes, Signature};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::track;
 use crate::wave::Wave;
 use crate::wave::admissibility::AtZero;
-
-/// The name of a place beside the curve.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Region {
-    /// Stretch of the curve with the same waves that it belongs to, from 0.
-    pub stretch: usize,
-    /// Whether it lies on the left of the curve, in the order of its points, the second parameter
-    /// pointing upwards.
-    pub left: bool,
-    /// Both parameters.
-    pub place: [f64; 2],
-    /// What is there.
-    pub name: String,
-}
 
 /// Part of the whole length that a stretch needs for its regions to be named.
 const NAMED: f64 = 0.12;
@@ -130,10 +117,11 @@ fn stretches(points: &[Solved]) -> Vec<Vec<usize>> {
     let mut from = 0;
     while from < points.len() {
         let turns = |index: &usize| {
-            let kind = points[*index].point.kind.as_deref().unwrap_or_default();
-            kind == "CP" || kind.ends_with("+LP")
+            let kind = points[*index].point.kind;
+            matches!(kind, Some(PointType::CP | PointType::Two(_, LP)))
         };
-        let same = |index: &usize| points[*index].point.before == points[from].point.before;
+        let regimes = |index: usize| points[index].system.signature().regimes();
+        let same = |index: &usize| regimes(*index) == regimes(from);
         let to = (from..points.len())
             .take_while(|index| same(index) && !(*index > from && turns(&(index - 1))))
             .last()
@@ -224,7 +212,7 @@ fn beside(
 struct Section {
     condition: Condition,
     /// For every place the regimes of the waves that pass, and Re λ of the pair that is followed.
-    passages: BTreeMap<usize, Vec<(String, Option<f64>)>>,
+    passages: BTreeMap<usize, Vec<(Regimes, Option<f64>)>>,
     /// Whether the whole of the branch has been seen.
     complete: bool,
 }
@@ -308,30 +296,23 @@ impl Section {
     }
 
     /// The name of a place.
-    fn name(&self, target: usize) -> Option<String> {
+    fn name(&self, target: usize) -> Option<Name> {
         let waves = self.passages.get(&target).map_or(&[][..], Vec::as_slice);
         if let Condition::Hopf { .. } = self.condition {
             let (_, rate) = waves.first()?;
-            let grows = (*rate)? > 0.0;
-            let name = if grows {
-                "the pair grows"
-            } else {
-                "the pair decays"
-            };
-            return Some(name.into());
+            return Some(Name::Pair {
+                grows: (*rate)? > 0.0,
+            });
         }
-        let mut names: Vec<&str> = waves.iter().map(|(name, _)| name.as_str()).collect();
-        let count = names.len();
-        names.sort_unstable();
-        names.dedup();
-        let list = names.join(", ");
-        match self.condition {
-            _ if count == 0 => None,
-            Condition::Fold if !self.complete => None,
-            Condition::Fold if count == 1 => Some(format!("1 wave {list}")),
-            Condition::Fold => Some(format!("{count} waves {list}")),
-            _ => Some(list),
-        }
+        let mut regimes: Vec<Regimes> = waves.iter().map(|(regimes, _)| regimes.clone()).collect();
+        regimes.sort_by_key(Regimes::to_string);
+        regimes.dedup();
+        let count = match self.condition {
+            Condition::Fold if !self.complete => return None,
+            Condition::Fold => Some(waves.len()),
+            _ => None,
+        };
+        (!waves.is_empty()).then_some(Name::Waves { count, regimes })
     }
 }
 
@@ -371,7 +352,7 @@ fn walk(
     range: (f64, f64),
     targets: &[f64],
     pair: &mut Option<Pair>,
-    seen: &mut BTreeMap<usize, Vec<(String, Option<f64>)>>,
+    seen: &mut BTreeMap<usize, Vec<(Regimes, Option<f64>)>>,
     budget: &mut usize,
 ) -> End {
     if arm.here().examination.verdict != Verdict::Positive {
@@ -385,7 +366,7 @@ fn walk(
         *budget -= 1;
         // where slip-stick waves lose their stick zone they end, at the Hopf point of steady sliding
         let vanished = found.iter().any(|found| {
-            found.kind() == Some(ST) && found.wave.signature.to_string() == "slip-stick"
+            found.kind() == Some(ST) && found.wave.signature == Signature::slip_stick()
         });
         for found in found {
             let kind = found.kind();
@@ -412,7 +393,7 @@ fn walk(
             let target = targets.iter().position(|target| *target == parameter);
             if let (Some(UZ), Some(target)) = (kind, target) {
                 let passages = seen.entry(target).or_default();
-                passages.push((wave.signature.to_string(), rate));
+                passages.push((wave.signature.regimes(), rate));
             }
         }
         match ended {

@@ -1,8 +1,8 @@
 //! A curve of events from its beginning to both ends, step by step, and its state between two steps.
 
 use super::follow::{EventCurve, Refusal, Solved, Stop, What};
-use super::point::{Curve, Limits, Point};
-use super::regions::{self, Region};
+use super::point::{Curve, Limits, Point, PointType, Region};
+use super::regions;
 use super::saved::{End, Found, Head, Next, Reason, State, Step};
 use super::system::{Condition, EventSystem, NotEvaluated};
 use crate::continuation::Node;
@@ -94,7 +94,7 @@ impl Run {
         system.settle(&node.point);
         let walker = walker(&system, event, node.backwards(), limits)?;
         let mut point = walker.here().point;
-        point.kind = Some(event.to_string());
+        point.kind = Some(PointType::One(event));
         point.what = What::Begins.to_string();
         // the values of the problem where polishing moved them by rounding only
         for (value, given) in point.parameters.iter_mut().zip(system.values(start)) {
@@ -256,7 +256,7 @@ impl Run {
     fn end(&mut self, end: End) -> Result<(), Singular> {
         if let (Some(last), Some(kind)) = (self.halves[self.ends.len()].last_mut(), end.kind) {
             let point = &mut last.point;
-            point.kind.get_or_insert_with(|| kind.to_string());
+            point.kind.get_or_insert(PointType::One(kind));
             if point.what.is_empty() {
                 point.what = end.reason.to_string();
             }

@@ -21,7 +21,7 @@ pub mod signature;
 use serde::{Deserialize, Serialize};
 
 use coefficients::{Coefficients, Geometry};
-pub use event::EventType;
+pub use event::{EventType, UnknownType};
 pub(crate) use laws::Landing;
 pub use laws::{Damping, FrictionLaw, Impact};
 pub use parameter::Parameter;

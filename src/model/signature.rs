@@ -125,6 +125,11 @@ impl Signature {
         ])
     }
 
+    /// Its regimes.
+    pub fn regimes(&self) -> Regimes {
+        Regimes(self.0.iter().map(|zone| zone.regime).collect())
+    }
+
     /// Number of zones.
     pub fn len(&self) -> usize {
         self.0.len()
@@ -184,14 +189,24 @@ impl Signature {
     }
 }
 
-/// Regimes joined by `-`.
+/// Its name: regimes joined by `-`.
 impl fmt::Display for Signature {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, zone) in self.0.iter().enumerate() {
+        self.regimes().fmt(formatter)
+    }
+}
+
+/// The regimes of a cycle in their order: what a signature is called by.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Regimes(pub Vec<Regime>);
+
+impl fmt::Display for Regimes {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, regime) in self.0.iter().enumerate() {
             if index > 0 {
                 formatter.write_str("-")?;
             }
-            formatter.write_str(zone.regime.name())?;
+            formatter.write_str(regime.name())?;
         }
         Ok(())
     }

@@ -13,7 +13,7 @@ use super::layout::{self, CURVE as TABLE};
 use super::origin::Origin;
 use super::render::Format;
 use super::store::{Growing, Kind, Store, StoreError, damaged, encode, hash, unfinished};
-use crate::curve::{Curve, Head, Point, Run, Step};
+use crate::curve::{Curve, Head, Point, PointType, Run, Step};
 use crate::model::Parameter;
 use crate::problem::Problem;
 use crate::table;
@@ -187,7 +187,7 @@ impl CurveFolder {
 struct Row<'a> {
     point: usize,
     #[serde(rename = "type")]
-    kind: Option<&'a str>,
+    kind: Option<PointType>,
     first: f64,
     second: f64,
     speed: f64,
@@ -217,7 +217,7 @@ impl<'a> Row<'a> {
     fn new(index: usize, point: &'a Point, sector: Option<usize>, what: &'a str) -> Row<'a> {
         Row {
             point: index + 1,
-            kind: point.kind.as_deref(),
+            kind: point.kind,
             first: point.parameters[0],
             second: point.parameters[1],
             speed: point.speed,

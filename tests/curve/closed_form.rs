@@ -87,7 +87,7 @@ fn take_off_of_slip_stick() {
     let both = curve
         .points
         .iter()
-        .find(|point| point.kind.as_deref() == Some("GR+LP"));
+        .find(|point| point.kind.is_some_and(|one| one.to_string() == "GR+LP"));
     let at_fold = both.unwrap().parameters[1];
     assert!((at_fold / fold - 1.0).abs() < 1e-10, "{at_fold} {fold}");
 }

@@ -38,7 +38,7 @@ fn two_folds_meet() {
     let cusps: Vec<_> = curve
         .points
         .iter()
-        .filter(|point| point.kind.as_deref() == Some("CP"))
+        .filter(|point| point.kind.is_some_and(|one| one.to_string() == "CP"))
         .collect();
     assert_eq!(cusps.len(), 1);
     let [friction, beta] = cusps[0].parameters;

@@ -20,7 +20,7 @@ fn named<'a>(curve: &'a Curve, kind: &str) -> &'a Point {
     let found = curve
         .points
         .iter()
-        .find(|point| point.kind.as_deref() == Some(kind));
+        .find(|point| point.kind.is_some_and(|one| one.to_string() == kind));
     found.unwrap_or_else(|| panic!("{kind} on {:?}", curve.ends))
 }
 

@@ -100,7 +100,7 @@ fn in_the_plane_of_mismatch_and_friction(event: &str, least: usize) {
                 }
             }
         }
-        for name in regimes(&region.name) {
+        for name in regimes(&region.name.to_string()) {
             assert!(
                 met.iter().any(|wave| wave == name),
                 "{event}: {name} at {:?}, where there are {met:?}",
@@ -140,12 +140,12 @@ fn no_closed_form_beyond_the_fold() {
             curve
                 .regions
                 .iter()
-                .any(|region| region.name == "slip-stick")
+                .any(|region| region.name.to_string() == "slip-stick")
         );
         for region in &curve.regions {
             let beyond = region.place[1] > fold;
             assert!(
-                !(beyond && regimes(&region.name).contains(&"slip-stick")),
+                !(beyond && regimes(&region.name.to_string()).contains(&"slip-stick")),
                 "{region:?}"
             );
         }
@@ -172,7 +172,7 @@ fn stick_is_gone_beyond_the_hopf_point() {
     for Region { place, name, .. } in &curve.regions {
         let [damping, friction] = *place;
         let slides = damping * (16.0 * c.a + c.h).sqrt() > 4.0 * friction * c.coupling.abs();
-        assert!(!slides && name == "slip-stick", "{place:?} {name}");
+        assert!(!slides && name.to_string() == "slip-stick", "{place:?} {name}");
     }
 }
 
@@ -212,7 +212,7 @@ fn waves_are_counted_beside_a_cusp() {
         let count = passages(&across).len();
         let word = if count == 1 { "wave" } else { "waves" };
         assert_eq!(
-            region.name,
+            region.name.to_string(),
             format!("{count} {word} slip-stick"),
             "{:?}",
             region.place
@@ -282,7 +282,7 @@ fn pairs_grow_and_decay_where_it_is_written() {
             } else {
                 "the pair decays"
             };
-            assert_eq!(region.name, name, "{:?}: {only:?}", region.place);
+            assert_eq!(region.name.to_string(), name, "{:?}: {only:?}", region.place);
             if only.re > 0.0 { grow += 1 } else { decay += 1 }
         }
     }

@@ -1,7 +1,9 @@
 //! The curve of an event in the plane of its parameters, with the regions on either side named.
 
-use super::names::{event, occurring, quantity, short_signature};
-use crate::curve::{self, Curve, Region};
+use super::names::{event, quantity, short_signature};
+use crate::curve::{self, Curve, PointType, Region};
+use crate::model::EventType;
+use crate::model::signature::Regimes;
 use crate::output::render::{
     Axis, BLACK, BLUE, Extent, Key, Layer, Legend, Mark, Name, Panel, Pen, Picture, Point, Shape,
     VERMILLION,
@@ -33,14 +35,20 @@ pub(crate) fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
         .iter()
         .enumerate()
         .filter_map(|(index, point)| {
-            let kind = point.kind.as_deref()?;
-            let shown = index != curve.start && !matches!(kind, "EP" | "MX");
+            let kind = point.kind?;
+            let ends = [EventType::EP, EventType::MX].map(PointType::One);
+            let shown = index != curve.start && !ends.contains(&kind);
             shown.then_some((plane(point), kind))
         });
-    let special: Vec<(Point, &str)> = special.collect();
-    let mut kinds = occurring(special.iter().map(|one| one.1));
-    kinds.sort_unstable();
-    let mark = |kind: &str| {
+    let special: Vec<(Point, PointType)> = special.collect();
+    let mut kinds: Vec<PointType> = Vec::new();
+    for (_, kind) in &special {
+        if !kinds.contains(kind) {
+            kinds.push(*kind);
+        }
+    }
+    kinds.sort_by_key(PointType::to_string);
+    let mark = |kind: PointType| {
         let rank = kinds.iter().position(|known| *known == kind).unwrap_or(0);
         Mark::new(SHAPES[rank % SHAPES.len()], MARK, VERMILLION)
     };
@@ -49,7 +57,7 @@ pub(crate) fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
     let (pen, on_branch) = (Pen::solid(BLUE, 2.2), Mark::new(Shape::Disc, MARK, BLACK));
     let mut layers = vec![Layer::Line(line, pen)];
     let marked = special.iter();
-    layers.extend(marked.map(|(point, kind)| Layer::Marks(vec![*point], mark(kind))));
+    layers.extend(marked.map(|(point, kind)| Layer::Marks(vec![*point], mark(*kind))));
     layers.push(Layer::Marks(start, on_branch));
     let names = curve.regions.iter().map(|region| name(region, same));
     layers.push(Layer::Names(names.collect()));
@@ -59,7 +67,7 @@ pub(crate) fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
         what.push_str(&format!(", sector {sector}"));
     }
     if let Some(signature) = same {
-        what.push_str(&format!(" of waves {}", short_signature(signature)));
+        what.push_str(&format!(" of waves {}", short_signature(&signature.to_string())));
     }
     let entries = [
         (Key::Line(pen), what),
@@ -67,35 +75,47 @@ pub(crate) fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
     ];
     let kinds = kinds
         .iter()
-        .map(|kind| (Key::Mark(mark(kind)), (*kind).to_owned()));
+        .map(|kind| (Key::Mark(mark(*kind)), kind.to_string()));
     let legend = Legend::default().with("", entries.into_iter().chain(kinds));
     Picture::new(vec![Panel::new(x, y, layers)], legend)
 }
 
-/// The signature that all counts of waves have in common: said once, it leaves room for the counts.
-fn common_signature(regions: &[Region]) -> Option<&str> {
-    let mut signatures = regions
-        .iter()
-        .map(|region| Some(region.name.split_once(' ')?.1.split_once(' ')?.1));
+/// The regimes that all counts of waves have in common: said once, they leave room for the counts.
+fn common_signature(regions: &[Region]) -> Option<&Regimes> {
+    let mut signatures = regions.iter().map(|region| match &region.name {
+        curve::Name::Waves {
+            count: Some(_),
+            regimes,
+        } => match &regimes[..] {
+            [one] => Some(one),
+            _ => None,
+        },
+        _ => None,
+    });
     let first = signatures.next()??;
-    let counts = regions[0]
-        .name
-        .starts_with(|first: char| first.is_ascii_digit());
-    (counts && !first.contains(' ') && signatures.all(|one| one == Some(first))).then_some(first)
+    signatures.all(|one| one == Some(first)).then_some(first)
 }
 
-/// The name of a region, its signature shortened, or left out where it is the same everywhere; one for
+/// The name of a region, its signatures shortened, or left out where they are the same everywhere; one for
 /// every stretch and side.
-fn name(region: &Region, same: Option<&str>) -> Name {
-    let shortened = |word: &str| match word.contains('-') {
-        true => short_signature(word),
-        false => word.to_owned(),
+fn name(region: &Region, same: Option<&Regimes>) -> Name {
+    let text = match &region.name {
+        curve::Name::Waves { count, regimes } => {
+            let count = count.map(|count| match count {
+                1 => "1 wave".to_owned(),
+                count => format!("{count} waves"),
+            });
+            let others = regimes.iter().filter(|one| Some(*one) != same);
+            let short: Vec<String> = others.map(|one| short_signature(&one.to_string())).collect();
+            let short = Some(short.join(", ")).filter(|short| !short.is_empty());
+            let words: Vec<String> = count.into_iter().chain(short).collect();
+            words.join(" ")
+        }
+        pair => pair.to_string(),
     };
-    let words = region.name.split(' ').filter(|word| Some(*word) != same);
-    let words: Vec<String> = words.map(shortened).collect();
     Name {
         group: 2 * region.stretch + usize::from(region.left),
         at: (region.place[0], region.place[1]),
-        text: words.join(" "),
+        text,
     }
 }
