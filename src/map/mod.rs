@@ -17,9 +17,9 @@ mod line;
 mod plane;
 mod row;
 
-pub use cell::{Cell, CellPoint, CellRow, Missing};
 #[cfg(feature = "cli")]
 pub(crate) use cell::NOT_REACHED;
+pub use cell::{Cell, CellPoint, CellRow, Missing};
 pub use line::MOST_POINTS;
 pub use plane::Plane;
 pub use row::Rows;

@@ -172,7 +172,10 @@ fn stick_is_gone_beyond_the_hopf_point() {
     for Region { place, name, .. } in &curve.regions {
         let [damping, friction] = *place;
         let slides = damping * (16.0 * c.a + c.h).sqrt() > 4.0 * friction * c.coupling.abs();
-        assert!(!slides && name.to_string() == "slip-stick", "{place:?} {name}");
+        assert!(
+            !slides && name.to_string() == "slip-stick",
+            "{place:?} {name}"
+        );
     }
 }
 
@@ -282,7 +285,12 @@ fn pairs_grow_and_decay_where_it_is_written() {
             } else {
                 "the pair decays"
             };
-            assert_eq!(region.name.to_string(), name, "{:?}: {only:?}", region.place);
+            assert_eq!(
+                region.name.to_string(),
+                name,
+                "{:?}: {only:?}",
+                region.place
+            );
             if only.re > 0.0 { grow += 1 } else { decay += 1 }
         }
     }

@@ -67,7 +67,10 @@ pub(crate) fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
         what.push_str(&format!(", sector {sector}"));
     }
     if let Some(signature) = same {
-        what.push_str(&format!(" of waves {}", short_signature(&signature.to_string())));
+        what.push_str(&format!(
+            " of waves {}",
+            short_signature(&signature.to_string())
+        ));
     }
     let entries = [
         (Key::Line(pen), what),
@@ -106,7 +109,9 @@ fn name(region: &Region, same: Option<&Regimes>) -> Name {
                 count => format!("{count} waves"),
             });
             let others = regimes.iter().filter(|one| Some(*one) != same);
-            let short: Vec<String> = others.map(|one| short_signature(&one.to_string())).collect();
+            let short: Vec<String> = others
+                .map(|one| short_signature(&one.to_string()))
+                .collect();
             let short = Some(short.join(", ")).filter(|short| !short.is_empty());
             let words: Vec<String> = count.into_iter().chain(short).collect();
             words.join(" ")

@@ -257,3 +257,60 @@ fn read(path: &Path, map: &Map) -> Result<(Vec<Wave>, Vec<Blank>), StoreError> {
     }
     Ok((waves, blanks))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Parameter::{Friction, Mismatch};
+    use crate::problem::Start;
+
+    /// White has a legend entry, and only cells that were not reached are hatched.
+    #[test]
+    fn cells_without_a_wave_are_white_or_hatched() {
+        let folder = tempfile::tempdir().unwrap();
+        let axis = |parameter| MapAxis {
+            parameter,
+            range: (0.1, 0.2),
+        };
+        let map = Map {
+            first: axis(Friction),
+            second: axis(Mismatch),
+            points: MapPoints::Grid {
+                rows: 2,
+                columns: 2,
+            },
+            starts: vec![Start::Fast],
+        };
+        let table = "row,column,start,passage,found,regimes,mismatch,friction,stable\n\
+            0,0,fast,1,wave,slip-stick,0.1,0.1,\n\
+            0,1,fast,0,none,,0.2,0.1,\n\
+            1,0,fast,0,not reached,,0.1,0.2,\n\
+            1,1,fast,1,wave,slip-stick,0.2,0.2,\n";
+        std::fs::write(folder.path().join(TABLE), table).unwrap();
+        let picture = picture(folder.path(), &map).unwrap();
+        let entries = picture
+            .legend
+            .groups
+            .iter()
+            .flat_map(|group| &group.entries);
+        let words: Vec<&str> = entries.map(|(_, word)| word.as_str()).collect();
+        assert_eq!(
+            words,
+            [
+                "sl-st",
+                "no branch comes here",
+                "not reached: a branch fails before"
+            ]
+        );
+        let lines = picture.panels[0]
+            .layers
+            .iter()
+            .filter_map(|layer| match layer {
+                Layer::Line(points, _) => Some(points),
+                _ => None,
+            });
+        let points: Vec<&Point> = lines.flatten().collect();
+        assert!(points.len() >= 20);
+        assert!(points.iter().all(|(x, y)| *x < 0.15 && *y > 0.15));
+    }
+}
