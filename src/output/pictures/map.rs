@@ -286,7 +286,7 @@ mod tests {
             0,1,fast,0,none,,0.2,0.1,\n\
             1,0,fast,0,not reached,,0.1,0.2,\n\
             1,1,fast,1,wave,slip-stick,0.2,0.2,\n";
-        std::fs::write(folder.path().join(TABLE), table).unwrap();
+        std::fs::write(folder.path().join(MAP), table).unwrap();
         let picture = picture(folder.path(), &map).unwrap();
         let entries = picture
             .legend
