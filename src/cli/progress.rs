@@ -1,5 +1,5 @@
 //! How far work is: a bar on a terminal; elsewhere a line on standard error every ten seconds, the first
-//! after one second if there is long to wait.
+//! after one second if there is long to wait. The ten seconds go on from one stage of the work to the next.
 
 use std::io::{IsTerminal, Write, stderr};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -18,6 +18,12 @@ const EVERY: Duration = Duration::from_secs(10);
 
 /// When the first estimate is worth a line, if it is beyond [`EVERY`].
 const FIRST: Duration = Duration::from_secs(1);
+
+/// Time after which a stage of the work has said where it is.
+const SETTLED: Duration = Duration::from_millis(100);
+
+/// When the last line was written, or the first work began: standard error is one for all stages.
+static SPOKEN: Mutex<Option<Instant>> = Mutex::new(None);
 
 /// What is shown until the first look.
 const BEGINNING: &str = "at the first step";
@@ -162,24 +168,34 @@ fn wear(bar: &ProgressBar, style: &str) {
 }
 
 /// A state is whole between any two statements.
-fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
+fn lock<T>(state: &Mutex<T>) -> MutexGuard<'_, T> {
     state.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Writes a line now and then, also where a step takes long.
 fn write_lines(state: &Mutex<State>, stopped: &Receiver<()>) {
-    let begun = Instant::now();
-    let mut shown: Option<Instant> = None;
-    while stopped.recv_timeout(FIRST) == Err(RecvTimeoutError::Timeout) {
+    let mut shown = false;
+    let since = || spoken(&SPOKEN).elapsed();
+    while stopped.recv_timeout(pause(since())) == Err(RecvTimeoutError::Timeout) {
         let state = lock(state);
         let left = state.left();
-        let long = shown.is_none() && left.is_some_and(|left| left > EVERY.as_secs_f64());
-        let since = shown.unwrap_or(begun).elapsed();
-        if since >= if long { FIRST } else { EVERY } {
+        let long = !shown && left.is_some_and(|left| left > EVERY.as_secs_f64());
+        if since() >= if long { FIRST } else { EVERY } {
             let _ = writeln!(stderr(), "{}", line(state.part, left, &state.words));
-            shown = Some(Instant::now());
+            *lock(&SPOKEN) = Some(Instant::now());
+            shown = true;
         }
     }
+}
+
+/// When something was said last: now, where nothing has been.
+fn spoken(last: &Mutex<Option<Instant>>) -> Instant {
+    *lock(last).get_or_insert_with(Instant::now)
+}
+
+/// Time until the next look, after so long without a line.
+fn pause(since: Duration) -> Duration {
+    EVERY.saturating_sub(since).clamp(SETTLED, FIRST)
 }
 
 /// Seconds left at the pace since the first look.
@@ -241,6 +257,24 @@ mod tests {
             "25 %: 5 of 20 steps, about 90 s left"
         );
         assert_eq!(line(f64::NAN, None, "step 3"), "step 3");
+    }
+
+    /// Stages of nine seconds each leave no silence of more than ten: the clock does not begin anew with a stage.
+    #[test]
+    fn ten_seconds_go_on_from_stage_to_stage() {
+        let last = Mutex::new(None);
+        let begun = spoken(&last);
+        std::thread::sleep(Duration::from_millis(2));
+        assert_eq!(spoken(&last), begun);
+        // a stage that begins nine seconds after the last line looks after one
+        let seconds = Duration::from_secs;
+        assert_eq!(pause(seconds(9)), FIRST);
+        assert_eq!(pause(seconds(0)), FIRST);
+        assert_eq!(
+            pause(Duration::from_millis(9800)),
+            Duration::from_millis(200)
+        );
+        assert_eq!(pause(seconds(12)), SETTLED);
     }
 
     #[test]
