@@ -16,6 +16,7 @@ use crate::output::render::Format;
 use crate::output::store::Kind;
 
 #[derive(Debug, Args)]
+#[command(mut_arg("resume", |one| one.help(RESUME)))]
 pub(crate) struct AccuracyArguments {
     #[command(flatten)]
     task: Task,
@@ -29,6 +30,10 @@ pub(crate) struct AccuracyArguments {
     #[arg(long, default_value = "svg", value_parser = format)]
     format: Format,
 }
+
+/// What `--resume` does here: times are not measured twice alike.
+const RESUME: &str = "Keep the rows that are measured, times included, and measure the others within a \
+                      budget of their own; the reference is computed anew";
 
 pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
     let (task, format) = (&arguments.task, arguments.format.available()?);

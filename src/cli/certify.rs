@@ -16,6 +16,7 @@ use crate::output::store::Kind;
 use crate::problem::StabilitySection;
 
 #[derive(Debug, Args)]
+#[command(mut_arg("resume", |one| one.help("Compute what was interrupted once more, from its beginning")))]
 pub(crate) struct CertifyArguments {
     #[command(flatten)]
     task: Task,

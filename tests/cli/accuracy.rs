@@ -50,6 +50,10 @@ fn what_was_measured_is_kept_on_resuming() {
     let before = snapshot(&bench.path("a"));
     bench.run(&resumed).expect(0);
     assert!(snapshot(&bench.path("a")) == before);
+    // no more is promised: times are not measured twice alike
+    let help = bench.run(&["accuracy", "--help"]).expect(0).stdout;
+    assert!(help.contains("times included"), "{help}");
+    assert!(!help.contains("as if it had not been"), "{help}");
     // killed within the fifth row
     let lines: Vec<&str> = whole.split_inclusive('\n').collect();
     let kept = lines[..5].concat();
