@@ -511,7 +511,7 @@ const TABLE: &[Row] = &[
         "rotation",
         "conditioning: false",
         "conditioning: false, rotation: 62.8",
-        "h----h----",
+        "h-h--hh-hh",
     ),
     row(
         "expect",

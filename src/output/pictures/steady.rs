@@ -85,11 +85,10 @@ pub(crate) fn picture(modes: &Table, problem: Option<&Problem>) -> Picture {
     let known = |curve: &&Curve| curve.values[0].iter().any(|growth| growth.is_finite());
     let entries = curves.iter().rev().filter(known);
     let entries = entries.map(|curve| (Key::Mark(curve.mark), curve.name));
-    let picture = Picture::new(panels, Legend::default().with("", entries));
-    let picture = picture.titled(Some("Perturbations of steady sliding, by mode"));
-    match problem {
+    let mut legend = Legend::default().with("", entries);
+    if let Some(problem) = problem {
         // the mismatch changes nothing under Coulomb's law
-        Some(problem) => picture.subtitled(&parameters(problem, Parameter::Mismatch)),
-        None => picture,
+        legend = legend.with::<&str>(&parameters(problem, Parameter::Mismatch), []);
     }
+    Picture::new(panels, legend).titled(Some("Perturbations of steady sliding, by mode"))
 }
