@@ -329,157 +329,212 @@ pub fn prove<N: Positive>(
     x: &[N],
 ) -> Result<usize, Unproven> {
     let near = system.near;
-    let zones = near.zones.len();
-    let impact = system.impact();
-    let vanishing = Vanishing { near, condition };
-    let frame = system.frame_at(x).ok_or(Unproven::Speed)?;
-    let zone_at = |index| -> Result<Zone<'_, _>, Unproven> {
-        Ok(Zone {
-            system,
-            x,
-            frame: &frame,
-            flow: system.flow(&frame, index).ok_or(Unproven::Speed)?,
-            index,
-        })
-    };
-    let mut proven = 0;
-    let mut hold = |holds: bool, otherwise: Unproven| {
-        proven += usize::from(holds);
-        if holds { Ok(()) } else { Err(otherwise) }
+    let frame = &system.frame_at(x).ok_or(Unproven::Speed)?;
+    let mut proof = Proof {
+        system,
+        x,
+        frame,
+        part,
+        vanishing: Vanishing { near, condition },
+        proven: 0,
     };
     // e > 0 is in m_a; a > b > 0 in m_b
     for number in [frame.ma, frame.mb, frame.kappa, frame.excess_ratio] {
-        hold(number.is_positive(), Unproven::Speed)?;
+        proof.hold(number.is_positive(), Unproven::Speed)?;
     }
-    for index in 0..zones {
-        if vanishing.closed(index) {
+    for index in 0..near.zones.len() {
+        if proof.vanishing.closed(index) {
             continue;
         }
-        let before = index + zones - 1;
-        let zone = near.signature.zone(index);
-        let next = near.signature.zone(index + 1);
-        let duration = x[system.duration(index)];
         if !part.is_within() {
-            hold(duration.is_positive(), Unproven::Duration(index))?;
+            let duration = x[system.duration(index)];
+            proof.hold(duration.is_positive(), Unproven::Duration(index))?;
         }
         if !part.has(index) {
             continue;
         }
-        let mut edge = |watch: Watch| {
-            if vanishing.is(watch, index) {
-                return Ok(());
-            }
-            let margin = system.edge_at(&frame, x, watch, index);
-            let holds = margin.is_some_and(|margin| margin.is_positive());
-            hold(holds, Unproven::Switch(index, watch))
-        };
-        let order = system.order(index);
-        match zone.regime {
-            Regime::Stick => {
-                // Q = fP at the end, and Q grows; where a reverse zone from W = 1 closes Q = −fP at the beginning
-                let closed = vanishing.closed(before)
-                    && near.signature.zone(before).regime == Regime::Reverse
-                    && system.order(before) == 1;
-                if !closed {
-                    edge(Watch::LowerForce)?;
-                }
-                let pressure = frame.weight + frame.kappa;
-                hold(pressure.is_positive(), Unproven::Pressure(index))?;
-            }
-            Regime::Slip | Regime::Reverse => {
-                if zone.regime == Regime::Reverse
-                    && next.entry == Entry::Reversal
-                    && !vanishing.closed_as(index + 1, Regime::Slip, Entry::Reversal)
-                {
-                    edge(Watch::UpperForce)?;
-                }
-                if zone.regime == Regime::Slip && next.entry == Entry::Reversal && system.sticks() {
-                    // Q < −rfP: what static friction could hold would stick
-                    let force = system.edge_at(&frame, x, Watch::LowerForce, (index + 1) % zones);
-                    let holds = force.is_some_and(|force| (-force).is_positive());
-                    hold(holds, Unproven::Switch(index, Watch::LowerForce))?;
-                }
-                let sigma = if zone.regime == Regime::Slip {
-                    1.0
-                } else {
-                    -1.0
-                };
-                let looked = zone_at(index)?;
-                // W − 1 at the ends
-                let at_start = match order {
-                    0 if vanishing.is(Watch::LandingRate, index) => 1,
-                    1 if vanishing.is(Watch::UpperForce, before) => 2,
-                    order => order,
-                };
-                let at_end = match next.entry {
-                    Entry::TakeOff => 0,
-                    // released where it is arrested
-                    Entry::Arrest if vanishing.closed(index + 1) && sigma > 0.0 => 2,
-                    _ => 1,
-                };
-                let touch = vanishing.is(Watch::Rate, index);
-                let lag = looked.is_positive(Quantity::Lag(sigma), at_start, at_end, touch);
-                hold(lag, Unproven::Sliding(index))?;
-                if sigma > 0.0 || next.entry == Entry::TakeOff {
-                    let closed =
-                        |zone| vanishing.closed_as(zone, Regime::Separation, Entry::TakeOff);
-                    let short = part == Part::But(before % zones)
-                        && near.signature.zone(before).entry == Entry::TakeOff;
-                    if short {
-                        let there = landing_pressure(system, &frame, x, before % zones);
-                        let holds = there.is_some_and(|there| there.is_positive());
-                        hold(holds, Unproven::Pressure(index))?;
-                    }
-                    let lifted = vanishing.is(Watch::LandingPressure, index)
-                        || vanishing.closed_as(before, Regime::Separation, Entry::Touch);
-                    let at_start = match closed(before) {
-                        true => 2,
-                        // where it is short P is more than just after the landing
-                        false if short || lifted => 1,
-                        false => 0,
-                    };
-                    let at_end = match next.entry {
-                        Entry::TakeOff if closed(index + 1) => 2,
-                        Entry::TakeOff => 1,
-                        _ => 0,
-                    };
-                    let touch = vanishing.is(Watch::Pressure, index);
-                    let pressed = looked.is_positive(Quantity::Pressure, at_start, at_end, touch);
-                    hold(pressed, Unproven::Pressure(index))?;
-                } else {
-                    // W > 1
-                    let pressure = frame.weight + frame.kappa;
-                    hold(pressure.is_positive(), Unproven::Pressure(index))?;
-                }
-            }
-            Regime::Separation if part.is_within() => {
-                // (U − δ)/tᵐ falls to 0 at the end: U̇ < 0 there
-                let open = zone_at(index)?.is_positive_at_once(Quantity::Gap, order, 1);
-                hold(open, Unproven::Gap(index))?;
-            }
-            Regime::Separation => {
-                // P = 0 where it lands
-                let lifted = vanishing.is(Watch::LandingPressure, index + 1)
-                    || vanishing.closed_as(index + 1, Regime::Separation, Entry::Touch);
-                let mirrored = lifted && zone_at(index)?.is_mirrored();
-                if !mirrored {
-                    edge(Watch::LandingSpeed)?;
-                }
-                if impact == Impact::Coulomb && next.entry == Entry::ArrestedLanding {
-                    edge(Watch::Impulse)?;
-                }
-                let looked = zone_at(index)?;
-                let at_start = order + usize::from(vanishing.is(Watch::Tension, index));
-                let at_end = match mirrored {
-                    true => 3,
-                    false => 1 + usize::from(vanishing.is(Watch::LandingSpeed, index)),
-                };
-                let touch = vanishing.is(Watch::Gap, index);
-                let open = looked.is_positive(Quantity::Gap, at_start, at_end, touch);
-                hold(open, Unproven::Gap(index))?;
-            }
+        match near.signature.zone(index).regime {
+            Regime::Stick => proof.stick(index)?,
+            Regime::Slip | Regime::Reverse => proof.sliding(index)?,
+            Regime::Separation => proof.separation(index)?,
             Regime::Contact => return Err(Unproven::Sliding(index)),
         }
     }
-    Ok(proven)
+    Ok(proof.proven)
+}
+
+/// Inequalities of a wave being proven, zone by zone.
+struct Proof<'a, N> {
+    system: &'a System<'a>,
+    x: &'a [N],
+    frame: &'a Frame<N>,
+    part: Part,
+    vanishing: Vanishing<'a>,
+    /// How many hold.
+    proven: usize,
+}
+
+impl<N: Positive> Proof<'_, N> {
+    fn hold(&mut self, holds: bool, otherwise: Unproven) -> Result<(), Unproven> {
+        self.proven += usize::from(holds);
+        if holds { Ok(()) } else { Err(otherwise) }
+    }
+
+    /// A condition of the switching table at an end of a zone, unless it is the one that vanishes.
+    fn edge(&mut self, watch: Watch, index: usize) -> Result<(), Unproven> {
+        if self.vanishing.is(watch, index) {
+            return Ok(());
+        }
+        let margin = self.system.edge_at(self.frame, self.x, watch, index);
+        let holds = margin.is_some_and(|margin| margin.is_positive());
+        self.hold(holds, Unproven::Switch(index, watch))
+    }
+
+    fn zone_at(&self, index: usize) -> Result<Zone<'_, N>, Unproven> {
+        let flow = self.system.flow(self.frame, index);
+        Ok(Zone {
+            system: self.system,
+            x: self.x,
+            frame: self.frame,
+            flow: flow.ok_or(Unproven::Speed)?,
+            index,
+        })
+    }
+
+    /// The zone before.
+    fn before(&self, index: usize) -> usize {
+        index + self.system.near.zones.len() - 1
+    }
+
+    /// P > 0 where V̇ ≥ 1.
+    fn pressed(&mut self, index: usize) -> Result<(), Unproven> {
+        let pressure = self.frame.weight + self.frame.kappa;
+        self.hold(pressure.is_positive(), Unproven::Pressure(index))
+    }
+
+    fn stick(&mut self, index: usize) -> Result<(), Unproven> {
+        let (before, signature) = (self.before(index), &self.system.near.signature);
+        // Q = fP at the end, and Q grows; where a reverse zone from W = 1 closes Q = −fP at the beginning
+        let closed = self.vanishing.closed(before)
+            && signature.zone(before).regime == Regime::Reverse
+            && self.system.order(before) == 1;
+        if !closed {
+            self.edge(Watch::LowerForce, index)?;
+        }
+        self.pressed(index)
+    }
+
+    /// Slip and reverse slip.
+    fn sliding(&mut self, index: usize) -> Result<(), Unproven> {
+        let signature = &self.system.near.signature;
+        let (zone, next) = (signature.zone(index), signature.zone(index + 1));
+        let slips = zone.regime == Regime::Slip;
+        if next.entry == Entry::Reversal {
+            let vanishing = &self.vanishing;
+            if !slips && !vanishing.closed_as(index + 1, Regime::Slip, Entry::Reversal) {
+                self.edge(Watch::UpperForce, index)?;
+            }
+            if slips && self.system.sticks() {
+                // Q < −rfP: what static friction could hold would stick
+                let after = (index + 1) % self.system.near.zones.len();
+                let force = self
+                    .system
+                    .edge_at(self.frame, self.x, Watch::LowerForce, after);
+                let holds = force.is_some_and(|force| (-force).is_positive());
+                self.hold(holds, Unproven::Switch(index, Watch::LowerForce))?;
+            }
+        }
+        self.direction(index, if slips { 1.0 } else { -1.0 })?;
+        if slips || next.entry == Entry::TakeOff {
+            self.pressure(index)
+        } else {
+            self.pressed(index)
+        }
+    }
+
+    /// σ(1 − W) > 0.
+    fn direction(&mut self, index: usize, sigma: f64) -> Result<(), Unproven> {
+        let vanishing = &self.vanishing;
+        // W − 1 at the ends
+        let at_start = match self.system.order(index) {
+            0 if vanishing.is(Watch::LandingRate, index) => 1,
+            1 if vanishing.is(Watch::UpperForce, self.before(index)) => 2,
+            order => order,
+        };
+        let at_end = match self.system.near.signature.zone(index + 1).entry {
+            Entry::TakeOff => 0,
+            // released where it is arrested
+            Entry::Arrest if vanishing.closed(index + 1) && sigma > 0.0 => 2,
+            _ => 1,
+        };
+        let touch = vanishing.is(Watch::Rate, index);
+        let zone = self.zone_at(index)?;
+        let lag = zone.is_positive(Quantity::Lag(sigma), at_start, at_end, touch);
+        self.hold(lag, Unproven::Sliding(index))
+    }
+
+    /// P > 0 in a zone that slides.
+    fn pressure(&mut self, index: usize) -> Result<(), Unproven> {
+        let (near, before) = (self.system.near, self.before(index));
+        let preceding = before % near.zones.len();
+        let short = self.part == Part::But(preceding)
+            && near.signature.zone(before).entry == Entry::TakeOff;
+        if short {
+            let there = landing_pressure(self.system, self.frame, self.x, preceding);
+            let holds = there.is_some_and(|there| there.is_positive());
+            self.hold(holds, Unproven::Pressure(index))?;
+        }
+        let vanishing = &self.vanishing;
+        let closed = |zone| vanishing.closed_as(zone, Regime::Separation, Entry::TakeOff);
+        let lifted = vanishing.is(Watch::LandingPressure, index)
+            || vanishing.closed_as(before, Regime::Separation, Entry::Touch);
+        let at_start = match closed(before) {
+            true => 2,
+            // where it is short P is more than just after the landing
+            false if short || lifted => 1,
+            false => 0,
+        };
+        let at_end = match near.signature.zone(index + 1).entry {
+            Entry::TakeOff if closed(index + 1) => 2,
+            Entry::TakeOff => 1,
+            _ => 0,
+        };
+        let touch = vanishing.is(Watch::Pressure, index);
+        let zone = self.zone_at(index)?;
+        let pressed = zone.is_positive(Quantity::Pressure, at_start, at_end, touch);
+        self.hold(pressed, Unproven::Pressure(index))
+    }
+
+    /// U > δ, and what holds where it lands.
+    fn separation(&mut self, index: usize) -> Result<(), Unproven> {
+        let (order, vanishing) = (self.system.order(index), &self.vanishing);
+        if self.part.is_within() {
+            // (U − δ)/tᵐ falls to 0 at the end: U̇ < 0 there
+            let open = self
+                .zone_at(index)?
+                .is_positive_at_once(Quantity::Gap, order, 1);
+            return self.hold(open, Unproven::Gap(index));
+        }
+        // P = 0 where it lands
+        let lifted = vanishing.is(Watch::LandingPressure, index + 1)
+            || vanishing.closed_as(index + 1, Regime::Separation, Entry::Touch);
+        let mirrored = lifted && self.zone_at(index)?.is_mirrored();
+        if !mirrored {
+            self.edge(Watch::LandingSpeed, index)?;
+        }
+        let next = self.system.near.signature.zone(index + 1);
+        if self.system.impact() == Impact::Coulomb && next.entry == Entry::ArrestedLanding {
+            self.edge(Watch::Impulse, index)?;
+        }
+        let vanishing = &self.vanishing;
+        let at_start = order + usize::from(vanishing.is(Watch::Tension, index));
+        let at_end = match mirrored {
+            true => 3,
+            false => 1 + usize::from(vanishing.is(Watch::LandingSpeed, index)),
+        };
+        let touch = vanishing.is(Watch::Gap, index);
+        let zone = self.zone_at(index)?;
+        let open = zone.is_positive(Quantity::Gap, at_start, at_end, touch);
+        self.hold(open, Unproven::Gap(index))
+    }
 }

@@ -238,104 +238,114 @@ pub fn solve<S: System>(
     let mut stuck = 0;
     let tolerance = settings.tolerance.max(LEAST_TOLERANCE);
     let mut at = bordered(system, constraint, &point).map_err(Failure::System)?;
-    for iteration in 1..=settings.most_iterations {
-        let residual = at.right_side.amax();
+    for iterations in 1..=settings.most_iterations {
         let factors = Factors::new(at.matrix.clone());
         let mut step = at.right_side.clone();
         if !factors.solve(&mut step) {
             return Err(Failure::Singular);
         }
         let correction = step.amax();
+        let slow = Failure::Slow {
+            correction,
+            iterations,
+        };
+        let solution = |point: Vector, residual: f64, contraction: f64| Solution {
+            point,
+            iterations,
+            contraction,
+            correction,
+            residual,
+            factors,
+        };
         // corrections at the level of rounding no longer contract
-        if iteration > 1 && correction > tolerance {
+        if iterations > 1 && correction > tolerance {
             let ratio = correction / before;
-            // the equations hold to rounding: what is left moves the unknowns and nothing else
-            let relative = if ratio > SLOWEST {
-                relative_residual(&at.matrix, at.right_side.as_slice())
-            } else {
-                f64::INFINITY
-            };
-            let rounded = || {
-                let noise = noise(system, &at.matrix, &point)?;
-                let bound = rounding(&at.matrix, &point.abs(), Some(&noise))?.amax();
-                Some(correction <= bound && bound <= MOST_ROUNDED)
-            };
-            let small = ratio > SLOWEST && correction <= MOST_ROUNDED;
-            if relative < ROUNDED || small && rounded() == Some(true) {
-                return Ok(Solution {
-                    residual: relative,
-                    point,
-                    iterations: iteration,
-                    contraction,
-                    correction,
-                    factors,
-                });
+            if ratio > SLOWEST
+                && let Some(residual) = rounded(system, &at, &point, correction)
+            {
+                return Ok(solution(point, residual, contraction));
             }
             contraction = contraction.max(ratio);
             if ratio > SLOWEST && settings.halvings == 0 {
-                return Err(Failure::Slow {
-                    correction,
-                    iterations: iteration,
-                });
+                return Err(slow);
             }
         }
         before = correction;
         if correction <= tolerance {
             point -= &step;
             if polish == 0 {
-                return Ok(Solution {
-                    point,
-                    iterations: iteration,
-                    contraction,
-                    correction,
-                    residual: relative_residual(&at.matrix, at.right_side.as_slice()),
-                    factors,
-                });
+                let residual = relative_residual(&at.matrix, at.right_side.as_slice());
+                return Ok(solution(point, residual, contraction));
             }
             polish -= 1;
             at = bordered(system, constraint, &point).map_err(Failure::System)?;
             continue;
         }
-        let mut factor = 1.0;
-        let mut left = settings.halvings;
-        loop {
-            let trial = &point - &step * factor;
-            match bordered(system, constraint, &trial) {
-                Ok(next)
-                    if settings.halvings == 0
-                        || next.right_side.amax() < residual
-                        || left == 0 && next.right_side.amax().is_finite() =>
-                {
-                    let falls = next.right_side.amax() < residual;
-                    stuck += usize::from(settings.halvings > 0 && !falls);
-                    if stuck > MOST_STUCK {
-                        return Err(Failure::Slow {
-                            correction,
-                            iterations: iteration,
-                        });
-                    }
-                    point = trial;
-                    at = next;
-                    break;
-                }
-                Err(failure) if left == 0 => return Err(Failure::System(failure)),
-                _ if left == 0 => {
-                    return Err(Failure::Slow {
-                        correction,
-                        iterations: iteration,
-                    });
-                }
-                _ => {
-                    factor *= 0.5;
-                    left -= 1;
-                }
-            }
+        let residual = at.right_side.amax();
+        let damped = damped(
+            system,
+            constraint,
+            (&point, residual),
+            &step,
+            settings.halvings,
+        );
+        let Some(next) = damped.map_err(Failure::System)? else {
+            return Err(slow);
+        };
+        let falls = next.1.right_side.amax() < residual;
+        stuck += usize::from(settings.halvings > 0 && !falls);
+        if stuck > MOST_STUCK {
+            return Err(slow);
         }
+        (point, at) = next;
     }
     Err(Failure::Slow {
         correction: before,
         iterations: settings.most_iterations,
     })
+}
+
+/// The relative residual at a point from which a correction is nothing but rounding; `None` where it is more. There
+/// the equations hold to rounding: what is left moves the unknowns and nothing else.
+fn rounded<S: System>(system: &S, at: &Bordered, point: &Vector, correction: f64) -> Option<f64> {
+    let relative = relative_residual(&at.matrix, at.right_side.as_slice());
+    let bounded = || {
+        let noise = noise(system, &at.matrix, point)?;
+        let bound = rounding(&at.matrix, &point.abs(), Some(&noise))?.amax();
+        Some(correction <= bound && bound <= MOST_ROUNDED)
+    };
+    let small = correction <= MOST_ROUNDED;
+    (relative < ROUNDED || small && bounded() == Some(true)).then_some(relative)
+}
+
+/// The point after a step, or after as much of it as makes the residual fall within so many halvings; after the
+/// last one any finite residual will do, and where none is there is no point. Without halvings the whole step.
+///
+/// # Errors
+/// The system cannot be evaluated after the last halving.
+fn damped<S: System>(
+    system: &S,
+    constraint: &mut impl Constraint<S>,
+    (point, residual): (&Vector, f64),
+    step: &Vector,
+    halvings: usize,
+) -> Result<Option<(Vector, Bordered)>, S::Failure> {
+    let mut factor = 1.0;
+    for left in (0..=halvings).rev() {
+        let trial = point - step * factor;
+        match bordered(system, constraint, &trial) {
+            Ok(next) => {
+                let there = next.right_side.amax();
+                if halvings == 0 || there < residual || left == 0 && there.is_finite() {
+                    return Ok(Some((trial, next)));
+                }
+            }
+            Err(failure) if left == 0 => return Err(failure),
+            Err(_) => {}
+        }
+        factor *= 0.5;
+    }
+    Ok(None)
 }
 
 /// A correction larger than this fraction of the last one ends an undamped attempt: Newton's
