@@ -60,7 +60,6 @@
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
-#![cfg_attr(not(feature = "cli"), allow(dead_code))] // what only results and messages need
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 #[cfg(feature = "cli")]
@@ -84,6 +83,8 @@ pub mod problem;
 pub mod simulation;
 pub mod stability;
 pub mod steady;
+// results and messages need what nothing else does
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
 mod table;
 pub mod wave;
 mod words;

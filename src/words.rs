@@ -16,6 +16,7 @@ use crate::wave::admissibility::Watch;
 const D_ZERO: &str = "D = 0: nothing drives a wave here; what is left is steady sliding with a linear wave \
                       of arbitrary amplitude, which neither grows nor decays";
 
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
 impl Landing {
     /// Its name, for captions too.
     pub(crate) fn name(self) -> &'static str {
@@ -336,7 +337,6 @@ impl Display for Failure {
         match self {
             Failure::Ended(end) => end.fmt(f),
             Failure::NoLeg(reason) => reason.fmt(f),
-            Failure::Told(words) => f.write_str(words),
         }
     }
 }
@@ -492,7 +492,7 @@ impl Display for curve::Refusal {
 impl Display for curve::Reason {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            curve::Reason::There(words) => f.write_str(words),
+            curve::Reason::There | curve::Reason::Unknown => Ok(()),
             curve::Reason::Gone(gone) => gone.fmt(f),
             curve::Reason::Closed => f.write_str("the curve closes on its start"),
             curve::Reason::MaxPoints { most } => {

@@ -1,9 +1,10 @@
 //! The wave that the branch of a problem begins with: in closed form, from a Hopf point, or restarted.
 
-use super::first_wave::{self, NoStart, Wanted, beyond_hopf};
+use super::first_wave::{self, beyond_hopf};
 use super::progress::steps;
 use super::saved::SavedWave;
 use super::slip_stick::polish;
+use super::wanted::{NoStart, Wanted};
 use crate::continuation::newton;
 use crate::flow::method::Method;
 use crate::linalg::Vector;

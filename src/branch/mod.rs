@@ -17,6 +17,7 @@ pub mod run;
 mod saved;
 mod slip_stick;
 pub mod special;
+pub mod wanted;
 
 pub use change::{NotEntered, beyond};
 pub use iterator::Branch;

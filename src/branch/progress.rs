@@ -26,7 +26,7 @@ pub enum End {
 }
 
 /// Saved progress that is none of its problem.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Unfit {
     /// It is of another problem.
     #[error("the saved progress does not fit its problem")]

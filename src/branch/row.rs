@@ -31,6 +31,7 @@ impl<const LATER: bool> Serialize for Parameters<LATER> {
 }
 
 /// Columns of `branch.csv` that hold words: no curve can be drawn of them.
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
 pub(crate) const WORD_COLUMNS: [&str; 4] = ["type", "regimes", "stable", "why"];
 
 /// A wave and its stability, as the tables of branches and of maps have them.

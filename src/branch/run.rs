@@ -7,13 +7,14 @@ use std::sync::Arc;
 
 use super::begin::{Begun, begin};
 use super::conditioning::conditioning;
-use super::first_wave::{NoStart, Watch};
+use super::first_wave::Watch;
 use super::follow::{Follower, Found};
 use super::item::{event, row};
 use super::progress::legs;
 use super::row::EigenvalueRow;
 use super::saved::SavedWave;
 use super::special::{Ending, Failure, Note, Special, Stop};
+use super::wanted::NoStart;
 use super::{BranchPoint, EventType, Reason, Stability};
 use crate::continuation::{Node, walk};
 use crate::flow::method::Method;

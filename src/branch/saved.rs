@@ -50,6 +50,7 @@ impl SavedWave {
     }
 
     /// Whether every zone has its numbers and all of them are finite: a damaged file may say otherwise.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn is_whole(&self) -> bool {
         let known = |parameter| self.model.value(parameter).is_none_or(f64::is_finite);
         let zones = self.signature.len();

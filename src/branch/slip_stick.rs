@@ -1,6 +1,6 @@
 //! The slip-stick wave of a model under every friction law, as a boundary-value problem.
 
-use super::first_wave::{NoStart, Wanted};
+use super::wanted::{NoStart, Wanted};
 use crate::continuation::newton::{self, Fixed, System};
 use crate::flow::FlowError;
 use crate::linalg::Vector;

@@ -1,7 +1,7 @@
 //! What makes a point of a branch special, why a step is refused, and why a branch ends: as data. Their
 //! sentences are made in one place, `words`.
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::conditioning::Conditioning;
 use super::follow::Branch;
@@ -120,7 +120,7 @@ impl Change {
 }
 
 /// Why a point is not admissible.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Inadmissible {
     /// A margin is negative.
     Margin {
@@ -155,7 +155,7 @@ impl Inadmissible {
 }
 
 /// Why a wave refuses a step.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Refusal {
     /// Its inequalities cannot be evaluated.
     Flow(#[from] FlowError),
@@ -179,7 +179,7 @@ pub enum Refusal {
 }
 
 /// Why a branch ends for reasons of its own.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Stop {
     /// D = 0 ends the wave.
     Undriven,
@@ -205,7 +205,7 @@ pub enum Stop {
 }
 
 /// A signature tried beyond an event and refused.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tried {
     /// The signature; `None` where none could be made.
     pub signature: Option<Signature>,
@@ -214,7 +214,7 @@ pub struct Tried {
 }
 
 /// Why a branch cannot be followed from a point.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum NoFollower {
     /// It has no direction there.
     #[error("the Newton matrix is singular at the start: the start is a fold")]
@@ -231,27 +231,12 @@ pub enum NoFollower {
 pub type Ending = EndOf<Branch>;
 
 /// Why a branch ended before its range.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Failure {
     /// As the walk along it ended.
     Ended(Box<Ending>),
     /// A leg does not begin.
     NoLeg(Unfit),
-    /// As a saved run tells.
-    Told(String),
-}
-
-/// A reason is saved as its sentence.
-impl Serialize for Failure {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
-impl<'de> Deserialize<'de> for Failure {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Failure, D::Error> {
-        String::deserialize(deserializer).map(Failure::Told)
-    }
 }
 
 /// Type of a change of regime, from the margin that vanished and the signatures on both sides.
@@ -331,4 +316,55 @@ pub enum Note {
         /// How well it is known.
         known: Conditioning,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::continuation::newton;
+    use crate::continuation::walk::{End, Refused};
+    use crate::flow::Unsolved;
+
+    /// Why a branch ended is the same after it was saved, whatever it is.
+    #[test]
+    fn reasons_are_saved_as_data() {
+        let flow = FlowError::Integration {
+            duration: 0.1 + 0.2,
+            reason: Unsolved::NotConverged,
+        };
+        let inadmissible = Refusal::Inadmissible(Inadmissible::Margin {
+            regime: Regime::Slip,
+            watch: Watch::Pressure,
+            value: -1.0e-300,
+        });
+        let tried = |reason| Tried {
+            signature: Some(Signature::slip_stick()),
+            reason,
+        };
+        let step = newton::Failure::Slow {
+            correction: f64::INFINITY,
+            iterations: 7,
+        };
+        let ends = [
+            End::NoStep {
+                ds_min: 1e-9,
+                reason: Refused::Curve(inadmissible.clone()),
+            },
+            End::Own(Stop::NoneAdmissible(vec![
+                tried(Refused::Step(step.into())),
+                tried(Refused::Step(newton::Failure::System(flow).into())),
+                tried(Refused::Pair),
+                tried(Refused::Curve(inadmissible.clone())),
+            ])),
+            End::Own(Stop::Flow(flow)),
+        ];
+        let mut reasons: Vec<Failure> = ends.map(|end| Failure::Ended(Box::new(end))).into();
+        reasons.push(Failure::NoLeg(NoFollower::Refused(inadmissible).into()));
+        for reason in reasons {
+            let text = ron::to_string(&reason).unwrap();
+            let again: Failure = ron::from_str(&text).unwrap();
+            assert_eq!(again, reason);
+            assert_eq!(again.to_string(), reason.to_string());
+        }
+    }
 }

@@ -65,8 +65,8 @@ pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
     pictures::put(folder.store(), Some(&problem), format, [drawn])?;
     task.say(&titled(&problem, &summary::curve(&found)), "curve", &out)?;
     if found.failed {
-        for end in &found.ends {
-            warn(end);
+        for side in [0, 1] {
+            warn(&found.end(side));
         }
         return Ok(Exit::Numerical);
     }

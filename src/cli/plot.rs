@@ -81,13 +81,15 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
     let mut problem = match kind {
         Some(Kind::MapShard) => return Err(Usage::Unjoined(folder.clone()).into()),
         Some(Kind::Certificate) => return Err(Usage::NoPicture(folder.clone()).into()),
-        // a folder of a version before manifests may still hold a run
-        _ if run => Some(match &store {
-            Ok(store) => RunFolder::saved(store)?.problem,
-            Err(_) => Restart::read(folder)?.problem,
-        }),
         _ => origin::problem(folder)?,
     };
+    if run && problem.is_none() {
+        problem = Some(match &store {
+            Ok(store) => RunFolder::saved(store)?.problem,
+            // a folder of a version before manifests may still hold a run
+            Err(_) => Restart::read(folder)?.problem,
+        });
+    }
     let store = store?;
     if let Some(problem) = problem.as_mut().filter(|_| run) {
         if problem.continuation.is_none() {

@@ -98,7 +98,7 @@ pub struct Step {
 }
 
 /// Why a step was refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Refusal<F: std::error::Error> {
     /// The corrector failed.
     #[error("{0}")]

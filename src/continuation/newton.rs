@@ -1,5 +1,7 @@
 //! Newton's method for a system of n equations in n + 1 unknowns closed by one constraint.
 
+use serde::{Deserialize, Serialize};
+
 use crate::linalg::{Factors, Matrix, Vector};
 
 /// n equations R(u) = 0 in n + 1 unknowns, scaled so that unknowns and residuals are of order one.
@@ -112,7 +114,7 @@ pub struct Solution {
 }
 
 /// How an attempt failed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Failure<F: std::error::Error> {
     /// The system could not be evaluated.
     #[error("{0}")]

@@ -8,6 +8,8 @@
 
 use std::error::Error;
 
+use serde::{Deserialize, Serialize};
+
 use super::arclength::{self, Node, Steps};
 use super::locate::Place;
 use super::newton::System;
@@ -89,7 +91,7 @@ pub trait Curve: Sized {
 }
 
 /// Why a step was refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Refused<F: Error, R: Error> {
     /// There is no such step.
     #[error("{0}")]
@@ -107,7 +109,7 @@ pub(crate) type RefusalOf<C> =
     Refused<<<C as Curve>::System as System>::Failure, <C as Curve>::Refusal>;
 
 /// How a curve ended.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum End<R, E> {
     /// At an edge of a range.
     Edge,

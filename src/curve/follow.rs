@@ -1,5 +1,7 @@
 //! An event in two parameters as a curve for the walker.
 
+use serde::{Deserialize, Serialize};
+
 use super::point::{Limits, Point, PointType};
 use super::system::{Condition, EventSystem};
 use crate::branch::special::Change;
@@ -108,7 +110,7 @@ pub enum What {
 }
 
 /// Why an event is no event any more.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Gone {
     /// Another minimum inside the zone is lower.
     Lower(Regime),
@@ -119,7 +121,7 @@ pub enum Gone {
 }
 
 /// Why an event refuses a step.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Refusal {
     /// Its test functions cannot be evaluated.
     Flow(#[from] FlowError),

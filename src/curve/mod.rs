@@ -27,8 +27,10 @@ mod run;
 mod saved;
 pub mod start;
 pub mod system;
+mod whole;
 
 pub use follow::{Gone, Refusal, What};
-pub use point::{Curve, Limits, Name, Point, PointType, Region};
+pub use point::{Limits, Name, Point, PointType, Region};
 pub use run::{Run, Singular, follow};
 pub use saved::{End, Found, Head, Next, Reason, State, Step};
+pub use whole::Curve;

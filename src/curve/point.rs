@@ -1,4 +1,4 @@
-//! What a curve of events is made of, as plain data.
+//! A point of a curve of events, and how far to follow, as plain data.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::continuation::Steps;
 use crate::model::signature::Regimes;
-use crate::model::{EventType, Parameter, UnknownType};
+use crate::model::{EventType, UnknownType};
 
 /// How far to follow, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -86,27 +86,6 @@ pub struct Point {
     pub residual: f64,
     /// Excess speed e = |c|/√a − 1.
     pub excess: f64,
-}
-
-/// The curve of an event.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    /// Type of the event.
-    pub event: EventType,
-    /// Bloch sector of an HB.
-    pub sector: Option<usize>,
-    /// The two parameters.
-    pub parameters: [Parameter; 2],
-    /// Points from one end to the other.
-    pub points: Vec<Point>,
-    /// Index of the event on the branch.
-    pub start: usize,
-    /// Why the curve ends at its first and at its last point, in words.
-    pub ends: [String; 2],
-    /// Whether an end is one of Newton's method and not of the curve.
-    pub failed: bool,
-    /// Names of places beside it.
-    pub regions: Vec<Region>,
 }
 
 /// The name of a place beside the curve.

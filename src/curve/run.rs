@@ -1,10 +1,11 @@
 //! A curve of events from its beginning to both ends, step by step, and its state between two steps.
 
 use super::follow::{EventCurve, Refusal, Solved, Stop, What};
-use super::point::{Curve, Limits, Point, PointType, Region};
+use super::point::{Limits, Point, PointType, Region};
 use super::regions;
 use super::saved::{End, Found, Head, Next, Reason, State, Step};
 use super::system::{Condition, EventSystem, NotEvaluated};
+use super::whole::Curve;
 use crate::continuation::Node;
 use crate::continuation::newton::{self, Plane};
 use crate::continuation::walk::{self, Walker};
@@ -176,10 +177,17 @@ impl Run {
     }
 
     /// The points in the order in which they were found.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn so_far(&self) -> impl Iterator<Item = &Point> {
         let [first, second] = &self.halves;
         let found = first.iter().chain(second).map(|solved| &solved.point);
         std::iter::once(&self.head.point).chain(found)
+    }
+
+    /// Whether an earlier version has saved why it ended, in words.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
+    pub(crate) fn is_of_earlier_version(&self) -> bool {
+        self.ends.iter().any(|end| end.reason == Reason::Unknown)
     }
 
     /// Whether both ends are reached.
@@ -223,10 +231,7 @@ impl Run {
     /// Why the walk ended.
     fn reason(&self, end: walk::EndOf<EventCurve>) -> Reason {
         match end {
-            walk::End::Edge | walk::End::Own(Stop::There) => {
-                let last = self.halves[self.ends.len()].last();
-                Reason::There(last.map_or_else(String::new, |solved| solved.point.what.clone()))
-            }
+            walk::End::Edge | walk::End::Own(Stop::There) => Reason::There,
             walk::End::Own(Stop::Gone(gone)) => Reason::Gone(gone),
             walk::End::Closed => Reason::Closed,
             walk::End::MaxPoints { most } => Reason::MaxPoints { most },
@@ -255,11 +260,7 @@ impl Run {
     /// Ends one direction and turns to the other.
     fn end(&mut self, end: End) -> Result<(), Singular> {
         if let (Some(last), Some(kind)) = (self.halves[self.ends.len()].last_mut(), end.kind) {
-            let point = &mut last.point;
-            point.kind.get_or_insert(PointType::One(kind));
-            if point.what.is_empty() {
-                point.what = end.reason.to_string();
-            }
+            last.point.kind.get_or_insert(PointType::One(kind));
         }
         let closed = end.reason == Reason::Closed;
         self.ends.push(end.clone());
@@ -297,14 +298,14 @@ impl Run {
         });
         points.extend(second);
         let regions = beside(&points, &head.limits);
-        let word = |index: usize| ends.get(index).map(|end| end.reason.to_string());
+        let reason = |index: usize| ends.get(index).map(|end| end.reason.clone());
         Curve {
             event: head.event,
             sector,
             parameters: head.system.parameters(),
             points: points.into_iter().map(|solved| solved.point).collect(),
             start,
-            ends: [0, 1].map(|index| word(index).unwrap_or_default()),
+            ends: [0, 1].map(|index| reason(index).unwrap_or_default()),
             failed: ends.iter().any(|end| end.failed),
             regions,
         }

@@ -1,6 +1,6 @@
 //! A curve between two steps: what it began with, what its steps found, and how it ended.
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::follow::{Gone, Refusal};
 use super::point::{Limits, Point};
@@ -61,10 +61,13 @@ fn is_zero(count: &usize) -> bool {
 }
 
 /// Why a curve ends in one direction.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Reason {
-    /// For what happens at its last point, in words.
-    There(String),
+    /// It has not ended yet, or an earlier version has said why in words.
+    #[default]
+    Unknown,
+    /// For what happens at its last point.
+    There,
     /// The event is none any more.
     Gone(Gone),
     /// The curve closes on its start.
@@ -92,27 +95,11 @@ pub enum Reason {
     },
 }
 
-/// A reason is saved as its sentence.
-impl Serialize for Reason {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
-impl<'de> Deserialize<'de> for Reason {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Reason, D::Error> {
-        let words = String::deserialize(deserializer)?;
-        Ok(match words == Reason::Closed.to_string() {
-            true => Reason::Closed,
-            false => Reason::There(words),
-        })
-    }
-}
-
 /// The end of the curve in one direction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct End {
-    /// Why.
+    /// Why; earlier versions kept words as `reason`.
+    #[serde(rename = "why", default)]
     pub reason: Reason,
     /// Whether it is one of Newton's method or of `max_points` and not of the curve.
     pub failed: bool,
@@ -123,7 +110,7 @@ pub struct End {
 impl End {
     pub(super) fn new(reason: Reason) -> End {
         let kind = match reason {
-            Reason::There(_) | Reason::Closed => None,
+            Reason::Unknown | Reason::There | Reason::Closed => None,
             Reason::Gone(_) => Some(EventType::EP),
             _ => Some(EventType::MX),
         };

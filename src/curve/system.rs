@@ -47,7 +47,7 @@ pub enum Condition {
 }
 
 /// Why the equations could not be evaluated.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum NotEvaluated {
     /// The flow overflows or the wave is subsonic.
     #[error("{0}")]

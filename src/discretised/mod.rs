@@ -84,7 +84,7 @@ mod wave;
 pub use ring::Failure;
 pub use wave::{FIRST_EPSILON, SemiDiscreteWave, solve, solve_from};
 
-use crate::branch::first_wave::NoStart;
+use crate::branch::wanted::NoStart;
 use crate::flow::FlowError;
 use crate::wave::start::Which;
 
@@ -121,6 +121,7 @@ pub(crate) const LEAST_POINTS: usize = 8;
 pub(crate) const MOST_POINTS: usize = 4000;
 
 /// Bytes that the eigenvalues of a cell of n points take: three complex matrices of 2n rows.
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
 pub(crate) fn memory(points: f64) -> f64 {
     3.0 * 16.0 * (2.0 * points).powi(2)
 }

@@ -37,7 +37,7 @@ use super::separation::SeparationFlow;
 use super::sign::{COEFFICIENTS, REMAINDER};
 use super::solvent::{polynomial, solvent};
 use super::square::{Pair, Square};
-use super::{FlowError, Frame, Slide, ZoneEnd};
+use super::{FlowError, Frame, Slide, Unsolved, ZoneEnd};
 
 /// e^{−x} beyond this is nothing.
 const UNDERFLOW: f64 = 708.0;
@@ -92,7 +92,7 @@ impl LayeredFlow {
         let of = polynomial(frame);
         let failed = FlowError::Integration {
             duration: 0.0,
-            reason: "the exponents of separation with material damping cannot be told apart",
+            reason: Unsolved::SeparationExponents,
         };
         let layers = solvent(&of).ok_or(failed)?;
         let [_, m, s, h] = of;

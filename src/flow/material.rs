@@ -31,7 +31,7 @@ use crate::continuation::zero::{boundary, zero_by_slope};
 
 use super::contact::{ContactFlow, SHORT_TERMS, SHORT_ZONE};
 use super::jet::{DURATION, Dual, ENTRY_W, ENTRY_Y, EXCESS, Jet, LAYER, SOURCES};
-use super::{FlowError, Frame, Slide, ZoneEnd};
+use super::{FlowError, Frame, Slide, Unsolved, ZoneEnd};
 
 /// Smallest positive root ρ of −d + mρ + s₁ρ² + hρ³ with d = βã ≥ 0 and h > 0: the reciprocal of the
 /// largest exponent of the sliding equation. `None` where a coefficient is not finite. For d < 0, where a
@@ -361,7 +361,7 @@ impl MaterialFlow {
         if self.rho.is_nan() {
             return Err(FlowError::Integration {
                 duration: t,
-                reason: "the exponents of sliding with material damping cannot be told apart",
+                reason: Unsolved::SlidingExponents,
             });
         }
         if !entry.iter().all(|jet| jet.value.is_finite()) {

@@ -32,6 +32,8 @@ pub mod sign;
 mod solvent;
 mod square;
 
+use serde::{Deserialize, Serialize};
+
 use crate::model::FrictionLaw;
 use crate::model::signature::Regime;
 use contact::ContactFlow;
@@ -44,8 +46,34 @@ use numeric::{Integrator, NumericalContact, NumericalSeparation};
 use piece::Piece;
 use separation::SeparationFlow;
 
+/// Why a method cannot solve the equations of a zone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
+pub enum Unsolved {
+    /// The exponents of sliding coincide to rounding.
+    #[error("the exponents of sliding with material damping cannot be told apart")]
+    SlidingExponents,
+    /// Those of separation do.
+    #[error("the exponents of separation with material damping cannot be told apart")]
+    SeparationExponents,
+    /// A Runge–Kutta method gives up.
+    #[error("the step of the Runge–Kutta method became too small or too many were needed")]
+    Steps,
+    /// The solution is not finite.
+    #[error("the solution leaves the range of double precision")]
+    Overflow,
+    /// A matrix of collocation has no inverse.
+    #[error("the collocation matrix is singular")]
+    Singular,
+    /// Newton's method runs away.
+    #[error("the collocation equations diverge")]
+    Diverges,
+    /// Newton's method does not come to an end.
+    #[error("Newton's method on a mesh interval does not converge")]
+    NotConverged,
+}
+
 /// Why a flow cannot be evaluated. Inside a continuation step either rejects the step.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum FlowError {
     /// |c| ≤ √a: the equations along the material point lose their type.
     #[error("the wave is not supersonic: its excess speed |c|/√a − 1 = {excess:e} is not positive")]
@@ -59,7 +87,7 @@ pub enum FlowError {
         /// Duration of the zone.
         duration: f64,
         /// What the method says.
-        reason: &'static str,
+        reason: Unsolved,
     },
     /// A zone turns too often for its inequalities to be verified.
     #[error(

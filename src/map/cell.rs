@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use crate::branch::BranchPoint;
-use crate::branch::first_wave::NoStart;
 use crate::branch::row::{WaveRow, why};
 use crate::branch::special::Failure;
+use crate::branch::wanted::NoStart;
 use crate::model::Model;
 
 /// A wave that exists at a point of the plane, or the statement that none was found there.

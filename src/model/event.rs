@@ -51,6 +51,7 @@ impl EventType {
     }
 
     /// Whether the sequence of regimes changes at events of this type.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn of_regimes(self) -> bool {
         use EventType::{CO, GR, RV, ST};
         matches!(self, GR | RV | CO | ST)

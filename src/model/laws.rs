@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::signature::Regime;
 use super::{Model, Parameter};
 
 /// Friction coefficient as a function of the sliding velocity v = |1 − V̇|; f is [`Model::friction`].
@@ -53,16 +52,6 @@ impl FrictionLaw {
     /// Whether friction in sliding does not depend on the velocity: the flow has a closed form.
     pub fn piecewise_linear(self) -> bool {
         matches!(self, FrictionLaw::Coulomb | FrictionLaw::Static { .. })
-    }
-
-    /// Whether a regime occurs under the law: stick and sliding directions, or contact as a whole.
-    pub fn has(self, regime: Regime) -> bool {
-        let smooth = matches!(self, FrictionLaw::Regularised { .. });
-        match regime {
-            Regime::Separation => true,
-            Regime::Contact => smooth,
-            Regime::Stick | Regime::Slip | Regime::Reverse => !smooth,
-        }
     }
 
     /// Whether the friction force jumps at release, and V̈ with it.

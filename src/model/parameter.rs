@@ -35,6 +35,7 @@ struct Entry {
     /// Name in tables and on the command line.
     column: &'static str,
     /// Name on axes.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     words: &'static str,
     /// Symbol on axes and in messages.
     symbol: &'static str,
@@ -233,6 +234,7 @@ impl Parameter {
     }
 
     /// Name on axes; empty where the symbol says all.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn words(self) -> &'static str {
         self.entry().words
     }

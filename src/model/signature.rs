@@ -12,7 +12,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::Impact;
+use super::laws::{FrictionLaw, Impact};
 
 /// Contact regime of a zone, in the order in which a cycle without stick begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -61,6 +61,18 @@ impl Regime {
             Regime::Slip => Some(1.0),
             Regime::Reverse => Some(-1.0),
             Regime::Stick | Regime::Separation | Regime::Contact => None,
+        }
+    }
+}
+
+impl FrictionLaw {
+    /// Whether a regime occurs under the law: stick and sliding directions, or contact as a whole.
+    pub fn has(self, regime: Regime) -> bool {
+        let smooth = matches!(self, FrictionLaw::Regularised { .. });
+        match regime {
+            Regime::Separation => true,
+            Regime::Contact => smooth,
+            Regime::Stick | Regime::Slip | Regime::Reverse => !smooth,
         }
     }
 }

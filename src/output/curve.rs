@@ -13,7 +13,7 @@ use super::layout::{self, CURVE as TABLE};
 use super::origin::Origin;
 use super::render::Format;
 use super::store::{Growing, Kind, Store, StoreError, damaged, encode, hash, unfinished};
-use crate::curve::{Curve, Head, Point, PointType, Run, Step};
+use crate::curve::{Curve, Head, Point, PointType, Reason, Run, Step};
 use crate::model::Parameter;
 use crate::problem::Problem;
 use crate::table;
@@ -65,9 +65,17 @@ impl CurveFolder {
     /// When that is damaged.
     pub(crate) fn interrupted(store: &Store) -> Result<Option<Interrupted>, StoreError> {
         // a curve killed before it began has no points
-        match store.resumes() && store.path().join(STEPS).exists() {
-            true => CurveFolder::steps(store),
-            false => Ok(None),
+        let path = store.path().join(STEPS);
+        if !(store.resumes() && path.exists()) {
+            return Ok(None);
+        }
+        let saved = CurveFolder::steps(store)?;
+        match saved
+            .as_ref()
+            .is_some_and(|saved| saved.run.is_of_earlier_version())
+        {
+            true => Err(damaged(&path, "it is not as this version writes it")),
+            false => Ok(saved),
         }
     }
 
@@ -244,15 +252,15 @@ pub(crate) fn table(curve: &Curve) -> String {
 
 /// What happens at a point; the reason of an end stands at the first and at the last one.
 pub(crate) fn words(curve: &Curve, index: usize) -> String {
-    let mut text = curve.points[index].what.clone();
     let last = curve.points.len() - 1;
-    for (place, end) in [(0, &curve.ends[0]), (last, &curve.ends[1])] {
-        if place == index && !text.contains(end.as_str()) {
-            if !text.is_empty() {
-                text.push_str("; ");
-            }
-            text.push_str(end);
-        }
-    }
-    text
+    let ends = [0, last].into_iter().zip(&curve.ends);
+    let ends = ends
+        .filter(|(place, end)| *place == index && !matches!(end, Reason::There | Reason::Unknown));
+    let mut ends: Vec<&Reason> = ends.map(|(_, end)| end).collect();
+    ends.dedup();
+    let what = Some(curve.points[index].what.clone()).filter(|what| !what.is_empty());
+    let words = what
+        .into_iter()
+        .chain(ends.into_iter().map(Reason::to_string));
+    words.collect::<Vec<_>>().join("; ")
 }

@@ -45,16 +45,14 @@ impl Origin {
 /// # Errors
 /// When what is saved of it is damaged.
 pub(crate) fn problem(folder: &Path) -> Result<Option<Problem>, StoreError> {
-    let there = |name: &str| folder.join(name).exists();
-    if there(Restart::FILE) {
-        return Ok(Some(Restart::read(folder)?.problem));
-    }
-    if there(SimulationCheckpoint::FILE) {
-        return Ok(Some(SimulationCheckpoint::read(folder)?.problem));
-    }
-    let file = [MAP_ORIGIN, Origin::FILE]
-        .into_iter()
-        .find(|name| there(name));
+    // what else a checkpoint holds is for going on, and may be of an earlier version
+    let files = [
+        Restart::FILE,
+        SimulationCheckpoint::FILE,
+        MAP_ORIGIN,
+        Origin::FILE,
+    ];
+    let file = files.into_iter().find(|name| folder.join(name).exists());
     let origin = file.map(|file| decode::<Origin>(&folder.join(file)));
     Ok(origin.transpose()?.map(|origin| origin.problem))
 }

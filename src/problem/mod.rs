@@ -64,9 +64,11 @@ pub(crate) const DEFAULT_EIGENVALUES: usize = 6;
 const DEFAULT_MAX_FREQUENCY: f64 = 12.0;
 
 /// A commented problem file to start from, with every section; see [`template`].
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
 const TEMPLATE: &str = include_str!("template.ron");
 
 /// Sections of [`TEMPLATE`] that may be comments.
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
 const OPTIONAL: [&str; 6] = [
     "continuation",
     "stability",
@@ -77,6 +79,7 @@ const OPTIONAL: [&str; 6] = [
 ];
 
 /// A commented problem file in which these sections are in use and other optional ones are comments.
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
 pub(crate) fn template(sections: &[&str]) -> String {
     let mut inside = None;
     let lines = TEMPLATE.lines().map(|line| {

@@ -158,6 +158,7 @@ impl Course {
 
     /// Steps and snapshots that so many samples take, the one at the beginning included; none where
     /// there are not so many.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn at_sample(&self, samples: usize) -> Option<(u64, usize)> {
         let taken = samples.checked_sub(1)?;
         let last = if taken > self.whole {
@@ -273,6 +274,7 @@ impl Course {
     }
 
     /// Whether it begins with a wave.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn has_wave(&self) -> bool {
         self.wave.is_some()
     }

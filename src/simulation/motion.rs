@@ -63,6 +63,7 @@ pub enum MotionError {
 
 impl MotionError {
     /// The path of the field of the problem that this is about, and what would be right there.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn about(&self) -> (&'static str, &'static str) {
         match self {
             MotionError::Ring(ring::SetupError::Step { .. })
@@ -253,6 +254,7 @@ impl Motion {
     }
 
     /// The state to go on from.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn saved(&self) -> Saved {
         match self {
             Motion::Ring(ring) => Saved::Ring(ring.nodes().clone()),

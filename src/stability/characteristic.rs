@@ -44,6 +44,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::course::Course;
 use super::perturbation::{C64, Jump, LinearZone, Perturbations, ZERO, oscillator};
 pub use super::perturbation::{Characteristic, Scaled, Value};
@@ -57,7 +59,7 @@ use crate::model::signature::{Entry, Regime};
 use crate::wave::{Wave, WaveAt};
 
 /// Why a wave has no characteristic function here.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum NotLinearised {
     /// The flow could not be evaluated.
     #[error("{0}")]

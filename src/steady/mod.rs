@@ -17,6 +17,7 @@
 pub mod growth;
 pub mod radial;
 pub mod reduced;
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
 pub mod row;
 
 use crate::model::coefficients::{Coefficients, Geometry};
@@ -202,11 +203,13 @@ fn full(
 
 impl Mode {
     /// Least Hopf friction in the reduced model, and growth there.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     fn onset(&self) -> Option<(f64, f64)> {
         Some((self.reduced.hopf?.friction, self.reduced.wave.growth))
     }
 
     /// The same of the tube, among all families.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     fn onset_of_tube(&self) -> Option<(f64, f64)> {
         let full = self.full.as_ref()?;
         Some((full.first?.1.friction, full.lead_wave.growth))
@@ -215,6 +218,7 @@ impl Mode {
 
 /// The modes that grow first, by their places: in the reduced model and in the tube. Such a mode has the
 /// least Hopf friction; without damping, where that is zero for all, it grows fastest.
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
 pub(crate) fn first_to_grow(modes: &[Mode]) -> [Option<usize>; 2] {
     [Mode::onset, Mode::onset_of_tube].map(|onset| {
         let mut best: Option<(usize, (f64, f64))> = None;

@@ -185,3 +185,28 @@ fn a_branch_from_a_hopf_point_goes_where_there_are_waves() {
         assert_eq!(branch.text(0, "regimes"), "slip", "{parameter}");
     }
 }
+
+/// Why a branch ended is kept as data. A folder of before, which has a sentence there, is shown as ever, but not
+/// gone on with.
+#[test]
+fn why_a_branch_ended_is_no_sentence() {
+    let bench = Bench::new();
+    let few = "toward: Up, max_points: 40";
+    bench.put("problem.ron", changed(&damping(), "toward: Up", few));
+    let run = ["run", "problem.ron", "--out", "out", "--quiet"];
+    let said = bench.run(&run).expect(3).stderr;
+    let resume = [&run[..], &["--resume"]].concat();
+    assert_eq!(bench.run(&resume).expect(3).stderr, said);
+    let path = bench.path("out/branch.ron");
+    let text = std::fs::read_to_string(&path).expect("a restart file");
+    let data = "Ended(MaxPoints(most:40))";
+    assert_eq!(text.matches(data).count(), 2, "{text}");
+    std::fs::write(&path, text.replace(data, "\"max_points = 40\"")).expect("a file");
+    for show in ["plot", "report"] {
+        bench.run(&[show, "out"]).expect(0);
+    }
+    let before = snapshot(&bench.path("out"));
+    let said = bench.run(&resume).expect(4).stderr;
+    assert!(said.contains("branch.ron: damaged"), "{said}");
+    assert!(snapshot(&bench.path("out")) == before);
+}

@@ -1,6 +1,7 @@
 //! Where there is no slip-stick wave, the library says why, with the number that decides.
 
-use brakewave::branch::first_wave::{NoStart, first_wave};
+use brakewave::branch::first_wave::first_wave;
+use brakewave::branch::wanted::NoStart;
 use brakewave::model::coefficients::Coefficients;
 use brakewave::model::{Model, Parameter, Source};
 use brakewave::wave::start::{NoWave, Which, slip_stick};

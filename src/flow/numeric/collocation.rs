@@ -10,9 +10,9 @@
 use std::sync::OnceLock;
 
 use super::equations::Field;
-use crate::flow::FlowError;
 use crate::flow::jet::{Dual, Jet};
 use crate::flow::method::MAX_DEGREE;
+use crate::flow::{FlowError, Unsolved};
 
 /// Gauss points on \[0, 1\] with the integrals of their Lagrange polynomials.
 #[derive(Clone, Debug)]
@@ -299,7 +299,7 @@ impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
     }
 
     /// Solves the next interval, of length h; `enough` is the last correction.
-    fn interval(&mut self, h: f64, enough: f64) -> Result<(), &'static str> {
+    fn interval(&mut self, h: f64, enough: f64) -> Result<(), Unsolved> {
         let from = self.end;
         if !self.carry_on(&from, h) {
             let first = self.frozen.rate(&from.map(Dual::constant));
@@ -327,7 +327,7 @@ impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
     }
 
     /// Newton's method for the slopes, from those tried.
-    fn correct(&mut self, from: &[f64; D], h: f64, enough: f64) -> Result<(), &'static str> {
+    fn correct(&mut self, from: &[f64; D], h: f64, enough: f64) -> Result<(), Unsolved> {
         let gauss = self.gauss;
         let n = self.right.len();
         self.slopes.copy_from_slice(&self.trial);
@@ -346,14 +346,14 @@ impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
                 column[index] += 1.0;
             }
             if !self.local.factorise() {
-                return Err("the collocation matrix is singular");
+                return Err(Unsolved::Singular);
             }
             self.step.copy_from_slice(&self.right);
             self.local.solve(&mut self.step);
             // the full correction is what convergence is measured by
             let correction = largest(&self.step);
             if !correction.is_finite() || self.step.iter().any(|step| step.is_nan()) {
-                return Err("the collocation equations diverge");
+                return Err(Unsolved::Diverges);
             }
             let corrected =
                 |trial: &mut [[f64; D]], slopes: &[[f64; D]], factor: f64, step: &[f64]| {
@@ -388,7 +388,7 @@ impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
             self.slopes.copy_from_slice(&self.trial);
             before = correction;
         }
-        Err("Newton's method on a mesh interval does not converge")
+        Err(Unsolved::NotConverged)
     }
 
     /// Carries the derivatives of the start and of the zone's unknowns over the interval solved last:
@@ -428,7 +428,7 @@ fn adapted<const D: usize>(
     frozen: &impl Field<D, Dual<D>>,
     points: &[f64],
     gauss: &Gauss,
-) -> Result<Vec<f64>, &'static str> {
+) -> Result<Vec<f64>, Unsolved> {
     let count = points.len() - 1;
     let m = gauss.b.len();
     let mut solver = Solver::new(frozen, gauss);
@@ -511,7 +511,7 @@ fn mesh_points<const D: usize>(
     frozen: &impl Field<D, Dual<D>>,
     mesh: Mesh,
     gauss: &Gauss,
-) -> Result<Vec<f64>, &'static str> {
+) -> Result<Vec<f64>, Unsolved> {
     let count = mesh.intervals.max(1);
     let mut points: Vec<f64> = (0..=count)
         .map(|index| index as f64 / count as f64)

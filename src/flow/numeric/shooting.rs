@@ -6,8 +6,8 @@
 use differential_equations::prelude::{ExplicitRungeKutta, IVP};
 
 use super::equations::Field;
-use crate::flow::FlowError;
 use crate::flow::jet::{Jet, LAYER};
+use crate::flow::{FlowError, Unsolved};
 
 /// Most steps of one zone: beyond, the equations are stiff for an explicit method.
 const MOST_STEPS: usize = 200_000;
@@ -25,7 +25,7 @@ pub struct Steps {
 fn solve<const S: usize>(
     rate: impl Fn(&[f64; S], &mut [f64; S]),
     steps: Steps,
-) -> Result<[f64; S], &'static str> {
+) -> Result<[f64; S], Unsolved> {
     let method = ExplicitRungeKutta::dop853()
         .rtol(steps.tolerance)
         .atol(steps.tolerance)
@@ -35,14 +35,12 @@ fn solve<const S: usize>(
     let solution = IVP::ode_from_fn(right, 0.0, 1.0, [0.0; S])
         .method(method)
         .solve()
-        .map_err(
-            |_| "the step of the Runge–Kutta method became too small or too many were needed",
-        )?;
+        .map_err(|_| Unsolved::Steps)?;
     let end = solution.y.last().copied().unwrap_or([f64::NAN; S]);
     if end.iter().all(|x| x.is_finite()) {
         Ok(end)
     } else {
-        Err("the solution leaves the range of double precision")
+        Err(Unsolved::Overflow)
     }
 }
 

@@ -466,6 +466,7 @@ impl Annulus {
     }
 
     /// Cartesian places of the nodes of a circle's point, for drawing.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn place(&self, circle: usize, point: usize) -> [f64; 2] {
         let (sine, cosine) = (self.width() * point as f64).sin_cos();
         [
@@ -475,6 +476,7 @@ impl Annulus {
     }
 
     /// Whether the mesh goes all the way round.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn closed(&self) -> bool {
         // the angle of the whole circle is written as 2π exactly
         self.setup.angle >= TAU

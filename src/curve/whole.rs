@@ -1,0 +1,40 @@
+//! The curve of an event from one end to the other.
+
+use super::point::{Point, Region};
+use super::saved::Reason;
+use crate::model::{EventType, Parameter};
+
+/// The curve of an event.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Type of the event.
+    pub event: EventType,
+    /// Bloch sector of an HB.
+    pub sector: Option<usize>,
+    /// The two parameters.
+    pub parameters: [Parameter; 2],
+    /// Points from one end to the other.
+    pub points: Vec<Point>,
+    /// Index of the event on the branch.
+    pub start: usize,
+    /// Why the curve ends at its first and at its last point.
+    pub ends: [Reason; 2],
+    /// Whether an end is one of Newton's method and not of the curve.
+    pub failed: bool,
+    /// Names of places beside it.
+    pub regions: Vec<Region>,
+}
+
+impl Curve {
+    /// Why the curve ends, in words, at its first point (0) or at its last one (1).
+    pub fn end(&self, side: usize) -> String {
+        let point = match side {
+            0 => self.points.first(),
+            _ => self.points.last(),
+        };
+        match (&self.ends[side.min(1)], point) {
+            (Reason::There, Some(point)) => point.what.clone(),
+            (reason, _) => reason.to_string(),
+        }
+    }
+}
