@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Model, Parameter};
-
 /// Friction coefficient as a function of the sliding velocity v = |1 − V̇|; f is [`Model::friction`].
 ///
 /// [`Model::friction`]: super::Model::friction
@@ -69,25 +67,6 @@ pub enum Impact {
     /// The impulse of landing carries friction: m_a[V̇] = ±f m_b|U̇⁻|, towards V̇ = 1 and not
     /// beyond.
     Coulomb,
-}
-
-/// What ends a separation, as far as the model says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Landing {
-    /// An impact under this law, without material damping.
-    Impact(Impact),
-    /// With material damping U̇ = 0 at landing: there is no impact, whatever its law.
-    Damped,
-}
-
-impl Landing {
-    /// That of waves followed in a parameter.
-    pub(crate) fn of(model: &Model, parameter: Parameter) -> Landing {
-        match model.has_material_damping(parameter) {
-            true => Landing::Damped,
-            false => Landing::Impact(model.impact),
-        }
-    }
 }
 
 /// Viscous damping.

@@ -11,6 +11,8 @@
 
 pub mod coefficients;
 mod event;
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
+mod landing;
 mod laws;
 mod parameter;
 pub(crate) mod range;
@@ -22,7 +24,7 @@ use serde::{Deserialize, Serialize};
 
 use coefficients::{Coefficients, Geometry};
 pub use event::{EventType, UnknownType};
-pub(crate) use laws::Landing;
+pub(crate) use landing::Landing;
 pub use laws::{Damping, FrictionLaw, Impact};
 pub use parameter::Parameter;
 pub use sectors::Sectors;

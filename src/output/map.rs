@@ -30,7 +30,7 @@ const ROWS: &str = "rows";
 /// # Errors
 /// When it is missing, damaged, or of another version.
 pub(crate) fn of_shard(folder: &Path) -> Result<Origin, StoreError> {
-    let path = folder.join(Origin::OF_MAP);
+    let path = folder.join(ORIGIN);
     let found: Origin = decode(&path)?;
     if found.version != VERSION {
         let reason = format!(
@@ -58,7 +58,7 @@ impl MapFolder {
     /// # Errors
     /// When the problem cannot be written down.
     pub(crate) fn new(store: Store, origin: Origin) -> Result<MapFolder, StoreError> {
-        let text = encode(&store.path().join(Origin::OF_MAP), &origin)?;
+        let text = encode(&store.path().join(ORIGIN), &origin)?;
         Ok(MapFolder {
             begun: Mutex::new(false),
             identity: hash(text.as_bytes()),
@@ -90,13 +90,12 @@ impl MapFolder {
         names.extend(rows.iter().map(|row| row_name(*row)));
         if self.store.resumes() {
             self.store.retain(|_| true)?;
-            self.store.claim([Origin::OF_MAP, TABLE])?;
+            self.store.claim([ORIGIN, TABLE])?;
             self.store.claim(names)?;
         } else {
-            self.store
-                .begin(&[Origin::OF_MAP, TABLE], names, Some(ROWS))?;
+            self.store.begin(&[ORIGIN, TABLE], names, Some(ROWS))?;
         }
-        self.store.save(Origin::OF_MAP, &self.origin)?;
+        self.store.save(ORIGIN, &self.origin)?;
         *begun = true;
         Ok(())
     }
