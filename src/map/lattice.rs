@@ -56,7 +56,7 @@ impl Strand<'_> {
     fn follow(&mut self, seeds: &[Wave]) -> Result<(), RunError> {
         for (seed, start) in seeds {
             if !self.knows(seed) {
-                let met = self.line.from_wave(seed, &|hit| self.knows(hit))?;
+                let met = self.line.follow_wave(seed, &|hit| self.knows(hit))?;
                 self.add(met, *start);
             }
         }
@@ -117,7 +117,7 @@ impl<'a> Lattice<'a> {
         };
         lattice.all().try_for_each(|strand| {
             for (number, start) in map.starts.iter().enumerate() {
-                let met = strand.line.from_start(start)?;
+                let met = strand.line.follow_start(start)?;
                 strand.add(met, number);
             }
             Ok::<(), RunError>(())

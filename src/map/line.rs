@@ -97,7 +97,7 @@ impl Line<'_> {
     ///
     /// # Errors
     /// When the problem asks for something that no line can have; a wave that does not exist is none.
-    pub fn from_start(&self, start: &Start) -> Result<Met, RunError> {
+    pub fn follow_start(&self, start: &Start) -> Result<Met, RunError> {
         let (low, high) = self.along.range;
         let mut reason = None;
         for value in self.starting_values() {
@@ -132,8 +132,8 @@ impl Line<'_> {
     /// The branch through a wave at one of the values, as far as it meets waves that are not known.
     ///
     /// # Errors
-    /// As [`Line::from_start`].
-    pub fn from_wave(&self, from: &Hit, known: &dyn Fn(&Hit) -> bool) -> Result<Met, RunError> {
+    /// As [`Line::follow_start`].
+    pub fn follow_wave(&self, from: &Hit, known: &dyn Fn(&Hit) -> bool) -> Result<Met, RunError> {
         let mut met = Met::default();
         let (low, high) = self.along.range;
         let value = self.values[from.index];
@@ -159,7 +159,7 @@ impl Line<'_> {
     /// A branch that begins at a value, with a slip-stick wave or a saved one.
     ///
     /// # Errors
-    /// As [`Line::from_start`], and when there is no such wave.
+    /// As [`Line::follow_start`], and when there is no such wave.
     pub fn begin(
         &self,
         start: Start,

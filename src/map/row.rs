@@ -79,7 +79,7 @@ impl<'a> Rows<'a> {
         let line = self.line(first, points.iter().map(|point| point[1]).collect());
         let own = |start| {
             Ok(Branches {
-                met: line.from_start(start)?,
+                met: line.follow_start(start)?,
                 listed: Vec::new(),
             })
         };
@@ -92,7 +92,7 @@ impl<'a> Rows<'a> {
                 hits.any(|other| hit.is(other))
             };
             if !known(&seed) {
-                let met = line.from_wave(&seed, &known)?;
+                let met = line.follow_wave(&seed, &known)?;
                 starts[start].met.hits.extend(met.hits);
                 starts[start].met.gaps.extend(met.gaps);
             }
