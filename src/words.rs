@@ -3,10 +3,13 @@
 use std::fmt::{self, Display, Formatter};
 
 use crate::branch::Reason;
-use crate::branch::special::{Change, Failure, Inadmissible, Note, Refusal, Special, Stop, Tried};
+use crate::branch::special::{
+    Change, Close, Failure, Inadmissible, Note, Refusal, Special, Stop, Tried,
+};
 use crate::continuation::walk::End;
 use crate::curve::{self, Gone, What};
 use crate::map::Missing;
+use crate::model::signature::Regime;
 use crate::model::{EventType, Impact, Landing};
 use crate::problem::{Doubt, Rotation};
 use crate::stability::track::Remark;
@@ -124,28 +127,29 @@ impl Display for Special {
 impl Change {
     /// What happens, without what comes of it.
     pub(crate) fn event(&self) -> String {
-        let regime = self.before.zone(self.margin.zone).regime.name();
+        let regime = self.before.zone(self.margin.zone).regime;
+        let name = regime.name();
         let closes = self.margin.watch == Watch::Duration;
         match self.kind {
             EventType::GR if closes => "the separation zone closes".into(),
             EventType::GR => {
-                format!("the pressure touches zero in a {regime} zone: separation opens")
+                format!("the pressure touches zero in a {name} zone: separation opens")
             }
             EventType::RV if closes => "the reverse-slip zone closes before stick".into(),
             EventType::RV => "reverse slip opens before stick".into(),
-            EventType::ST if closes => "the stick zone vanishes".into(),
+            EventType::ST if closes && regime == Regime::Stick => "the stick zone vanishes".into(),
             EventType::ST => "a stick zone opens".into(),
             _ if closes => {
                 let after = self.after.as_ref();
                 if after.is_some_and(|after| after.len() == self.before.len()) {
-                    format!("V̇ = 1 at both ends of a {regime} zone: it gives way to another")
+                    format!("V̇ = 1 at both ends of a {name} zone: it gives way to another")
                 } else {
-                    format!("the {regime} zone between its neighbours shrinks to nothing")
+                    format!("the {name} zone between its neighbours shrinks to nothing")
                 }
             }
             _ => match self.margin.watch {
                 Watch::Gap => "the separated surface touches the shaft".into(),
-                Watch::Rate => format!("V̇ = 1 is touched inside a {regime} zone"),
+                Watch::Rate => format!("V̇ = 1 is touched inside a {name} zone"),
                 Watch::LandingRate => "landing passes through V̇ = 1".into(),
                 Watch::LandingPressure => "the pressure after landing reaches zero".into(),
                 Watch::Tension => "the tension after a touch reaches zero: contact begins".into(),
@@ -341,6 +345,29 @@ impl Display for Failure {
     }
 }
 
+impl Display for Close {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Close::Margin(regime, watch) = self else {
+            return f.write_str("the slope of the parameter, which vanishes at a fold,");
+        };
+        let regime = regime.name();
+        match watch {
+            Watch::Duration => write!(f, "the length of a {regime} zone"),
+            Watch::Pressure => write!(f, "the least pressure in a {regime} zone"),
+            Watch::LandingPressure | Watch::Tension => f.write_str("the pressure after a landing"),
+            Watch::Rate => write!(f, "|1 − V̇| inside a {regime} zone"),
+            Watch::LandingRate => f.write_str("|1 − V̇| after a landing"),
+            Watch::Gap => f.write_str("the gap inside a separation zone"),
+            Watch::LandingSpeed => f.write_str("the speed of a landing"),
+            Watch::Impulse => f.write_str("what the impulse of a landing can arrest"),
+            Watch::LowerForce | Watch::UpperForce | Watch::Release => {
+                f.write_str("the distance of the friction force from its limit")
+            }
+            Watch::Coupling => f.write_str("D"),
+        }
+    }
+}
+
 impl Display for Note {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
@@ -365,6 +392,16 @@ impl Display for Note {
             Note::Incomplete { point, reason } => write!(
                 f,
                 "point {point}: the spectrum is {reason}; see the column `why` for others"
+            ),
+            Note::Close {
+                parameter,
+                value,
+                what,
+            } => write!(
+                f,
+                "{} = {value:.12}: here, or since the point before, {what} comes so close to zero that \
+                 rounding decides: two events may be missing, or the regimes may be others",
+                parameter.column()
             ),
             Note::NotConverged {
                 point,
@@ -411,6 +448,10 @@ impl Display for What {
             }
             What::Fold => f.write_str("the wave has a fold here too"),
             What::Cusp => f.write_str("cusp: two folds meet and vanish"),
+            What::Close(close) => write!(
+                f,
+                "here, or since the point before, {close} comes so close to zero that rounding decides"
+            ),
             What::ZeroOmega => {
                 f.write_str("ω → 0: the pair meets on the real axis, and with it a fold")
             }

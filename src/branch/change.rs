@@ -1,16 +1,15 @@
 //! The branch beyond a change of regime.
 
 use super::events;
-use super::follow::Branch;
-use super::special::{Inadmissible, Refusal, Stop, Tried};
+use super::special::{Inadmissible, Refusal, StepRefused, Stop, Tried};
 use crate::continuation::Node;
-use crate::continuation::walk::{self, RefusalOf, Refused};
+use crate::continuation::walk::{self, Refused};
 use crate::continuation::{arclength, newton};
 use crate::flow::sign::Verdict;
 use crate::linalg::Vector;
 use crate::model::signature::Signature;
 use crate::wave::Wave;
-use crate::wave::admissibility::{Margin, Watch, examine};
+use crate::wave::admissibility::{AtZero, Margin, Watch, examine};
 use crate::wave::successor::{Candidate, candidates};
 
 /// The branch beyond a change of regime.
@@ -78,6 +77,80 @@ pub fn beyond(wave: &Wave, point: &Vector, margin: &Margin, ds: f64, tolerance: 
     search
 }
 
+/// Two changes of regime at one place: within rounding neither of them comes first.
+#[derive(Clone, Debug)]
+pub struct Both {
+    /// The margin that vanishes first.
+    pub first: Margin,
+    /// Boundary-value problem between the two.
+    pub between: Wave,
+    /// The event in its unknowns.
+    pub node: Node,
+    /// The other margin, as of the wave in between.
+    pub second: Margin,
+    /// How far along the branch the second is from the first, by its slope.
+    pub distance: f64,
+    /// The branch beyond both.
+    pub search: Search,
+}
+
+/// Looks for the admissible continuation beyond the zeros of two margins where neither alone has one: the
+/// wave between them lasts no longer than rounding.
+pub fn beyond_both(
+    wave: &Wave,
+    at: &Node,
+    margins: &[Margin],
+    ds: f64,
+    tolerance: f64,
+) -> Option<Both> {
+    let point = &at.point;
+    let regime = |wave: &Wave, margin: &Margin| wave.signature.zone(margin.zone).regime;
+    for first in margins {
+        for candidate in candidates(wave, point, first).ok()? {
+            let between = candidate.wave;
+            let Some(node) = Node::on(&between, candidate.point).filter(solves) else {
+                continue;
+            };
+            let Ok(examination) = examine(&between, &node.point) else {
+                continue;
+            };
+            for other in margins
+                .iter()
+                .filter(|other| (other.watch, other.zone) != (first.watch, first.zone))
+            {
+                let mut zeros = examination.margins.iter().filter(|margin| {
+                    margin.watch == other.watch
+                        && regime(&between, margin) == regime(wave, other)
+                        && margin.jet.value.abs() <= RESIDUAL_AT_EVENT
+                });
+                let entered = zeros.find_map(|second| {
+                    let search = beyond(&between, &node.point, second, ds, tolerance);
+                    // not back again by the same event
+                    let after = &search.beyond.as_ref()?.wave.signature;
+                    (!after.is_rotation_of(&wave.signature)).then_some((*second, search))
+                });
+                if let Some((second, search)) = entered {
+                    let seen = AtZero { margin: *other }.margin_at(wave, point).ok()?;
+                    return Some(Both {
+                        distance: (seen.jet.value / seen.slope(wave, &at.tangent)).abs(),
+                        first: *first,
+                        between,
+                        node,
+                        second,
+                        search,
+                    });
+                }
+            }
+        }
+    }
+    None
+}
+
+/// Whether an event is a wave of the equations that it is a node of.
+fn solves(node: &Node) -> bool {
+    node.residual <= RESIDUAL_AT_EVENT
+}
+
 /// Why a candidate is not entered.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotEntered {
@@ -86,7 +159,7 @@ pub enum NotEntered {
     NoSolution,
     /// No step into it is admissible: the last refusal.
     #[error("{0}")]
-    Refused(RefusalOf<Branch>),
+    Refused(StepRefused),
 }
 
 /// The first admissible step into a candidate.
@@ -96,8 +169,7 @@ pub enum NotEntered {
 pub fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, NotEntered> {
     let wave = &candidate.wave;
     let node = Node::on(wave, candidate.point.clone());
-    let solved = |node: &Node| node.residual <= RESIDUAL_AT_EVENT;
-    let mut node = node.filter(solved).ok_or(NotEntered::NoSolution)?;
+    let mut node = node.filter(solves).ok_or(NotEntered::NoSolution)?;
     if growth(candidate, &node.tangent) < 0.0 {
         node.tangent.neg_mut();
     }

@@ -1,12 +1,10 @@
 //! What happens within a step of a branch: where it is, and how well that is known.
 
-use super::follow::Branch;
-use super::special::Refusal;
-use crate::continuation::Node;
-use crate::continuation::arclength;
-use crate::continuation::locate::{self, Place, Target};
+use super::special::{Close, Refusal};
+use crate::continuation::arclength::{self, Node};
+use crate::continuation::locate::{self, Least, Place, Target};
 use crate::continuation::newton::{self, Constraint, Plane, System};
-use crate::continuation::walk::{Curve, Stretch};
+use crate::continuation::walk::{Segment, Within};
 use crate::flow::sign::Verdict;
 use crate::linalg::Vector;
 use crate::model::signature::Entry;
@@ -49,12 +47,15 @@ const NEAR: [f64; 3] = [1e-3, 1e-2, 1e-1];
 /// error near 1e-13.
 const FOLD_SLOPE: f64 = 1e-13;
 
+/// Part of a step over which the slope of a tangent is taken as a difference.
+const DIFFERENCE: f64 = 1e-4;
+
 /// An event known less well than this, relative to the parameter or its range, is not reported;
 /// rounding at the stiff end leaves 1e-9. With a coarse tolerance: than this many tolerances.
 const UNCERTAIN: f64 = 1e-6;
 const MOST_UNCERTAIN: f64 = 1e4;
 
-type Step<'a> = Stretch<'a, Branch>;
+type Step<'a> = Segment<'a, Examination>;
 
 /// A margin below this at a point is zero but for rounding.
 pub(super) fn rounding(place: &Place, margin: &Margin) -> f64 {
@@ -104,11 +105,123 @@ pub(super) fn may_hide_a_pair(wave: &Wave, step: &Step) -> bool {
     })
 }
 
-/// All that happens within a step.
-pub(super) fn located(branch: &Branch, step: &Step) -> Result<Vec<(Place, Located)>, Refusal> {
-    let wave = branch.system();
+/// A margin below this is zero where a step starts from an event; between two zeros of one that lie close
+/// together margins are as small as 1e-12.
+const VANISHED: f64 = 1e-13;
+
+/// A margin is level at the end of a step where its slope would take this part of its first value away.
+const LEVEL: f64 = 1e-3;
+
+/// A least value is negative, and two zeros lie beside it, where it is below this many times its rounding:
+/// their places are then known to half a per cent of their distance.
+const BELOW_ROUNDING: f64 = 100.0;
+
+/// Whether something that is positive at both ends of a step vanishes between them: a margin, or the slope
+/// of the parameter. `located` is what is known to happen.
+pub(super) fn within(wave: &Wave, step: &Step, located: &[(Place, Located)]) -> Within<Close> {
+    let tolerance = step.steps.tolerance;
+    let ends = |event: &Event| matches!(event, Event::Change(_) | Event::Edge(_));
+    let mut ends = located.iter().filter(|(_, located)| ends(&located.event));
+    // what is even in the duration of a zone that closes vanishes with it, and is no pair
+    let end = ends.next().map(|(place, _)| place.s - step.at_once());
+    let end = end.unwrap_or(f64::INFINITY);
+    let mut close: Option<(f64, Close)> = None;
+    let mut pair = f64::INFINITY;
+    let mut take = |least: Least, what: Close, rounding: &dyn Fn(&Place) -> f64| match least {
+        Least::Found(place, value) if place.s < end => {
+            let rounding = rounding(&place);
+            if value < -BELOW_ROUNDING * rounding {
+                pair = pair.min(place.s);
+            } else if value <= rounding {
+                close.get_or_insert((place.s, what));
+            }
+        }
+        Least::NotFound if step.ds < end => {
+            close.get_or_insert((step.ds, what));
+        }
+        _ => {}
+    };
+    for before in &step.before.margins {
+        let Some(after) = step.after.find(before.watch, before.zone) else {
+            continue;
+        };
+        // margins at zero belong to the event the step starts from
+        if before.jet.value <= VANISHED || after.jet.value <= 0.0 {
+            continue;
+        }
+        let ends = [(before, step.from), (after, step.to)]
+            .map(|(margin, node)| (margin.jet.value, margin.slope(wave, &node.tangent)));
+        let mut at = AtZero { margin: *before };
+        let least = locate::least(wave, step.from, step.ds, ends, tolerance, |node| {
+            let margin = at.margin_at(wave, &node.point).ok()?;
+            Some((margin.jet.value, margin.slope(wave, &node.tangent)))
+        });
+        let rounding = |place: &Place| blur(wave, step, &at.margin, place);
+        take(least, Close::margin(wave, before), &rounding);
+    }
+    take(folds(wave, step), Close::Fold, &|_| FOLD_SLOPE);
+    if pair.is_finite() {
+        return Within::Pair(pair);
+    }
+    close.map_or(Within::Nothing, |(s, what)| Within::Close(s, what))
+}
+
+/// What rounding leaves in a margin at a point within a step.
+fn blur(wave: &Wave, step: &Step, margin: &Margin, place: &Place) -> f64 {
+    let point = &place.node.point;
+    let mut plane = Plane {
+        normal: &step.from.tangent,
+        through: point,
+    };
+    let matrix = newton::bordered(wave, &mut plane, point).map(|bordered| bordered.matrix);
+    let unknowns = matrix
+        .ok()
+        .and_then(|matrix| newton::rounding(&matrix, &point.abs(), None));
+    unknowns.map_or(f64::INFINITY, |unknowns| {
+        let of = |zone: usize, by: &[f64]| -> f64 {
+            let columns = wave.columns(zone);
+            columns
+                .zip(by)
+                .map(|(column, by)| by.abs() * unknowns[column])
+                .sum()
+        };
+        of(margin.zone, &margin.jet.by) + of(margin.zone + 1, &margin.beyond.by) + f64::EPSILON
+    })
+}
+
+/// The least slope of the parameter, in its own direction, within a step at whose ends it has one sign.
+fn folds(wave: &Wave, step: &Step) -> Least {
+    let last = step.from.tangent.len() - 1;
+    let (t0, t1) = (step.from.tangent[last], step.to.tangent[last]);
+    // the tangent turns little in a step: a component is not lost and found again that is larger
+    let turn = (&step.to.tangent - &step.from.tangent).norm();
+    if t0 * t1 <= 0.0 || t0.abs().min(t1.abs()) > turn || t0.abs() <= VERTICAL {
+        return Least::Far;
+    }
+    let tolerance = step.steps.tolerance;
+    let beside = DIFFERENCE * step.ds;
+    let slope = |node: &Node, way: f64| {
+        let other = locate::node_at(wave, node, way * beside, tolerance)?;
+        Some(t0.signum() * way * (other.tangent[last] - node.tangent[last]) / beside)
+    };
+    let (Some(d0), Some(d1)) = (slope(step.from, 1.0), slope(step.to, -1.0)) else {
+        return Least::NotFound;
+    };
+    let ends = [(t0.abs(), d0), (t1.abs(), d1)];
+    locate::least(wave, step.from, step.ds, ends, tolerance, |node| {
+        Some((t0.signum() * node.tangent[last], slope(node, 1.0)?))
+    })
+}
+
+/// All that happens within a step: also where an edge of `range` and the ordered values of `stop_at` are met.
+pub(super) fn located(
+    wave: &Wave,
+    range: (f64, f64),
+    stop_at: &[f64],
+    step: &Step,
+) -> Result<Vec<(Place, Located)>, Refusal> {
     let fold = fold(wave, step).ok_or(Refusal::NotFound)?;
-    let targets = targets(branch, step, fold.as_ref()).ok_or(Refusal::NotFound)?;
+    let targets = targets(wave, range, stop_at, step, fold.as_ref()).ok_or(Refusal::NotFound)?;
     let changes = changes(wave, step)?;
     // where a zone closes the parameter is stationary along the arc: that is the event itself
     let apart = |fold: &(Place, Located)| {
@@ -154,7 +267,7 @@ fn fold(wave: &Wave, step: &Step) -> Option<Option<(Place, Located)>> {
     if low.1 * high.1 >= 0.0 {
         return Some(None);
     }
-    let slope_at = |node: &arclength::Node| Some(node.tangent[last]);
+    let slope_at = |node: &Node| Some(node.tangent[last]);
     let small = (FOLD_SLOPE, 4.0 * f64::EPSILON * step.ds);
     let (place, slope) =
         locate::zero_along(wave, step.from, (low, high), small, tolerance, slope_at)?;
@@ -176,11 +289,12 @@ fn fold(wave: &Wave, step: &Step) -> Option<Option<(Place, Located)>> {
 
 /// User points and edges of the range within a step; `None` if one is not found.
 fn targets(
-    branch: &Branch,
+    wave: &Wave,
+    (lower, upper): (f64, f64),
+    stop_at: &[f64],
     step: &Step,
     fold: Option<&(Place, Located)>,
 ) -> Option<Vec<(Place, Located)>> {
-    let wave = branch.system();
     // on the pieces between these the parameter is monotone
     let fold = fold.map(|(place, _)| &place.node);
     let ends = std::iter::once(step.from).chain(fold).chain([step.to]);
@@ -191,12 +305,10 @@ fn targets(
         (low.min(x), high.max(x))
     });
     let slack = 8.0 * f64::EPSILON * least.abs().max(largest.abs());
-    let user = &branch.limits.stop_at;
-    let first = user.partition_point(|value| *value < least - slack);
-    let user = user[first..]
+    let first = stop_at.partition_point(|value| *value < least - slack);
+    let user = stop_at[first..]
         .iter()
         .take_while(|value| **value <= largest + slack);
-    let (lower, upper) = branch.limits.range;
     let wanted = user.map(|&value| (value, 0.0, Event::User(value))).chain([
         (lower, -1.0, Event::Edge(lower)),
         (upper, 1.0, Event::Edge(upper)),
@@ -232,9 +344,15 @@ fn changes(wave: &Wave, step: &Step) -> Result<Vec<(Place, Located)>, Refusal> {
         let reason = super::special::Inadmissible::of(wave, step.after);
         return Err(Refusal::Inadmissible(reason));
     }
-    let located: Vec<_> = negative()
+    let mut located: Vec<_> = negative()
         .filter_map(|margin| change(wave, step, margin))
         .collect();
+    if located.is_empty() {
+        // beside the least value between two zeros Newton's method leaves the step, a bracket does not
+        located = negative()
+            .filter_map(|margin| bracketed(wave, step, margin))
+            .collect();
+    }
     if located.is_empty() {
         return Err(Refusal::NotLocated(count));
     }
@@ -249,23 +367,52 @@ fn change(wave: &Wave, step: &Step, margin: &Margin) -> Option<(Place, Located)>
         .map(|before| before.jet.value)
         .filter(|m0| *m0 > 0.0)
         .map(|m0| start + (end - start) * (m0 / (m0 - margin.jet.value)));
+    let mut guesses = guess.into_iter().chain([end.clone()]);
+    guesses.find_map(|guess| zero_near(wave, step, margin, &guess))
+}
+
+/// The same in a bracket, of a margin that is positive at the beginning of the step and level at its end.
+fn bracketed(wave: &Wave, step: &Step, margin: &Margin) -> Option<(Place, Located)> {
+    let before = step.before.find(margin.watch, margin.zone)?.jet.value;
+    let slope = margin.slope(wave, &step.to.tangent);
+    if before <= 0.0 || (slope * step.ds).abs() > LEVEL * before {
+        return None;
+    }
+    let mut at = AtZero { margin: *margin };
+    let ends = ((0.0, before), (step.ds, margin.jet.value));
+    let small = (0.0, 4.0 * f64::EPSILON * step.ds);
+    let value = |node: &Node| Some(at.margin_at(wave, &node.point).ok()?.jet.value);
+    let tolerance = step.steps.tolerance;
+    let (place, _) = locate::zero_along(wave, step.from, ends, small, tolerance, value)?;
+    zero_near(wave, step, margin, &place.node.point)
+}
+
+/// The zero of a margin within a step to which Newton's method leads from a guess.
+fn zero_near(
+    wave: &Wave,
+    step: &Step,
+    margin: &Margin,
+    guess: &Vector,
+) -> Option<(Place, Located)> {
     let mut constraint = AtZero { margin: *margin };
-    guess.into_iter().chain([end.clone()]).find_map(|guess| {
-        constraint.margin = *margin;
-        let tolerance = step.steps.tolerance;
-        let place = locate::solve(wave, step.from, &guess, &mut constraint, tolerance)?;
-        // a little outside is rounding of an event at the very end of the step
-        if place.s < -1e-9 * step.ds || place.s > step.ds * (1.0 + 1e-9) {
-            return None;
-        }
-        let uncertainty = uncertainty(wave, &mut constraint, &place);
-        let margin = constraint.margin_at(wave, &place.node.point).ok()?;
-        let located = Located {
-            event: Event::Change(margin),
-            uncertainty,
-        };
-        Some((place, located))
-    })
+    let place = locate::solve(
+        wave,
+        step.from,
+        guess,
+        &mut constraint,
+        step.steps.tolerance,
+    )?;
+    // a little outside is rounding of an event at the very end of the step
+    if place.s < -1e-9 * step.ds || place.s > step.ds * (1.0 + 1e-9) {
+        return None;
+    }
+    let uncertainty = uncertainty(wave, &mut constraint, &place);
+    let margin = constraint.margin_at(wave, &place.node.point).ok()?;
+    let located = Located {
+        event: Event::Change(margin),
+        uncertainty,
+    };
+    Some((place, located))
 }
 
 /// Error of the parameter at a point that a constraint fixes: rounding, and the last correction.

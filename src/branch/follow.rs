@@ -7,13 +7,14 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::EventType;
 use super::change;
+use super::change::{Beyond, Both};
 use super::events::{self, Event, Located};
-use super::special::{Change, Ending, Failure, NoFollower, Refusal, Special, Stop};
-use super::{EventType, change::Beyond};
+use super::special::{Change, Close, Ending, Failure, NoFollower, Refusal, Special, Stop};
 use crate::continuation::locate::{Place, retangent};
 use crate::continuation::newton::System;
-use crate::continuation::walk::{self, Curve, Entry, Met, Stretch, Walker};
+use crate::continuation::walk::{self, Beginning, Curve, Outcome, Segment, Walker, Within};
 use crate::continuation::{Node, Steps};
 use crate::linalg::Vector;
 use crate::model::Parameter;
@@ -60,6 +61,8 @@ pub struct Found {
     pub special: Option<Special>,
     /// Estimated error of the parameter of a special point.
     pub uncertainty: f64,
+    /// What comes so close to zero, here or on the way from the point before, that rounding decides.
+    pub close: Option<Close>,
 }
 
 impl Found {
@@ -74,6 +77,7 @@ impl Found {
             examination: examination.clone(),
             special: None,
             uncertainty: 0.0,
+            close: None,
         }
     }
 
@@ -115,7 +119,7 @@ pub struct Branch {
     /// Their boundary-value problem.
     pub wave: Arc<Wave>,
     /// How far to follow.
-    pub(super) limits: Arc<Limits>,
+    limits: Arc<Limits>,
     /// Direction of the parameter: +1 or −1.
     heading: f64,
 }
@@ -202,6 +206,10 @@ impl Walker<Branch> {
     }
 }
 
+/// The first step tried into a new wave is at least this part of the first step of all, however close two
+/// events lie: what opens like the square of a duration is lost in rounding where that is 1e-8.
+const INTO: f64 = 1e-2;
+
 /// Excess speed |c|/√a − 1 below which a branch may be seen to tend to √a, and how little everything
 /// else changes then while it falls by the factor e.
 const SONIC: f64 = 1e-4;
@@ -215,6 +223,7 @@ impl Curve for Branch {
     type Found = Found;
     type Refusal = Refusal;
     type End = Stop;
+    type Close = Close;
 
     const CREEP: (usize, f64) = (40, 1e-5);
 
@@ -230,20 +239,31 @@ impl Curve for Branch {
         Ok(examine(&self.wave, &node.point)?)
     }
 
-    fn may_hide_a_pair(&self, step: &Stretch<Branch>) -> bool {
+    fn may_hide_a_pair(&self, step: &Segment<Examination>) -> bool {
         events::may_hide_a_pair(&self.wave, step)
     }
 
-    fn locate(&self, step: &Stretch<Branch>) -> Result<Vec<(Place, Located)>, Refusal> {
-        events::located(self, step)
+    fn within(&self, step: &Segment<Examination>, located: &[(Place, Located)]) -> Within<Close> {
+        events::within(&self.wave, step, located)
+    }
+
+    fn doubted(&self, found: Found, close: Close) -> Found {
+        Found {
+            close: Some(close),
+            ..found
+        }
+    }
+
+    fn locate(&self, step: &Segment<Examination>) -> Result<Vec<(Place, Located)>, Refusal> {
+        events::located(&self.wave, self.limits.range, &self.limits.stop_at, step)
     }
 
     fn meet(
         &self,
-        step: &Stretch<Branch>,
+        step: &Segment<Examination>,
         place: &Place,
         together: &[Located],
-    ) -> Result<Met<Branch>, Refusal> {
+    ) -> Result<Outcome<Branch>, Refusal> {
         let Located { event, uncertainty } = together[0];
         let examination = examine(&self.wave, &place.node.point)?;
         // nothing may have failed before: another event would have come first
@@ -255,6 +275,12 @@ impl Curve for Branch {
             ..self.point(place.s, &place.node, &examination)
         };
         let parameter = self.wave.parameter;
+        // an inequality that fails by no more than rounding
+        let mut fails = examination.margins.iter();
+        let fails = fails.find(|margin| margin.jet.value <= 0.0);
+        if !matches!(event, Event::Change(_)) {
+            found.close = fails.map(|margin| Close::margin(&self.wave, margin));
+        }
         match event {
             Event::Fold => found.special = Some(Special::Fold(parameter)),
             Event::User(value) => {
@@ -268,12 +294,12 @@ impl Curve for Branch {
                     Parameter::StiffnessDamping if lands && value == 0.0 => Special::CoulombLimit,
                     _ => Special::Edge(parameter, value),
                 });
-                return Ok(Met::Ended(vec![found], walk::End::Edge));
+                return Ok(Outcome::Ended(vec![found], walk::End::Edge));
             }
             Event::Change(margin) if margin.watch == Watch::Coupling => {
                 let end = walk::End::Own(Stop::Against);
                 found.special = Some(failed(&end));
-                return Ok(Met::Ended(vec![found], end));
+                return Ok(Outcome::Ended(vec![found], end));
             }
             Event::Change(_) => {
                 // several margins may vanish at one event: the table is asked for each. At the stiff
@@ -293,7 +319,7 @@ impl Curve for Branch {
                 return Ok(self.change(found, &margins, step));
             }
         }
-        Ok(Met::Passed(found))
+        Ok(Outcome::Passed(found))
     }
 
     fn arrive(&mut self, node: &Node) {
@@ -352,8 +378,13 @@ fn failed(end: &Ending) -> Special {
 
 impl Branch {
     /// A change of regime: the event, and the branch beyond it.
-    fn change(&self, mut found: Found, margins: &[Margin], step: &Stretch<Branch>) -> Met<Branch> {
-        let ds = step.ds.min(step.steps.ds);
+    fn change(
+        &self,
+        mut found: Found,
+        margins: &[Margin],
+        step: &Segment<Examination>,
+    ) -> Outcome<Branch> {
+        let ds = step.ds.clamp(INTO * step.steps.ds, step.steps.ds);
         let point = &found.node.point;
         let search =
             |margin: &Margin| change::beyond(&self.wave, point, margin, ds, step.steps.tolerance);
@@ -368,6 +399,16 @@ impl Branch {
                 (margin, search_there) = (*other, found);
             }
         }
+        let mut passed = Vec::new();
+        if search_there.beyond.is_none()
+            && let Some(both) =
+                change::beyond_both(&self.wave, &found.node, margins, ds, step.steps.tolerance)
+        {
+            margin = both.second;
+            let second = self.second(&mut found, &both);
+            passed.push(std::mem::replace(&mut found, second));
+            search_there = both.search;
+        }
         let change::Search {
             beyond,
             refused,
@@ -376,7 +417,7 @@ impl Branch {
         let after = beyond.as_ref().map(|beyond| beyond.wave.signature.clone());
         let mut change = Change {
             others,
-            ..Change::new(&self.wave.signature, after, margin)
+            ..Change::new(&found.wave.signature, after, margin)
         };
         let Some(Beyond { wave, node, ds }) = beyond else {
             let stop = change::ending(&self.wave, &found.node.point, &margin, refused);
@@ -386,19 +427,20 @@ impl Branch {
             found.special = Some(Special::Change(Box::new(change)));
             // no failure: the waves that are left all have this value of the parameter
             if at_hopf {
-                return Met::Ended(vec![found], end);
+                return Outcome::Ended(vec![found], end);
             }
             let failure = Found {
                 special: Some(failed(&end)),
                 ..found.clone()
             };
-            return Met::Ended(vec![found, failure], end);
+            return Outcome::Ended(vec![found, failure], end);
         };
         let watched = match examine(&wave, &node.point) {
             Ok(watched) => watched,
             Err(error) => {
                 found.special = Some(Special::Change(Box::new(change)));
-                return Met::Ended(vec![found], walk::End::Own(Stop::Flow(error)));
+                passed.push(found);
+                return Outcome::Ended(passed, walk::End::Own(Stop::Flow(error)));
             }
         };
         let drift = node.tangent[node.tangent.len() - 1];
@@ -415,12 +457,29 @@ impl Branch {
         };
         found.entered = Some((wave, node.clone()));
         found.special = Some(Special::Change(Box::new(change)));
-        let entry = Entry {
+        let entry = Beginning {
             curve,
             node,
             watched,
             ds: ds.max(step.steps.ds_min),
         };
-        Met::Entered(found, entry)
+        passed.push(found);
+        Outcome::Entered(passed, entry)
+    }
+
+    /// The second of two changes of regime at the place of the first, which leads to the wave in between.
+    fn second(&self, first: &mut Found, both: &Both) -> Found {
+        let between = Arc::new(both.between.clone());
+        let after = Some(between.signature.clone());
+        let change = Change::new(&self.wave.signature, after, both.first);
+        first.special = Some(Special::Change(Box::new(change)));
+        first.entered = Some((between.clone(), both.node.clone()));
+        let examination = examine(&between, &both.node.point);
+        let examination = examination.unwrap_or_else(|_| first.examination.clone());
+        let drift = first.node.tangent[first.node.tangent.len() - 1].abs();
+        Found {
+            uncertainty: first.uncertainty + both.distance * drift * between.scales.parameter,
+            ..Found::new(&between, first.s, &both.node, &examination)
+        }
     }
 }

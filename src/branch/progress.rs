@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::follow::{Follower, Limits, State};
 use super::saved::finite;
-use super::special::{Failure, NoFollower};
+use super::special::{Failure, ResumeMismatch};
 use crate::continuation::Steps;
 use crate::continuation::newton::System;
 use crate::flow::method::Method;
@@ -23,20 +23,6 @@ pub enum End {
     Finished,
     /// The branch ended before its range.
     Failed(Failure),
-}
-
-/// Saved progress that is none of its problem.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
-pub enum Unfit {
-    /// It is of another problem.
-    #[error("the saved progress does not fit its problem")]
-    Progress,
-    /// The first wave has other unknowns.
-    #[error("the first wave does not fit its signature")]
-    FirstWave,
-    /// The branch does not go on from it.
-    #[error("{0}")]
-    State(#[from] NoFollower),
 }
 
 /// The state of a run between two steps.
@@ -133,11 +119,11 @@ impl Progress {
         continuation: &Continuation,
         model: Model,
         method: Method,
-    ) -> Result<Follower, Unfit> {
+    ) -> Result<Follower, ResumeMismatch> {
         let leg = self.leg.checked_sub(1);
         let up = leg.and_then(|leg| legs(continuation.toward).get(leg));
         let (Some(up), true) = (up, self.fits(problem, continuation)) else {
-            return Err(Unfit::Progress);
+            return Err(ResumeMismatch::Progress);
         };
         let (signature, point) = self.first.clone();
         let mode = problem.wave.mode;
@@ -145,7 +131,7 @@ impl Progress {
         let wave = Wave::new(model, continuation.parameter, mode, signature, scales);
         let wave = wave.with_method(method);
         if point.len() != wave.unknowns() {
-            return Err(Unfit::FirstWave);
+            return Err(ResumeMismatch::FirstWave);
         }
         let limits = Limits {
             range: continuation.range,

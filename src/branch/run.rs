@@ -29,7 +29,8 @@ use crate::wave::hopf::Family;
 
 pub use super::begin::{Refused, RunError};
 pub use super::item::{Item, answer};
-pub use super::progress::{End, Progress, Unfit};
+pub use super::progress::{End, Progress};
+pub use super::special::ResumeMismatch;
 
 /// A branch being computed from a problem.
 pub struct Runner {
@@ -91,7 +92,7 @@ impl Runner {
         continuation: &Continuation,
         saved: &SavedWave,
         progress: Progress,
-    ) -> Result<Runner, Unfit> {
+    ) -> Result<Runner, ResumeMismatch> {
         let model = saved.model;
         let method = problem.method.unwrap_or(Method::cheapest(model.law));
         Runner::at(problem, continuation, model, method, progress)
@@ -103,7 +104,7 @@ impl Runner {
         model: Model,
         method: Method,
         progress: Progress,
-    ) -> Result<Runner, Unfit> {
+    ) -> Result<Runner, ResumeMismatch> {
         Ok(Runner {
             follower: progress.follower(problem, continuation, model, method)?,
             problem: problem.clone(),
@@ -222,6 +223,13 @@ impl Runner {
                     self.notes.extend(remark.clone().map(note));
                 }
                 _ => {}
+            }
+            if let Some(what) = found.close {
+                self.notes.push(Note::Close {
+                    parameter,
+                    value,
+                    what,
+                });
             }
             let kind = found.kind();
             let spectrum = spectra.next().flatten();

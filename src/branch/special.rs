@@ -4,14 +4,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::conditioning::Conditioning;
-use super::follow::Branch;
-use super::progress::Unfit;
 use super::{EventType, Reason};
-use crate::continuation::walk::{EndOf, RefusalOf};
+use crate::continuation::walk::{End, Refused};
 use crate::flow::FlowError;
 use crate::flow::sign::Verdict;
 use crate::model::Parameter;
-use crate::model::signature::{Entry, Regime, Signature};
+use crate::model::signature::{Entry, Regime, Signature, Zone};
 use crate::stability::track::Remark;
 use crate::wave::Wave;
 use crate::wave::admissibility::{Examination, Margin, Watch};
@@ -210,7 +208,7 @@ pub struct Tried {
     /// The signature; `None` where none could be made.
     pub signature: Option<Signature>,
     /// Why it was refused.
-    pub reason: RefusalOf<Branch>,
+    pub reason: StepRefused,
 }
 
 /// Why a branch cannot be followed from a point.
@@ -227,8 +225,41 @@ pub enum NoFollower {
     Saved,
 }
 
+/// Saved progress from which a run does not go on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+pub enum ResumeMismatch {
+    /// It is of another problem.
+    #[error("the saved progress does not fit its problem")]
+    Progress,
+    /// The first wave has other unknowns.
+    #[error("the first wave does not fit its signature")]
+    FirstWave,
+    /// The branch does not go on from it.
+    #[error("{0}")]
+    State(#[from] NoFollower),
+}
+
+/// What is so close to zero that rounding decides its sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Close {
+    /// A margin of a zone.
+    Margin(Regime, Watch),
+    /// The slope of the parameter along the branch, which vanishes at a fold.
+    Fold,
+}
+
+impl Close {
+    /// A margin of a wave.
+    pub fn margin(wave: &Wave, margin: &Margin) -> Close {
+        Close::Margin(wave.signature.zone(margin.zone).regime, margin.watch)
+    }
+}
+
+/// Why a step along a branch was refused.
+pub type StepRefused = Refused<FlowError, Refusal>;
+
 /// How the walk along a branch ended.
-pub type Ending = EndOf<Branch>;
+pub type Ending = End<StepRefused, Stop>;
 
 /// Why a branch ended before its range.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -236,38 +267,45 @@ pub enum Failure {
     /// As the walk along it ended.
     Ended(Box<Ending>),
     /// A leg does not begin.
-    NoLeg(Unfit),
+    NoLeg(ResumeMismatch),
 }
 
-/// Type of a change of regime, from the margin that vanished and the signatures on both sides.
+/// Type of a change of regime: the same from either side, one of which sees open what the other sees close.
 fn classify(before: &Signature, after: Option<&Signature>, margin: &Margin) -> EventType {
-    let vanished = (margin.watch == Watch::Duration).then(|| before.zone(margin.zone).regime);
-    let born =
-        |regime: Regime| after.is_some_and(|after| after.count(regime) > before.count(regime));
-    let reverse_at_stick = |signature: &Signature| {
-        (0..signature.len()).any(|index| {
-            signature.zone(index).regime == Regime::Slip
-                && signature.zone(index + 1).regime == Regime::Reverse
-                && signature.zone(index + 1).entry == Entry::Reversal
-                && signature.zone(index + 2).regime == Regime::Stick
-        })
-    };
-    match (vanished, margin.watch) {
-        // a zone that begins with a touch closes on the impact, not at zero pressure
-        (Some(Regime::Separation), _) if before.zone(margin.zone).entry == Entry::Touch => {
-            EventType::CO
-        }
-        (Some(Regime::Separation), _) | (_, Watch::Pressure) => EventType::GR,
-        (Some(Regime::Stick), _) => EventType::ST,
-        (None, Watch::LowerForce) => EventType::RV,
-        (Some(Regime::Reverse), _)
-            if reverse_at_stick(before) && !born(Regime::Slip) && !born(Regime::Separation) =>
-        {
-            EventType::RV
-        }
-        (None, Watch::Rate) if born(Regime::Stick) && !before.has(Regime::Stick) => EventType::ST,
-        _ => EventType::CO,
+    let closed = (margin.watch == Watch::Duration).then(|| before.zone(margin.zone));
+    // a zone that begins with a touch closes on the impact, not at zero pressure
+    let lifts = |zone: Zone| zone.regime == Regime::Separation && zone.entry != Entry::Touch;
+    if margin.watch == Watch::Pressure || closed.is_some_and(lifts) {
+        return EventType::GR;
     }
+    let Some(after) = after else {
+        return match (closed.map(|zone| zone.regime), margin.watch) {
+            (Some(Regime::Stick), _) => EventType::ST,
+            (None, Watch::LowerForce) => EventType::RV,
+            _ => EventType::CO,
+        };
+    };
+    if before.count(Regime::Stick) != after.count(Regime::Stick) {
+        return EventType::ST;
+    }
+    // reverse slip that begins at V̇ = 1: what lands in reverse slip is arrested before it closes
+    let reverses = |signature: &Signature| {
+        let before_stick = |index: &usize| {
+            let (zone, next) = (signature.zone(*index), signature.zone(index + 1));
+            zone.regime == Regime::Reverse
+                && matches!(zone.entry, Entry::Reversal | Entry::ArrestedLanding)
+                && next.regime == Regime::Stick
+        };
+        (0..signature.len()).filter(before_stick).count()
+    };
+    let others = [Regime::Slip, Regime::Separation];
+    if reverses(before) != reverses(after)
+        && before.len() != after.len()
+        && others.map(|regime| before.count(regime)) == others.map(|regime| after.count(regime))
+    {
+        return EventType::RV;
+    }
+    EventType::CO
 }
 
 /// What could not be settled in a run.
@@ -302,6 +340,15 @@ pub enum Note {
         point: usize,
         /// Why.
         reason: Reason,
+    },
+    /// What comes so close to zero at a point, or between it and the one before, that rounding decides.
+    Close {
+        /// Parameter of the branch.
+        parameter: Parameter,
+        /// Its value.
+        value: f64,
+        /// What.
+        what: Close,
     },
     /// A point is known less well than the tolerance asks.
     NotConverged {

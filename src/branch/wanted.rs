@@ -1,7 +1,7 @@
 //! The first wave that is wanted, and why it is not found.
 
 use super::change::NotEntered;
-use super::progress::Unfit;
+use super::special::ResumeMismatch;
 use super::special::{Ending, Inadmissible, NoFollower};
 use crate::continuation::{arclength, newton};
 use crate::flow::FlowError;
@@ -117,7 +117,7 @@ pub enum Lost {
     NoFollower(#[from] NoFollower),
     /// The first wave is none of its branch.
     #[error("{0}")]
-    Unfit(#[from] Unfit),
+    ResumeMismatch(#[from] ResumeMismatch),
     /// The branch ends before.
     #[error("{0}")]
     Ended(Box<Ending>),

@@ -98,7 +98,9 @@ fn laws(posed: &Posed, signature: &Signature, watch: Watch, index: usize) -> Opt
         _ => Upper,
     };
     let laws = match (watch, zone.regime, zone.entry) {
-        (Watch::Duration, Regime::Stick, Entry::Arrest) => [Sticking, Upper],
+        (Watch::Duration, Regime::Stick, Entry::Arrest | Entry::ArrestedLanding) => {
+            [Sticking, Upper]
+        }
         (Watch::Duration, Regime::Slip | Regime::Reverse, Entry::Landing) => match next {
             Entry::TakeOff => [Lifted, Landed],
             _ => [Sticking, Landed],

@@ -119,6 +119,77 @@ pub(crate) fn zero_along<S: System>(
     Some((Place { s, node, blur: 0.0 }, here))
 }
 
+/// A function that is positive at both ends of a step: its value and its slope along the curve at either end.
+pub(crate) type Ends = [(f64, f64); 2];
+
+/// How far along a step of length `ds` a function is least that falls at its beginning and rises at its
+/// end, by the cubic that shares values and slopes; `None` where that takes less than half of the smaller
+/// value away, and it does not come near zero.
+fn dip(ds: f64, [(m0, d0), (m1, d1)]: Ends) -> Option<f64> {
+    const DEEP: f64 = 0.5;
+    let (d0, d1) = (ds * d0, ds * d1);
+    if !(d0 < 0.0 && d1 > 0.0) {
+        return None;
+    }
+    // m0 + d0·x + b·x² + a·x³, whose slope changes its sign once
+    let a = 2.0 * (m0 - m1) + d0 + d1;
+    let b = 3.0 * (m1 - m0) - 2.0 * d0 - d1;
+    let x = -d0 / (b + (b * b - 3.0 * a * d0).sqrt());
+    let least = m0 + x * (d0 + x * (b + x * a));
+    (least < DEEP * m0.min(m1)).then_some(x * ds)
+}
+
+/// What a function does within a step that is positive at both ends.
+pub(crate) enum Least {
+    /// It does not come near zero.
+    Far,
+    /// Its least value and where that is.
+    Found(Place, f64),
+    /// It may vanish and its least value is not found.
+    NotFound,
+}
+
+/// The least value of a function within a step of length `ds`: the zero of its slope. `f` gives value and
+/// slope along the curve.
+pub(crate) fn least<S: System>(
+    system: &S,
+    from: &Node,
+    ds: f64,
+    ends: Ends,
+    tolerance: f64,
+    mut f: impl FnMut(&Node) -> Option<(f64, f64)>,
+) -> Least {
+    /// A slope below this part of those at the ends, or a place known to this part of the step, leaves an
+    /// error of its square in the value.
+    const LEVEL: f64 = 1e-8;
+    let Some(guess) = dip(ds, ends) else {
+        return Least::Far;
+    };
+    let [(_, d0), (_, d1)] = ends;
+    let level = LEVEL * d1.min(-d0);
+    let mut bracket = Bracket::new((0.0, d0), (ds, d1));
+    let mut at = |s: f64| {
+        let node = node_at(system, from, s, tolerance).ok_or(())?;
+        let (value, slope) = f(&node).ok_or(())?;
+        Ok::<_, ()>((slope, (node, value)))
+    };
+    let found = match at(guess) {
+        Err(()) => return Least::NotFound,
+        Ok((slope, found)) if slope.abs() <= level => Ok((guess, found)),
+        Ok((slope, _)) => {
+            bracket.shrink(guess, slope);
+            let level_at = |s: f64| {
+                at(s).map(|(slope, found)| (if slope.abs() <= level { 0.0 } else { slope }, found))
+            };
+            zero(bracket, LEVEL * ds, level_at).map(|zero| (zero.place, zero.found))
+        }
+    };
+    match found {
+        Ok((s, (node, value))) => Least::Found(Place { s, node, blur: 0.0 }, value),
+        Err(()) => Least::NotFound,
+    }
+}
+
 /// A value of one unknown to be met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {

@@ -9,6 +9,8 @@
 pub mod arclength;
 #[cfg(test)]
 mod circle;
+#[cfg(test)]
+mod cut_disc;
 pub mod locate;
 pub mod newton;
 pub mod walk;

@@ -2,7 +2,8 @@
 //!
 //! A [`Curve`] is a zero curve of a system with functions that are watched along it. The [`Walker`] takes
 //! a step of pseudo-arclength, has the functions evaluated at its end, and halves the step where that
-//! fails. What happens within it is located, put in order and handed to the curve, which says of each
+//! fails. Where a function seems to vanish twice within the step it is halved, too, and where it does the
+//! step ends at its least value. What happens within it is located, put in order and handed to the curve, which says of each
 //! event whether it goes on as before, goes on as another curve, or ends. A curve also ends where
 //! it comes back to its first point, where no step succeeds, and where its steps creep.
 
@@ -30,6 +31,8 @@ pub trait Curve: Sized {
     type Refusal: Error;
     /// Why the curve ends for reasons of its own.
     type End;
+    /// What comes so close to zero that rounding decides whether it vanishes.
+    type Close;
 
     /// Creeping steps after which the curve ends, and the length below which a step creeps, in units of the
     /// first one. Steps that short come from rejections: they grow by half from one to the next.
@@ -48,21 +51,36 @@ pub trait Curve: Sized {
         near: Option<&Self::Watched>,
     ) -> Result<Self::Watched, Self::Refusal>;
 
-    /// Whether a watched function may vanish twice within the step.
-    fn may_hide_a_pair(&self, _step: &Stretch<Self>) -> bool {
+    /// Whether a watched function seems to vanish twice within the step, by its values and slopes at both
+    /// ends.
+    fn may_hide_a_pair(&self, _step: &Segment<Self::Watched>) -> bool {
         false
     }
 
+    /// Whether a watched function that is positive at both ends of the step vanishes in between, and
+    /// before the curve ends at one of the events located there.
+    fn within(
+        &self,
+        step: &Segment<Self::Watched>,
+        located: &[(Place, Self::Event)],
+    ) -> Within<Self::Close>;
+
+    /// A point before which something comes so close to zero that rounding decides.
+    fn doubted(&self, found: Self::Found, close: Self::Close) -> Self::Found;
+
     /// All that happens within a step, in any order.
-    fn locate(&self, step: &Stretch<Self>) -> Result<Vec<(Place, Self::Event)>, Self::Refusal>;
+    fn locate(
+        &self,
+        step: &Segment<Self::Watched>,
+    ) -> Result<Vec<(Place, Self::Event)>, Self::Refusal>;
 
     /// What comes of an event; `together` are the events at its place, itself the first.
     fn meet(
         &self,
-        step: &Stretch<Self>,
+        step: &Segment<Self::Watched>,
         place: &Place,
         together: &[Self::Event],
-    ) -> Result<Met<Self>, Self::Refusal>;
+    ) -> Result<Outcome<Self>, Self::Refusal>;
 
     /// Takes note of a node that was reached.
     fn arrive(&mut self, node: &Node);
@@ -90,13 +108,24 @@ pub trait Curve: Sized {
     }
 }
 
+/// What happens between the ends of a step to functions that are positive at both.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Within<K> {
+    /// None of them vanishes.
+    Nothing,
+    /// One of them is least, and negative, this far along the step: it vanishes before and after.
+    Pair(f64),
+    /// One of them is zero but for rounding, this far along the step.
+    Close(f64, K),
+}
+
 /// Why a step was refused.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Refused<F: Error, R: Error> {
     /// There is no such step.
     #[error("{0}")]
     Step(#[from] arclength::Refusal<F>),
-    /// A watched function may vanish twice within it.
+    /// A watched function vanishes twice within it.
     #[error("two events lie closer together than a step")]
     Pair,
     /// The curve refuses it.
@@ -142,17 +171,17 @@ pub enum End<R, E> {
 pub(crate) type EndOf<C> = End<RefusalOf<C>, <C as Curve>::End>;
 
 /// What comes of an event.
-pub enum Met<C: Curve> {
+pub enum Outcome<C: Curve> {
     /// The curve passes it.
     Passed(C::Found),
-    /// Another curve goes on.
-    Entered(C::Found, Entry<C>),
+    /// Another curve goes on, also where two events at one place lead there.
+    Entered(Vec<C::Found>, Beginning<C>),
     /// The curve ends there.
     Ended(Vec<C::Found>, EndOf<C>),
 }
 
 /// The beginning of another curve.
-pub struct Entry<C: Curve> {
+pub struct Beginning<C: Curve> {
     /// The curve.
     pub curve: C,
     /// Its first node.
@@ -163,23 +192,23 @@ pub struct Entry<C: Curve> {
     pub ds: f64,
 }
 
-/// A step of a curve.
-pub struct Stretch<'a, C: Curve> {
+/// A step along a curve, from one node to the next, with the values `W` of the watched functions at both.
+pub struct Segment<'a, W> {
     /// Where it sets out.
     pub from: &'a Node,
     /// The watched functions there.
-    pub before: &'a C::Watched,
+    pub before: &'a W,
     /// Where it comes to.
     pub to: &'a Node,
     /// The watched functions there.
-    pub after: &'a C::Watched,
+    pub after: &'a W,
     /// Its length.
     pub ds: f64,
     /// Step lengths and tolerance of the walk.
     pub steps: &'a Steps,
 }
 
-impl<C: Curve> Stretch<'_, C> {
+impl<W> Segment<'_, W> {
     /// Zeros closer together than this are one event that several watched functions see.
     pub(crate) fn at_once(&self) -> f64 {
         /// As a part of the step.
@@ -209,8 +238,8 @@ pub struct Walker<C: Curve> {
     pub(crate) steps: Steps,
 }
 
-/// How often a step is halved because two events may hide in it. Eight halvings resolve pairs 2⁻⁸ of a
-/// step apart.
+/// How often a step is halved because a function seems to vanish twice in it, before its least value is
+/// looked for.
 const HALVINGS_FOR_PAIRS: u32 = 8;
 
 /// A curve has closed when it passes this close to its first point, in units of the last step.
@@ -280,12 +309,13 @@ impl<C: Curve> Walker<C> {
         }
     }
 
-    /// One step of length `ds`.
+    /// One step of length `ds`, or as far as to the least value between two zeros. Refused where a function
+    /// seems to vanish twice and the step may be `shorter`.
     #[allow(clippy::type_complexity)] // points and end, as of `step`
     fn attempt(
         &mut self,
         ds: f64,
-        look_for_pairs: bool,
+        shorter: bool,
     ) -> Result<(Vec<C::Found>, Option<EndOf<C>>), RefusalOf<C>> {
         let taken = arclength::advance(self.curve.system(), &self.node, ds, self.steps.tolerance)?;
         let refused = Refused::Curve;
@@ -293,7 +323,7 @@ impl<C: Curve> Walker<C> {
             .curve
             .watch(&taken.node, Some(&self.watched))
             .map_err(refused)?;
-        let step = Stretch {
+        let step = Segment {
             from: &self.node,
             before: &self.watched,
             to: &taken.node,
@@ -301,12 +331,25 @@ impl<C: Curve> Walker<C> {
             ds,
             steps: &self.steps,
         };
-        if look_for_pairs && self.curve.may_hide_a_pair(&step) {
+        if shorter && self.curve.may_hide_a_pair(&step) {
             return Err(Refused::Pair);
         }
         let mut located = self.curve.locate(&step).map_err(refused)?;
         located.sort_by(|(one, _), (other, _)| one.s.total_cmp(&other.s));
+        let mut close = match self.curve.within(&step, &located) {
+            Within::Nothing => None,
+            Within::Pair(least) if least >= self.steps.ds_min && least < ds => {
+                return self.attempt(least, shorter);
+            }
+            Within::Pair(_) => return Err(Refused::Pair),
+            Within::Close(s, close) => Some((s, close)),
+        };
         let mut found = Vec::new();
+        let mut doubt = |curve: &C, s: f64, point: C::Found| match close.take_if(|(at, _)| *at <= s)
+        {
+            Some((_, close)) => curve.doubted(point, close),
+            None => point,
+        };
         for (index, (place, _)) in located.iter().enumerate() {
             let together: Vec<C::Event> = located[index..]
                 .iter()
@@ -314,13 +357,19 @@ impl<C: Curve> Walker<C> {
                 .map(|(_, event)| event.clone())
                 .collect();
             match self.curve.meet(&step, place, &together).map_err(refused)? {
-                Met::Passed(point) => found.push(point),
-                Met::Ended(points, end) => {
+                Outcome::Passed(point) => found.push(doubt(&self.curve, place.s, point)),
+                Outcome::Ended(points, end) => {
                     found.extend(points);
                     return Ok((found, Some(end)));
                 }
-                Met::Entered(point, entry) => {
-                    found.push(point);
+                Outcome::Entered(points, entry) => {
+                    // what vanishes along with the event is the event
+                    let before = place.s - step.at_once();
+                    found.extend(
+                        points
+                            .into_iter()
+                            .map(|point| doubt(&self.curve, before, point)),
+                    );
                     self.travelled += place.s.max(0.0);
                     self.creeping = 0;
                     self.curve = entry.curve;
@@ -344,7 +393,7 @@ impl<C: Curve> Walker<C> {
             found.push(self.curve.closing(s, first, here(self)));
             return Ok((found, Some(End::Closed)));
         }
-        found.push(here(self));
+        found.push(doubt(&self.curve, ds, here(self)));
         let creeps = self.creeps(ds);
         let end = self.curve.exhausted(&self.node).map(End::Own).or(creeps);
         if let Some(end) = &end {
@@ -362,7 +411,7 @@ impl<C: Curve> Walker<C> {
     }
 
     /// Whether a step passes the first point again.
-    fn closes(&self, step: &Stretch<C>) -> bool {
+    fn closes(&self, step: &Segment<C::Watched>) -> bool {
         let (name, first) = &self.origin;
         if self.travelled < 4.0 * step.ds || name != self.curve.name() {
             return false;
@@ -436,6 +485,7 @@ mod tests {
         type Found = (bool, Vector);
         type Refusal = TooSmall;
         type End = ();
+        type Close = ();
 
         const CREEP: (usize, f64) = (20, 1e-3);
 
@@ -456,7 +506,15 @@ mod tests {
             }
         }
 
-        fn locate(&self, step: &Stretch<Watched>) -> Result<Vec<(Place, Event)>, TooSmall> {
+        fn within(&self, _: &Segment<f64>, _: &[(Place, Event)]) -> Within<()> {
+            Within::Nothing
+        }
+
+        fn doubted(&self, found: (bool, Vector), (): ()) -> (bool, Vector) {
+            found
+        }
+
+        fn locate(&self, step: &Segment<f64>) -> Result<Vec<(Place, Event)>, TooSmall> {
             let target = Target {
                 index: 1,
                 value: self.edge,
@@ -476,14 +534,14 @@ mod tests {
 
         fn meet(
             &self,
-            step: &Stretch<Watched>,
+            step: &Segment<f64>,
             place: &Place,
             together: &[Event],
-        ) -> Result<Met<Watched>, TooSmall> {
+        ) -> Result<Outcome<Watched>, TooSmall> {
             let (_, point) = self.point(place.s, &place.node, step.after);
             Ok(match together[0] {
-                Event::Diagonal => Met::Passed((true, point)),
-                Event::Edge => Met::Ended(vec![(true, point)], End::Edge),
+                Event::Diagonal => Outcome::Passed((true, point)),
+                Event::Edge => Outcome::Ended(vec![(true, point)], End::Edge),
             })
         }
 

@@ -38,7 +38,7 @@ impl Bracket {
     }
 
     /// Takes in the value at a place inside.
-    fn shrink(&mut self, place: f64, value: f64) {
+    pub(super) fn shrink(&mut self, place: f64, value: f64) {
         let lower = (value > 0.0) == (self.low.1 > 0.0);
         let (moved, kept, side) = if lower {
             (&mut self.low, &mut self.high, -1)

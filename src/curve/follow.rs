@@ -4,12 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use super::point::{Limits, Point, PointType};
 use super::system::{Condition, EventSystem};
-use crate::branch::special::Change;
+use crate::branch::special::{Change, Close};
 use crate::branch::{EventType, beyond};
 use crate::continuation::Node;
-use crate::continuation::locate::{self, Place, Target};
+use crate::continuation::locate::{self, Least, Place, Target};
 use crate::continuation::newton;
-use crate::continuation::walk::{self, Curve, End, Entry, Met, Stretch};
+use crate::continuation::walk::{self, Beginning, Curve, End, Outcome, Segment, Within};
 use crate::flow::FlowError;
 use crate::linalg::{self, Vector};
 use crate::model::Parameter;
@@ -33,6 +33,9 @@ const SINGULAR: f64 = 1e-10;
 /// Margins and residuals of a candidate below this vanish at the point where two events meet: it is
 /// known to 1e-12 or better, and reduced switching functions of nascent zones amplify that.
 const AT_SECOND: f64 = 1e-8;
+
+/// A least margin within this of zero is zero but for rounding: points of a curve are known to 1e-12.
+const ROUNDED: f64 = 1e-12;
 
 /// Lengths of the first step tried into a candidate.
 const TRIES: usize = 8;
@@ -58,6 +61,8 @@ pub(super) struct EventCurve {
 #[derive(Clone, Debug)]
 pub(super) struct Tests {
     examination: Examination,
+    /// The slopes of its margins along the curve.
+    slopes: Vec<f64>,
     /// det F_x where it tells a fold.
     fold: Option<f64>,
     /// The factor that vanishes at a cusp, with the left null vector behind it.
@@ -107,6 +112,8 @@ pub enum What {
     Cusp,
     /// ω → 0.
     ZeroOmega,
+    /// Something comes so close to zero that rounding decides.
+    Close(Close),
 }
 
 /// Why an event is no event any more.
@@ -142,7 +149,7 @@ pub(super) enum Stop {
     Gone(Gone),
 }
 
-type Stage<'a> = Stretch<'a, EventCurve>;
+type Stage<'a> = Segment<'a, Tests>;
 
 impl EventCurve {
     /// An event at a solution of its equations.
@@ -191,6 +198,7 @@ impl EventCurve {
             }));
         }
         let mut tests = Tests {
+            slopes: self.slopes(node, &examination.margins)?,
             examination,
             fold: None,
             cusp: None,
@@ -201,6 +209,25 @@ impl EventCurve {
             tests.cusp = self.cusp(node, left)?;
         }
         Ok(tests)
+    }
+
+    /// The slopes of margins along the curve: posed in p₁ the wave gives all but the part of p₂.
+    fn slopes(&self, node: &Node, margins: &[Margin]) -> Result<Vec<f64>, FlowError> {
+        let count = self.system.wave_unknowns();
+        let parameters = node.tangent.len() - 2;
+        let mut along = node.tangent.rows(0, count + 1).clone_owned();
+        along[count] = node.tangent[parameters];
+        let mut second = Vector::zeros(count + 1);
+        second[count] = node.tangent[parameters + 1];
+        let (wave, _) = self.system.wave(&node.point, 0);
+        let (other, unknowns) = self.system.wave(&node.point, 1);
+        margins
+            .iter()
+            .map(|margin| {
+                let in_second = AtZero { margin: *margin }.margin_at(&other, &unknowns)?;
+                Ok(margin.slope(&wave, &along) + in_second.slope(&other, &second))
+            })
+            .collect()
     }
 
     /// det F_x.
@@ -332,7 +359,7 @@ impl EventCurve {
     }
 
     /// The same event of the wave beyond a change of regime, a step into it being admissible.
-    fn enter(&self, step: &Stage, node: &Node, second: &Margin) -> Option<Entry<EventCurve>> {
+    fn enter(&self, step: &Stage, node: &Node, second: &Margin) -> Option<Beginning<EventCurve>> {
         let Condition::Margin(first) = self.system.condition else {
             return None;
         };
@@ -363,7 +390,7 @@ impl EventCurve {
                         EventCurve::new(system, self.event, &node.point, self.limits).ok()?;
                     let curve = EventCurve { own, ..next };
                     let watched = curve.tests(&node, None).ok()?;
-                    return Some(Entry {
+                    return Some(Beginning {
                         curve,
                         node,
                         watched,
@@ -436,6 +463,7 @@ impl Curve for EventCurve {
     type Found = Solved;
     type Refusal = Refusal;
     type End = Stop;
+    type Close = Close;
 
     /// Beside the opening of a separation zone the landing jump of a perturbation is singular, and
     /// Newton's method converges slowly at any length of step.
@@ -454,6 +482,62 @@ impl Curve for EventCurve {
         self.tests(node, cusp.map(|(_, left)| left))
     }
 
+    /// Whether a margin vanishes twice.
+    fn within(&self, step: &Stage, located: &[(Place, Event)]) -> Within<Close> {
+        let ends = |event: &Event| !matches!(event, Event::Fold | Event::Cusp);
+        let end = located.iter().find(|(_, event)| ends(event));
+        let end = end.map_or(f64::INFINITY, |(place, _)| place.s - step.at_once());
+        let mut close = None;
+        let mut pair = f64::INFINITY;
+        let after = &step.after.examination.margins;
+        for (index, margin) in step.before.examination.margins.iter().enumerate() {
+            let same = |other: &&Margin| (other.watch, other.zone) == (margin.watch, margin.zone);
+            let own = self.own.contains(&(margin.watch, margin.zone));
+            let Some(other) = after.iter().position(|other| same(&other)).filter(|_| !own) else {
+                continue;
+            };
+            let ends = [
+                (margin.jet.value, step.before.slopes[index]),
+                (after[other].jet.value, step.after.slopes[other]),
+            ];
+            // margins at zero belong to the point the step starts from
+            if ends[0].0 <= OWN || ends[1].0 <= 0.0 {
+                continue;
+            }
+            let tolerance = step.steps.tolerance;
+            let least = locate::least(&self.system, step.from, step.ds, ends, tolerance, |node| {
+                let (wave, unknowns) = self.system.wave(&node.point, 0);
+                let examination = examine(&wave, &unknowns).ok()?;
+                let margin = examination.find(margin.watch, margin.zone)?;
+                Some((margin.jet.value, self.slopes(node, &[*margin]).ok()?[0]))
+            });
+            let (wave, _) = self.system.wave(&step.from.point, 0);
+            match least {
+                Least::Found(place, _) if place.s >= end => {}
+                Least::Found(place, value) if value < -ROUNDED => pair = pair.min(place.s),
+                Least::Found(place, value) if value <= ROUNDED => {
+                    close.get_or_insert((place.s, Close::margin(&wave, margin)));
+                }
+                Least::NotFound if step.ds < end => {
+                    close.get_or_insert((step.ds, Close::margin(&wave, margin)));
+                }
+                _ => {}
+            }
+        }
+        match close {
+            _ if pair.is_finite() => Within::Pair(pair),
+            Some((s, what)) => Within::Close(s, what),
+            None => Within::Nothing,
+        }
+    }
+
+    fn doubted(&self, mut found: Solved, close: Close) -> Solved {
+        if found.point.what.is_empty() {
+            found.point.what = What::Close(close).to_string();
+        }
+        found
+    }
+
     fn locate(&self, step: &Stage) -> Result<Vec<(Place, Event)>, Refusal> {
         let mut located = self.edges(step).ok_or(Refusal::NotLocated)?;
         located.extend(self.margins(step)?);
@@ -466,7 +550,7 @@ impl Curve for EventCurve {
         step: &Stage,
         place: &Place,
         together: &[Event],
-    ) -> Result<Met<EventCurve>, Refusal> {
+    ) -> Result<Outcome<EventCurve>, Refusal> {
         let mut solved = self.point(place.s, &place.node, step.after);
         let mut say = |kind: PointType, what: &What| {
             solved.point.kind = Some(kind);
@@ -479,7 +563,7 @@ impl Curve for EventCurve {
                 say(PointType::One(EventType::EP), &What::Edge(parameter, value));
                 // exactly the value that was asked for
                 solved.point.parameters[index] = value;
-                Met::Ended(vec![solved], End::Edge)
+                Outcome::Ended(vec![solved], End::Edge)
             }
             Event::Margin(_) => {
                 let margins = together.iter().filter_map(|event| match event {
@@ -500,21 +584,21 @@ impl Curve for EventCurve {
                 };
                 say(kind, &what);
                 match entry {
-                    Some(entry) => Met::Entered(solved, entry),
-                    None => Met::Ended(vec![solved], there),
+                    Some(entry) => Outcome::Entered(vec![solved], entry),
+                    None => Outcome::Ended(vec![solved], there),
                 }
             }
             Event::Fold => {
                 say(PointType::Two(self.event, EventType::LP), &What::Fold);
-                Met::Passed(solved)
+                Outcome::Passed(solved)
             }
             Event::Cusp => {
                 say(PointType::CP, &What::Cusp);
-                Met::Passed(solved)
+                Outcome::Passed(solved)
             }
             Event::ZeroOmega => {
                 say(PointType::BT, &What::ZeroOmega);
-                Met::Ended(vec![solved], there)
+                Outcome::Ended(vec![solved], there)
             }
         })
     }

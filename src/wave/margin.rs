@@ -33,8 +33,8 @@ pub enum Watch {
     LandingSpeed,
     /// Q + fP at the beginning of stick.
     LowerForce,
-    /// Q − fP that stick would have between reverse slip and slip; with material damping −V̈ there, which is
-    /// continuous.
+    /// Q − fP that stick would have between reverse slip, or a landing that arrests, and slip; with material
+    /// damping −V̈ where slip begins.
     UpperForce,
     /// −V⃛ just after a release with material damping: Q ≤ fP at the end of stick.
     Release,
@@ -112,6 +112,10 @@ pub(super) fn edge_margins(at: &WaveAt, index: usize) -> Result<Vec<(Watch, [Jet
         margins.push((Watch::LandingSpeed, watched(Watch::LandingSpeed)?));
         if next.entry == Entry::ArrestedLanding {
             margins.push((Watch::Impulse, watched(Watch::Impulse)?));
+            // reverse slip that would stick has no length
+            if next.regime == Regime::Slip {
+                margins.push((Watch::UpperForce, watched(Watch::UpperForce)?));
+            }
         }
     }
     Ok(margins)
@@ -121,8 +125,12 @@ pub(super) fn edge_margins(at: &WaveAt, index: usize) -> Result<Vec<(Watch, [Jet
 /// value, in those of the next.
 pub(super) fn edge_margin(at: &WaveAt, index: usize, watch: Watch) -> Result<[Jet; 2], FlowError> {
     let wave = at.wave;
-    let reacts = wave.material && matches!(watch, Watch::LandingSpeed | Watch::Impulse);
-    if !reacts {
+    let lands = wave.material && wave.signature.zone(index).regime == Regime::Separation;
+    let reacts = matches!(
+        watch,
+        Watch::LandingSpeed | Watch::Impulse | Watch::UpperForce
+    );
+    if !(lands && reacts) {
         let margin = edge_margin_of_zone(at, index, watch)?;
         return Ok([margin, Jet::default()]);
     }
@@ -131,16 +139,18 @@ pub(super) fn edge_margin(at: &WaveAt, index: usize, watch: Watch) -> Result<[Je
     let [lifted, dragged] = at.zone_end(index)?.impulse;
     let entered = at.entry_acceleration(index + 1)?;
     let [radial, tangential] = entered.map(|jet| at.flows.frame.material() * jet);
-    let [mut own, mut beyond] = if watch == Watch::LandingSpeed {
-        [lifted * unit, radial * -unit]
-    } else {
-        let drag = dragged.value - tangential.value;
-        let sign = unit.copysign(drag);
-        let largest = at.reaction(Regime::Slip) * unit;
-        [
-            largest * lifted - dragged * sign,
-            tangential * sign - largest * radial,
-        ]
+    let [mut own, mut beyond] = match watch {
+        Watch::LandingSpeed => [lifted * unit, radial * -unit],
+        Watch::UpperForce => [Jet::default(), entered[1] * (-1.0 / wave.scales.layer)],
+        _ => {
+            let drag = dragged.value - tangential.value;
+            let sign = unit.copysign(drag);
+            let largest = at.reaction(Regime::Slip) * unit;
+            [
+                largest * lifted - dragged * sign,
+                tangential * sign - largest * radial,
+            ]
+        }
     };
     own.value += beyond.value;
     beyond.value = 0.0;

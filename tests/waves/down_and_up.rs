@@ -5,15 +5,18 @@ use brakewave::branch::follow::{Follower, Found, Limits};
 use brakewave::continuation::Steps;
 use brakewave::continuation::walk::End;
 
+use brakewave::model::coefficients::Geometry;
+use brakewave::model::{Damping, Impact, Model};
+
 use crate::branches::{
     Case, Run, STEPS, fast_in_friction, fast_in_mismatch, regimes, slow_in_mismatch, to_the_end,
-    with_the_shaft,
+    tube, with_the_shaft,
 };
 use crate::observed;
 
 /// The same events in the same order. Parameters of events are exact to the uncertainty that the
 /// program states for each, and 1e-10 is a hundred times the largest of these.
-fn same(one: &[&Found], other: &[&Found], reversed: bool) -> f64 {
+pub fn same(one: &[&Found], other: &[&Found], reversed: bool) -> f64 {
     let list = |found: &[&Found]| -> Vec<String> {
         found
             .iter()
@@ -38,7 +41,7 @@ fn same(one: &[&Found], other: &[&Found], reversed: bool) -> f64 {
 }
 
 /// From a point of a branch back, to the edge of the range.
-fn back(from: &Found, case: &Case) -> Run {
+pub fn back(from: &Found, case: &Case) -> Run {
     let settings = Limits {
         range: case.range,
         stop_at: Vec::new(),
@@ -52,12 +55,57 @@ fn back(from: &Found, case: &Case) -> Run {
     run
 }
 
+/// Mode 10 with a Coulomb impact: the stick zone between an arrested landing and its release vanishes, and
+/// slip begins at the landing.
+fn stick_after_an_arrest_vanishes() -> Case {
+    let mismatch = 0.027272575135998733;
+    let model = tube(
+        0.3319942798678392,
+        1.6239117116239252,
+        0.224278766669479,
+        mismatch,
+    );
+    Case {
+        model: Model {
+            impact: Impact::Coulomb,
+            ..model
+        },
+        mode: 10,
+        range: (0.02, mismatch),
+        ..fast_in_mismatch()
+    }
+}
+
+/// Mode 10, damped: between reverse slip and slip a stick zone opens.
+fn stick_opens_at_a_reversal() -> Case {
+    let geometry = Geometry {
+        nu: 0.0,
+        xi: 1.8731904965408703,
+        gamma: 2.5021742637739085e-5,
+    };
+    let mismatch = 0.0017759901352672987;
+    Case {
+        model: Model {
+            damping: Damping {
+                mass: 0.04743039130394452,
+                stiffness: 0.0,
+            },
+            ..Model::tube(geometry, 0.011008802452546977, mismatch)
+        },
+        mode: 10,
+        range: (0.000785297127128887, mismatch),
+        ..fast_in_mismatch()
+    }
+}
+
 #[test]
 fn there_and_back() {
     for (name, case) in [
         ("fast", fast_in_mismatch()),
         ("friction", fast_in_friction()),
         ("with the shaft", with_the_shaft()),
+        ("stick after an arrest", stick_after_an_arrest_vanishes()),
+        ("stick at a reversal", stick_opens_at_a_reversal()),
     ] {
         let run = case.follow(&[]);
         assert_eq!(run.end, Some(End::Edge), "{name}");

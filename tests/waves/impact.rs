@@ -65,7 +65,7 @@ fn coulomb_impact_obeys_its_law() {
         .iter()
         .filter_map(|found| found.kind())
         .collect();
-    assert_eq!(kinds, [RV, GR, CO, CO]);
+    assert_eq!(kinds, [RV, GR, CO, RV]);
     assert_eq!(last.parameter, 0.001, "{:?}", run.end);
     let (worst, free, capped) = landings(&run);
     observed(

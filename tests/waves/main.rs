@@ -8,6 +8,7 @@ mod chebyshev;
 
 mod admissibility;
 mod branches;
+mod close_events;
 mod closed_form;
 mod closing;
 mod conditioning;
