@@ -63,7 +63,7 @@ fn growth_beyond_a_narrow_window_is_named() {
         let text = "(model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1e-8), friction: 0.5, \
              mismatch: 2e-5, damping: (mass: 2e3)), wave: (mode: 4, start: Fast), \
              continuation: (parameter: Mismatch, range: (1.999e-5, 2e-5), toward: Down), \
-             stability: (sectors: All))";
+             stability: (sectors: All, max_frequency: 12.0))";
         (
             brakewave::problem::parse(text, "narrow").expect("a problem"),
             text,
