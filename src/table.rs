@@ -265,7 +265,6 @@ impl Table {
         })
     }
 
-    /// Number of rows.
     pub(crate) fn len(&self) -> usize {
         self.rows.len()
     }
@@ -275,7 +274,6 @@ impl Table {
         self.rows.is_empty()
     }
 
-    /// Names of the columns.
     pub(crate) fn columns(&self) -> impl Iterator<Item = &str> {
         self.header.iter()
     }

@@ -30,7 +30,6 @@ impl Landing {
         }
     }
 
-    /// What it stands for.
     pub(crate) fn remark(self) -> &'static str {
         match self {
             Landing::Impact(Impact::Frictionless) => {
@@ -309,7 +308,6 @@ impl Display for Tried {
     }
 }
 
-/// Why a branch ends.
 impl<R: Display, E: Display> Display for End<R, E> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
@@ -559,7 +557,6 @@ impl Display for curve::Reason {
     }
 }
 
-/// A list of things.
 fn list<T: Display>(things: &[T], between: &str) -> String {
     let words: Vec<String> = things.iter().map(T::to_string).collect();
     words.join(between)

@@ -6,7 +6,6 @@ use super::measure::{Followed, Missed, Repeats, follow, measure, stripped};
 use super::rung::{Row, Rung, ladder, reference_method};
 use crate::problem::{Continuation, Problem};
 
-/// How long to measure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Limits {
     /// Seconds for all rungs and the reference.

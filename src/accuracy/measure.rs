@@ -82,7 +82,6 @@ pub(crate) enum Missed {
     /// The ring is not solved.
     #[error("{0}")]
     Ring(#[from] discretised::Error),
-    /// The time is over.
     #[error("the time is over")]
     Time,
 }
@@ -180,7 +179,6 @@ fn eigenvalue_error(reference: &[Vec<Complex<f64>>], found: &[Vec<Complex<f64>>]
 /// How often a rung is repeated, and for how long at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Repeats {
-    /// Most repetitions.
     pub most: usize,
     /// Seconds after which no further one begins.
     pub seconds: f64,

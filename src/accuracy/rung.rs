@@ -12,7 +12,6 @@ pub(crate) enum Rung {
     Flow(Method),
     /// The discretised ring with n points per wavelength and ε.
     Ring {
-        /// Points per wavelength.
         points: usize,
         /// Width of the friction law in V̇.
         epsilon: f64,
@@ -20,7 +19,6 @@ pub(crate) enum Rung {
 }
 
 impl Rung {
-    /// Name of the method.
     pub(crate) fn method(self) -> &'static str {
         match self {
             Rung::Flow(Method::Exact) => "exact",
@@ -30,7 +28,6 @@ impl Rung {
         }
     }
 
-    /// The setting in words.
     fn setting(self) -> String {
         match self {
             Rung::Flow(Method::Exact) => String::new(),
@@ -93,15 +90,11 @@ pub(crate) fn reference_method(law: FrictionLaw) -> Method {
 /// What one rung achieves: a row of `accuracy.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Row {
-    /// Name of the method.
     pub method: String,
     /// Setting of the rung, in words.
     pub setting: String,
-    /// Points of the branch.
     pub points: usize,
-    /// Events found.
     pub events_found: usize,
-    /// Events of the reference.
     pub events_expected: usize,
     /// Largest relative error of c.
     pub speed_error: Option<f64>,
@@ -113,7 +106,6 @@ pub(crate) struct Row {
     pub eigenvalue_error: Option<f64>,
     /// Median run time in seconds, of the branch or of a wave of the ring.
     pub seconds: Option<f64>,
-    /// Points per second.
     pub points_per_second: Option<f64>,
     /// What went wrong, if anything did.
     pub failure: Option<String>,
@@ -133,7 +125,6 @@ impl Row {
             .reduce(f64::max)
     }
 
-    /// With this run time.
     pub(super) fn took(self, seconds: f64) -> Row {
         Row {
             seconds: Some(seconds),

@@ -159,9 +159,7 @@ impl RunError {
 
 /// The beginning of a branch.
 pub(super) struct Begun {
-    /// The first wave.
     pub wave: Wave,
-    /// Its solution.
     pub point: Vector,
     /// Its model, with the value of the parameter.
     pub model: Model,

@@ -19,7 +19,6 @@ pub struct Beyond {
     pub wave: Wave,
     /// The event in its unknowns, with the tangent into the admissible side.
     pub node: Node,
-    /// Longest step found admissible.
     pub ds: f64,
 }
 
@@ -90,7 +89,6 @@ pub struct Both {
     pub second: Margin,
     /// How far along the branch the second is from the first, by its slope.
     pub distance: f64,
-    /// The branch beyond both.
     pub search: Search,
 }
 

@@ -93,7 +93,6 @@ impl<'a> Compared<'a> {
         self.event.is_some() && self.regimes.is_none() && self.numbers.iter().all(Comparison::met)
     }
 
-    /// The worst difference.
     fn distance(&self) -> f64 {
         let differences = self.numbers.iter().map(Comparison::difference);
         differences.fold(0.0, f64::max)

@@ -20,16 +20,13 @@ pub enum Event {
     User(f64),
     /// An edge of the range.
     Edge(f64),
-    /// A margin vanishes.
     Change(Margin),
 }
 
 /// An event and the error of the parameter there, in physical units.
 #[derive(Clone, Copy, Debug)]
 pub struct Located {
-    /// The event.
     pub event: Event,
-    /// Estimated error.
     pub uncertainty: f64,
 }
 

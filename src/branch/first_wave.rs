@@ -61,9 +61,7 @@ pub fn find(wanted: &Wanted, steps: Steps, watch: Watch) -> Result<(Wave, Vector
 /// A search for a first wave.
 struct Search<'a> {
     wanted: &'a Wanted,
-    /// Step lengths and tolerance.
     steps: Steps,
-    /// Called before each step.
     watch: Watch<'a>,
 }
 

@@ -118,7 +118,6 @@ fn is_zero(count: &usize) -> bool {
 pub struct Branch {
     /// Their boundary-value problem.
     pub wave: Arc<Wave>,
-    /// How far to follow.
     limits: Arc<Limits>,
     /// Direction of the parameter: +1 or −1.
     heading: f64,

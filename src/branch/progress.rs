@@ -155,7 +155,6 @@ pub(super) fn steps(continuation: &Continuation) -> Steps {
     }
 }
 
-/// Directions of the legs.
 pub(super) fn legs(toward: Toward) -> &'static [bool] {
     match toward {
         Toward::Down => &[false],

@@ -32,7 +32,6 @@ use crate::wave::admissibility::Watch;
 /// Why an arc is not proven.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Broken {
-    /// An end is not.
     #[error("an end is not proven")]
     End,
     /// It begins where the signature changes.
@@ -41,18 +40,14 @@ pub enum Broken {
     /// The two ends have different signatures or models.
     #[error("not covered: its ends are not waves of one signature")]
     Apart,
-    /// No tube.
     #[error("undecided: beyond {0} no tube has exactly one curve")]
     Tube(f64),
-    /// A fold.
     #[error("undecided: beyond {0} there may be a fold")]
     Fold(f64),
-    /// An inequality.
     #[error("undecided: beyond {0} {1} is not proven")]
     Inequality(f64, Unproven),
 }
 
-/// Pieces at most.
 const PIECES: usize = 1000;
 /// Pieces shorter than this share of the arc are not tried.
 const SHORTEST: f64 = 1e-7;
@@ -141,7 +136,6 @@ impl<'a> Ending<'a> {
 
 struct Arc<'a> {
     system: System<'a>,
-    /// Units of the unknowns.
     units: Vec<f64>,
     ends: [Ending<'a>; 2],
 }
@@ -149,14 +143,12 @@ struct Arc<'a> {
 /// A piece of the curve.
 struct Piece {
     chord: Chord,
-    /// Radius r.
     radius: Vec<f64>,
     /// The end that it is next to.
     next_to: Option<usize>,
 }
 
 impl Piece {
-    /// Intervals of the unknowns.
     fn hull(&self) -> Vec<Interval> {
         self.chord.hull(&self.radius)
     }
@@ -254,7 +246,6 @@ fn steps(posed: &Posed, places: [Place; 2]) -> Option<Vec<usize>> {
 /// The point on an arc at which a zone that opens or closes at an end has grown to [`STEP`], and its condition, where
 /// the zone is more than two steps at the other end.
 fn waypoint(posed: &Posed, end: Place, other: Place) -> Result<Option<(Near, Condition)>, Broken> {
-    /// Radians of the zone.
     const STEP: f64 = 1.5;
     /// Steps in which it is reached.
     const STRIDES: usize = 16;
@@ -421,7 +412,6 @@ impl Arc<'_> {
         krawczyk::enclosed(&equations, &near, &self.units).map(|zero| Joint::new(zero.at))
     }
 
-    /// Proves a piece.
     fn piece(
         &self,
         from: &Joint,

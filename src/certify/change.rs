@@ -269,7 +269,6 @@ pub enum NotBeyond {
     /// It is not proven, or an inequality is not.
     #[error(transparent)]
     Open(#[from] Open),
-    /// It is another wave.
     #[error("undecided: the wave beyond may be another")]
     Another,
 }

@@ -210,9 +210,7 @@ struct Characteristic<'a> {
     course: Vec<(usize, [TaylorModel; 4])>,
     /// 1/z_j.
     multipliers: Vec<Model>,
-    /// T.
     period: f64,
-    /// Longest delay.
     delay: f64,
 }
 

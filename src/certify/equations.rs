@@ -8,22 +8,18 @@ use crate::model::Impact;
 use crate::model::signature::{Entry, Regime};
 use crate::wave::admissibility::Watch;
 
-/// First derivatives.
 type First = Gradient<Interval, SLOTS>;
 
 /// A term of an equation.
 pub(super) enum Term<N> {
     /// A function of the slots of a step.
     Local(usize, Columns, N),
-    /// Minus an unknown.
     Minus(usize, usize),
 }
 
 /// Residual and its derivatives, row by row.
 pub struct Evaluated {
-    /// Residual.
     pub residual: Vec<Interval>,
-    /// Its derivatives.
     pub jacobian: Vec<Vec<Interval>>,
 }
 

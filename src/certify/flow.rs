@@ -14,7 +14,6 @@ use crate::interval::{Interval, Number};
 
 /// Index of Y in a state.
 pub const Y: usize = 0;
-/// Index of W.
 pub const W: usize = 1;
 /// Index of U − δ.
 pub const GAP: usize = 2;
@@ -67,7 +66,6 @@ impl<N: Number> Flow<N> {
         )
     }
 
-    /// Separation.
     pub fn separation(frame: &Frame<N>) -> Flow<N> {
         let (ma, mb) = (frame.ma.recip(), frame.mb.recip());
         let [g, h, kappa, damping] = [frame.g, frame.h, frame.kappa, frame.damping];
@@ -115,7 +113,6 @@ impl<N: Number> Flow<N> {
         self.norm
     }
 
-    /// Weights of the norm.
     pub fn weights(&self) -> [f64; 4] {
         self.weights
     }

@@ -144,19 +144,14 @@ fn coefficients<N: Number>([nu, xi, gamma]: [N; 3]) -> [N; 5] {
 /// The numbers of the equations in a frame that moves with c, see [`crate::flow::Quantities`].
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<N> {
-    /// m_a.
     pub ma: N,
-    /// m_b.
     pub mb: N,
     /// κ = |D/c|.
     pub kappa: N,
     /// |c|.
     pub speed: N,
-    /// g.
     pub g: N,
-    /// h.
     pub h: N,
-    /// f.
     pub friction: N,
     /// rf, r being the static by the kinetic friction.
     pub static_friction: N,

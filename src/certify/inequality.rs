@@ -40,7 +40,6 @@ const DEEPEST: u32 = 24;
 
 /// What can be proven positive.
 pub trait Positive: Number {
-    /// Whether it is.
     fn is_positive(&self) -> bool;
 }
 
@@ -280,7 +279,6 @@ impl Vanishing<'_> {
 /// Which inequalities are to be proven.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Part {
-    /// All.
     All,
     /// All but those within a zone, which opens or closes: it may be as short as one likes.
     But(usize),
@@ -370,7 +368,6 @@ struct Proof<'a, N> {
     frame: &'a Frame<N>,
     part: Part,
     vanishing: Vanishing<'a>,
-    /// How many hold.
     proven: usize,
 }
 
@@ -401,7 +398,6 @@ impl<N: Positive> Proof<'_, N> {
         })
     }
 
-    /// The zone before.
     fn before(&self, index: usize) -> usize {
         index + self.system.near.zones.len() - 1
     }
@@ -424,7 +420,6 @@ impl<N: Positive> Proof<'_, N> {
         self.pressed(index)
     }
 
-    /// Slip and reverse slip.
     fn sliding(&mut self, index: usize) -> Result<(), Unproven> {
         let signature = &self.system.near.signature;
         let (zone, next) = (signature.zone(index), signature.zone(index + 1));

@@ -15,7 +15,6 @@ use crate::linalg::{Factors, Matrix, Vector};
 
 /// A zero that is proven.
 pub struct Zero {
-    /// Where it is.
     pub at: Vec<Interval>,
     /// C F(m), C, and the radius of the box that is mapped into itself.
     step: Vec<Interval>,
@@ -61,7 +60,6 @@ fn points(middle: &[f64]) -> Vec<Interval> {
     middle.iter().copied().map(Interval::point).collect()
 }
 
-/// C F(m), and C.
 fn correction(equations: &impl Equations, middle: &[f64]) -> Option<(Vec<Interval>, Matrix)> {
     let n = middle.len();
     let Evaluated { residual, jacobian } = equations(&points(middle))?;
@@ -237,7 +235,6 @@ pub fn is_only_zero(equations: &impl Equations, middle: &[f64], x: &[Interval]) 
 pub struct Chord {
     /// κ.
     pub coordinate: usize,
-    /// m.
     pub middle: Vec<f64>,
     /// t, with t_κ = 1.
     pub slope: Vec<f64>,

@@ -42,7 +42,6 @@ pub(super) struct Place {
     growth: Option<usize>,
     /// Column of Im λ; those of the eigenfunction follow.
     omega: usize,
-    /// The first equation.
     row: usize,
 }
 
@@ -79,7 +78,6 @@ fn parts<N>(
     columns.map(|column| column.each_ref().map(&of)).collect()
 }
 
-/// Row times matrix.
 fn before(
     effect: &Perturbation<Interval>,
     matrix: &[Perturbation<Interval>],

@@ -19,7 +19,6 @@ pub(super) const ETA_RATE: usize = 1;
 pub(super) const RADIAL: usize = 2;
 pub(super) const RADIAL_RATE: usize = 3;
 
-/// A complex number.
 #[derive(Clone, Copy)]
 pub(super) struct Complex<N> {
     pub(super) re: N,
@@ -79,7 +78,6 @@ impl<const D: usize> Complex<Gradient<Interval, D>> {
         }
     }
 
-    /// Derivative in a slot.
     pub(super) fn slope(&self, slot: usize) -> Complex<Interval> {
         Complex {
             re: self.re.by[slot],

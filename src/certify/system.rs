@@ -151,9 +151,7 @@ pub struct System<'a> {
     pub near: &'a Near,
     /// What singles out the point.
     pub(super) condition: Condition,
-    /// Sign of c.
     direction: f64,
-    /// Steps of each zone.
     pub(super) steps: Vec<usize>,
     /// First unknown of each zone.
     pub(super) first: Vec<usize>,
@@ -312,12 +310,10 @@ impl<'a> System<'a> {
         &self.weights
     }
 
-    /// Law of impact.
     pub fn impact(&self) -> Impact {
         self.posed.impact
     }
 
-    /// Mode k.
     pub fn mode(&self) -> u32 {
         self.posed.mode
     }

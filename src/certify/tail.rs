@@ -24,7 +24,6 @@ use super::system::System;
 use crate::interval::Interval;
 use crate::model::signature::{Entry, Regime};
 
-/// A matrix by rows.
 type Rows = Vec<Vec<Interval>>;
 
 /// The waves of a zone.

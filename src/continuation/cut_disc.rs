@@ -91,7 +91,6 @@ struct Found {
     close: Option<Piece>,
 }
 
-/// No step is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("a corner is not found")]
 struct NotFound;

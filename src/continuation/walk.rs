@@ -220,11 +220,8 @@ impl<W> Segment<'_, W> {
 /// A curve being followed.
 #[derive(Clone, Debug)]
 pub struct Walker<C: Curve> {
-    /// The curve.
     pub(crate) curve: C,
-    /// Where it has come.
     pub(crate) node: Node,
-    /// The watched functions there.
     pub(crate) watched: C::Watched,
     /// Length of the next step.
     pub(crate) ds: f64,
@@ -234,7 +231,6 @@ pub struct Walker<C: Curve> {
     pub(crate) travelled: f64,
     /// Steps in a row that creep.
     pub(crate) creeping: usize,
-    /// Step lengths and tolerance.
     pub(crate) steps: Steps,
 }
 

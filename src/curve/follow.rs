@@ -46,10 +46,8 @@ pub(super) const INTO: f64 = 1e-3;
 /// Waves of one signature at an event, as a curve in two parameters.
 #[derive(Clone, Debug)]
 pub(super) struct EventCurve {
-    /// Their equations.
     pub system: EventSystem,
     pub event: EventType,
-    /// How far to follow.
     pub limits: Limits,
     /// Margins that vanish along the whole curve.
     pub own: Vec<(Watch, usize)>,
@@ -72,11 +70,8 @@ pub(super) struct Tests {
 /// A point of a curve with the equations that it solves.
 #[derive(Clone, Debug)]
 pub(super) struct Solved {
-    /// The row.
     pub point: Point,
-    /// The equations.
     pub system: EventSystem,
-    /// Their solution.
     pub unknowns: Vector,
 }
 
@@ -230,7 +225,6 @@ impl EventCurve {
             .collect()
     }
 
-    /// det F_x.
     fn determinant(&self, point: &Vector) -> Result<f64, FlowError> {
         let (_, by) = self.system.wave_equations(point)?;
         let square = by.columns(0, self.system.wave_unknowns()).clone_owned();

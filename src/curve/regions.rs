@@ -316,14 +316,11 @@ impl Section {
     }
 }
 
-/// How an arm ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum End {
     /// At an edge of the range, or where waves end.
     Edge,
-    /// Where it began.
     Closed,
-    /// Before that.
     Lost,
 }
 

@@ -228,7 +228,6 @@ impl Run {
         Ok(Some(Step { found, next }))
     }
 
-    /// Why the walk ended.
     fn reason(&self, end: walk::EndOf<EventCurve>) -> Reason {
         match end {
             walk::End::Edge | walk::End::Own(Stop::There) => Reason::There,

@@ -57,7 +57,6 @@ pub(super) struct Equations {
     pub(super) spacing: f64,
     /// a/Δφ².
     pub(super) tension: f64,
-    /// h.
     pub(super) stiffness: f64,
     /// α.
     pub(super) damping: f64,
@@ -104,14 +103,12 @@ pub(super) struct Slopes {
     pub(super) behind: Stages,
 }
 
-/// A time step, linearised.
 #[derive(Clone, Debug)]
 pub(super) struct Linear {
     pub(super) step: f64,
     pub(super) slopes: Vec<Slopes>,
 }
 
-/// A time step taken.
 pub(super) struct Taken {
     pub(super) linear: Linear,
     pub(super) factors: Factors,
@@ -247,7 +244,6 @@ impl Equations {
         )
     }
 
-    /// One time step.
     pub(super) fn step(&self, from: &Values, step: f64) -> Result<Taken, Failure> {
         let points = from.len();
         let nodes = Nodes {

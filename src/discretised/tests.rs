@@ -24,7 +24,6 @@ fn wave(points: usize, epsilon: f64) -> SemiDiscreteWave {
     damped(0.0, points, epsilon)
 }
 
-/// With material damping.
 fn damped(beta: f64, points: usize, epsilon: f64) -> SemiDiscreteWave {
     let settings = Settings {
         points,

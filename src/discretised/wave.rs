@@ -54,18 +54,15 @@ pub struct SemiDiscreteWave {
     pub newton: usize,
     tolerance: f64,
     pub(super) ring: Equations,
-    /// Linearised time steps.
     pub(super) steps: Vec<Linear>,
     pub(super) band: Band,
 }
 
-/// Where Newton's method starts.
 struct Guess {
     state: Values,
     period: f64,
 }
 
-/// A wave found.
 struct Found {
     state: Values,
     period: f64,

@@ -35,9 +35,7 @@ impl Entry for Complex<f64> {
 /// A matrix with its derivatives in D quantities, times e^{exponent}.
 #[derive(Clone, Copy, Debug)]
 pub struct MatrixJet<T: Entry, const D: usize> {
-    /// The matrix.
     pub at: Matrix4<T>,
-    /// Its derivatives.
     pub by: [Matrix4<T>; D],
     /// Real exponent of the scale.
     pub exponent: f64,

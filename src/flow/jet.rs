@@ -99,14 +99,12 @@ impl<const D: usize> Dual<D> {
         }
     }
 
-    /// A quantity itself.
     pub(crate) fn variable(value: f64, index: usize) -> Dual<D> {
         let mut dual = Dual::constant(value);
         dual.by[index] = 1.0;
         dual
     }
 
-    /// Its reciprocal.
     pub(crate) fn inverse(self) -> Dual<D> {
         let inverse = 1.0 / self.value;
         Dual {

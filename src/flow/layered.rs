@@ -53,9 +53,7 @@ const LAYERS: f64 = 50.0;
 /// The equations of separation with material damping in one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct LayeredFlow {
-    /// The slow motions.
     slow: SeparationFlow,
-    /// R.
     layers: Square<2>,
     /// N = βR⁻¹.
     rates: Square<2>,
@@ -495,7 +493,6 @@ impl LayeredFlow {
 struct Stretch {
     /// Its beginning after the entry.
     start: f64,
-    /// Its length.
     length: f64,
     /// How many of the layers are felt on it.
     layers: usize,

@@ -8,11 +8,9 @@ use super::{Frame, Slide};
 pub(crate) struct Piece {
     /// Its beginning after the entry.
     pub start: f64,
-    /// Its length.
     pub length: f64,
     /// Of U − δ.
     pub gap: [f64; COEFFICIENTS],
-    /// Of V.
     pub tangential: [f64; COEFFICIENTS],
     /// Bound of what is left out of U.
     pub remainder: f64,
@@ -79,14 +77,12 @@ pub(crate) fn horner(taylor: &[f64; COEFFICIENTS], t: f64) -> f64 {
     taylor.iter().rev().fold(0.0, |sum, a| sum * t + a)
 }
 
-/// Its slope.
 pub(crate) fn horner_slope(taylor: &[f64; COEFFICIENTS], t: f64) -> f64 {
     (1..COEFFICIENTS)
         .rev()
         .fold(0.0, |sum, j| sum * t + j as f64 * taylor[j])
 }
 
-/// Its second derivative.
 pub(crate) fn horner_curvature(taylor: &[f64; COEFFICIENTS], t: f64) -> f64 {
     (2..COEFFICIENTS)
         .rev()

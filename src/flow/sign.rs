@@ -16,7 +16,6 @@ use crate::continuation::zero::{Bracket, zero};
 /// the amplitude.
 pub(crate) const DEGREE: usize = 16;
 
-/// Number of coefficients.
 pub(crate) const COEFFICIENTS: usize = DEGREE + 1;
 
 /// 1/17!.
@@ -185,7 +184,6 @@ impl Bernstein {
         first.or_else(second)
     }
 
-    /// Value at t.
     fn value(&self, t: f64) -> f64 {
         let mut row = self.coefficients;
         for level in 0..DEGREE {

@@ -59,7 +59,6 @@ fn sine_series(x: Interval) -> Interval {
     series(x, -x.square(), &divisors, x)
 }
 
-/// exp of one number.
 fn exp_point(x: f64) -> Interval {
     if x > 710.0 {
         return Interval::new(f64::MAX, f64::INFINITY);

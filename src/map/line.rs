@@ -26,7 +26,6 @@ const SAME_WAVE: f64 = 1e-9;
 /// A wave of a branch at one of the values of a line.
 #[derive(Clone, Debug)]
 pub(super) struct Hit {
-    /// Number of the value.
     pub index: usize,
     /// The wave as a point of its branch.
     pub point: BranchPoint,
@@ -51,7 +50,6 @@ pub(super) struct Gap {
     at: f64,
     /// Whether it was on its way to larger values.
     up: bool,
-    /// Why.
     failure: Failure,
 }
 
@@ -72,7 +70,6 @@ impl Gap {
 pub(super) struct Met {
     /// Its waves at the values, in its order.
     pub hits: Vec<Hit>,
-    /// Where it fails.
     pub gaps: Vec<Gap>,
     /// Why it meets nothing, or nothing more.
     pub missing: Option<Missing>,
@@ -80,13 +77,11 @@ pub(super) struct Met {
 
 /// A line and how it is followed.
 pub(super) struct Line<'a> {
-    /// The problem.
     pub problem: &'a Problem,
     /// The parameter that is followed, and its range.
     pub along: MapAxis,
     /// The parameter that is constant, and its value.
     pub across: (Parameter, f64),
-    /// Values to meet, increasing.
     pub values: Vec<f64>,
     /// The spectra that are wanted.
     pub request: Option<Request>,

@@ -34,7 +34,6 @@ struct Entry {
     parameter: Parameter,
     /// Name in tables and on the command line.
     column: &'static str,
-    /// Name on axes.
     #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     words: &'static str,
     /// Symbol on axes and in messages.
@@ -43,7 +42,6 @@ struct Entry {
     path: &'static str,
     /// Values with which the model makes sense.
     range: Range,
-    /// That as a sentence.
     rule: &'static str,
     /// What a model without it has instead, and how the problem file gives it one.
     absent: (&'static str, &'static str),

@@ -30,7 +30,6 @@ pub enum Regime {
 }
 
 impl Regime {
-    /// All regimes.
     pub(crate) const ALL: [Regime; 5] = [
         Regime::Slip,
         Regime::Stick,

@@ -10,7 +10,6 @@ use crate::accuracy::{Row, Rung};
 use crate::problem::Problem;
 use crate::table::{self, Table};
 
-/// The folder being written.
 #[derive(Debug)]
 pub(crate) struct AccuracyFolder {
     store: Store,
@@ -19,7 +18,6 @@ pub(crate) struct AccuracyFolder {
 
 /// Rows that were measured, and the bytes of their table.
 pub(crate) struct Interrupted {
-    /// The rows.
     pub rows: Vec<Row>,
     length: usize,
 }
@@ -95,7 +93,6 @@ impl AccuracyFolder {
         Ok(AccuracyFolder { store, table })
     }
 
-    /// Appends a row.
     pub(crate) fn write(&mut self, row: &Row) -> Result<(), StoreError> {
         self.table.row(row)
     }
@@ -107,7 +104,6 @@ impl AccuracyFolder {
         self.store.replace(TABLE, text.as_bytes())
     }
 
-    /// The folder as such.
     pub(crate) fn store(&self) -> &Store {
         &self.store
     }

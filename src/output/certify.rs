@@ -192,7 +192,6 @@ pub(crate) fn sentence(point: &Point) -> String {
     lines
 }
 
-/// The folder being written.
 #[derive(Debug)]
 pub(crate) struct CertificateFolder {
     store: Store,
@@ -200,7 +199,6 @@ pub(crate) struct CertificateFolder {
 }
 
 impl CertificateFolder {
-    /// Name of the certificate.
     pub(crate) const FILE: &'static str = "certificate.ron";
 
     /// Begins in place of an earlier one.
@@ -213,12 +211,10 @@ impl CertificateFolder {
         Ok(CertificateFolder { store, table })
     }
 
-    /// Appends a point.
     pub(crate) fn write(&mut self, point: &Point) -> Result<(), StoreError> {
         self.table.row(&Row::new(point))
     }
 
-    /// Writes the certificate.
     pub(crate) fn finish(&self, certificate: &Certificate) -> Result<(), StoreError> {
         let path = self.store.path().join(Self::FILE);
         let text = ron::ser::to_string_pretty(

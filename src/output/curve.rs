@@ -18,7 +18,6 @@ use crate::model::Parameter;
 use crate::problem::Problem;
 use crate::table;
 
-/// Name of the steps.
 const STEPS: &str = "curve.steps";
 
 /// The folder of a curve being written.
@@ -54,7 +53,6 @@ fn value<T: DeserializeOwned>(line: &str) -> Result<T, Flaw> {
 pub(crate) struct Interrupted {
     /// The curve after its last step.
     pub run: Run,
-    /// Bytes of the steps.
     length: usize,
 }
 
@@ -184,7 +182,6 @@ impl CurveFolder {
         self.store.replace(TABLE, table(curve).as_bytes())
     }
 
-    /// The folder as such.
     pub(crate) fn store(&self) -> &Store {
         &self.store
     }

@@ -5,9 +5,7 @@ use super::store::Kind;
 use crate::problem::{Plot, Problem};
 use crate::simulation::task::Body;
 
-/// Points of a branch.
 pub(crate) const BRANCH: &str = "branch.csv";
-/// Events of a branch.
 pub(crate) const EVENTS: &str = "events.csv";
 /// Eigenvalues at the labels of a branch.
 pub(crate) const SPECTRUM: &str = "spectrum.csv";
@@ -19,17 +17,13 @@ pub(crate) fn profile_file(label: usize) -> String {
     format!("{PROFILES}/{label}.csv")
 }
 
-/// Waves of a map.
 pub(crate) const MAP: &str = "map.csv";
 /// The problem of a map.
 pub(crate) const MAP_ORIGIN: &str = "map.ron";
-/// Points of a curve.
 pub(crate) const CURVE: &str = "curve.csv";
 /// Errors and run times of methods.
 pub(crate) const ACCURACY: &str = "accuracy.csv";
-/// Proofs of special points.
 pub(crate) const CERTIFICATES: &str = "certificates.csv";
-/// Modes of steady sliding.
 pub(crate) const STEADY: &str = "steady.csv";
 
 /// Time series of a simulation.
@@ -42,9 +36,7 @@ pub(crate) const START: &str = "start.csv";
 pub(crate) const END: &str = "end.csv";
 /// What was measured of a simulation.
 pub(crate) const MEASURES: &str = "measures.csv";
-/// Growth of perturbations.
 pub(crate) const GROWTH: &str = "growth.csv";
-/// Folder of snapshots.
 pub(super) const SNAPSHOTS: &str = "snapshots";
 
 /// A snapshot, counted from 1.

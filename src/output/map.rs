@@ -215,7 +215,6 @@ impl MapFolder {
         Ok(())
     }
 
-    /// The table as Parquet.
     #[cfg(feature = "parquet")]
     fn convert(&self) -> Result<(), StoreError> {
         use super::parquet::{Kind, convert};
@@ -231,12 +230,10 @@ impl MapFolder {
         })
     }
 
-    /// The folder as such.
     pub(crate) fn store(&self) -> &Store {
         &self.store
     }
 
-    /// The folder.
     pub(crate) fn path(&self) -> &Path {
         self.store.path()
     }

@@ -5,12 +5,10 @@ use std::fmt::Write;
 /// Bytes of every header written here, so that the number of rows can be changed in place.
 pub(crate) const HEADER: usize = 128;
 
-/// Kind of the numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// 64-bit floating point, little-endian.
     Double,
-    /// Unsigned bytes.
     Byte,
 }
 

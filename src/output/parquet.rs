@@ -15,12 +15,10 @@ use ::parquet::schema::types::Type;
 /// Rows of a row group: the rows that are held in memory at a time.
 const GROUP: usize = 1 << 16;
 
-/// Type of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// 64-bit integer.
     Integer,
-    /// Double.
     Number,
     /// UTF-8.
     Text,
@@ -32,17 +30,13 @@ pub(crate) enum ConvertError {
     /// The table is no CSV.
     #[error("{0}")]
     Csv(#[from] csv::Error),
-    /// The Parquet writer refused.
     #[error("{0}")]
     Parquet(#[from] ParquetError),
     /// A field is not of the type of its column.
     #[error("line {line}: `{field}` in column `{column}` is not of its type")]
     Field {
-        /// Line of the table.
         line: usize,
-        /// The field.
         field: String,
-        /// Name of the column.
         column: String,
     },
 }

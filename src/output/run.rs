@@ -215,7 +215,6 @@ impl RunFolder {
         Ok(folder)
     }
 
-    /// The folder as such.
     pub(crate) fn store(&self) -> &Store {
         &self.store
     }

@@ -38,13 +38,9 @@ pub(crate) struct SimulationCheckpoint {
     pub problem: Problem,
     /// Samples taken, the one at the beginning included.
     pub samples: usize,
-    /// Snapshots written.
     pub snapshots: usize,
-    /// Steps taken.
     pub steps: u64,
-    /// Energy at the beginning.
     pub energy: f64,
-    /// State of the body.
     pub state: Saved,
 }
 
@@ -146,17 +142,14 @@ impl SimulationFolder {
         Ok((folder, samples))
     }
 
-    /// The folder as such.
     pub(crate) fn store(&self) -> &Store {
         &self.store
     }
 
-    /// Snapshots written.
     pub(crate) fn snapshots(&self) -> usize {
         self.snapshots
     }
 
-    /// Appends a sample.
     pub(crate) fn sample(&mut self, sample: &Sample, line: &Line) -> Result<(), StoreError> {
         self.series.row(sample)?;
         let kept = line.regimes.iter().step_by(stride(line.regimes.len()));

@@ -30,7 +30,6 @@ enum Token {
     Blank,
     /// A number or a bare name.
     Word,
-    /// A string.
     Text,
     /// A bracket, a colon or a comma.
     Mark(u8),

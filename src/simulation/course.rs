@@ -31,7 +31,6 @@ pub struct Course {
     duration: f64,
     snapshots: usize,
     per_sample: u64,
-    /// Energy at the beginning.
     start: f64,
     samples: Vec<Sample>,
     /// Steps to the next sample.
@@ -49,7 +48,6 @@ pub enum NoCourse {
     /// Perturbations cannot be asked for.
     #[error("{0}")]
     Growth(#[from] Refused),
-    /// No machine ends it.
     #[error(
         "{steps:.1e} steps of {time_step:.1e} of {nodes} nodes and what `growth` adds are {work:.1e} \
          steps of a node; at most {most:.0e} are admitted, which take months: take fewer points, a larger \

@@ -18,10 +18,8 @@ pub struct Exponential {
     pub size: f64,
 }
 
-/// Longest window.
 const WINDOW: usize = 120;
 
-/// Most exponentials.
 const MOST: usize = 16;
 
 /// Singular values below this part of the largest are noise. Rounding is 1e-16 of the largest; what

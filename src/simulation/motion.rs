@@ -213,7 +213,6 @@ impl Motion {
         steps - 1
     }
 
-    /// Steps taken.
     pub(crate) fn steps(&self) -> u64 {
         match self {
             Motion::Ring(ring) => ring.steps(),
@@ -237,7 +236,6 @@ impl Motion {
         }
     }
 
-    /// Nodes that move.
     pub(crate) fn size(&self) -> usize {
         match self {
             Motion::Ring(ring) => ring.setup().points,

@@ -20,7 +20,6 @@ pub(crate) const MIN_GROWTH_POINTS: usize = 14;
 pub(crate) const MAX_SIMULATION_POINTS: usize = 1 << 20;
 /// Most samples of a simulation.
 pub(crate) const MAX_SAMPLES: usize = 1 << 20;
-/// Most snapshots.
 pub(crate) const MAX_SNAPSHOTS: usize = 1000;
 /// Largest Courant number: beyond it, rates are off by a percent long before the scheme breaks.
 pub(crate) const MAX_COURANT: f64 = 0.9;
@@ -146,7 +145,6 @@ impl<'de> Deserialize<'de> for SimulationStart {
 /// Reads a start: values follow the name `Wave`, or they do not.
 struct StartVisitor;
 
-/// The names of starts.
 #[derive(Deserialize)]
 #[serde(variant_identifier)]
 enum StartName {

@@ -25,7 +25,6 @@ const RADIANS: f64 = 2.0;
 /// Most steps of one piece: at frequencies that need more nothing is searched, and no number is given.
 const MOST_STEPS: f64 = 1e4;
 
-/// Terms of z.
 const ORDER: usize = TERMS + 2;
 
 /// Terms of Δs² below this do not count.
@@ -34,13 +33,10 @@ const NOTHING: f64 = 1e-18;
 /// Perturbations larger than this are scaled down.
 const LARGE: f64 = 1e60;
 
-/// Friction along a zone.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
     segments: Vec<Segment>,
-    /// Mean of F.
     pub(super) force: f64,
-    /// Mean of E.
     pub(super) drag: f64,
     /// Largest |E|/m_a: what is fast against it sees the mean.
     pub(super) steepest: f64,

@@ -389,7 +389,6 @@ impl Split {
         Flow { at, by }
     }
 
-    /// The three of them.
     pub(super) fn roots(&self) -> [C64; 3] {
         let root = square_root(self.p * self.p - self.q);
         let aligned = self.p.re * root.re + self.p.im * root.im >= 0.0;

@@ -215,7 +215,6 @@ pub(super) enum Jump {
     Bend(f64),
     /// u := u′ := 0.
     TakeOff,
-    /// Landing or touch.
     Landing(Landing),
     /// Take-off with material damping, σfb/a.
     Depart(f64),
@@ -288,7 +287,6 @@ pub struct Characteristic {
     pub(super) g: f64,
     pub(super) h: f64,
     pub(super) friction: f64,
-    /// Friction coefficient in stick.
     pub(super) static_friction: f64,
     pub(super) damping: f64,
     /// β.
@@ -317,7 +315,6 @@ impl Perturbations {
         }
     }
 
-    /// One perturbation.
     pub(super) fn single(column: Vector4<C64>) -> Perturbations {
         Perturbations {
             columns: [column, Vector4::zeros()],

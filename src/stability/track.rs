@@ -89,7 +89,6 @@ pub struct Passed<'a> {
 #[derive(Clone, Debug)]
 pub struct Tracker {
     request: Request,
-    /// Tolerance of Newton's method.
     tolerance: f64,
     /// Spectrum at the point where the next step sets out.
     last: Option<Spectrum>,
@@ -305,9 +304,7 @@ struct Search<'a> {
     wave: &'a Wave,
     /// Where the step sets out.
     from: &'a Node,
-    /// Arclengths of its folds.
     folds: Vec<f64>,
-    /// Halvings left.
     halvings: usize,
     /// Eigenvalues of the allowance that are kept for later steps.
     reserve: usize,
@@ -315,7 +312,6 @@ struct Search<'a> {
     short: bool,
     /// Whether crossings were given up.
     lost: bool,
-    /// Those found.
     crossings: Vec<Crossing>,
 }
 

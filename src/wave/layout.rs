@@ -198,7 +198,6 @@ impl Wave {
         self.signature.len()
     }
 
-    /// Unknowns of a zone.
     pub(crate) fn width(&self) -> usize {
         width(self.material, &self.signature)
     }

@@ -19,7 +19,6 @@ use super::start::SlipStick;
 
 type Real = FBig<HalfEven, 2>;
 
-/// Binary digits carried.
 const PRECISION: usize = 240;
 
 /// Newton iterations: from 1e-13 to 1e-60 in three, one to be safe.

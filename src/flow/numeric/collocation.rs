@@ -23,7 +23,6 @@ struct Gauss {
     b: Vec<f64>,
     /// Coefficients of the leading divided difference, Σ_j d_j K_j = K⁽ᵐ⁻¹⁾/(m − 1)!.
     leading: Vec<f64>,
-    /// The points c_i.
     nodes: Vec<f64>,
     /// Coefficients of ℓ_j in powers of x.
     polynomials: Vec<Vec<f64>>,
@@ -135,7 +134,6 @@ struct Local {
     /// Column by column: L below the diagonal, whose own diagonal is one, U above it, and in its place the
     /// inverse of that of U.
     entries: Vec<f64>,
-    /// Row exchanged with each.
     pivots: Vec<usize>,
 }
 

@@ -11,7 +11,6 @@
 use crate::flow::{Frame, Quantities};
 use crate::model::FrictionLaw;
 
-/// Coefficients of a series.
 pub(crate) const TERMS: usize = 27;
 /// A function of x on \[0, 1\].
 pub(crate) type Series = [f64; TERMS];
@@ -25,12 +24,10 @@ const MOST_PIECES: usize = 100;
 /// Attempts to find a length for which the coefficients are numbers.
 const MOST_ATTEMPTS: usize = 12;
 
-/// Part of a zone.
 #[derive(Clone, Debug)]
 pub(crate) struct Piece {
     /// Time from the beginning of the zone.
     pub(crate) start: f64,
-    /// Length in time.
     pub(crate) duration: f64,
     /// fκS.
     pub(crate) force: Series,
@@ -42,7 +39,6 @@ pub(crate) struct Piece {
 /// more powers of it would not show a layer that is to come.
 const FLAT: (f64, f64) = (26.0, 22.0);
 
-/// Coefficients of one piece.
 struct Expansion {
     /// How far W may move: infinite but where friction is flat.
     room: f64,
@@ -63,7 +59,6 @@ fn along(w: &Series, other: &Series, n: usize) -> f64 {
     terms.sum()
 }
 
-/// Value at x.
 pub(crate) fn at(series: &Series, x: f64) -> f64 {
     series.iter().rev().fold(0.0, |sum, term| sum * x + term)
 }

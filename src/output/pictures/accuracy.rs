@@ -9,7 +9,6 @@ use crate::output::render::{
 /// Shapes of the methods, in the order of use.
 const SHAPES: [Shape; 4] = [Shape::Star, Shape::Disc, Shape::Square, Shape::Up];
 
-/// The picture.
 pub(super) fn picture(rows: &[Row]) -> Picture {
     // a branch that ended early took less time than the whole of it
     let whole = rows.iter().filter(|row| row.failure.is_none());

@@ -20,7 +20,6 @@ const MOST_NAMED: usize = 9;
 /// How much of the colour of a sequence its band keeps.
 const BAND: f64 = 0.16;
 
-/// Width of the curve.
 const CURVE: f64 = 2.2;
 
 /// What an empty picture says.
@@ -99,7 +98,6 @@ impl Stretch<'_> {
 /// What of a column of `branch.csv` is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct View {
-    /// The column.
     pub column: String,
     /// Part of the horizontal axis.
     pub range: (f64, f64),
@@ -117,25 +115,20 @@ pub(crate) enum NoView {
     /// The column has no numbers.
     #[error("column `{column}` of branch.csv has no values{}", needed.as_ref().map_or(String::new(), |(needed, cure)| format!(" without {needed}: {cure}, and run anew")))]
     Empty {
-        /// The column.
         column: String,
         /// What it needs, and how the problem file asks for it.
         needed: Option<(&'static str, String)>,
     },
-    /// No point lies there.
     #[error("no point has `{column}` from {} to {}: it goes from {} to {}", asked.0, asked.1, there.0, there.1)]
     Outside {
-        /// The column.
         column: String,
         /// Ends of the axis that are asked for.
         asked: (f64, f64),
-        /// Least and greatest value.
         there: (f64, f64),
     },
     /// A logarithmic axis has no place for a value.
     #[error("`{column}` is {value} at a point, which a logarithmic axis cannot show")]
     NotPositive {
-        /// The column.
         column: String,
         /// A value that is not greater than 0.
         value: f64,
@@ -550,7 +543,6 @@ fn stretches<'a>(branch: &'a Table, parameter: &str, column: &str) -> Vec<Stretc
         .collect()
 }
 
-/// Smallest and largest value.
 fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let ends = values.map(|value| (value, value));
     ends.reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)))

@@ -32,7 +32,6 @@ struct Change {
     at: Point,
 }
 
-/// The picture.
 pub(super) fn picture(profiles: &Profiles) -> Picture {
     let shown = along_branch(profiles.shown());
     let x = Axis::new(ANGLE, Extent::Data(0.0));

@@ -138,7 +138,6 @@ pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, StoreError> {
     Ok(Picture::new(panels, legend))
 }
 
-/// Points where they lie.
 fn scattered(waves: &[&Wave], colour: impl Fn(&Wave) -> RGBColor) -> Vec<Layer> {
     let size = (200.0 / (waves.len().max(1) as f64).sqrt()).clamp(1.0, 4.0);
     let layer =

@@ -32,7 +32,6 @@ type Multiplier = (Point, Mark);
 #[derive(Clone, Copy)]
 struct Window {
     centre: Point,
-    /// Half the side.
     half: f64,
 }
 

@@ -42,7 +42,6 @@ pub(super) fn quantity(column: &str) -> Quantity {
 pub(super) const LENGTH: &str = "R";
 /// Of angular velocities and eigenvalues: that of the shaft.
 pub(super) const RATE: &str = "Ω";
-/// Of times.
 pub(super) const TIME: &str = "1/Ω";
 /// Of pressure and friction on waves and rings.
 pub(super) const STRESS: &str = "γI₀E";
@@ -53,10 +52,8 @@ pub(super) type Named = (&'static str, &'static str, &'static str);
 /// Place along a travelling wave.
 pub(super) const ANGLE: Named = ("position", "θ", "rad");
 
-/// Tangential displacement.
 pub(super) const DISPLACEMENT: Named = ("tangential displacement", "V", LENGTH);
 
-/// Its rate.
 pub(super) const VELOCITY: Named = ("velocity", "V\u{307}", "RΩ");
 
 /// The mode and the parameters that differ from zero, but for the one on the axis.

@@ -16,7 +16,6 @@ use crate::table::Table;
 
 /// A branch as the page draws it.
 pub(crate) struct Drawn {
-    /// The table of points.
     pub branch: Table,
     /// Columns that can be drawn, the parameter first and then the speed, each with its caption.
     pub columns: Vec<(String, String)>,

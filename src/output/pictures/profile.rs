@@ -29,36 +29,28 @@ pub(super) const NONE: &str = "no profiles were asked for";
 pub(super) struct Sample {
     /// θ, always known.
     pub theta: f64,
-    /// U.
     pub radial: f64,
-    /// V.
     pub tangential: f64,
     /// V̇.
     pub rate: f64,
-    /// P.
     pub pressure: f64,
-    /// Q.
     pub shear: f64,
     /// The regime, if it is a known one.
     pub regime: Option<Regime>,
 }
 
-/// A sampled wave.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Profile {
-    /// Label of its point.
     pub label: String,
     /// Place along the branch; the second leg leads away from the first.
     pub position: i64,
     /// Value of the parameter on the axis of the diagrams, when known.
     pub parameter: Option<f64>,
-    /// Speed, when known.
     pub speed: Option<f64>,
     /// Mismatch δ, when known.
     pub mismatch: Option<f64>,
     /// Friction coefficient f, when known.
     pub friction: Option<f64>,
-    /// Sequence of its regimes.
     pub regimes: String,
     /// Whether the wave was asked for by a value of the parameter.
     pub asked_for: bool,
@@ -71,7 +63,6 @@ pub(super) struct Profile {
 pub(super) struct Zone {
     /// The regime, if it is a known one.
     pub regime: Option<Regime>,
-    /// Its samples.
     pub samples: Range<usize>,
     /// First θ.
     pub from: f64,
@@ -157,9 +148,7 @@ impl Profile {
 /// The profiles of a folder in the order of the parameter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Profiles {
-    /// The parameter.
     pub parameter: Quantity,
-    /// Those with samples.
     pub all: Vec<Profile>,
     /// Whether the axis of the parameter is logarithmic.
     pub logarithmic: bool,
@@ -170,7 +159,6 @@ pub(super) struct Profiles {
 /// A profile among those shown, with what tells it from the others.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Shown<'a> {
-    /// The profile.
     pub profile: &'a Profile,
     /// Colour in the order of the parameter.
     pub colour: RGBColor,

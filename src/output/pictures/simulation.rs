@@ -32,7 +32,6 @@ const RING_VELOCITY: usize = 4;
 /// Height of the middle one of the curves of V̇ in distances of their base lines.
 const LIFT: f64 = 1.6;
 
-/// What they show.
 pub(super) const SHOWN: [&str; 4] = [
     "Regimes of contact over place and time",
     "Velocity V\u{307} along the contact line at the beginning and at every snapshot, one above the other",
@@ -51,7 +50,6 @@ struct Motion {
     codes: Vec<u8>,
     /// Contact line at the beginning.
     start: Table,
-    /// Its length.
     length: f64,
     /// Contact line at the end, if that was reached.
     end: Option<Table>,
@@ -59,7 +57,6 @@ struct Motion {
     snapshots: Vec<(f64, Vec<f64>)>,
     /// Speed of the wave; zero where none was measured.
     speed: f64,
-    /// Unit of its pressures.
     stress: &'static str,
 }
 

@@ -16,10 +16,8 @@ const MOST: usize = 4;
 /// What an empty picture says.
 pub(super) const NONE: &str = "no spectrum was asked for";
 
-/// Size of the points.
 const SIZE: f64 = 4.4;
 
-/// Shapes of the sectors.
 const SHAPES: [Shape; 8] = [
     Shape::Circle,
     Shape::Plus,
@@ -31,30 +29,25 @@ const SHAPES: [Shape; 8] = [
     Shape::Star,
 ];
 
-/// An eigenvalue.
 pub(super) struct Eigenvalue {
     /// Place of its label among those chosen.
     pub label: usize,
     /// Place of its sector among those that occur.
     pub sector: usize,
-    /// Growth rate and frequency.
     pub value: Point,
 }
 
 /// What is shown of `spectrum.csv`.
 #[derive(Default)]
 pub(super) struct Chosen<'a> {
-    /// The labels shown.
     pub labels: Vec<&'a str>,
     /// The sectors that occur at these labels, in order.
     pub sectors: Vec<&'a str>,
     /// The eigenvalues at these labels.
     pub eigenvalues: Vec<Eigenvalue>,
-    /// Number of all labels.
     count: usize,
 }
 
-/// The picture.
 pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     let table = tables.spectrum()?;
     let chosen = Chosen::of(table.as_ref(), MOST);
@@ -117,7 +110,6 @@ impl<'a> Chosen<'a> {
         Mark::new(SHAPES[sector % SHAPES.len()], SIZE, colour)
     }
 
-    /// Explains sectors and labels.
     pub(crate) fn legend(&self, tables: &Tables) -> Legend {
         if self.sectors.is_empty() {
             return Legend::default();

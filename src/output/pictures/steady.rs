@@ -13,7 +13,6 @@ use crate::table::Table;
 /// Height of each of two panels.
 const HALF_HEIGHT: f64 = 210.0;
 
-/// Size of the points.
 const SIZE: f64 = 3.6;
 
 /// A curve over the modes.

@@ -22,7 +22,6 @@ struct Band {
     columns: Vec<(f64, Vec<f64>)>,
 }
 
-/// The picture.
 pub(super) fn picture(tables: &Tables) -> Result<Picture, StoreError> {
     tables.check_column("switches")?;
     let branch = &tables.branch;

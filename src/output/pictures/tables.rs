@@ -71,7 +71,6 @@ pub(super) struct Tables {
     folder: PathBuf,
     /// Column of the parameter in all of them.
     pub parameter: String,
-    /// Points of the branch.
     pub branch: Table,
     /// Special points; empty when the file is missing.
     pub events: Table,

@@ -129,7 +129,6 @@ fn marks(picture: &Picture) -> usize {
     layers(picture).iter().map(count).sum()
 }
 
-/// Captions of the axes.
 fn captions(picture: &Picture) -> Vec<String> {
     let panels = picture.panels.iter();
     let axes = panels.flat_map(|panel| [&panel.x, &panel.y]);

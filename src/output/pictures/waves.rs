@@ -31,7 +31,6 @@ fn lines(shown: &[Shown], points: impl Fn(&Profile) -> Vec<Point>) -> impl Itera
     shown.iter().map(line)
 }
 
-/// Contact pressure.
 pub(super) fn pressure(profiles: &Profiles) -> Picture {
     let shown = profiles.shown();
     // Zero is where contact is lost and belongs into the picture.
@@ -41,7 +40,6 @@ pub(super) fn pressure(profiles: &Profiles) -> Picture {
     Picture::new(vec![panel], profiles.legend(&shown))
 }
 
-/// Tangential and radial displacement.
 pub(super) fn wave(profiles: &Profiles) -> Picture {
     let shown = profiles.shown();
     let panel = |quantity, value: fn(&Sample) -> f64| {

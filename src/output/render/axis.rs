@@ -89,9 +89,7 @@ pub(crate) enum Extent {
 /// An axis as it is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Axis {
-    /// What it shows.
     pub quantity: Quantity,
-    /// How far it reaches.
     pub extent: Extent,
     /// Its ticks; where there are none they are chosen.
     pub ticks: Vec<Tick>,
@@ -108,12 +106,9 @@ impl Axis {
     }
 }
 
-/// A tick.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Tick {
-    /// Where.
     pub value: f64,
-    /// Its figures.
     pub text: String,
 }
 
@@ -122,20 +117,15 @@ pub(crate) struct Tick {
 pub(crate) struct Scale {
     /// Lower end, of the logarithm for decades.
     pub low: f64,
-    /// Upper end.
     pub high: f64,
-    /// Whether distances are ratios.
     pub logarithmic: bool,
-    /// Ticks between the ends.
     pub ticks: Vec<Tick>,
-    /// Text along the axis.
     pub caption: String,
 }
 
 /// How many ticks an axis has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Ticks {
-    /// About so many.
     About(usize),
     /// As many as fit beside each other on this length.
     Within(f64),

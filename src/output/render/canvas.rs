@@ -43,7 +43,6 @@ const COLUMN: f64 = 0.25;
 /// Points of a line up to which all are kept.
 const LONG: usize = 4000;
 
-/// The sheet.
 pub(super) struct Canvas<'a> {
     backend: SVGBackend<'a>,
     size: (u32, u32),

@@ -10,7 +10,6 @@ use super::surface::RenderError;
 /// File format of the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Format {
-    /// Scalable vector graphics.
     Svg,
     /// Pixels, about 460 per inch at the width of a column.
     Png,

@@ -10,13 +10,9 @@ pub(super) const CAPTION_SIZE: f64 = 18.0;
 /// A frame on a sheet.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Frame {
-    /// Upper left corner.
     pub from: Place,
-    /// Lower right corner.
     pub to: Place,
-    /// Horizontal axis.
     pub x: Scale,
-    /// Vertical axis.
     pub y: Scale,
     /// Room for the figures of the vertical axis, the same in all frames below each other.
     pub figures: f64,

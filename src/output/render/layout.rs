@@ -9,7 +9,6 @@ use super::picture::{Layer, Panel, Picture};
 use super::surface::{Align, Drawn, RenderError, Text, WIDTH};
 use super::text::width;
 
-/// Size of the title.
 const TITLE_SIZE: f64 = 18.0;
 
 /// Size of the line below it.
@@ -66,7 +65,6 @@ impl Picture {
         self.legend.paint(on, *bottom)
     }
 
-    /// Height of the sheet.
     pub(super) fn height(&self, (_, bottom): &(Vec<Frame>, f64)) -> f64 {
         (bottom + self.legend.height()).ceil()
     }
@@ -80,7 +78,6 @@ impl Picture {
         }
     }
 
-    /// Where the frames begin.
     fn top(&self) -> f64 {
         let title = self.title.as_ref().map_or(0.0, |_| 1.5 * TITLE_SIZE);
         let subtitle = self.subtitle.as_ref().map_or(0.0, |_| 1.4 * SUBTITLE_SIZE);

@@ -7,13 +7,11 @@ use super::palette::{BLACK, Pen};
 use super::surface::{Align, Drawn, Surface, Text, WIDTH};
 use super::text::width;
 
-/// Size of the texts.
 const SIZE: f64 = 15.0;
 
 /// Distance of the base lines.
 const LINE: f64 = 21.0;
 
-/// Distance between entries.
 const GAP: f64 = 14.0;
 
 /// Room on either side of the sheet.
@@ -25,13 +23,9 @@ const MOST: usize = 40;
 /// What stands in front of an explanation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Key {
-    /// A piece of line.
     Line(Pen),
-    /// A point.
     Mark(Mark),
-    /// A coloured area.
     Area(RGBColor),
-    /// A hatched area.
     Hatched(Pen),
 }
 
@@ -50,7 +44,6 @@ impl Key {
 pub(crate) struct Group {
     /// Text in front of the entries; may be empty.
     pub heading: String,
-    /// The entries.
     pub entries: Vec<(Key, String)>,
 }
 
@@ -85,7 +78,6 @@ impl Legend {
         self
     }
 
-    /// Height of the legend.
     pub(super) fn height(&self) -> f64 {
         match self.items().1 {
             0 => 0.0,

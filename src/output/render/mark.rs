@@ -2,43 +2,28 @@
 
 use plotters::style::RGBColor;
 
-/// How points are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mark {
-    /// Shape.
     pub shape: Shape,
     /// About half the width, in pixels.
     pub size: f64,
-    /// Colour.
     pub colour: RGBColor,
 }
 
-/// Shape of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Shape {
-    /// Disc.
     Disc,
-    /// Circle.
     Circle,
-    /// Filled square.
     Square,
-    /// Square outline.
     OpenSquare,
-    /// Triangle on its base.
     Up,
     /// Outline of a triangle on its tip.
     OpenDown,
-    /// Filled rhombus.
     Diamond,
-    /// Outline of a rhombus.
     OpenDiamond,
-    /// Star with five points.
     Star,
-    /// Upright cross.
     Plus,
-    /// Diagonal cross.
     Cross,
-    /// Short upright stroke.
     Tick,
 }
 

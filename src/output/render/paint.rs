@@ -11,7 +11,6 @@ use super::text::width;
 /// Size of small texts beside a frame.
 const SMALL: f64 = 0.88 * TICK_SIZE;
 
-/// Length of the ticks.
 const TICK: f64 = 6.0;
 
 /// Width of the rim of areas: without it paper shows between areas that only touch.
@@ -30,7 +29,6 @@ pub(super) trait Sheet: Surface {
 }
 
 impl Frame {
-    /// Draws layers.
     pub(crate) fn paint(&self, canvas: &mut dyn Surface, layers: &[Layer]) -> Drawn {
         layers.iter().try_for_each(|layer| match layer {
             Layer::Line(points, pen) => {

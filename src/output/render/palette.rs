@@ -2,23 +2,15 @@
 
 use plotters::style::RGBColor;
 
-/// Black.
 pub(crate) const BLACK: RGBColor = RGBColor(0, 0, 0);
-/// White.
 pub(crate) const WHITE: RGBColor = RGBColor(255, 255, 255);
 /// For helper lines and what is left over.
 pub(crate) const GREY: RGBColor = RGBColor(130, 130, 130);
-/// Blue.
 pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
-/// Vermillion.
 pub(crate) const VERMILLION: RGBColor = RGBColor(213, 94, 0);
-/// Bluish green.
 pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
-/// Reddish purple.
 pub(crate) const PURPLE: RGBColor = RGBColor(204, 121, 167);
-/// Orange.
 pub(crate) const ORANGE: RGBColor = RGBColor(230, 159, 0);
-/// Sky blue.
 pub(crate) const SKY: RGBColor = RGBColor(86, 180, 233);
 
 /// Colours of categories, in the order of use; yellow is left out, it is lost on white paper.
@@ -48,30 +40,23 @@ pub(crate) fn hexadecimal(RGBColor(red, green, blue): RGBColor) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// Pattern of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pattern {
-    /// Without gaps.
     Solid,
-    /// Long strokes.
     Dashed,
-    /// Short strokes.
     Dotted,
 }
 
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pen {
-    /// Colour.
     pub colour: RGBColor,
     /// Width in pixels of the sheet.
     pub width: f64,
-    /// Pattern.
     pub pattern: Pattern,
 }
 
 impl Pen {
-    /// A line without gaps.
     pub(crate) fn solid(colour: RGBColor, width: f64) -> Self {
         Pen {
             colour,

@@ -13,27 +13,22 @@ pub(crate) const HEIGHT: f64 = 300.0;
 /// A point in the units of the axes. What is not finite is not drawn.
 pub(crate) type Point = (f64, f64);
 
-/// A picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Picture {
     /// Line of text above everything.
     pub title: Option<String>,
-    /// Smaller line below it.
     pub subtitle: Option<String>,
     /// What is drawn, from top to bottom. Panels one below the other share the horizontal axis.
     pub panels: Vec<Panel>,
     /// Whether the panels are square and stand beside each other instead.
     pub beside: bool,
-    /// Explanations.
     pub legend: Legend,
 }
 
 /// A frame with axes and what is drawn in it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Panel {
-    /// Horizontal axis.
     pub x: Axis,
-    /// Vertical axis.
     pub y: Axis,
     /// Height of the frame in pixels.
     pub height: f64,
@@ -50,9 +45,7 @@ pub(crate) enum Layer {
     Across(f64, Pen),
     /// An upright line at a value of the horizontal axis.
     Upright(f64, Pen),
-    /// Points.
     Marks(Vec<Point>, Mark),
-    /// A filled polygon.
     Area(Vec<Point>, RGBColor),
     /// Filled rectangles; those with infinite ends reach to the frame.
     Cells(Vec<Cell>),
@@ -62,9 +55,7 @@ pub(crate) enum Layer {
     Headings(Vec<Heading>),
     /// A length of the vertical axis, right of the frame.
     Bar {
-        /// Where it stands.
         foot: f64,
-        /// Where it ends.
         head: f64,
         /// What it measures and how long it is.
         text: [String; 2],
@@ -73,14 +64,10 @@ pub(crate) enum Layer {
     Remark(String),
 }
 
-/// A filled rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cell {
-    /// Lower left corner.
     pub from: Point,
-    /// Upper right corner.
     pub to: Point,
-    /// Colour.
     pub colour: RGBColor,
 }
 
@@ -89,16 +76,13 @@ pub(crate) struct Cell {
 pub(crate) struct Name {
     /// Of names with the same number the first that has room is written.
     pub group: usize,
-    /// Where its middle is.
     pub at: Point,
-    /// The name.
     pub text: String,
 }
 
 /// Name of a stretch of the horizontal axis.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Heading {
-    /// The stretch.
     pub ends: [f64; 2],
     /// Names in the order of preference: the first that fits is written.
     pub names: Vec<String>,

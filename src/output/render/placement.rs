@@ -5,7 +5,6 @@ use super::picture::{Layer, Name};
 use super::surface::Place;
 use super::text::width;
 
-/// Size of the names.
 pub(super) const NAME_SIZE: f64 = 14.0;
 
 /// Least distance of a name from a line, and from the frame.

@@ -15,7 +15,6 @@ const SCALE: f32 = 3.0;
 /// Width of the page in millimetres: a column.
 const COLUMN: f64 = 85.0;
 
-/// The picture as PNG.
 pub(super) fn png(svg: &str) -> Result<Vec<u8>, RenderError> {
     let tree = tree(svg, "PNG")?;
     let size = tree.size();

@@ -16,16 +16,13 @@ pub(crate) enum RenderError {
     /// PNG and PDF were left out when the program was built.
     #[error("this build writes SVG and TeX only; build it with the feature `raster` for {0}")]
     FormatMissing(&'static str),
-    /// The backend failed.
     #[error("cannot compose the picture: {0}")]
     Compose(Box<dyn Error + Send + Sync>),
     /// The picture could not be converted.
     #[error("cannot convert the picture to {format}: {source}")]
     #[cfg_attr(not(feature = "raster"), allow(dead_code))] // SVG needs no conversion
     Convert {
-        /// The format asked for.
         format: &'static str,
-        /// Why.
         source: Box<dyn Error + Send + Sync>,
     },
 }
@@ -39,11 +36,8 @@ pub(super) type Drawn = Result<(), RenderError>;
 /// Which point of a text, on its base line, lies at its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
-    /// Its left end.
     Left,
-    /// Its middle.
     Middle,
-    /// Its right end.
     Right,
     /// Its middle, and it reads upwards.
     Upward,
@@ -90,19 +84,15 @@ pub(super) trait Surface {
     /// A line through the places.
     fn line(&mut self, places: &[Place], pen: Pen) -> Drawn;
 
-    /// A filled rectangle.
     fn area(&mut self, from: Place, to: Place, colour: RGBColor) -> Drawn;
 
-    /// A filled polygon.
     fn polygon(&mut self, corners: &[Place], colour: RGBColor) -> Drawn;
 
     /// A point with a white rim.
     fn mark(&mut self, place: Place, mark: Mark) -> Drawn;
 
-    /// A text.
     fn text(&mut self, text: Text<'_>) -> Drawn;
 
-    /// A closed line.
     fn outline(&mut self, corners: &[Place], pen: Pen) -> Drawn {
         // the second corner, too, so that the last one is joined
         let repeated = corners.iter().take(2);

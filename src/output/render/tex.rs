@@ -18,7 +18,6 @@ use super::palette::{BLACK, Pattern, Pen, WHITE};
 use super::picture::{Cell, Layer, Picture, Point};
 use super::surface::{Align, Drawn, Place, RenderError, Surface, Text, WIDTH};
 
-/// Pixels per millimetre.
 const PIXELS: f64 = 6.0;
 
 /// Coordinates further out than this many lengths of the axis are moved there: TeX's lengths end at 5.7 m.
@@ -27,10 +26,8 @@ const FAR: f64 = 20.0;
 /// Part of the magnitude of an axis that its length has at least, for coordinates to be the data itself.
 const SHORT: f64 = 1e-3;
 
-/// A file being written.
 struct Sheet {
     text: String,
-    /// Height in pixels.
     height: f64,
     colours: BTreeSet<[u8; 3]>,
 }
@@ -153,7 +150,6 @@ impl paint::Sheet for Sheet {
         texts.try_for_each(|layer| frame.outside(self, layers, layer))
     }
 
-    /// Part of the axes.
     fn border(&mut self, _: &Frame) -> Drawn {
         Ok(())
     }
@@ -290,7 +286,6 @@ impl Sheet {
     }
 }
 
-/// Coordinates along an axis.
 struct Coordinates<'a> {
     scale: &'a Scale,
     /// What is subtracted from the data.

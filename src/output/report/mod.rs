@@ -18,7 +18,6 @@ use super::store::{self, Kind, SOURCE, Store, StoreError, VERSION, damaged, unfi
 use crate::problem::Problem;
 use crate::table::{self, Table};
 
-/// Name of the page.
 pub(crate) const PAGE: &str = "report.html";
 
 /// The page around its content: style and script, with `{{name}}` where content goes.
@@ -27,9 +26,7 @@ const FRAME: &str = include_str!("page.html");
 /// What the page shows of each kind, at most: together about a megabyte.
 /// Points times columns.
 const CELLS: usize = 40_000;
-/// Samples of profiles.
 const SAMPLES: usize = 8_000;
-/// Events, and eigenvalues.
 const EIGENVALUES: usize = 4_000;
 const ROWS: usize = 400;
 /// Bytes of pictures, small ones first.
@@ -272,7 +269,6 @@ fn short(cell: &str) -> String {
     }
 }
 
-/// A table for reading.
 fn listed(name: &str, table: &Table) -> String {
     let name = escaped(name);
     let mut text = format!("<details><summary>{name}</summary>\n<table>\n<tr>");

@@ -11,11 +11,8 @@ use super::place::stranger;
 /// What is to be done with results that are there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Existing {
-    /// Leave them alone.
     Refuse,
-    /// Go on with them.
     Resume,
-    /// Replace them.
     Replace,
 }
 

@@ -11,7 +11,6 @@ use crate::problem::Problem;
 
 /// What is saved to go on from: RON, replaced as a whole.
 pub(crate) trait Checkpoint: Serialize + DeserializeOwned {
-    /// Name of its file.
     const FILE: &'static str;
 
     /// The problem with all its settings.

@@ -153,7 +153,6 @@ pub(crate) fn refused(path: &Path, reason: impl Into<String>) -> StoreError {
     }
 }
 
-/// A damaged file.
 pub(crate) fn damaged(path: &Path, reason: impl Into<String>) -> StoreError {
     StoreError::Damaged {
         path: path.to_path_buf(),

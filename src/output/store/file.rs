@@ -282,7 +282,6 @@ impl Growing {
         written.map_err(io_error("write it", &self.path))
     }
 
-    /// Adds a row.
     pub(crate) fn row(&mut self, row: &impl Serialize) -> Result<(), StoreError> {
         self.push(table::line(row).as_bytes())
     }

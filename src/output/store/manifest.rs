@@ -8,15 +8,11 @@ use std::path::{Component, Path, PathBuf};
 use super::error::{READ, StoreError, io_error, refused};
 use super::file::found;
 
-/// Name of the manifest.
 pub(crate) const MANIFEST: &str = "brakewave.manifest";
 
-/// What a folder holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// A branch.
     Run,
-    /// A map.
     Map,
     /// Some rows of a map.
     MapShard,
@@ -24,11 +20,9 @@ pub(crate) enum Kind {
     Curve,
     /// Errors and times of methods.
     Accuracy,
-    /// A simulation.
     Simulation,
     /// What is proven of a branch.
     Certificate,
-    /// Stability of steady sliding.
     Steady,
 }
 
@@ -69,7 +63,6 @@ impl Kind {
 pub(super) struct Header {
     pub version: String,
     pub kind: String,
-    /// Hash of the problem.
     pub problem: String,
 }
 

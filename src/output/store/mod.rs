@@ -43,7 +43,6 @@ use place::{make, real, stranger, unmake};
 /// The problem file as it was written, beside its results.
 pub(crate) const SOURCE: &str = "source.ron";
 
-/// A result folder.
 #[derive(Debug)]
 pub(crate) struct Store {
     path: PathBuf,
@@ -186,7 +185,6 @@ impl Store {
         })
     }
 
-    /// The folder.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }

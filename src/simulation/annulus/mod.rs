@@ -256,17 +256,14 @@ impl Annulus {
         &self.state
     }
 
-    /// Angle between neighbouring nodes.
     pub(crate) fn width(&self) -> f64 {
         self.setup.angle / self.setup.around as f64
     }
 
-    /// Steps taken.
     pub(crate) fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// Time since the start.
     pub(crate) fn time(&self) -> f64 {
         let (steps, time) = self.since;
         time + (self.steps - steps) as f64 * self.setup.time_step

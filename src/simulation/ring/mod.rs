@@ -47,7 +47,6 @@ pub enum Order {
 }
 
 impl Order {
-    /// Neighbours on either side.
     pub(crate) fn reach(self) -> usize {
         match self {
             Order::Second => 1,
@@ -169,7 +168,6 @@ const STRETCH: usize = 1024;
 /// Steps of a block, at most; a stretch must be several times as long.
 const DEPTH: usize = 48;
 
-/// Distance of neighbouring points.
 fn spacing(points: usize, angle: f64) -> f64 {
     angle / points as f64
 }
@@ -307,7 +305,6 @@ impl Ring {
         spacing(self.setup.points, self.setup.angle)
     }
 
-    /// Steps taken.
     pub(crate) fn steps(&self) -> u64 {
         self.steps
     }
@@ -570,7 +567,6 @@ impl Stretch {
         }
     }
 
-    /// Copies the core back.
     fn store(&self, ring: &mut Nodes, margin: usize) {
         let (from, to) = (self.from, self.to);
         let core = margin..margin + to - from;

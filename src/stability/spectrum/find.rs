@@ -36,7 +36,6 @@ const MOST_STARTS: usize = 2000;
 const SAME_START: f64 = 0.2;
 
 impl Search<'_> {
-    /// Newton's method on F_j.
     fn polish(&self, half: usize, seed: C64) -> Option<Eigenvalue> {
         let z = self.multipliers[half];
         let longest = self.spacing;
