@@ -48,6 +48,7 @@ pub enum NoCourse {
     /// Perturbations cannot be asked for.
     #[error("{0}")]
     Growth(#[from] Refused),
+    /// More steps of nodes than a machine takes in months.
     #[error(
         "{steps:.1e} steps of {time_step:.1e} of {nodes} nodes and what `growth` adds are {work:.1e} \
          steps of a node; at most {most:.0e} are admitted, which take months: take fewer points, a larger \

@@ -68,6 +68,7 @@ const NUDGE: f64 = 1e-13;
 /// The eigenvalues of the radial problem could not be computed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
+    /// The eigenvalue solver does not converge.
     #[error(
         "mode {mode}: the eigenvalues of a radial problem of {size} rows do not converge; \
          take another --order"
