@@ -265,7 +265,7 @@ impl System {
         let read = Reader { source: &source };
         let forcing = source.forcing.as_ref();
         let forcing = forcing
-            .map(|text| read.expression("forcing", text, Scope::Parameters(0)))
+            .map(|text| read.expression("forcing", text, Scope::Parameters))
             .transpose()?;
         let define = source
             .define
@@ -293,16 +293,19 @@ impl System {
         })
     }
 
+    /// Names of the modes of the file, then of the sliding ones.
+    fn mode_names(&self) -> impl Iterator<Item = &str> {
+        self.source.modes.names().chain(self.source.sliding.names())
+    }
+
     /// Name of a mode: first those of the file, then the sliding ones.
     pub fn mode_name(&self, mode: usize) -> &str {
-        let mut names = self.source.modes.names().chain(self.source.sliding.names());
-        names.nth(mode).unwrap_or_default()
+        self.mode_names().nth(mode).unwrap_or_default()
     }
 
     /// Index of a mode by its name.
     pub fn mode(&self, name: &str) -> Option<usize> {
-        let mut names = self.source.modes.names().chain(self.source.sliding.names());
-        names.position(|known| known == name)
+        self.mode_names().position(|known| known == name)
     }
 
     /// Names of parameters that no expression has.
@@ -403,7 +406,7 @@ fn check_name<'a>(
 /// What an expression may name, with the number of abbreviations that stand before it.
 #[derive(Clone, Copy)]
 enum Scope {
-    Parameters(usize),
+    Parameters,
     All(usize),
 }
 
@@ -423,7 +426,7 @@ impl Reader<'_> {
             ..
         } = self.source;
         let (states, abbreviations) = match scope {
-            Scope::Parameters(abbreviations) => (&[][..], abbreviations),
+            Scope::Parameters => (&[][..], 0),
             Scope::All(abbreviations) => (&states[..], abbreviations),
         };
         let known = || {
