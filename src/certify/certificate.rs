@@ -2,8 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::arc::{self, Broken};
-use super::{Beyond, Condition, Growth, Near, Posed, Unproven, growth};
+use super::change::Beyond;
+use super::count::Growth;
+use super::open::Open;
+use super::perturbation::Eigenvalue;
+use super::system::{Condition, Near, Posed};
 use crate::interval::Interval;
 use crate::model::{EventType, Parameter};
 
@@ -66,39 +69,11 @@ impl Point {
         matches!(self.outcome, Outcome::Proven(_))
     }
 
-    fn proof(&self) -> Option<&Proof> {
+    pub(super) fn proof(&self) -> Option<&Proof> {
         match &self.outcome {
             Outcome::Proven(proof) => Some(proof),
             Outcome::Open(_) => None,
         }
-    }
-
-    /// Counts the growing eigenvalues with |Im λ| up to a window; `None` but at user points, ends and crossings.
-    pub fn counted(&self, window: f64) -> Option<Counted> {
-        let proof = self.proof()?;
-        if !matches!(
-            proof.condition,
-            Condition::Value(_) | Condition::Crossing { .. }
-        ) {
-            return None;
-        }
-        Some(match growth(proof, window, None) {
-            Ok(growth) => Counted::Proven(growth),
-            Err(reason) => Counted::Open(reason.to_string()),
-        })
-    }
-
-    /// Proves that on the branch from an earlier point to this there is no other but crossings of eigenvalues;
-    /// `None` if the branch does not lead from there to here.
-    pub fn stretch(&self, before: &Point) -> Option<Stretch> {
-        if self.leg != before.leg {
-            return None;
-        }
-        let ends = before.proof().zip(self.proof()).ok_or(Broken::End);
-        Some(match ends.and_then(|(from, to)| arc::prove(from, to)) {
-            Ok(pieces) => Stretch::Proven(pieces),
-            Err(reason) => Stretch::Open(reason.to_string()),
-        })
     }
 }
 
@@ -139,20 +114,6 @@ pub struct Proof {
     pub eigenvalues: Vec<Eigenvalue>,
 }
 
-/// An eigenvalue λ of a wave, with e^{λt}.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Eigenvalue {
-    /// Bloch sector.
-    pub sector: usize,
-    /// λ in doubles.
-    pub near: [f64; 2],
-    /// Re λ.
-    pub growth: Interval,
-    /// Im λ.
-    pub omega: Interval,
-}
-
 impl Proof {
     /// Whether the wave is unstable.
     pub fn is_unstable(&self) -> bool {
@@ -179,41 +140,6 @@ pub struct Statement {
     pub omega: Option<Interval>,
     /// Inequalities proven.
     pub inequalities: usize,
-}
-
-/// Why a point is not proven.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Open {
-    /// β > 0.
-    #[error("not covered: waves with material damping")]
-    MaterialDamping,
-    /// A law whose flow has no closed form.
-    #[error("not covered: friction that depends on the velocity")]
-    Law,
-    /// A method other than the exact one.
-    #[error("not covered: equations solved by a numerical method")]
-    Method,
-    /// The vertical family.
-    #[error("not covered: in the family at the Hopf point of steady sliding no parameter moves")]
-    Family,
-    /// The perturbation of a Coulomb impact.
-    #[error("not covered: eigenvalues of waves with a Coulomb impact")]
-    CoulombImpact,
-    /// D = 0.
-    #[error("not covered: where D = 0 there is no wave")]
-    Undriven,
-    /// A zone that begins at V̇ = 0, or switches that the table has not.
-    #[error("not covered: a sequence of zones that is not in the table of switches")]
-    Signature,
-    /// Too long a zone, or numbers that are not finite.
-    #[error("undecided: the equations cannot be enclosed")]
-    NotEnclosed,
-    /// Krawczyk's operator does not map a box into itself.
-    #[error("undecided: no box is known to have exactly one solution")]
-    NotIsolated,
-    /// An inequality.
-    #[error("undecided: {0} is not proven")]
-    Inequality(#[from] Unproven),
 }
 
 /// Why a stored proof does not hold.

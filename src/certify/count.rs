@@ -19,8 +19,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Eigenvalue;
 use super::frame::Frame;
+use super::perturbation::Eigenvalue;
 use super::propagator::{
     Complex, ETA, ETA_RATE, Linear, Perturbation, combined, dimension, nothing, unit,
 };

@@ -23,15 +23,20 @@ mod fold;
 mod frame;
 mod inequality;
 mod krawczyk;
+mod open;
 mod perturbation;
 mod propagator;
 mod system;
 mod tail;
 
-pub use certificate::{
-    Certificate, Counted, Eigenvalue, Open, Outcome, Point, Proof, Refused, Statement, Stretch,
-};
+pub use certificate::{Certificate, Counted, Outcome, Point, Proof, Refused, Statement, Stretch};
+pub use change::Beyond;
 pub use count::{Growth, Leading, Uncounted, Verdict};
+pub use frame::{Origin, Written};
+pub use inequality::Unproven;
+pub use open::Open;
+pub use perturbation::Eigenvalue;
+pub use system::{Condition, Near, Posed};
 
 use crate::branch::row::EigenvalueRow;
 use crate::branch::run::Item;
@@ -44,12 +49,9 @@ use crate::model::{EventType, Impact};
 use crate::problem::{decimal_at, decimal_of};
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch};
-pub use change::Beyond;
-pub use frame::{Origin, Written};
+use arc::Broken;
 use inequality::Part;
-pub use inequality::Unproven;
 use system::System;
-pub use system::{Condition, Near, Posed};
 
 /// Proves a special point of a branch; `None` for points without an event, and for failures. `text` is that
 /// of the problem file, whose decimals are taken as they are written.
@@ -98,6 +100,36 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
             Err(reason) => Outcome::Open(reason.to_string()),
         },
     })
+}
+
+impl Point {
+    /// Counts the growing eigenvalues with |Im λ| up to a window; `None` but at user points, ends and crossings.
+    pub fn counted(&self, window: f64) -> Option<Counted> {
+        let proof = self.proof()?;
+        if !matches!(
+            proof.condition,
+            Condition::Value(_) | Condition::Crossing { .. }
+        ) {
+            return None;
+        }
+        Some(match growth(proof, window, None) {
+            Ok(growth) => Counted::Proven(growth),
+            Err(reason) => Counted::Open(reason.to_string()),
+        })
+    }
+
+    /// Proves that on the branch from an earlier point to this there is no other but crossings of eigenvalues;
+    /// `None` if the branch does not lead from there to here.
+    pub fn stretch(&self, before: &Point) -> Option<Stretch> {
+        if self.leg != before.leg {
+            return None;
+        }
+        let ends = before.proof().zip(self.proof()).ok_or(Broken::End);
+        Some(match ends.and_then(|(from, to)| arc::prove(from, to)) {
+            Ok(pieces) => Stretch::Proven(pieces),
+            Err(reason) => Stretch::Open(reason.to_string()),
+        })
+    }
 }
 
 /// Proves the point next to a wave in doubles.

@@ -11,6 +11,8 @@
 //! zero: with G(s, λ) = 0 for the eigenvalue, (G_s, iG_λ) are independent over the real numbers exactly if
 //! Re dλ/ds ≠ 0.
 
+use serde::{Deserialize, Serialize};
+
 use super::equations::Evaluated;
 use super::flow::{GAP_RATE, W, Y};
 use super::frame::Frame;
@@ -33,6 +35,20 @@ type Mixed = Gradient<Interval, ALL>;
 /// Slots of what the propagator of a zone depends on besides its duration.
 const LOCAL: [usize; 4] = [EXCESS, PARAMETER, GROWTH, OMEGA];
 type Local = Gradient<Interval, { LOCAL.len() }>;
+
+/// An eigenvalue λ of a wave, with e^{λt}.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Eigenvalue {
+    /// Bloch sector.
+    pub sector: usize,
+    /// λ in doubles.
+    pub near: [f64; 2],
+    /// Re λ.
+    pub growth: Interval,
+    /// Im λ.
+    pub omega: Interval,
+}
 
 /// Where λ and an eigenfunction stand among unknowns and equations.
 #[derive(Clone, Copy)]

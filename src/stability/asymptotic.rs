@@ -7,7 +7,7 @@
 //! ```
 //!
 //! with the upper sign for i = 1. Under friction that depends on the velocity α − E stands for α, see
-//! [`super::course`], and both are means over the zone. Separation decouples to this order: u is O(1/λ) of η, and so is what it
+//! [`super::sliding`], and both are means over the zone. Separation decouples to this order: u is O(1/λ) of η, and so is what it
 //! gives back at landing, with friction or without: λu is of the order of η, and η′ of that of λη.
 //! Reversals multiply η′ by V̈⁺/V̈⁻ and mix the two branches. The characteristic function becomes a sum
 //! of exponentials Σ a_p e^{−λτ_p} over the paths through the branches, and lim sup Re λ is the root ρ

@@ -15,6 +15,7 @@ pub mod eigenfunction;
 mod material;
 mod perturbation;
 mod separation;
+mod sliding;
 pub mod spectrum;
 mod switch;
 pub mod track;

@@ -1,0 +1,38 @@
+//! Why a point is not proven: what is not covered, and what is undecided.
+
+use super::Unproven;
+
+/// Why a point is not proven.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Open {
+    /// β > 0.
+    #[error("not covered: waves with material damping")]
+    MaterialDamping,
+    /// A law whose flow has no closed form.
+    #[error("not covered: friction that depends on the velocity")]
+    Law,
+    /// A method other than the exact one.
+    #[error("not covered: equations solved by a numerical method")]
+    Method,
+    /// The vertical family.
+    #[error("not covered: in the family at the Hopf point of steady sliding no parameter moves")]
+    Family,
+    /// The perturbation of a Coulomb impact.
+    #[error("not covered: eigenvalues of waves with a Coulomb impact")]
+    CoulombImpact,
+    /// D = 0.
+    #[error("not covered: where D = 0 there is no wave")]
+    Undriven,
+    /// A zone that begins at V̇ = 0, or switches that the table has not.
+    #[error("not covered: a sequence of zones that is not in the table of switches")]
+    Signature,
+    /// Too long a zone, or numbers that are not finite.
+    #[error("undecided: the equations cannot be enclosed")]
+    NotEnclosed,
+    /// Krawczyk's operator does not map a box into itself.
+    #[error("undecided: no box is known to have exactly one solution")]
+    NotIsolated,
+    /// An inequality.
+    #[error("undecided: {0} is not proven")]
+    Inequality(#[from] Unproven),
+}
