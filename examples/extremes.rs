@@ -87,8 +87,8 @@ fn by_closed_form(model: &Model, mode: u32, which: Which, solved: &Solved) -> Re
     let excess = solved.wave.excess_at(&solved.node.point);
     Ok((excess / exact.excess - 1.0)
         .abs()
-        .max((zones[0][2] - exact.slip).abs() / period)
-        .max((zones[1][2] - exact.stick).abs() / period))
+        .max((zones[0].duration - exact.slip).abs() / period)
+        .max((zones[1].duration - exact.stick).abs() / period))
 }
 
 /// Difference from the same wave by collocation.
@@ -111,7 +111,7 @@ fn row(what: &str, result: Result<(Solved, &str, f64), String>) {
             let zones = solved.wave.unpack(&solved.node.point);
             let shortest = zones
                 .iter()
-                .fold(f64::INFINITY, |least, zone| least.min(zone[2]));
+                .fold(f64::INFINITY, |least, zone| least.min(zone.duration));
             let expected = conditioning(&solved.wave, &solved.node)
                 .map_or(f64::NAN, |conditioning| conditioning.expected_error);
             println!(

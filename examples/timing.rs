@@ -86,8 +86,8 @@ fn run(work: &Work, measure: bool) -> Outcome {
                     let speed = point.wave.speed_at(&point.node.point);
                     for (found, exact) in [
                         (speed, exact.speed),
-                        (zones[0][2] * speed, exact.slip * exact.speed),
-                        (zones[1][2] * speed, exact.stick * exact.speed),
+                        (zones[0].duration * speed, exact.slip * exact.speed),
+                        (zones[1].duration * speed, exact.stick * exact.speed),
                     ] {
                         outcome.error = outcome.error.max((found / exact - 1.0).abs());
                     }

@@ -289,10 +289,10 @@ fn against_closed_form(compared: &Compared) -> Option<(f64, f64)> {
     let near = SlipStick {
         excess: wave.excess_at(point),
         speed: compared.speed(),
-        slip: zones[0][2],
-        stick: zones[1][2],
+        slip: zones[0].duration,
+        stick: zones[1].duration,
         least_rate: f64::NAN,
-        release: zones[0][0],
+        release: zones[0].entry[0],
     };
     let exact = precise::slip_stick(&wave.model_at(point), wave.mode, &near)?;
     let speed = (compared.speed() / exact.speed - 1.0).abs();

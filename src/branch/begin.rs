@@ -246,7 +246,7 @@ pub(super) fn begin(
     }
     if let Some(request) = problem.request() {
         let zones = begun.wave.unpack(&begun.point);
-        let period: f64 = zones.iter().map(|zone| zone[2]).sum();
+        let period: f64 = zones.iter().map(|zone| zone.duration).sum();
         let count = request.max_frequency * period / std::f64::consts::PI;
         if count > MOST_EIGENVALUES {
             return Err(RunError::Asked(Refused::Eigenvalues {

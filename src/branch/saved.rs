@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::flow::Slide;
 use crate::linalg::Vector;
 use crate::model::signature::Signature;
 use crate::model::{Model, Parameter};
-use crate::wave::{Scales, Wave, ZoneUnknowns};
+use crate::wave::{Scales, Wave};
 
 /// A wave in physical numbers: what a restart needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,17 +35,17 @@ impl SavedWave {
     pub fn new(label: usize, model: Model, wave: &Wave, point: &Vector) -> SavedWave {
         let zones = wave.unpack(point);
         let width = wave.width();
-        let layers = |index: usize| {
-            let layers = zones.iter().map(move |zone| zone[index]);
-            layers.take(if index < width { zones.len() } else { 0 })
+        let layers = |of: fn(&Slide) -> f64, least_width: usize| -> Vec<f64> {
+            let kept: &[Slide] = if width < least_width { &[] } else { &zones[..] };
+            kept.iter().map(of).collect()
         };
         SavedWave {
             label,
             model,
             signature: wave.signature.clone(),
-            zones: zones.iter().map(|[y, w, t, ..]| [*y, *w, *t]).collect(),
-            layers: layers(3).collect(),
-            radial_layers: layers(4).collect(),
+            zones: zones.iter().map(Slide::without_layers).collect(),
+            layers: layers(|zone| zone.layer, 4),
+            radial_layers: layers(|zone| zone.radial, 5),
             excess: wave.excess_at(point),
         }
     }
@@ -75,13 +76,15 @@ impl SavedWave {
     }
 
     /// (Y, W, T, G, G_U) of each zone.
-    pub fn unknowns(&self) -> Vec<ZoneUnknowns> {
+    pub fn unknowns(&self) -> Vec<Slide> {
         let of = |layers: &[f64], index: usize| layers.get(index).copied().unwrap_or(0.0);
         let zones = self.zones.iter().enumerate();
         zones
-            .map(|(index, [y, w, t])| {
-                let layers = [&self.layers, &self.radial_layers].map(|layers| of(layers, index));
-                [*y, *w, *t, layers[0], layers[1]]
+            .map(|(index, &[y, w, duration])| Slide {
+                entry: [y, w],
+                duration,
+                layer: of(&self.layers, index),
+                radial: of(&self.radial_layers, index),
             })
             .collect()
     }

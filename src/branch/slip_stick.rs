@@ -2,12 +2,12 @@
 
 use super::wanted::{NoStart, Wanted};
 use crate::continuation::newton::{self, Fixed, System};
-use crate::flow::FlowError;
+use crate::flow::{FlowError, Slide};
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime, Signature, Zone};
 use crate::model::{FrictionLaw, Model, Parameter};
+use crate::wave::Wave;
 use crate::wave::start;
-use crate::wave::{Wave, ZoneUnknowns};
 
 /// Steps in which the friction law is turned from Coulomb's into the one asked for.
 const LAW_STEPS: usize = 8;
@@ -35,8 +35,8 @@ pub(super) fn slip_stick_wave(
     };
     let mut wave = posed(FrictionLaw::Coulomb);
     let zones = [
-        [closed.release, 1.0, closed.slip, 0.0, 0.0],
-        [closed.release - closed.stick, 1.0, closed.stick, 0.0, 0.0],
+        Slide::bare([closed.release, 1.0], closed.slip),
+        Slide::bare([closed.release - closed.stick, 1.0], closed.stick),
     ];
     let mut guess = wave.pack(&zones, closed.excess, value);
     if wave.material {
@@ -74,7 +74,7 @@ const SMOOTHING_STEP: f64 = 1.4;
 
 /// The zones that a wave of Coulomb's law has under the regularised one: stick and both directions of
 /// sliding are one zone of contact, cut where V̇ = 0 rises if the surface never separates.
-fn smoothed(sharp: &Wave, at: &Vector) -> Result<(Signature, Vec<ZoneUnknowns>), FlowError> {
+fn smoothed(sharp: &Wave, at: &Vector) -> Result<(Signature, Vec<Slide>), FlowError> {
     let zones = sharp.unpack(at);
     let free = |index: usize| sharp.signature.zone(index).regime == Regime::Separation;
     let Some(first) = (0..zones.len()).find(|&index| free(index)) else {
@@ -83,15 +83,15 @@ fn smoothed(sharp: &Wave, at: &Vector) -> Result<(Signature, Vec<ZoneUnknowns>),
         let crossings = slip.extremes(&slide)?;
         let rising = crossings.last().copied().unwrap_or(0.5 * slide.duration);
         let [y, _] = slip.state(&slide, rising)?;
-        let period: f64 = zones.iter().map(|zone| zone[2]).sum();
-        return Ok((Signature::contact(), vec![[y, 0.0, period, 0.0, 0.0]]));
+        let period: f64 = zones.iter().map(|zone| zone.duration).sum();
+        return Ok((Signature::contact(), vec![Slide::bare([y, 0.0], period)]));
     };
     let mut signature = Vec::new();
-    let mut merged: Vec<ZoneUnknowns> = Vec::new();
+    let mut merged: Vec<Slide> = Vec::new();
     for index in first..first + zones.len() {
         let zone = zones[index % zones.len()];
         match merged.last_mut() {
-            Some(contact) if !free(index) && !free(index - 1) => contact[2] += zone[2],
+            Some(contact) if !free(index) && !free(index - 1) => contact.duration += zone.duration,
             _ => {
                 let entered = sharp.signature.zone(index);
                 signature.push(match entered.regime {
@@ -130,7 +130,7 @@ pub(super) fn smooth_wave(
             sharp.scales,
         )
     };
-    let guess = |wave: &Wave, zones: &[ZoneUnknowns], excess: f64| {
+    let guess = |wave: &Wave, zones: &[Slide], excess: f64| {
         let value = wave.model.value(parameter).unwrap_or(f64::NAN);
         wave.pack(zones, excess, value)
     };
@@ -147,7 +147,7 @@ pub(super) fn smooth_wave(
     let mut wave = posed(reached);
     let mut point = reach(&wave).map_err(|error| {
         // V̇ comes to rest at 1 in layers of this length
-        let period: f64 = first.iter().map(|zone| zone[2]).sum();
+        let period: f64 = first.iter().map(|zone| zone.duration).sum();
         let pull = frame.friction * (frame.g * frame.mismatch + frame.kappa);
         NoStart::Smoothing {
             epsilon: reached,

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::flow::Flow;
 use super::frame::{Frame, Origin, Written};
+use crate::flow::Slide;
 use crate::interval::{Decimal, Interval, Number};
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime, Signature};
@@ -118,7 +119,7 @@ impl Near {
         let zones = wave.unpack(point);
         Near {
             signature: wave.signature.clone(),
-            zones: zones.iter().map(|[y, w, t, ..]| [*y, *w, *t]).collect(),
+            zones: zones.iter().map(Slide::without_layers).collect(),
             excess: wave.excess_at(point),
             parameter: wave.parameter_at(point),
         }

@@ -124,6 +124,24 @@ pub struct Slide {
     pub radial: f64,
 }
 
+impl Slide {
+    /// A zone without layers.
+    pub fn bare(entry: [f64; 2], duration: f64) -> Slide {
+        Slide {
+            entry,
+            duration,
+            layer: 0.0,
+            radial: 0.0,
+        }
+    }
+
+    /// (Y, W, T), which is all of it without material damping.
+    pub(crate) fn without_layers(&self) -> [f64; 3] {
+        let [y, w] = self.entry;
+        [y, w, self.duration]
+    }
+}
+
 /// End of a zone: state and the function whose zero ends the zone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ZoneEnd {

@@ -17,6 +17,7 @@
 //! value of the parameter, up to Aω = 1. There V̇ touches 1 and a stick zone opens: the slip-stick wave
 //! begins with T2 = 0.
 
+use crate::flow::Slide;
 use crate::linalg::Vector;
 use crate::model::signature::Signature;
 use crate::model::{Model, Parameter};
@@ -86,7 +87,7 @@ impl Family {
         let last = &self.points[self.points.len() - 1];
         let excess = self.wave.excess_at(last);
         let period = self.wave.duration_at(last, 0);
-        let zones = [[0.0, 1.0, period, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0, 0.0]];
+        let zones = [period, 0.0].map(|duration| Slide::bare([0.0, 1.0], duration));
         let point = wave.pack(&zones, excess, self.critical);
         Candidate {
             wave,
@@ -173,7 +174,7 @@ pub fn family(
     let points = (0..count)
         .map(|index| {
             let amplitude = index as f64 / (count - 1).max(1) as f64 / frequency;
-            wave.pack(&[[-amplitude, 0.0, period, 0.0, 0.0]], excess, critical)
+            wave.pack(&[Slide::bare([-amplitude, 0.0], period)], excess, critical)
         })
         .collect();
     Ok(Family {

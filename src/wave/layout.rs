@@ -55,9 +55,6 @@ impl Scales {
 /// See [`Scales::rate`].
 const RATE_UNITS: f64 = 4.0;
 
-/// (Y, W, T, G, G_U) of a zone: see [`Wave::unpack`].
-pub type ZoneUnknowns = [f64; 5];
-
 /// Unknowns of each zone of a wave: Y, W, T, with material damping G, and G_U where a zone separates.
 pub(crate) fn width(material: bool, signature: &Signature) -> usize {
     match material {
@@ -160,11 +157,11 @@ impl Wave {
             let regime = self.signature.zone(index).regime;
             let end = at.zone_end(index)?;
             if regime == Regime::Separation {
-                zone[3] = self.entry_at(point, index + 1)[1] - end.w.value;
-                zone[4] = -end.radial_rate.value;
+                zone.layer = self.entry_at(point, index + 1)[1] - end.w.value;
+                zone.radial = -end.radial_rate.value;
             } else if regime.sliding().is_some() {
                 let [_, next] = at.entry_acceleration(index + 1)?;
-                zone[3] = next.value - end.acceleration.value;
+                zone.layer = next.value - end.acceleration.value;
             }
         }
         let point = wave.pack(&zones, excess, parameter);
@@ -314,11 +311,17 @@ impl Wave {
 
     /// Scaled unknowns from physical ones: (Y, W, T, G, G_U) for each zone, e, parameter. G and G_U count
     /// with material damping only.
-    pub fn pack(&self, zones: &[ZoneUnknowns], excess: f64, parameter: f64) -> Vector {
+    pub fn pack(&self, zones: &[Slide], excess: f64, parameter: f64) -> Vector {
         let time = self.scales.time;
         let width = self.width();
         let mut point = Vec::with_capacity(width * zones.len() + 2);
-        for (index, [y, w, duration, layer, radial]) in zones.iter().enumerate() {
+        for (index, slide) in zones.iter().enumerate() {
+            let Slide {
+                entry: [y, w],
+                duration,
+                layer,
+                radial,
+            } = slide;
             let unknowns = [
                 y / time,
                 w / self.scales.rate,
@@ -336,17 +339,9 @@ impl Wave {
     }
 
     /// Physical (Y, W, T, G, G_U) of each zone.
-    pub fn unpack(&self, point: &Vector) -> Vec<ZoneUnknowns> {
+    pub fn unpack(&self, point: &Vector) -> Vec<Slide> {
         (0..self.zones())
-            .map(|zone| {
-                let Slide {
-                    entry: [y, w],
-                    duration,
-                    layer,
-                    radial,
-                } = self.slide_at(point, zone);
-                [y, w, duration, layer, radial]
-            })
+            .map(|zone| self.slide_at(point, zone))
             .collect()
     }
 

@@ -37,4 +37,4 @@ pub mod successor;
 
 pub use crate::flow::Flows;
 pub(crate) use layout::width;
-pub use layout::{Scales, Wave, WaveAt, ZoneUnknowns};
+pub use layout::{Scales, Wave, WaveAt};

@@ -12,7 +12,7 @@ use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime, Signature, Zone, paths};
 
 use super::admissibility::{Margin, Watch};
-use super::{Flows, Wave, ZoneUnknowns};
+use super::{Flows, Wave};
 
 /// New zones tried at one event: two suffice for every codimension-one event of the table, since
 /// one instant can pass at most through reverse and stick on its way between two others.
@@ -33,8 +33,7 @@ pub struct Candidate {
 #[derive(Clone, Copy)]
 struct Piece {
     zone: Zone,
-    /// (Y, W, T, G, G_U).
-    unknowns: ZoneUnknowns,
+    slide: Slide,
     /// Whether it has no length yet.
     nascent: bool,
 }
@@ -74,9 +73,9 @@ pub fn candidates(
             return;
         }
         let candidate = wave.with_signature(signature);
-        let unknowns: Vec<ZoneUnknowns> = pieces.iter().map(|piece| piece.unknowns).collect();
+        let slides: Vec<Slide> = pieces.iter().map(|piece| piece.slide).collect();
         found.push(Candidate {
-            point: candidate.pack(&unknowns, excess, parameter),
+            point: candidate.pack(&slides, excess, parameter),
             wave: candidate,
             nascent: (0..pieces.len())
                 .filter(|index| pieces[*index].nascent)
@@ -89,9 +88,12 @@ pub fn candidates(
     // both sides in the same regime: they may become one zone
     if first.zone.regime == last.zone.regime && count > 1 && !opened.joined {
         let mut pieces = pieces[1..].to_vec();
-        let merged = &mut pieces[count - 2].unknowns;
-        merged[2] += first.unknowns[2];
-        merged[3..].copy_from_slice(&first.unknowns[3..]);
+        let merged = &mut pieces[count - 2].slide;
+        *merged = Slide {
+            entry: merged.entry,
+            duration: merged.duration + first.slide.duration,
+            ..first.slide
+        };
         // the merged zone closes the cycle
         pieces.rotate_right(1);
         add(pieces);
@@ -106,12 +108,17 @@ pub fn candidates(
             continue;
         }
         let inserted = chain.len() - 1;
-        let [y, w] = opened.instant;
+        let entry = opened.instant;
         let nascent = |zone: &Zone| {
-            let [layer, radial] = nascent_layers(&flows, zone.regime, [y, w], opened.acceleration)?;
+            let [layer, radial] = nascent_layers(&flows, zone.regime, entry, opened.acceleration)?;
             Ok(Piece {
                 zone: *zone,
-                unknowns: [y, w, 0.0, layer, radial],
+                slide: Slide {
+                    entry,
+                    duration: 0.0,
+                    layer,
+                    radial,
+                },
                 nascent: true,
             })
         };
@@ -152,13 +159,7 @@ fn sectioned(wave: &Wave, flows: &Flows, mut pieces: Vec<Piece>) -> Option<Vec<P
             return None;
         }
         let flow = flows.contact(Regime::Contact);
-        let [y, w, duration, layer, radial] = piece.unknowns;
-        let slide = Slide {
-            entry: [y, w],
-            duration,
-            layer,
-            radial,
-        };
+        let slide = piece.slide;
         let rising = flow
             .extremes(&slide)
             .ok()?
@@ -168,7 +169,7 @@ fn sectioned(wave: &Wave, flows: &Flows, mut pieces: Vec<Piece>) -> Option<Vec<P
             .1;
         return Some(vec![Piece {
             zone: Signature::contact().zone(0),
-            unknowns: [rising[0], 0.0, duration, 0.0, 0.0],
+            slide: Slide::bare([rising[0], 0.0], slide.duration),
             nascent: false,
         }]);
     }
@@ -176,7 +177,7 @@ fn sectioned(wave: &Wave, flows: &Flows, mut pieces: Vec<Piece>) -> Option<Vec<P
     if let Some(index) = pieces.iter().position(section) {
         let before = (index + pieces.len() - 1) % pieces.len();
         if pieces[before].zone.regime == pieces[index].zone.regime {
-            pieces[before].unknowns[2] += pieces[index].unknowns[2];
+            pieces[before].slide.duration += pieces[index].slide.duration;
             pieces.remove(index);
         }
     }
@@ -190,7 +191,10 @@ fn from_beginning(mut pieces: Vec<Piece>) -> Vec<Piece> {
     let start = signature
         .beginnings()
         .into_iter()
-        .max_by(|&one, &other| pieces[one].unknowns[2].total_cmp(&pieces[other].unknowns[2]))
+        .max_by(|&one, &other| {
+            let [one, other] = [one, other].map(|index| pieces[index].slide.duration);
+            one.total_cmp(&other)
+        })
         .unwrap_or(0);
     pieces.rotate_left(start);
     pieces
@@ -200,9 +204,9 @@ fn from_beginning(mut pieces: Vec<Piece>) -> Vec<Piece> {
 fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, FlowError> {
     let zones = wave.signature.0.iter().zip(wave.unpack(point));
     let mut pieces: Vec<Piece> = zones
-        .map(|(&zone, unknowns)| Piece {
+        .map(|(&zone, slide)| Piece {
             zone,
-            unknowns,
+            slide,
             nascent: false,
         })
         .collect();
@@ -213,11 +217,10 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
     // at the beginning of a zone
     let at_entry = |index: usize, mut pieces: Vec<Piece>| {
         pieces.rotate_left(index % count);
-        let [y, w, ..] = pieces[0].unknowns;
         let [_, acceleration] = at.entry_acceleration(index)?;
         Ok::<_, FlowError>(Opened {
+            instant: pieces[0].slide.entry,
             pieces,
-            instant: [y, w],
             acceleration: acceleration.value,
             joined: false,
         })
@@ -248,19 +251,23 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
                 }
             };
             let rest = slide.duration - margin.time;
-            let first = &mut pieces[index].unknowns;
-            first[2] = margin.time;
+            let first = &mut pieces[index].slide;
+            first.duration = margin.time;
             if zone.regime == Regime::Separation {
                 if let Some(flow) = flows.separation().layered()? {
-                    [first[3], first[4]] = flow.layers_at(&slide, margin.time);
+                    [first.layer, first.radial] = flow.layers_at(&slide, margin.time);
                 }
             } else if let SlidingFlow::Material(flow) = flows.contact(zone.regime) {
-                first[3] = slide.layer * (-rest / flow.rho).exp();
+                first.layer = slide.layer * (-rest / flow.rho).exp();
             }
             pieces.rotate_left((index + 1) % count);
             let second = Piece {
                 zone,
-                unknowns: [instant[0], instant[1], rest, slide.layer, slide.radial],
+                slide: Slide {
+                    entry: instant,
+                    duration: rest,
+                    ..slide
+                },
                 nascent: false,
             };
             pieces.insert(0, second);

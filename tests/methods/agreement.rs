@@ -78,8 +78,8 @@ fn the_exact_flow_against_higher_precision() {
             let growth = 1.0 - closed.least_rate;
             let error = (wave.excess_at(&point) / precise.excess - 1.0)
                 .abs()
-                .max((zones[0][2] / precise.slip - 1.0).abs())
-                .max((zones[1][2] / precise.stick - 1.0).abs());
+                .max((zones[0].duration / precise.slip - 1.0).abs())
+                .max((zones[1].duration / precise.stick - 1.0).abs());
             observed(&format!("closed form at f = {friction}, {which:?}"), error);
             assert!(
                 error < 64.0 * f64::EPSILON * growth,

@@ -66,7 +66,7 @@ fn violation(wave: &Wave, point: &Vector) -> f64 {
     let falling = samples
         .iter()
         .fold(0.0_f64, |size, sample| size.max(sample.radial_rate.abs()));
-    let period: f64 = wave.unpack(point).iter().map(|zone| zone[2]).sum();
+    let period: f64 = wave.unpack(point).iter().map(|zone| zone.duration).sum();
     let gap = ROUNDING_OF_GAP + f64::EPSILON * period * falling / at.mismatch;
     for sample in &samples {
         let lag = 1.0 - sample.tangential_rate;

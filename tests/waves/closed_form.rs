@@ -169,7 +169,12 @@ fn compare(nu: f64, xi: f64, friction: f64, damping: f64, mode: u32, which: Whic
         Ok((wave, point)) => {
             assert_eq!(wave.signature.to_string(), "slip-stick");
             let zones = wave.unpack(&point);
-            Some([wave.speed_at(&point), zones[0][2], zones[1][2], zones[0][0]])
+            Some([
+                wave.speed_at(&point),
+                zones[0].duration,
+                zones[1].duration,
+                zones[0].entry[0],
+            ])
         }
         Err(error) => {
             assert!(stiff, "{error}: slope {slope:e}");

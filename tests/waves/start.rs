@@ -36,8 +36,8 @@ fn first_wave_is_the_one_of_the_branch() {
             }
             let (states, others) = (wave.unpack(&point), found.wave.unpack(&found.node.point));
             for (state, other) in states.into_iter().zip(others) {
-                compare(state[0], other[0], 1.0);
-                compare(state[1], other[1], 1.0);
+                compare(state.entry[0], other.entry[0], 1.0);
+                compare(state.entry[1], other.entry[1], 1.0);
             }
         }
     }
