@@ -54,7 +54,7 @@
 //! - [`curve`] follows one event in two parameters, [`map`] lays branches through a plane of them;
 //! - [`discretised`] has the eigenvalues of a ring of points, as a check;
 //! - `accuracy` runs one problem by every method and compares errors and times;
-//! - `words` makes sentences of events, refusals and ends, which are data everywhere else;
+//! - `messages` makes sentences of events, refusals and ends, which are data everywhere else;
 //! - `table` turns structures into rows of CSV and back, `output` keeps them in folders and draws
 //!   pictures, `cli` is the command line.
 
@@ -76,6 +76,7 @@ pub mod flow;
 pub mod interval;
 pub mod linalg;
 pub mod map;
+mod messages;
 pub mod model;
 #[cfg(feature = "cli")]
 pub mod output;
@@ -87,7 +88,6 @@ pub mod steady;
 #[cfg_attr(not(feature = "cli"), allow(dead_code))]
 mod table;
 pub mod wave;
-mod words;
 
 pub use branch::{Branch, BranchPoint, Event, EventType};
 pub use model::{Model, Parameter};

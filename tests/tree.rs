@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-/// The drawing of `src/lib.rs` from left to right; `words` and `table` stand before what shows them.
+/// The drawing of `src/lib.rs` from left to right; `messages` and `table` stand before what shows them.
 const ORDER: [&str; 21] = [
     "linalg",
     "interval",
@@ -24,7 +24,7 @@ const ORDER: [&str; 21] = [
     "map",
     "discretised",
     "accuracy",
-    "words",
+    "messages",
     "table",
     "output",
     "cli",
@@ -170,7 +170,10 @@ fn nothing_imports_what_stands_further_right() {
     let drawing = drawing.split("```").next().expect("a drawing");
     let drawn = drawing.split(|letter: char| !letter.is_ascii_alphabetic());
     let drawn: BTreeSet<&str> = drawn.filter(|word| !word.is_empty()).collect();
-    let ordered: BTreeSet<&str> = ORDER.into_iter().filter(|name| *name != "words").collect();
+    let ordered: BTreeSet<&str> = ORDER
+        .into_iter()
+        .filter(|name| *name != "messages")
+        .collect();
     assert_eq!(drawn, ordered);
 }
 

@@ -185,7 +185,7 @@ pub(super) fn begin(
     problem: &Problem,
     continuation: &Continuation,
     restart: Option<&SavedWave>,
-    watch: first_wave::Watch,
+    observer: first_wave::Observer,
 ) -> Result<Begun, RunError> {
     let parameter = continuation.parameter;
     let model = problem.model;
@@ -204,7 +204,7 @@ pub(super) fn begin(
             which,
             width: continuation.range.1 - continuation.range.0,
         };
-        first_wave::find(&wanted, steps(continuation), watch).map(|(wave, point)| Begun {
+        first_wave::find(&wanted, steps(continuation), observer).map(|(wave, point)| Begun {
             wave,
             point,
             model,

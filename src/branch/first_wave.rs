@@ -6,7 +6,7 @@ use super::change;
 use super::follow::{Follower, Limits};
 use super::slip_stick::{polish, slip_stick_wave, smooth_wave};
 use super::special::{Inadmissible, Special};
-use super::wanted::{Lost, MOST_STEPS, NoStart, Wanted};
+use super::wanted::{MOST_STEPS, NoStart, SearchFailure, Wanted};
 use crate::continuation::arclength::{self, DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, Steps};
 use crate::continuation::walk;
 use crate::flow::sign::Verdict;
@@ -45,11 +45,11 @@ pub fn first_wave(
 ///
 /// # Errors
 /// There is no such wave, or the search does not come to it.
-pub fn find(wanted: &Wanted, steps: Steps, watch: Watch) -> Result<(Wave, Vector), NoStart> {
+pub fn find(wanted: &Wanted, steps: Steps, observer: Observer) -> Result<(Wave, Vector), NoStart> {
     let mut search = Search {
         wanted,
         steps,
-        watch,
+        observer,
     };
     if wanted.model.damping.stiffness > 0.0 {
         search.with_material_damping()
@@ -62,7 +62,7 @@ pub fn find(wanted: &Wanted, steps: Steps, watch: Watch) -> Result<(Wave, Vector
 struct Search<'a> {
     wanted: &'a Wanted,
     steps: Steps,
-    watch: Watch<'a>,
+    observer: Observer<'a>,
 }
 
 impl Search<'_> {
@@ -130,7 +130,7 @@ impl Search<'_> {
         let mut search = Search {
             wanted: &wanted,
             steps: self.steps,
-            watch: self.watch,
+            observer: self.observer,
         };
         let (sharp, at) = search.slip_stick().ok()?;
         let (wave, point) = smooth_wave(&sharp, &at, parameter, epsilon).ok()?;
@@ -172,7 +172,7 @@ impl Search<'_> {
         range: (f64, f64),
         target: f64,
         round_folds: bool,
-    ) -> Result<(Wave, Vector), Lost> {
+    ) -> Result<(Wave, Vector), SearchFailure> {
         let limits = Limits {
             range,
             stop_at: Vec::new(),
@@ -184,7 +184,7 @@ impl Search<'_> {
         let begun = here(&follower);
         let (mut nearest, mut folds) = (begun, 0);
         for step in 0..MOST_STEPS {
-            (self.watch)(&Walk {
+            (self.observer)(&Walk {
                 column,
                 from: begun,
                 to: target,
@@ -202,12 +202,12 @@ impl Search<'_> {
                 }
                 folds += 1;
                 if !round_folds {
-                    return Err(Lost::Folds { column, value });
+                    return Err(SearchFailure::Folds { column, value });
                 }
             }
             let Some(end) = end else {
                 if folds >= MOST_FOLDS {
-                    return Err(Lost::Winds {
+                    return Err(SearchFailure::Winds {
                         folds,
                         steps: step + 1,
                         column,
@@ -217,15 +217,15 @@ impl Search<'_> {
                 continue;
             };
             let (walk::End::Edge | walk::End::Closed, Some(last)) = (&end, found.last()) else {
-                return Err(Lost::Ended(Box::new(end)));
+                return Err(SearchFailure::Ended(Box::new(end)));
             };
             let value = last.wave.parameter_at(&last.node.point);
             if (value - target).abs() > 1e-9 * target.abs() {
-                return Err(Lost::TurnsBack { column, value });
+                return Err(SearchFailure::TurnsBack { column, value });
             }
             return Ok((last.wave.as_ref().clone(), last.node.point.clone()));
         }
-        Err(Lost::Slow { column, nearest })
+        Err(SearchFailure::Slow { column, nearest })
     }
 
     /// The wave of a model with material damping. Slip-stick waves are followed from β = 0, where they
@@ -241,7 +241,7 @@ impl Search<'_> {
         let found = self.begin_undamped().or_else(|reason| match which {
             Which::Fast => self
                 .begin_at_hopf()
-                .map_err(|other| Lost::Both(Box::new(reason), Box::new(other))),
+                .map_err(|other| SearchFailure::Both(Box::new(reason), Box::new(other))),
             Which::Slow => Err(reason),
         });
         let beta = model.damping.stiffness;
@@ -280,7 +280,7 @@ impl Search<'_> {
     }
 
     /// The slip-stick wave at β > 0 from that at β = 0, posed in β.
-    fn begin_undamped(&mut self) -> Result<(Wave, Vector), Lost> {
+    fn begin_undamped(&mut self) -> Result<(Wave, Vector), SearchFailure> {
         let wanted = *self.wanted;
         let beta = wanted.model.damping.stiffness;
         let undamped = wanted.model.with(Parameter::StiffnessDamping, 0.0);
@@ -297,7 +297,7 @@ impl Search<'_> {
     }
 
     /// The slip-stick wave at this friction from the Hopf point of steady sliding, posed in f.
-    fn begin_at_hopf(&mut self) -> Result<(Wave, Vector), Lost> {
+    fn begin_at_hopf(&mut self) -> Result<(Wave, Vector), SearchFailure> {
         let Wanted { model, mode, .. } = *self.wanted;
         let in_friction =
             |model: &Model| family(model, Parameter::Friction, mode, model.friction, 2);
@@ -365,7 +365,7 @@ impl fmt::Display for Walk {
 }
 
 /// Who is told where a search is.
-pub type Watch<'a> = &'a mut dyn FnMut(&Walk);
+pub type Observer<'a> = &'a mut dyn FnMut(&Walk);
 
 /// Most folds of a search for a first wave: branches that arrive have few. Others wind up, a bounce of
 /// the separated surface more with every turn, and tend to a value they never pass.
@@ -401,7 +401,7 @@ const BEYOND_HOPF: f64 = 1e-4;
 ///
 /// # Errors
 /// No admissible wave with a short stick zone exists.
-pub(crate) fn beyond_hopf(family: &Family, steps: Steps) -> Result<(Wave, Vector), Lost> {
+pub(crate) fn beyond_hopf(family: &Family, steps: Steps) -> Result<(Wave, Vector), SearchFailure> {
     let beyond = change::enter(&family.opening(), BEYOND_HOPF, steps.tolerance)?;
     let step = arclength::advance(&beyond.wave, &beyond.node, beyond.ds, steps.tolerance)?;
     Ok((beyond.wave, step.node.point))

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::begin::{Begun, begin};
 use super::conditioning::conditioning;
-use super::first_wave::Watch;
+use super::first_wave::Observer;
 use super::follow::{Follower, Found};
 use super::item::{event, row};
 use super::progress::legs;
@@ -67,14 +67,14 @@ impl Runner {
         problem: &Problem,
         continuation: &Continuation,
         restart: Option<&SavedWave>,
-        watch: Watch,
+        observer: Observer,
     ) -> Result<Runner, RunError> {
         let Begun {
             wave,
             point,
             model,
             family,
-        } = begin(problem, continuation, restart, watch)?;
+        } = begin(problem, continuation, restart, observer)?;
         let progress = Progress::new(&wave, &point, problem, continuation);
         let runner = Runner::at(problem, continuation, model, wave.method, progress);
         Ok(Runner {

@@ -1,5 +1,5 @@
 //! What makes a point of a branch special, why a step is refused, and why a branch ends: as data. Their
-//! sentences are made in one place, `words`.
+//! sentences are made in one place, `messages`.
 
 use serde::{Deserialize, Serialize};
 

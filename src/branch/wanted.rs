@@ -29,11 +29,11 @@ pub enum NoStart {
         /// β asked for.
         beta: f64,
         /// How the search ended.
-        reason: Lost,
+        reason: SearchFailure,
     },
     /// Newton's method failed on the closed form, or the branch does not begin there.
     #[error("Newton's method fails at the start: {0}")]
-    Newton(Lost),
+    Newton(SearchFailure),
     /// The wave of the regularised law was not found next to Coulomb's.
     #[error(
         "no wave of the regularised law was found next to the slip-stick wave: at ε = {epsilon} \
@@ -59,7 +59,7 @@ pub enum NoStart {
         /// Least δ of the slip-stick wave.
         least: f64,
         /// How the branch ended.
-        reason: Lost,
+        reason: SearchFailure,
     },
 }
 
@@ -77,12 +77,14 @@ impl NoStart {
     }
 }
 
-impl Lost {
+impl SearchFailure {
     fn came_to_an_end(&self) -> bool {
         match self {
-            Lost::NoStart(reason) => reason.came_to_an_end(),
-            Lost::Both(one, other) => one.came_to_an_end() && other.came_to_an_end(),
-            Lost::NoHopf(_) | Lost::Folds { .. } | Lost::TurnsBack { .. } => true,
+            SearchFailure::NoStart(reason) => reason.came_to_an_end(),
+            SearchFailure::Both(one, other) => one.came_to_an_end() && other.came_to_an_end(),
+            SearchFailure::NoHopf(_)
+            | SearchFailure::Folds { .. }
+            | SearchFailure::TurnsBack { .. } => true,
             _ => false,
         }
     }
@@ -90,7 +92,7 @@ impl Lost {
 
 /// How a search for a first wave ended without one.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Lost {
+pub enum SearchFailure {
     /// There is no wave to set out from.
     #[error("{0}")]
     NoStart(Box<NoStart>),
@@ -99,7 +101,7 @@ pub enum Lost {
     NoHopf(#[from] NoHopf),
     /// Neither from the undamped wave nor from the Hopf point of steady sliding.
     #[error("{0}; from the Hopf point of steady sliding: {1}")]
-    Both(Box<Lost>, Box<Lost>),
+    Both(Box<SearchFailure>, Box<SearchFailure>),
     /// Newton's method fails.
     #[error("{0}")]
     Newton(#[from] newton::Failure<FlowError>),
@@ -161,9 +163,9 @@ pub enum Lost {
     },
 }
 
-impl From<NoStart> for Lost {
-    fn from(reason: NoStart) -> Lost {
-        Lost::NoStart(Box::new(reason))
+impl From<NoStart> for SearchFailure {
+    fn from(reason: NoStart) -> SearchFailure {
+        SearchFailure::NoStart(Box::new(reason))
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::{Add, Mul, Sub};
 use nalgebra::{Complex, Matrix4, Scalar};
 
 /// What matrices are made of: real or complex numbers.
-pub trait Entry:
+pub trait Element:
     Scalar + Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + From<f64>
 {
     /// The square of the modulus.
@@ -14,7 +14,7 @@ pub trait Entry:
     fn scaled(self, factor: f64) -> Self;
 }
 
-impl Entry for f64 {
+impl Element for f64 {
     fn square(self) -> f64 {
         self * self
     }
@@ -23,7 +23,7 @@ impl Entry for f64 {
     }
 }
 
-impl Entry for Complex<f64> {
+impl Element for Complex<f64> {
     fn square(self) -> f64 {
         self.norm_sqr()
     }
@@ -34,7 +34,7 @@ impl Entry for Complex<f64> {
 
 /// A matrix with its derivatives in D quantities, times e^{exponent}.
 #[derive(Clone, Copy, Debug)]
-pub struct MatrixJet<T: Entry, const D: usize> {
+pub struct MatrixJet<T: Element, const D: usize> {
     pub at: Matrix4<T>,
     pub by: [Matrix4<T>; D],
     /// Real exponent of the scale.
@@ -49,7 +49,7 @@ const DEGREE: u32 = 18;
 const LARGE: f64 = 1e60;
 
 /// A product, column by column: for complex numbers the general one of the library takes twice as long.
-fn product<T: Entry>(x: &Matrix4<T>, y: &Matrix4<T>) -> Matrix4<T> {
+fn product<T: Element>(x: &Matrix4<T>, y: &Matrix4<T>) -> Matrix4<T> {
     let mut out = *x;
     for j in 0..4 {
         let mut column = [0, 1, 2, 3].map(|i| x[(i, 0)] * y[(0, j)]);
@@ -65,7 +65,7 @@ fn product<T: Entry>(x: &Matrix4<T>, y: &Matrix4<T>) -> Matrix4<T> {
     out
 }
 
-impl<T: Entry, const D: usize> MatrixJet<T, D> {
+impl<T: Element, const D: usize> MatrixJet<T, D> {
     fn times(&self, other: &MatrixJet<T, D>) -> MatrixJet<T, D> {
         MatrixJet {
             at: product(&self.at, &other.at),

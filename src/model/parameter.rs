@@ -30,7 +30,7 @@ pub enum Parameter {
 }
 
 /// What is known of a parameter.
-struct Entry {
+struct Properties {
     parameter: Parameter,
     /// Name in tables and on the command line.
     column: &'static str,
@@ -62,9 +62,9 @@ const GIVEN: (&str, &str) = (
 /// So many parameters have had their columns side by side from the beginning.
 const FIRST_COLUMNS: usize = 7;
 
-/// One entry for each parameter, in the order of the columns in tables.
-const TABLE: [Entry; 8] = [
-    Entry {
+/// The properties of each parameter, in the order of the columns in tables.
+const TABLE: [Properties; 8] = [
+    Properties {
         parameter: Parameter::Mismatch,
         column: "mismatch",
         words: "mismatch",
@@ -79,7 +79,7 @@ const TABLE: [Entry; 8] = [
             ..Constants::default()
         },
     },
-    Entry {
+    Properties {
         parameter: Parameter::Friction,
         column: "friction",
         words: "friction",
@@ -94,7 +94,7 @@ const TABLE: [Entry; 8] = [
             ..Constants::default()
         },
     },
-    Entry {
+    Properties {
         parameter: Parameter::MassDamping,
         column: "mass_damping",
         words: "mass damping",
@@ -109,7 +109,7 @@ const TABLE: [Entry; 8] = [
             ..Constants::default()
         },
     },
-    Entry {
+    Properties {
         parameter: Parameter::StiffnessDamping,
         column: "stiffness_damping",
         words: "stiffness damping",
@@ -124,7 +124,7 @@ const TABLE: [Entry; 8] = [
             ..Constants::default()
         },
     },
-    Entry {
+    Properties {
         parameter: Parameter::Gamma,
         column: "gamma",
         words: "",
@@ -139,7 +139,7 @@ const TABLE: [Entry; 8] = [
         },
         derivative: |model| of_tube(model, Geometry::derivative_in_gamma),
     },
-    Entry {
+    Properties {
         parameter: Parameter::Nu,
         column: "nu",
         words: "Poisson's ratio",
@@ -154,7 +154,7 @@ const TABLE: [Entry; 8] = [
         },
         derivative: |model| of_tube(model, Geometry::derivative_in_nu),
     },
-    Entry {
+    Properties {
         parameter: Parameter::Xi,
         column: "xi",
         words: "radius ratio",
@@ -169,7 +169,7 @@ const TABLE: [Entry; 8] = [
         },
         derivative: |model| of_tube(model, Geometry::derivative_in_xi),
     },
-    Entry {
+    Properties {
         parameter: Parameter::Smoothing,
         column: "smoothing",
         words: "smoothing",
@@ -217,13 +217,13 @@ impl Parameter {
         all
     };
 
-    const fn entry(self) -> &'static Entry {
+    const fn properties(self) -> &'static Properties {
         &TABLE[self as usize]
     }
 
     /// Name in tables and on the command line.
     pub const fn column(self) -> &'static str {
-        self.entry().column
+        self.properties().column
     }
 
     /// Whether its column stands at the end of a table: few problems have it.
@@ -234,12 +234,12 @@ impl Parameter {
     /// Name on axes; empty where the symbol says all.
     #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn words(self) -> &'static str {
-        self.entry().words
+        self.properties().words
     }
 
     /// Symbol on axes and in messages.
     pub fn symbol(self) -> &'static str {
-        self.entry().symbol
+        self.properties().symbol
     }
 
     /// The parameter of a column; `None` when the column is no parameter.
@@ -251,22 +251,22 @@ impl Parameter {
 
     /// Path of its value in a problem file.
     pub(crate) fn path(self) -> &'static str {
-        self.entry().path
+        self.properties().path
     }
 
     /// What a model without it has instead, and how the problem file gives it one.
     pub(crate) fn absent(self) -> (&'static str, &'static str) {
-        self.entry().absent
+        self.properties().absent
     }
 
     /// Whether the model makes sense with this value, which may be infinite.
     pub(crate) fn admits(self, value: f64) -> bool {
-        self.entry().range.admits(value)
+        self.properties().range.admits(value)
     }
 
     /// The values that are admitted, in words.
     pub(crate) fn rule(self) -> String {
-        self.entry().range.rule(self.entry().rule)
+        self.properties().range.rule(self.properties().rule)
     }
 }
 
@@ -274,12 +274,12 @@ impl Model {
     /// Value of a parameter; `None` where the model does not have it: γ, ν and ξ of given
     /// coefficients, and ε of a law without.
     pub fn value(mut self, parameter: Parameter) -> Option<f64> {
-        (parameter.entry().place)(&mut self).copied()
+        (parameter.properties().place)(&mut self).copied()
     }
 
     /// The same model with one parameter changed, if it has that parameter.
     pub fn with(mut self, parameter: Parameter, value: f64) -> Model {
-        if let Some(place) = (parameter.entry().place)(&mut self) {
+        if let Some(place) = (parameter.properties().place)(&mut self) {
             *place = value;
         }
         self
@@ -287,6 +287,6 @@ impl Model {
 
     /// Derivative of [`Model::constants`] with respect to a parameter.
     pub fn derivative(&self, parameter: Parameter) -> Constants {
-        (parameter.entry().derivative)(self)
+        (parameter.properties().derivative)(self)
     }
 }

@@ -31,7 +31,7 @@ pub struct Candidate {
 
 /// A zone of a cycle that may become a wave.
 #[derive(Clone, Copy)]
-struct Piece {
+struct CycleZone {
     zone: Zone,
     slide: Slide,
     /// Whether it has no length yet.
@@ -41,7 +41,7 @@ struct Piece {
 /// A wave cut open at one instant.
 struct Opened {
     /// From just after the instant to just before it.
-    pieces: Vec<Piece>,
+    zones: Vec<CycleZone>,
     /// (Y, W) at the instant.
     instant: [f64; 2],
     /// V̈ there, with material damping.
@@ -63,44 +63,44 @@ pub fn candidates(
     let parameter = wave.parameter_at(point);
     let flows = wave.flows(point)?;
     let mut found = Vec::new();
-    let mut add = |pieces: Vec<Piece>| {
+    let mut add = |zones: Vec<CycleZone>| {
         // one zone alone has no switch that could fix its phase
-        let Some(pieces) = sectioned(wave, &flows, pieces).map(from_beginning) else {
+        let Some(zones) = sectioned(wave, &flows, zones).map(from_beginning) else {
             return;
         };
-        let signature = Signature(pieces.iter().map(|piece| piece.zone).collect());
+        let signature = Signature(zones.iter().map(|part| part.zone).collect());
         if signature.is_rotation_of(&wave.signature) {
             return;
         }
         let candidate = wave.with_signature(signature);
-        let slides: Vec<Slide> = pieces.iter().map(|piece| piece.slide).collect();
+        let slides: Vec<Slide> = zones.iter().map(|part| part.slide).collect();
         found.push(Candidate {
             point: candidate.pack(&slides, excess, parameter),
             wave: candidate,
-            nascent: (0..pieces.len())
-                .filter(|index| pieces[*index].nascent)
+            nascent: (0..zones.len())
+                .filter(|index| zones[*index].nascent)
                 .collect(),
         });
     };
-    let pieces = &opened.pieces;
-    let count = pieces.len();
-    let (first, last) = (pieces[0], pieces[count - 1]);
+    let zones = &opened.zones;
+    let count = zones.len();
+    let (first, last) = (zones[0], zones[count - 1]);
     // both sides in the same regime: they may become one zone
     if first.zone.regime == last.zone.regime && count > 1 && !opened.joined {
-        let mut pieces = pieces[1..].to_vec();
-        let merged = &mut pieces[count - 2].slide;
+        let mut zones = zones[1..].to_vec();
+        let merged = &mut zones[count - 2].slide;
         *merged = Slide {
             entry: merged.entry,
             duration: merged.duration + first.slide.duration,
             ..first.slide
         };
         // the merged zone closes the cycle
-        pieces.rotate_right(1);
-        add(pieces);
+        zones.rotate_right(1);
+        add(zones);
     }
     // a contact zone that is left alone closes on itself
     if count == 1 && first.zone.regime == Regime::Contact && !opened.joined {
-        add(pieces.clone());
+        add(zones.clone());
     }
     let (from, to) = (last.zone.regime, first.zone.regime);
     for chain in paths(from, to, LONGEST_CHAIN, wave.impact()) {
@@ -111,7 +111,7 @@ pub fn candidates(
         let entry = opened.instant;
         let nascent = |zone: &Zone| {
             let [layer, radial] = nascent_layers(&flows, zone.regime, entry, opened.acceleration)?;
-            Ok(Piece {
+            Ok(CycleZone {
                 zone: *zone,
                 slide: Slide {
                     entry,
@@ -123,8 +123,8 @@ pub fn candidates(
             })
         };
         let nascent: Result<_, FlowError> = chain[..inserted].iter().map(nascent).collect();
-        let mut cycle: Vec<Piece> = nascent?;
-        cycle.extend_from_slice(pieces);
+        let mut cycle: Vec<CycleZone> = nascent?;
+        cycle.extend_from_slice(zones);
         cycle[inserted].zone = chain[inserted];
         add(cycle);
     }
@@ -153,13 +153,13 @@ fn nascent_layers(
 
 /// A cycle that can be posed: one contact zone alone is cut at V̇ = 0, and a wave with switches of
 /// its own is not. `None` for one zone of any other regime.
-fn sectioned(wave: &Wave, flows: &Flows, mut pieces: Vec<Piece>) -> Option<Vec<Piece>> {
-    if let [piece] = pieces[..] {
-        if !wave.model.law.has(piece.zone.regime) || piece.zone.regime != Regime::Contact {
+fn sectioned(wave: &Wave, flows: &Flows, mut zones: Vec<CycleZone>) -> Option<Vec<CycleZone>> {
+    if let [part] = zones[..] {
+        if !wave.model.law.has(part.zone.regime) || part.zone.regime != Regime::Contact {
             return None;
         }
         let flow = flows.contact(Regime::Contact);
-        let slide = piece.slide;
+        let slide = part.slide;
         let rising = flow
             .extremes(&slide)
             .ok()?
@@ -167,60 +167,60 @@ fn sectioned(wave: &Wave, flows: &Flows, mut pieces: Vec<Piece>) -> Option<Vec<P
             .filter_map(|time| Some((time, flow.state(&slide, time).ok()?)))
             .find(|(time, state)| flow.acceleration(&slide, *time, *state) > 0.0)?
             .1;
-        return Some(vec![Piece {
+        return Some(vec![CycleZone {
             zone: Signature::contact().zone(0),
             slide: Slide::bare([rising[0], 0.0], slide.duration),
             nascent: false,
         }]);
     }
-    let section = |piece: &Piece| piece.zone.entry == Entry::Section;
-    if let Some(index) = pieces.iter().position(section) {
-        let before = (index + pieces.len() - 1) % pieces.len();
-        if pieces[before].zone.regime == pieces[index].zone.regime {
-            pieces[before].slide.duration += pieces[index].slide.duration;
-            pieces.remove(index);
+    let section = |part: &CycleZone| part.zone.entry == Entry::Section;
+    if let Some(index) = zones.iter().position(section) {
+        let before = (index + zones.len() - 1) % zones.len();
+        if zones[before].zone.regime == zones[index].zone.regime {
+            zones[before].slide.duration += zones[index].slide.duration;
+            zones.remove(index);
         }
     }
-    Some(pieces)
+    Some(zones)
 }
 
 /// Rotates a cycle so that it begins where its name does.
-fn from_beginning(mut pieces: Vec<Piece>) -> Vec<Piece> {
-    let signature = Signature(pieces.iter().map(|piece| piece.zone).collect());
+fn from_beginning(mut zones: Vec<CycleZone>) -> Vec<CycleZone> {
+    let signature = Signature(zones.iter().map(|part| part.zone).collect());
     // where the cycle repeats itself the longest zone keeps the origin steady
     let start = signature
         .beginnings()
         .into_iter()
         .max_by(|&one, &other| {
-            let [one, other] = [one, other].map(|index| pieces[index].slide.duration);
+            let [one, other] = [one, other].map(|index| zones[index].slide.duration);
             one.total_cmp(&other)
         })
         .unwrap_or(0);
-    pieces.rotate_left(start);
-    pieces
+    zones.rotate_left(start);
+    zones
 }
 
 /// Cuts a wave open where a margin is zero.
 fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, FlowError> {
     let zones = wave.signature.0.iter().zip(wave.unpack(point));
-    let mut pieces: Vec<Piece> = zones
-        .map(|(&zone, slide)| Piece {
+    let mut zones: Vec<CycleZone> = zones
+        .map(|(&zone, slide)| CycleZone {
             zone,
             slide,
             nascent: false,
         })
         .collect();
-    let count = pieces.len();
+    let count = zones.len();
     let index = margin.zone;
     let at = wave.at(point)?;
     let flows = &at.flows;
     // at the beginning of a zone
-    let at_entry = |index: usize, mut pieces: Vec<Piece>| {
-        pieces.rotate_left(index % count);
+    let at_entry = |index: usize, mut zones: Vec<CycleZone>| {
+        zones.rotate_left(index % count);
         let [_, acceleration] = at.entry_acceleration(index)?;
         Ok::<_, FlowError>(Opened {
-            instant: pieces[0].slide.entry,
-            pieces,
+            instant: zones[0].slide.entry,
+            zones,
             acceleration: acceleration.value,
             joined: false,
         })
@@ -231,13 +231,13 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
             if count < 2 {
                 return Ok(None);
             }
-            let mut opened = at_entry(index, pieces)?;
-            opened.pieces.remove(0);
+            let mut opened = at_entry(index, zones)?;
+            opened.zones.remove(0);
             opened
         }
         Watch::Pressure | Watch::Rate | Watch::Gap => {
             // split: the second part keeps the regime, the first keeps the entry
-            let zone = pieces[index].zone;
+            let zone = zones[index].zone;
             let slide = at.slide(index);
             let (instant, acceleration) = match zone.regime {
                 Regime::Separation => {
@@ -251,7 +251,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
                 }
             };
             let rest = slide.duration - margin.time;
-            let first = &mut pieces[index].slide;
+            let first = &mut zones[index].slide;
             first.duration = margin.time;
             if zone.regime == Regime::Separation {
                 if let Some(flow) = flows.separation().layered()? {
@@ -260,8 +260,8 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
             } else if let SlidingFlow::Material(flow) = flows.contact(zone.regime) {
                 first.layer = slide.layer * (-rest / flow.rho).exp();
             }
-            pieces.rotate_left((index + 1) % count);
-            let second = Piece {
+            zones.rotate_left((index + 1) % count);
+            let second = CycleZone {
                 zone,
                 slide: Slide {
                     entry: instant,
@@ -270,9 +270,9 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
                 },
                 nascent: false,
             };
-            pieces.insert(0, second);
+            zones.insert(0, second);
             Opened {
-                pieces,
+                zones,
                 instant,
                 acceleration,
                 joined: true,
@@ -282,7 +282,7 @@ fn open(wave: &Wave, point: &Vector, margin: &Margin) -> Result<Option<Opened>, 
         | Watch::Tension
         | Watch::LandingRate
         | Watch::LowerForce
-        | Watch::Release => at_entry(index, pieces)?,
-        Watch::UpperForce | Watch::Impulse | Watch::LandingSpeed => at_entry(index + 1, pieces)?,
+        | Watch::Release => at_entry(index, zones)?,
+        Watch::UpperForce | Watch::Impulse | Watch::LandingSpeed => at_entry(index + 1, zones)?,
     }))
 }
