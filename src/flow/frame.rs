@@ -12,19 +12,19 @@ pub struct Quantities {
     pub ma: f64,
     /// m_b = 1 − b/c².
     pub mb: f64,
-    /// κ = D/c.
+    /// κ = D/c: in contact P = gδ + κV̇.
     pub kappa: f64,
-    /// g.
+    /// Radial stiffness g of (M).
     pub g: f64,
-    /// h.
+    /// Tangential stiffness h of (M).
     pub h: f64,
-    /// f.
+    /// Friction coefficient f of sliding.
     pub friction: f64,
-    /// δ.
+    /// Mismatch δ, in units of R.
     pub mismatch: f64,
-    /// α.
+    /// Mass-proportional damping α, in units of Ω.
     pub damping: f64,
-    /// β.
+    /// Stiffness-proportional (material) damping β, in units of 1/Ω.
     pub material: f64,
     /// ã = a/c² = 1 − m_a, without the cancellation.
     pub stress: f64,
@@ -47,7 +47,7 @@ pub struct Quantities {
 /// smooth where D passes zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// The numbers.
+    /// The numbers themselves.
     pub at: Quantities,
     /// Their derivatives in ln e (index 0) and in the parameter (index 1).
     pub by: [Quantities; 2],

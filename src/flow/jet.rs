@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 /// A number with its derivatives in D quantities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dual<const D: usize> {
-    /// The number.
+    /// The number without its derivatives.
     pub value: f64,
-    /// Its derivatives.
+    /// Its derivatives in the D quantities, in their order.
     #[serde(with = "saved")]
     pub by: [f64; D],
 }
@@ -22,7 +22,7 @@ pub type Jet = Dual<SOURCES>;
 pub const ENTRY_Y: usize = 0;
 /// Index of W at the entry of the zone.
 pub const ENTRY_W: usize = 1;
-/// Index of the duration.
+/// Index of the duration T of the zone.
 pub const DURATION: usize = 2;
 /// Index of ln e, the logarithm of the excess speed.
 pub(crate) const EXCESS: usize = 3;

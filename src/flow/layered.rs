@@ -69,11 +69,11 @@ pub struct LayeredFlow {
 /// z and its derivatives at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Free<const D: usize> {
-    /// (U, V).
+    /// z = (U, V), in units of R.
     pub position: Pair<D>,
-    /// (U̇, V̇).
+    /// ż = (U̇, V̇), in units of RΩ.
     pub rate: Pair<D>,
-    /// (Ü, V̈).
+    /// z̈ = (Ü, V̈), in units of RΩ².
     pub acceleration: Pair<D>,
 }
 

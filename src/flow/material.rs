@@ -105,18 +105,18 @@ pub struct MaterialFlow {
     /// ρ: time in which the layer decays by e.
     pub rho: f64,
     rho_by: [f64; 2],
-    /// β.
+    /// Material damping β > 0, in units of 1/Ω.
     pub beta: f64,
 }
 
 /// V and its derivatives at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// (Y, W).
+    /// (Y, W) = (V − fgδ/h, V̇).
     pub state: [f64; 2],
-    /// V̈.
+    /// V̈, in units of RΩ².
     pub acceleration: f64,
-    /// V⃛.
+    /// V⃛, in units of RΩ³.
     pub jerk: f64,
 }
 

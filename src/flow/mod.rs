@@ -52,7 +52,7 @@ pub enum Unsolved {
     /// The exponents of sliding coincide to rounding.
     #[error("the exponents of sliding with material damping cannot be told apart")]
     SlidingExponents,
-    /// Those of separation do.
+    /// The exponents of separation coincide to rounding.
     #[error("the exponents of separation with material damping cannot be told apart")]
     SeparationExponents,
     /// A Runge–Kutta method gives up.
@@ -64,7 +64,7 @@ pub enum Unsolved {
     /// A matrix of collocation has no inverse.
     #[error("the collocation matrix is singular")]
     Singular,
-    /// Newton's method runs away.
+    /// Newton's method for the collocation equations runs away.
     #[error("the collocation equations diverge")]
     Diverges,
     /// Newton's method does not come to an end.
@@ -84,9 +84,9 @@ pub enum FlowError {
     /// A numerical method could not solve the equations of a zone.
     #[error("a zone of duration {duration:e} could not be integrated: {reason}")]
     Integration {
-        /// Duration of the zone.
+        /// Duration of the zone, in units of 1/Ω.
         duration: f64,
-        /// What the method says.
+        /// Why the method gave up.
         reason: Unsolved,
     },
     /// A zone turns too often for its inequalities to be verified.
@@ -95,17 +95,17 @@ pub enum FlowError {
          {most:.0e} through which inequalities are verified: |c| is close to √a"
     )]
     Winding {
-        /// Duration of the zone.
+        /// Duration of the zone, in units of 1/Ω.
         duration: f64,
-        /// Its length in radians.
+        /// Bound of the radians through which it turns.
         radians: f64,
-        /// Most radians.
+        /// Radians up to which inequalities are verified.
         most: f64,
     },
     /// A zone grew beyond the range of double precision.
     #[error("a zone of duration {duration:e} leaves the range of double precision")]
     Overflow {
-        /// Duration of the zone.
+        /// Duration of the zone, in units of 1/Ω.
         duration: f64,
     },
 }
@@ -113,9 +113,9 @@ pub enum FlowError {
 /// A zone: where it begins, how long it lasts and, with material damping, how it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slide {
-    /// (Y, W) at the entry.
+    /// (Y, W) = (V − fgδ/h, V̇) at the entry.
     pub entry: [f64; 2],
-    /// Duration.
+    /// Duration T, in units of 1/Ω.
     pub duration: f64,
     /// Amplitude G of the boundary layer at the end, see [`material`], in separation G_V of
     /// [`layered`]; 0 without material damping.
@@ -125,7 +125,7 @@ pub struct Slide {
 }
 
 impl Slide {
-    /// A zone without layers.
+    /// A zone without layers, as every zone is without material damping.
     pub fn bare(entry: [f64; 2], duration: f64) -> Slide {
         Slide {
             entry,
@@ -164,11 +164,11 @@ pub struct ZoneEnd {
 /// Flow of a sliding zone, by the method of the problem.
 #[derive(Clone, Debug)]
 pub enum SlidingFlow {
-    /// In closed form.
+    /// In closed form: friction does not depend on the velocity, and there is no material damping.
     Exact(ContactFlow),
     /// In closed form, with material damping.
     Material(Box<MaterialFlow>),
-    /// By integration.
+    /// By a numerical method, under any law of friction.
     Numerical(Box<NumericalContact>),
 }
 
@@ -329,11 +329,11 @@ impl SlidingFlow {
 /// Flow of a separation zone, by the method of the problem.
 #[derive(Clone, Debug)]
 pub enum FreeFlow {
-    /// By the matrix exponential.
+    /// By the matrix exponential, without material damping.
     Exact(Box<SeparationFlow>),
     /// By matrix exponentials, with material damping; or why there is none in this frame.
     Material(Result<Box<LayeredFlow>, FlowError>),
-    /// By integration.
+    /// By a numerical method.
     Numerical(Box<NumericalSeparation>),
 }
 
@@ -423,7 +423,7 @@ impl FreeFlow {
 
 /// The flows of one frame, each made when a zone first asks for it.
 pub struct Flows {
-    /// Frame.
+    /// The frame in which their equations are posed.
     pub frame: Frame,
     law: FrictionLaw,
     material: bool,
@@ -470,7 +470,7 @@ impl Flows {
         }
     }
 
-    /// Flow of separation.
+    /// Flow of separation, by the method of these flows.
     pub fn separation(&self) -> &FreeFlow {
         self.separation.get_or_init(|| {
             if self.material {

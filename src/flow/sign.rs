@@ -48,7 +48,7 @@ struct Slopes {
 pub enum Verdict {
     /// Positive on the whole interval but for the known zeros at its ends.
     Positive,
-    /// Negative somewhere.
+    /// Negative somewhere, by more than rounding and remainder.
     Negative,
     /// Closer to zero than rounding and remainder allow to tell.
     Undecided,

@@ -21,23 +21,23 @@
 
 use serde::{Deserialize, Serialize};
 
-/// a, b, D, g, h of (M), or their derivatives.
+/// a, b, D, g, h of (M), all in units of Ω² since φ is an angle, or their derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Coefficients {
-    /// Square of the tangential (longitudinal) wave speed.
+    /// Square of the tangential (longitudinal) wave speed, an angular one: a > b.
     pub a: f64,
-    /// Square of the radial (shear) wave speed.
+    /// Square of the radial (shear) wave speed, b > 0.
     pub b: f64,
     /// Coupling D of radial and tangential motion; the wave runs in the direction of its sign.
     #[serde(rename = "D")]
     pub coupling: f64,
-    /// Radial stiffness.
+    /// Radial stiffness g > 0: the pressure of steady sliding is gδ.
     pub g: f64,
-    /// Tangential stiffness.
+    /// Tangential stiffness h > 0: steady sliding has V = fgδ/h.
     pub h: f64,
 }
 
-/// The tube.
+/// The tube, of inner radius R: what its coefficients depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Geometry {
     /// Poisson's ratio, −1 < ν < ½.
@@ -141,7 +141,7 @@ impl Elastic {
 }
 
 impl Geometry {
-    /// The coefficients of (M).
+    /// The coefficients of (M), by the formulas at the top of this file.
     pub fn coefficients(&self) -> Coefficients {
         let Integrals { i0, i2, .. } = Integrals::new(self.xi);
         let Elastic { c, lambda, mu, .. } = Elastic::new(self.nu);
@@ -170,7 +170,7 @@ impl Geometry {
         }
     }
 
-    /// ∂/∂ν.
+    /// Derivatives of the coefficients in ν, at constant ξ and γ.
     pub(crate) fn derivative_in_nu(&self) -> Coefficients {
         let value = self.coefficients();
         let Integrals { i0, i2, .. } = Integrals::new(self.xi);
@@ -188,7 +188,7 @@ impl Geometry {
         }
     }
 
-    /// ∂/∂ξ.
+    /// Derivatives of the coefficients in ξ, at constant ν and γ.
     pub(crate) fn derivative_in_xi(&self) -> Coefficients {
         let value = self.coefficients();
         let integrals = Integrals::new(self.xi);

@@ -26,7 +26,7 @@ pub enum EventType {
     RV,
     /// Two switching points coalesce: a zone vanishes or is born between others.
     CO,
-    /// The stick zone vanishes.
+    /// The number of stick zones changes: one vanishes or opens.
     ST,
 }
 

@@ -69,7 +69,7 @@ pub enum Impact {
     Coulomb,
 }
 
-/// Viscous damping.
+/// Viscous damping: (M) has αU̇ and αV̇, and U + βU̇ and V + βV̇ in all its elastic terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Damping {

@@ -34,13 +34,13 @@ pub use sectors::Sectors;
 pub struct Constants {
     /// a, b, D, g, h of (M).
     pub coefficients: Coefficients,
-    /// Friction coefficient f.
+    /// Friction coefficient f of sliding.
     pub friction: f64,
-    /// Mismatch δ.
+    /// Mismatch δ, in units of R.
     pub mismatch: f64,
-    /// Mass-proportional damping α.
+    /// Mass-proportional damping α, in units of Ω.
     pub mass_damping: f64,
-    /// Stiffness-proportional damping β.
+    /// Stiffness-proportional damping β, in units of 1/Ω.
     pub stiffness_damping: f64,
     /// ε of the regularised friction law; zero for every other.
     pub smoothing: f64,
@@ -65,7 +65,7 @@ pub struct Model {
     pub friction: f64,
     /// Mismatch δ > 0, in units of the inner radius R.
     pub mismatch: f64,
-    /// Damping, zero unless given.
+    /// Viscous damping α and β, both 0 unless given.
     #[serde(default)]
     pub damping: Damping,
     /// Law of the impact that ends a separation.

@@ -11,21 +11,21 @@ use super::{Constants, Model, Source};
 /// A parameter that a branch can be followed in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Parameter {
-    /// Mismatch δ.
+    /// Mismatch δ > 0, in units of R.
     Mismatch,
-    /// Friction coefficient f.
+    /// Friction coefficient f ≥ 0 of sliding.
     Friction,
-    /// Mass-proportional damping α.
+    /// Mass-proportional damping α ≥ 0, in units of Ω.
     MassDamping,
-    /// Stiffness-proportional damping β.
+    /// Stiffness-proportional damping β ≥ 0, in units of 1/Ω.
     StiffnessDamping,
-    /// γ = ρR²Ω²/E.
+    /// γ = ρR²Ω²/E > 0, of a model with the tube.
     Gamma,
-    /// Poisson's ratio ν.
+    /// Poisson's ratio ν in (−1, ½), of a model with the tube.
     Nu,
-    /// Ratio of the radii ξ.
+    /// Outer by inner radius ξ > 1, of a model with the tube.
     Xi,
-    /// ε of the regularised friction law.
+    /// ε > 0 of the regularised friction law, in units of RΩ.
     Smoothing,
 }
 

@@ -43,7 +43,7 @@ impl Regime {
         Regime::ALL.into_iter().find(|regime| regime.name() == name)
     }
 
-    /// Name in tables.
+    /// Its word in tables, files and the names of signatures: "slip".
     pub fn name(self) -> &'static str {
         match self {
             Regime::Stick => "stick",
@@ -105,7 +105,7 @@ pub enum Entry {
 pub struct Zone {
     /// Regime that holds in the zone.
     pub regime: Regime,
-    /// Switch at its beginning.
+    /// Switch at its beginning; that at its end is the entry of the next zone.
     pub entry: Entry,
 }
 
@@ -136,12 +136,12 @@ impl Signature {
         ])
     }
 
-    /// Its regimes.
+    /// Its regimes without the switches, which is what tables and messages call it by.
     pub fn regimes(&self) -> Regimes {
         Regimes(self.0.iter().map(|zone| zone.regime).collect())
     }
 
-    /// Number of zones.
+    /// Number of zones in one wavelength.
     pub fn len(&self) -> usize {
         self.0.len()
     }
@@ -181,7 +181,7 @@ impl Signature {
         self.0[index % self.0.len()]
     }
 
-    /// Whether a regime occurs.
+    /// Whether a zone of this regime occurs.
     pub fn has(&self, regime: Regime) -> bool {
         self.0.iter().any(|zone| zone.regime == regime)
     }

@@ -172,7 +172,7 @@ impl HighFrequency {
         self.terms().map(|(_, delay)| delay).fold(0.0, f64::max)
     }
 
-    /// t(λ) in the limit.
+    /// t(λ) of the limit, Σ a_p e^{−λτ_p}.
     pub fn trace_at(&self, lambda: Complex<f64>) -> Complex<f64> {
         self.trace
             .iter()

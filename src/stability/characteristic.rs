@@ -106,7 +106,10 @@ fn along(
 }
 
 impl Characteristic {
-    /// Linearises a solved wave.
+    /// Linearises a solved wave about the solution at `point`.
+    ///
+    /// # Errors
+    /// A flow cannot be evaluated, or friction changes too sharply along a zone for a power series.
     pub fn new(wave: &Wave, point: &Vector) -> Result<Characteristic, NotLinearised> {
         let law = wave.model.law;
         let model = wave.model_at(point);
@@ -176,7 +179,7 @@ impl Characteristic {
         Ok(characteristic)
     }
 
-    /// z_j = e^{2πij/k}.
+    /// z_j = e^{2πij/k}, the factor of Bloch sector j over a period.
     pub fn multiplier(&self, sector: usize) -> C64 {
         let turn = sector as f64 / f64::from(self.mode);
         C64::from_polar(1.0, std::f64::consts::TAU * turn)

@@ -14,11 +14,11 @@ use crate::model::signature::Regime;
 /// A sample of an eigenfunction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModeSample {
-    /// |θ| from release, time-forward.
+    /// |θ| from release, time-forward, in [0, 2π].
     pub theta: f64,
-    /// ψ.
+    /// ψ(θ), the tangential displacement.
     pub psi: C64,
-    /// ψ′.
+    /// ψ′ = dψ/dθ.
     pub slope: C64,
 }
 

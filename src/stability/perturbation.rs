@@ -36,9 +36,9 @@ pub(super) fn square_root(z: C64) -> C64 {
 /// range of double precision occur for |λ| of 10⁴.
 #[derive(Clone, Copy, Debug)]
 pub struct Scaled {
-    /// v.
+    /// The mantissa v.
     pub value: C64,
-    /// Derivative, on the same scale.
+    /// Derivative in λ, on the same scale.
     pub derivative: C64,
     /// Real exponent of the scale.
     pub exponent: f64,
@@ -193,7 +193,7 @@ impl Value {
         size.max(slope / delay)
     }
 
-    /// |t′| + |d′|.
+    /// |t′| + |d′|, the derivatives being those in λ.
     pub(super) fn slope(&self) -> f64 {
         let part = |scaled: &Scaled| modulus(scaled.derivative) * scaled.exponent.exp();
         part(&self.trace) + part(&self.determinant)
@@ -266,16 +266,17 @@ pub(super) struct LinearZone {
     pub(super) course: Option<Arc<Course>>,
 }
 
-/// The linearised wave.
+/// The linearised wave: the constants of its perturbation equations, and its zones with their switches. Its
+/// eigenvalues are the zeros of F_j(λ), [`Value::sector`] of [`Characteristic::evaluate`].
 #[derive(Clone, Debug)]
 pub struct Characteristic {
     /// Zones from just after a release, or from the beginning of a contact zone.
     pub(super) zones: Vec<LinearZone>,
     /// Whether there is a stick zone.
     pub(super) stick: bool,
-    /// Period T of a material point.
+    /// Period T of a material point, in units of 1/Ω: the sum of the durations of all zones.
     pub period: f64,
-    /// Mode k.
+    /// Mode k: the wavelength is 2π/k, and there are k Bloch sectors.
     pub mode: u32,
     /// e = |c|/√a − 1.
     pub(super) excess: f64,

@@ -28,9 +28,9 @@ type C64 = Complex<f64>;
 pub struct Located {
     /// Arclength from the beginning of the step.
     pub s: f64,
-    /// The wave there.
+    /// The solution there, with the tangent.
     pub node: Node,
-    /// Bloch sector.
+    /// Bloch sector j, 0 ≤ j ≤ k/2, of the eigenvalue.
     pub sector: usize,
     /// Im λ at the crossing: positive in sectors 0 and k/2, zero where a real eigenvalue crosses.
     pub omega: f64,
@@ -46,7 +46,7 @@ pub type Crossing = (Located, Spectrum);
 /// What a step did to the spectrum.
 #[derive(Clone, Debug, Default)]
 pub struct Tracked {
-    /// Crossings in order.
+    /// Crossings of the imaginary axis, in the order of arclength.
     pub crossings: Vec<Crossing>,
     /// Spectrum at each point found, in order; `None` where the wave could not be linearised.
     pub spectra: Vec<Option<Spectrum>>,
@@ -63,9 +63,9 @@ pub enum Remark {
     Lost,
     /// The count jumps at a change of regime: unstable eigenvalues before and after it by sector.
     Jump {
-        /// Sector and count before.
+        /// (Bloch sector, growing eigenvalues in it) before the change.
         before: Vec<(usize, usize)>,
-        /// Sector and count after.
+        /// (Bloch sector, growing eigenvalues in it) after the change.
         after: Vec<(usize, usize)>,
     },
 }
@@ -75,9 +75,9 @@ pub enum Remark {
 pub struct Passed<'a> {
     /// Arclength from the beginning of the step.
     pub s: f64,
-    /// Its wave.
+    /// The boundary-value problem that it solves.
     pub wave: &'a Wave,
-    /// Its solution.
+    /// Its solution, with the tangent.
     pub node: &'a Node,
     /// Whether it is a fold.
     pub folds: bool,

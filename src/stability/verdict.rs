@@ -4,19 +4,19 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Stability of a wave.
+/// Linear stability of a wave against perturbations of the full circle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stability {
     /// Stable, as verified up to rounding, against every perturbation of the full circle.
     Yes,
     /// At least one growing mode.
     No,
-    /// Neither could be shown.
+    /// Neither could be shown; a [`Reason`] says what is missing.
     Undecided,
 }
 
 impl Stability {
-    /// As a word.
+    /// Its word in tables: "yes", "no" or "undecided".
     pub fn word(self) -> &'static str {
         match self {
             Stability::Yes => "yes",
@@ -31,11 +31,11 @@ impl Stability {
 pub enum Reason {
     /// A growing eigenvalue at a frequency above those that count.
     BeyondWindow {
-        /// Re λ.
+        /// Re λ > 0, in units of Ω.
         re: f64,
-        /// Im λ.
+        /// Im λ, in units of Ω.
         im: f64,
-        /// Bloch sector.
+        /// Bloch sector j of it.
         sector: usize,
     },
     /// Eigenvalues grow at high frequency: the limit of sup Re λ, infinite with static friction.

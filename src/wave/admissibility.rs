@@ -22,7 +22,7 @@ pub use super::margin::{AtZero, Margin, Watch};
 use super::margin::{edge_margin, edge_margins, interior_margin};
 use super::{Wave, WaveAt};
 
-/// What an examination found.
+/// Which inequalities of a signature a wave keeps, by [`examine`].
 #[derive(Clone, Debug)]
 pub struct Examination {
     /// All margins, in the order of the zones.
@@ -31,9 +31,9 @@ pub struct Examination {
     pub verdict: Verdict,
     /// Least pressure over the zones in contact; infinite if there is none.
     pub least_pressure: f64,
-    /// Largest U − δ.
+    /// Largest U − δ over the separation zones, in units of R; 0 if there is none.
     pub largest_gap: f64,
-    /// Smallest and largest V.
+    /// Smallest and largest V over the wave, in units of R.
     pub tangential: (f64, f64),
 }
 

@@ -40,7 +40,7 @@ pub enum NoHopf {
          {missing} = 0 there is none but at zero"
     )]
     Zero {
-        /// What is zero.
+        /// What is zero, in symbols: `α = β` or `f`.
         missing: &'static str,
     },
     /// Damping beyond what any friction overcomes, or friction below what the other damping needs.
@@ -49,9 +49,9 @@ pub enum NoHopf {
          k²f²D²(1 − αβ − β²K), K = ak² + h, has no root"
     )]
     Stable {
-        /// Mode.
+        /// Mode k.
         mode: u32,
-        /// Column of the parameter.
+        /// Column of the parameter, see [`Parameter::column`].
         parameter: &'static str,
     },
     /// The pressure of the family vanishes before a stick zone opens.
@@ -60,19 +60,19 @@ pub enum NoHopf {
          {mismatch}"
     )]
     Separation {
-        /// δ.
+        /// δ of the model.
         mismatch: f64,
-        /// δ needed.
+        /// δ at which the pressure of the last wave of the family just touches zero.
         least: f64,
     },
 }
 
-/// The vertical family.
+/// The vertical family of one mode, see the top of this file.
 #[derive(Clone, Debug)]
 pub struct Family {
     /// Value of the parameter at the Hopf point.
     pub critical: f64,
-    /// The model there.
+    /// The model with that value.
     pub model: Model,
     /// One zone of slip, cut where V̇ = 0 rises.
     pub wave: Wave,

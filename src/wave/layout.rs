@@ -69,13 +69,13 @@ pub(crate) fn width(material: bool, signature: &Signature) -> usize {
 pub struct Wave {
     /// Model; its continuation parameter is overridden by the unknown.
     pub model: Model,
-    /// Continuation parameter.
+    /// Continuation parameter, the last of the unknowns.
     pub parameter: Parameter,
     /// Mode k: the wavelength is 2π/k.
     pub mode: u32,
-    /// Sequence of zones.
+    /// Cyclic sequence of zones over one wavelength.
     pub signature: Signature,
-    /// Units.
+    /// Units of the unknowns, those of the first wave of the branch.
     pub scales: Scales,
     /// How the equations of a zone are solved.
     pub method: Method,
@@ -91,11 +91,11 @@ pub struct Wave {
 
 /// A wave at a point, with its frame and flows there.
 pub struct WaveAt<'a> {
-    /// The wave.
+    /// The boundary-value problem.
     pub wave: &'a Wave,
-    /// The point.
+    /// Its scaled unknowns, as [`Wave::pack`] orders them.
     pub point: &'a Vector,
-    /// Frame and flows.
+    /// Frame of its speed and flows of its regimes at this point.
     pub flows: Flows,
 }
 
@@ -190,7 +190,7 @@ impl Wave {
         self.material && (0..self.zones()).any(|zone| layered(&zone))
     }
 
-    /// Number of zones.
+    /// Number of zones in one wavelength.
     pub fn zones(&self) -> usize {
         self.signature.len()
     }
@@ -299,7 +299,7 @@ impl Wave {
         }
     }
 
-    /// Duration of a zone.
+    /// Duration T of a zone, counted modulo the number of zones, in units of 1/Ω; times |c| it is a length.
     pub fn duration_at(&self, point: &Vector, zone: usize) -> f64 {
         point[self.width() * (zone % self.zones()) + 2] * self.scales.time
     }

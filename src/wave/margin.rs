@@ -9,14 +9,14 @@ use crate::flow::{FlowError, SlidingFlow};
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime};
 
-/// What a margin measures.
+/// What a margin measures: the quantity that is positive while the signature holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Watch {
-    /// Duration of the zone.
+    /// Duration T of the zone.
     Duration,
     /// A local minimum of P inside a slip zone.
     Pressure,
-    /// P just after landing.
+    /// P that contact has just after landing.
     LandingPressure,
     /// A local minimum of |1 − W| inside a sliding zone.
     Rate,
@@ -45,9 +45,9 @@ pub enum Watch {
 /// A margin: positive while the signature holds. Scaled to order one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Margin {
-    /// What it measures.
+    /// Which quantity it is.
     pub watch: Watch,
-    /// Zone.
+    /// Index of the zone, from 0 in the order of the signature.
     pub zone: usize,
     /// Time after the entry of the zone at which a local minimum lies; 0 for other margins.
     pub time: f64,

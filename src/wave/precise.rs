@@ -27,13 +27,13 @@ const ITERATIONS: usize = 5;
 /// Speed c and durations T1, T2 of a slip-stick wave, rounded from many more digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Precise {
-    /// Signed speed c.
+    /// Angular speed c with the sign of D, in units of Ω.
     pub speed: f64,
     /// Excess speed |c|/√a − 1.
     pub excess: f64,
-    /// Duration of slip.
+    /// Duration T1 of slip, in units of 1/Ω.
     pub slip: f64,
-    /// Duration of stick.
+    /// Duration T2 of stick, in units of 1/Ω.
     pub stick: f64,
 }
 

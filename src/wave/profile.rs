@@ -14,25 +14,25 @@ use super::Wave;
 pub struct ProfileSample {
     /// θ from release, time-forward, in [0, 2π/k].
     pub theta: f64,
-    /// Radial displacement U at the contact surface.
+    /// Radial displacement U at the contact surface, in units of R; δ in contact.
     #[serde(rename = "U")]
     pub radial: f64,
-    /// Tangential displacement V at the contact surface.
+    /// Tangential displacement V at the contact surface, in units of R.
     #[serde(rename = "V")]
     pub tangential: f64,
-    /// U̇ following the material point.
+    /// U̇ following the material point, in units of RΩ.
     #[serde(rename = "U_dot")]
     pub radial_rate: f64,
-    /// V̇ following the material point.
+    /// V̇ following the material point, in units of RΩ; the shaft has 1.
     #[serde(rename = "V_dot")]
     pub tangential_rate: f64,
-    /// Contact pressure P.
+    /// Contact pressure P ≥ 0 on the tube, in units of γI₀E.
     #[serde(rename = "P")]
     pub pressure: f64,
-    /// Friction force Q.
+    /// Friction Q on the tube, in units of γI₀E; positive along the rotation.
     #[serde(rename = "Q")]
     pub shear: f64,
-    /// Name of the regime.
+    /// Name of the regime, see [`Regime::name`].
     pub regime: &'static str,
 }
 

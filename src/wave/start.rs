@@ -20,22 +20,22 @@ use crate::model::{Constants, Model};
 /// Which of the two waves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Which {
-    /// Larger |c|.
+    /// The one of larger |c|.
     Fast,
     /// Smaller |c|, close to √a: the stiff end.
     Slow,
 }
 
-/// A slip-stick wave.
+/// A slip-stick wave in closed form, admissible or not: P ≥ 0 is not asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlipStick {
     /// Excess speed e = |c|/√a − 1.
     pub excess: f64,
-    /// Signed speed c.
+    /// Angular speed c with the sign of D, in units of Ω.
     pub speed: f64,
-    /// Duration of slip.
+    /// Duration T1 of slip, in units of 1/Ω.
     pub slip: f64,
-    /// Duration of stick.
+    /// Duration T2 of stick, in units of 1/Ω.
     pub stick: f64,
     /// Least V̇ in slip: it decides where the pressure first touches zero.
     pub least_rate: f64,
@@ -58,11 +58,11 @@ pub enum NoWave {
          meet in a fold at f = {fold:.15} and vanish beyond it; take friction below that"
     )]
     BeyondFold {
-        /// Mode.
+        /// Mode k.
         mode: u32,
-        /// f asked for.
+        /// f of the model.
         friction: f64,
-        /// f of the fold.
+        /// f at which the fast and the slow wave meet.
         fold: f64,
     },
     /// Damping too strong: the stick zone has vanished.
@@ -71,11 +71,11 @@ pub enum NoWave {
          vanishes at the Hopf point of steady sliding, α√(ak² + h) = kf|D|, here α = {hopf:.15}"
     )]
     BeyondHopf {
-        /// Mode.
+        /// Mode k.
         mode: u32,
-        /// α asked for.
+        /// α of the model, in units of Ω.
         damping: f64,
-        /// α of the Hopf point.
+        /// α at which the stick zone vanishes, in units of Ω.
         hopf: f64,
     },
 }

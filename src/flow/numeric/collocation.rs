@@ -105,7 +105,7 @@ impl Gauss {
 /// A mesh and the degree of the polynomials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mesh {
-    /// Number of intervals.
+    /// Number of mesh intervals in a zone.
     pub intervals: usize,
     /// Collocation points in an interval.
     pub degree: usize,

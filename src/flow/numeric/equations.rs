@@ -28,11 +28,11 @@ use crate::model::FrictionLaw;
 
 /// The right side of an autonomous system in D unknowns.
 pub trait Field<const D: usize, N: Number> {
-    /// dx/dτ.
+    /// dx/dτ at x, τ from 0 to 1 over the zone.
     fn rate(&self, x: &[N; D]) -> [N; D];
 }
 
-/// A sliding zone.
+/// The right side of a sliding zone, x = (η, ω).
 #[derive(Clone, Copy, Debug)]
 pub struct Sliding<N> {
     law: FrictionLaw,
@@ -135,7 +135,7 @@ impl<N: Number> Field<2, N> for Sliding<N> {
     }
 }
 
-/// A separation zone.
+/// The right side of a separation zone, x = (γ, β, η, ω).
 #[derive(Clone, Copy, Debug)]
 pub struct Separated<N> {
     order: usize,

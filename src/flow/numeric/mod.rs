@@ -20,7 +20,7 @@ use shooting::Steps;
 pub enum Integrator {
     /// Explicit Runge–Kutta method of order 8.
     Shooting(Steps),
-    /// Gauss–Legendre collocation.
+    /// Gauss–Legendre collocation on a mesh.
     Collocation(Mesh),
 }
 
@@ -291,7 +291,7 @@ impl NumericalContact {
     }
 }
 
-/// Flow without contact.
+/// Flow of a separation zone by a numerical method.
 #[derive(Clone, Copy, Debug)]
 pub struct NumericalSeparation {
     frame: Frame,

@@ -30,14 +30,14 @@ use crate::stability::verdict::{Reason, Stability};
 
 type C64 = Complex<f64>;
 
-/// What to compute.
+/// Which eigenvalues to compute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// Bloch sectors 0 ≤ j ≤ k/2.
     pub sectors: Vec<usize>,
     /// Eigenvalues wanted in each sector.
     pub eigenvalues: usize,
-    /// Largest |Im λ| that counts.
+    /// Largest |Im λ| that counts, in units of Ω.
     pub max_frequency: f64,
 }
 
@@ -51,21 +51,21 @@ pub(super) fn margin(request: &Request, characteristic: &Characteristic) -> f64 
     (MARGIN.0 * request.max_frequency).min(MARGIN.1 / characteristic.period)
 }
 
-/// An eigenvalue.
+/// An eigenvalue λ: a perturbation of the wave in its own frame goes like e^{λt}.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Eigenvalue {
-    /// Re λ.
+    /// Re λ, the growth rate, in units of Ω.
     pub re: f64,
-    /// Im λ.
+    /// Im λ, the angular frequency in the frame of the wave, in units of Ω.
     pub im: f64,
     /// Estimate of its error: last Newton correction and rounding of F over |F′|.
     pub error: f64,
-    /// Multiplicity of the zero.
+    /// Multiplicity of the zero of F_j: 1 for a simple eigenvalue.
     pub multiplicity: usize,
 }
 
 impl Eigenvalue {
-    /// λ.
+    /// λ as a complex number.
     pub fn value(&self) -> C64 {
         C64::new(self.re, self.im)
     }
@@ -75,9 +75,9 @@ impl Eigenvalue {
 /// In sectors 0 and k/2 conjugate pairs appear with both members.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sector {
-    /// Bloch sector.
+    /// Bloch sector j, 0 ≤ j ≤ k/2.
     pub sector: usize,
-    /// All zeros found.
+    /// All zeros found but the translation mode, by falling Re λ.
     pub eigenvalues: Vec<Eigenvalue>,
 }
 
@@ -86,11 +86,11 @@ pub struct Sector {
 pub struct Spectrum {
     /// One entry per sector asked for, in order.
     pub sectors: Vec<Sector>,
-    /// Left edge of the window.
+    /// Left edge of the window, a value of Re λ.
     pub left: f64,
     /// Right edge of the window: no zero lies beyond it.
     pub right: f64,
-    /// Upper edge of the window.
+    /// Upper edge of the window, a value of Im λ.
     #[serde(default = "unknown")]
     pub top: f64,
     /// Eigenvalues with |Re λ| up to this are on the imaginary axis, see [`ON_AXIS`].
@@ -102,7 +102,7 @@ pub struct Spectrum {
     pub translation_defect: Option<f64>,
     /// Limit of Re λ at high frequency.
     pub limit: f64,
-    /// Verdict.
+    /// Whether the wave is stable.
     pub stable: Stability,
     /// What the verdict and the count rest on, where that is not plain.
     #[serde(default)]
@@ -111,7 +111,7 @@ pub struct Spectrum {
     /// and they could be counted.
     #[serde(default)]
     pub counted: Option<Vec<usize>>,
-    /// Mode k.
+    /// Mode k of the wave.
     pub mode: u32,
     /// Largest |Im λ| that counts.
     pub max_frequency: f64,
@@ -173,7 +173,7 @@ impl Spectrum {
         self.on_circle(|sector| self.unstable_in(sector))
     }
 
-    /// See [`symmetric`].
+    /// Whether a sector is its own conjugate: 0 and k/2.
     pub fn symmetric(&self, sector: usize) -> bool {
         symmetric(sector, self.mode)
     }
