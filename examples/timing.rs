@@ -6,11 +6,12 @@
 use std::time::Instant;
 
 use brakewave::branch::first_wave::first_wave;
-use brakewave::branch::follow::{Follower, Limits};
+use brakewave::branch::orbit::Follower;
 use brakewave::continuation::Steps;
 use brakewave::discretised;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Model, Parameter};
+use brakewave::orbit::follow::Limits;
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::spectrum::{Request, spectrum};
 use brakewave::wave::start::{Which, slip_stick};
@@ -79,11 +80,11 @@ fn run(work: &Work, measure: bool) -> Outcome {
             outcome.events += usize::from(point.kind().is_some());
             outcome.newton += point.node.newton;
             // beyond the fold the wave is the slow one
-            if measure && point.wave.signature.len() == 2 && outcome.events == 0 {
+            if measure && point.orbit.signature.len() == 2 && outcome.events == 0 {
                 let model = work.model.with(work.parameter, point.parameter);
                 if let Ok(exact) = slip_stick(&model, MODE, work.which) {
-                    let zones = point.wave.unpack(&point.node.point);
-                    let speed = point.wave.speed_at(&point.node.point);
+                    let zones = point.orbit.unpack(&point.node.point);
+                    let speed = point.orbit.speed_at(&point.node.point);
                     for (found, exact) in [
                         (speed, exact.speed),
                         (zones[0].duration * speed, exact.slip * exact.speed),

@@ -28,8 +28,8 @@
 //! Data flows one way, and what stands further left imports nothing from further right:
 //!
 //! ```text
-//! linalg ─► continuation ─┐   ┌─► affine        interval ─► problem, certify
-//! model ──────────────────┴─► flow ─► wave ─► stability ─► problem ─► branch ─► certify, curve, map,
+//! linalg ─► continuation ─► orbit ─┐   ┌─► affine        interval ─► problem, certify
+//! model ───────────────────────────┴─► flow ─► wave ─► stability ─► problem ─► branch ─► certify, curve, map,
 //!   │                          └──► steady                  ▲           │       discretised, accuracy
 //!   └─► simulation ─────────────────────────────────────────┘           └───────► output ─► cli
 //!                                                              table ─────────────┘
@@ -78,6 +78,7 @@ pub mod linalg;
 pub mod map;
 mod messages;
 pub mod model;
+pub mod orbit;
 #[cfg(feature = "cli")]
 pub mod output;
 pub mod problem;

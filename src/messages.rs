@@ -3,16 +3,16 @@
 use std::fmt::{self, Display, Formatter};
 
 use crate::branch::Reason;
-use crate::branch::special::{
-    Change, Close, Failure, Inadmissible, Note, Refusal, Special, Stop, Tried,
-};
+use crate::branch::special::{Change, Inadmissible, Note, OfWaves, Special, WaveMargin, WaveStop};
 use crate::continuation::walk::End;
 use crate::curve::{self, Gone, What};
 use crate::map::Missing;
 use crate::model::signature::Regime;
-use crate::model::{EventType, Impact, Landing};
+use crate::model::{Impact, Landing};
+use crate::orbit::{self, EventType, Orbit};
 use crate::problem::{Doubt, Rotation};
 use crate::stability::track::Remark;
+use crate::wave::Wave;
 use crate::wave::admissibility::Watch;
 
 /// What is left of a wave where D = 0.
@@ -86,26 +86,42 @@ impl Display for Doubt {
     }
 }
 
-impl Display for Special {
+/// Orbits whose changes of signature have sentences.
+pub(crate) trait Told: Orbit {
+    /// What happens at a change, without what comes of it.
+    fn event(change: &orbit::special::Change<Self>) -> String;
+}
+
+impl<O: Told> Display for orbit::special::Special<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        use orbit::special::Special;
         match self {
             Special::Start => f.write_str("start"),
-            Special::HopfPoint => f.write_str("the Hopf point of steady sliding"),
-            Special::StickOpens => f.write_str("V̇ reaches 1: a stick zone opens"),
-            Special::Fold(parameter) => write!(f, "fold in {}", parameter.column()),
+            Special::Fold(parameter) => write!(f, "fold in {}", O::column(parameter)),
             Special::User(parameter, value) => {
-                write!(f, "user point {} = {value}", parameter.column())
+                write!(f, "user point {} = {value}", O::column(parameter))
             }
             Special::Edge(parameter, value) => {
-                write!(f, "edge of the range, {} = {value}", parameter.column())
+                write!(f, "edge of the range, {} = {value}", O::column(parameter))
             }
-            Special::CoulombLimit => f.write_str(
+            Special::Closed => f.write_str("the branch closes on its first point"),
+            Special::Change(change) => change.fmt(f),
+            Special::Failed(failure) => failure.fmt(f),
+            Special::Own(special) => special.fmt(f),
+        }
+    }
+}
+
+impl Display for OfWaves {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            OfWaves::HopfPoint => f.write_str("the Hopf point of steady sliding"),
+            OfWaves::StickOpens => f.write_str("V̇ reaches 1: a stick zone opens"),
+            OfWaves::CoulombLimit => f.write_str(
                 "edge of the range, stiffness_damping = 0: the limit of little damping is this wave \
                  with Coulomb impacts, whatever `impact` says",
             ),
-            Special::Closed => f.write_str("the branch closes on its first point"),
-            Special::Change(change) => change.fmt(f),
-            Special::Crossing {
+            OfWaves::Crossing {
                 sector,
                 omega,
                 grows,
@@ -118,18 +134,16 @@ impl Display for Special {
                 let becomes = if *grows { "unstable" } else { "stable" };
                 write!(f, "a {what} of sector {sector} becomes {becomes}")
             }
-            Special::Failed(failure) => failure.fmt(f),
         }
     }
 }
 
-impl Change {
-    /// What happens, without what comes of it.
-    pub(crate) fn event(&self) -> String {
-        let regime = self.before.zone(self.margin.zone).regime;
+impl Told for Wave {
+    fn event(change: &Change) -> String {
+        let regime = change.before.zone(change.margin.zone).regime;
         let name = regime.name();
-        let closes = self.margin.watch == Watch::Duration;
-        match self.kind {
+        let closes = change.margin.watch == Watch::Duration;
+        match change.kind {
             EventType::GR if closes => "the separation zone closes".into(),
             EventType::GR => {
                 format!("the pressure touches zero in a {name} zone: separation opens")
@@ -139,14 +153,14 @@ impl Change {
             EventType::ST if closes && regime == Regime::Stick => "the stick zone vanishes".into(),
             EventType::ST => "a stick zone opens".into(),
             _ if closes => {
-                let after = self.after.as_ref();
-                if after.is_some_and(|after| after.len() == self.before.len()) {
+                let after = change.after.as_ref();
+                if after.is_some_and(|after| after.len() == change.before.len()) {
                     format!("V̇ = 1 at both ends of a {name} zone: it gives way to another")
                 } else {
                     format!("the {name} zone between its neighbours shrinks to nothing")
                 }
             }
-            _ => match self.margin.watch {
+            _ => match change.margin.watch {
                 Watch::Gap => "the separated surface touches the shaft".into(),
                 Watch::Rate => format!("V̇ = 1 is touched inside a {name} zone"),
                 Watch::LandingRate => "landing passes through V̇ = 1".into(),
@@ -159,9 +173,9 @@ impl Change {
     }
 }
 
-impl Display for Change {
+impl<O: Told> Display for orbit::special::Change<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.event())?;
+        f.write_str(&O::event(self))?;
         if !self.others.is_empty() {
             write!(f, "; also admissible: {}", list(&self.others, ", "))?;
         }
@@ -237,8 +251,9 @@ impl Display for Inadmissible {
     }
 }
 
-impl Display for Refusal {
+impl<O: Orbit> Display for orbit::special::Refusal<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        use orbit::special::Refusal;
         match self {
             Refusal::Flow(error) => error.fmt(f),
             Refusal::Inadmissible(reason) => reason.fmt(f),
@@ -256,22 +271,40 @@ impl Display for Refusal {
             } => write!(
                 f,
                 "what happens near {} = {value:.6} is known to {error:.0e} only",
-                parameter.column()
+                O::column(parameter)
             ),
             Refusal::Order => f.write_str("the order of two events is not resolved"),
         }
     }
 }
 
-impl Display for Stop {
+impl<O: Orbit> Display for orbit::special::Stop<O> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        use orbit::special::Stop;
+        match self {
+            Stop::NoSignature => {
+                f.write_str("no sequence of regimes solves the equations beyond this event")
+            }
+            Stop::NoneAdmissible(tried) => write!(
+                f,
+                "no admissible signature continues beyond this event; tried {}",
+                list(tried, "; ")
+            ),
+            Stop::Flow(error) => error.fmt(f),
+            Stop::Own(stop) => stop.fmt(f),
+        }
+    }
+}
+
+impl Display for WaveStop {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Stop::Undriven => f.write_str(D_ZERO),
-            Stop::Against => f.write_str(
+            WaveStop::Undriven => f.write_str(D_ZERO),
+            WaveStop::Against => f.write_str(
                 "D = 0: waves run in the direction of D, and beyond it this one would run against it; \
                  such waves are not followed",
             ),
-            Stop::Sonic {
+            WaveStop::Sonic {
                 excess,
                 parameter,
                 value,
@@ -281,25 +314,16 @@ impl Display for Stop {
                  else tends to a limit, {} to {value:.6}; waves must be faster than √a",
                 parameter.column()
             ),
-            Stop::SlipAlone => f.write_str(
+            WaveStop::SlipAlone => f.write_str(
                 "what is left is one zone of slip around the whole circumference: linear waves on \
                  steady sliding at its Hopf point, of every amplitude down to none at this one value; \
                  `start: Hopf` lists them",
             ),
-            Stop::NoSignature => f.write_str(
-                "no signature of the switching table solves the equations beyond this event",
-            ),
-            Stop::NoneAdmissible(tried) => write!(
-                f,
-                "no admissible signature continues beyond this event; tried {}",
-                list(tried, "; ")
-            ),
-            Stop::Flow(error) => error.fmt(f),
         }
     }
 }
 
-impl Display for Tried {
+impl<O: Orbit> Display for orbit::special::Tried<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match &self.signature {
             Some(signature) => write!(f, "{signature}: {}", self.reason),
@@ -334,8 +358,9 @@ impl<R: Display, E: Display> Display for End<R, E> {
     }
 }
 
-impl Display for Failure {
+impl<O: Orbit> Display for orbit::special::Failure<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        use orbit::special::Failure;
         match self {
             Failure::Ended(end) => end.fmt(f),
             Failure::NoLeg(reason) => reason.fmt(f),
@@ -343,11 +368,20 @@ impl Display for Failure {
     }
 }
 
-impl Display for Close {
+impl<H: Display> Display for orbit::special::Close<H> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Close::Margin(regime, watch) = self else {
-            return f.write_str("the slope of the parameter, which vanishes at a fold,");
-        };
+        match self {
+            orbit::special::Close::Margin(held) => held.fmt(f),
+            orbit::special::Close::Fold => {
+                f.write_str("the slope of the parameter, which vanishes at a fold,")
+            }
+        }
+    }
+}
+
+impl Display for WaveMargin {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let WaveMargin { regime, watch } = self;
         let regime = regime.name();
         match watch {
             Watch::Duration => write!(f, "the length of a {regime} zone"),
@@ -436,7 +470,7 @@ impl Display for What {
                 may_go_on,
                 next,
             } => {
-                let (event, kind) = (second.event(), second.kind);
+                let (event, kind) = (Wave::event(second), second.kind);
                 write!(f, "another inequality fails: {event} ({kind})")?;
                 match next {
                     Some(next) => write!(f, "; the curve goes on in {next}"),

@@ -2,8 +2,8 @@
 //! sign is proven over the whole piece.
 
 use super::mode::AffineMode;
-use crate::flow::sign::{Bernstein, COEFFICIENTS, REMAINDER};
 use crate::linalg::{Matrix, Vector};
+use crate::orbit::sign::{Bernstein, COEFFICIENTS, REMAINDER};
 
 /// Terms of the series of exp(Mh) for ‖Mh‖ ≤ 1 in the balanced norm: the remainder is 1/19! ≈ 8e-18.
 const TERMS: u32 = 18;

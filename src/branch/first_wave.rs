@@ -2,14 +2,16 @@
 
 use std::fmt;
 
-use super::change;
-use super::follow::{Follower, Limits};
+use super::orbit::Follower;
 use super::slip_stick::{polish, slip_stick_wave, smooth_wave};
 use super::special::{Inadmissible, Special};
 use super::wanted::{MOST_STEPS, NoStart, SearchFailure, Wanted};
 use crate::continuation::arclength::{self, DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, Steps};
 use crate::continuation::walk;
-use crate::flow::sign::Verdict;
+use crate::orbit::change;
+use crate::orbit::follow::Limits;
+use crate::orbit::sign::Verdict;
+
 use crate::linalg::Vector;
 use crate::model::{FrictionLaw, Model, Parameter};
 use crate::wave::admissibility::examine;
@@ -180,7 +182,7 @@ impl Search<'_> {
         };
         let mut follower = Follower::new(wave, &point, target == range.1, limits)?;
         let here = |follower: &Follower| follower.here().parameter;
-        let column = follower.curve().wave.parameter.column();
+        let column = follower.curve().orbit.parameter.column();
         let begun = here(&follower);
         let (mut nearest, mut folds) = (begun, 0);
         for step in 0..MOST_STEPS {
@@ -219,11 +221,11 @@ impl Search<'_> {
             let (walk::End::Edge | walk::End::Closed, Some(last)) = (&end, found.last()) else {
                 return Err(SearchFailure::Ended(Box::new(end)));
             };
-            let value = last.wave.parameter_at(&last.node.point);
+            let value = last.orbit.parameter_at(&last.node.point);
             if (value - target).abs() > 1e-9 * target.abs() {
                 return Err(SearchFailure::TurnsBack { column, value });
             }
-            return Ok((last.wave.as_ref().clone(), last.node.point.clone()));
+            return Ok((last.orbit.as_ref().clone(), last.node.point.clone()));
         }
         Err(SearchFailure::Slow { column, nearest })
     }
@@ -403,8 +405,8 @@ const BEYOND_HOPF: f64 = 1e-4;
 /// No admissible wave with a short stick zone exists.
 pub(crate) fn beyond_hopf(family: &Family, steps: Steps) -> Result<(Wave, Vector), SearchFailure> {
     let beyond = change::enter(&family.opening(), BEYOND_HOPF, steps.tolerance)?;
-    let step = arclength::advance(&beyond.wave, &beyond.node, beyond.ds, steps.tolerance)?;
-    Ok((beyond.wave, step.node.point))
+    let step = arclength::advance(&beyond.orbit, &beyond.node, beyond.ds, steps.tolerance)?;
+    Ok((beyond.orbit, step.node.point))
 }
 
 /// The mismatch is raised at most by this factor above that of the Coulomb wave in search of a

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::follow::Found;
+use super::orbit::Found;
 use super::row::EigenvalueRow;
 use super::saved::SavedWave;
-use super::special::Special;
+use super::special::{OfWaves, Special};
 use super::{BranchPoint, Event, LeadingEigenvalue, ProfileSample, Reason, Stability};
 use crate::flow::FlowError;
 use crate::linalg::Vector;
@@ -48,7 +48,7 @@ impl Item {
 /// The row of a point found, its numbers still to be given.
 pub(super) fn row(found: &Found, model: &Model) -> BranchPoint {
     let Found {
-        wave,
+        orbit: wave,
         node,
         examination,
         ..
@@ -106,7 +106,7 @@ pub(super) fn event(point: &BranchPoint, special: &Special, found: &Found) -> Ev
     let value = found.parameter.abs();
     let half_unit = 0.5 * (value.next_up() - value);
     let (sector, omega) = match special {
-        Special::Crossing { sector, omega, .. } => (Some(*sector), *omega),
+        Special::Own(OfWaves::Crossing { sector, omega, .. }) => (Some(*sector), *omega),
         _ => (None, None),
     };
     let after = special.after();

@@ -1,14 +1,12 @@
 //! A branch of waves in one parameter: first wave, steps, events, points and labels.
 
 mod begin;
-mod change;
 pub mod compare;
 pub mod conditioning;
-mod events;
 pub mod first_wave;
-pub mod follow;
 mod item;
 mod iterator;
+pub mod orbit;
 pub mod passage;
 mod point;
 mod progress;
@@ -19,8 +17,8 @@ mod slip_stick;
 pub mod special;
 pub mod wanted;
 
-pub use change::{NotEntered, beyond};
 pub use iterator::Branch;
+pub use orbit::NotEntered;
 pub use point::*;
 pub use saved::SavedWave;
 pub use slip_stick::polish;

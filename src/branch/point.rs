@@ -3,8 +3,8 @@
 //! The continuation produces these values, the exporters and the plots read them; neither side
 //! knows the other.
 
-pub use crate::model::EventType;
 use crate::model::Model;
+pub use crate::orbit::EventType;
 pub use crate::stability::verdict::{Reason, Stability};
 pub use crate::wave::profile::ProfileSample;
 

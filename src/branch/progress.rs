@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::follow::{Follower, Limits, State};
+use super::orbit::{Follower, State};
 use super::saved::finite;
 use super::special::{Failure, ResumeMismatch};
 use crate::continuation::Steps;
@@ -11,6 +11,7 @@ use crate::flow::method::Method;
 use crate::linalg::Vector;
 use crate::model::Model;
 use crate::model::signature::Signature;
+use crate::orbit::follow::Limits;
 use crate::problem::{Continuation, Problem, Toward};
 use crate::stability::spectrum::Spectrum;
 use crate::stability::track::ALLOWANCE;

@@ -8,12 +8,12 @@ use std::sync::Arc;
 use super::begin::{Begun, begin};
 use super::conditioning::conditioning;
 use super::first_wave::Observer;
-use super::follow::{Follower, Found};
 use super::item::{event, row};
+use super::orbit::{Follower, Found};
 use super::progress::legs;
 use super::row::EigenvalueRow;
 use super::saved::SavedWave;
-use super::special::{Ending, Failure, Note, Special, Stop};
+use super::special::{Ending, Failure, Note, OfWaves, Special, Stop, WaveStop};
 use super::wanted::NoStart;
 use super::{BranchPoint, EventType, Reason, Stability};
 use crate::continuation::{Node, walk};
@@ -135,7 +135,7 @@ impl Runner {
             return self.first_step(tracker.as_mut());
         }
         let from = (
-            self.follower.curve().wave.clone(),
+            self.follower.curve().orbit.clone(),
             self.follower.node().clone(),
         );
         let (found, end) = self.follower.step();
@@ -151,9 +151,11 @@ impl Runner {
         match end {
             _ if stopped => self.end_leg(None, true),
             None => self.check_points(&mut items),
-            Some(walk::End::Edge | walk::End::Closed | walk::End::Own(Stop::SlipAlone)) => {
-                self.end_leg(None, false)
-            }
+            Some(
+                walk::End::Edge
+                | walk::End::Closed
+                | walk::End::Own(Stop::Own(WaveStop::SlipAlone)),
+            ) => self.end_leg(None, false),
             Some(end) => self.end_leg(Some(Failure::Ended(Box::new(end))), false),
         }
         items
@@ -170,7 +172,7 @@ impl Runner {
         let exact = self.model.value(self.continuation.parameter);
         found.parameter = exact.unwrap_or(found.parameter);
         let spectrum = tracker.and_then(|tracker| {
-            let spectrum = tracker.start(&found.wave, &found.node);
+            let spectrum = tracker.start(&found.orbit, &found.node);
             self.take_over(tracker);
             spectrum
         });
@@ -275,8 +277,8 @@ impl Runner {
             let found = Found {
                 parameter: family.critical,
                 special: match index {
-                    0 => Some(Special::HopfPoint),
-                    _ if index == last => Some(Special::StickOpens),
+                    0 => Some(Special::Own(OfWaves::HopfPoint)),
+                    _ if index == last => Some(Special::Own(OfWaves::StickOpens)),
                     _ => None,
                 },
                 uncertainty: 8.0 * f64::EPSILON * family.critical,
@@ -308,11 +310,11 @@ impl Runner {
     fn crossing(&mut self, wave: &Arc<Wave>, (located, spectrum): Crossing) -> Option<Item> {
         let examination = examine(wave, &located.node.point).ok()?;
         let found = Found {
-            special: Some(Special::Crossing {
+            special: Some(Special::Own(OfWaves::Crossing {
                 sector: located.sector,
                 omega: (located.omega != 0.0).then_some(located.omega),
                 grows: located.grows,
-            }),
+            })),
             uncertainty: located.uncertainty * wave.scales.parameter,
             ..Found::new(wave, located.s, &located.node, &examination)
         };
@@ -352,7 +354,7 @@ impl Runner {
     }
 
     fn item(&mut self, found: Found, spectrum: Option<&Spectrum>) -> Item {
-        let model = self.model.with(found.wave.parameter, found.parameter);
+        let model = self.model.with(found.orbit.parameter, found.parameter);
         let mut point = row(&found, &model);
         self.progress.points += 1;
         point.point = self.progress.points;
@@ -362,7 +364,7 @@ impl Runner {
             self.progress.labels += 1;
             point.label = Some(self.progress.labels);
         }
-        point.conditioning = self.known_to(&found.wave, &found.node);
+        point.conditioning = self.known_to(&found.orbit, &found.node);
         let special = found.special.as_ref();
         let event = special.map(|special| event(&point, special, &found));
         self.progress.events += usize::from(event.is_some());
@@ -377,7 +379,7 @@ impl Runner {
         self.progress.eigenvalues += eigenvalues.len();
         let unknowns = found.node.point;
         let saved = point.label;
-        let saved = saved.map(|label| SavedWave::new(label, model, &found.wave, &unknowns));
+        let saved = saved.map(|label| SavedWave::new(label, model, &found.orbit, &unknowns));
         Item {
             point,
             leg: self.progress.leg,
@@ -386,7 +388,7 @@ impl Runner {
             special: found.special,
             saved,
             unknowns,
-            wave: found.wave,
+            wave: found.orbit,
         }
     }
 
@@ -395,9 +397,9 @@ impl Runner {
         if !self.with_stability() {
             return;
         }
-        answer(point, spectrum, &found.wave, &found.node.point);
+        answer(point, spectrum, &found.orbit, &found.node.point);
         // on the imaginary axis itself nothing is decided
-        let on_axis = matches!(found.special, Some(Special::Crossing { .. }));
+        let on_axis = matches!(found.special, Some(Special::Own(OfWaves::Crossing { .. })));
         if on_axis && point.stable == Some(Stability::Yes) {
             point.stable = Some(Stability::Undecided);
             point.why.push(Reason::OnAxis);
@@ -506,7 +508,7 @@ fn passed(found: &Found) -> Passed<'_> {
     let entered = found.entered.as_ref();
     Passed {
         s: found.s,
-        wave: &found.wave,
+        wave: &found.orbit,
         node: &found.node,
         folds: matches!(found.special, Some(Special::Fold(_))),
         entered: entered.map(|(wave, node)| (wave.as_ref(), node)),

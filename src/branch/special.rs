@@ -1,40 +1,27 @@
-//! What makes a point of a branch special, why a step is refused, and why a branch ends: as data. Their
-//! sentences are made in one place, `messages`.
+//! What makes a wave special for reasons of the tube, why it is not admissible, and why its branch ends: as data.
+//! Their sentences are made in one place, `messages`.
 
 use serde::{Deserialize, Serialize};
 
+use super::Reason;
 use super::conditioning::Conditioning;
-use super::{EventType, Reason};
-use crate::continuation::walk::{End, Refused};
-use crate::flow::FlowError;
-use crate::flow::sign::Verdict;
 use crate::model::Parameter;
-use crate::model::signature::{Entry, Regime, Signature, Zone};
+use crate::model::signature::Regime;
+use crate::orbit::sign::Verdict;
+use crate::orbit::special as engine;
 use crate::stability::track::Remark;
 use crate::wave::Wave;
-use crate::wave::admissibility::{Examination, Margin, Watch};
+use crate::wave::admissibility::{Examination, Watch};
 
-/// What makes a point special.
+/// What makes a wave special for reasons of the tube.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Special {
-    /// The first point of a leg.
-    Start,
+pub enum OfWaves {
     /// The Hopf point of steady sliding, where a vertical family begins.
     HopfPoint,
     /// The end of that family, where a stick zone opens.
     StickOpens,
-    /// A fold in the parameter.
-    Fold(Parameter),
-    /// A value that was asked for.
-    User(Parameter, f64),
-    /// An edge of the range.
-    Edge(Parameter, f64),
     /// An edge of the range at β = 0, where a wave that separates is one with Coulomb impacts.
     CoulombLimit,
-    /// The first point of the branch once more.
-    Closed,
-    /// A change of regime.
-    Change(Box<Change>),
     /// An eigenvalue crosses the imaginary axis.
     Crossing {
         /// Bloch sector.
@@ -44,78 +31,59 @@ pub enum Special {
         /// Whether it becomes unstable along the branch.
         grows: bool,
     },
-    /// The branch ends before its range.
-    Failed(Failure),
 }
 
-impl Special {
-    /// Its type.
-    pub fn kind(&self) -> EventType {
-        match self {
-            Special::Start
-            | Special::HopfPoint
-            | Special::Edge(..)
-            | Special::CoulombLimit
-            | Special::Closed => EventType::EP,
-            Special::StickOpens => EventType::ST,
-            Special::Fold(_) => EventType::LP,
-            Special::User(..) => EventType::UZ,
-            Special::Change(change) => change.kind,
-            Special::Crossing { omega: None, .. } => EventType::BP,
-            Special::Crossing { .. } => EventType::HB,
-            Special::Failed(_) => EventType::MX,
-        }
-    }
-
-    /// Signature beyond the point, where it changes.
-    pub fn after(&self) -> Option<Signature> {
-        match self {
-            Special::StickOpens => Some(Signature::slip_stick()),
-            Special::Change(change) if change.end == Some(Stop::SlipAlone) => {
-                Some(Signature::slip_alone())
-            }
-            Special::Change(change) => change.after.clone(),
-            _ => None,
-        }
-    }
+/// A margin of a wave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaveMargin {
+    /// Regime of its zone.
+    pub regime: Regime,
+    /// What it measures.
+    pub watch: Watch,
 }
 
+/// Why a branch of waves ends for reasons of the tube.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum WaveStop {
+    /// D = 0 ends the wave.
+    Undriven,
+    /// D = 0: the wave would run against D.
+    Against,
+    /// The speed tends to √a.
+    Sonic {
+        /// |c|/√a − 1.
+        excess: f64,
+        /// Parameter of the branch.
+        parameter: Parameter,
+        /// Its value.
+        value: f64,
+    },
+    /// One zone of slip is left: steady sliding at its Hopf point.
+    SlipAlone,
+}
+
+/// What makes a wave special.
+pub type Special = engine::Special<Wave>;
 /// A change of regime.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Change {
-    /// Its type.
-    pub kind: EventType,
-    /// Signature before it.
-    pub before: Signature,
-    /// Signature beyond it, if there is an admissible one.
-    pub after: Option<Signature>,
-    /// The margin that vanishes.
-    pub margin: Margin,
-    /// Further signatures that are admissible beyond it.
-    pub others: Vec<Signature>,
-    /// Whether the branch turns back in the parameter.
-    pub turned_back: bool,
-    /// Why the branch ends there, if it does.
-    pub end: Option<Stop>,
-    /// What is to be said of the spectrum.
-    pub spectrum: Option<Remark>,
-}
-
-impl Change {
-    /// A change of regime where this margin vanishes.
-    pub fn new(before: &Signature, after: Option<Signature>, margin: Margin) -> Change {
-        Change {
-            kind: classify(before, after.as_ref(), &margin),
-            before: before.clone(),
-            after,
-            margin,
-            others: Vec::new(),
-            turned_back: false,
-            end: None,
-            spectrum: None,
-        }
-    }
-}
+pub type Change = engine::Change<Wave>;
+/// Why a wave refuses a step.
+pub type Refusal = engine::Refusal<Wave>;
+/// Why a branch of waves ends for reasons of its own.
+pub type Stop = engine::Stop<Wave>;
+/// A signature tried beyond an event and refused.
+pub type Tried = engine::Tried<Wave>;
+/// Why a branch cannot be followed from a wave.
+pub type NoFollower = engine::NoFollower<Wave>;
+/// Saved progress from which a run does not go on.
+pub type ResumeMismatch = engine::ResumeMismatch<Wave>;
+/// What is so close to zero that rounding decides its sign.
+pub type Close = engine::Close<WaveMargin>;
+/// Why a step along a branch of waves was refused.
+pub type StepRefused = engine::StepRefused<Wave>;
+/// How the walk along a branch of waves ended.
+pub type Ending = engine::Ending<Wave>;
+/// Why a branch of waves ended before its range.
+pub type Failure = engine::Failure<Wave>;
 
 /// Why a point is not admissible.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
@@ -150,162 +118,6 @@ impl Inadmissible {
             None => Inadmissible::WrongWay,
         }
     }
-}
-
-/// Why a wave refuses a step.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
-pub enum Refusal {
-    /// Its inequalities cannot be evaluated.
-    Flow(#[from] FlowError),
-    /// Inequalities fail, and none of their margins tells where.
-    Inadmissible(Inadmissible),
-    /// A fold or a user point was not found.
-    NotFound,
-    /// Margins are negative at the end and none of them is located.
-    NotLocated(usize),
-    /// An event is known too badly.
-    Uncertain {
-        /// Parameter of the branch.
-        parameter: Parameter,
-        /// Its value.
-        value: f64,
-        /// Its error.
-        error: f64,
-    },
-    /// Another inequality fails where an event is.
-    Order,
-}
-
-/// Why a branch ends for reasons of its own.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Stop {
-    /// D = 0 ends the wave.
-    Undriven,
-    /// D = 0: the wave would run against D.
-    Against,
-    /// The speed tends to √a.
-    Sonic {
-        /// |c|/√a − 1.
-        excess: f64,
-        /// Parameter of the branch.
-        parameter: Parameter,
-        /// Its value.
-        value: f64,
-    },
-    /// One zone of slip is left: steady sliding at its Hopf point.
-    SlipAlone,
-    /// No signature of the switching table solves the equations beyond the event.
-    NoSignature,
-    /// No signature is admissible beyond the event: those tried.
-    NoneAdmissible(Vec<Tried>),
-    /// The first point beyond an event cannot be evaluated.
-    Flow(FlowError),
-}
-
-/// A signature tried beyond an event and refused.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Tried {
-    /// The signature; `None` where none could be made.
-    pub signature: Option<Signature>,
-    /// Why it was refused.
-    pub reason: StepRefused,
-}
-
-/// Why a branch cannot be followed from a point.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
-pub enum NoFollower {
-    /// It has no direction there.
-    #[error("the Newton matrix is singular at the start: the start is a fold")]
-    Fold,
-    /// Its inequalities cannot be evaluated.
-    #[error("{0}")]
-    Refused(#[from] Refusal),
-    /// A saved state is not one of its signature.
-    #[error("the saved state does not fit its signature")]
-    Saved,
-}
-
-/// Saved progress from which a run does not go on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
-pub enum ResumeMismatch {
-    /// It is of another problem.
-    #[error("the saved progress does not fit its problem")]
-    Progress,
-    /// The first wave has other unknowns.
-    #[error("the first wave does not fit its signature")]
-    FirstWave,
-    /// The branch does not go on from it.
-    #[error("{0}")]
-    State(#[from] NoFollower),
-}
-
-/// What is so close to zero that rounding decides its sign.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Close {
-    /// A margin of a zone.
-    Margin(Regime, Watch),
-    /// The slope of the parameter along the branch, which vanishes at a fold.
-    Fold,
-}
-
-impl Close {
-    /// A margin of a wave.
-    pub fn margin(wave: &Wave, margin: &Margin) -> Close {
-        Close::Margin(wave.signature.zone(margin.zone).regime, margin.watch)
-    }
-}
-
-/// Why a step along a branch was refused.
-pub type StepRefused = Refused<FlowError, Refusal>;
-
-/// How the walk along a branch ended.
-pub type Ending = End<StepRefused, Stop>;
-
-/// Why a branch ended before its range.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Failure {
-    /// As the walk along it ended.
-    Ended(Box<Ending>),
-    /// A leg does not begin.
-    NoLeg(ResumeMismatch),
-}
-
-/// Type of a change of regime: the same from either side, one of which sees open what the other sees close.
-fn classify(before: &Signature, after: Option<&Signature>, margin: &Margin) -> EventType {
-    let closed = (margin.watch == Watch::Duration).then(|| before.zone(margin.zone));
-    // a zone that begins with a touch closes on the impact, not at zero pressure
-    let lifts = |zone: Zone| zone.regime == Regime::Separation && zone.entry != Entry::Touch;
-    if margin.watch == Watch::Pressure || closed.is_some_and(lifts) {
-        return EventType::GR;
-    }
-    let Some(after) = after else {
-        return match (closed.map(|zone| zone.regime), margin.watch) {
-            (Some(Regime::Stick), _) => EventType::ST,
-            (None, Watch::LowerForce) => EventType::RV,
-            _ => EventType::CO,
-        };
-    };
-    if before.count(Regime::Stick) != after.count(Regime::Stick) {
-        return EventType::ST;
-    }
-    // reverse slip that begins at V̇ = 1: what lands in reverse slip is arrested before it closes
-    let reverses = |signature: &Signature| {
-        let before_stick = |index: &usize| {
-            let (zone, next) = (signature.zone(*index), signature.zone(index + 1));
-            zone.regime == Regime::Reverse
-                && matches!(zone.entry, Entry::Reversal | Entry::ArrestedLanding)
-                && next.regime == Regime::Stick
-        };
-        (0..signature.len()).filter(before_stick).count()
-    };
-    let others = [Regime::Slip, Regime::Separation];
-    if reverses(before) != reverses(after)
-        && before.len() != after.len()
-        && others.map(|regime| before.count(regime)) == others.map(|regime| after.count(regime))
-    {
-        return EventType::RV;
-    }
-    EventType::CO
 }
 
 /// What could not be settled in a run.
@@ -370,7 +182,8 @@ mod tests {
     use super::*;
     use crate::continuation::newton;
     use crate::continuation::walk::{End, Refused};
-    use crate::flow::Unsolved;
+    use crate::flow::{FlowError, Unsolved};
+    use crate::model::signature::Signature;
 
     /// Why a branch ended is the same after it was saved, whatever it is.
     #[test]

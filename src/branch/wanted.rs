@@ -1,6 +1,6 @@
 //! The first wave that is wanted, and why it is not found.
 
-use super::change::NotEntered;
+use super::orbit::NotEntered;
 use super::special::ResumeMismatch;
 use super::special::{Ending, Inadmissible, NoFollower};
 use crate::continuation::{arclength, newton};

@@ -8,7 +8,8 @@ use super::open::Open;
 use super::perturbation::Eigenvalue;
 use super::system::{Condition, Near, Posed};
 use crate::interval::Interval;
-use crate::model::{EventType, Parameter};
+use crate::model::Parameter;
+use crate::orbit::EventType;
 
 /// All that was proven of a branch, and what proves it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

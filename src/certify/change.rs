@@ -44,7 +44,7 @@ impl Beyond {
     pub(super) fn new(wave: &Wave, point: &Vector, change: &Change) -> Option<Beyond> {
         let after = change.after.as_ref()?;
         let mut list = candidates(wave, point, &change.margin).ok()?.into_iter();
-        let candidate = list.find(|candidate| candidate.wave.signature == *after)?;
+        let candidate = list.find(|candidate| candidate.orbit.signature == *after)?;
         let condition = match candidate.nascent.first() {
             Some(zone) => Condition::Margin {
                 watch: Watch::Duration,
@@ -52,7 +52,7 @@ impl Beyond {
                 time: 0.0,
             },
             None => {
-                let margins = examine(&candidate.wave, &candidate.point).ok()?.margins;
+                let margins = examine(&candidate.orbit, &candidate.point).ok()?.margins;
                 let size = |margin: &Margin| margin.jet.value.abs();
                 // a flight that lands at P = 0 may land without speed, too
                 let grazes = matches!(change.margin.watch, Watch::Gap | Watch::LandingSpeed);
@@ -63,7 +63,7 @@ impl Beyond {
         };
         Some(Beyond {
             condition,
-            near: Near::new(&candidate.wave, &candidate.point),
+            near: Near::new(&candidate.orbit, &candidate.point),
         })
     }
 }

@@ -40,12 +40,13 @@ pub use system::{Condition, Near, Posed};
 
 use crate::branch::row::EigenvalueRow;
 use crate::branch::run::Item;
-use crate::branch::special::{Change, Special};
+use crate::branch::special::{Change, OfWaves, Special};
 use crate::flow::method::Method;
 use crate::interval::{Decimal, Interval};
 use crate::linalg::Vector;
+use crate::model::Impact;
 use crate::model::signature::{Entry, switches};
-use crate::model::{EventType, Impact};
+use crate::orbit::EventType;
 use crate::problem::{decimal_at, decimal_of};
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch};
@@ -66,7 +67,7 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
     let prepared = || -> Result<Proof, Open> {
         covered(wave)?;
         let (condition, beyond) = condition(wave, point, special, || match special {
-            Special::User(..) | Special::Edge(..) | Special::CoulombLimit => {
+            Special::User(..) | Special::Edge(..) | Special::Own(OfWaves::CoulombLimit) => {
                 decimal_of(text, "continuation", value)
             }
             _ => decimal_of(text, wave.parameter.path(), value),
@@ -235,7 +236,7 @@ fn condition(
     Ok(match special {
         Special::User(..)
         | Special::Edge(..)
-        | Special::CoulombLimit
+        | Special::Own(OfWaves::CoulombLimit)
         | Special::Start
         | Special::Closed => (Condition::Value(value()), None),
         Special::Fold(_) => (Condition::Fold, None),
@@ -247,8 +248,8 @@ fn condition(
             let beyond = change.after.as_ref().map(|_| entered()).transpose()?;
             (change.margin.into(), beyond)
         }
-        Special::HopfPoint | Special::StickOpens => return Err(Open::Family),
-        Special::Crossing { sector, omega, .. } => {
+        Special::Own(OfWaves::HopfPoint | OfWaves::StickOpens) => return Err(Open::Family),
+        Special::Own(OfWaves::Crossing { sector, omega, .. }) => {
             let (sector, omega) = (*sector, omega.unwrap_or(0.0));
             (Condition::Crossing { sector, omega }, None)
         }

@@ -5,7 +5,8 @@ use std::io::{self, IsTerminal};
 use std::path::Path;
 
 use crate::curve::{Curve, Point};
-use crate::model::{Damping, EventType, FrictionLaw, Landing, Model, Parameter, Sectors};
+use crate::model::{Damping, FrictionLaw, Landing, Model, Parameter, Sectors};
+use crate::orbit::EventType;
 use crate::output::curve::words;
 use crate::output::layout::{BRANCH, EVENTS};
 use crate::output::run::separates;

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::point::{Limits, Point, PointType};
 use super::system::{Condition, EventSystem};
+use crate::branch::EventType;
 use crate::branch::special::{Change, Close};
-use crate::branch::{EventType, beyond};
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Least, Place, Target};
 use crate::continuation::newton;
@@ -14,10 +14,12 @@ use crate::flow::FlowError;
 use crate::linalg::{self, Vector};
 use crate::model::Parameter;
 use crate::model::signature::{Regime, Signature};
+use crate::orbit::change::beyond;
+use crate::orbit::{Candidate, Orbit as _};
 use crate::stability::spectrum::symmetric;
 use crate::wave::Wave;
 use crate::wave::admissibility::{AtZero, Examination, Margin, Watch, examine};
-use crate::wave::successor::{Candidate, candidates};
+use crate::wave::successor::candidates;
 
 /// A margin below this on the event's own account is the event itself, but for rounding.
 const OWN: f64 = 1e-8;
@@ -363,7 +365,7 @@ impl EventCurve {
             .margin_at(&wave, &unknowns)
             .ok()?;
         for candidate in candidates(&wave, &unknowns, &here).ok()? {
-            let Ok(examination) = examine(&candidate.wave, &candidate.point) else {
+            let Ok(examination) = examine(&candidate.orbit, &candidate.point) else {
                 continue;
             };
             let vanish: Vec<Margin> = examination
@@ -373,7 +375,7 @@ impl EventCurve {
                 .collect();
             let same = |margin: &&Margin| {
                 margin.watch == first.watch
-                    && candidate.wave.signature.zone(margin.zone).regime == regime
+                    && candidate.orbit.signature.zone(margin.zone).regime == regime
                     && !(margin.watch == Watch::Duration
                         && candidate.nascent.contains(&margin.zone))
             };
@@ -403,11 +405,11 @@ impl EventCurve {
         &self,
         step: &Stage,
         node: &Node,
-        candidate: &Candidate,
+        candidate: &Candidate<Wave>,
         margin: &Margin,
         vanish: &[Margin],
     ) -> Option<(EventSystem, Node, f64, Vec<(Watch, usize)>)> {
-        let signature = candidate.wave.signature.clone();
+        let signature = candidate.orbit.signature.clone();
         let system = self.system.of(signature, Condition::Margin(*margin));
         let count = system.wave_unknowns();
         let parameters = node.point.len() - 2;
@@ -510,10 +512,10 @@ impl Curve for EventCurve {
                 Least::Found(place, _) if place.s >= end => {}
                 Least::Found(place, value) if value < -ROUNDED => pair = pair.min(place.s),
                 Least::Found(place, value) if value <= ROUNDED => {
-                    close.get_or_insert((place.s, Close::margin(&wave, margin)));
+                    close.get_or_insert((place.s, Close::Margin(wave.held(margin))));
                 }
                 Least::NotFound if step.ds < end => {
-                    close.get_or_insert((step.ds, Close::margin(&wave, margin)));
+                    close.get_or_insert((step.ds, Close::Margin(wave.held(margin))));
                 }
                 _ => {}
             }
@@ -649,5 +651,5 @@ impl Curve for EventCurve {
 fn successor(wave: &Wave, point: &Vector, margin: &Margin, tolerance: f64) -> Option<Signature> {
     beyond(wave, point, margin, INTO, tolerance)
         .beyond
-        .map(|beyond| beyond.wave.signature)
+        .map(|beyond| beyond.orbit.signature)
 }

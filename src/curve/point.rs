@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::continuation::Steps;
 use crate::model::signature::Regimes;
-use crate::model::{EventType, UnknownType};
+use crate::orbit::{EventType, UnknownType};
 
 /// How far to follow, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -22,16 +22,17 @@ use nalgebra::Complex;
 use super::follow::{INTO, Solved};
 use super::point::{Limits, Name, PointType, Region};
 use super::system::{Condition, EventSystem};
-use crate::branch::beyond;
-use crate::branch::follow::{self, Follower, Found};
+use crate::branch::orbit::{Follower, Found};
 use crate::continuation::Node;
 use crate::continuation::arclength::advance;
 use crate::continuation::locate::retangent;
 use crate::continuation::walk;
-use crate::flow::sign::Verdict;
 use crate::linalg::Vector;
-use crate::model::EventType::{EP, LP, RV, ST, UZ};
 use crate::model::signature::{Regimes, Signature};
+use crate::orbit::EventType::{EP, LP, RV, ST, UZ};
+use crate::orbit::change::beyond;
+use crate::orbit::follow;
+use crate::orbit::sign::Verdict;
 use crate::stability::characteristic::Characteristic;
 use crate::stability::track;
 use crate::wave::Wave;
@@ -363,12 +364,12 @@ fn walk(
         *budget -= 1;
         // where slip-stick waves lose their stick zone they end, at the Hopf point of steady sliding
         let vanished = found.iter().any(|found| {
-            found.kind() == Some(ST) && found.wave.signature == Signature::slip_stick()
+            found.kind() == Some(ST) && found.orbit.signature == Signature::slip_stick()
         });
         for found in found {
             let kind = found.kind();
             let Found {
-                wave,
+                orbit: wave,
                 node,
                 parameter,
                 ..
@@ -394,7 +395,7 @@ fn walk(
             }
         }
         match ended {
-            None if arm.curve().wave.zones() <= MOST_ZONES => {}
+            None if arm.curve().orbit.zones() <= MOST_ZONES => {}
             Some(walk::End::Edge | walk::End::Closed) => return end,
             Some(_) if vanished => return End::Edge,
             _ => return End::Lost,
@@ -431,7 +432,7 @@ fn arms(
                 found.extend(step(&wave, &node, INTO));
             }
             if let Some(beyond) = beyond(&wave, &own, &here, INTO, tolerance).beyond {
-                found.extend(step(&beyond.wave, &beyond.node, beyond.ds));
+                found.extend(step(&beyond.orbit, &beyond.node, beyond.ds));
             }
         }
         Condition::Fold => {

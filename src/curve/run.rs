@@ -11,8 +11,8 @@ use crate::continuation::newton::{self, Plane};
 use crate::continuation::walk::{self, Walker};
 use crate::flow::FlowError;
 use crate::linalg::{self, Vector};
-use crate::model::EventType;
 use crate::model::Parameter;
+use crate::orbit::EventType;
 
 /// Why the curve of an event cannot be followed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -6,8 +6,8 @@ use super::follow::{Gone, Refusal};
 use super::point::{Limits, Point};
 use super::system::{Condition, EventSystem, NotEvaluated};
 use crate::continuation::walk::Refused;
-use crate::model::EventType;
 use crate::model::signature::{Regime, Signature};
+use crate::orbit::EventType;
 use crate::wave::admissibility::Watch;
 
 /// What a curve begins with: the same for all its steps.

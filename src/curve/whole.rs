@@ -2,7 +2,8 @@
 
 use super::point::{Point, Region};
 use super::saved::Reason;
-use crate::model::{EventType, Parameter};
+use crate::model::Parameter;
+use crate::orbit::EventType;
 
 /// The curve of an event.
 #[derive(Clone, Debug, PartialEq)]

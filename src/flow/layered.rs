@@ -34,10 +34,10 @@ use super::jet::{
 use super::material::THIN;
 use super::piece::Piece;
 use super::separation::SeparationFlow;
-use super::sign::{COEFFICIENTS, REMAINDER};
 use super::solvent::{polynomial, solvent};
 use super::square::{Pair, Square};
 use super::{FlowError, Frame, Slide, Unsolved, ZoneEnd};
+use crate::orbit::sign::{COEFFICIENTS, REMAINDER};
 
 /// e^{−x} beyond this is nothing.
 const UNDERFLOW: f64 = 708.0;

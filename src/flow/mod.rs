@@ -28,7 +28,7 @@ pub mod method;
 pub mod numeric;
 pub(crate) mod piece;
 pub mod separation;
-pub mod sign;
+
 mod solvent;
 mod square;
 

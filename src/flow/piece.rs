@@ -1,7 +1,7 @@
 //! A separation zone cut into pieces on which power series do.
 
-use super::sign::{COEFFICIENTS, DEGREE, REMAINDER};
 use super::{Frame, Slide};
+use crate::orbit::sign::{COEFFICIENTS, DEGREE, REMAINDER};
 
 /// A piece of a zone: Taylor coefficients of U − δ and of V in the time over its length, and how much the
 /// former leave out.

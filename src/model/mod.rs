@@ -10,7 +10,7 @@
 //! Lengths are measured by the inner radius R, stresses by E, time by 1/Ω.
 
 pub mod coefficients;
-mod event;
+
 #[cfg_attr(not(feature = "cli"), allow(dead_code))]
 mod landing;
 mod laws;
@@ -23,7 +23,6 @@ pub mod signature;
 use serde::{Deserialize, Serialize};
 
 use coefficients::{Coefficients, Geometry};
-pub use event::{EventType, UnknownType};
 pub(crate) use landing::Landing;
 pub use laws::{Damping, FrictionLaw, Impact};
 pub use parameter::Parameter;

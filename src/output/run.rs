@@ -19,8 +19,8 @@ use crate::branch::SavedWave;
 use crate::branch::row::{BranchRow, EventRow, SpectrumRow};
 use crate::branch::run::{Item, Progress, Runner};
 use crate::curve::start::Labelled;
-use crate::model::EventType;
 use crate::model::signature::Regime;
+use crate::orbit::EventType;
 use crate::problem::{Problem, Start};
 use crate::table::{self, Table};
 

@@ -6,8 +6,8 @@ use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE};
-use crate::model::EventType;
 use crate::model::{FrictionLaw, Parameter};
+use crate::orbit::EventType;
 
 /// Largest number of points of a leg where none is given.
 pub(crate) const DEFAULT_MAX_POINTS: usize = 100_000;

@@ -5,8 +5,8 @@ use std::fmt;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-use crate::model::EventType;
 use crate::model::Parameter;
+use crate::orbit::EventType;
 
 /// Most expectations of a problem.
 pub(crate) const MAX_EXPECTATIONS: usize = 1000;

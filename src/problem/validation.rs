@@ -14,7 +14,8 @@ use super::{
     Start, Toward, drawable_columns,
 };
 use crate::flow::method::Method;
-use crate::model::{EventType, FrictionLaw, Impact, Parameter, Sectors, Source};
+use crate::model::{FrictionLaw, Impact, Parameter, Sectors, Source};
+use crate::orbit::EventType;
 use crate::simulation::task::{
     Body, Circle, Growth, MAX_SAMPLES, MAX_SIMULATION_POINTS, MIN_GROWTH_POINTS, Perturbation,
     Simulation, SimulationStart,

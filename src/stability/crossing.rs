@@ -39,5 +39,5 @@ pub(super) fn uncertainty(
         };
         matrix[(count - 1, column)] = -((moved(step)? - moved(-step)?) / (by * (2.0 * step))).re;
     }
-    wave.rounding(&matrix, point, rounding)
+    wave.parameter_rounding(&matrix, point, rounding)
 }

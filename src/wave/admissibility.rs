@@ -4,7 +4,7 @@
 //! U − δ in separation — are components of linear flows. In contact all of them are monotone
 //! between the zeros of V̈, which are known in closed form. A separation zone is cut into pieces of
 //! at most one radian; on each piece the Taylor polynomial of U and its Bernstein coefficients
-//! tell the sign ([`crate::flow::sign`]) and locate every local minimum.
+//! tell the sign ([`crate::orbit::sign`]) and locate every local minimum.
 //!
 //! A *margin* is a smooth function of the unknowns that is positive while the signature holds:
 //! durations, the least values just named, and the conditions of the switching table. The margin
@@ -13,10 +13,10 @@
 use crate::continuation::zero::zero_by_slope;
 use crate::flow::jet::Jet;
 use crate::flow::piece::{horner, horner_curvature, horner_slope};
-use crate::flow::sign::{Bernstein, COEFFICIENTS, Verdict};
 use crate::flow::{FlowError, Slide, SlidingFlow};
 use crate::linalg::Vector;
 use crate::model::signature::{Entry, Regime};
+use crate::orbit::sign::{Bernstein, COEFFICIENTS, Verdict};
 
 pub use super::margin::{AtZero, Margin, Watch};
 use super::margin::{edge_margin, edge_margins, interior_margin};

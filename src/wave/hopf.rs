@@ -22,8 +22,8 @@ use crate::linalg::Vector;
 use crate::model::signature::Signature;
 use crate::model::{Model, Parameter};
 
-use super::successor::Candidate;
 use super::{Scales, Wave};
+use crate::orbit::Candidate;
 
 /// Why there is no branch from a Hopf point.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -82,7 +82,7 @@ pub struct Family {
 
 impl Family {
     /// The wave at the end of the family as a slip-stick wave whose stick zone has no length yet.
-    pub(crate) fn opening(&self) -> Candidate {
+    pub(crate) fn opening(&self) -> Candidate<Wave> {
         let wave = self.wave.with_signature(Signature::slip_stick());
         let last = &self.points[self.points.len() - 1];
         let excess = self.wave.excess_at(last);
@@ -90,7 +90,7 @@ impl Family {
         let zones = [period, 0.0].map(|duration| Slide::bare([0.0, 1.0], duration));
         let point = wave.pack(&zones, excess, self.critical);
         Candidate {
-            wave,
+            orbit: wave,
             point,
             nascent: vec![1],
         }

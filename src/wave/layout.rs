@@ -65,7 +65,7 @@ pub(crate) fn width(material: bool, signature: &Signature) -> usize {
 }
 
 /// The boundary-value problem of one signature.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Wave {
     /// Model; its continuation parameter is overridden by the unknown.
     pub model: Model,

@@ -69,6 +69,26 @@ impl Margin {
         };
         along(self.zone, &self.jet) + along(self.zone + 1, &self.beyond)
     }
+
+    /// Σ |∂m/∂uᵢ|·dᵢ.
+    pub(crate) fn reach(&self, wave: &Wave, changes: &Vector) -> f64 {
+        let of = |zone: usize, jet: &Jet| -> f64 {
+            wave.columns(zone)
+                .zip(jet.by)
+                .map(|(column, by)| by.abs() * changes[column])
+                .sum()
+        };
+        of(self.zone, &self.jet) + of(self.zone + 1, &self.beyond)
+    }
+
+    /// Adds its derivatives in the scaled unknowns.
+    pub(crate) fn add_gradient(&self, wave: &Wave, gradient: &mut [f64]) {
+        for (zone, jet) in [(self.zone, self.jet), (self.zone + 1, self.beyond)] {
+            for (column, by) in wave.columns(zone).zip(jet.by) {
+                gradient[column] += by;
+            }
+        }
+    }
 }
 
 /// The margins that belong to the ends of a zone.
@@ -328,11 +348,7 @@ impl Constraint<Wave> for AtZero {
         gradient: &mut [f64],
     ) -> Result<f64, FlowError> {
         let margin = self.margin_at(wave, point)?;
-        for (zone, jet) in [(margin.zone, margin.jet), (margin.zone + 1, margin.beyond)] {
-            for (column, by) in wave.columns(zone).zip(jet.by) {
-                gradient[column] += by;
-            }
-        }
+        margin.add_gradient(wave, gradient);
         Ok(margin.jet.value)
     }
 }

@@ -176,7 +176,12 @@ impl WaveAt<'_> {
 impl Wave {
     /// First-order bound of what rounding leaves of the scaled parameter, which a matrix of the wave's
     /// equations and one more determines; `last` is the rounding of that one besides what its derivatives show.
-    pub(crate) fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64> {
+    pub(crate) fn parameter_rounding(
+        &self,
+        matrix: &Matrix,
+        point: &Vector,
+        last: f64,
+    ) -> Option<f64> {
         let parameter = point.len() - 1;
         // ln(e/e₀) may be zero, but e has the rounding of a number of its own size
         let mut sizes = point.abs();

@@ -13,21 +13,11 @@ use crate::model::signature::{Entry, Regime, Signature, Zone, paths};
 
 use super::admissibility::{Margin, Watch};
 use super::{Flows, Wave};
+use crate::orbit::Candidate;
 
 /// New zones tried at one event: two suffice for every codimension-one event of the table, since
 /// one instant can pass at most through reverse and stick on its way between two others.
 const LONGEST_CHAIN: usize = 2;
-
-/// A signature to try from an event.
-#[derive(Clone, Debug)]
-pub struct Candidate {
-    /// Boundary-value problem of the new signature.
-    pub wave: Wave,
-    /// The wave of the event in its unknowns.
-    pub point: Vector,
-    /// Zones that have no length yet.
-    pub nascent: Vec<usize>,
-}
 
 /// A zone of a cycle that may become a wave.
 #[derive(Clone, Copy)]
@@ -55,7 +45,7 @@ pub fn candidates(
     wave: &Wave,
     point: &Vector,
     margin: &Margin,
-) -> Result<Vec<Candidate>, FlowError> {
+) -> Result<Vec<Candidate<Wave>>, FlowError> {
     let Some(opened) = open(wave, point, margin)? else {
         return Ok(Vec::new());
     };
@@ -76,10 +66,10 @@ pub fn candidates(
         let slides: Vec<Slide> = zones.iter().map(|part| part.slide).collect();
         found.push(Candidate {
             point: candidate.pack(&slides, excess, parameter),
-            wave: candidate,
             nascent: (0..zones.len())
                 .filter(|index| zones[*index].nascent)
                 .collect(),
+            orbit: candidate,
         });
     };
     let zones = &opened.zones;

@@ -2,7 +2,8 @@
 
 use brakewave::certify::{self, Condition, Outcome, Point, Proof, Stretch};
 use brakewave::interval::{Decimal, Interval};
-use brakewave::model::{EventType, Parameter};
+use brakewave::model::Parameter;
+use brakewave::orbit::EventType;
 use brakewave::wave::admissibility::Watch;
 use brakewave::wave::start::Which;
 

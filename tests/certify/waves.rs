@@ -7,7 +7,8 @@ use brakewave::certify::{
 use brakewave::interval::{Decimal, Interval};
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::signature::{Entry, Regime, Signature};
-use brakewave::model::{EventType, FrictionLaw, Impact, Model, Parameter, Sectors};
+use brakewave::model::{FrictionLaw, Impact, Model, Parameter, Sectors};
+use brakewave::orbit::EventType;
 use brakewave::problem::{self, StabilitySection};
 use brakewave::wave::admissibility::Watch;
 use brakewave::wave::start::{Which, slip_stick};

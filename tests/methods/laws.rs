@@ -1,8 +1,8 @@
 //! Friction laws beyond Coulomb's.
 
 use brakewave::flow::method::Method;
-use brakewave::flow::sign::Verdict;
 use brakewave::model::FrictionLaw;
+use brakewave::orbit::sign::Verdict;
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::wave::admissibility::examine;
 use nalgebra::Complex;

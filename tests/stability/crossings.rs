@@ -7,7 +7,7 @@
 //! enters or leaves the window through its upper edge.
 
 use brakewave::branch::run::Item;
-use brakewave::branch::special::Special;
+use brakewave::branch::special::{OfWaves, Special};
 use brakewave::branch::{Event, EventType};
 use brakewave::problem::Expectation;
 use brakewave::stability::spectrum::Spectrum;
@@ -118,11 +118,11 @@ fn accounted(name: &str, rows: &Rows, mode: usize) -> usize {
     let mut last: Option<usize> = None;
     let mut entries = 0;
     for (index, item) in rows.items.iter().enumerate() {
-        if let Some(Special::Crossing {
+        if let Some(Special::Own(OfWaves::Crossing {
             grows,
             omega: Some(_),
             ..
-        }) = item.special
+        })) = item.special
         {
             crossed += if grows { 2 } else { -2 };
             continue;

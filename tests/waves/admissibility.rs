@@ -5,12 +5,12 @@
 //! coefficients); dense samples must never contradict it. Samples carry the rounding of the flow:
 //! of W in terms of the largest |W|, of P in terms of gδ + κ·max|W|, of U in terms of U itself.
 
-use brakewave::branch::follow::Found;
+use brakewave::branch::orbit::Found;
 use brakewave::branch::polish;
 use brakewave::branch::{EventType, ProfileSample};
 use brakewave::continuation::newton::System;
-use brakewave::flow::sign::Verdict;
 use brakewave::linalg::{Matrix, Vector};
+use brakewave::orbit::sign::Verdict;
 use brakewave::wave::Wave;
 use brakewave::wave::admissibility::{Watch, examine};
 use brakewave::wave::profile::sample;
@@ -113,7 +113,7 @@ fn check(name: &str, run: &Run) {
         if found.kind().is_none() {
             assert_eq!(found.examination.verdict, Verdict::Positive);
         }
-        worst = worst.max(violation(&found.wave, &found.node.point));
+        worst = worst.max(violation(&found.orbit, &found.node.point));
     }
     observed(
         &format!("{name}: worst sample of {} waves", run.points.len()),
@@ -144,7 +144,7 @@ fn samples_of_the_other_branches_obey_the_laws() {
 
 /// The wave of an event's signature before it, at another parameter value.
 fn beyond(found: &Found, value: f64) -> Vector {
-    let (wave, point) = (&found.wave, &found.node.point);
+    let (wave, point) = (&found.orbit, &found.node.point);
     let guess = wave.pack(&wave.unpack(point), wave.excess_at(point), value);
     polish(wave, &guess).expect("the equations have a solution")
 }
@@ -167,7 +167,7 @@ fn planted_violations_are_refused() {
             .expect("the event");
         for distance in [1e-2, 1e-4, 1e-6, 1e-8] {
             let point = beyond(found, found.parameter * (1.0 - distance));
-            let examination = examine(&found.wave, &point).expect("an examination");
+            let examination = examine(&found.orbit, &point).expect("an examination");
             assert_eq!(
                 examination.verdict,
                 Verdict::Negative,
@@ -182,7 +182,7 @@ fn planted_violations_are_refused() {
             assert_eq!(broken, watches, "{kind} at {distance}");
             // and on the other side of the event it is accepted
             let point = beyond(found, found.parameter * (1.0 + distance));
-            let examination = examine(&found.wave, &point).expect("an examination");
+            let examination = examine(&found.orbit, &point).expect("an examination");
             assert_eq!(examination.verdict, Verdict::Positive);
         }
     }
@@ -232,12 +232,12 @@ fn extremes_of_separated_waves_are_those_of_dense_samples() {
     let mut waves = 0;
     for case in [slow, slipping, slow_in_mismatch()] {
         for found in case.follow(&[]).points {
-            if !found.wave.signature.to_string().contains("separation") {
+            if !found.orbit.signature.to_string().contains("separation") {
                 continue;
             }
-            let samples = sample(&found.wave, &found.node.point, RESOLUTION).expect("a profile");
+            let samples = sample(&found.orbit, &found.node.point, RESOLUTION).expect("a profile");
             let (low, high) = found.examination.tangential;
-            let speed = found.wave.speed_at(&found.node.point).abs();
+            let speed = found.orbit.speed_at(&found.node.point).abs();
             let (mut least, mut most, mut moves) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
             for pair in samples.windows(2) {
                 let [v, w] = [pair[0].tangential, pair[0].tangential_rate];
@@ -253,7 +253,7 @@ fn extremes_of_separated_waves_are_those_of_dense_samples() {
             assert!(
                 missed <= moves + rounding,
                 "{} at {}: {missed:e} for {moves:e}",
-                found.wave.signature,
+                found.orbit.signature,
                 found.parameter
             );
             waves += 1;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use brakewave::branch::EventType;
 use brakewave::branch::first_wave::first_wave;
-use brakewave::branch::follow::{Follower, Found, Limits};
+use brakewave::branch::orbit::{Follower, Found};
 use brakewave::branch::special::{Ending, Special};
 use brakewave::continuation;
 use brakewave::flow::SlidingFlow;
@@ -12,6 +12,7 @@ use brakewave::flow::contact::ContactFlow;
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Damping, Impact, Model, Parameter};
+use brakewave::orbit::follow::Limits;
 use brakewave::wave::Wave;
 use brakewave::wave::start::Which;
 
@@ -215,12 +216,12 @@ pub fn lengths(wave: &Wave, point: &Vector) -> Vec<f64> {
 
 /// Speed of a point found.
 pub fn speed(found: &Found) -> f64 {
-    found.wave.speed_at(&found.node.point)
+    found.orbit.speed_at(&found.node.point)
 }
 
 /// Regimes before and after a point found.
 pub fn regimes(found: &Found) -> (String, String) {
-    let before = found.wave.signature.to_string();
+    let before = found.orbit.signature.to_string();
     let after = found.special.as_ref().and_then(Special::after);
     let after = after.map_or_else(|| before.clone(), |after| after.to_string());
     (before, after)
@@ -240,10 +241,10 @@ pub fn specimens(case: &Case, steps: continuation::Steps) -> Vec<(Arc<Wave>, Vec
     let mut met = 0;
     loop {
         let here = follower.here();
-        add(&here.wave, &here.node.point);
+        add(&here.orbit, &here.node.point);
         let (found, end) = follower.step();
         for point in &found {
-            add(&point.wave, &point.node.point);
+            add(&point.orbit, &point.node.point);
             met += usize::from(
                 case.until
                     .is_some_and(|(kind, _)| point.kind() == Some(kind)),

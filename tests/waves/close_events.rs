@@ -1,7 +1,7 @@
 //! Events that lie closer together than any step: two of one margin, and two of different margins.
 
 use brakewave::branch::EventType::{GR, LP, RV, UZ};
-use brakewave::branch::special::Close;
+use brakewave::branch::special::{Close, WaveMargin};
 use brakewave::continuation::walk::End;
 use brakewave::model::signature::Regime;
 use brakewave::model::{Model, Parameter};
@@ -68,7 +68,7 @@ fn two_zeros_of_one_margin() {
         assert_eq!(events.len(), 2, "{above:e}: {:?}", kinds(&run));
         let between = run.points.iter().find(|found| found.kind() == Some(UZ));
         let between = between.expect("the user point");
-        assert_eq!(between.wave.signature.to_string(), "slip-stick");
+        assert_eq!(between.orbit.signature.to_string(), "slip-stick");
         assert!(events[0].parameter < least && least < events[1].parameter);
         assert!(events[1].parameter - events[0].parameter < 100.0 * above.sqrt());
         for found in &events {
@@ -105,7 +105,13 @@ fn a_margin_that_only_touches_zero() {
     let run = beside_the_least_onset(onset(least)).follow(&[]);
     assert!(run.events().is_empty());
     let close: Vec<Close> = run.points.iter().filter_map(|found| found.close).collect();
-    assert_eq!(close, [Close::Margin(Regime::Reverse, Watch::Duration)]);
+    assert_eq!(
+        close,
+        [Close::Margin(WaveMargin {
+            regime: Regime::Reverse,
+            watch: Watch::Duration
+        })]
+    );
 }
 
 /// Reverse slip and separation begin at nearly, and at exactly, the same δ: both events are found, and the

@@ -307,11 +307,11 @@ fn onsets_and_independence_of_the_mismatch() {
             event.parameter
         );
         let first = &run.points[0];
-        let zones = lengths(&first.wave, &first.node.point);
+        let zones = lengths(&first.orbit, &first.node.point);
         for found in run.points.iter().take_while(|found| found.kind().is_none()) {
             let change = (speed(found) / speed(first) - 1.0).abs();
             assert!(change <= 4.0 * f64::EPSILON, "{change:e}");
-            for (length, other) in lengths(&found.wave, &found.node.point).iter().zip(&zones) {
+            for (length, other) in lengths(&found.orbit, &found.node.point).iter().zip(&zones) {
                 assert!((length - other).abs() < 1e-13 * other.max(0.1) * stiffness);
             }
         }

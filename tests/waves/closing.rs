@@ -4,16 +4,17 @@
 //! it began, and nothing else tells a branch that closes from one that goes on.
 
 use brakewave::branch::EventType::EP;
-use brakewave::branch::follow::{Follower, Found, Limits, State};
+use brakewave::branch::orbit::{Follower, Found, State};
 use brakewave::branch::special::{Ending, Special};
 use brakewave::continuation::walk::End;
+use brakewave::orbit::follow::Limits;
 
 use crate::branches::{STEPS, fast_in_mismatch, to_the_end};
 
 /// Goes on from a state with another first point.
 fn with_origin(state: &State, origin: &State, backwards: f64) -> (Vec<Found>, Option<Ending>) {
     let case = fast_in_mismatch();
-    let wave = case.follower(STEPS, &[]).curve().wave.as_ref().clone();
+    let wave = case.follower(STEPS, &[]).curve().orbit.as_ref().clone();
     let state = State {
         origin: (
             origin.signature.clone(),

@@ -21,7 +21,7 @@ fn stick_vanishes_at_the_hopf_point() {
     assert_eq!(events.len(), 1);
     let found = events[0];
     assert_eq!(found.kind(), Some(EventType::ST));
-    assert_eq!(found.wave.signature.to_string(), "slip-stick");
+    assert_eq!(found.orbit.signature.to_string(), "slip-stick");
     // steady sliding: λ² + αλ + K + iS = 0, K = ak² + h, S = kfD, has a root iω at α√K = |S|
     let tube = coefficients(0.3, 1.5, 1.0);
     let hopf = 4.0 * 0.5 * tube.coupling.abs() / (16.0 * tube.a + tube.h).sqrt();
@@ -37,7 +37,7 @@ fn stick_vanishes_at_the_hopf_point() {
     let expected = -(tube.a + tube.h / 16.0).sqrt();
     assert!((speed(found) / expected - 1.0).abs() < 1e-12);
     assert!((speed(found) + 1.271294354034047).abs() < 1e-12);
-    let zones = lengths(&found.wave, &found.node.point);
+    let zones = lengths(&found.orbit, &found.node.point);
     assert!((zones[0] - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     assert!(zones[1].abs() < 1e-12);
 }

@@ -1,9 +1,10 @@
 //! What happens along a branch depends neither on its direction nor on the steps.
 
 use brakewave::branch::EventType::{EP, UZ};
-use brakewave::branch::follow::{Follower, Found, Limits};
+use brakewave::branch::orbit::{Follower, Found};
 use brakewave::continuation::Steps;
 use brakewave::continuation::walk::End;
+use brakewave::orbit::follow::Limits;
 
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Damping, Impact, Model};
@@ -48,7 +49,7 @@ pub fn back(from: &Found, case: &Case) -> Run {
         steps: STEPS,
     };
     let up = !case.up;
-    let follower = Follower::new(from.wave.as_ref().clone(), &from.node.point, up, settings)
+    let follower = Follower::new(from.orbit.as_ref().clone(), &from.node.point, up, settings)
         .expect("a regular start");
     let run = to_the_end(follower, None);
     assert_eq!(run.end, Some(End::Edge));
@@ -118,7 +119,7 @@ fn there_and_back() {
         observed(&format!("{name}: there and back"), worst);
         // and the first wave is met again
         let (first, again) = (&run.points[0], returned.points.last().expect("points"));
-        assert_eq!(first.wave.signature, again.wave.signature);
+        assert_eq!(first.orbit.signature, again.orbit.signature);
         let distance = (&first.node.point - &again.node.point).amax();
         observed(&format!("{name}: first wave met again"), distance);
         assert!(distance < 1e-12, "{name}: {distance:e}");

@@ -24,11 +24,11 @@ fn landings(run: &Run) -> (f64, usize, usize) {
     let tube = coefficients(0.3, 1.5, 1.0);
     let (mut worst, mut free, mut capped) = (0.0_f64, 0, 0);
     for found in &run.points {
-        assert_eq!(found.wave.model.impact, Impact::Coulomb);
+        assert_eq!(found.orbit.model.impact, Impact::Coulomb);
         let square = speed(found).powi(2);
         let (ma, mb) = (1.0 - tube.a / square, 1.0 - tube.b / square);
-        let friction = found.wave.model.friction;
-        let samples = sample(&found.wave, &found.node.point, 100).expect("a profile");
+        let friction = found.orbit.model.friction;
+        let samples = sample(&found.orbit, &found.node.point, 100).expect("a profile");
         for pair in samples.windows(2) {
             let (before, after) = (&pair[0], &pair[1]);
             if before.regime != "separation" || after.regime == "separation" {
@@ -101,7 +101,7 @@ fn a_touch_obeys_the_law_of_the_impact() {
     assert_eq!(run.end, Some(End::Edge));
     let (mut worst, mut touches) = (0.0_f64, 0);
     for found in &run.points {
-        let (wave, point) = (&found.wave, &found.node.point);
+        let (wave, point) = (&found.orbit, &found.node.point);
         let flows = wave.flows(point).expect("a frame");
         let at = &flows.frame.at;
         for zone in 0..wave.zones() {

@@ -185,8 +185,8 @@ fn an_integration_closes_after_one_period() {
             .iter()
             .map(|regime| format!("{regime:?}").to_lowercase())
             .collect();
-        assert_eq!(names.join("-"), found.wave.signature.to_string());
-        let thetas = switches(&found.wave, &found.node.point);
+        assert_eq!(names.join("-"), found.orbit.signature.to_string());
+        let thetas = switches(&found.orbit, &found.node.point);
         let mut worst: f64 = (ends[ends.len() - 1] / period - 1.0).abs();
         for (end, theta) in ends.iter().zip(&thetas) {
             worst = worst.max((end * c.abs() - theta).abs());

@@ -3,13 +3,14 @@
 //! Figures of an independent collocation, the limit β → 0, integration of the separation zone, the law of opening, and the way there and back through every event.
 
 use brakewave::branch::EventType::{self, GR, RV, ST};
-use brakewave::branch::follow::{Follower, Found, Limits};
+use brakewave::branch::orbit::{Follower, Found};
 use brakewave::branch::polish;
-use brakewave::branch::special::Special;
+use brakewave::branch::special::{OfWaves, Special};
 use brakewave::continuation::walk::End;
 use brakewave::linalg::Vector;
 use brakewave::model::signature::{Entry, Regime};
 use brakewave::model::{Damping, Impact, Model, Parameter};
+use brakewave::orbit::follow::Limits;
 use brakewave::wave::admissibility::{Watch, examine};
 use brakewave::wave::profile::sample;
 use brakewave::wave::start::Which;
@@ -31,16 +32,20 @@ fn undamped_limit(mismatch: f64) -> Solved {
     let found = run.user_points(mismatch)[0];
     let point = &found.node.point;
     let wave = Wave::new(
-        found.wave.model_at(point),
+        found.orbit.model_at(point),
         Parameter::StiffnessDamping,
         case.mode,
-        found.wave.signature.clone(),
+        found.orbit.signature.clone(),
         Scales {
             parameter: 0.01,
-            ..found.wave.scales
+            ..found.orbit.scales
         },
     );
-    let guess = wave.pack(&found.wave.unpack(point), found.wave.excess_at(point), 0.0);
+    let guess = wave.pack(
+        &found.orbit.unpack(point),
+        found.orbit.excess_at(point),
+        0.0,
+    );
     let point = polish(&wave, &guess).expect("the limit");
     (wave, point)
 }
@@ -187,7 +192,7 @@ fn a_branch_reaches_the_limit() {
     assert_eq!(run.end, Some(End::Edge));
     assert!(run.events().is_empty(), "{:?}", kinds(&run));
     let last = run.points.last().expect("points");
-    assert_eq!(last.special, Some(Special::CoulombLimit));
+    assert_eq!(last.special, Some(Special::Own(OfWaves::CoulombLimit)));
     assert_eq!(last.parameter, 0.0);
     let error = (speed(last) + 1.248728692461).abs();
     observed("β → 0 along a branch against the Coulomb impact", error);
@@ -279,7 +284,7 @@ fn last(model: Model, damping: Damping, mode: u32, lowest: f64) -> Solved {
     let run = case.follow(&[]);
     assert_eq!(run.end, Some(End::Edge));
     let found = run.points.last().expect("points");
-    (found.wave.as_ref().clone(), found.node.point.clone())
+    (found.orbit.as_ref().clone(), found.node.point.clone())
 }
 
 /// Waves of every signature.
@@ -356,7 +361,7 @@ fn a_stick_zone_opens_between_reverse_slip_and_slip() {
         let found = run
             .events()
             .into_iter()
-            .find(|found| found.kind() == Some(ST) && !found.wave.signature.has(Regime::Stick));
+            .find(|found| found.kind() == Some(ST) && !found.orbit.signature.has(Regime::Stick));
         let found = found.expect("a stick zone opens");
         assert_eq!(
             regimes(found),
@@ -391,7 +396,7 @@ fn landings_obey_their_law() {
         println!("{beta}: {:?} {:?}", kinds(&run), run.end);
         assert_eq!(run.end, Some(End::Edge));
         for found in &run.points {
-            let (wave, point) = (&found.wave, &found.node.point);
+            let (wave, point) = (&found.orbit, &found.node.point);
             if !wave.signature.has(Regime::Separation) || found.kind().is_some() {
                 continue;
             }
@@ -447,7 +452,7 @@ fn separation_opens_like_a_square_root() {
     let case = with_material_damping(5e-3);
     let run = case.follow(&[]);
     let grazing = event(&run, GR);
-    let (wave, point, delta) = (&grazing.wave, &grazing.node.point, grazing.parameter);
+    let (wave, point, delta) = (&grazing.orbit, &grazing.node.point, grazing.parameter);
     let least = |mismatch: f64| {
         let guess = wave.pack(&wave.unpack(point), wave.excess_at(point), mismatch);
         let point = polish(wave, &guess).expect("the wave in contact");
@@ -488,11 +493,11 @@ fn separation_opens_like_a_square_root() {
     let mut ratios = Vec::new();
     for stop in &stops {
         let found = run.user_points(*stop)[0];
-        let zone = separation(&found.wave);
-        let duration = found.wave.duration_at(&found.node.point, zone);
+        let zone = separation(&found.orbit);
+        let duration = found.orbit.duration_at(&found.node.point, zone);
         ratios.push(duration / (delta - stop).sqrt() / limit - 1.0);
         // P⁻ = (5/3)ε at take-off
-        let [pressure, ..] = at_the_ends(&found.wave, &found.node.point);
+        let [pressure, ..] = at_the_ends(&found.orbit, &found.node.point);
         println!(
             "T = {duration:.3e}: {:.3e}, P⁻/ε = {:.6}",
             ratios[ratios.len() - 1],
@@ -526,7 +531,7 @@ fn separation_opens_at_any_damping() {
         assert_eq!(run.end, Some(End::Edge), "β = {beta}");
         assert_eq!(kinds(&run), [RV, GR], "β = {beta}");
         let last = run.points.last().expect("points");
-        assert!(last.wave.signature.has(Regime::Separation));
+        assert!(last.orbit.signature.has(Regime::Separation));
         event(&run, GR).parameter
     };
     let slope = |beta: f64| (run(beta) - run(1e-9)) / (beta - 1e-9);
@@ -549,13 +554,13 @@ fn there_and_back() {
         println!("{beta}: {:?} {:?}", kinds(&run), run.end);
         assert_eq!(run.end, Some(End::Edge));
         let last = run.points.last().expect("points");
-        assert!(last.wave.signature.has(Regime::Separation));
+        assert!(last.orbit.signature.has(Regime::Separation));
         let limits = Limits {
             range: case.range,
             stop_at: Vec::new(),
             steps: STEPS,
         };
-        let wave = last.wave.as_ref().clone();
+        let wave = last.orbit.as_ref().clone();
         let follower = Follower::new(wave, &last.node.point, true, limits).expect("a start");
         let back = to_the_end(follower, None);
         println!("back: {:?} {:?}", kinds(&back), back.end);
@@ -564,7 +569,7 @@ fn there_and_back() {
             worst = worst.max((there / again - 1.0).abs());
         }
         let (first, again) = (&run.points[0], back.points.last().expect("points"));
-        assert_eq!(first.wave.signature, again.wave.signature);
+        assert_eq!(first.orbit.signature, again.orbit.signature);
         worst = worst.max((&first.node.point - &again.node.point).amax());
     }
     observed("separation with material damping: there and back", worst);
@@ -590,7 +595,7 @@ fn damping_closes_the_separation() {
                 "{mismatch}: {:?} {:e} {} c = {:.12}",
                 found.kind(),
                 found.parameter,
-                found.wave.signature,
+                found.orbit.signature,
                 speed(found)
             );
         }

@@ -2,10 +2,11 @@
 //! equation, the friction force at the ends of stick, symmetry, and zones that open and close.
 
 use brakewave::branch::EventType::{self, GR, RV, ST};
-use brakewave::branch::follow::{Follower, Found, Limits};
+use brakewave::branch::orbit::{Follower, Found};
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Damping, Model, Parameter, Source, signature::Regime};
+use brakewave::orbit::follow::Limits;
 use brakewave::wave::Wave;
 use brakewave::wave::profile::sample;
 use nalgebra::{DMatrix, DVector};
@@ -36,7 +37,7 @@ fn slip_stick(beta: f64) -> (Wave, Vector) {
         ..fast_in_mismatch()
     };
     let found = case.follower(STEPS, &[]).here();
-    (found.wave.as_ref().clone(), found.node.point)
+    (found.orbit.as_ref().clone(), found.node.point)
 }
 
 /// Branches in β end where α, β and f satisfy K(α + βK)² = k²f²D²(1 − αβ − β²K), K = ak² + h.
@@ -230,8 +231,11 @@ fn scaled_waves_are_the_same() {
             worst = worst
                 .max((one.parameter / s / other.parameter - 1.0).abs())
                 .max((speed(one) * s / speed(other) - 1.0).abs());
-            let own = lengths(&one.wave, &one.node.point);
-            for (length, expected) in own.into_iter().zip(lengths(&other.wave, &other.node.point)) {
+            let own = lengths(&one.orbit, &one.node.point);
+            for (length, expected) in own
+                .into_iter()
+                .zip(lengths(&other.orbit, &other.node.point))
+            {
                 worst = worst.max((length - expected).abs());
             }
         }
@@ -253,19 +257,19 @@ fn there_and_back() {
         };
         let run = case.follow(&[]);
         let last = run.points.last().expect("points");
-        assert_eq!(last.wave.signature.to_string(), "slip-reverse-stick");
+        assert_eq!(last.orbit.signature.to_string(), "slip-reverse-stick");
         let settings = Limits {
             range: case.range,
             stop_at: Vec::new(),
             steps: STEPS,
         };
-        let wave = last.wave.as_ref().clone();
+        let wave = last.orbit.as_ref().clone();
         let follower = Follower::new(wave, &last.node.point, true, settings).expect("a start");
         let back = to_the_end(follower, None);
         let (there, again) = (event(&run, RV).parameter, event(&back, RV).parameter);
         worst = worst.max((there / again - 1.0).abs());
         let (first, again) = (&run.points[0], back.points.last().expect("points"));
-        assert_eq!(first.wave.signature, again.wave.signature);
+        assert_eq!(first.orbit.signature, again.orbit.signature);
         worst = worst.max((&first.node.point - &again.node.point).amax());
     }
     observed("material damping: there and back", worst);

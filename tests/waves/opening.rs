@@ -45,7 +45,7 @@ fn separation_opens_like_a_square_root() {
         .find(|found| found.kind() == Some(EventType::GR))
         .expect("grazing");
     assert_eq!(regimes(grazing).0, "slip-reverse-stick");
-    let (wave, point) = (&grazing.wave, &grazing.node.point);
+    let (wave, point) = (&grazing.orbit, &grazing.node.point);
     let delta = grazing.parameter;
     let pressure_at = |mismatch: f64| {
         let guess = wave.pack(&wave.unpack(point), wave.excess_at(point), mismatch);
@@ -72,8 +72,8 @@ fn separation_opens_like_a_square_root() {
         .iter()
         .map(|stop| {
             let found = run.user_points(*stop)[0];
-            assert_eq!(found.wave.signature.zone(1).regime, Regime::Separation);
-            let duration = found.wave.duration_at(&found.node.point, 1);
+            assert_eq!(found.orbit.signature.zone(1).regime, Regime::Separation);
+            let duration = found.orbit.duration_at(&found.node.point, 1);
             duration / (delta - stop).sqrt()
         })
         .collect();
@@ -126,7 +126,7 @@ fn a_reverse_zone_closes_at_the_stiff_end() {
         let (before, after) = regimes(found);
         found.kind() == Some(EventType::RV)
             && before.replace("reverse-", "") == after
-            && found.wave.excess_at(&found.node.point) < 1e-4
+            && found.orbit.excess_at(&found.node.point) < 1e-4
     });
     assert!(closed.count() >= 2);
 }

@@ -4,7 +4,7 @@
 
 use brakewave::branch::EventType::{self, CO, GR, LP, RV, ST};
 use brakewave::branch::first_wave::first_wave;
-use brakewave::branch::follow::Found;
+use brakewave::branch::orbit::Found;
 use brakewave::linalg::Vector;
 use brakewave::model::{Model, Parameter};
 use brakewave::wave::Wave;
@@ -66,7 +66,7 @@ impl Worst {
             "speed {} for {speed_expected}",
             speed(found)
         );
-        let lengths = lengths(&found.wave, &found.node.point);
+        let lengths = lengths(&found.orbit, &found.node.point);
         assert_eq!(lengths.len(), zones.len());
         for (length, expected) in lengths.iter().zip(zones) {
             let error = (length - expected).abs();

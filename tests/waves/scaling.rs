@@ -68,7 +68,7 @@ fn waves_with_much_damping_are_waves_with_little() {
     let case = with_material_damping(5e-3);
     let unit = scaled(case, 1.0).follow(&[]);
     let run = scaled(case, 200.0).follow(&[]);
-    assert_eq!(run.points[0].wave.model.damping.stiffness, 1.0);
+    assert_eq!(run.points[0].orbit.model.damping.stiffness, 1.0);
     observed("scaling: events at β = 1", difference(&run, &unit, 200.0));
 }
 
@@ -176,13 +176,13 @@ fn difference(run: &Run, unit: &Run, s: f64) -> f64 {
             worst = worst.max(error);
             assert!(error < 1e-11, "{found} for {expected} at s = {s}");
         };
-        let unit = unit_of(one.wave.parameter, s);
+        let unit = unit_of(one.orbit.parameter, s);
         compare(one.parameter / unit, other.parameter, other.parameter);
         compare(speed(one) * s, speed(other), speed(other).abs());
-        let zones = lengths(&one.wave, &one.node.point);
+        let zones = lengths(&one.orbit, &one.node.point);
         for (length, expected) in zones
             .into_iter()
-            .zip(lengths(&other.wave, &other.node.point))
+            .zip(lengths(&other.orbit, &other.node.point))
         {
             compare(length, expected, 1.0);
         }

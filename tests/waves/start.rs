@@ -18,7 +18,7 @@ fn first_wave_is_the_one_of_the_branch() {
         for parameter in [Parameter::Mismatch, Parameter::Friction, Parameter::Xi] {
             let (wave, point) = first_wave(&mode4(value), parameter, 4, Which::Fast, 1.0, STEPS)
                 .expect("there is a first wave");
-            assert_eq!(wave.signature, found.wave.signature);
+            assert_eq!(wave.signature, found.orbit.signature);
             assert_eq!(wave.parameter, parameter);
             let mut compare = |one: f64, other: f64, unit: f64| {
                 worst = worst.max((one - other).abs() / unit);
@@ -30,11 +30,11 @@ fn first_wave_is_the_one_of_the_branch() {
             let zones = lengths(&wave, &point);
             for (length, other) in zones
                 .into_iter()
-                .zip(lengths(&found.wave, &found.node.point))
+                .zip(lengths(&found.orbit, &found.node.point))
             {
                 compare(length, other, 1.0);
             }
-            let (states, others) = (wave.unpack(&point), found.wave.unpack(&found.node.point));
+            let (states, others) = (wave.unpack(&point), found.orbit.unpack(&found.node.point));
             for (state, other) in states.into_iter().zip(others) {
                 compare(state.entry[0], other.entry[0], 1.0);
                 compare(state.entry[1], other.entry[1], 1.0);

@@ -5,7 +5,7 @@
 //! D = 0, but beyond it c and D have different signs.
 
 use brakewave::branch::EventType::{self, MX, ST};
-use brakewave::branch::special::Stop;
+use brakewave::branch::special::{Stop, WaveStop};
 use brakewave::continuation::walk::End;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{FrictionLaw, Model, Parameter};
@@ -68,7 +68,7 @@ fn the_stick_zone_vanishes_where_the_coupling_does() {
         assert!(run.points.iter().all(|found| speed(found) * first > 0.0));
         assert!(!kinds(&run).contains(&EventType::LP), "{:?}", kinds(&run));
         assert_eq!(kinds(&run)[kinds(&run).len() - 2..], [ST, MX]);
-        assert_eq!(run.end, Some(End::Own(Stop::Undriven)));
+        assert_eq!(run.end, Some(End::Own(Stop::Own(WaveStop::Undriven))));
         let end = &run.points[run.points.len() - 2];
         let expected = root(parameter, range);
         let error = (end.parameter / expected - 1.0).abs();
@@ -79,7 +79,7 @@ fn the_stick_zone_vanishes_where_the_coupling_does() {
         let tube = at(parameter, expected);
         let linear = (tube.a + tube.h / 256.0).sqrt();
         assert!((speed(end).abs() / linear - 1.0).abs() < 1e-12);
-        assert!(lengths(&end.wave, &end.node.point)[1].abs() < 1e-12);
+        assert!(lengths(&end.orbit, &end.node.point)[1].abs() < 1e-12);
         // V = A cos ωs with Aω = 1, ω = k|c|
         let (low, high) = end.examination.tangential;
         assert!((0.5 * (high - low) * 16.0 * linear - 1.0).abs() < 1e-12);
@@ -103,7 +103,7 @@ fn under_static_friction_the_branch_ends_with_its_reason() {
     assert!(run.points.iter().all(|found| speed(found) * first > 0.0));
     let end = run.points.last().expect("points");
     assert_eq!(end.kind(), Some(MX));
-    assert_eq!(run.end, Some(End::Own(Stop::Against)));
+    assert_eq!(run.end, Some(End::Own(Stop::Own(WaveStop::Against))));
     let expected = root(Parameter::Nu, case.range);
     assert!((end.parameter / expected - 1.0).abs() < 1e-12);
 }

@@ -2,8 +2,8 @@
 
 use super::names::{event, quantity, short_signature};
 use crate::curve::{self, Curve, PointType, Region};
-use crate::model::EventType;
 use crate::model::signature::Regimes;
+use crate::orbit::EventType;
 use crate::output::render::{
     Axis, BLACK, BLUE, Extent, Key, Layer, Legend, Mark, Name, Panel, Pen, Picture, Point, Shape,
     VERMILLION,

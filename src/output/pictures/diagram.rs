@@ -8,7 +8,8 @@ use plotters::style::RGBColor;
 
 use super::names::{event, event_mark, quantity, short_signature, signature_colour};
 use super::tables::{Tables, column, kind, number};
-use crate::model::{EventType, Parameter};
+use crate::model::Parameter;
+use crate::orbit::EventType;
 use crate::output::store::StoreError;
 use crate::problem::{Plot, Problem};
 use crate::stability::verdict::Stability;

@@ -3,8 +3,9 @@
 use plotters::style::RGBColor;
 
 use super::colours;
+use crate::model::Parameter;
 use crate::model::signature::Regime;
-use crate::model::{EventType, Parameter};
+use crate::orbit::EventType;
 use crate::output::render::{BLACK, GREY, Key, Mark, Quantity, Shape, number};
 use crate::problem::Problem;
 

@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use crate::branch::row::WORD_COLUMNS;
-use crate::model::EventType;
+use crate::orbit::EventType;
 use crate::output::layout::{BRANCH, EVENTS, SPECTRUM};
 use crate::output::store::{self, StoreError, damaged, refused};
 use crate::table::Table;

@@ -7,20 +7,14 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::EventType;
-use super::change;
-use super::change::{Beyond, Both};
+use super::change::{self, Beyond, Both};
 use super::events::{self, Event, Located};
 use super::special::{Change, Close, Ending, Failure, NoFollower, Refusal, Special, Stop};
+use super::{EventType, Examined, Orbit, find};
 use crate::continuation::locate::{Place, retangent};
-use crate::continuation::newton::System;
 use crate::continuation::walk::{self, Beginning, Curve, Outcome, Segment, Walker, Within};
 use crate::continuation::{Node, Steps};
 use crate::linalg::Vector;
-use crate::model::Parameter;
-use crate::model::signature::{Regime, Signature};
-use crate::wave::Wave;
-use crate::wave::admissibility::{Examination, Margin, Watch, examine};
 
 /// How far to follow a branch, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,35 +38,40 @@ impl Limits {
 
 /// A point found, in order along the branch.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct Found<O: Orbit> {
     /// Boundary-value problem before the point.
-    pub wave: Arc<Wave>,
+    pub orbit: Arc<O>,
     /// Arclength from the beginning of the step.
     pub s: f64,
     /// Boundary-value problem beyond a change of regime, and the point in its unknowns.
-    pub entered: Option<(Arc<Wave>, Node)>,
+    pub entered: Option<(Arc<O>, Node)>,
     /// Value of the continuation parameter: exactly the one asked for at user points and edges.
     pub parameter: f64,
     /// The point.
     pub node: Node,
     /// Its margins, extrema and verdict.
-    pub examination: Examination,
+    pub examination: O::Examination,
     /// What makes it special, if anything does.
-    pub special: Option<Special>,
+    pub special: Option<Special<O>>,
     /// Estimated error of the parameter of a special point.
     pub uncertainty: f64,
     /// What comes so close to zero, here or on the way from the point before, that rounding decides.
-    pub close: Option<Close>,
+    pub close: Option<Close<O::Held>>,
 }
 
-impl Found {
+impl<O: Orbit> Found<O> {
     /// A point without an event.
-    pub(super) fn new(wave: &Arc<Wave>, s: f64, node: &Node, examination: &Examination) -> Found {
+    pub(crate) fn new(
+        orbit: &Arc<O>,
+        s: f64,
+        node: &Node,
+        examination: &O::Examination,
+    ) -> Found<O> {
         Found {
-            wave: wave.clone(),
+            orbit: orbit.clone(),
             s,
             entered: None,
-            parameter: wave.parameter_at(&node.point),
+            parameter: orbit.value_at(&node.point),
             node: node.clone(),
             examination: examination.clone(),
             special: None,
@@ -89,9 +88,9 @@ impl Found {
 
 /// The state of a branch between two steps: all that its continuation depends on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
+pub struct State<S> {
     /// Signature.
-    pub signature: Signature,
+    pub signature: S,
     /// Scaled unknowns.
     pub point: Vec<f64>,
     /// Unit tangent.
@@ -101,7 +100,7 @@ pub struct State {
     /// Direction of the parameter along the branch: +1 or −1.
     pub heading: f64,
     /// Scaled unknowns of the first point, its signature and tangent: a closed branch comes back.
-    pub origin: (Signature, Vec<f64>, Vec<f64>),
+    pub origin: (S, Vec<f64>, Vec<f64>),
     /// Arclength since the first point.
     pub travelled: f64,
     /// Steps in a row that creep.
@@ -113,69 +112,71 @@ fn is_zero(count: &usize) -> bool {
     *count == 0
 }
 
-/// Waves of one signature as a curve in the continuation parameter.
+/// Orbits of one signature as a curve in the continuation parameter.
 #[derive(Clone, Debug)]
-pub struct Branch {
+pub struct Track<O> {
     /// Their boundary-value problem.
-    pub wave: Arc<Wave>,
+    pub orbit: Arc<O>,
     limits: Arc<Limits>,
     /// Direction of the parameter: +1 or −1.
     heading: f64,
 }
 
 /// A branch being followed.
-pub type Follower = Walker<Branch>;
+pub type Follower<O> = Walker<Track<O>>;
 
-impl Walker<Branch> {
+impl<O: Orbit> Walker<Track<O>> {
     /// Starts at a solved point; `up` is the direction of the parameter.
     ///
     /// # Errors
     /// When the point is a fold, or its inequalities cannot be evaluated.
     pub fn new(
-        wave: Wave,
+        orbit: O,
         point: &Vector,
         up: bool,
         limits: Limits,
-    ) -> Result<Follower, NoFollower> {
-        let last = wave.unknowns() - 1;
+    ) -> Result<Follower<O>, NoFollower<O>> {
+        let last = orbit.unknowns() - 1;
         let heading = if up { 1.0 } else { -1.0 };
         let mut along = Vector::zeros(last + 1);
         along[last] = heading;
-        let node = retangent(&wave, point, &along, 0).ok_or(NoFollower::Fold)?;
+        let node = retangent(&orbit, point, &along, 0).ok_or(NoFollower::Fold)?;
         let steps = limits.steps;
-        let branch = Branch {
-            wave: Arc::new(wave),
+        let branch = Track {
+            orbit: Arc::new(orbit),
             limits: Arc::new(limits.ordered()),
             heading,
         };
         Ok(Walker::begin(branch, node, steps)?)
     }
 
-    /// Goes on from a saved state. `wave` gives model, mode and scales.
+    /// Goes on from a saved state. `orbit` gives everything but the signature.
     ///
     /// # Errors
     /// When the state does not fit, or its inequalities cannot be evaluated.
-    pub fn resume(wave: &Wave, state: State, limits: Limits) -> Result<Follower, NoFollower> {
-        let of = |signature: &Signature, point: Vec<f64>, tangent: Vec<f64>| {
-            let lists = [&point, &tangent];
-            let fits = !signature.is_empty()
-                && lists.iter().all(|list| {
-                    list.len() == wave.with_signature(signature.clone()).unknowns()
-                        && list.iter().all(|number| number.is_finite())
-                });
+    pub fn resume(
+        orbit: &O,
+        state: State<O::Signature>,
+        limits: Limits,
+    ) -> Result<Follower<O>, NoFollower<O>> {
+        let of = |signature: &O::Signature, point: Vec<f64>, tangent: Vec<f64>| {
+            let posed = orbit.posed(signature.clone()).ok_or(NoFollower::Saved)?;
+            let fits = [&point, &tangent].iter().all(|list| {
+                list.len() == posed.unknowns() && list.iter().all(|number| number.is_finite())
+            });
             let node = Node::at(Vector::from_vec(point), Vector::from_vec(tangent));
-            fits.then_some(node).ok_or(NoFollower::Saved)
+            fits.then_some((posed, node)).ok_or(NoFollower::Saved)
         };
-        let node = of(&state.signature, state.point, state.tangent)?;
+        let (posed, node) = of(&state.signature, state.point, state.tangent)?;
         let (signature, point, tangent) = state.origin;
-        let first = of(&signature, point, tangent)?;
+        let (_, first) = of(&signature, point, tangent)?;
         let numbers = [state.ds, state.heading, state.travelled];
         if !numbers.iter().all(|number| number.is_finite()) {
             return Err(NoFollower::Saved);
         }
         let steps = limits.steps;
-        let branch = Branch {
-            wave: Arc::new(wave.with_signature(state.signature)),
+        let branch = Track {
+            orbit: Arc::new(posed),
             limits: Arc::new(limits.ordered()),
             heading: state.heading,
         };
@@ -189,11 +190,11 @@ impl Walker<Branch> {
     }
 
     /// The state to resume from.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> State<O::Signature> {
         let list = |vector: &Vector| vector.iter().copied().collect::<Vec<f64>>();
         let (signature, first) = &self.origin;
         State {
-            signature: self.curve.wave.signature.clone(),
+            signature: self.curve.orbit.signature().clone(),
             point: list(&self.node.point),
             tangent: list(&self.node.tangent),
             ds: self.ds.clamp(self.steps.ds_min, self.steps.ds_max),
@@ -209,112 +210,123 @@ impl Walker<Branch> {
 /// events lie: what opens like the square of a duration is lost in rounding where that is 1e-8.
 const INTO: f64 = 1e-2;
 
-/// Excess speed |c|/√a − 1 below which a branch may be seen to tend to √a, and how little everything
-/// else changes then while it falls by the factor e.
-const SONIC: f64 = 1e-4;
-const SETTLED: f64 = 1e-3;
-
-impl Curve for Branch {
-    type System = Wave;
-    type Name = Signature;
-    type Watched = Examination;
-    type Event = Located;
-    type Found = Found;
-    type Refusal = Refusal;
-    type End = Stop;
-    type Close = Close;
+impl<O: Orbit> Curve for Track<O> {
+    type System = O;
+    type Name = O::Signature;
+    type Watched = O::Examination;
+    type Event = Located<O>;
+    type Found = Found<O>;
+    type Refusal = Refusal<O>;
+    type End = Stop<O>;
+    type Close = Close<O::Held>;
 
     const CREEP: (usize, f64) = (40, 1e-5);
 
-    fn system(&self) -> &Wave {
-        &self.wave
+    fn system(&self) -> &O {
+        &self.orbit
     }
 
-    fn name(&self) -> &Signature {
-        &self.wave.signature
+    fn name(&self) -> &O::Signature {
+        self.orbit.signature()
     }
 
-    fn watch(&self, node: &Node, _: Option<&Examination>) -> Result<Examination, Refusal> {
-        Ok(examine(&self.wave, &node.point)?)
+    fn watch(&self, node: &Node, _: Option<&O::Examination>) -> Result<O::Examination, Refusal<O>> {
+        self.orbit.examination(&node.point).map_err(Refusal::Flow)
     }
 
-    fn may_hide_a_pair(&self, step: &Segment<Examination>) -> bool {
-        events::may_hide_a_pair(&self.wave, step)
+    fn may_hide_a_pair(&self, step: &Segment<O::Examination>) -> bool {
+        events::may_hide_a_pair(self.orbit.as_ref(), step)
     }
 
-    fn within(&self, step: &Segment<Examination>, located: &[(Place, Located)]) -> Within<Close> {
-        events::within(&self.wave, step, located)
+    fn within(
+        &self,
+        step: &Segment<O::Examination>,
+        located: &[(Place, Located<O>)],
+    ) -> Within<Close<O::Held>> {
+        events::within(self.orbit.as_ref(), step, located)
     }
 
-    fn doubted(&self, found: Found, close: Close) -> Found {
+    fn doubted(&self, found: Found<O>, close: Close<O::Held>) -> Found<O> {
         Found {
             close: Some(close),
             ..found
         }
     }
 
-    fn locate(&self, step: &Segment<Examination>) -> Result<Vec<(Place, Located)>, Refusal> {
-        events::located(&self.wave, self.limits.range, &self.limits.stop_at, step)
+    fn locate(
+        &self,
+        step: &Segment<O::Examination>,
+    ) -> Result<Vec<(Place, Located<O>)>, Refusal<O>> {
+        events::located(
+            self.orbit.as_ref(),
+            self.limits.range,
+            &self.limits.stop_at,
+            step,
+        )
     }
 
     fn meet(
         &self,
-        step: &Segment<Examination>,
+        step: &Segment<O::Examination>,
         place: &Place,
-        together: &[Located],
-    ) -> Result<Outcome<Branch>, Refusal> {
-        let Located { event, uncertainty } = together[0];
-        let examination = examine(&self.wave, &place.node.point)?;
+        together: &[Located<O>],
+    ) -> Result<Outcome<Track<O>>, Refusal<O>> {
+        let Located { event, uncertainty } = &together[0];
+        let orbit = self.orbit.as_ref();
+        let examination = orbit.examination(&place.node.point);
+        let examination = examination.map_err(Refusal::Flow)?;
         // nothing may have failed before: another event would have come first
-        if !events::holds(place, &examination) {
+        if !events::holds(orbit, place, &examination) {
             return Err(Refusal::Order);
         }
         let mut found = Found {
-            uncertainty,
+            uncertainty: *uncertainty,
             ..self.point(place.s, &place.node, &examination)
         };
-        let parameter = self.wave.parameter;
         // an inequality that fails by no more than rounding
-        let mut fails = examination.margins.iter();
-        let fails = fails.find(|margin| margin.jet.value <= 0.0);
+        let mut fails = examination.margins().iter();
+        let fails = fails.find(|margin| O::value(margin) <= 0.0);
         if !matches!(event, Event::Change(_)) {
-            found.close = fails.map(|margin| Close::margin(&self.wave, margin));
+            found.close = fails.map(|margin| Close::Margin(orbit.held(margin)));
         }
         match event {
-            Event::Fold => found.special = Some(Special::Fold(parameter)),
+            Event::Fold => found.special = Some(Special::Fold(orbit.parameter())),
             Event::User(value) => {
-                found.parameter = value;
-                found.special = Some(Special::User(parameter, value));
+                found.parameter = *value;
+                found.special = Some(Special::User(orbit.parameter(), *value));
             }
             Event::Edge(value) => {
-                found.parameter = value;
-                let lands = self.wave.signature.has(Regime::Separation);
-                found.special = Some(match parameter {
-                    Parameter::StiffnessDamping if lands && value == 0.0 => Special::CoulombLimit,
-                    _ => Special::Edge(parameter, value),
+                found.parameter = *value;
+                found.special = Some(match orbit.edge(*value) {
+                    Some(special) => Special::Own(special),
+                    None => Special::Edge(orbit.parameter(), *value),
                 });
                 return Ok(Outcome::Ended(vec![found], walk::End::Edge));
             }
-            Event::Change(margin) if margin.watch == Watch::Coupling => {
-                let end = walk::End::Own(Stop::Against);
+            Event::Crossing(test) => {
+                found.special = orbit.crossing(*test, &place.node).map(Special::Own);
+            }
+            Event::Change(margin) if orbit.barred(margin).is_some() => {
+                let stop = orbit.barred(margin).map(Stop::Own);
+                let end = walk::End::Own(stop.unwrap_or(Stop::NoSignature));
                 found.special = Some(failed(&end));
                 return Ok(Outcome::Ended(vec![found], end));
             }
             Event::Change(_) => {
                 // several margins may vanish at one event: the table is asked for each. At the stiff
                 // end rounding keeps their zeros apart, or one of them from being located
-                let seen = together.iter().filter_map(|located| match located.event {
+                let seen = together.iter().filter_map(|located| match &located.event {
                     Event::Change(margin) => Some(margin),
                     _ => None,
                 });
-                let vanished = examination.margins.iter().filter(|margin| {
-                    let beyond = step.after.find(margin.watch, margin.zone);
-                    margin.jet.value.abs() <= events::rounding(place, margin)
-                        && beyond.is_some_and(|beyond| beyond.jet.value <= 0.0)
+                let vanished = examination.margins().iter().filter(|margin| {
+                    let beyond = find::<O>(step.after, margin);
+                    O::value(margin).abs() <= events::rounding(orbit, place, margin)
+                        && beyond.is_some_and(|beyond| O::value(beyond) <= 0.0)
                 });
-                let mut margins: Vec<Margin> = seen.chain(vanished.copied()).collect();
+                let mut margins: Vec<O::Margin> = seen.chain(vanished).cloned().collect();
                 // a zone without length says most about what comes next
-                margins.sort_by_key(|margin| margin.watch != Watch::Duration);
+                margins.sort_by_key(|margin| !O::is_duration(margin));
                 return Ok(self.change(found, &margins, step));
             }
         }
@@ -327,43 +339,25 @@ impl Curve for Branch {
         }
     }
 
-    fn point(&self, s: f64, node: &Node, examination: &Examination) -> Found {
-        Found::new(&self.wave, s, node, examination)
+    fn point(&self, s: f64, node: &Node, examination: &O::Examination) -> Found<O> {
+        Found::new(&self.orbit, s, node, examination)
     }
 
-    fn closing(&self, s: f64, first: &Node, reached: Found) -> Found {
-        let examination = examine(&self.wave, &first.point).unwrap_or(reached.examination);
+    fn closing(&self, s: f64, first: &Node, reached: Found<O>) -> Found<O> {
+        let examination = self.orbit.examination(&first.point);
+        let examination = examination.unwrap_or(reached.examination);
         Found {
             special: Some(Special::Closed),
             ..self.point(s, first, &examination)
         }
     }
 
-    /// D = 0; or the branch has no end in the range as its speed tends to √a: ln(|c|/√a − 1) falls
-    /// without bound and everything else tends to a limit, as a power of the excess speed.
-    fn exhausted(&self, node: &Node) -> Option<Stop> {
-        let Node { point, tangent, .. } = node;
-        if events::is_undriven(&self.wave, point) {
-            return Some(Stop::Undriven);
-        }
-        let last = point.len() - 1;
-        let excess = self.wave.excess_at(point);
-        // change per e-fold of the excess speed: of everything, and of the parameter
-        let fall = -tangent[last - 1];
-        let rest = (1.0 - fall * fall).max(0.0).sqrt();
-        let drift = tangent[last].abs() * self.wave.scales.parameter;
-        let value = self.wave.parameter_at(point);
-        let (low, high) = self.limits.range;
-        let room = (value - low).min(high - value).min(value.abs());
-        let sonic = fall > 0.0 && excess < SONIC && rest < SETTLED && drift < SETTLED * room;
-        sonic.then_some(Stop::Sonic {
-            excess,
-            parameter: self.wave.parameter,
-            value,
-        })
+    fn exhausted(&self, node: &Node) -> Option<Stop<O>> {
+        let stop = self.orbit.exhausted(node, self.limits.range);
+        stop.map(Stop::Own)
     }
 
-    fn last(&self, end: &Ending, here: Found) -> Option<Found> {
+    fn last(&self, end: &Ending<O>, here: Found<O>) -> Option<Found<O>> {
         Some(Found {
             special: Some(failed(end)),
             ..here
@@ -371,23 +365,24 @@ impl Curve for Branch {
     }
 }
 
-fn failed(end: &Ending) -> Special {
+fn failed<O: Orbit>(end: &Ending<O>) -> Special<O> {
     Special::Failed(Failure::Ended(Box::new(end.clone())))
 }
 
-impl Branch {
+impl<O: Orbit> Track<O> {
     /// A change of regime: the event, and the branch beyond it.
     fn change(
         &self,
-        mut found: Found,
-        margins: &[Margin],
-        step: &Segment<Examination>,
-    ) -> Outcome<Branch> {
+        mut found: Found<O>,
+        margins: &[O::Margin],
+        step: &Segment<O::Examination>,
+    ) -> Outcome<Track<O>> {
         let ds = step.ds.clamp(INTO * step.steps.ds, step.steps.ds);
         let point = &found.node.point;
-        let search =
-            |margin: &Margin| change::beyond(&self.wave, point, margin, ds, step.steps.tolerance);
-        let mut margin = margins[0];
+        let search = |margin: &O::Margin| {
+            change::beyond(self.orbit.as_ref(), point, margin, ds, step.steps.tolerance)
+        };
+        let mut margin = margins[0].clone();
         let mut search_there = search(&margin);
         for other in &margins[1..] {
             if search_there.beyond.is_some() {
@@ -395,16 +390,21 @@ impl Branch {
             }
             let found = search(other);
             if found.beyond.is_some() {
-                (margin, search_there) = (*other, found);
+                (margin, search_there) = (other.clone(), found);
             }
         }
         let mut passed = Vec::new();
         if search_there.beyond.is_none()
-            && let Some(both) =
-                change::beyond_both(&self.wave, &found.node, margins, ds, step.steps.tolerance)
+            && let Some(both) = change::beyond_both(
+                self.orbit.as_ref(),
+                &found.node,
+                margins,
+                ds,
+                step.steps.tolerance,
+            )
         {
-            margin = both.second;
             let second = self.second(&mut found, &both);
+            margin = both.second;
             passed.push(std::mem::replace(&mut found, second));
             search_there = both.search;
         }
@@ -413,19 +413,20 @@ impl Branch {
             refused,
             others,
         } = search_there;
-        let after = beyond.as_ref().map(|beyond| beyond.wave.signature.clone());
+        let after = beyond
+            .as_ref()
+            .map(|beyond| beyond.orbit.signature().clone());
         let mut change = Change {
             others,
-            ..Change::new(&found.wave.signature, after, margin)
+            ..Change::new(found.orbit.signature(), after, margin.clone())
         };
-        let Some(Beyond { wave, node, ds }) = beyond else {
-            let stop = change::ending(&self.wave, &found.node.point, &margin, refused);
+        let Some(Beyond { orbit, node, ds }) = beyond else {
+            let stop = change::ending(self.orbit.as_ref(), &found.node.point, &margin, refused);
             change.end = Some(stop.clone());
-            let at_hopf = stop == Stop::SlipAlone;
+            let completes = matches!(&stop, Stop::Own(stop) if O::completes(stop));
             let end = walk::End::Own(stop);
             found.special = Some(Special::Change(Box::new(change)));
-            // no failure: the waves that are left all have this value of the parameter
-            if at_hopf {
+            if completes {
                 return Outcome::Ended(vec![found], end);
             }
             let failure = Found {
@@ -434,7 +435,7 @@ impl Branch {
             };
             return Outcome::Ended(vec![found, failure], end);
         };
-        let watched = match examine(&wave, &node.point) {
+        let watched = match orbit.examination(&node.point) {
             Ok(watched) => watched,
             Err(error) => {
                 found.special = Some(Special::Change(Box::new(change)));
@@ -443,10 +444,10 @@ impl Branch {
             }
         };
         let drift = node.tangent[node.tangent.len() - 1];
-        change.turned_back = drift * self.heading < 0.0 && !events::is_vertical(&wave, &node);
-        let wave = Arc::new(wave);
-        let curve = Branch {
-            wave: wave.clone(),
+        change.turned_back = drift * self.heading < 0.0 && !events::is_vertical(&orbit, &node);
+        let orbit = Arc::new(orbit);
+        let curve = Track {
+            orbit: orbit.clone(),
             limits: self.limits.clone(),
             heading: if change.turned_back {
                 -self.heading
@@ -454,7 +455,7 @@ impl Branch {
                 self.heading
             },
         };
-        found.entered = Some((wave, node.clone()));
+        found.entered = Some((orbit, node.clone()));
         found.special = Some(Special::Change(Box::new(change)));
         let entry = Beginning {
             curve,
@@ -466,18 +467,18 @@ impl Branch {
         Outcome::Entered(passed, entry)
     }
 
-    /// The second of two changes of regime at the place of the first, which leads to the wave in between.
-    fn second(&self, first: &mut Found, both: &Both) -> Found {
+    /// The second of two changes at the place of the first, which leads to the orbit in between.
+    fn second(&self, first: &mut Found<O>, both: &Both<O>) -> Found<O> {
         let between = Arc::new(both.between.clone());
-        let after = Some(between.signature.clone());
-        let change = Change::new(&self.wave.signature, after, both.first);
+        let after = Some(between.signature().clone());
+        let change = Change::new(self.orbit.signature(), after, both.first.clone());
         first.special = Some(Special::Change(Box::new(change)));
         first.entered = Some((between.clone(), both.node.clone()));
-        let examination = examine(&between, &both.node.point);
+        let examination = between.examination(&both.node.point);
         let examination = examination.unwrap_or_else(|_| first.examination.clone());
         let drift = first.node.tangent[first.node.tangent.len() - 1].abs();
         Found {
-            uncertainty: first.uncertainty + both.distance * drift * between.scales.parameter,
+            uncertainty: first.uncertainty + both.distance * drift * between.unit(),
             ..Found::new(&between, first.s, &both.node, &examination)
         }
     }

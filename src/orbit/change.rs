@@ -1,36 +1,32 @@
 //! The branch beyond a change of regime.
 
-use super::events;
-use super::special::{Inadmissible, Refusal, StepRefused, Stop, Tried};
+use super::special::{Refusal, StepRefused, Stop, Tried};
+use super::{AtZero, Candidate, Examined, Orbit, Verdict};
 use crate::continuation::Node;
 use crate::continuation::walk::{self, Refused};
 use crate::continuation::{arclength, newton};
-use crate::flow::sign::Verdict;
 use crate::linalg::Vector;
-use crate::model::signature::Signature;
-use crate::wave::Wave;
-use crate::wave::admissibility::{AtZero, Margin, Watch, examine};
-use crate::wave::successor::{Candidate, candidates};
 
 /// The branch beyond a change of regime.
 #[derive(Clone, Debug)]
-pub struct Beyond {
+pub struct Beyond<O> {
     /// Boundary-value problem of the new signature.
-    pub wave: Wave,
+    pub orbit: O,
     /// The event in its unknowns, with the tangent into the admissible side.
     pub node: Node,
+    /// Length of the first admissible step.
     pub ds: f64,
 }
 
 /// The result of looking for the branch beyond an event.
-#[derive(Clone, Debug, Default)]
-pub struct Search {
+#[derive(Clone, Debug)]
+pub struct Search<O: Orbit> {
     /// The continuation, if there is one.
-    pub beyond: Option<Beyond>,
+    pub beyond: Option<Beyond<O>>,
     /// Signatures that were tried and refused.
-    pub refused: Vec<Tried>,
+    pub refused: Vec<Tried<O>>,
     /// Further signatures that are admissible too.
-    pub others: Vec<Signature>,
+    pub others: Vec<O::Signature>,
 }
 
 /// A candidate solves its equations at the event to this scaled residual, or it is none: the
@@ -42,14 +38,24 @@ const RESIDUAL_AT_EVENT: f64 = 1e-8;
 const TRIES: usize = 14;
 
 /// Looks for the admissible continuation beyond the zero of a margin.
-pub fn beyond(wave: &Wave, point: &Vector, margin: &Margin, ds: f64, tolerance: f64) -> Search {
-    let mut search = Search::default();
-    let list = match candidates(wave, point, margin) {
+pub fn beyond<O: Orbit>(
+    orbit: &O,
+    point: &Vector,
+    margin: &O::Margin,
+    ds: f64,
+    tolerance: f64,
+) -> Search<O> {
+    let mut search = Search {
+        beyond: None,
+        refused: Vec::new(),
+        others: Vec::new(),
+    };
+    let list = match orbit.candidates(point, margin) {
         Ok(list) => list,
         Err(error) => {
             search.refused.push(Tried {
                 signature: None,
-                reason: Refused::Curve(error.into()),
+                reason: Refused::Curve(Refusal::Flow(error)),
             });
             return search;
         }
@@ -58,16 +64,16 @@ pub fn beyond(wave: &Wave, point: &Vector, margin: &Margin, ds: f64, tolerance: 
         match enter(&candidate, ds, tolerance) {
             Ok(beyond) => match &search.beyond {
                 Some(known) if known.ds >= beyond.ds => {
-                    search.others.push(beyond.wave.signature);
+                    search.others.push(beyond.orbit.signature().clone());
                 }
                 _ => {
                     if let Some(known) = search.beyond.replace(beyond) {
-                        search.others.push(known.wave.signature);
+                        search.others.push(known.orbit.signature().clone());
                     }
                 }
             },
             Err(NotEntered::Refused(reason)) => search.refused.push(Tried {
-                signature: Some(candidate.wave.signature),
+                signature: Some(candidate.orbit.signature().clone()),
                 reason,
             }),
             Err(NotEntered::NoSolution) => {}
@@ -78,60 +84,59 @@ pub fn beyond(wave: &Wave, point: &Vector, margin: &Margin, ds: f64, tolerance: 
 
 /// Two changes of regime at one place: within rounding neither of them comes first.
 #[derive(Clone, Debug)]
-pub struct Both {
+pub struct Both<O: Orbit> {
     /// The margin that vanishes first.
-    pub first: Margin,
+    pub first: O::Margin,
     /// Boundary-value problem between the two.
-    pub between: Wave,
+    pub between: O,
     /// The event in its unknowns.
     pub node: Node,
-    /// The other margin, as of the wave in between.
-    pub second: Margin,
+    /// The other margin, as of the orbit in between.
+    pub second: O::Margin,
     /// How far along the branch the second is from the first, by its slope.
     pub distance: f64,
-    pub search: Search,
+    /// What lies beyond both.
+    pub search: Search<O>,
 }
 
 /// Looks for the admissible continuation beyond the zeros of two margins where neither alone has one: the
-/// wave between them lasts no longer than rounding.
-pub fn beyond_both(
-    wave: &Wave,
+/// orbit between them lasts no longer than rounding.
+pub fn beyond_both<O: Orbit>(
+    orbit: &O,
     at: &Node,
-    margins: &[Margin],
+    margins: &[O::Margin],
     ds: f64,
     tolerance: f64,
-) -> Option<Both> {
+) -> Option<Both<O>> {
     let point = &at.point;
-    let regime = |wave: &Wave, margin: &Margin| wave.signature.zone(margin.zone).regime;
     for first in margins {
-        for candidate in candidates(wave, point, first).ok()? {
-            let between = candidate.wave;
+        for candidate in orbit.candidates(point, first).ok()? {
+            let between = candidate.orbit;
             let Some(node) = Node::on(&between, candidate.point).filter(solves) else {
                 continue;
             };
-            let Ok(examination) = examine(&between, &node.point) else {
+            let Ok(examination) = between.examination(&node.point) else {
                 continue;
             };
-            for other in margins
-                .iter()
-                .filter(|other| (other.watch, other.zone) != (first.watch, first.zone))
-            {
-                let mut zeros = examination.margins.iter().filter(|margin| {
-                    margin.watch == other.watch
-                        && regime(&between, margin) == regime(wave, other)
-                        && margin.jet.value.abs() <= RESIDUAL_AT_EVENT
+            for other in margins.iter().filter(|other| !O::is_same(other, first)) {
+                let mut zeros = examination.margins().iter().filter(|margin| {
+                    orbit.is_alike(other, &between, margin)
+                        && O::value(margin).abs() <= RESIDUAL_AT_EVENT
                 });
                 let entered = zeros.find_map(|second| {
                     let search = beyond(&between, &node.point, second, ds, tolerance);
                     // not back again by the same event
-                    let after = &search.beyond.as_ref()?.wave.signature;
-                    (!after.is_rotation_of(&wave.signature)).then_some((*second, search))
+                    let after = search.beyond.as_ref()?.orbit.signature();
+                    (!orbit.is_rotation(after)).then_some((second.clone(), search))
                 });
                 if let Some((second, search)) = entered {
-                    let seen = AtZero { margin: *other }.margin_at(wave, point).ok()?;
+                    let mut seen = AtZero {
+                        margin: other.clone(),
+                    };
+                    let seen = seen.margin_at(orbit, point).ok()?;
                     return Some(Both {
-                        distance: (seen.jet.value / seen.slope(wave, &at.tangent)).abs(),
-                        first: *first,
+                        distance: (O::value(seen) / orbit.slope(seen, &at.tangent)).abs(),
+                        first: first.clone(),
                         between,
                         node,
                         second,
@@ -144,36 +149,40 @@ pub fn beyond_both(
     None
 }
 
-/// Whether an event is a wave of the equations that it is a node of.
+/// Whether an event is a orbit of the equations that it is a node of.
 fn solves(node: &Node) -> bool {
     node.residual <= RESIDUAL_AT_EVENT
 }
 
 /// Why a candidate is not entered.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NotEntered {
+pub enum NotEntered<O: Orbit> {
     /// The event does not solve its equations.
     #[error("the equations do not hold at the event")]
     NoSolution,
     /// No step into it is admissible: the last refusal.
     #[error("{0}")]
-    Refused(StepRefused),
+    Refused(StepRefused<O>),
 }
 
 /// The first admissible step into a candidate.
 ///
 /// # Errors
-/// The event is no wave of the candidate, or no step is admissible.
-pub fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, NotEntered> {
-    let wave = &candidate.wave;
-    let node = Node::on(wave, candidate.point.clone());
+/// The event is no orbit of the candidate, or no step is admissible.
+pub fn enter<O: Orbit>(
+    candidate: &Candidate<O>,
+    ds: f64,
+    tolerance: f64,
+) -> Result<Beyond<O>, NotEntered<O>> {
+    let orbit = &candidate.orbit;
+    let node = Node::on(orbit, candidate.point.clone());
     let mut node = node.filter(solves).ok_or(NotEntered::NoSolution)?;
     if growth(candidate, &node.tangent) < 0.0 {
         node.tangent.neg_mut();
     }
-    let direct = enter_along(wave, &node, ds, tolerance);
+    let direct = enter_along(orbit, &node, ds, tolerance);
     let length = direct.as_ref().map_or(0.0, |beyond| beyond.ds);
-    if !wave.material || length >= IN_LAYER * ds {
+    if !orbit.is_layered() || length >= IN_LAYER * ds {
         return direct;
     }
     // a layer thinner than any step turns the tangent within the first one, or hides it in rounding
@@ -181,7 +190,7 @@ pub fn enter(candidate: &Candidate, ds: f64, tolerance: f64) -> Result<Beyond, N
         .iter()
         .filter_map(|part| settled(candidate, &node, part * ds, tolerance));
     settled
-        .filter_map(|node| enter_along(wave, &node, ds, tolerance).ok())
+        .filter_map(|node| enter_along(orbit, &node, ds, tolerance).ok())
         .find(|beyond| beyond.ds > length)
         .map_or(direct, Ok)
 }
@@ -194,9 +203,14 @@ const IN_LAYER: f64 = 1e-6;
 const INSIDE: [f64; 3] = [1e-2, 1e-1, 1e-3];
 
 /// An event with the tangent that the branch has where its nascent zone lasts this long.
-fn settled(candidate: &Candidate, node: &Node, duration: f64, tolerance: f64) -> Option<Node> {
-    let wave = &candidate.wave;
-    let index = wave.width() * candidate.nascent.first()? + 2;
+fn settled<O: Orbit>(
+    candidate: &Candidate<O>,
+    node: &Node,
+    duration: f64,
+    tolerance: f64,
+) -> Option<Node> {
+    let orbit = &candidate.orbit;
+    let index = orbit.duration_index(*candidate.nascent.first()?);
     let mut guess = node.point.clone();
     guess[index] = duration;
     let mut fixed = newton::Fixed {
@@ -207,7 +221,7 @@ fn settled(candidate: &Candidate, node: &Node, duration: f64, tolerance: f64) ->
         tolerance,
         ..newton::Settings::default()
     };
-    let corrected = arclength::correct(wave, &mut fixed, &guess, &node.tangent, &settings);
+    let corrected = arclength::correct(orbit, &mut fixed, &guess, &node.tangent, &settings);
     let (mut inside, _) = corrected.ok()?;
     if inside.tangent[index] < 0.0 {
         inside.tangent.neg_mut();
@@ -219,19 +233,23 @@ fn settled(candidate: &Candidate, node: &Node, duration: f64, tolerance: f64) ->
 }
 
 /// The first admissible step from an event along its tangent.
-fn enter_along(wave: &Wave, node: &Node, ds: f64, tolerance: f64) -> Result<Beyond, NotEntered> {
+fn enter_along<O: Orbit>(
+    orbit: &O,
+    node: &Node,
+    ds: f64,
+    tolerance: f64,
+) -> Result<Beyond<O>, NotEntered<O>> {
     let mut refused = Err(NotEntered::NoSolution);
-    let entered = walk::enter(wave, node, ds, TRIES, tolerance, |from, step| {
+    let entered = walk::enter(orbit, node, ds, TRIES, tolerance, |from, step| {
         let forwards = from.tangent == node.tangent;
-        let refusal = match step.map(|to| examine(wave, &to.point)) {
-            Ok(Ok(examination)) if examination.verdict == Verdict::Positive => return Some(()),
+        let refusal = match step.map(|to| orbit.examination(&to.point)) {
+            Ok(Ok(examination)) if examination.verdict() == Verdict::Positive => return Some(()),
             // what fails on the way back says nothing
             Ok(Ok(_)) if !forwards => return None,
             Ok(Ok(examination)) => {
-                let reason = Inadmissible::of(wave, &examination);
-                Refused::Curve(Refusal::Inadmissible(reason))
+                Refused::Curve(Refusal::Inadmissible(orbit.inadmissible(&examination)))
             }
-            Ok(Err(error)) => Refused::Curve(error.into()),
+            Ok(Err(error)) => Refused::Curve(Refusal::Flow(error)),
             Err(refusal) => Refused::Step(refusal),
         };
         refused = Err(NotEntered::Refused(refusal));
@@ -239,7 +257,7 @@ fn enter_along(wave: &Wave, node: &Node, ds: f64, tolerance: f64) -> Result<Beyo
     });
     match entered {
         Some((node, ds, ())) => Ok(Beyond {
-            wave: wave.clone(),
+            orbit: orbit.clone(),
             node,
             ds,
         }),
@@ -248,35 +266,35 @@ fn enter_along(wave: &Wave, node: &Node, ds: f64, tolerance: f64) -> Result<Beyo
 }
 
 /// How much nascent zones grow along a direction, or else margins that are zero.
-fn growth(candidate: &Candidate, tangent: &Vector) -> f64 {
-    let wave = &candidate.wave;
-    let nascent = &candidate.nascent;
+fn growth<O: Orbit>(candidate: &Candidate<O>, tangent: &Vector) -> f64 {
+    let Candidate {
+        orbit,
+        point,
+        nascent,
+    } = candidate;
     if !nascent.is_empty() {
-        return nascent
-            .iter()
-            .map(|zone| tangent[wave.width() * zone + 2])
-            .sum();
+        let grows = |zone: &usize| tangent[orbit.duration_index(*zone)];
+        return nascent.iter().map(grows).sum();
     }
-    examine(wave, &candidate.point).map_or(0.0, |examination| {
-        examination
-            .margins
-            .iter()
-            .filter(|margin| margin.jet.value.abs() < 1e-6)
-            .map(|margin| margin.slope(wave, tangent))
+    orbit.examination(point).map_or(0.0, |examination| {
+        let margins = examination.margins().iter();
+        margins
+            .filter(|margin| O::value(margin).abs() < 1e-6)
+            .map(|margin| orbit.slope(margin, tangent))
             .sum()
     })
 }
 
 /// Why a branch ends at an event where a margin vanishes and none of these continues it.
-pub(super) fn ending(wave: &Wave, point: &Vector, margin: &Margin, refused: Vec<Tried>) -> Stop {
-    if events::is_undriven(wave, point) {
-        return Stop::Undriven;
+pub(super) fn ending<O: Orbit>(
+    orbit: &O,
+    point: &Vector,
+    margin: &O::Margin,
+    refused: Vec<Tried<O>>,
+) -> Stop<O> {
+    match orbit.ends_at(point, margin) {
+        Some(stop) => Stop::Own(stop),
+        None if refused.is_empty() => Stop::NoSignature,
+        None => Stop::NoneAdmissible(refused),
     }
-    if margin.watch == Watch::Duration && wave.zones() == 2 {
-        return Stop::SlipAlone;
-    }
-    if refused.is_empty() {
-        return Stop::NoSignature;
-    }
-    Stop::NoneAdmissible(refused)
 }

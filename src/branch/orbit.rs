@@ -1,0 +1,269 @@
+//! Waves of the tube as orbits that the engine follows.
+
+use super::EventType;
+use super::special::{Inadmissible, OfWaves, WaveMargin, WaveStop};
+use crate::continuation::Node;
+use crate::continuation::newton::System;
+use crate::flow::FlowError;
+use crate::linalg::{Matrix, Vector};
+use crate::model::Parameter;
+use crate::model::signature::{Entry, Regime, Signature, Zone};
+use crate::orbit::events::AT_ZERO;
+use crate::orbit::sign::Verdict;
+use crate::orbit::{Candidate, Examined, Orbit};
+use crate::orbit::{change, follow};
+use crate::stability::track::Remark;
+use crate::wave::Wave;
+use crate::wave::admissibility::{AtZero, Examination, Margin, Watch, examine};
+use crate::wave::successor::candidates;
+
+/// A point of a branch of waves.
+pub type Found = follow::Found<Wave>;
+/// A branch of waves being followed.
+pub type Follower = follow::Follower<Wave>;
+/// The state of a branch of waves between two steps.
+pub type State = follow::State<Signature>;
+/// Why a candidate for a wave is not entered.
+pub type NotEntered = change::NotEntered<Wave>;
+
+/// Excess speed |c|/√a − 1 below which a branch may be seen to tend to √a, and how little everything
+/// else changes then while it falls by the factor e.
+const SONIC: f64 = 1e-4;
+const SETTLED: f64 = 1e-3;
+
+impl Examined for Examination {
+    type Margin = Margin;
+
+    fn margins(&self) -> &[Margin] {
+        &self.margins
+    }
+
+    fn verdict(&self) -> Verdict {
+        self.verdict
+    }
+}
+
+impl Orbit for Wave {
+    type Signature = Signature;
+    type Parameter = Parameter;
+    type Margin = Margin;
+    type Examination = Examination;
+    type Held = WaveMargin;
+    type Inadmissible = Inadmissible;
+    type Special = OfWaves;
+    type Remark = Remark;
+    type Stop = WaveStop;
+
+    fn signature(&self) -> &Signature {
+        &self.signature
+    }
+
+    fn posed(&self, signature: Signature) -> Option<Wave> {
+        (!signature.is_empty()).then(|| self.with_signature(signature))
+    }
+
+    fn is_rotation(&self, signature: &Signature) -> bool {
+        signature.is_rotation_of(&self.signature)
+    }
+
+    fn parameter(&self) -> Parameter {
+        self.parameter
+    }
+
+    fn column(parameter: &Parameter) -> &str {
+        parameter.column()
+    }
+
+    fn duration_index(&self, zone: usize) -> usize {
+        self.width() * zone + 2
+    }
+
+    fn unit(&self) -> f64 {
+        self.scales.parameter
+    }
+
+    fn examination(&self, point: &Vector) -> Result<Examination, FlowError> {
+        examine(self, point)
+    }
+
+    fn margin_at(&self, seen: &Margin, point: &Vector) -> Result<Margin, FlowError> {
+        AtZero { margin: *seen }.margin_at(self, point)
+    }
+
+    fn value(margin: &Margin) -> f64 {
+        margin.jet.value
+    }
+
+    fn add_gradient(&self, margin: &Margin, gradient: &mut [f64]) {
+        margin.add_gradient(self, gradient);
+    }
+
+    fn is_same(one: &Margin, other: &Margin) -> bool {
+        (one.watch, one.zone) == (other.watch, other.zone)
+    }
+
+    fn is_duration(margin: &Margin) -> bool {
+        margin.watch == Watch::Duration
+    }
+
+    fn is_alike(&self, margin: &Margin, other: &Wave, of_other: &Margin) -> bool {
+        self.held(margin) == other.held(of_other)
+    }
+
+    fn held(&self, margin: &Margin) -> WaveMargin {
+        WaveMargin {
+            regime: self.signature.zone(margin.zone).regime,
+            watch: margin.watch,
+        }
+    }
+
+    fn inadmissible(&self, examination: &Examination) -> Inadmissible {
+        Inadmissible::of(self, examination)
+    }
+
+    fn candidates(
+        &self,
+        point: &Vector,
+        margin: &Margin,
+    ) -> Result<Vec<Candidate<Wave>>, FlowError> {
+        candidates(self, point, margin)
+    }
+
+    /// The same from either side, one of which sees open what the other sees close.
+    fn classify(before: &Signature, after: Option<&Signature>, margin: &Margin) -> EventType {
+        let closed = (margin.watch == Watch::Duration).then(|| before.zone(margin.zone));
+        // a zone that begins with a touch closes on the impact, not at zero pressure
+        let lifts = |zone: Zone| zone.regime == Regime::Separation && zone.entry != Entry::Touch;
+        if margin.watch == Watch::Pressure || closed.is_some_and(lifts) {
+            return EventType::GR;
+        }
+        let Some(after) = after else {
+            return match (closed.map(|zone| zone.regime), margin.watch) {
+                (Some(Regime::Stick), _) => EventType::ST,
+                (None, Watch::LowerForce) => EventType::RV,
+                _ => EventType::CO,
+            };
+        };
+        if before.count(Regime::Stick) != after.count(Regime::Stick) {
+            return EventType::ST;
+        }
+        // reverse slip that begins at V̇ = 1: what lands in reverse slip is arrested before it closes
+        let reverses = |signature: &Signature| {
+            let before_stick = |index: &usize| {
+                let (zone, next) = (signature.zone(*index), signature.zone(index + 1));
+                zone.regime == Regime::Reverse
+                    && matches!(zone.entry, Entry::Reversal | Entry::ArrestedLanding)
+                    && next.regime == Regime::Stick
+            };
+            (0..signature.len()).filter(before_stick).count()
+        };
+        let others = [Regime::Slip, Regime::Separation];
+        if reverses(before) != reverses(after)
+            && before.len() != after.len()
+            && others.map(|regime| before.count(regime)) == others.map(|regime| after.count(regime))
+        {
+            return EventType::RV;
+        }
+        EventType::CO
+    }
+
+    /// Beyond the opening of a separation zone the branch starts with no change of the parameter.
+    fn opens(&self, point: &Vector) -> bool {
+        let opens = |zone: usize| {
+            self.signature.zone(zone).entry == Entry::TakeOff
+                && self.duration_at(point, zone) == 0.0
+        };
+        (0..self.zones()).any(opens)
+    }
+
+    fn closes(&self, point: &Vector) -> bool {
+        self.thinner_than_a_layer(point)
+    }
+
+    fn is_layered(&self) -> bool {
+        self.material
+    }
+
+    fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64> {
+        self.parameter_rounding(matrix, point, last)
+    }
+
+    /// Waves run in the direction of D.
+    fn barred(&self, margin: &Margin) -> Option<WaveStop> {
+        (margin.watch == Watch::Coupling).then_some(WaveStop::Against)
+    }
+
+    fn ends_at(&self, point: &Vector, margin: &Margin) -> Option<WaveStop> {
+        if is_undriven(self, point) {
+            return Some(WaveStop::Undriven);
+        }
+        let alone = margin.watch == Watch::Duration && self.zones() == 2;
+        alone.then_some(WaveStop::SlipAlone)
+    }
+
+    /// D = 0; or the branch has no end in the range as its speed tends to √a: ln(|c|/√a − 1) falls
+    /// without bound and everything else tends to a limit, as a power of the excess speed.
+    fn exhausted(&self, node: &Node, (low, high): (f64, f64)) -> Option<WaveStop> {
+        let Node { point, tangent, .. } = node;
+        if is_undriven(self, point) {
+            return Some(WaveStop::Undriven);
+        }
+        let last = self.unknowns() - 1;
+        let excess = self.excess_at(point);
+        // change per e-fold of the excess speed: of everything, and of the parameter
+        let fall = -tangent[last - 1];
+        let rest = (1.0 - fall * fall).max(0.0).sqrt();
+        let drift = tangent[last].abs() * self.scales.parameter;
+        let value = self.parameter_at(point);
+        let room = (value - low).min(high - value).min(value.abs());
+        let sonic = fall > 0.0 && excess < SONIC && rest < SETTLED && drift < SETTLED * room;
+        sonic.then_some(WaveStop::Sonic {
+            excess,
+            parameter: self.parameter,
+            value,
+        })
+    }
+
+    /// The waves that are left at a Hopf point all have its value of the parameter.
+    fn completes(stop: &WaveStop) -> bool {
+        *stop == WaveStop::SlipAlone
+    }
+
+    fn edge(&self, value: f64) -> Option<OfWaves> {
+        let limit = self.parameter == Parameter::StiffnessDamping
+            && self.signature.has(Regime::Separation)
+            && value == 0.0;
+        limit.then_some(OfWaves::CoulombLimit)
+    }
+
+    fn kind(special: &OfWaves) -> EventType {
+        match special {
+            OfWaves::HopfPoint | OfWaves::CoulombLimit => EventType::EP,
+            OfWaves::StickOpens => EventType::ST,
+            OfWaves::Crossing { omega: None, .. } => EventType::BP,
+            OfWaves::Crossing { .. } => EventType::HB,
+        }
+    }
+
+    fn beyond(special: &OfWaves) -> Option<Signature> {
+        (*special == OfWaves::StickOpens).then(Signature::slip_stick)
+    }
+
+    fn left(stop: &WaveStop) -> Option<Signature> {
+        (*stop == WaveStop::SlipAlone).then(Signature::slip_alone)
+    }
+
+    fn slope(&self, margin: &Margin, direction: &Vector) -> f64 {
+        margin.slope(self, direction)
+    }
+
+    fn reach(&self, margin: &Margin, changes: &Vector) -> f64 {
+        margin.reach(self, changes)
+    }
+}
+
+/// Whether D = 0 but for rounding.
+fn is_undriven(wave: &Wave, point: &Vector) -> bool {
+    let coupling = wave.flows(point).map(|flows| flows.frame.at.kappa);
+    coupling.is_ok_and(|kappa| kappa.abs() < AT_ZERO * wave.scales.pressure)
+}

@@ -1,0 +1,284 @@
+//! Periodic orbits of a hybrid system as the engine sees them, and how a branch of them is followed: it knows
+//! no tube and no file.
+//!
+//! An orbit passes through zones in a known order, its *signature*. For one signature it solves a boundary-value
+//! problem, a [`System`], and its inequalities hold while its *margins* are positive: durations, least values
+//! of guards within a zone, conditions of switches. The margin that vanishes first ends the signature, and one
+//! of the [`Candidate`]s goes on.
+//!
+//! - [`sign`] tells the sign of a function over a whole interval;
+//! - [`event`] has the types of special points, [`special`] what makes a point special and why a branch ends;
+//! - [`events`] locates what happens within a step, [`change`] finds the signature beyond a change;
+//! - [`follow`] puts them together into a curve for the walker of [`crate::continuation`].
+
+pub mod change;
+pub mod event;
+pub mod events;
+pub mod follow;
+pub mod sign;
+pub mod special;
+
+use std::fmt::{Debug, Display};
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::continuation::Node;
+use crate::continuation::newton::{Constraint, System};
+use crate::linalg::{Matrix, Vector};
+pub use event::{EventType, UnknownType};
+use sign::Verdict;
+
+/// Data that results keep: what is compared, shown and saved.
+pub trait Data: Clone + Debug + PartialEq + Serialize + DeserializeOwned {}
+
+impl<T: Clone + Debug + PartialEq + Serialize + DeserializeOwned> Data for T {}
+
+/// What an examination of a point found.
+pub trait Examined: Clone + Debug {
+    /// A smooth function of the unknowns that is positive while the signature holds.
+    type Margin;
+
+    /// All margins, in the order of the zones.
+    fn margins(&self) -> &[Self::Margin];
+
+    /// Whether every inequality holds over the whole of every zone.
+    fn verdict(&self) -> Verdict;
+
+    /// Functions that change their sign where the stability changes, in a fixed order; none where stability is
+    /// found otherwise.
+    fn tests(&self) -> &[f64] {
+        &[]
+    }
+}
+
+/// A signature to try from an event.
+#[derive(Clone, Debug)]
+pub struct Candidate<O> {
+    /// Its boundary-value problem.
+    pub orbit: O,
+    /// The orbit of the event in its unknowns.
+    pub point: Vector,
+    /// Zones that have no length yet.
+    pub nascent: Vec<usize>,
+}
+
+/// The boundary-value problem of one signature in scaled unknowns, of which the last is the parameter.
+pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
+    /// Sequence of zones.
+    type Signature: Data + Display;
+    /// Name of the parameter.
+    type Parameter: Data;
+    /// A smooth function of the unknowns that is positive while the signature holds.
+    type Margin: Clone + Debug + PartialEq;
+    /// What an examination of a point found.
+    type Examination: Examined<Margin = Self::Margin>;
+    /// What a margin measures, and where.
+    type Held: Clone + Debug + PartialEq + Display;
+    /// Why a point is not admissible.
+    type Inadmissible: Data + std::error::Error;
+    /// Points that are special for reasons of the system itself.
+    type Special: Clone + Debug + PartialEq + Display;
+    /// What remains to be said of the stability at a change of signature.
+    type Remark: Clone + Debug + PartialEq + Display;
+    /// Ends of a branch for reasons of the system itself.
+    type Stop: Data + Display;
+
+    /// Sequence of zones.
+    fn signature(&self) -> &Self::Signature;
+
+    /// The same system in another signature; `None` if that has no zones.
+    fn posed(&self, signature: Self::Signature) -> Option<Self>;
+
+    /// Whether a signature is this one but for the zone it begins with.
+    fn is_rotation(&self, signature: &Self::Signature) -> bool;
+
+    /// Name of the parameter.
+    fn parameter(&self) -> Self::Parameter;
+
+    /// Column of a parameter in tables.
+    fn column(parameter: &Self::Parameter) -> &str;
+
+    /// Index of the unknown that is the duration of a zone.
+    fn duration_index(&self, zone: usize) -> usize;
+
+    /// Unit of the parameter: its value at a scaled unknown of 1.
+    fn unit(&self) -> f64;
+
+    /// Value of the parameter at a point.
+    fn value_at(&self, point: &Vector) -> f64 {
+        point[point.len() - 1] * self.unit()
+    }
+
+    /// All margins at a point, and whether every inequality holds.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated there.
+    fn examination(&self, point: &Vector) -> Result<Self::Examination, Self::Failure>;
+
+    /// A margin that was seen nearby, at a point.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated there.
+    fn margin_at(&self, seen: &Self::Margin, point: &Vector)
+    -> Result<Self::Margin, Self::Failure>;
+
+    /// Value of a margin, scaled to order one.
+    fn value(margin: &Self::Margin) -> f64;
+
+    /// Adds the derivatives of a margin in the unknowns to those of the gradient.
+    fn add_gradient(&self, margin: &Self::Margin, gradient: &mut [f64]);
+
+    /// Whether two margins of one signature are the same function.
+    fn is_same(one: &Self::Margin, other: &Self::Margin) -> bool;
+
+    /// Whether a margin is the duration of a zone.
+    fn is_duration(margin: &Self::Margin) -> bool;
+
+    /// Whether a margin of this orbit and one of another signature measure the same.
+    fn is_alike(&self, margin: &Self::Margin, other: &Self, of_other: &Self::Margin) -> bool;
+
+    /// What a margin measures, and where.
+    fn held(&self, margin: &Self::Margin) -> Self::Held;
+
+    /// The worst of what an examination found.
+    fn inadmissible(&self, examination: &Self::Examination) -> Self::Inadmissible;
+
+    /// Every candidate for the signature beyond the zero of a margin.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated there.
+    fn candidates(
+        &self,
+        point: &Vector,
+        margin: &Self::Margin,
+    ) -> Result<Vec<Candidate<Self>>, Self::Failure>;
+
+    /// Type of a change of signature where a margin vanishes.
+    fn classify(
+        before: &Self::Signature,
+        after: Option<&Self::Signature>,
+        margin: &Self::Margin,
+    ) -> EventType;
+
+    /// Whether the parameter is stationary at a point because a zone opens there.
+    fn opens(&self, point: &Vector) -> bool;
+
+    /// Whether the parameter is stationary near a point because a zone closes there.
+    fn closes(&self, _point: &Vector) -> bool {
+        false
+    }
+
+    /// Whether thin layers may turn the branch within a step: the first step into a signature is then tried
+    /// from within the nascent zone, too.
+    fn is_layered(&self) -> bool {
+        false
+    }
+
+    /// Error of the parameter at a point where the last equation, a border of `matrix`, is known to `last`.
+    fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64>;
+
+    /// Why the zero of a margin ends the branch whatever lies beyond.
+    fn barred(&self, _margin: &Self::Margin) -> Option<Self::Stop> {
+        None
+    }
+
+    /// Why the branch ends where a margin vanishes and no candidate goes on, if the system says so.
+    fn ends_at(&self, _point: &Vector, _margin: &Self::Margin) -> Option<Self::Stop> {
+        None
+    }
+
+    /// Why the branch does not go on from a node within a range of the parameter.
+    fn exhausted(&self, _node: &Node, _range: (f64, f64)) -> Option<Self::Stop> {
+        None
+    }
+
+    /// Whether an end leaves nothing undone: it is no failure.
+    fn completes(stop: &Self::Stop) -> bool;
+
+    /// What makes an edge of the range special for the system itself.
+    fn edge(&self, _value: f64) -> Option<Self::Special> {
+        None
+    }
+
+    /// What the zero of a function of [`Examined::tests`] is at a node: none where it is no event.
+    fn crossing(&self, _test: usize, _node: &Node) -> Option<Self::Special> {
+        None
+    }
+
+    /// Type of a point that is special for reasons of the system itself.
+    fn kind(special: &Self::Special) -> EventType;
+
+    /// Signature beyond such a point, where it changes.
+    fn beyond(_special: &Self::Special) -> Option<Self::Signature> {
+        None
+    }
+
+    /// Signature that is left where the branch ends for a reason of its own.
+    fn left(_stop: &Self::Stop) -> Option<Self::Signature> {
+        None
+    }
+
+    /// Derivative of a margin along a direction in the scaled unknowns.
+    fn slope(&self, margin: &Self::Margin, direction: &Vector) -> f64 {
+        let mut gradient = vec![0.0; direction.len()];
+        self.add_gradient(margin, &mut gradient);
+        gradient
+            .iter()
+            .zip(direction)
+            .map(|(by, along)| by * along)
+            .sum()
+    }
+
+    /// Σ |∂m/∂uᵢ|·dᵢ: how much a margin may change where every unknown changes by no more than dᵢ.
+    fn reach(&self, margin: &Self::Margin, changes: &Vector) -> f64 {
+        let mut gradient = vec![0.0; changes.len()];
+        self.add_gradient(margin, &mut gradient);
+        gradient
+            .iter()
+            .zip(changes)
+            .map(|(by, change)| by.abs() * change)
+            .sum()
+    }
+}
+
+/// The margin of an examination that is the same function.
+pub fn find<'a, O: Orbit>(
+    examination: &'a O::Examination,
+    margin: &O::Margin,
+) -> Option<&'a O::Margin> {
+    let mut margins = examination.margins().iter();
+    margins.find(|known| O::is_same(known, margin))
+}
+
+/// m(u) = 0.
+#[derive(Clone, Debug)]
+pub struct AtZero<O: Orbit> {
+    /// The margin where it was last seen.
+    pub margin: O::Margin,
+}
+
+impl<O: Orbit> AtZero<O> {
+    /// The margin at a point, from which the next search sets out.
+    pub(crate) fn margin_at(
+        &mut self,
+        orbit: &O,
+        point: &Vector,
+    ) -> Result<&O::Margin, O::Failure> {
+        self.margin = orbit.margin_at(&self.margin, point)?;
+        Ok(&self.margin)
+    }
+}
+
+impl<O: Orbit> Constraint<O> for AtZero<O> {
+    fn evaluate(
+        &mut self,
+        orbit: &O,
+        point: &Vector,
+        gradient: &mut [f64],
+    ) -> Result<f64, O::Failure> {
+        let margin = self.margin_at(orbit, point)?;
+        orbit.add_gradient(margin, gradient);
+        Ok(O::value(margin))
+    }
+}

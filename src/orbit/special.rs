@@ -1,0 +1,209 @@
+//! What makes a point of a branch special, why a step is refused, and why a branch ends: as data. Their
+//! sentences are made elsewhere.
+
+use serde::{Deserialize, Serialize};
+
+use super::{EventType, Orbit};
+use crate::continuation::walk::{End, Refused};
+
+/// What makes a point special.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Special<O: Orbit> {
+    /// The first point of a leg.
+    Start,
+    /// A fold in the parameter.
+    Fold(O::Parameter),
+    /// A value that was asked for.
+    User(O::Parameter, f64),
+    /// An edge of the range.
+    Edge(O::Parameter, f64),
+    /// The first point of the branch once more.
+    Closed,
+    /// A change of signature.
+    Change(Box<Change<O>>),
+    /// The branch ends before its range.
+    Failed(Failure<O>),
+    /// Something that the system knows of.
+    Own(O::Special),
+}
+
+impl<O: Orbit> Special<O> {
+    /// Its type.
+    pub fn kind(&self) -> EventType {
+        match self {
+            Special::Start | Special::Edge(..) | Special::Closed => EventType::EP,
+            Special::Fold(_) => EventType::LP,
+            Special::User(..) => EventType::UZ,
+            Special::Change(change) => change.kind,
+            Special::Failed(_) => EventType::MX,
+            Special::Own(special) => O::kind(special),
+        }
+    }
+
+    /// Signature beyond the point, where it changes.
+    pub fn after(&self) -> Option<O::Signature> {
+        match self {
+            Special::Own(special) => O::beyond(special),
+            Special::Change(change) => match &change.end {
+                Some(Stop::Own(stop)) => O::left(stop).or_else(|| change.after.clone()),
+                _ => change.after.clone(),
+            },
+            _ => None,
+        }
+    }
+}
+
+/// A change of signature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Change<O: Orbit> {
+    /// Its type.
+    pub kind: EventType,
+    /// Signature before it.
+    pub before: O::Signature,
+    /// Signature beyond it, if there is an admissible one.
+    pub after: Option<O::Signature>,
+    /// The margin that vanishes.
+    pub margin: O::Margin,
+    /// Further signatures that are admissible beyond it.
+    pub others: Vec<O::Signature>,
+    /// Whether the branch turns back in the parameter.
+    pub turned_back: bool,
+    /// Why the branch ends there, if it does.
+    pub end: Option<Stop<O>>,
+    /// What is to be said of the stability.
+    pub spectrum: Option<O::Remark>,
+}
+
+impl<O: Orbit> Change<O> {
+    /// A change of signature where this margin vanishes.
+    pub fn new(before: &O::Signature, after: Option<O::Signature>, margin: O::Margin) -> Change<O> {
+        Change {
+            kind: O::classify(before, after.as_ref(), &margin),
+            before: before.clone(),
+            after,
+            margin,
+            others: Vec::new(),
+            turned_back: false,
+            end: None,
+            spectrum: None,
+        }
+    }
+}
+
+/// Why an orbit refuses a step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub enum Refusal<O: Orbit> {
+    /// Its inequalities cannot be evaluated.
+    Flow(O::Failure),
+    /// Inequalities fail, and none of their margins tells where.
+    Inadmissible(O::Inadmissible),
+    /// A fold or a user point was not found.
+    NotFound,
+    /// Margins are negative at the end and none of them is located.
+    NotLocated(usize),
+    /// An event is known too badly.
+    Uncertain {
+        /// Parameter of the branch.
+        parameter: O::Parameter,
+        /// Its value.
+        value: f64,
+        /// Its error.
+        error: f64,
+    },
+    /// Another inequality fails where an event is.
+    Order,
+}
+
+impl<O: Orbit> std::error::Error for Refusal<O> {}
+
+/// Why a branch ends for reasons of its own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub enum Stop<O: Orbit> {
+    /// No signature solves the equations beyond the event.
+    NoSignature,
+    /// No signature is admissible beyond the event: those tried.
+    NoneAdmissible(Vec<Tried<O>>),
+    /// The first point beyond an event cannot be evaluated.
+    Flow(O::Failure),
+    /// Something that the system knows of.
+    Own(O::Stop),
+}
+
+/// A signature tried beyond an event and refused.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub struct Tried<O: Orbit> {
+    /// The signature; `None` where none could be made.
+    pub signature: Option<O::Signature>,
+    /// Why it was refused.
+    pub reason: StepRefused<O>,
+}
+
+/// Why a branch cannot be followed from a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+#[serde(bound = "")]
+pub enum NoFollower<O: Orbit> {
+    /// It has no direction there.
+    #[error("the Newton matrix is singular at the start: the start is a fold")]
+    Fold,
+    /// Its inequalities cannot be evaluated.
+    #[error("{0}")]
+    Refused(Refusal<O>),
+    /// A saved state is not one of its signature.
+    #[error("the saved state does not fit its signature")]
+    Saved,
+}
+
+impl<O: Orbit> From<Refusal<O>> for NoFollower<O> {
+    fn from(refusal: Refusal<O>) -> Self {
+        NoFollower::Refused(refusal)
+    }
+}
+
+/// Saved progress from which a run does not go on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+#[serde(bound = "")]
+pub enum ResumeMismatch<O: Orbit> {
+    /// It is of another problem.
+    #[error("the saved progress does not fit its problem")]
+    Progress,
+    /// The first orbit has other unknowns.
+    #[error("the first wave does not fit its signature")]
+    FirstWave,
+    /// The branch does not go on from it.
+    #[error("{0}")]
+    State(NoFollower<O>),
+}
+
+impl<O: Orbit> From<NoFollower<O>> for ResumeMismatch<O> {
+    fn from(reason: NoFollower<O>) -> Self {
+        ResumeMismatch::State(reason)
+    }
+}
+
+/// What is so close to zero that rounding decides its sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Close<H> {
+    /// A margin.
+    Margin(H),
+    /// The slope of the parameter along the branch, which vanishes at a fold.
+    Fold,
+}
+
+/// Why a step along a branch was refused.
+pub type StepRefused<O> = Refused<<O as crate::continuation::newton::System>::Failure, Refusal<O>>;
+
+/// How the walk along a branch ended.
+pub type Ending<O> = End<StepRefused<O>, Stop<O>>;
+
+/// Why a branch ended before its range.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub enum Failure<O: Orbit> {
+    /// As the walk along it ended.
+    Ended(Box<Ending<O>>),
+    /// A leg does not begin.
+    NoLeg(ResumeMismatch<O>),
+}
