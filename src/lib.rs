@@ -28,7 +28,7 @@
 //! Data flows one way, and what stands further left imports nothing from further right:
 //!
 //! ```text
-//! linalg ─► continuation ─► orbit ─┐   ┌─► affine        interval ─► problem, certify
+//! linalg ─► continuation ─► orbit ─┐   ┌─► affine ─► problem      interval ─► problem, certify
 //! model ───────────────────────────┴─► flow ─► wave ─► stability ─► problem ─► branch ─► certify, curve, map,
 //!   │                          └──► steady                  ▲           │       discretised, accuracy
 //!   └─► simulation ─────────────────────────────────────────┘           └───────► output ─► cli
@@ -39,7 +39,7 @@
 //!   table of switches between them;
 //! - [`flow`] is the exact flow of one regime with its derivatives, and signs over whole zones;
 //! - [`affine`] has hybrid systems that a user writes down: expressions, exact flows of affine modes, motions,
-//!   equilibria; problem files do not have them yet;
+//!   equilibria;
 //! - [`continuation`] follows zero curves of any system and knows nothing of waves; [`linalg`] serves it;
 //! - [`wave`] poses a wave as a boundary-value problem for one signature, has its closed form, examines
 //!   it, and finds candidates for its successor;

@@ -234,7 +234,8 @@ pub(super) struct Mode {
 }
 
 /// A hybrid system whose names and expressions make sense.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Source", into = "Source")]
 pub struct System {
     /// As it is written.
     pub source: Source,
@@ -243,6 +244,20 @@ pub struct System {
     pub(super) modes: Vec<Mode>,
     /// Indices of the modes on the two sides of each sliding mode.
     pub(super) sliding: Vec<[usize; 2]>,
+}
+
+impl TryFrom<Source> for System {
+    type Error = SystemError;
+
+    fn try_from(source: Source) -> Result<System, SystemError> {
+        System::new(source)
+    }
+}
+
+impl From<System> for Source {
+    fn from(system: System) -> Source {
+        system.source
+    }
 }
 
 /// What every expression may name beside states, parameters and abbreviations.

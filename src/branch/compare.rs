@@ -74,7 +74,7 @@ pub struct Compared<'a> {
 impl<'a> Compared<'a> {
     fn new(expectation: &'a Expectation, event: Option<&'a Event>) -> Compared<'a> {
         let tolerance = expectation.tolerance;
-        let compare = |(name, expected): (&'static str, f64)| Comparison {
+        let compare = |(name, expected): (&str, f64)| Comparison {
             name: name.to_owned(),
             expected,
             found: event.and_then(|event| number(event, name)),
@@ -83,7 +83,7 @@ impl<'a> Compared<'a> {
         Compared {
             expectation,
             event,
-            numbers: expectation.numbers().into_iter().map(compare).collect(),
+            numbers: expectation.numbers().map(compare).collect(),
             regimes: event.and_then(|event| regimes(expectation, event)),
         }
     }

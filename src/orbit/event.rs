@@ -16,11 +16,17 @@ pub enum EventType {
     UZ,
     /// Limit point (fold) in the continuation parameter.
     LP,
+    /// Of orbits of systems: a multiplier is −1, the period doubles.
+    PD,
+    /// Of orbits of systems: a pair of multipliers crosses the unit circle.
+    NS,
     /// A complex pair of eigenvalues crosses Re λ = 0 in the named Bloch sector.
     HB,
-    /// A real eigenvalue crosses zero in the named Bloch sector other than by a fold.
+    /// A real eigenvalue crosses zero in the named Bloch sector other than by a fold; of orbits of systems, a
+    /// multiplier is 1 other than by a fold.
     BP,
-    /// Take-off at zero pressure: a separation zone opens or closes.
+    /// Take-off at zero pressure: a separation zone opens or closes. Of orbits of systems: a guard of the mode
+    /// is touched from inside (grazing).
     GR,
     /// A reverse-slip zone opens or closes between slip and stick.
     RV,
@@ -28,33 +34,52 @@ pub enum EventType {
     CO,
     /// The number of stick zones changes: one vanishes or opens.
     ST,
+    /// Of orbits of systems: an `if` or a sliding condition reaches zero, so that a switch leads elsewhere beyond.
+    SL,
 }
 
 impl EventType {
     /// All types, in the order in which legends list them.
-    pub const ALL: [EventType; 10] = [
+    pub const ALL: [EventType; 13] = [
         EventType::EP,
         EventType::MX,
         EventType::UZ,
         EventType::LP,
+        EventType::PD,
+        EventType::NS,
         EventType::HB,
         EventType::BP,
         EventType::GR,
         EventType::RV,
         EventType::CO,
         EventType::ST,
+        EventType::SL,
     ];
 
-    /// Whether events of this type are found in the spectrum: they have a sector and an Im λ.
+    /// Whether events of this type are found in the spectrum, the multipliers of a system's orbit: those of
+    /// waves have a sector and an Im λ.
     pub(crate) fn of_spectrum(self) -> bool {
-        matches!(self, EventType::HB | EventType::BP)
+        use EventType::{BP, HB, NS, PD};
+        matches!(self, HB | BP | PD | NS)
     }
 
     /// Whether the sequence of regimes changes at events of this type.
     #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn of_regimes(self) -> bool {
-        use EventType::{CO, GR, RV, ST};
-        matches!(self, GR | RV | CO | ST)
+        use EventType::{CO, GR, RV, SL, ST};
+        matches!(self, GR | RV | CO | ST | SL)
+    }
+
+    /// Whether waves of a tube have events of this type.
+    pub(crate) fn of_waves(self) -> bool {
+        use EventType::{NS, PD, SL};
+        !matches!(self, PD | NS | SL)
+    }
+
+    /// Whether orbits of systems of one's own have events of this type.
+    pub(crate) fn of_systems(self) -> bool {
+        use EventType::{HB, RV, ST};
+        !matches!(self, HB | RV | ST)
     }
 }
 
@@ -65,12 +90,15 @@ impl fmt::Display for EventType {
             EventType::MX => "MX",
             EventType::UZ => "UZ",
             EventType::LP => "LP",
+            EventType::PD => "PD",
+            EventType::NS => "NS",
             EventType::HB => "HB",
             EventType::BP => "BP",
             EventType::GR => "GR",
             EventType::RV => "RV",
             EventType::CO => "CO",
             EventType::ST => "ST",
+            EventType::SL => "SL",
         })
     }
 }

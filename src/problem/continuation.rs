@@ -37,12 +37,13 @@ impl Toward {
     }
 }
 
-/// The branch to follow, with every default filled in.
+/// The branch to follow, with every default filled in. Its parameter is one of a tube, or has a name in a
+/// system of one's own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Written")]
-pub struct Continuation {
+#[serde(from = "Written<P>")]
+pub struct Continuation<P = Parameter> {
     /// Parameter of the branch.
-    pub parameter: Parameter,
+    pub parameter: P,
     /// Lower and upper end of the parameter, lower < upper.
     pub range: (f64, f64),
     /// Which way to go first.
@@ -64,9 +65,9 @@ pub struct Continuation {
     pub stop_after: Vec<StopAfter>,
 }
 
-impl Continuation {
+impl<P> Continuation<P> {
     /// A branch through a range both ways, with every default.
-    pub fn new(parameter: Parameter, range: (f64, f64)) -> Continuation {
+    pub fn new(parameter: P, range: (f64, f64)) -> Continuation<P> {
         Continuation {
             parameter,
             range,
@@ -80,7 +81,9 @@ impl Continuation {
             stop_after: Vec::new(),
         }
     }
+}
 
+impl Continuation {
     /// Largest number of points of a leg: the one given, or what a law can do in seconds.
     pub(crate) fn most_points(&self, law: FrictionLaw) -> usize {
         self.max_points.unwrap_or(match law {
@@ -103,8 +106,8 @@ pub struct StopAfter {
 /// The section before the defaults are filled in.
 #[derive(Deserialize)]
 #[serde(rename = "Continuation", deny_unknown_fields)]
-struct Written {
-    parameter: Parameter,
+struct Written<P> {
+    parameter: P,
     range: (f64, f64),
     #[serde(default)]
     toward: Toward,
@@ -142,8 +145,8 @@ fn default_tolerance() -> f64 {
     DEFAULT_TOLERANCE
 }
 
-impl From<Written> for Continuation {
-    fn from(written: Written) -> Self {
+impl<P> From<Written<P>> for Continuation<P> {
+    fn from(written: Written<P>) -> Self {
         // A default gives way to what was written, unless that makes no sense for a step.
         let sensible = |step: Option<f64>| step.filter(|step| step.is_finite() && *step > 0.0);
         let floor = sensible(written.ds_min).unwrap_or(0.0);

@@ -151,6 +151,13 @@ pub(super) fn excerpt(text: &str) -> String {
     printable(text).take(LONGEST).chain(ellipsis).collect()
 }
 
+/// A message with what it quotes printable, and short enough to be read.
+pub(super) fn line(text: &str) -> String {
+    const LONGEST: usize = 600;
+    let ellipsis = text.chars().nth(LONGEST).map(|_| '…');
+    printable(text).take(LONGEST).chain(ellipsis).collect()
+}
+
 /// The characters with blanks for those that would move the caret, or worse.
 fn printable(text: &str) -> impl Iterator<Item = char> {
     text.chars().map(|c| {

@@ -2,16 +2,17 @@
 
 use std::fmt;
 
-use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
+use crate::affine::system::Ordered;
 use crate::model::Parameter;
 use crate::orbit::EventType;
 
 /// Most expectations of a problem.
 pub(crate) const MAX_EXPECTATIONS: usize = 1000;
 
-/// How many numbers of an event can be compared: ω, c, and the parameters.
+/// How many numbers of an event of a wave can be compared: ω, c, and the parameters.
 const COUNT: usize = 2 + Parameter::ALL.len();
 
 /// An event that must be found, with the numbers it must have.
@@ -23,8 +24,8 @@ pub struct Expectation {
     pub tolerance: f64,
     /// Bloch sector, at most half the mode.
     pub sector: Option<usize>,
-    /// The numbers, in the order of [`Expectation::NUMBERS`].
-    numbers: [Option<f64>; COUNT],
+    /// The numbers by the names of their columns, in the order of the file.
+    pub(super) numbers: Vec<(String, f64)>,
     /// Regimes before the event, joined by `-`.
     pub regimes_before: Option<String>,
     /// Regimes after the event, joined by `-`.
@@ -34,7 +35,7 @@ pub struct Expectation {
 }
 
 impl Expectation {
-    /// Names of the numbers: Im λ at the crossing, the signed speed c of the wave, and every parameter.
+    /// Names of the numbers of a wave: Im λ at the crossing, the signed speed c, and every parameter.
     pub const NUMBERS: [&str; COUNT] = {
         let mut names = ["omega"; COUNT];
         names[1] = "speed";
@@ -46,18 +47,31 @@ impl Expectation {
         names
     };
 
-    /// Fields in a problem file.
-    const FIELDS: [&str; COUNT + 6] = {
-        let [event, tolerance, sector] = ["event", "tolerance", "sector"];
-        let mut names = [event; COUNT + 6];
-        (names[1], names[2]) = (tolerance, sector);
+    /// Names of the numbers of an orbit besides the parameters of its system: its period, and the leading
+    /// multiplier that is not trivial.
+    pub const OF_ORBITS: [&str; 3] = ["period", "multiplier_re", "multiplier_im"];
+
+    /// Fields beside the numbers.
+    pub(super) const FIELDS: [&str; 6] = [
+        "event",
+        "tolerance",
+        "sector",
+        "regimes_before",
+        "regimes_after",
+        "label",
+    ];
+
+    /// Fields of a wave's expectation in a problem file.
+    const OF_WAVES: [&str; COUNT + 6] = {
+        let mut names = [Self::FIELDS[0]; COUNT + 6];
+        (names[1], names[2]) = (Self::FIELDS[1], Self::FIELDS[2]);
         let mut index = 0;
         while index < COUNT {
             names[3 + index] = Expectation::NUMBERS[index];
             index += 1;
         }
-        (names[COUNT + 3], names[COUNT + 4]) = ("regimes_before", "regimes_after");
-        names[COUNT + 5] = "label";
+        (names[COUNT + 3], names[COUNT + 4]) = (Self::FIELDS[3], Self::FIELDS[4]);
+        names[COUNT + 5] = Self::FIELDS[5];
         names
     };
 
@@ -71,22 +85,38 @@ impl Expectation {
     }
 
     /// The numbers to compare, each with its name.
-    pub fn numbers(&self) -> Vec<(&'static str, f64)> {
-        let named = Expectation::NUMBERS.into_iter().zip(self.numbers);
-        named
-            .filter_map(|(name, value)| value.map(|value| (name, value)))
-            .collect()
+    pub fn numbers(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.numbers
+            .iter()
+            .map(|(name, value)| (name.as_str(), *value))
     }
 }
 
+/// The name of a number as something that lives as long as the program, where it is no parameter of a system.
+fn fixed(name: &str) -> Option<&'static str> {
+    let mut all = Expectation::NUMBERS
+        .into_iter()
+        .chain(Expectation::OF_ORBITS);
+    all.find(|known| *known == name)
+}
+
+/// Numbers stand beside the other fields, or all in a map `numbers` where one has the name of a system's parameter.
 impl Serialize for Expectation {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct("Expectation", Self::FIELDS.len())?;
+        let length = Self::FIELDS.len() + self.numbers.len();
+        let mut fields = serializer.serialize_struct("Expectation", length)?;
         fields.serialize_field("event", &self.event)?;
         fields.serialize_field("tolerance", &self.tolerance)?;
         fields.serialize_field("sector", &self.sector)?;
-        for (name, value) in Expectation::NUMBERS.into_iter().zip(&self.numbers) {
-            fields.serialize_field(name, value)?;
+        let named = self.numbers.iter();
+        let named = named.map(|(name, value)| Some((fixed(name)?, value)));
+        match named.collect::<Option<Vec<_>>>() {
+            Some(numbers) => {
+                for (name, value) in numbers {
+                    fields.serialize_field(name, &Some(value))?;
+                }
+            }
+            None => fields.serialize_field("numbers", &Ordered(self.numbers.clone()))?,
         }
         fields.serialize_field("regimes_before", &self.regimes_before)?;
         fields.serialize_field("regimes_after", &self.regimes_after)?;
@@ -95,14 +125,48 @@ impl Serialize for Expectation {
     }
 }
 
+/// Any name may be that of a number, for only a system knows its parameters.
 impl<'de> Deserialize<'de> for Expectation {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_struct("Expectation", &Self::FIELDS, Fields)
+        let fields = Fields { known: None };
+        deserializer.deserialize_struct("Expectation", &Self::FIELDS, fields)
     }
 }
 
-/// Reads the fields of an expectation.
-struct Fields;
+/// Expectations of a problem with waves, which have no other numbers than [`Expectation::NUMBERS`].
+pub(super) fn of_waves<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Vec<Expectation>, D::Error> {
+    struct OfWave(Expectation);
+    impl<'de> Deserialize<'de> for OfWave {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            let known = &Expectation::OF_WAVES;
+            let fields = Fields { known: Some(known) };
+            let read = deserializer.deserialize_struct("Expectation", known, fields);
+            read.map(OfWave)
+        }
+    }
+    struct List;
+    impl<'de> Visitor<'de> for List {
+        type Value = Vec<Expectation>;
+        fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+            formatter.write_str("a sequence")
+        }
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+            let mut read = Vec::new();
+            while let Some(OfWave(one)) = list.next_element()? {
+                read.push(one);
+            }
+            Ok(read)
+        }
+    }
+    deserializer.deserialize_seq(List)
+}
+
+/// Reads the fields of an expectation; where not all names are known, any other one is that of a number.
+struct Fields {
+    known: Option<&'static [&'static str]>,
+}
 
 impl<'de> Visitor<'de> for Fields {
     type Value = Expectation;
@@ -113,30 +177,32 @@ impl<'de> Visitor<'de> for Fields {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Expectation, A::Error> {
         let (mut event, mut tolerance, mut given) = (None, None, Vec::new());
-        let (mut sector, mut label, mut numbers) = (None, None, [None; COUNT]);
+        let (mut sector, mut label, mut numbers) = (None, None, Vec::new());
         let [mut regimes_before, mut regimes_after] = [None, None];
         while let Some(name) = map.next_key::<String>()? {
-            let mut known = Expectation::FIELDS.into_iter();
-            let name = known
-                .find(|known| *known == name)
-                .ok_or_else(|| A::Error::unknown_field(&name, &Expectation::FIELDS))?;
-            if given.contains(&name) {
-                return Err(A::Error::duplicate_field(name));
+            if let Some(known) = self.known
+                && !known.contains(&name.as_str())
+            {
+                return Err(A::Error::unknown_field(&name, known));
             }
-            given.push(name);
-            match name {
+            let field = Expectation::FIELDS.into_iter().find(|field| *field == name);
+            if let Some(name) = field.or(fixed(&name)) {
+                if given.contains(&name) {
+                    return Err(A::Error::duplicate_field(name));
+                }
+                given.push(name);
+            }
+            match name.as_str() {
                 "event" => event = Some(map.next_value()?),
                 "tolerance" => tolerance = Some(map.next_value()?),
                 "sector" => sector = map.next_value()?,
                 "regimes_before" => regimes_before = map.next_value()?,
                 "regimes_after" => regimes_after = map.next_value()?,
                 "label" => label = map.next_value()?,
+                "numbers" => numbers.extend(map.next_value::<Ordered<f64>>()?.0),
                 _ => {
-                    let value = map.next_value()?;
-                    let mut named = Expectation::NUMBERS.into_iter().zip(&mut numbers);
-                    if let Some((_, number)) = named.find(|(known, _)| *known == name) {
-                        *number = value;
-                    }
+                    let value: Option<f64> = map.next_value()?;
+                    numbers.extend(value.map(|value| (name, value)));
                 }
             }
         }

@@ -7,16 +7,27 @@ use ron::error::{Position, SpannedError};
 
 use super::error::{Flaw, excerpt};
 use super::examples::{example, home, variant};
-use super::outline::Outline;
+use super::outline::{Outline, Subject};
 
 /// The meaning of the event types, for those who ask for one that does not exist.
-const EVENT_HELP: &str = "EP end point, MX failure, UZ user point, LP fold, HB complex pair \
-    crosses, BP real eigenvalue crosses, GR take-off, RV reverse slip, CO switching points \
-    coalesce, ST stick vanishes";
+fn event_help(subject: Subject) -> &'static str {
+    match subject {
+        Subject::Tube => {
+            "EP end point, MX failure, UZ user point, LP fold, HB complex pair crosses, BP real \
+             eigenvalue crosses, GR take-off, RV reverse slip, CO switching points coalesce, ST stick \
+             vanishes"
+        }
+        Subject::System => {
+            "EP end point, MX failure, UZ user point, LP fold, PD period doubling, NS torus, BP \
+             branch point, GR grazing, CO switches coalesce, SL a switch leads elsewhere"
+        }
+    }
+}
 
 /// Finds the place and the words for what `ron` refused.
-pub(super) fn explain(text: &str, error: &SpannedError) -> Flaw {
-    let outline = Outline::of(text);
+pub(super) fn explain(outline: &Outline, error: &SpannedError) -> Flaw {
+    let text = outline.text;
+    let subject = outline.subject();
     if outline.is_empty() {
         let help = "`brakewave new` prints a problem file to start from";
         return Flaw::new(0..0, "the file is empty: there is no problem in it", help);
@@ -33,15 +44,10 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> Flaw {
     match &error.code {
         Error::NoSuchStructField {
             expected, found, ..
-        } => Flaw::new(
-            token,
-            format!(
-                "unknown field `{}` in {quoted}{}",
-                excerpt(found),
-                known(found, expected)
-            ),
-            help_for_unknown(&section, found, expected),
-        ),
+        } => {
+            let (message, help) = unknown_field(subject, &section, found, expected);
+            Flaw::new(token, message, help)
+        }
         Error::DuplicateStructField { field, .. } => Flaw::new(
             token,
             format!("`{field}` is given twice in {quoted}"),
@@ -52,7 +58,7 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> Flaw {
             format!("missing field `{field}` in {quoted}"),
             format!(
                 "add for example `{}`",
-                example(&section, field).unwrap_or(field.to_string())
+                example(subject, &section, field).unwrap_or(field.to_string())
             ),
         ),
         Error::NoSuchEnumVariant {
@@ -65,17 +71,18 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> Flaw {
                 known(found, expected)
             ),
             if expected.contains(&"EP") {
-                EVENT_HELP.to_owned()
+                event_help(subject).to_owned()
             } else {
-                write_as(&section)
+                write_as(subject, &section)
             },
         ),
-        code => refused_value(&outline, offset, code),
+        code => refused_value(outline, offset, code),
     }
 }
 
 /// A value of another kind than its field has, or a mark that is missing.
 fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
+    let subject = outline.subject();
     let token = outline.token(offset);
     let found = excerpt(&outline.text[token.clone()]);
     // Some values are refused only at the mark after them.
@@ -89,7 +96,9 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
 
     let wanted = match code {
         Error::ExpectedFloat => "a number",
-        Error::ExpectedInteger | Error::InvalidIntegerDigit { .. } if written_with_point(&path) => {
+        Error::ExpectedInteger | Error::InvalidIntegerDigit { .. }
+            if written_with_point(subject, &path) =>
+        {
             "a number"
         }
         Error::ExpectedInteger | Error::InvalidIntegerDigit { .. } => "a whole number from 0 up",
@@ -101,7 +110,7 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
                     .source(node)
                     .starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
             });
-            match (digits, written_with_point(&path)) {
+            match (digits, written_with_point(subject, &path)) {
                 (false, _) if found == "(" => "a name without parentheses",
                 (_, true) => "a number",
                 (_, false) => "a whole number from 0 up",
@@ -112,6 +121,7 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
         }
         Error::ExpectedString => "a text in double quotes",
         Error::ExpectedArray => "a list in square brackets",
+        Error::ExpectedMap => "a map in braces",
         Error::ExpectedIdentifier | Error::SuggestRawIdentifier(_) => "a name",
         Error::ExpectedStructLike => "values in parentheses",
         Error::ExpectedNamedStructLike(_) | Error::ExpectedDifferentStructName { .. } => {
@@ -119,6 +129,7 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
         }
         Error::InvalidValueForType { expected, .. }
         | Error::ExpectedDifferentLength { expected, .. } => match expected.as_str() {
+            "a tuple of size 2" if path.contains("sliding") => "two names in parentheses",
             "a tuple of size 2" => "two numbers in parentheses",
             expected => expected,
         },
@@ -131,21 +142,21 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
             if let Some(first) = message.get_mut(..1) {
                 first.make_ascii_lowercase();
             }
-            return Flaw::new(token, message, write_as(&path));
+            return Flaw::new(token, message, write_as(subject, &path));
         }
     };
     let length = matches!(code, Error::ExpectedDifferentLength { .. });
     let Some(node) = (if length { around } else { node }) else {
         let message = format!("{wanted} should stand before `{found}`");
-        return Flaw::new(token, message, write_as(&path));
+        return Flaw::new(token, message, write_as(subject, &path));
     };
     let source = excerpt(outline.source(node));
     let span = outline.span(node);
     if *code == Error::ExpectedStructLike && at_mark {
         let message = format!("`{source}` must be followed by {wanted}");
-        let help = match variant(outline.source(node)) {
+        let help = match variant(subject, outline.source(node)) {
             Some(example) => format!("write it as in `{example}`"),
-            None => write_as(&path),
+            None => write_as(subject, &path),
         };
         return Flaw::new(span, message, help);
     }
@@ -164,14 +175,14 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
     if is_inside && !length && !matches!(code, Error::InvalidValueForType { .. }) {
         // what stands there has become part of a key
         let message = format!("{wanted} should stand here, found `{found}`");
-        return Flaw::new(token, message, write_as(&path));
+        return Flaw::new(token, message, write_as(subject, &path));
     }
     let entry = if outline.is_entry(node) {
         "an entry of "
     } else {
         ""
     };
-    let mut help = write_as(&path);
+    let mut help = write_as(subject, &path);
     if source.starts_with('"') {
         help.push_str(", without quotes around it");
     }
@@ -185,18 +196,19 @@ fn refused_value(outline: &Outline, offset: usize, code: &Error) -> Flaw {
 /// The words for a character that nothing begins with; a slash is read as that of a comment.
 fn unexpected(outline: &Outline, offset: usize, found: char, before: Option<usize>) -> Flaw {
     let token = outline.token(offset);
+    let subject = outline.subject();
     let path = before.map_or(String::new(), |node| outline.path(node));
     if !outline.text[offset..].starts_with('/') {
         return Flaw::new(
             token,
             format!("`{found}` makes no sense here"),
-            write_as(&path),
+            write_as(subject, &path),
         );
     }
     let message = "there is no arithmetic, and a single `/` begins no comment";
     let help = format!(
         "{}; 1/5 is 0.2, and a comment begins with `//`",
-        write_as(&path)
+        write_as(subject, &path)
     );
     Flaw::new(token, message, help)
 }
@@ -226,32 +238,48 @@ fn quoted(path: &str) -> String {
 }
 
 /// How the field with this path is written.
-fn write_as(path: &str) -> String {
-    match example_of(path) {
+fn write_as(subject: Subject, path: &str) -> String {
+    match example_of(subject, path) {
         Some(example) => format!("write it as in `{example}`"),
         None => "`brakewave new` prints a complete example".to_owned(),
     }
 }
 
-fn example_of(path: &str) -> Option<String> {
+fn example_of(subject: Subject, path: &str) -> Option<String> {
     let (section, field) = path.rsplit_once('.').unwrap_or(("", path));
-    example(section, field)
+    example(subject, section, field)
 }
 
 /// Whether the numbers of a field have a decimal point.
-fn written_with_point(path: &str) -> bool {
-    example_of(path).is_some_and(|example| example.contains('.') || example.contains("e-"))
+fn written_with_point(subject: Subject, path: &str) -> bool {
+    example_of(subject, path).is_some_and(|example| example.contains('.') || example.contains("e-"))
 }
 
-fn help_for_unknown(section: &str, found: &str, expected: &[&str]) -> String {
-    let home = home(found).filter(|home| *home != section);
+/// The words and the help for a field that a section does not have.
+pub(super) fn unknown_field(
+    subject: Subject,
+    section: &str,
+    found: &str,
+    expected: &[&str],
+) -> (String, String) {
+    let message = format!(
+        "unknown field `{}` in {}{}",
+        excerpt(found),
+        quoted(section),
+        known(found, expected)
+    );
+    (message, help_for_unknown(subject, section, found, expected))
+}
+
+fn help_for_unknown(subject: Subject, section: &str, found: &str, expected: &[&str]) -> String {
+    let home = home(subject, found).filter(|home| *home != section);
     match (home, nearest(found, expected).first()) {
         (Some(home), _) => {
             let home = quoted(&home);
             format!("`{found}` belongs to {home}; is a bracket out of place?")
         }
         (None, Some(near)) => {
-            let near = example(section, near).unwrap_or(near.to_string());
+            let near = example(subject, section, near).unwrap_or(near.to_string());
             format!("write for example `{near}`")
         }
         (None, None) => "remove it, or use one of the known names".to_owned(),
@@ -259,7 +287,7 @@ fn help_for_unknown(section: &str, found: &str, expected: &[&str]) -> String {
 }
 
 /// The end of a message about an unknown name: the nearest ones, and all there are.
-fn known(found: &str, expected: &[&str]) -> String {
+pub(super) fn known(found: &str, expected: &[&str]) -> String {
     let quoted = |names: &[&str], comma| {
         let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
         names.join(comma)
@@ -280,10 +308,12 @@ fn nearest<'a>(found: &str, names: &[&'a str]) -> Vec<&'a str> {
     let reach = (found.chars().count() / 2).clamp(1, 3);
     let distance =
         |name: &str| strsim::damerau_levenshtein(&found.to_lowercase(), &name.to_lowercase());
+    // a name of which no letter is right says nothing
+    let alike = |name: &&&str| distance(name) < found.chars().count().max(name.chars().count());
+    let names: Vec<&str> = names.iter().filter(alike).copied().collect();
     let least = names.iter().map(|name| distance(name)).min();
     names
-        .iter()
-        .copied()
+        .into_iter()
         .filter(|name| Some(distance(name)) == least && least <= Some(reach))
         .collect()
 }

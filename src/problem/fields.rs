@@ -7,13 +7,13 @@ use super::error::{Flaw, excerpt};
 use super::leaf::{self, Leaf};
 use super::map::{MAX_GRID, MAX_MAP_POINTS};
 use super::outline::Outline;
-use super::written::Written;
+use super::system::{MAX_PERIODS, MAX_SETTLE};
 use super::{MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, MAX_WORDS, is_text};
 use crate::flow::method::{MAX_DEGREE, MAX_INTERVALS};
 use crate::model::Parameter;
 use crate::model::range::Range;
 use crate::simulation::task::{
-    MAX_COURANT, MAX_SIMULATION_POINTS, MAX_SNAPSHOTS, MIN_SIMULATION_POINTS,
+    MAX_COURANT, MAX_SAMPLES, MAX_SIMULATION_POINTS, MAX_SNAPSHOTS, MIN_SIMULATION_POINTS,
 };
 
 const POSITIVE: Range = Range::above(0.0);
@@ -23,7 +23,7 @@ const AROUND: Range = Range::from(MIN_SIMULATION_POINTS as f64).to(MAX_SIMULATIO
 
 /// Path, admitted values, and the rule in words, with `{}` for the values.
 #[rustfmt::skip] // one field a line
-const FIELDS: [(&str, Range, &str); 48] = [
+const FIELDS: [(&str, Range, &str); 53] = [
     ("tube.young", POSITIVE, "Young's modulus, in Pa, must be {}"),
     ("tube.density", POSITIVE, "the density, in kg/m³, must be {}"),
     ("tube.poisson", Range::above(-1.0).below(0.5), "Poisson's ratio must lie {}"),
@@ -37,6 +37,10 @@ const FIELDS: [(&str, Range, &str); 48] = [
     ("model.friction_law.ratio", COUNT, "static by kinetic friction is {}"),
     ("model.friction_law.velocity", POSITIVE, "the velocity over which friction falls must be {}"),
     ("wave.mode", COUNT.to(MAX_MODE as f64), "waves around the circumference: {}"),
+    ("orbit.periods", COUNT.to(MAX_PERIODS as f64), "an orbit takes {} periods of the forcing"),
+    ("orbit.start.settle", Range::from(0.0).to(MAX_SETTLE), "the motion settles in {} periods"),
+    ("orbit.start.period", POSITIVE, "the period must be {}"),
+    ("orbit.start.label", COUNT, "labels run from 1"),
     ("method.tolerance", Range::from(1e-14).to(MAX_TOLERANCE), "the tolerance is {}"),
     ("method.intervals", TWO.to(MAX_INTERVALS as f64), "a zone has {} mesh intervals"),
     ("method.degree", TWO.to(MAX_DEGREE as f64), "an interval has {} collocation points"),
@@ -59,6 +63,7 @@ const FIELDS: [(&str, Range, &str); 48] = [
     ("simulation.courant", POSITIVE.to(MAX_COURANT), "the Courant number must be {}"),
     ("simulation.every", POSITIVE, "the time between samples must be {}"),
     ("simulation.snapshots", Range::upto(MAX_SNAPSHOTS as f64), "ask for {} snapshots"),
+    ("simulation.samples", COUNT.to(MAX_SAMPLES as f64), "a motion has {} samples"),
     ("simulation.growth.pairs", TWO.to(1000.0), "Arnoldi's method takes {} pairs of runs"),
     ("simulation.growth.amplitude", POSITIVE.to(0.1), "the difference of runs must be {}"),
     ("curve.index", COUNT, "`index: 1` is the first event of this type along the branch"),
@@ -79,13 +84,23 @@ const EXPECTED: &str =
     "the tolerance must be {}; it is relative, or absolute where the expected value is 0";
 
 /// Refuses the first value that is not admitted whatever the others are.
-pub(super) fn check(written: &Written, outline: &Outline<'_>) -> Result<(), Flaw> {
+pub(super) fn check(
+    written: &dyn erased_serde::Serialize,
+    outline: &Outline<'_>,
+) -> Result<(), Flaw> {
     let flaw = leaf::find(written, |path, leaf| {
+        let (mut name, mut place) = (path.name(), path.address());
+        if !outline.has(&place) {
+            // where an expectation has its numbers beside its other fields
+            for path in [&mut name, &mut place] {
+                *path = path.replace(".numbers.", ".");
+            }
+        }
         let (message, help) = match leaf {
-            Leaf::Number(value) => number(&path.name(), value),
-            Leaf::Text(text) => word(&path.name(), text),
+            Leaf::Number(value) => number(&name, value),
+            Leaf::Text(text) => word(&name, text),
         }?;
-        Some(Flaw::new(outline.locate(&path.address()), message, help))
+        Some(Flaw::new(outline.locate(&place), message, help))
     });
     flaw.map_or(Ok(()), Err)
 }

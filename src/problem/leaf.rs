@@ -12,9 +12,11 @@ pub(super) enum Leaf<'a> {
 }
 
 /// A step from a value to one that it holds.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Step {
     Field(&'static str),
+    /// Of a map.
+    Key(String),
     Entry(usize),
 }
 
@@ -27,6 +29,7 @@ impl Path {
     pub fn name(&self) -> String {
         let fields = self.0.iter().filter_map(|step| match step {
             Step::Field(name) => Some(*name),
+            Step::Key(name) => Some(name),
             Step::Entry(_) => None,
         });
         fields.collect::<Vec<_>>().join(".")
@@ -36,6 +39,7 @@ impl Path {
     pub fn address(&self) -> String {
         let steps = self.0.iter().map(|step| match step {
             Step::Field(name) => (*name).to_owned(),
+            Step::Key(name) => name.clone(),
             Step::Entry(place) => place.to_string(),
         });
         steps.collect::<Vec<_>>().join(".")
@@ -82,8 +86,8 @@ impl Visit<'_> {
     }
 }
 
-/// A value that holds others: how many have been passed.
-struct Group<'a, 'b>(&'a mut Visit<'b>, usize);
+/// A value that holds others: how many have been passed, and the key of the next of a map.
+struct Group<'a, 'b>(&'a mut Visit<'b>, usize, Option<String>);
 
 impl Group<'_, '_> {
     fn entry<T: Serialize + ?Sized>(&mut self, value: &T) -> fmt::Result {
@@ -114,7 +118,7 @@ macro_rules! silent {
 macro_rules! groups {
     ($($name:ident($($type:ty),*) -> $part:ident),*) => {
         $(fn $name(self, $(_: $type),*) -> Result<Self::$part, fmt::Error> {
-            Ok(Group(self, 0))
+            Ok(Group(self, 0, None))
         })*
     };
 }
@@ -235,12 +239,30 @@ impl ser::SerializeMap for Group<'_, '_> {
     type Ok = ();
     type Error = fmt::Error;
 
-    fn serialize_key<T: Serialize + ?Sized>(&mut self, _: &T) -> fmt::Result {
-        Ok(())
+    fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> fmt::Result {
+        self.2 = None;
+        let mut visit = Visit {
+            path: Path::default(),
+            see: &mut |_, leaf| {
+                if let Leaf::Text(text) = leaf {
+                    self.2 = Some(text.to_owned());
+                }
+                false
+            },
+        };
+        key.serialize(&mut visit)?;
+        // names are texts as well, of the map itself
+        match self.2.clone() {
+            Some(name) => self.0.leaf(Leaf::Text(&name)),
+            None => Ok(()),
+        }
     }
 
     fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> fmt::Result {
-        self.entry(value)
+        match self.2.take() {
+            Some(name) => self.0.below(Step::Key(name), value),
+            None => self.entry(value),
+        }
     }
 
     fn end(self) -> fmt::Result {

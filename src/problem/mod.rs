@@ -14,6 +14,8 @@ mod fields;
 mod leaf;
 mod map;
 mod outline;
+mod rules;
+mod system;
 #[cfg(test)]
 mod tests;
 mod tube;
@@ -33,6 +35,9 @@ pub use doubt::Doubt;
 pub use error::ProblemError;
 pub use expectation::Expectation;
 pub use map::{Map, MapAxis, MapPoints};
+pub use system::{
+    Beginning, Multipliers, Orbit, OrbitStart, SystemPlot, SystemProblem, SystemSimulation,
+};
 pub use tube::{Rotation, Tube};
 
 use crate::flow::method::Method;
@@ -41,7 +46,7 @@ use crate::model::{Model, Parameter, Sectors};
 use crate::simulation::task::Simulation;
 use crate::stability::spectrum::Request;
 use error::Flaw;
-use outline::Outline;
+use outline::{Outline, Subject};
 use tube::place_of;
 use written::Written;
 
@@ -182,7 +187,7 @@ impl Problem {
 /// The error about a section that is not there.
 fn missing(section: &str, lack: &str, text: &str, name: &str) -> ProblemError {
     let message = format!("missing field `{section}` in the problem: there is {lack}");
-    let example = examples::example("", section).unwrap_or_default();
+    let example = examples::example(Subject::Tube, "", section).unwrap_or_default();
     refuse_at(text, name, section, message, format!("add `{example},`"))
 }
 
@@ -260,11 +265,12 @@ impl StabilitySection {
 }
 
 /// What to write besides the tables of the branch.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Output {
+#[serde(bound(deserialize = "P: Deserialize<'de>"))]
+pub struct Output<P = Plot> {
     /// Plots to draw.
-    pub plots: Vec<Plot>,
+    pub plots: Vec<P>,
     /// Labels of the waves in pictures of waves; without them one of each sequence of regimes, user points
     /// and some in between, nine at most.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -276,6 +282,18 @@ pub struct Output {
     /// Angular velocity Ω of the shaft in rad/s, Ω > 0: with it tables have frequencies in hertz.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<f64>,
+}
+
+impl<P> Default for Output<P> {
+    fn default() -> Self {
+        Output {
+            plots: Vec::new(),
+            labels: Vec::new(),
+            profiles: 0,
+            conditioning: false,
+            rotation: None,
+        }
+    }
 }
 
 impl Output {
@@ -325,10 +343,37 @@ pub enum Plot {
     Column(String),
 }
 
-/// Reads and checks a problem file; returns its text as well.
+/// A problem of either kind.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Any {
+    /// Waves of a tube.
+    Tube(Box<Problem>),
+    /// Orbits of a system of one's own.
+    System(Box<SystemProblem>),
+}
+
+/// Reads and checks a problem file with waves of a tube; returns its text as well.
+///
+/// # Errors
+/// As [`read_any`], and where the problem has a section `system`.
+pub fn read(path: &Path) -> Result<(Problem, String), ProblemError> {
+    let (name, text) = text_of(path)?;
+    Ok((parse(&text, &name)?, text))
+}
+
+/// Reads and checks a problem file of either kind; returns its text as well.
 ///
 /// Only regular files are read: a pipe or a device may have no end, and a pipe can be read but once.
-pub fn read(path: &Path) -> Result<(Problem, String), ProblemError> {
+///
+/// # Errors
+/// A file that cannot be read, and everything that is wrong with it.
+pub fn read_any(path: &Path) -> Result<(Any, String), ProblemError> {
+    let (name, text) = text_of(path)?;
+    Ok((parse_any(&text, &name)?, text))
+}
+
+/// The name of a problem file for messages, and its text.
+fn text_of(path: &Path) -> Result<(String, String), ProblemError> {
     let name = path.display().to_string();
     let refuse = |reason: &str| {
         ProblemError::in_file(
@@ -369,12 +414,107 @@ pub fn read(path: &Path) -> Result<(Problem, String), ProblemError> {
         );
         ProblemError::in_text(&name, &lossy, flaw)
     })?;
-    let problem = parse(&text, &name)?;
-    Ok((problem, text))
+    Ok((name, text))
 }
 
-/// Parses and checks the text of a problem file; `name` is what messages call the file.
+/// Parses and checks the text of a problem file with waves of a tube; `name` is what messages call the file.
+///
+/// # Errors
+/// As [`parse_any`], and where the problem has a section `system`.
 pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
+    checked(text, name, |outline| match outline.subject() {
+        Subject::Tube => tube_of(outline),
+        Subject::System => {
+            one_subject(outline)?;
+            let mut sections = ["system", "orbit"].into_iter();
+            let section = sections.find(|name| outline.has(name)).unwrap_or_default();
+            let message = format!(
+                "this problem has a section `{section}`, and what is asked for is for waves of a tube"
+            );
+            let at = outline.key_of("", section);
+            let at = at.unwrap_or_else(|| outline.locate(section));
+            let help = "take a problem with `model` and `wave`; `run`, `check`, `steady` and `simulate` \
+                        take systems";
+            Err(Flaw::new(at, message, help))
+        }
+    })
+}
+
+/// Parses and checks the text of a problem file of either kind; `name` is what messages call the file.
+///
+/// # Errors
+/// The first thing that is wrong, with its place.
+pub fn parse_any(text: &str, name: &str) -> Result<Any, ProblemError> {
+    checked(text, name, |outline| match outline.subject() {
+        Subject::Tube => Ok(Any::Tube(Box::new(tube_of(outline)?))),
+        Subject::System => Ok(Any::System(Box::new(system_of(outline)?))),
+    })
+}
+
+/// Sections of a tube that stand where a system has another one, and those that a system does not have.
+const OF_TUBES: [(&str, Option<&str>); 7] = [
+    ("model", Some("system")),
+    ("tube", Some("system")),
+    ("wave", Some("orbit")),
+    ("method", None),
+    ("map", None),
+    ("curve", None),
+    ("certify", None),
+];
+
+/// Refuses sections of a tube in a problem with a system.
+fn one_subject(outline: &Outline) -> Result<(), Flaw> {
+    for (section, place) in OF_TUBES {
+        if !outline.has(section) {
+            continue;
+        }
+        if let Some(place) = place.filter(|place| outline.has(place)) {
+            return Err(written::beside(outline, section, place));
+        }
+        let at = outline.key_of("", section);
+        let at = at.unwrap_or_else(|| outline.locate(section));
+        let message =
+            format!("`{section}` is for waves of a tube, and this is a problem with a system");
+        let help = match place {
+            Some(place) => format!("write `{place}` in its place"),
+            None => "leave it out".to_owned(),
+        };
+        return Err(Flaw::new(at, message, help));
+    }
+    Ok(())
+}
+
+fn system_of(outline: &Outline) -> Result<SystemProblem, Flaw> {
+    let written = options().from_str(outline.text);
+    let written = written.map_err(|error| {
+        let told = explanation::explain(outline, &error);
+        one_subject(outline).err().unwrap_or(told)
+    })?;
+    one_subject(outline)?;
+    SystemProblem::read(written, outline)
+}
+
+fn tube_of(outline: &Outline) -> Result<Problem, Flaw> {
+    let written = options().from_str(outline.text);
+    let written: Written = written.map_err(|error| explanation::explain(outline, &error))?;
+    rules::lengths(written.continuation.as_ref(), &written.expect, outline)?;
+    fields::check(&written, outline)?;
+    let mut problem = written.problem(outline)?;
+    validation::check(&problem, outline)?;
+    if let Some(section) = &mut problem.stability
+        && !outline.has("stability.max_frequency")
+    {
+        section.max_frequency = StabilitySection::of(&problem.model).max_frequency;
+    }
+    Ok(problem)
+}
+
+/// What a text means, if it is one.
+fn checked<T>(
+    text: &str,
+    name: &str,
+    read: impl FnOnce(&Outline) -> Result<T, Flaw>,
+) -> Result<T, ProblemError> {
     if text.len() > MAX_BYTES {
         return Err(too_large(name));
     }
@@ -388,23 +528,7 @@ pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
         let help = "remove it; is the file a problem file in the encoding UTF-8?";
         return Err(refuse(Flaw::new(at..at + found.len_utf8(), message, help)));
     }
-    let written: Written = options()
-        .from_str(text)
-        .map_err(|error| refuse(explanation::explain(text, &error)))?;
-    let outline = Outline::of(text);
-    let checked = || {
-        validation::lengths(&written, &outline)?;
-        fields::check(&written, &outline)?;
-        let mut problem = written.problem(&outline)?;
-        validation::check(&problem, &outline)?;
-        if let Some(section) = &mut problem.stability
-            && !outline.has("stability.max_frequency")
-        {
-            section.max_frequency = StabilitySection::of(&problem.model).max_frequency;
-        }
-        Ok(problem)
-    };
-    checked().map_err(refuse)
+    read(&Outline::of(text)).map_err(refuse)
 }
 
 /// Whether a character is text, as tables, pictures and reports in XML can hold it.

@@ -16,6 +16,15 @@ struct Node {
     span: Range<usize>,
 }
 
+/// What a problem is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Subject {
+    /// Waves of a tube: `model` or `tube`, and `wave`.
+    Tube,
+    /// A system of one's own: `system` and `orbit`.
+    System,
+}
+
 pub(super) struct Outline<'a> {
     pub text: &'a str,
     /// Every value, a bracketed one before those it holds.
@@ -53,11 +62,11 @@ impl<'a> Outline<'a> {
             nodes: Vec::new(),
             broken: None,
         };
-        // The brackets that are open, what stood before a colon, and whether the last value is a
-        // word that may turn out to be a key or the name of a group.
+        // The brackets that are open, what stood before a colon, and the last value as far as it may turn
+        // out to be a key, or the name of a group, which only a word can.
         let mut open: Vec<usize> = Vec::new();
         let mut key = None;
-        let mut word = false;
+        let (mut word, mut text_or_word) = (false, false);
         let mut at = 0;
         while at < text.len() && outline.broken.is_none() {
             let (token, length) = next_token(&text[at..]);
@@ -71,7 +80,7 @@ impl<'a> Outline<'a> {
                     open.push(outline.nodes.len());
                     outline.push(&open[..open.len() - 1], key.take(), span);
                 }
-                Token::Mark(b':') if word => key = outline.take_key(),
+                Token::Mark(b':') if text_or_word => key = outline.take_key(),
                 Token::Mark(b':' | b',') => key = None,
                 Token::Mark(_) => {
                     key = None;
@@ -83,6 +92,7 @@ impl<'a> Outline<'a> {
                 }
             }
             word = token == Token::Word;
+            text_or_word = word || token == Token::Text;
         }
         for &node in &open {
             outline.nodes[node].span.end = text.len();
@@ -104,7 +114,7 @@ impl<'a> Outline<'a> {
         });
     }
 
-    /// Takes back the last value, a word, as the key of the next.
+    /// Takes back the last value, a word or a text, as the key of the next.
     fn take_key(&mut self) -> Option<Range<usize>> {
         Some(self.nodes.pop()?.span)
     }
@@ -211,7 +221,8 @@ impl<'a> Outline<'a> {
     pub fn fields(&self) -> impl Iterator<Item = (String, String)> {
         (0..self.nodes.len()).filter_map(|node| {
             let parent = self.nodes[node].parent?;
-            let field = format!("{}: {}", self.key(node)?, self.source(node));
+            let key = &self.text[self.nodes[node].key.clone()?];
+            let field = format!("{key}: {}", self.source(node));
             Some((self.path(parent), field))
         })
     }
@@ -242,6 +253,32 @@ impl<'a> Outline<'a> {
             }
         }
         self.span(node)
+    }
+
+    /// The name before the colon of a value below this path, as it is written; the last of several.
+    pub fn key_of(&self, path: &str, name: &str) -> Option<Range<usize>> {
+        let home = match path {
+            "" => self.root(),
+            path => self.at(path),
+        };
+        let named = |child: &usize| self.key(*child) == Some(name);
+        let child = self.children(home?).filter(named).last()?;
+        self.nodes[child].key.clone()
+    }
+
+    /// The last text of a list with this path that says something.
+    pub fn text_in(&self, path: &str, text: &str) -> Option<Range<usize>> {
+        let says = |child: &usize| unquoted(self.source(*child)) == text;
+        let child = self.children(self.at(path)?).filter(says).last()?;
+        Some(self.span(child))
+    }
+
+    /// What the problem is about, as far as its sections tell.
+    pub fn subject(&self) -> Subject {
+        match self.has("system") || self.has("orbit") {
+            true => Subject::System,
+            false => Subject::Tube,
+        }
     }
 
     /// Whether the value with this path is written.
@@ -278,7 +315,10 @@ impl<'a> Outline<'a> {
 
     fn key(&self, node: usize) -> Option<&'a str> {
         let name = &self.text[self.nodes[node].key.clone()?];
-        Some(name.strip_prefix("r#").unwrap_or(name))
+        Some(match name.ends_with(['"', '#']) {
+            true => unquoted(name),
+            false => name.strip_prefix("r#").unwrap_or(name),
+        })
     }
 
     fn children(&self, node: usize) -> impl Iterator<Item = usize> {
@@ -305,6 +345,52 @@ impl<'a> Outline<'a> {
             span.start + open..span.start + open + 1
         })
     }
+}
+
+/// A text without its quotes, escapes as they are written.
+fn unquoted(text: &str) -> &str {
+    let inside = text.trim_start_matches('r').trim_matches('#');
+    let inside = inside
+        .strip_prefix('"')
+        .and_then(|text| text.strip_suffix('"'));
+    inside.unwrap_or(text)
+}
+
+/// Where a piece of what a text says, in bytes, is written within its quotes: escapes take several bytes for
+/// one character.
+pub(super) fn within_text(written: &str, piece: Range<usize>) -> Range<usize> {
+    let open = written.find('"').map_or(0, |quote| quote + 1);
+    if written.starts_with('r') {
+        let place = |offset: usize| (open + offset).min(written.len());
+        return place(piece.start)..place(piece.end);
+    }
+    let mut said = 0;
+    let mut places = [None; 2];
+    let mut rest = written[open..].char_indices();
+    while let Some((at, letter)) = rest.next() {
+        for (place, wanted) in places.iter_mut().zip([piece.start, piece.end]) {
+            if place.is_none() && said >= wanted {
+                *place = Some(open + at);
+            }
+        }
+        let mut meant = letter;
+        if letter == '\\' {
+            let digits: String = match rest.next() {
+                Some((_, 'x')) => rest.by_ref().take(2).map(|(_, digit)| digit).collect(),
+                Some((_, 'u')) => {
+                    let digits = rest.by_ref().skip(1).map(|(_, digit)| digit);
+                    digits.take_while(|digit| *digit != '}').collect()
+                }
+                // a line break, a quote and the like, one byte each
+                _ => String::new(),
+            };
+            let code = u32::from_str_radix(&digits, 16).ok();
+            meant = code.and_then(char::from_u32).unwrap_or(' ');
+        }
+        said += meant.len_utf8();
+    }
+    let [start, end] = places.map(|place| place.unwrap_or(written.len().saturating_sub(1)));
+    start.min(end)..end
 }
 
 /// The token at the beginning of a text that is not empty, with its length.

@@ -1,17 +1,11 @@
-//! What the values of a problem must hold to among each other.
+//! What the values of a problem with waves must hold to among each other.
 
-use std::fmt::Debug;
-
-use super::error::{Flaw, excerpt};
-use super::expectation::MAX_EXPECTATIONS;
-use super::fields::not_admitted;
 use super::map::MAX_MAP_POINTS;
 use super::outline::Outline;
-use super::tube::place_of;
-use super::written::Written;
+use super::rules::{Check, Checks, ORDER};
 use super::{
-    Continuation, Curve, CurveEvent, Expectation, MAX_USER_POINTS, Map, MapPoints, Plot, Problem,
-    Start, Toward, drawable_columns,
+    Continuation, Curve, CurveEvent, Expectation, Map, MapPoints, Plot, Problem, Start, Toward,
+    drawable_columns,
 };
 use crate::flow::method::Method;
 use crate::model::{FrictionLaw, Impact, Parameter, Sectors, Source};
@@ -20,10 +14,6 @@ use crate::simulation::task::{
     Body, Circle, Growth, MAX_SAMPLES, MAX_SIMULATION_POINTS, MIN_GROWTH_POINTS, Perturbation,
     Simulation, SimulationStart,
 };
-
-type Check = Result<(), Flaw>;
-
-const ORDER: &str = "write the lower end first and the upper end, which must be greater, second";
 
 /// Refuses the first values of the problem that make no sense together.
 pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
@@ -47,23 +37,6 @@ pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {
     checks.plots()?;
     for (index, event) in problem.expect.iter().enumerate() {
         checks.expectation(&format!("expect.{index}"), event)?;
-    }
-    Ok(())
-}
-
-/// Refuses lists without end, before anything is done with their entries.
-pub(super) fn lengths(written: &Written, outline: &Outline) -> Check {
-    let points = written.continuation.as_ref();
-    let points = points.map_or(0, |section| section.stop_at.len());
-    for (path, count, most) in [
-        ("continuation.stop_at", points, MAX_USER_POINTS),
-        ("expect", written.expect.len(), MAX_EXPECTATIONS),
-    ] {
-        if count > most {
-            let message = format!("`{path}` has {count} entries");
-            let help = format!("write at most {most}");
-            return Err(Flaw::new(outline.locate(path), message, help));
-        }
     }
     Ok(())
 }
@@ -116,44 +89,7 @@ impl Problem {
     }
 }
 
-struct Checks<'a> {
-    problem: &'a Problem,
-    outline: &'a Outline<'a>,
-}
-
-impl Checks<'_> {
-    fn refuse(&self, path: &str, message: impl Into<String>, help: impl Into<String>) -> Check {
-        let at = self.outline.locate(&self.place(path));
-        Err(Flaw::new(at, message, help))
-    }
-
-    /// Where the file has what the problem has at a path.
-    fn place(&self, path: &str) -> String {
-        place_of(path, self.outline)
-    }
-
-    /// Refuses the value at the path unless it holds to the rule.
-    fn admit(&self, path: &str, value: impl Debug, holds: bool, rule: &str) -> Check {
-        if holds {
-            return Ok(());
-        }
-        // messages name the fields only; the place tells the entry of a list
-        let is_field = |step: &&str| step.parse::<usize>().is_err();
-        let path = self.place(path);
-        let fields: Vec<&str> = path.split('.').filter(is_field).collect();
-        let message = not_admitted(&fields.join("."), &format!("{value:?}"));
-        self.refuse(&path, message, rule)
-    }
-
-    /// Refuses an entry that stands in its list already.
-    fn once<T: Debug + PartialEq>(&self, path: &str, index: usize, list: &[T]) -> Check {
-        if !list[..index].contains(&list[index]) {
-            return Ok(());
-        }
-        let message = format!("{} is listed twice", excerpt(&format!("{:?}", list[index])));
-        self.refuse(path, message, "list each once")
-    }
-
+impl Checks<'_, Problem> {
     /// Refuses a parameter that the model does not have.
     fn known(&self, path: &str, parameter: Parameter) -> Check {
         if self.problem.model.value(parameter).is_some() {
@@ -171,19 +107,6 @@ impl Checks<'_> {
             self.admit(&path, value, parameter.admits(value), &parameter.rule())?;
         }
         self.admit(path, range, range.0 < range.1, ORDER)
-    }
-
-    /// Refuses steps [ds, ds_min, ds_max] that are out of order.
-    fn steps(&self, section: &str, [ds, ds_min, ds_max]: [f64; 3]) -> Check {
-        let [ds, ds_min, ds_max] = [("ds", ds), ("ds_min", ds_min), ("ds_max", ds_max)];
-        for ((low_name, low), (high_name, high)) in [(ds_min, ds_max), (ds_min, ds), (ds, ds_max)] {
-            if low > high {
-                let message = format!("`{low_name}` is {low:?} but `{high_name}` is {high:?}");
-                let path = format!("{section}.{low_name}");
-                return self.refuse(&path, message, "choose ds_min <= ds <= ds_max");
-            }
-        }
-        Ok(())
     }
 
     /// Refuses a Bloch sector beyond half the mode: it is the conjugate of another one.
@@ -207,6 +130,20 @@ impl Checks<'_> {
             self.once(&path, index, list)?;
         }
         Ok(())
+    }
+
+    /// Refuses events that waves do not have.
+    fn of_waves(&self, path: &str, event: EventType) -> Check {
+        if event.of_waves() {
+            return Ok(());
+        }
+        let message =
+            format!("a {event} is an event of orbits of a system, not of waves of a tube");
+        self.refuse(
+            path,
+            message,
+            "take an event of waves: LP, HB, BP, GR, RV, CO, ST, UZ, EP, MX",
+        )
     }
 
     /// Refuses events of a spectrum that is not computed.
@@ -267,12 +204,13 @@ impl Checks<'_> {
         self.range("continuation.range", section.parameter, section.range)?;
         self.known("continuation.parameter", section.parameter)?;
         self.first_point(section)?;
-        self.user_points(section)?;
+        self.user_points(section, section.parameter.column())?;
         let steps = [section.ds, section.ds_min, section.ds_max];
         self.steps("continuation", steps)?;
         let events: Vec<EventType> = section.stop_after.iter().map(|stop| stop.event).collect();
         for (index, &event) in events.iter().enumerate() {
             let path = format!("continuation.stop_after.{index}.event");
+            self.of_waves(&path, event)?;
             self.looked_for(&path, event, None)?;
             self.once(&path, index, &events)?;
         }
@@ -296,59 +234,20 @@ impl Checks<'_> {
             Start::Fast | Start::Slow => self.problem.model.value(section.parameter),
         };
         let value = value.unwrap_or(f64::NAN);
-        let (lower, upper) = section.range;
-        let begins = format!("the branch starts at {column} = {value:?}");
-        if !(lower..=upper).contains(&value) {
-            let message = format!("{begins}, outside the range from {lower:?} to {upper:?}");
-            let help = match self.problem.tube {
-                None => format!("widen the range or change `{column}` in the model"),
-                Some(_) if section.parameter == Parameter::Mismatch => {
-                    let scale = self
-                        .problem
-                        .model
-                        .value(Parameter::Gamma)
-                        .unwrap_or(1.0)
-                        .sqrt();
-                    // most tubes have their first events between these, for all lengths scale with √γ
-                    let (least, most) = (1e-3 * scale, 1.01 * scale.max(value));
-                    format!(
-                        "mismatch is oversize/inner, without a unit; a range to begin with is \
-                         ({least:.2e}, {most:.2e})"
-                    )
-                }
-                Some(_) => format!("widen the range: `{column}` has the units of a model"),
-            };
-            return self.refuse("continuation.range", message, help);
-        }
-        let (edge, opposite) = match section.toward {
-            Toward::Down if value == lower => ("lower", "Up"),
-            Toward::Up if value == upper => ("upper", "Down"),
-            _ => return Ok(()),
-        };
-        let message = format!("{begins}, the {edge} end of the range: nothing in this direction");
-        let help = format!("write `toward: {opposite}`, or move this end of the range");
-        self.refuse("continuation.toward", message, help)
-    }
-
-    fn user_points(&self, section: &Continuation) -> Check {
-        let (lower, upper) = section.range;
-        let column = section.parameter.column();
-        let rule = format!("user points must lie within the range from {lower:?} to {upper:?}");
-        let names = self.outline.entries("continuation.stop_at");
-        for (index, (&value, name)) in section.stop_at.iter().zip(names).enumerate() {
-            let path = format!("continuation.stop_at.{index}");
-            if let Some(name) = name.filter(|name| *name != column) {
-                let name = excerpt(name);
-                let message =
-                    format!("the user point names `{name}`, but the branch is in `{column}`");
-                let help = format!("write `({column}: {value:?})` or the bare number");
-                return self.refuse(&path, message, help);
+        self.beginning(section, column, value, || match self.problem.tube {
+            None => format!("widen the range or change `{column}` in the model"),
+            Some(_) if section.parameter == Parameter::Mismatch => {
+                let gamma = self.problem.model.value(Parameter::Gamma);
+                let scale = gamma.unwrap_or(1.0).sqrt();
+                // most tubes have their first events between these, for all lengths scale with √γ
+                let (least, most) = (1e-3 * scale, 1.01 * scale.max(value));
+                format!(
+                    "mismatch is oversize/inner, without a unit; a range to begin with is \
+                     ({least:.2e}, {most:.2e})"
+                )
             }
-            self.admit(&path, value, (lower..=upper).contains(&value), &rule)?;
-            // the list is short, and -0 is 0
-            self.once(&path, index, &section.stop_at)?;
-        }
-        Ok(())
+            Some(_) => format!("widen the range: `{column}` has the units of a model"),
+        })
     }
 
     fn curve(&self, section: &Curve) -> Check {
@@ -524,9 +423,9 @@ impl Checks<'_> {
         if let Some(entry) = event.sector {
             self.sector(&format!("{path}.sector"), entry)?;
         }
+        self.of_waves(&format!("{path}.event"), kind)?;
         self.looked_for(&format!("{path}.event"), kind, event.sector)?;
-        let numbers = event.numbers();
-        let omega = numbers.iter().any(|(name, _)| *name == "omega");
+        let omega = event.numbers().any(|(name, _)| name == "omega");
         for (name, given) in [("sector", event.sector.is_some()), ("omega", omega)] {
             if given && !kind.of_spectrum() {
                 let message = format!("`{name}` is expected of a {kind}, which has none");
@@ -534,48 +433,21 @@ impl Checks<'_> {
                 return self.refuse(&format!("{path}.{name}"), message, help);
             }
         }
-        if numbers.is_empty() {
-            let message = format!("nothing to compare this {kind} event with");
-            let names = Expectation::NUMBERS.join(", ");
-            return self.refuse(path, message, format!("add at least one number: {names}"));
-        }
-        for (name, _) in numbers {
+        self.compared(path, event, &Expectation::NUMBERS)?;
+        for (name, _) in event.numbers() {
             if let Some(parameter) = Parameter::from_column(name) {
                 self.known(&format!("{path}.{name}"), parameter)?;
             }
         }
-        match &self.problem.continuation {
-            Some(section) => self.fallible(path, event, section),
-            None => Ok(()),
-        }
-    }
-
-    /// Refuses an expectation that every branch of the problem meets.
-    fn fallible(&self, path: &str, event: &Expectation, section: &Continuation) -> Check {
+        let Some(section) = &self.problem.continuation else {
+            return Ok(());
+        };
         let column = section.parameter.column();
-        let varies = |name: &str| name == column || Parameter::from_column(name).is_none();
-        let numbers = event.numbers();
-        if !self.problem.restarts() && !numbers.iter().any(|(name, _)| varies(name)) {
-            let message = format!(
-                "only values of the model are expected of this {} event, and a branch in \
-                 `{column}` keeps them",
-                event.event
-            );
-            let help = format!("add `{column}` or `speed`, which the branch changes");
-            return self.refuse(path, message, help);
-        }
-        let (lower, upper) = section.range;
-        for (name, value) in numbers.into_iter().filter(|(name, _)| *name == column) {
-            let [least, most] = event.admitted(value);
-            if least <= lower && most >= upper {
-                let message = format!(
-                    "with this tolerance `{name}` may be anything from {least:?} to {most:?}, \
-                     which is the whole range"
-                );
-                let path = format!("{path}.tolerance");
-                return self.refuse(&path, message, "take a smaller tolerance");
-            }
-        }
-        Ok(())
+        let varies = |name: &str| {
+            // a restart brings its own model
+            let restarts = self.problem.restarts();
+            restarts || name == column || Parameter::from_column(name).is_none()
+        };
+        self.fallible(path, event, section, column, varies, ("model", "speed"))
     }
 }

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::error::Flaw;
 use super::examples::example;
-use super::outline::Outline;
+use super::expectation::of_waves;
+use super::outline::{Outline, Subject};
 use super::{Continuation, Curve, Expectation, Map, Output, Problem, StabilitySection, Tube, Wave};
 use crate::flow::method::Method;
 use crate::model::Model;
@@ -26,7 +27,7 @@ pub(super) struct Written {
     curve: Option<Curve>,
     #[serde(default)]
     output: Output,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "of_waves")]
     pub expect: Vec<Expectation>,
     #[serde(default)]
     certify: bool,
@@ -80,6 +81,12 @@ impl Written {
     }
 }
 
+/// What is wrong with a section beside another one.
+pub(super) fn beside(outline: &Outline<'_>, second: &str, first: &str) -> Flaw {
+    let message = format!("`{second}` is given beside `{first}`, in whose place it stands");
+    Flaw::new(outline.locate(second), message, "keep one of the two")
+}
+
 /// The one that is written of sections that stand in each other's place, the usual one first.
 fn one_of<T, const N: usize>(
     outline: &Outline<'_>,
@@ -91,17 +98,10 @@ fn one_of<T, const N: usize>(
         .filter_map(|(name, section)| Some((name, section?)));
     match (given.next(), given.next()) {
         (Some((_, section)), None) => Ok(section),
-        (Some((first, _)), Some((second, _))) => {
-            let message = format!("`{second}` is given beside `{first}`, in whose place it stands");
-            Err(Flaw::new(
-                outline.locate(second),
-                message,
-                "keep one of the two",
-            ))
-        }
+        (Some((first, _)), Some((second, _))) => Err(beside(outline, second, first)),
         (None, _) => {
             let examples = names.map(|name| {
-                let example = example("", name).unwrap_or(name.to_owned());
+                let example = example(Subject::Tube, "", name).unwrap_or(name.to_owned());
                 format!("`{example}`")
             });
             let message = format!("missing field `{}` in the problem", names[0]);

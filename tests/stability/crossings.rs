@@ -40,7 +40,6 @@ fn distance(event: &Event, expected: &Expectation) -> f64 {
     }
     expected
         .numbers()
-        .into_iter()
         .map(|(column, number)| (value(event, column) - number).abs() / number.abs().max(1.0))
         .fold(0.0, f64::max)
 }

@@ -84,12 +84,15 @@ pub(super) fn event(kind: EventType) -> &'static str {
         EventType::MX => "failure",
         EventType::UZ => "user point",
         EventType::LP => "fold",
+        EventType::PD => "period doubling",
+        EventType::NS => "torus",
         EventType::HB => "Hopf",
         EventType::BP => "real crossing",
         EventType::GR => "take-off",
         EventType::RV => "reverse slip",
         EventType::CO => "coalescence",
         EventType::ST => "stick vanishes",
+        EventType::SL => "leads elsewhere",
     }
 }
 
@@ -103,10 +106,13 @@ pub(super) fn event_mark(kind: EventType) -> Mark {
         // many may lie close together, and must not hide the line
         EventType::HB => (Shape::Tick, 6.0),
         EventType::BP => (Shape::OpenDown, 6.0),
+        EventType::PD => (Shape::OpenDiamond, 6.0),
+        EventType::NS => (Shape::Plus, 6.0),
         EventType::GR => (Shape::Up, 6.0),
         EventType::RV => (Shape::Diamond, 6.0),
         EventType::CO => (Shape::Disc, 5.6),
         EventType::ST => (Shape::Square, 6.0),
+        EventType::SL => (Shape::Star, 6.0),
     };
     Mark::new(shape, size, BLACK)
 }

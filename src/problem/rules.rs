@@ -1,0 +1,179 @@
+//! Rules of problem files that hold for waves and for systems of one's own.
+
+use std::fmt::Debug;
+
+use super::error::{Flaw, excerpt};
+use super::expectation::MAX_EXPECTATIONS;
+use super::fields::not_admitted;
+use super::outline::Outline;
+use super::tube::place_of;
+use super::{Continuation, Expectation, MAX_USER_POINTS, Toward};
+
+pub(super) type Check = Result<(), Flaw>;
+
+pub(super) const ORDER: &str =
+    "write the lower end first and the upper end, which must be greater, second";
+
+/// Refuses lists without end, before anything is done with their entries.
+pub(super) fn lengths<P>(
+    continuation: Option<&Continuation<P>>,
+    expect: &[Expectation],
+    outline: &Outline,
+) -> Check {
+    let points = continuation.map_or(0, |section| section.stop_at.len());
+    for (path, count, most) in [
+        ("continuation.stop_at", points, MAX_USER_POINTS),
+        ("expect", expect.len(), MAX_EXPECTATIONS),
+    ] {
+        if count > most {
+            let message = format!("`{path}` has {count} entries");
+            let help = format!("write at most {most}");
+            return Err(Flaw::new(outline.locate(path), message, help));
+        }
+    }
+    Ok(())
+}
+
+/// A problem of either kind, and the text that it comes from.
+pub(super) struct Checks<'a, P> {
+    pub problem: &'a P,
+    pub outline: &'a Outline<'a>,
+}
+
+impl<P> Checks<'_, P> {
+    pub fn refuse(&self, path: &str, message: impl Into<String>, help: impl Into<String>) -> Check {
+        let at = self.outline.locate(&self.place(path));
+        Err(Flaw::new(at, message, help))
+    }
+
+    /// Where the file has what the problem has at a path.
+    fn place(&self, path: &str) -> String {
+        place_of(path, self.outline)
+    }
+
+    /// Refuses the value at the path unless it holds to the rule.
+    pub fn admit(&self, path: &str, value: impl Debug, holds: bool, rule: &str) -> Check {
+        if holds {
+            return Ok(());
+        }
+        // messages name the fields only; the place tells the entry of a list
+        let is_field = |step: &&str| step.parse::<usize>().is_err();
+        let path = self.place(path);
+        let fields: Vec<&str> = path.split('.').filter(is_field).collect();
+        let message = not_admitted(&fields.join("."), &format!("{value:?}"));
+        self.refuse(&path, message, rule)
+    }
+
+    /// Refuses an entry that stands in its list already.
+    pub fn once<T: Debug + PartialEq>(&self, path: &str, index: usize, list: &[T]) -> Check {
+        if !list[..index].contains(&list[index]) {
+            return Ok(());
+        }
+        let message = format!("{} is listed twice", excerpt(&format!("{:?}", list[index])));
+        self.refuse(path, message, "list each once")
+    }
+
+    /// Refuses steps [ds, ds_min, ds_max] that are out of order.
+    pub fn steps(&self, section: &str, [ds, ds_min, ds_max]: [f64; 3]) -> Check {
+        let [ds, ds_min, ds_max] = [("ds", ds), ("ds_min", ds_min), ("ds_max", ds_max)];
+        for ((low_name, low), (high_name, high)) in [(ds_min, ds_max), (ds_min, ds), (ds, ds_max)] {
+            if low > high {
+                let message = format!("`{low_name}` is {low:?} but `{high_name}` is {high:?}");
+                let path = format!("{section}.{low_name}");
+                return self.refuse(&path, message, "choose ds_min <= ds <= ds_max");
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a branch that does not begin within its range, or has nothing before it; `widen` says what helps
+    /// against the first.
+    pub fn beginning<Q>(
+        &self,
+        section: &Continuation<Q>,
+        column: &str,
+        value: f64,
+        widen: impl FnOnce() -> String,
+    ) -> Check {
+        let (lower, upper) = section.range;
+        let begins = format!("the branch starts at {column} = {value:?}");
+        if !(lower..=upper).contains(&value) {
+            let message = format!("{begins}, outside the range from {lower:?} to {upper:?}");
+            return self.refuse("continuation.range", message, widen());
+        }
+        let (edge, opposite) = match section.toward {
+            Toward::Down if value == lower => ("lower", "Up"),
+            Toward::Up if value == upper => ("upper", "Down"),
+            _ => return Ok(()),
+        };
+        let message = format!("{begins}, the {edge} end of the range: nothing in this direction");
+        let help = format!("write `toward: {opposite}`, or move this end of the range");
+        self.refuse("continuation.toward", message, help)
+    }
+
+    /// Refuses user points of another parameter, outside the range, or listed twice.
+    pub fn user_points<Q>(&self, section: &Continuation<Q>, column: &str) -> Check {
+        let (lower, upper) = section.range;
+        let rule = format!("user points must lie within the range from {lower:?} to {upper:?}");
+        let names = self.outline.entries("continuation.stop_at");
+        for (index, (&value, name)) in section.stop_at.iter().zip(names).enumerate() {
+            let path = format!("continuation.stop_at.{index}");
+            if let Some(name) = name.filter(|name| *name != column) {
+                let name = excerpt(name);
+                let message =
+                    format!("the user point names `{name}`, but the branch is in `{column}`");
+                let help = format!("write `({column}: {value:?})` or the bare number");
+                return self.refuse(&path, message, help);
+            }
+            self.admit(&path, value, (lower..=upper).contains(&value), &rule)?;
+            // the list is short, and -0 is 0
+            self.once(&path, index, &section.stop_at)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses an expectation without numbers; `names` are those it may have.
+    pub fn compared(&self, path: &str, event: &Expectation, names: &[&str]) -> Check {
+        if event.numbers().next().is_some() {
+            return Ok(());
+        }
+        let message = format!("nothing to compare this {} event with", event.event);
+        let help = format!("add at least one number: {}", names.join(", "));
+        self.refuse(path, message, help)
+    }
+
+    /// Refuses an expectation that every branch meets: where all that it expects stays as it is, as `varies` and
+    /// `other`, what else could be expected, tell; or where the whole range of the branch's parameter would do.
+    pub fn fallible<Q>(
+        &self,
+        path: &str,
+        event: &Expectation,
+        section: &Continuation<Q>,
+        column: &str,
+        varies: impl Fn(&str) -> bool,
+        (whole, other): (&str, &str),
+    ) -> Check {
+        if !event.numbers().any(|(name, _)| varies(name)) {
+            let message = format!(
+                "only values of the {whole} are expected of this {} event, and a branch in \
+                 `{column}` keeps them",
+                event.event
+            );
+            let help = format!("add `{column}` or `{other}`, which the branch changes");
+            return self.refuse(path, message, help);
+        }
+        let (lower, upper) = section.range;
+        for (name, value) in event.numbers().filter(|(name, _)| *name == column) {
+            let [least, most] = event.admitted(value);
+            if least <= lower && most >= upper {
+                let message = format!(
+                    "with this tolerance `{name}` may be anything from {least:?} to {most:?}, \
+                     which is the whole range"
+                );
+                let path = format!("{path}.tolerance");
+                return self.refuse(&path, message, "take a smaller tolerance");
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,427 @@
+//! What the values of a problem with a system must hold to among each other.
+
+use super::super::error::{Flaw, excerpt, line};
+use super::super::expectation::Expectation;
+use super::super::explanation::{known, unknown_field};
+use super::super::outline::{Outline, Subject};
+use super::super::rules::{Check, Checks, ORDER, lengths};
+use super::super::{Continuation, fields};
+use super::{Beginning, OrbitStart, SystemPlot, SystemProblem, values};
+use crate::affine::system::{Mistake, Ordered, Source};
+use crate::orbit::EventType;
+
+/// Most parameters, and most abbreviations.
+const MAX_NAMES: usize = 1000;
+/// Most modes, sliding ones included.
+const MAX_MODES: usize = 100;
+/// Most entries of `until` and of `if`.
+const MAX_SWITCHES: usize = 100;
+
+/// Relative difference of a period that is given from the one that the forcing has: a number of few digits will
+/// do, for the forcing has the others.
+const SAME_PERIOD: f64 = 1e-2;
+
+/// Columns of result files that have no state or parameter in them, and fields of expectations: a parameter of
+/// that name could not be told from them.
+const NO_PARAMETER: [&str; 21] = [
+    "point",
+    "label",
+    "type",
+    "regimes",
+    "period",
+    "switches",
+    "stable",
+    "unstable",
+    "multiplier_re",
+    "multiplier_im",
+    "newton",
+    "residual",
+    "leg",
+    "regimes_before",
+    "regimes_after",
+    "uncertainty",
+    "what",
+    "event",
+    "tolerance",
+    "sector",
+    "numbers",
+];
+/// The same for a state.
+const NO_STATE: [&str; 8] = [
+    "time", "mode", "value", "sweep", "sample", "from", "to", "section",
+];
+
+/// Refuses numbers and texts that are not admitted by themselves, and lists without end.
+pub(super) fn written(written: &SystemProblem<Source>, outline: &Outline) -> Check {
+    lengths(written.continuation.as_ref(), &written.expect, outline)?;
+    let Source {
+        parameters,
+        define,
+        modes,
+        sliding,
+        ..
+    } = &written.system;
+    let mut lists = vec![
+        (
+            "system.parameters".to_owned(),
+            parameters.0.len(),
+            MAX_NAMES,
+        ),
+        ("system.define".to_owned(), define.0.len(), MAX_NAMES),
+        (
+            "system.modes".to_owned(),
+            modes.0.len() + sliding.0.len(),
+            MAX_MODES,
+        ),
+    ];
+    for (name, mode) in &modes.0 {
+        let path = format!("system.modes.{name}.until");
+        lists.push((path.clone(), mode.until.len(), MAX_SWITCHES));
+        let longest = mode.until.iter().map(|switch| switch.conditions.len());
+        lists.push((path, longest.max().unwrap_or(0), MAX_SWITCHES));
+    }
+    for (path, count, most) in lists {
+        if count > most {
+            let at = outline.locate(&path);
+            let message = line(&format!("`{path}` has {count} entries"));
+            return Err(Flaw::new(at, message, format!("write at most {most}")));
+        }
+    }
+    fields::check(written, outline)
+}
+
+/// Refuses the first values of the problem that make no sense together.
+pub(super) fn check(problem: &SystemProblem, outline: &Outline) -> Check {
+    let checks = Checks { problem, outline };
+    checks.names()?;
+    checks.orbit()?;
+    checks.used()?;
+    if let Some(section) = &problem.continuation {
+        checks.branch(section)?;
+    }
+    if let Some(section) = &problem.simulation
+        && let Some(start) = &section.start
+    {
+        checks.start("simulation.start", start)?;
+    }
+    checks.output()?;
+    for (index, event) in problem.expect.iter().enumerate() {
+        checks.expectation(&format!("expect.{index}"), event)?;
+    }
+    Ok(())
+}
+
+impl Checks<'_, SystemProblem> {
+    fn source(&self) -> &Source {
+        &self.problem.system.source
+    }
+
+    /// Refuses states and parameters that could not be told from other columns.
+    fn names(&self) -> Check {
+        let Source {
+            states, parameters, ..
+        } = self.source();
+        let refused = |at, name: &str| {
+            let message = format!("`{name}` is a column of the results already");
+            Err(Flaw::new(at, message, "choose another name"))
+        };
+        let whole = |path: &str| self.outline.locate(path);
+        for name in states {
+            if NO_STATE.contains(&name.as_str()) {
+                let at = self.outline.text_in("system.states", name);
+                return refused(at.unwrap_or_else(|| whole("system.states")), name);
+            }
+        }
+        for name in parameters.names() {
+            let extremum = name.strip_prefix("min_").or(name.strip_prefix("max_"));
+            let extremum = extremum.is_some_and(|state| states.iter().any(|one| one == state));
+            if extremum || NO_PARAMETER.contains(&name) {
+                let at = self.outline.key_of("system.parameters", name);
+                return refused(at.unwrap_or_else(|| whole("system.parameters")), name);
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses parameters that nothing depends on, and modes that nothing leads to.
+    fn used(&self) -> Check {
+        let system = &self.problem.system;
+        if let Some(name) = system.unused_parameters().first() {
+            let at = self.outline.key_of("system.parameters", name);
+            let at = at.unwrap_or_else(|| self.outline.locate("system.parameters"));
+            let message = format!("the parameter `{name}` is not used");
+            return Err(Flaw::new(
+                at,
+                message,
+                "remove it, or use it in an expression",
+            ));
+        }
+        // an earlier run may have begun in any mode
+        if self.problem.orbit.start.dir().is_some() {
+            return Ok(());
+        }
+        let simulation = self.problem.simulation.as_ref();
+        let starts = [
+            self.problem.orbit.start.beginning(),
+            simulation.and_then(|section| section.start.clone()),
+        ];
+        let begins = |name: &str| starts.iter().flatten().any(|start| start.mode == name);
+        let mut alone = system.unentered_modes().into_iter();
+        let Some(name) = alone.find(|name| !begins(name)) else {
+            return Ok(());
+        };
+        let at = self.outline.key_of("system.modes", name);
+        let at = at.unwrap_or_else(|| self.outline.locate("system.modes"));
+        let message = format!("no switch leads to the mode `{name}`, and nothing begins in it");
+        Err(Flaw::new(at, message, "remove it, or let a `to` name it"))
+    }
+
+    /// Refuses a name that is none of those known.
+    fn one_of(&self, path: &str, what: &str, name: &str, names: &[&str]) -> Check {
+        if names.contains(&name) {
+            return Ok(());
+        }
+        let message = format!("`{}` is no {what}{}", excerpt(name), known(name, names));
+        self.refuse(path, message, format!("name a {what} of `system`"))
+    }
+
+    fn orbit(&self) -> Check {
+        let orbit = &self.problem.orbit;
+        let path = "orbit.start";
+        if let Some(start) = orbit.start.beginning() {
+            self.start(path, &start)?;
+        }
+        let forced = self.source().forcing.is_some();
+        let rule = "without `forcing` an orbit has no other period than its own: leave it out";
+        self.admit(
+            "orbit.periods",
+            orbit.periods,
+            forced || orbit.periods == 1,
+            rule,
+        )?;
+        let OrbitStart::Given { period, .. } = &orbit.start else {
+            return Ok(());
+        };
+        let system = self.problem.system.at(&self.problem.values(), &[]);
+        let omega = system.map_or(0.0, |system| system.omega.value);
+        match *period {
+            None if !forced => {
+                let message =
+                    "missing field `period` in `orbit.start`: without `forcing` it is not known";
+                self.refuse(
+                    "orbit.start.period",
+                    message,
+                    "add for example `period: 6.28`",
+                )
+            }
+            Some(period) if forced => {
+                let expected = orbit.periods as f64 * std::f64::consts::TAU / omega;
+                let rule = format!(
+                    "with `forcing` and `periods: {}` the period is {expected:?}; leave it out",
+                    orbit.periods
+                );
+                let holds = (period / expected - 1.0).abs() <= SAME_PERIOD;
+                self.admit("orbit.start.period", period, holds, &rule)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses a beginning that names no mode, or not every state once, or a phase of nothing.
+    fn start(&self, path: &str, start: &Beginning) -> Check {
+        let Source {
+            states,
+            modes,
+            sliding,
+            forcing,
+            ..
+        } = self.source();
+        let names: Vec<&str> = modes.names().chain(sliding.names()).collect();
+        self.one_of(&format!("{path}.mode"), "mode", &start.mode, &names)?;
+        let names: Vec<&str> = states.iter().map(String::as_str).collect();
+        let home = format!("{path}.state");
+        let Ordered(given) = &start.state;
+        for (index, (name, _)) in given.iter().enumerate() {
+            let twice = given[..index].iter().any(|(other, _)| other == name);
+            let shown = excerpt(name);
+            let wrong = if twice {
+                let message = format!("`{shown}` is given twice in `{home}`");
+                (message, "keep one of the two".to_owned())
+            } else if !names.contains(&name.as_str()) {
+                let message = format!("`{shown}` is no state{}", known(name, &names));
+                (message, "name a state of `system`".to_owned())
+            } else {
+                continue;
+            };
+            let at = self.outline.key_of(&home, name);
+            let at = at.unwrap_or_else(|| self.outline.locate(&home));
+            return Err(Flaw::new(at, wrong.0, wrong.1));
+        }
+        if let Some(name) = names.iter().find(|name| start.state.index(name).is_none()) {
+            let message = format!("the state `{name}` is missing in `{home}`");
+            let help = format!("add for example `\"{name}\": 0.0`");
+            return self.refuse(&format!("{home}.{name}"), message, help);
+        }
+        let rule = "there is no `forcing` that it could be the phase of; leave it out";
+        let holds = forcing.is_some() || start.phase == 0.0;
+        self.admit(&format!("{path}.phase"), start.phase, holds, rule)
+    }
+
+    fn branch(&self, section: &Continuation<String>) -> Check {
+        let names: Vec<&str> = self.source().parameters.names().collect();
+        let column = section.parameter.as_str();
+        self.one_of("continuation.parameter", "parameter", column, &names)?;
+        let range = section.range;
+        self.admit("continuation.range", range, range.0 < range.1, ORDER)?;
+        let index = self.source().parameters.index(column).unwrap_or(0);
+        let mut values = values(&self.problem.system);
+        let here = values[index];
+        for (end, value) in [range.0, range.1].into_iter().enumerate() {
+            values[index] = value;
+            if let Err(error) = self.problem.system.at(&values, &[]) {
+                let message = format!(
+                    "at {column} = {value:?}, an end of the range, the system makes no sense: {}",
+                    line(&error.mistake.to_string())
+                );
+                let help = match error.mistake {
+                    Mistake::Frequency(_) => "choose a range in which it is positive".to_owned(),
+                    _ => format!("choose a range in which `{}` has values", error.path),
+                };
+                return self.refuse(&format!("continuation.range.{end}"), message, help);
+            }
+        }
+        // an earlier run brings its own parameters
+        if self.problem.orbit.start.dir().is_none() {
+            self.beginning(section, column, here, || {
+                format!("widen the range or change `{column}` in the system")
+            })?;
+        }
+        self.user_points(section, column)?;
+        self.steps("continuation", [section.ds, section.ds_min, section.ds_max])?;
+        let events: Vec<EventType> = section.stop_after.iter().map(|stop| stop.event).collect();
+        for (index, &event) in events.iter().enumerate() {
+            let path = format!("continuation.stop_after.{index}.event");
+            self.looked_for(&path, event)?;
+            self.once(&path, index, &events)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses events that orbits do not have, or whose multipliers are not computed.
+    fn looked_for(&self, path: &str, event: EventType) -> Check {
+        if !event.of_systems() {
+            let message =
+                format!("a {event} is an event of waves of a tube, not of orbits of a system");
+            let help = "take an event of orbits: LP, PD, NS, BP, GR, CO, SL, UZ, EP, MX";
+            return self.refuse(path, message, help);
+        }
+        if event.of_spectrum() && self.problem.stability.is_none() {
+            let message = format!("no {event} is found without the section `stability`");
+            return self.refuse(path, message, "add `stability: ()`");
+        }
+        Ok(())
+    }
+
+    fn output(&self) -> Check {
+        let output = &self.problem.output;
+        for (path, given) in [
+            ("output.rotation", output.rotation.is_some()),
+            ("output.conditioning", output.conditioning),
+        ] {
+            if given {
+                let message = format!("`{path}` is for waves of a tube, and this is a system");
+                return self.refuse(path, message, "leave it out");
+            }
+        }
+        let states: Vec<&str> = self.source().states.iter().map(String::as_str).collect();
+        let columns = self.problem.drawable_columns();
+        for (index, plot) in output.plots.iter().enumerate() {
+            let path = format!("output.plots.{index}");
+            let shown: &[&String] = match plot {
+                SystemPlot::Phase(one, other) => &[one, other],
+                SystemPlot::Time(one) => &[one],
+                _ => &[],
+            };
+            for (side, name) in shown.iter().enumerate() {
+                self.one_of(&format!("{path}.{side}"), "state", name, &states)?;
+            }
+            if let SystemPlot::Column(name) = plot {
+                let rule = format!(
+                    "name a column of branch.csv, e.g. `Column(\"period\")`; it has {}",
+                    line(&columns.join(", "))
+                );
+                self.admit(&path, plot, columns.contains(name), &rule)?;
+            }
+            self.once(&path, index, &output.plots)?;
+            if let Some((needed, cure)) = self.problem.lacks(plot) {
+                let message = format!("the plot {plot:?} shows nothing without {needed}");
+                return self.refuse(&path, message, format!("{cure}, or leave out the plot"));
+            }
+        }
+        Ok(())
+    }
+
+    fn expectation(&self, path: &str, event: &Expectation) -> Check {
+        self.looked_for(&format!("{path}.event"), event.event)?;
+        if event.sector.is_some() {
+            let message = "`sector` is expected of an orbit, which has none";
+            return self.refuse(&format!("{path}.sector"), message, "leave it out");
+        }
+        let parameters: Vec<&str> = self.source().parameters.names().collect();
+        let numbers = [&parameters[..], &Expectation::OF_ORBITS].concat();
+        let fields = Expectation::FIELDS
+            .into_iter()
+            .filter(|name| *name != "sector");
+        let all: Vec<&str> = fields.chain(numbers.iter().copied()).collect();
+        let mut seen = Vec::new();
+        for (name, _) in event.numbers() {
+            let at = || {
+                let map = format!("{path}.numbers");
+                let at = self.outline.key_of(path, name);
+                let at = at.or_else(|| self.outline.key_of(&map, name));
+                at.unwrap_or_else(|| self.outline.locate(path))
+            };
+            if !numbers.contains(&name) {
+                let (message, help) = unknown_field(Subject::System, "expect", name, &all);
+                return Err(Flaw::new(at(), message, help));
+            }
+            if seen.contains(&name) {
+                let message = format!("`{name}` is given twice in `expect`");
+                return Err(Flaw::new(at(), message, "keep one of the two"));
+            }
+            seen.push(name);
+            if name.starts_with("multiplier_") && self.problem.stability.is_none() {
+                let message = format!("`{name}` is not known without the section `stability`");
+                return Err(Flaw::new(at(), message, "add `stability: ()`"));
+            }
+        }
+        self.compared(path, event, &numbers)?;
+        let Some(section) = &self.problem.continuation else {
+            return Ok(());
+        };
+        let restarts = self.problem.orbit.start.dir().is_some();
+        let column = section.parameter.as_str();
+        let varies =
+            |name: &str| restarts || name == column || Expectation::OF_ORBITS.contains(&name);
+        self.fallible(path, event, section, column, varies, ("system", "period"))
+    }
+}
+
+impl SystemProblem {
+    /// What a plot shows but the problem does not ask for, and how to ask for it.
+    pub(crate) fn lacks(&self, plot: &SystemPlot) -> Option<(&'static str, &'static str)> {
+        let multipliers = match plot {
+            SystemPlot::Diagram => return None,
+            SystemPlot::Phase(..) | SystemPlot::Time(_) => {
+                let lacking = self.output.profiles == 0;
+                return lacking.then_some(("profiles", "add `profiles: 9` to `output`"));
+            }
+            SystemPlot::Multipliers => true,
+            SystemPlot::Column(name) => {
+                ["unstable", "multiplier_re", "multiplier_im"].contains(&name.as_str())
+            }
+        };
+        let lacking = multipliers && self.stability.is_none();
+        lacking.then_some(("the section `stability`", "add `stability: ()`"))
+    }
+}

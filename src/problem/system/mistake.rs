@@ -1,0 +1,133 @@
+//! What is wrong with a system, at its place in the text of the problem and with what would be right.
+
+use std::ops::Range;
+
+use super::super::error::{Flaw, line};
+use super::super::explanation::known;
+use super::super::outline::{Outline, within_text};
+use crate::affine::expression::{Function, Obstacle, Wrong};
+use crate::affine::system::{BadName, Mistake, Source, SystemError};
+
+/// The place and the words of a mistake.
+pub(super) fn flaw(source: &Source, outline: &Outline, error: &SystemError) -> Flaw {
+    let path = format!("system.{}", error.path);
+    let mut message = line(&error.mistake.to_string());
+    let mut names = Vec::new();
+    let help = match &error.mistake {
+        Mistake::Expression(flaw) => {
+            let help = about_expression(source, &flaw.wrong);
+            if matches!(flaw.wrong, Wrong::Unknown(_) | Wrong::NoFunction(_)) {
+                names.extend(error.nearest.clone());
+            }
+            help
+        }
+        Mistake::States(_) => "write for example `states: [\"x\", \"v\"]`".to_owned(),
+        Mistake::NoModes => "add for example `\"free\": (rates: {\"x\": \"-x\"})`".to_owned(),
+        Mistake::Name(_, bad) => match bad {
+            BadName::NoWord => "write for example `x`, `A` or `theta_2`".to_owned(),
+            BadName::Reserved => "choose another name".to_owned(),
+            BadName::Twice => "keep one of the two, or give one another name".to_owned(),
+        },
+        Mistake::NoRate(state) => format!("add for example `\"{state}\": \"0\"`"),
+        Mistake::NoState(_) => {
+            names.extend(error.nearest.clone());
+            format!("the states are {}", list(source.states.iter()))
+        }
+        Mistake::NoMode(_) => {
+            names.extend(error.nearest.clone());
+            format!("the modes are {}", list(source.modes.names()))
+        }
+        Mistake::NoForcing => {
+            "add for example `forcing: \"1.5\"`, its angular frequency, to `system`".to_owned()
+        }
+        Mistake::Frequency(_) => "change the parameters that it depends on".to_owned(),
+        Mistake::NoSurface(..) => {
+            "give each of the two one `zero` that leads to the other, as in `v` and `-v`".to_owned()
+        }
+        Mistake::SlidingNotAffine(..) => {
+            "leave out this sliding mode, or let the rates of the two differ by multiples of one \
+             vector of numbers only"
+                .to_owned()
+        }
+    };
+    if let Some(near) = names.first() {
+        message = format!("{message}; did you mean `{near}`?");
+    }
+    Flaw::new(place(outline, &path, &error.mistake), message, help)
+}
+
+/// What an expression may have.
+fn about_expression(source: &Source, wrong: &Wrong) -> String {
+    let functions = || list(Function::ALL.iter().map(|(name, _)| *name));
+    match wrong {
+        Wrong::TooLong(_) => "name parts of it in `define`".to_owned(),
+        Wrong::Unreadable => format!(
+            "an expression has numbers, names, `+ - * / ^`, brackets and the functions {}",
+            functions()
+        ),
+        Wrong::Unknown(_) => {
+            let states = source.states.iter().map(String::as_str);
+            let names = states
+                .chain(source.parameters.names())
+                .chain(source.define.names());
+            format!(
+                "the names are {}, and those before it in `define`",
+                list(names)
+            )
+        }
+        Wrong::NoFunction(name) => {
+            let names = Function::ALL.map(|(name, _)| name);
+            let near = known(name, &names);
+            format!("write a function that there is{near}")
+        }
+        Wrong::Obstacle(Obstacle::Product | Obstacle::Function) => {
+            "write a sum of states, each times numbers and parameters, and of cosines and sines of \
+             the phase: other flows are not computed yet"
+                .to_owned()
+        }
+        Wrong::Obstacle(Obstacle::Phase) => {
+            "write for example `cos(phase)` or `sin(2*phase)`; 16 times the phase is the most"
+                .to_owned()
+        }
+        Wrong::Obstacle(Obstacle::NotFinite) => {
+            "look for a division by zero at the values of the parameters".to_owned()
+        }
+    }
+}
+
+/// Names one after the other, as many as a message can hold.
+fn list<T: AsRef<str>>(names: impl Iterator<Item = T>) -> String {
+    const MOST: usize = 24;
+    let mut all: Vec<String> = names.map(|name| format!("`{}`", name.as_ref())).collect();
+    if all.len() > MOST {
+        all.truncate(MOST);
+        all.push("more".to_owned());
+    }
+    line(&all.join(", "))
+}
+
+/// Where the text has what is wrong.
+fn place(outline: &Outline, path: &str, mistake: &Mistake) -> Range<usize> {
+    let above = |name: &str| {
+        let above = path.strip_suffix(name);
+        above
+            .and_then(|above| above.strip_suffix('.'))
+            .unwrap_or(path)
+    };
+    let found = match mistake {
+        Mistake::Expression(flaw) => {
+            let at = outline.locate(path);
+            let piece = within_text(&outline.text[at.clone()], flaw.span.clone());
+            Some(at.start + piece.start..at.start + piece.end)
+        }
+        Mistake::Name(name, _) => match above(name) {
+            list @ "system.states" => outline.text_in(list, name),
+            above => outline.key_of(above, name),
+        },
+        Mistake::NoState(name) => outline.key_of(above(name), name),
+        Mistake::NoMode(name) => outline.text_in(path, name),
+        Mistake::NoRate(state) => Some(outline.locate(&format!("{path}.{state}"))),
+        _ => None,
+    };
+    found.unwrap_or_else(|| outline.locate(path))
+}

@@ -1,0 +1,280 @@
+//! Problems with a system of one's own: the sections `system` and `orbit` stand in the place of `model` and
+//! `wave`.
+
+mod check;
+mod mistake;
+#[cfg(test)]
+mod tests;
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::error::Flaw;
+use super::outline::Outline;
+use super::{Continuation, Expectation, Output};
+use crate::affine::motion::Place;
+use crate::affine::system::{Ordered, Source, System};
+
+/// Most periods of the forcing in one orbit.
+pub(crate) const MAX_PERIODS: usize = 1000;
+/// Most periods, or units of time, that a motion settles.
+pub(crate) const MAX_SETTLE: f64 = 1e6;
+/// Samples of a motion where no number is given.
+const DEFAULT_SAMPLES: usize = 1000;
+
+/// A problem with a system of one's own that has passed every check; with a [`Source`] as it is written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Problem", deny_unknown_fields)]
+pub struct SystemProblem<S = System> {
+    /// Title for plots and reports.
+    #[serde(default)]
+    pub title: Option<String>,
+    /// What moves: affine at the values of the file, with parameters that are all used.
+    pub system: S,
+    /// The orbit to begin with.
+    pub orbit: Orbit,
+    /// The branch to follow in a parameter of the system.
+    #[serde(default)]
+    pub continuation: Option<Continuation<String>>,
+    /// Whether multipliers are computed, and PD, NS and BP looked for.
+    #[serde(default)]
+    pub stability: Option<Multipliers>,
+    /// The motion to simulate.
+    #[serde(default)]
+    pub simulation: Option<SystemSimulation>,
+    /// Plots and tables to write.
+    #[serde(default)]
+    pub output: Output<SystemPlot>,
+    /// Events that a check compares with.
+    #[serde(default)]
+    pub expect: Vec<Expectation>,
+}
+
+/// The section `stability` of a problem with a system: nothing is to be chosen yet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Multipliers {}
+
+/// The periodic orbit that a computation begins with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Orbit {
+    /// Where it comes from.
+    pub start: OrbitStart,
+    /// Periods of the forcing in one orbit, at least 1; found by `Simulate`: at most. 1 without forcing.
+    #[serde(default = "one")]
+    pub periods: usize,
+}
+
+fn one() -> usize {
+    1
+}
+
+/// Where the first orbit comes from. States are complete, in the order of the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum OrbitStart {
+    /// What a motion comes to.
+    Simulate {
+        /// Mode that it begins in.
+        mode: String,
+        /// Every state.
+        state: Ordered<f64>,
+        /// Phase of the forcing; 0 without.
+        #[serde(default)]
+        phase: f64,
+        /// Periods of the forcing, or units of time without one, before an orbit is looked for.
+        settle: f64,
+    },
+    /// A guess for Newton's method.
+    Given {
+        /// Mode that begins there.
+        mode: String,
+        /// Every state at the beginning of the mode.
+        state: Ordered<f64>,
+        /// Phase of the forcing there; 0 without.
+        #[serde(default)]
+        phase: f64,
+        /// Period; with a forcing it is known, and may be left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        period: Option<f64>,
+    },
+    /// A labelled orbit of an earlier run.
+    Restart {
+        /// Directory with the results of that run.
+        dir: PathBuf,
+        /// Label of the orbit.
+        label: usize,
+    },
+    /// The other branch at a labelled PD or BP of an earlier run.
+    Switch {
+        /// Directory with the results of that run.
+        dir: PathBuf,
+        /// Label of the event.
+        label: usize,
+    },
+}
+
+/// Where a motion begins.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Beginning {
+    /// The mode.
+    pub mode: String,
+    /// Every state, in the order of the file.
+    pub state: Ordered<f64>,
+    /// Phase of the forcing; 0 without.
+    #[serde(default)]
+    pub phase: f64,
+}
+
+/// The section `simulation` of a problem with a system.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SystemSimulation {
+    /// Time simulated, > 0.
+    pub duration: f64,
+    /// Samples at equal times after the beginning, at least 1.
+    #[serde(default = "samples")]
+    pub samples: usize,
+    /// Where the motion begins; where the one of `orbit` does unless it is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<Beginning>,
+}
+
+fn samples() -> usize {
+    DEFAULT_SAMPLES
+}
+
+/// A kind of plot of a problem with a system.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum SystemPlot {
+    /// Branch diagram: the greatest value of the first state over the parameter.
+    Diagram,
+    /// Two states of several orbits over one another.
+    Phase(String, String),
+    /// A state of several orbits over time.
+    Time(String),
+    /// Multipliers of the first labelled orbit, with the unit circle.
+    Multipliers,
+    /// Branch diagram of the named column of `branch.csv`.
+    Column(String),
+}
+
+impl<S> SystemProblem<S> {
+    /// The same with another form of its system.
+    fn with<T>(self, system: T) -> SystemProblem<T> {
+        SystemProblem {
+            title: self.title,
+            system,
+            orbit: self.orbit,
+            continuation: self.continuation,
+            stability: self.stability,
+            simulation: self.simulation,
+            output: self.output,
+            expect: self.expect,
+        }
+    }
+
+    /// Where a motion begins: as the section `simulation` says, or else `orbit`; nowhere where that names an
+    /// earlier run.
+    pub fn beginning(&self) -> Option<Beginning> {
+        let own = self.simulation.as_ref();
+        let own = own.and_then(|section| section.start.clone());
+        own.or(self.orbit.start.beginning())
+    }
+}
+
+impl OrbitStart {
+    /// The mode, the state and the phase that are given.
+    pub fn beginning(&self) -> Option<Beginning> {
+        match self {
+            OrbitStart::Simulate {
+                mode, state, phase, ..
+            }
+            | OrbitStart::Given {
+                mode, state, phase, ..
+            } => Some(Beginning {
+                mode: mode.clone(),
+                state: state.clone(),
+                phase: *phase,
+            }),
+            OrbitStart::Restart { .. } | OrbitStart::Switch { .. } => None,
+        }
+    }
+
+    /// The earlier run that it names.
+    pub fn dir(&self) -> Option<&PathBuf> {
+        match self {
+            OrbitStart::Restart { dir, .. } | OrbitStart::Switch { dir, .. } => Some(dir),
+            OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => None,
+        }
+    }
+}
+
+impl Beginning {
+    /// The place at time zero with the states in the order of the system; `None` where the system has no such
+    /// mode, or another state.
+    pub fn place(&self, system: &System) -> Option<Place> {
+        let states = system.source.states.iter();
+        let state = states.map(|name| Some(self.state.0[self.state.index(name)?].1));
+        Some(Place {
+            time: 0.0,
+            phase: self.phase,
+            mode: system.mode(&self.mode)?,
+            state: state.collect::<Option<_>>()?,
+        })
+    }
+}
+
+impl SystemProblem {
+    /// Values of the parameters, in the order of the file.
+    pub fn values(&self) -> Vec<f64> {
+        values(&self.system)
+    }
+
+    /// Index of the parameter of the branch.
+    pub fn parameter(&self) -> Option<usize> {
+        let section = self.continuation.as_ref()?;
+        self.system.source.parameters.index(&section.parameter)
+    }
+
+    /// Columns of `branch.csv` of which a curve can be drawn, in their order.
+    pub(crate) fn drawable_columns(&self) -> Vec<String> {
+        let Source {
+            states, parameters, ..
+        } = &self.system.source;
+        let extrema = |state: &String| [format!("min_{state}"), format!("max_{state}")];
+        let own = |names: &str| names.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        [
+            own("point label"),
+            parameters.names().map(str::to_owned).collect(),
+            own("period"),
+            states.iter().flat_map(extrema).collect(),
+            own("unstable multiplier_re multiplier_im newton residual leg"),
+        ]
+        .concat()
+    }
+
+    /// Reads what a text means.
+    pub(super) fn read(
+        written: SystemProblem<Source>,
+        outline: &Outline,
+    ) -> Result<SystemProblem, Flaw> {
+        check::written(&written, outline)?;
+        let source = written.system.clone();
+        let flawed = |error| mistake::flaw(&written.system, outline, &error);
+        let system = System::new(source).map_err(flawed)?;
+        system.at(&values(&system), &[]).map_err(flawed)?;
+        let problem = written.with(system);
+        check::check(&problem, outline)?;
+        Ok(problem)
+    }
+}
+
+/// Values of the parameters of a system, in the order of the file.
+fn values(system: &System) -> Vec<f64> {
+    let parameters = system.source.parameters.0.iter();
+    parameters.map(|(_, value)| *value).collect()
+}

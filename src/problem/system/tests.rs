@@ -1,0 +1,363 @@
+//! Tests of problem files with a system, and of what is said about those that are refused.
+
+use super::super::examples::example;
+use super::super::outline::Subject;
+use super::super::tests::{marked, refused};
+use super::super::{Any, OrbitStart, parse, parse_any};
+use super::*;
+use crate::orbit::EventType;
+
+/// Every field of the format.
+const FULL: &str = r##"// an oscillator that hits a stop
+(
+    title: "Impact \"oscillator\"",
+    system: (
+        states: ["x", "v"],
+        parameters: {"c": 0.1, "A": 2.0, "w": 1.5, "d": 1.0, "e": 0.8, "f": 0.2},
+        forcing: "w",
+        define: {"F": "A*cos(phase)", "rest": "F - c*v - x"},
+        modes: {
+            "free": (
+                rates: {"x": "v", "v": "rest"},
+                until: [
+                    (zero: "d - x", to: "free", reset: {"v": "-e*v"}, if: ["v - 0.1"], rest: "forth"),
+                    (zero: "d - x", to: "forth"),
+                ],
+            ),
+            "forth": (rates: {"x": "v", "v": "rest - f"}, until: [(zero: "v", to: "back")]),
+            "back": (rates: {"x": "v", "v": "rest + f"}, until: [(zero: "-v", to: "forth")]),
+        },
+        sliding: {"stick": ("forth", "back")},
+    ),
+    orbit: (start: Simulate(mode: "free", state: {"x": 0.5, "v": 0.25}, phase: 0.1, settle: 200), periods: 2),
+    continuation: (
+        parameter: "A",
+        range: (0.2, 2.0),
+        toward: Down,
+        stop_at: [0.8, (A: 0.45)],
+        ds: 0.001,
+        ds_min: 1e-10,
+        ds_max: 0.01,
+        max_points: 500,
+        tolerance: 1e-9,
+        stop_after: [(event: PD, count: 1)],
+    ),
+    stability: (),
+    simulation: (duration: 50.0, samples: 100, start: (mode: "stick", state: {"v": 0.0, "x": 0.1})),
+    output: (plots: [Diagram, Phase("x", "v"), Time("x"), Multipliers, Column("max_x")], profiles: 9, labels: [1]),
+    expect: [
+        (event: LP, A: 0.391117, tolerance: 1e-6, regimes_before: "free", regimes_after: "free"),
+        (event: SL, w: 1.5, period: 4.2, multiplier_re: 1.0, multiplier_im: 0.0, label: 2, tolerance: 1e-6),
+        (event: GR, numbers: {"A": 0.5}, tolerance: 1e-6),
+    ],
+)
+"##;
+
+/// Without forcing.
+const FREE: &str = r#"(
+    system: (
+        states: ["x"],
+        parameters: {"a": 1.0},
+        modes: {"up": (rates: {"x": "a"}, until: [(zero: "1 - x", to: "up", reset: {"x": "0"})])},
+    ),
+    orbit: (start: Given(mode: "up", state: {"x": 0}, period: 1)),
+    continuation: (parameter: "a", range: (0.5, 2)),
+)"#;
+
+fn system(text: &str) -> SystemProblem {
+    match parse_any(text, "p.ron").unwrap() {
+        Any::System(problem) => *problem,
+        Any::Tube(_) => panic!("a tube"),
+    }
+}
+
+fn edited(text: &str, from: &str, to: &str) -> String {
+    assert_eq!(text.matches(from).count(), 1, "{from}");
+    text.replace(from, to)
+}
+
+/// What is refused otherwise than expected: text, what stands there instead, the text above the carets, words of the
+/// message and of the help.
+fn wrongly_refused(text: &str, cases: &[[&str; 5]]) -> Vec<String> {
+    let wrong = |[from, to, place, message, help]: &[&str; 5]| {
+        let error = match parse_any(&edited(text, from, to), "p.ron") {
+            Ok(_) => return Some(format!("{to}: not refused")),
+            Err(error) => error,
+        };
+        let told = error.message().contains(message) && error.help().contains(help);
+        let right = told && marked(&error) == *place;
+        (!right).then(|| format!("{to}: `{place}` {message} {help}\n{error}"))
+    };
+    cases.iter().filter_map(wrong).collect()
+}
+
+#[test]
+fn every_field_is_read() {
+    let problem = system(FULL);
+    assert_eq!(problem.values(), [0.1, 2.0, 1.5, 1.0, 0.8, 0.2]);
+    assert_eq!(problem.parameter(), Some(1));
+    let place = problem.beginning().unwrap().place(&problem.system).unwrap();
+    assert_eq!(
+        (place.mode, place.state, place.phase),
+        (3, vec![0.1, 0.0], 0.0)
+    );
+    let OrbitStart::Simulate { settle, .. } = problem.orbit.start else {
+        panic!("{:?}", problem.orbit.start);
+    };
+    assert_eq!((settle, problem.orbit.periods), (200.0, 2));
+    assert_eq!(problem.stability, Some(Multipliers {}));
+    let section = problem.continuation.as_ref().unwrap();
+    assert_eq!(section.stop_at, [0.8, 0.45]);
+    assert_eq!(section.stop_after[0].event, EventType::PD);
+    let phase = SystemPlot::Phase("x".into(), "v".into());
+    assert_eq!(problem.output.plots[1], phase);
+    let numbers = |index: usize| problem.expect[index].numbers().collect::<Vec<_>>();
+    assert_eq!(numbers(0), [("A", 0.391117)]);
+    assert_eq!(numbers(1).len(), 4);
+    assert_eq!(numbers(2), [("A", 0.5)]);
+    let simulation = system(FREE);
+    assert_eq!((simulation.simulation, simulation.stability), (None, None));
+}
+
+#[test]
+fn problems_survive_a_round_trip() {
+    let switch = edited(
+        FULL,
+        "Simulate(mode: \"free\", state: {\"x\": 0.5, \"v\": 0.25}, phase: 0.1, settle: 200)",
+        "Switch(dir: \"r/x\", label: 3)",
+    );
+    for text in [FULL, FREE, &switch] {
+        let problem = system(text);
+        let stored = ron::to_string(&problem).unwrap();
+        assert_eq!(ron::from_str::<SystemProblem>(&stored).unwrap(), problem);
+        let windows = text.replace('\n', "\r\n");
+        assert_eq!(system(&windows), problem);
+    }
+}
+
+#[test]
+fn expressions_are_marked_where_they_are_wrong() {
+    #[rustfmt::skip]
+    let cases = [
+        // text, replacement, marked, message, help
+        ["F - c*v - x", "F - c*vv - x", "vv", "`vv` is no state, parameter or abbreviation; did you mean `v`?", "`x`, `v`, `c`"],
+        ["F - c*v - x", "F - c*v*x", "c*v*x", "not affine in the states", "other flows are not computed yet"],
+        ["F - c*v - x", "F - tanh(v)", "tanh(v)", "a function of something that changes", "a sum of states"],
+        ["F - c*v - x", "F - (c*v - x", "\"", "makes no sense from here on", "brackets"],
+        ["F - c*v - x", "F - c v", "v", "makes no sense from here on", "`+ - * / ^`"],
+        ["F - c*v - x", "F - sine(c)", "sine(c)", "`sine` is no function", "did you mean `sin`?"],
+        ["F - c*v - x", "F/(w - w)", "F/(w - w)", "not a finite number", "division by zero"],
+        ["F - c*v - x", "F \\u{2d} c*\\x76v", "\\x76v", "`vv` is no state", ""],
+        ["\"F - c*v - x\"", "r#\"F - c*vv\"#", "vv", "`vv` is no state", ""],
+        ["A*cos(phase)", "A*rest", "rest", "`rest` is no state", "before it in `define`"],
+        ["A*cos(phase)", "A*phase", "rest", "the phase may stand in `sin` and `cos` only", "cos(phase)"],
+        ["forcing: \"w\"", "forcing: \"w + x\"", "x", "`x` is no state, parameter", ""],
+        ["forcing: \"w\"", "forcing: \"-w\"", "\"-w\"", "the angular frequency of the forcing is -1.5", "change"],
+        ["        forcing: \"w\",\n", "", "\"A*cos(phase)\"", "`phase` has no meaning without `forcing`", "forcing: \"1.5\""],
+        ["[\"v - 0.1\"]", "[\"v -\"]", "\"", "makes no sense", ""],
+        ["\"-e*v\"", "\"-e*\"", "\"", "makes no sense", ""],
+    ];
+    assert_eq!(wrongly_refused(FULL, &cases).join("\n"), "");
+    // at its column, in characters
+    let text = edited(
+        FULL,
+        "\"rest\": \"F - c*v - x\"",
+        "\"rest\": /* ξ */ \"F - c*uu - x\"",
+    );
+    let error = refused(&text, "uu", "`uu` is no state", "");
+    let line = text.lines().nth(7).unwrap();
+    let before = line.split("uu").next().unwrap().chars().count();
+    assert_eq!((error.line(), error.column()), (Some(8), Some(before + 1)));
+}
+
+#[test]
+fn names_are_marked_where_they_are_wrong() {
+    #[rustfmt::skip]
+    let cases = [
+        ["states: [\"x\", \"v\"]", "states: []", "[]", "0 states", "states: ["],
+        ["states: [\"x\", \"v\"]", "states: [\"x\", \"v\", \"x\"]", "\"x\"", "it stands for something else already", "keep one"],
+        ["states: [\"x\", \"v\"]", "states: [\"x\", \"v\", \"cos\"]", "\"cos\"", "a meaning of its own", "another name"],
+        ["states: [\"x\", \"v\"]", "states: [\"x\", \"v\", \"time\"]", "{", "the rate of `time` is missing", "\"time\": \"0\""],
+        ["\"c\": 0.1", "\"c\": 0.1, \"c d\": 1", "\"c d\"", "a name is a letter followed by", "theta_2"],
+        ["\"c\": 0.1", "\"c\": 0.1, \"A\": 1", "\"A\"", "something else already", "keep one"],
+        ["\"c\": 0.1", "\"c\": 0.1, \"v\": 1", "\"v\"", "something else already", ""],
+        ["\"c\": 0.1", "\"c\": 0.1, \"k\": 1", "\"k\"", "the parameter `k` is not used", "remove it"],
+        ["\"c\": 0.1", "\"c\": 0.1, \"period\": 1", "\"period\"", "a column of the results", "another name"],
+        ["\"c\": 0.1", "\"c\": 0.1, \"max_x\": 1", "\"max_x\"", "a column of the results", ""],
+        ["\"c\": 0.1", "\"c\": inf", "inf", "`system.parameters.c` is inf", "finite"],
+        ["\"c\": 0.1", "\"c\": x", "x", "must be a number", "\"c\": 0.1"],
+        ["\"c\": 0.1", "c: 0.1", "c", "", ""],
+        ["rates: {\"x\": \"v\", \"v\": \"rest\"}", "rates: {\"v\": \"rest\"}", "{", "the rate of `x` is missing", "\"x\": \"0\""],
+        ["rates: {\"x\": \"v\", \"v\": \"rest\"}", "rates: {\"x\": \"v\", \"v\": \"rest\", \"y\": \"0\"}", "\"y\"", "`y` is no state", "`x`, `v`"],
+        ["reset: {\"v\"", "reset: {\"w\"", "\"w\"", "`w` is no state", "the states are"],
+        ["to: \"back\"", "to: \"bak\"", "\"bak\"", "`bak` is no mode; did you mean `back`?", "`free`, `forth`, `back`"],
+        ["rest: \"forth\"", "rest: \"fort\"", "\"fort\"", "did you mean `forth`?", ""],
+        ["(\"forth\", \"back\")", "(\"forth\", \"bac\")", "\"bac\"", "did you mean `back`?", ""],
+        ["(\"forth\", \"back\")", "(\"forth\", \"free\")", "(\"forth\", \"free\")", "do not meet in one surface", "one `zero`"],
+        ["(\"forth\", \"back\")", "(\"forth\")", "(\"forth\")", "two names in parentheses", ""],
+        ["\"back\": (rates", "\"alone\": (rates: {\"x\": \"0\", \"v\": \"0\"}), \"back\": (rates", "\"alone\"", "no switch leads to the mode `alone`", "remove it"],
+        ["sliding: {", "slidng: {", "slidng", "unknown field `slidng` in `system`; did you mean `sliding`?", ""],
+        ["until: [(zero: \"v\"", "until: [(zeor: \"v\"", "zeor", "unknown field `zeor` in `system.modes.forth.until`; did you mean `zero`?", ""],
+        ["until: [(zero: \"v\", ", "until: [(", "(", "missing field `zero` in `system.modes.forth.until`", "zero: \"1 - x\""],
+        ["rates: {\"x\": \"v\", \"v\": \"rest\"}", "rates: [\"v\", \"rest\"]", "[\"v\", \"rest\"]", "`system.modes.free.rates` must be a map", "rates: {"],
+    ];
+    assert_eq!(wrongly_refused(FULL, &cases).join("\n"), "");
+    let text = edited(FREE, "states: [\"x\"]", "states: [\"time\"]").replace("\"x\":", "\"time\":");
+    let text = text.replace("1 - x", "1 - time");
+    refused(&text, "\"time\"", "a column of the results", "another name");
+}
+
+#[test]
+fn values_are_checked() {
+    #[rustfmt::skip]
+    let cases = [
+        ["mode: \"free\", state: {\"x\": 0.5", "mode: \"fre\", state: {\"x\": 0.5", "\"fre\"", "`fre` is no mode; did you mean `free`?", "mode"],
+        ["\"x\": 0.5, ", "", "{", "the state `x` is missing in `orbit.start.state`", "\"x\": 0.0"],
+        ["\"x\": 0.5, ", "\"x\": 0.5, \"y\": 1, ", "\"y\"", "`y` is no state", ""],
+        ["\"x\": 0.5, ", "\"x\": 0.5, \"x\": 1, ", "\"x\"", "`x` is given twice in `orbit.start.state`", "keep one"],
+        ["\"x\": 0.5, ", "\"x\": NaN, ", "NaN", "`orbit.start.state.x` is NaN", "finite"],
+        ["settle: 200", "settle: -1", "-1", "`orbit.start.settle` is -1.0", "0 to 1000000"],
+        ["settle: 200", "", "Simulate(", "missing field `settle` in `orbit.start`", "settle"],
+        ["periods: 2", "periods: 0", "0", "`orbit.periods` is 0", "1 to 1000"],
+        ["Simulate(mode", "Simulat(mode", "Simulat", "did you mean `Simulate`?", ""],
+        ["parameter: \"A\"", "parameter: \"B\"", "\"B\"", "`B` is no parameter; known: `c`", "parameter of `system`"],
+        ["parameter: \"A\"", "parameter: A", "A", "a text in double quotes", "parameter: \"A\""],
+        ["range: (0.2, 2.0)", "range: (2.0, 0.2)", "(2.0, 0.2)", "`continuation.range` is (2.0, 0.2)", "lower end first"],
+        ["range: (0.2, 2.0)", "range: (0.2, 1.0)", "(0.2, 1.0)", "starts at A = 2.0, outside the range", "in the system"],
+        ["range: (0.2, 2.0)", "range: (2.0, 3.0)", "Down", "the lower end of the range", "toward: Up"],
+        ["stop_at: [0.8", "stop_at: [3.0", "3.0", "`continuation.stop_at` is 3.0", "from 0.2 to 2.0"],
+        ["(A: 0.45)", "(c: 0.45)", "(c: 0.45)", "names `c`, but the branch is in `A`", "(A: 0.45)"],
+        ["event: PD", "event: HB", "HB", "a HB is an event of waves of a tube", "LP, PD"],
+        ["stability: (),", "", "PD", "no PD is found without the section `stability`", "stability: ()"],
+        ["stability: ()", "stability: (sectors: All)", "sectors", "unknown field `sectors` in `stability`", ""],
+        ["duration: 50.0", "duration: 0", "0", "`simulation.duration` is 0.0", "greater than 0"],
+        ["samples: 100", "samples: 0", "0", "`simulation.samples` is 0", ""],
+        ["mode: \"stick\"", "mode: \"stik\"", "\"stik\"", "did you mean `stick`?", ""],
+        ["Time(\"x\")", "Time(\"y\")", "\"y\"", "`y` is no state", ""],
+        ["Phase(\"x\", \"v\")", "Phase(\"x\", \"u\")", "\"u\"", "`u` is no state", ""],
+        ["Phase(\"x\", \"v\")", "Phase(\"x\")", "Phase(\"x\")", "", ""],
+        ["Column(\"max_x\")", "Column(\"max_y\")", "Column(\"max_y\")", "`output.plots` is", "max_x"],
+        ["Diagram, ", "Pressure, ", "Pressure", "unknown choice `Pressure` for `output.plots`", ""],
+        ["Diagram, ", "Diagram, Diagram, ", "Diagram", "listed twice", ""],
+        ["profiles: 9", "profiles: 0", "Phase(\"x\", \"v\")", "shows nothing without profiles", "profiles: 9"],
+        ["profiles: 9", "profiles: 9, rotation: 3", "3", "`output.rotation` is for waves", "leave it out"],
+        ["event: LP, A: 0.391117", "event: RV, A: 0.391117", "RV", "a RV is an event of waves", "GR"],
+        ["event: LP, A: 0.391117", "event: LP, B: 0.391117", "B", "unknown field `B` in `expect`; known: `event`", "known names"],
+        ["event: LP, A: 0.391117", "event: LP, A: 0.391117, A: 0.4", "A", "`A` is given twice in `expect`", "keep one"],
+        ["event: LP, A: 0.391117", "event: LP, A: nan", "nan", "must be a number", ""],
+        ["event: LP, A: 0.391117", "event: LP, A: NaN", "NaN", "`expect.A` is NaN", "finite"],
+        ["event: LP, A: 0.391117", "event: LP, sector: 0, A: 0.391117", "0", "`sector` is expected of an orbit", "leave it out"],
+        ["event: LP, A: 0.391117, ", "event: LP, ", "(event: LP, tolerance: 1e-6, regimes_before: \"free\", regimes_after: \"free\")", "nothing to compare this LP event with", "period"],
+        ["event: LP, A: 0.391117", "event: LP, c: 0.1", "(event: LP, c: 0.1, tolerance: 1e-6, regimes_before: \"free\", regimes_after: \"free\")", "keeps them", "`A` or `period`"],
+        ["{\"A\": 0.5}", "{\"B\": 0.5}", "\"B\"", "unknown field `B` in `expect`", ""],
+        ["{\"A\": 0.5}", "{\"A\": inf}", "inf", "`expect.numbers.A` is inf", "finite"],
+        ["    simulation: (", "    simulaton: (", "simulaton", "did you mean `simulation`?", ""],
+        ["    title: ", "    model: (), title: ", "()", "`model` is given beside `system`, in whose place it stands", "keep one"],
+        ["    title: ", "    wave: (), title: ", "()", "`wave` is given beside `orbit`", "keep one"],
+        ["    title: ", "    map: (), title: ", "map", "`map` is for waves of a tube", "leave it out"],
+        ["    orbit: (", "    orbti: (", "orbti", "did you mean `orbit`?", ""],
+    ];
+    assert_eq!(wrongly_refused(FULL, &cases).join("\n"), "");
+    #[rustfmt::skip]
+    let free = [
+        ["state: {\"x\": 0}, period: 1", "state: {\"x\": 0}", "Given(", "missing field `period`", "period: 6.28"],
+        ["period: 1", "period: 1, phase: 0.5", "0.5", "`orbit.start.phase` is 0.5", "no `forcing`"],
+        ["period: 1)", "period: 1), periods: 2", "2", "`orbit.periods` is 2", "without `forcing`"],
+        ["range: (0.5, 2)", "range: (0.5, 0.5)", "(0.5, 0.5)", "`continuation.range` is", ""],
+        ["    orbit:", "    simulation: (duration: 1, start: (mode: \"up\", state: {})),\n    orbit:", "{", "the state `x` is missing in `simulation.start.state`", ""],
+        ["    orbit: (start: Given(mode: \"up\", state: {\"x\": 0}, period: 1)),\n", "", "(", "missing field `orbit` in the problem", "orbit: (start: Simulate"],
+    ];
+    assert_eq!(wrongly_refused(FREE, &free).join("\n"), "");
+    let text = edited(FREE, "system: (", "wave: (mode: 4), sistem: (");
+    refused(&text, "(mode: 4)", "`wave` is given beside `orbit`", "");
+    let given = edited(
+        FULL,
+        "Simulate(mode: \"free\", state: {\"x\": 0.5, \"v\": 0.25}, phase: 0.1, settle: 200)",
+        "Given(mode: \"free\", state: {\"x\": 0.5, \"v\": 0.25}, period: 8.38)",
+    );
+    system(&given);
+    refused(
+        &given.replace("8.38", "4.2"),
+        "4.2",
+        "`orbit.start.period` is 4.2",
+        "the period is 8.37",
+    );
+    // a forcing that stands still at an end of the range
+    let text = FULL.replace("parameter: \"A\"", "parameter: \"w\"");
+    let text = text
+        .replace("range: (0.2, 2.0)", "range: (0.0, 2.0)")
+        .replace("(A: 0.45)", "0.45");
+    refused(
+        &text,
+        "0.0",
+        "at w = 0.0, an end of the range",
+        "in which it is positive",
+    );
+}
+
+#[test]
+fn a_tube_is_refused_in_the_words_of_a_tube() {
+    let error = parse(FULL, "p.ron").unwrap_err();
+    assert!(error.message().contains("a section `system`"), "{error}");
+    assert!(error.message().contains("waves of a tube"), "{error}");
+    assert_eq!((error.line(), error.column()), (Some(4), Some(5)));
+    let tube = "(model: (coefficients: Given(a: 2, b: 1, D: 1, g: 1, h: 1), friction: 0.5, mismatch: 0.2), \
+                wave: (mode: 4, start: Slow), @)";
+    for (section, place, message) in [
+        (
+            "expect: [(event: PD, speed: 1, tolerance: 1e-6)]",
+            "PD",
+            "a PD is an event of orbits",
+        ),
+        (
+            "output: (plots: [Phase(\"x\", \"v\")])",
+            "Phase",
+            "unknown choice `Phase`",
+        ),
+        (
+            "expect: [(event: GR, A: 1, tolerance: 1e-6)]",
+            "A",
+            "unknown field `A` in `expect`",
+        ),
+    ] {
+        refused(&tube.replace('@', section), place, message, "");
+    }
+    parse(&tube.replace('@', ""), "p.ron").unwrap();
+}
+
+#[test]
+fn every_field_has_an_example_that_is_right() {
+    let sections = [
+        ("", "(@, orbit: ())"),
+        ("system", "(system: (@))"),
+        ("system.modes.m", "(system: (modes: {\"m\": (@)}))"),
+        (
+            "system.modes.m.until",
+            "(system: (modes: {\"m\": (until: [(@)])}))",
+        ),
+        ("orbit", "(orbit: (@))"),
+        ("orbit.start", "(orbit: (start: Simulate(@)))"),
+        ("orbit.start", "(orbit: (start: Given(@)))"),
+        ("orbit.start", "(orbit: (start: Restart(@)))"),
+        ("orbit.start", "(orbit: (start: Switch(@)))"),
+        ("continuation", "(continuation: (@), orbit: ())"),
+        ("simulation", "(simulation: (@), orbit: ())"),
+        ("simulation.start", "(simulation: (start: (@)), orbit: ())"),
+        ("output", "(output: (@), orbit: ())"),
+    ];
+    for (home, section) in sections {
+        let error = parse_any(&section.replace('@', "zzzzzzzz: 1"), "p.ron").unwrap_err();
+        let (_, known) = error.message().split_once("known: ").expect(home);
+        for field in known.split(", ").map(|field| field.trim_matches('`')) {
+            // those of tubes are refused later, in words
+            if ["orbit", "conditioning", "rotation"].contains(&field) {
+                continue;
+            }
+            let example = example(Subject::System, home, field).expect(field);
+            let error = parse_any(&section.replace('@', &example), "p.ron").unwrap_err();
+            assert!(error.message().starts_with("missing field"), "{error}");
+        }
+    }
+    let shown = example(Subject::System, "expect", "numbers").unwrap();
+    system(&edited(FULL, "numbers: {\"A\": 0.5}", &shown));
+}
