@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 
 use super::begin::RunError;
 use super::item::Item;
-use super::progress::End;
-use super::run::Runner;
+
+use super::run::{End, Runner};
 use crate::problem::{Continuation, Problem};
 
 /// The points of a branch in their order, special ones with their events, computed as they are asked for.

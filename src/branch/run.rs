@@ -9,17 +9,18 @@ use super::begin::{Begun, begin};
 use super::conditioning::conditioning;
 use super::first_wave::Observer;
 use super::item::{event, row};
-use super::orbit::{Follower, Found};
-use super::progress::legs;
+use super::orbit::Found;
+use super::progress::{Beside, plan};
 use super::row::EigenvalueRow;
 use super::saved::SavedWave;
-use super::special::{Ending, Failure, Note, OfWaves, Special, Stop, WaveStop};
+use super::special::{Failure, Note, OfWaves, Special};
 use super::wanted::NoStart;
-use super::{BranchPoint, EventType, Reason, Stability};
-use crate::continuation::{Node, walk};
+use super::{BranchPoint, Reason, Stability};
+use crate::continuation::Node;
 use crate::flow::method::Method;
 use crate::linalg::Vector;
 use crate::model::{Model, Parameter};
+use crate::orbit::legs::{self, Legs, Stretch};
 use crate::problem::{Continuation, Problem};
 use crate::stability::spectrum::Spectrum;
 use crate::stability::track::{ALLOWANCE, Crossing, PER_POINT, Passed, Tracked, Tracker};
@@ -29,8 +30,11 @@ use crate::wave::hopf::Family;
 
 pub use super::begin::{Refused, RunError};
 pub use super::item::{Item, answer};
-pub use super::progress::{End, Progress};
+pub use super::progress::Progress;
 pub use super::special::ResumeMismatch;
+
+/// How a run of waves ended.
+pub type End = legs::End<Wave>;
 
 /// A branch being computed from a problem.
 pub struct Runner {
@@ -38,11 +42,11 @@ pub struct Runner {
     continuation: Continuation,
     /// The model of the first wave.
     model: Model,
-    method: Method,
     /// The vertical family before the first wave, until it is handed out.
     family: Option<Family>,
-    progress: Progress,
-    follower: Follower,
+    legs: Legs<Wave>,
+    /// What is saved beside the state of the legs.
+    beside: Beside,
     notes: Vec<Note>,
 }
 
@@ -75,11 +79,13 @@ impl Runner {
             model,
             family,
         } = begin(problem, continuation, restart, observer)?;
-        let progress = Progress::new(&wave, &point, problem, continuation);
-        let runner = Runner::at(problem, continuation, model, wave.method, progress);
+        let beside = Beside::new(&wave);
+        let plan = plan(continuation, problem, &model);
+        let legs =
+            Legs::begin(wave, &point, plan).map_err(|reason| NoStart::Newton(reason.into()))?;
         Ok(Runner {
             family,
-            ..runner.map_err(|reason| NoStart::Newton(reason.into()))?
+            ..Runner::at(problem, continuation, model, legs, beside)
         })
     }
 
@@ -95,68 +101,84 @@ impl Runner {
     ) -> Result<Runner, ResumeMismatch> {
         let model = saved.model;
         let method = problem.method.unwrap_or(Method::cheapest(model.law));
-        Runner::at(problem, continuation, model, method, progress)
+        let wave = progress.wave(problem, continuation, model, method)?;
+        let plan = plan(continuation, problem, &model);
+        let legs = Legs::resume(&wave, progress.legs, plan)?;
+        Ok(Runner::at(
+            problem,
+            continuation,
+            model,
+            legs,
+            progress.beside,
+        ))
     }
 
     fn at(
         problem: &Problem,
         continuation: &Continuation,
         model: Model,
-        method: Method,
-        progress: Progress,
-    ) -> Result<Runner, ResumeMismatch> {
-        Ok(Runner {
-            follower: progress.follower(problem, continuation, model, method)?,
+        legs: Legs<Wave>,
+        beside: Beside,
+    ) -> Runner {
+        Runner {
             problem: problem.clone(),
             continuation: continuation.clone(),
             model,
-            method,
             family: None,
-            progress,
+            legs,
+            beside,
             notes: Vec::new(),
-        })
+        }
     }
 
-    /// The state after the last step.
-    pub fn progress(&self) -> &Progress {
-        &self.progress
+    /// The state of the legs after the last step.
+    pub fn progress(&self) -> &legs::Progress<Wave> {
+        self.legs.progress()
+    }
+
+    /// All that is needed to go on from here.
+    pub fn saved(&self) -> Progress {
+        Progress {
+            legs: self.legs.progress().clone(),
+            beside: self.beside.clone(),
+        }
+    }
+
+    /// Spectrum at the point the branch has reached, where stability is asked for.
+    pub fn spectrum(&self) -> Option<&Spectrum> {
+        self.beside.spectrum.as_ref()
     }
 
     /// Takes one step and returns the points found; empty once the run has ended.
     pub fn step(&mut self) -> Vec<Item> {
-        if self.progress.end.is_some() {
+        if self.progress().end.is_some() {
             return Vec::new();
         }
         let mut tracker = self.problem.request().map(|request| {
-            let (last, left) = (self.progress.spectrum.take(), self.progress.allowance);
+            let (last, left) = (self.beside.spectrum.take(), self.beside.allowance);
             Tracker::new(request, last, self.continuation.tolerance, left)
         });
-        if self.progress.state.is_none() {
+        if self.legs.at_beginning() {
             return self.first_step(tracker.as_mut());
         }
-        let from = (
-            self.follower.curve().orbit.clone(),
-            self.follower.node().clone(),
-        );
-        let (found, end) = self.follower.step();
+        let Stretch {
+            orbit,
+            node,
+            found,
+            end,
+        } = self.legs.step();
         let mut tracked = Tracked::default();
         if let Some(tracker) = &mut tracker {
             let passed: Vec<Passed> = found.iter().map(passed).collect();
-            tracked = tracker.step(&from.0, &from.1, &passed);
+            tracked = tracker.step(&orbit, &node, &passed);
             self.take_over(tracker);
         }
         let mut items = Vec::with_capacity(found.len() + tracked.crossings.len());
-        let stopped = self.add(&mut items, &from.0, found, tracked);
-        self.progress.state = Some(self.follower.state());
-        match end {
-            _ if stopped => self.end_leg(None, true),
-            None => self.check_points(&mut items),
-            Some(
-                walk::End::Edge
-                | walk::End::Closed
-                | walk::End::Own(Stop::Own(WaveStop::SlipAlone)),
-            ) => self.end_leg(None, false),
-            Some(end) => self.end_leg(Some(Failure::Ended(Box::new(end))), false),
+        let stopped = self.add(&mut items, &orbit, found, tracked);
+        if stopped || end.is_some() {
+            self.legs.finish(end, stopped);
+        } else {
+            self.check_points(&mut items);
         }
         items
     }
@@ -164,9 +186,9 @@ impl Runner {
     /// The first points of a leg: the waves of a vertical family, the first wave.
     fn first_step(&mut self, tracker: Option<&mut Tracker>) -> Vec<Item> {
         let mut items = self.family();
-        let mut found = self.follower.here();
-        if items.is_empty() {
-            found.special = Some(Special::Start);
+        let mut found = self.legs.set_out();
+        if !items.is_empty() {
+            found.special = None;
         }
         // the value of the problem, not the scaled unknown's
         let exact = self.model.value(self.continuation.parameter);
@@ -177,7 +199,6 @@ impl Runner {
             spectrum
         });
         items.push(self.item(found, spectrum.as_ref()));
-        self.progress.state = Some(self.follower.state());
         self.check_points(&mut items);
         items
     }
@@ -208,7 +229,7 @@ impl Runner {
                 }
                 let kind = item.as_ref().and_then(|item| item.point.kind);
                 items.extend(item);
-                if self.stop_requested(kind) {
+                if self.legs.stops_at(kind) {
                     return true;
                 }
             }
@@ -236,7 +257,7 @@ impl Runner {
             let kind = found.kind();
             let spectrum = spectra.next().flatten();
             items.push(self.item(found, spectrum.as_ref()));
-            if self.stop_requested(kind) {
+            if self.legs.stops_at(kind) {
                 return true;
             }
         }
@@ -245,19 +266,16 @@ impl Runner {
 
     /// Ends a leg that has as many points as it may, with a row that says so.
     fn check_points(&mut self, items: &mut Vec<Item>) {
-        let most = self.continuation.most_points(self.model.law);
-        if self.progress.points - self.progress.before_leg < most {
+        let Some(found) = self.legs.at_most_points() else {
             return;
-        }
-        let end: Ending = walk::End::MaxPoints { most };
-        let failure = Failure::Ended(Box::new(end));
-        let found = Found {
-            special: Some(Special::Failed(failure.clone())),
-            ..self.follower.here()
         };
-        let spectrum = self.progress.spectrum.clone();
+        let end = match &found.special {
+            Some(Special::Failed(Failure::Ended(end))) => Some(end.as_ref().clone()),
+            _ => None,
+        };
+        let spectrum = self.beside.spectrum.clone();
         items.push(self.item(found, spectrum.as_ref()));
-        self.end_leg(Some(failure), false);
+        self.legs.finish(end, false);
     }
 
     /// The waves at the Hopf point, from steady sliding to where a stick zone opens.
@@ -293,19 +311,6 @@ impl Runner {
         items
     }
 
-    /// Whether a `stop_after` entry is met by a point of this kind.
-    fn stop_requested(&mut self, kind: Option<EventType>) -> bool {
-        let mut stop = false;
-        let entries = &self.continuation.stop_after;
-        for (met, wanted) in self.progress.met.iter_mut().zip(entries) {
-            if Some(wanted.event) == kind {
-                *met += 1;
-                stop |= *met >= wanted.count;
-            }
-        }
-        stop
-    }
-
     /// A crossing of the imaginary axis as a point of the branch.
     fn crossing(&mut self, wave: &Arc<Wave>, (located, spectrum): Crossing) -> Option<Item> {
         let examination = examine(wave, &located.node.point).ok()?;
@@ -321,53 +326,14 @@ impl Runner {
         Some(self.item(found, Some(&spectrum)))
     }
 
-    /// Ends a leg; the next one begins unless the whole run is to stop.
-    fn end_leg(&mut self, failure: Option<Failure>, stop: bool) {
-        if let Some(reason) = failure {
-            self.progress.failure.get_or_insert(reason);
-        }
-        let another = self.progress.leg < legs(self.continuation.toward).len();
-        if another && !stop {
-            let next = Progress {
-                leg: self.progress.leg + 1,
-                before_leg: self.progress.points,
-                state: None,
-                passed: vec![false; self.problem.output.profiles],
-                ..self.progress.clone()
-            };
-            let (problem, continuation) = (&self.problem, &self.continuation);
-            match next.follower(problem, continuation, self.model, self.method) {
-                Ok(follower) => {
-                    self.follower = follower;
-                    self.progress = next;
-                    return;
-                }
-                Err(reason) => {
-                    self.progress.failure.get_or_insert(Failure::NoLeg(reason));
-                }
-            }
-        }
-        self.progress.end = Some(match self.progress.failure.clone() {
-            Some(reason) => End::Failed(reason),
-            None => End::Finished,
-        });
-    }
-
     fn item(&mut self, found: Found, spectrum: Option<&Spectrum>) -> Item {
         let model = self.model.with(found.orbit.parameter, found.parameter);
         let mut point = row(&found, &model);
-        self.progress.points += 1;
-        point.point = self.progress.points;
-        // a special point serves as the sample of its part of the range
-        let sampled = self.passes_profile_target(found.parameter);
-        if point.kind.is_some() || sampled {
-            self.progress.labels += 1;
-            point.label = Some(self.progress.labels);
-        }
+        let numbers = self.legs.number(&found);
+        (point.point, point.label) = (numbers.point, numbers.label);
         point.conditioning = self.known_to(&found.orbit, &found.node);
         let special = found.special.as_ref();
         let event = special.map(|special| event(&point, special, &found));
-        self.progress.events += usize::from(event.is_some());
         self.judge(&mut point, &found, spectrum);
         let eigenvalues = match (point.label, spectrum, &self.problem.stability) {
             (Some(_), Some(spectrum), Some(section)) => spectrum
@@ -376,13 +342,13 @@ impl Runner {
                 .collect(),
             _ => Vec::new(),
         };
-        self.progress.eigenvalues += eigenvalues.len();
+        self.beside.eigenvalues += eigenvalues.len();
         let unknowns = found.node.point;
         let saved = point.label;
         let saved = saved.map(|label| SavedWave::new(label, model, &found.orbit, &unknowns));
         Item {
             point,
-            leg: self.progress.leg,
+            leg: numbers.leg,
             eigenvalues,
             event,
             special: found.special,
@@ -404,7 +370,7 @@ impl Runner {
             point.stable = Some(Stability::Undecided);
             point.why.push(Reason::OnAxis);
         }
-        if self.progress.allowance == 0 && spectrum.is_none() {
+        if self.beside.allowance == 0 && spectrum.is_none() {
             for reason in point.why.iter_mut().filter(|one| **one == Reason::NoWindow) {
                 *reason = Reason::Spent;
             }
@@ -424,15 +390,15 @@ impl Runner {
     /// Takes over from a step what is known of the spectrum and what is left of the allowance, and notes
     /// its end.
     fn take_over(&mut self, tracker: &Tracker) {
-        self.progress.spectrum = tracker.last().cloned();
-        let before = self.progress.allowance;
-        self.progress.allowance = match tracker.allowance() {
+        self.beside.spectrum = tracker.last().cloned();
+        let before = self.beside.allowance;
+        self.beside.allowance = match tracker.allowance() {
             0 => 0,
             left => ALLOWANCE.min(left + PER_POINT),
         };
-        if before > 0 && self.progress.allowance == 0 {
+        if before > 0 && self.beside.allowance == 0 {
             self.notes.push(Note::Spent {
-                points: self.progress.points,
+                points: self.progress().points,
                 allowance: ALLOWANCE,
             });
         }
@@ -448,7 +414,7 @@ impl Runner {
         let tolerance = self.continuation.tolerance;
         if known.expected_error.is_nan() || known.expected_error > tolerance {
             self.notes.push(Note::NotConverged {
-                point: self.progress.points,
+                point: self.progress().points,
                 parameter: self.continuation.parameter,
                 value: wave.parameter_at(&node.point),
                 tolerance,
@@ -456,23 +422,6 @@ impl Runner {
             });
         }
         Some((known.condition, known.expected_error))
-    }
-
-    /// Whether a point is the first of its leg in one of the equal parts of the range from which
-    /// a profile is wanted.
-    fn passes_profile_target(&mut self, value: f64) -> bool {
-        let (low, high) = self.continuation.range;
-        let count = self.progress.passed.len();
-        if count == 0 {
-            return false;
-        }
-        let width = (high - low) / count as f64;
-        let cell = ((value - low) / width)
-            .floor()
-            .clamp(0.0, (count - 1) as f64) as usize;
-        let new = !self.progress.passed[cell];
-        self.progress.passed[cell] = true;
-        new
     }
 
     /// What could not be settled so far.
@@ -492,14 +441,7 @@ impl Runner {
 
     /// Share of the way to the ends of the range behind the branch, for progress.
     pub fn position(&self) -> f64 {
-        let (low, high) = self.continuation.range;
-        let directions = legs(self.continuation.toward);
-        let leg = self.progress.leg.clamp(1, directions.len());
-        let edge = if directions[leg - 1] { high } else { low };
-        let first = self.model.value(self.continuation.parameter).unwrap_or(low);
-        let part = (self.follower.here().parameter - first) / (edge - first);
-        let behind = (leg - 1) as f64 + part.clamp(0.0, 1.0);
-        behind / directions.len() as f64
+        self.legs.position()
     }
 }
 

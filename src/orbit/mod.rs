@@ -9,12 +9,14 @@
 //! - [`sign`] tells the sign of a function over a whole interval;
 //! - [`event`] has the types of special points, [`special`] what makes a point special and why a branch ends;
 //! - [`events`] locates what happens within a step, [`change`] finds the signature beyond a change;
-//! - [`follow`] puts them together into a curve for the walker of [`crate::continuation`].
+//! - [`follow`] puts them together into a curve for the walker of [`crate::continuation`];
+//! - [`legs`] goes both ways from a first orbit, and numbers points, labels and events.
 
 pub mod change;
 pub mod event;
 pub mod events;
 pub mod follow;
+pub mod legs;
 pub mod sign;
 pub mod special;
 

@@ -58,7 +58,9 @@ impl Checkpoint for Restart {
         });
         match broken {
             Some(index) => Some(format!("the wave in place {} is not whole", index + 1)),
-            None if self.waves.len() != self.progress.labels => Some("waves are missing".into()),
+            None if self.waves.len() != self.progress.legs.labels => {
+                Some("waves are missing".into())
+            }
             None => None,
         }
     }
@@ -151,7 +153,7 @@ impl RunFolder {
         problem: &Problem,
     ) -> Result<Option<Restart>, StoreError> {
         let saved: Option<Restart> = store.interrupted(problem, BRANCH, 1)?;
-        Ok(saved.filter(|saved| saved.progress.points > 0))
+        Ok(saved.filter(|saved| saved.progress.legs.points > 0))
     }
 
     /// What a run has saved, to be shown.
@@ -175,7 +177,7 @@ impl RunFolder {
         branch: &Runner,
         saved: Option<Restart>,
     ) -> Result<RunFolder, StoreError> {
-        let now = branch.progress();
+        let now = branch.saved();
         let resumed = saved.is_some();
         let kept = |rows: usize| resumed.then_some(rows);
         let spectrum = branch.with_stability().then_some(SPECTRUM);
@@ -187,12 +189,12 @@ impl RunFolder {
         let header = table::columns(&EventRow::columns(problem.model, problem.output.rotation));
         let columns = table::columns(&BranchRow::columns(problem.output.rotation));
         let mut folder = RunFolder {
-            branch: store.table(BRANCH, &table::line_of(&columns), kept(now.points))?,
-            events: store.table(EVENTS, &table::line_of(&header), kept(now.events))?,
+            branch: store.table(BRANCH, &table::line_of(&columns), kept(now.legs.points))?,
+            events: store.table(EVENTS, &table::line_of(&header), kept(now.legs.events))?,
             spectrum: spectrum
                 .map(|name| {
                     let header = table::header::<SpectrumRow>();
-                    store.table(name, &header, kept(now.eigenvalues))
+                    store.table(name, &header, kept(now.beside.eigenvalues))
                 })
                 .transpose()?,
             store,
@@ -206,7 +208,7 @@ impl RunFolder {
             }),
         };
         if resumed {
-            folder.store.keep_numbered(PROFILES, now.labels)?;
+            folder.store.keep_numbered(PROFILES, now.legs.labels)?;
             folder.store.guard(PROFILES)?;
         } else {
             // no row without it
@@ -229,7 +231,7 @@ impl RunFolder {
         }
         let (then, took) = self.saved;
         if then.elapsed() >= SAVED_EVERY * took || branch.progress().end.is_some() {
-            self.restart.progress = branch.progress().clone();
+            self.restart.progress = branch.saved();
             self.save()?;
         }
         Ok(())

@@ -125,7 +125,7 @@ pub fn follow(problem: &Problem, text: &str) -> Rows {
     while branch.progress().end.is_none() {
         let items = branch.step();
         rows.spectra
-            .extend(items.iter().map(|_| branch.progress().spectrum.clone()));
+            .extend(items.iter().map(|_| branch.spectrum().cloned()));
         rows.items.extend(items);
     }
     assert_eq!(branch.progress().end, Some(End::Finished));
