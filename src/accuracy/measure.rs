@@ -1,5 +1,6 @@
 //! The branch or the waves of one rung, compared with the reference.
 
+use crate::orbit::legs::Run as _;
 use std::cell::OnceCell;
 use std::time::Instant;
 

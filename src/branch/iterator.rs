@@ -1,5 +1,6 @@
 //! A branch as an iterator.
 
+use crate::orbit::legs::Run as _;
 use std::collections::VecDeque;
 
 use super::begin::RunError;

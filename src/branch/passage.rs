@@ -3,6 +3,7 @@
 
 use super::EventType;
 use super::run::{End, Item, Runner};
+use crate::orbit::legs::Run as _;
 
 /// Steps in which other passages are looked for, at least.
 const STEPS_BEYOND: usize = 2000;

@@ -20,6 +20,7 @@ use crate::continuation::Node;
 use crate::flow::method::Method;
 use crate::linalg::Vector;
 use crate::model::{Model, Parameter};
+pub use crate::orbit::legs::Run;
 use crate::orbit::legs::{self, Legs, Stretch};
 use crate::problem::{Continuation, Problem};
 use crate::stability::spectrum::Spectrum;
@@ -131,11 +132,6 @@ impl Runner {
         }
     }
 
-    /// The state of the legs after the last step.
-    pub fn progress(&self) -> &legs::Progress<Wave> {
-        self.legs.progress()
-    }
-
     /// All that is needed to go on from here.
     pub fn saved(&self) -> Progress {
         Progress {
@@ -147,40 +143,6 @@ impl Runner {
     /// Spectrum at the point the branch has reached, where stability is asked for.
     pub fn spectrum(&self) -> Option<&Spectrum> {
         self.beside.spectrum.as_ref()
-    }
-
-    /// Takes one step and returns the points found; empty once the run has ended.
-    pub fn step(&mut self) -> Vec<Item> {
-        if self.progress().end.is_some() {
-            return Vec::new();
-        }
-        let mut tracker = self.problem.request().map(|request| {
-            let (last, left) = (self.beside.spectrum.take(), self.beside.allowance);
-            Tracker::new(request, last, self.continuation.tolerance, left)
-        });
-        if self.legs.at_beginning() {
-            return self.first_step(tracker.as_mut());
-        }
-        let Stretch {
-            orbit,
-            node,
-            found,
-            end,
-        } = self.legs.step();
-        let mut tracked = Tracked::default();
-        if let Some(tracker) = &mut tracker {
-            let passed: Vec<Passed> = found.iter().map(passed).collect();
-            tracked = tracker.step(&orbit, &node, &passed);
-            self.take_over(tracker);
-        }
-        let mut items = Vec::with_capacity(found.len() + tracked.crossings.len());
-        let stopped = self.add(&mut items, &orbit, found, tracked);
-        if stopped || end.is_some() {
-            self.legs.finish(end, stopped);
-        } else {
-            self.check_points(&mut items);
-        }
-        items
     }
 
     /// The first points of a leg: the waves of a vertical family, the first wave.
@@ -438,9 +400,50 @@ impl Runner {
     pub(crate) fn with_stability(&self) -> bool {
         self.problem.stability.is_some()
     }
+}
 
-    /// Share of the way to the ends of the range behind the branch, for progress.
-    pub fn position(&self) -> f64 {
+impl Run for Runner {
+    type Orbit = Wave;
+    type Item = Item;
+
+    fn progress(&self) -> &legs::Progress<Wave> {
+        self.legs.progress()
+    }
+
+    fn step(&mut self) -> Vec<Item> {
+        if self.progress().end.is_some() {
+            return Vec::new();
+        }
+        let mut tracker = self.problem.request().map(|request| {
+            let (last, left) = (self.beside.spectrum.take(), self.beside.allowance);
+            Tracker::new(request, last, self.continuation.tolerance, left)
+        });
+        if self.legs.at_beginning() {
+            return self.first_step(tracker.as_mut());
+        }
+        let Stretch {
+            orbit,
+            node,
+            found,
+            end,
+        } = self.legs.step();
+        let mut tracked = Tracked::default();
+        if let Some(tracker) = &mut tracker {
+            let passed: Vec<Passed> = found.iter().map(passed).collect();
+            tracked = tracker.step(&orbit, &node, &passed);
+            self.take_over(tracker);
+        }
+        let mut items = Vec::with_capacity(found.len() + tracked.crossings.len());
+        let stopped = self.add(&mut items, &orbit, found, tracked);
+        if stopped || end.is_some() {
+            self.legs.finish(end, stopped);
+        } else {
+            self.check_points(&mut items);
+        }
+        items
+    }
+
+    fn position(&self) -> f64 {
         self.legs.position()
     }
 }

@@ -1,5 +1,6 @@
 //! `brakewave certify`.
 
+use crate::orbit::legs::Run as _;
 use std::path::Path;
 
 use clap::Args;

@@ -1,5 +1,6 @@
 //! `brakewave check`: does the branch still have the events it is expected to have?
 
+use crate::orbit::legs::Run as _;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

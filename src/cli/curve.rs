@@ -1,5 +1,6 @@
 //! `brakewave curve`.
 
+use crate::orbit::legs::Run as _;
 use clap::Args;
 
 use super::failure::{Exit, Failure};

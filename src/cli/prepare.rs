@@ -1,5 +1,6 @@
 //! A problem made ready to be run: the wave it restarts from, and the ways its branch can go.
 
+use crate::orbit::legs::Run as _;
 use std::path::Path;
 
 use super::failure::Failure;

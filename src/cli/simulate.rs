@@ -1,5 +1,6 @@
 //! `brakewave simulate`.
 
+use crate::orbit::legs::Run as _;
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 

@@ -8,6 +8,7 @@ use crate::linalg::{self, Vector};
 use crate::model::Parameter;
 use crate::model::Sectors;
 use crate::orbit::EventType;
+use crate::orbit::legs::Run as _;
 use crate::problem::{self, Problem, StabilitySection};
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch, examine};

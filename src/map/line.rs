@@ -1,5 +1,6 @@
 //! A line through the plane of a map: one parameter constant, the other one followed.
 
+use crate::orbit::legs::Run as _;
 use std::path::PathBuf;
 
 use super::cell::Missing;

@@ -1,5 +1,6 @@
 //! The rows of a map.
 
+use crate::orbit::legs::Run as _;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::cell::{Cell, CellPoint, Missing};

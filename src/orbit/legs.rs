@@ -309,6 +309,23 @@ impl<O: Orbit> Legs<O> {
     }
 }
 
+/// A run that is taken step by step, and hands out what it found.
+pub trait Run {
+    /// The orbits that it follows.
+    type Orbit: Orbit;
+    /// A point, with all that is told of it.
+    type Item;
+
+    /// The state of the legs after the last step.
+    fn progress(&self) -> &Progress<Self::Orbit>;
+
+    /// Takes one step and returns the points found; empty once the run has ended.
+    fn step(&mut self) -> Vec<Self::Item>;
+
+    /// Share of the way to the ends of the range behind the branch.
+    fn position(&self) -> f64;
+}
+
 /// The branch of a leg where it is.
 fn follower<O: Orbit>(
     first: &O,

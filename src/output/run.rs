@@ -5,6 +5,7 @@
 //! A resumed run cuts the tables back to the last progress saved and goes on from there, through
 //! the same steps as an uninterrupted one.
 
+use crate::orbit::legs::Run as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
 

@@ -5,6 +5,7 @@ use brakewave::branch::run::{Item, Runner};
 use brakewave::certify::{self, Condition, Counted, Growth, Outcome, Point, Refused, Verdict};
 use brakewave::interval::Decimal;
 use brakewave::orbit::EventType;
+use brakewave::orbit::legs::Run as _;
 use brakewave::problem;
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::spectrum::{Request, spectrum};

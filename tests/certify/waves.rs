@@ -9,6 +9,7 @@ use brakewave::model::coefficients::Geometry;
 use brakewave::model::signature::{Entry, Regime, Signature};
 use brakewave::model::{FrictionLaw, Impact, Model, Parameter, Sectors};
 use brakewave::orbit::EventType;
+use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{self, StabilitySection};
 use brakewave::wave::admissibility::Watch;
 use brakewave::wave::start::{Which, slip_stick};

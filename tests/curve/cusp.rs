@@ -2,6 +2,7 @@
 
 use brakewave::branch::EventType;
 use brakewave::branch::run::Runner;
+use brakewave::orbit::legs::Run as _;
 use brakewave::problem::parse;
 
 use crate::{observed, unnamed};

@@ -3,6 +3,7 @@
 use brakewave::branch::EventType;
 use brakewave::branch::run::Runner;
 use brakewave::curve::{Curve, Region};
+use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{Problem, parse};
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::spectrum::{Request, spectrum};

@@ -1,5 +1,6 @@
 //! Waves and branches that the claims are about.
 
+use brakewave::orbit::legs::Run as _;
 use std::path::PathBuf;
 
 use brakewave::branch::first_wave::first_wave;

@@ -5,6 +5,7 @@ use brakewave::branch::run::{End, Runner};
 use brakewave::continuation::newton::{System, relative_residual};
 use brakewave::linalg::Matrix;
 use brakewave::model::Parameter;
+use brakewave::orbit::legs::Run as _;
 use brakewave::problem::parse;
 use brakewave::wave::hopf::{NoHopf, family};
 
