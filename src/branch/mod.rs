@@ -1,7 +1,6 @@
 //! A branch of waves in one parameter: first wave, steps, events, points and labels.
 
 mod begin;
-pub mod compare;
 pub mod conditioning;
 pub mod first_wave;
 mod item;

@@ -1,11 +1,13 @@
-//! Result vocabulary: what a branch is made of, as plain data without behaviour.
+//! Result vocabulary: what a branch is made of, as plain data.
 //!
 //! The continuation produces these values, the exporters and the plots read them; neither side
 //! knows the other.
 
-use crate::model::Model;
+use crate::model::{Model, Parameter};
 pub use crate::orbit::EventType;
-pub use crate::stability::verdict::{Reason, Stability};
+pub use crate::orbit::Stability;
+use crate::problem::compare::Occurrence;
+pub use crate::stability::verdict::Reason;
 pub use crate::wave::profile::ProfileSample;
 
 /// The leading eigenvalue of a wave, the translation mode left out.
@@ -82,4 +84,30 @@ pub struct Event {
     pub uncertainty: f64,
     /// A short sentence.
     pub what: String,
+}
+
+impl Occurrence for Event {
+    fn kind(&self) -> EventType {
+        self.kind
+    }
+
+    fn label(&self) -> usize {
+        self.label
+    }
+
+    fn sector(&self) -> Option<usize> {
+        self.sector
+    }
+
+    fn number(&self, name: &str) -> Option<f64> {
+        match name {
+            "speed" => Some(self.speed),
+            "omega" => self.omega,
+            _ => self.model.value(Parameter::from_column(name)?),
+        }
+    }
+
+    fn regimes(&self) -> [&str; 2] {
+        [&self.regimes_before, &self.regimes_after]
+    }
 }

@@ -11,12 +11,11 @@ use super::junit::{self, Suite, Verdict};
 use super::options::{read, spare, write};
 use super::prepare::{early_end, follow, ready};
 use super::{print, warn};
-use crate::branch::compare::{Compared, Comparison, compare, number};
 use crate::certify::{Point, certify};
-use crate::model::Parameter;
 use crate::output::certify::sentence;
 use crate::output::store::Offers;
 use crate::problem::Problem;
+use crate::problem::compare::{Compared, Comparison, Occurrence, compare};
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArguments {
@@ -127,7 +126,7 @@ fn check_file(path: &Path) -> Result<Outcome, Failure> {
         Ok(format!("{file}: {points} points, {events} events"))
     })?;
     let compared = compare(&problem.expect, &events);
-    let compared = compared.iter().map(|one| found(one, parameter));
+    let compared = compared.iter().map(|one| found(one, parameter.column()));
     let found: Vec<Found> = compared.chain(certified.iter().map(proven)).collect();
     let trouble = early_end(&branch);
     Ok(Outcome {
@@ -159,7 +158,7 @@ fn proven(point: &Point) -> Found {
 }
 
 /// An expectation in words.
-fn found(compared: &Compared, parameter: Parameter) -> Found {
+fn found(compared: &Compared<impl Occurrence>, column: &str) -> Found {
     let expectation = compared.expectation;
     let mut title = expectation.event.to_string();
     // writing to a string does not fail
@@ -171,8 +170,7 @@ fn found(compared: &Compared, parameter: Parameter) -> Found {
             "no {title} was found on the branch that is not matched"
         )),
         Some(event) => {
-            let column = parameter.column();
-            let value = number(event, column).unwrap_or(f64::NAN);
+            let value = event.number(column).unwrap_or(f64::NAN);
             let _ = write!(title, " at {column} = {value:.12}");
             compared.regimes.as_ref().map(ToString::to_string)
         }

@@ -17,12 +17,12 @@ use crate::branch::row::{EigenfunctionRow, EigenvalueRow, WaveEigenvalueRow};
 use crate::branch::run::{End, Item, answer};
 use crate::discretised;
 use crate::model::{FrictionLaw, Parameter};
+use crate::orbit::Stability;
 use crate::output::pictures;
 use crate::problem::{Problem, StabilitySection};
 use crate::stability::characteristic::Characteristic;
 use crate::stability::eigenfunction::eigenfunction;
 use crate::stability::spectrum::{Request, spectrum as compute};
-use crate::stability::verdict::Stability;
 use crate::table;
 
 #[derive(Debug, Args)]

@@ -19,6 +19,7 @@ pub mod follow;
 pub mod legs;
 pub mod sign;
 pub mod special;
+mod stability;
 
 use std::fmt::{Debug, Display};
 
@@ -30,6 +31,7 @@ use crate::continuation::newton::{Constraint, System};
 use crate::linalg::{Matrix, Vector};
 pub use event::{EventType, UnknownType};
 use sign::Verdict;
+pub use stability::Stability;
 
 /// Data that results keep: what is compared, shown and saved.
 pub trait Data: Clone + Debug + PartialEq + Serialize + DeserializeOwned {}

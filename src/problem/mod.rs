@@ -3,6 +3,7 @@
 //! `ron` decides whether a file is well formed. Only when it refuses, or when a value fails the
 //! checks of [`parse`], does an outline of the text tell where to point.
 
+pub mod compare;
 mod continuation;
 mod curve;
 mod doubt;

@@ -4,28 +4,6 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Linear stability of a wave against perturbations of the full circle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Stability {
-    /// Stable, as verified up to rounding, against every perturbation of the full circle.
-    Yes,
-    /// At least one growing mode.
-    No,
-    /// Neither could be shown; a [`Reason`] says what is missing.
-    Undecided,
-}
-
-impl Stability {
-    /// Its word in tables: "yes", "no" or "undecided".
-    pub fn word(self) -> &'static str {
-        match self {
-            Stability::Yes => "yes",
-            Stability::No => "no",
-            Stability::Undecided => "undecided",
-        }
-    }
-}
-
 /// What a verdict or a count rests on, where the count of growing eigenvalues does not say it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Reason {

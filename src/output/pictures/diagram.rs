@@ -10,9 +10,9 @@ use super::names::{event, event_mark, quantity, short_signature, signature_colou
 use super::tables::{Tables, column, kind, number};
 use crate::model::Parameter;
 use crate::orbit::EventType;
+use crate::orbit::Stability;
 use crate::output::store::StoreError;
 use crate::problem::{Plot, Problem};
-use crate::stability::verdict::Stability;
 use crate::table::Table;
 
 /// Most signatures in the legend.

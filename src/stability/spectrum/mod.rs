@@ -26,7 +26,8 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::characteristic::Characteristic;
-use crate::stability::verdict::{Reason, Stability};
+use crate::orbit::Stability;
+use crate::stability::verdict::Reason;
 
 type C64 = Complex<f64>;
 

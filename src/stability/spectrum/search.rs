@@ -5,9 +5,10 @@ use super::find::SAME_ZERO;
 use super::translation::remove_translation;
 use super::verdict::verdict;
 use super::{C64, Eigenvalue, ON_AXIS, Request, Sector, Spectrum, margin, symmetric};
+use crate::orbit::Stability;
 use crate::stability::asymptotic::HighFrequency;
 use crate::stability::characteristic::Characteristic;
-use crate::stability::verdict::{Reason, Stability};
+use crate::stability::verdict::Reason;
 
 /// Most zeros expected in a window, over all sectors. Where c² → a one delay grows without bound
 /// and zeros lie that dense; beyond this number the window is cut and the answer left open.

@@ -2,9 +2,10 @@
 
 use super::count::{EDGE, Search, Window};
 use super::{C64, Eigenvalue, Request, Spectrum};
+use crate::orbit::Stability;
 use crate::stability::asymptotic::HighFrequency;
 use crate::stability::characteristic::Characteristic;
-use crate::stability::verdict::{Reason, Stability};
+use crate::stability::verdict::Reason;
 
 /// The strips of a verdict are at least and at most this high, in units of 1/T.
 const STRIPS: (f64, f64) = (15.0, 600.0);

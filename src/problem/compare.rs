@@ -2,9 +2,28 @@
 
 use std::fmt;
 
-use super::Event;
-use crate::model::Parameter;
-use crate::problem::Expectation;
+use super::Expectation;
+use crate::orbit::EventType;
+
+/// An event that can be expected.
+pub trait Occurrence {
+    /// Its type.
+    fn kind(&self) -> EventType;
+
+    /// Its label.
+    fn label(&self) -> usize;
+
+    /// Bloch sector, where it has one.
+    fn sector(&self) -> Option<usize> {
+        None
+    }
+
+    /// A number of it by the name of its column.
+    fn number(&self, name: &str) -> Option<f64>;
+
+    /// Regimes before and after it.
+    fn regimes(&self) -> [&str; 2];
+}
 
 /// One number of one expectation, compared.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,24 +79,24 @@ impl fmt::Display for OtherRegimes {
 
 /// An expectation with the event it is compared with.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Compared<'a> {
+pub struct Compared<'a, E> {
     /// What was expected.
     pub expectation: &'a Expectation,
     /// The event; none where all that it may be are compared with others.
-    pub event: Option<&'a Event>,
+    pub event: Option<&'a E>,
     /// Its numbers.
     pub numbers: Vec<Comparison>,
     /// Its regimes, where they are others.
     pub regimes: Option<OtherRegimes>,
 }
 
-impl<'a> Compared<'a> {
-    fn new(expectation: &'a Expectation, event: Option<&'a Event>) -> Compared<'a> {
+impl<'a, E: Occurrence> Compared<'a, E> {
+    fn new(expectation: &'a Expectation, event: Option<&'a E>) -> Compared<'a, E> {
         let tolerance = expectation.tolerance;
         let compare = |(name, expected): (&str, f64)| Comparison {
             name: name.to_owned(),
             expected,
-            found: event.and_then(|event| number(event, name)),
+            found: event.and_then(|event| event.number(name)),
             tolerance,
         };
         Compared {
@@ -99,37 +118,31 @@ impl<'a> Compared<'a> {
     }
 }
 
-/// A number of an event by the name of its column.
-pub fn number(event: &Event, name: &str) -> Option<f64> {
-    match name {
-        "speed" => Some(event.speed),
-        "omega" => event.omega,
-        _ => event.model.value(Parameter::from_column(name)?),
-    }
-}
-
-fn regimes(expectation: &Expectation, event: &Event) -> Option<OtherRegimes> {
+fn regimes(expectation: &Expectation, event: &impl Occurrence) -> Option<OtherRegimes> {
+    let [before, after] = event.regimes();
     let sides = [
-        (true, &expectation.regimes_before, &event.regimes_before),
-        (false, &expectation.regimes_after, &event.regimes_after),
+        (true, &expectation.regimes_before, before),
+        (false, &expectation.regimes_after, after),
     ];
-    let other = |(before, expected, found): (bool, &Option<String>, &String)| {
-        let expected = expected.as_ref().filter(|expected| *expected != found)?;
+    let other = |(before, expected, found): (bool, &Option<String>, &str)| {
+        let expected = expected
+            .as_ref()
+            .filter(|expected| expected.as_str() != found)?;
         Some(OtherRegimes {
             before,
             expected: expected.clone(),
-            found: found.clone(),
+            found: found.to_owned(),
         })
     };
     sides.into_iter().find_map(other)
 }
 
 /// Whether an expectation may mean an event.
-fn may_mean(expectation: &Expectation, event: &Event) -> bool {
+fn may_mean(expectation: &Expectation, event: &impl Occurrence) -> bool {
     let (sector, label) = (expectation.sector, expectation.label);
-    event.kind == expectation.event
-        && (sector.is_none() || sector == event.sector)
-        && label.is_none_or(|label| label == event.label)
+    event.kind() == expectation.event
+        && (sector.is_none() || sector == event.sector())
+        && label.is_none_or(|label| label == event.label())
 }
 
 /// An event that an expectation may mean.
@@ -144,7 +157,10 @@ struct Fit {
 /// As many expectations as possible are met: an expectation gives way to another one if it finds an
 /// event elsewhere (augmenting paths in a bipartite graph). Those that are left are shown with the
 /// nearest event that is left.
-pub fn compare<'a>(expectations: &'a [Expectation], events: &'a [Event]) -> Vec<Compared<'a>> {
+pub fn compare<'a, E: Occurrence>(
+    expectations: &'a [Expectation],
+    events: &'a [E],
+) -> Vec<Compared<'a, E>> {
     let fits: Vec<Vec<Fit>> = expectations
         .iter()
         .map(|expectation| {
