@@ -483,9 +483,13 @@ impl<'a> Characteristic<'a> {
         Ok(corners)
     }
 
-    /// Whether right of a line there is only an enclosed eigenvalue, with its conjugate and λ = 0.
+    /// Whether right of a line there is only an enclosed eigenvalue, with its conjugate and λ = 0. The translation mode
+    /// itself does not lead: a statement about it would hide the eigenvalue that comes next.
     fn leads(&self, eigenvalue: &Eigenvalue, line: f64, window: f64) -> bool {
         let sector = eigenvalue.sector;
+        if sector == 0 && eigenvalue.growth.contains(0.0) && eigenvalue.omega.contains(0.0) {
+            return false;
+        }
         let own = self.conjugate(sector) == sector;
         let pair = own && !eigenvalue.omega.contains(0.0);
         let known = 1 + usize::from(pair) + usize::from(sector == 0 && line < 0.0);

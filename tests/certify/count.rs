@@ -2,8 +2,10 @@
 //! counted, and what must be refused.
 
 use brakewave::branch::run::{Item, Runner};
-use brakewave::certify::{self, Condition, Counted, Growth, Outcome, Point, Refused, Verdict};
-use brakewave::interval::Decimal;
+use brakewave::certify::{
+    self, Condition, Counted, Eigenvalue, Growth, Outcome, Point, Refused, Verdict,
+};
+use brakewave::interval::{Decimal, Interval};
 use brakewave::orbit::EventType;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem;
@@ -194,6 +196,36 @@ fn false_counts_are_refused() {
             point.growth
         );
     }
+}
+
+/// Just before a fold a real eigenvalue is close to λ = 0: with the translation mode in its place there are as many
+/// right of a line as if it led.
+#[test]
+fn the_translation_mode_does_not_lead() {
+    let changes = [
+        ("stop_at: [0.3, 0.5, 0.8],", "stop_at: [1.09],"),
+        ("range: (0.2, 3.0)", "range: (0.2, 1.0905)"),
+    ];
+    let points = counted("mode4_friction", &changes, &[EventType::UZ]);
+    let leading = |near: [f64; 2], growth: [f64; 2]| {
+        let mut point = points[0].1.clone();
+        let Outcome::Proven(proof) = &mut point.outcome else {
+            panic!("{:?}", point.outcome);
+        };
+        proof.eigenvalues = vec![Eigenvalue {
+            sector: 0,
+            near,
+            growth: Interval::new(growth[0], growth[1]),
+            omega: Interval::new(-1e-9, 1e-9),
+        }];
+        match point.counted(1.0) {
+            Some(Counted::Proven(growth)) => growth.leading.len(),
+            other => panic!("{other:?}"),
+        }
+    };
+    // Re λ = −0.02784299 by `spectrum`
+    assert_eq!(leading([-0.027842987, 0.0], [-0.027843, -0.027842]), 1);
+    assert_eq!(leading([0.0, 0.0], [-1e-9, 1e-9]), 0);
 }
 
 /// At a crossing that is not said to be one, an eigenvalue is within rounding of the axis.

@@ -1,0 +1,242 @@
+"""Tests of check_certificate.py against certificates that the binary writes, as they are and forged.
+
+    BRAKEWAVE=target/release/brakewave python3 python/test_check.py
+
+Without the variable the binary is looked for in target/ and on PATH. Where it or python-flint is not there the
+tests are skipped, and say so.
+"""
+
+import contextlib
+import io
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from math import nextafter
+from pathlib import Path
+
+try:
+    import flint
+
+    import check_certificate
+    from ball_waves import Refused, contracts, exponential, prove_zero, tail
+except (ImportError, SystemExit) as error:
+    print(f"tests of python/check_certificate.py skipped: {error}")
+    sys.exit(0)
+
+ROOT = Path(__file__).resolve().parent.parent
+BUILT = [ROOT / "target" / profile / "brakewave" for profile in ("release", "debug")]
+BINARY = next(filter(None, [os.environ.get("BRAKEWAVE"), *(str(path) for path in BUILT if path.is_file())]), None)
+BINARY = BINARY or shutil.which("brakewave")
+
+MODEL = "model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.5, mismatch: 0.2),"
+WAVES = f"""({MODEL} wave: (mode: 4, start: Fast),
+    continuation: (parameter: Mismatch, range: (0.045, 0.2), toward: Down, stop_at: [0.08]),
+)"""
+DAMPED = MODEL.replace("mismatch: 0.2", "mismatch: 0.2, damping: (mass: 0.28)")
+COUNTED = f"""({DAMPED} wave: (mode: 4, start: Fast),
+    continuation: (parameter: MassDamping, range: (0.28, 0.31), toward: Up),
+    stability: (max_frequency: 1.5),
+)"""
+"""One crossing; counts are 0 1 2 before it and 0 1 0 after, with what leads sector 0 left of the axis."""
+SHIFT = 1 + 1e-12
+
+
+def check(path):
+    """Exit code of the checker, and what it prints."""
+    output = io.StringIO()
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
+        return check_certificate.main(path), output.getvalue()
+
+
+class Mathematics(unittest.TestCase):
+    """What the balls are used for, against closed forms."""
+
+    def test_ron(self):
+        text = '// one\n(a: 1.50, b: [Some(2), None], c: Law(x: -1e-3), d: ("p\\"q", On), /* e */ e: Tag((1, 2)),)'
+        value = check_certificate.read_ron(text)
+        self.assertEqual(value["a"].text, "1.50")
+        self.assertEqual(value["b"], [2, None])
+        self.assertEqual(value["c"].value["x"], -1e-3)
+        self.assertEqual(value["d"], ('p"q', "On"))
+        self.assertEqual(value["e"].value, (1, 2))
+        for wrong in ["", "(a: 1", "(a: 1) 2", "(a: 1, a: 2)", "[1, 2)", "(a 1)", "@"]:
+            with self.assertRaises((ValueError, IndexError), msg=wrong):
+                check_certificate.read_ron(wrong)
+
+    def test_zeros(self):
+        # x² = 2 and xy = 1
+        zero = prove_zero(lambda x: [x[0] * x[0] - 2, x[0] * x[1] - 1], [1.414, 0.707])
+        for y, exact in zip(zero.middle, [flint.arb(2).sqrt(), 1 / flint.arb(2).sqrt()]):
+            self.assertTrue((y.real + flint.arb(0, zero.radius)).overlaps(exact))
+            self.assertLess(float(zero.radius), 1e-50)
+        # none, and a double one
+        for equation in [lambda x: [x[0] * x[0] + 1], lambda x: [x[0] * x[0]], lambda x: [x[0].exp()]]:
+            with self.assertRaises(Refused):
+                prove_zero(equation, [0.1])
+
+    def test_exponentials(self):
+        turn = [[0, 1, 0], [-1, 0, 0], [0, 0, 0]]
+        time = flint.acb(0.7)
+        turned = exponential(turn, time)
+        self.assertTrue(turned[0][0].overlaps(time.cos()) and turned[1][0].overlaps(-time.sin()))
+        # (sin t − t)/t³ at t = 0.7, and its limit −1/6
+        self.assertTrue(tail(turn, time, [0, 1, 0], 3)[0].overlaps((time.sin() - time) / time**3))
+        self.assertTrue(tail(turn, flint.acb(0), [0, 1, 0], 3)[0].contains(flint.fmpq(-1, 6)))
+
+    def test_norms(self):
+        # both have a row sum above 1; the spectral radii are 1/2 and 1.1
+        self.assertTrue(contracts([[0.5, 100], [0, 0.5]]))
+        self.assertFalse(contracts([[0.1, 1], [1, 0.1]]))
+
+
+class Certificates(unittest.TestCase):
+    """Certificates as they are written are proven again, and forged ones are refused."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.work = Path(tempfile.mkdtemp())
+        cls.addClassCleanup(shutil.rmtree, cls.work)
+        cls.folders = {}
+        for name, problem, options in [("waves", WAVES, ["--arcs"]), ("counted", COUNTED, ["--spectrum"])]:
+            (cls.work / f"{name}.ron").write_text(problem, encoding="utf-8")
+            cls.folders[name] = cls.work / name
+            command = [BINARY, "certify", f"{name}.ron", "--out", name, *options]
+            subprocess.run(command, cwd=cls.work, check=True, stdout=subprocess.DEVNULL)
+
+    def forged(self, folder, *changes, file="certificate.ron", after=""):
+        """What the checker says of a folder in which (pattern, replacement) changed the text once, after a text."""
+        copy = self.work / "forged"
+        shutil.rmtree(copy, ignore_errors=True)
+        shutil.copytree(self.folders[folder], copy)
+        text = (copy / file).read_text(encoding="utf-8")
+        begin = text.index(after)
+        for pattern, replacement in changes:
+            changed, times = re.subn(pattern, replacement, text[begin:], count=1, flags=re.S)
+            self.assertEqual(times, 1, pattern)
+            self.assertNotEqual(changed, text[begin:], pattern)
+            text = text[:begin] + changed
+        (copy / file).write_text(text, encoding="utf-8")
+        return check(copy)
+
+    def refuses(self, folder, statement, *changes, **where):
+        """Whether a forgery is refused for the statement that it changes."""
+        code, output = self.forged(folder, *changes, **where)
+        self.assertEqual(code, 1, output)
+        self.assertRegex(output, f"{statement}[^\n]*: refused: ")
+
+    def test_what_is_proven_is_proven_again(self):
+        for name, folder in self.folders.items():
+            code, output = check(folder)
+            self.assertEqual(code, 0, output)
+            self.assertNotIn("refused", output)
+            # every statement but the arcs
+            uncovered = [line for line in output.splitlines() if "proven again" not in line]
+            self.assertTrue(all(" arc: not covered" in line for line in uncovered), output)
+            self.assertGreater(output.count("proven again"), 25, name)
+            self.assertEqual(check(folder / "certificate.ron"), (code, output))
+
+    def test_forged_intervals(self):
+        number = r"(-?[\d.]+(?:e-?\d+)?)"
+        interval = rf"low: {number},\s*high: {number},"
+        for name in ["parameter", "speed"]:
+            # by 1e-12 of itself, which is less than an independent computation in doubles would see
+            shift = lambda found: f"{name}: (low: {float(found[1]) * SHIFT!r}, high: {float(found[2]) * SHIFT!r},"
+            for kind in ["RV", "UZ", "GR", "EP"]:
+                self.refuses("waves", "wave", (rf"{name}: \(\s*{interval}", shift), after=f"kind: {kind},")
+        below = lambda found: f"parameter: (low: {found[1]}, high: {float(found[1]) * 0.6 + float(found[2]) * 0.4!r},"
+        turned = lambda found: f"parameter: (low: {found[2]}, high: {found[1]},"
+        for change in [below, turned]:
+            self.refuses("waves", "wave", (rf"parameter: \(\s*{interval}", change), after="kind: RV,")
+        beside = lambda found: f"lengths: [(low: {found[2]}, high: {nextafter(float(found[2]), 9)!r},"
+        self.refuses("waves", "wave", (rf"lengths: \[\s*\(\s*{interval}", beside))
+        shifted = lambda found: f"omega: Some((low: {float(found[1]) * SHIFT!r}, high: {float(found[2]) * SHIFT!r},"
+        self.refuses("counted", "wave", (rf"omega: Some\(\(\s*{interval}", lambda found: shifted(found)), after="kind: HB,")
+
+    def test_forged_waves(self):
+        for statement, change, after in [
+            # another regime, another switch, another impact that the wave does not meet
+            ("wave", ("regime: Reverse", "regime: Slip"), "kind: UZ"),
+            ("wave", ("entry: Arrest", "entry: Landing"), "kind: UZ"),
+            ("numbers", ("impact: Frictionless", "impact: Coulomb"), "kind: UZ"),
+            # another type, another margin
+            ("type", ("kind: RV", "kind: CO"), ""),
+            ("type", ("kind: GR", "kind: ST"), ""),
+            ("type", ("kind: UZ", "kind: LP"), ""),
+            ("wave", ("watch: LowerForce", "watch: UpperForce"), "kind: RV"),
+            # another number of the model: one on which the wave depends, one on which it does not
+            ("wave", ('friction: "0.5"', 'friction: "0.5000000000001"'), "kind: GR"),
+            ("numbers", ('mismatch: "0.2"', 'mismatch: "0.3"'), "kind: GR"),
+            ("wave", ("mode: 4", "mode: 5"), ""),
+            ("wave", ('Value\("0.08"\)', 'Value("0.0800000000001")'), ""),
+            ("wave", ("parameter: Mismatch", "parameter: Friction"), ""),
+            ("numbers", (r"unit: 0\.155", "unit: 0.3"), ""),
+            # another point: that of the row before
+            ("labels", ("label: 1,", "label: 2,"), ""),
+            ("row", (r"inequalities: \d+", "inequalities: 99"), ""),
+        ]:
+            with self.subTest(statement=statement, change=change):
+                self.refuses("waves", statement, change, after=after)
+
+    def test_an_inequality_that_does_not_hold(self):
+        # slip-stick beyond the point where reverse slip opens solves all equations, but not |Q| ≤ fP
+        text = (self.folders["waves"] / "certificate.ron").read_text(encoding="utf-8")
+        first = text[text.index("near: (") : text.index("parameter: 0.2,")]
+        value = (r'condition: Value\("0.2"\)', 'condition: Value("0.08")')
+        parameter = (r"parameter: 0\.2,", "parameter: 0.08,")
+        interval = (r"low: 0\.1\d*,\s*high: 0\.2\d*,", "low: 0.07999999999999999, high: 0.08000000000000002,")
+        self.assertIn("regime: Stick", first)
+        self.refuses("waves", "inequalities", value, parameter, interval)
+
+    def test_swapped_labels(self):
+        labels = re.findall(r"label: (\d+),", (self.folders["waves"] / "certificate.ron").read_text(encoding="utf-8"))
+        swap = (rf"label: {labels[1]},(.*?)label: {labels[2]},", rf"label: {labels[2]},\1label: {labels[1]},")
+        self.refuses("waves", "labels", swap)
+        self.refuses("waves", "row", swap)
+
+    def test_forged_table(self):
+        self.refuses("waves", "row", (r"GR,mismatch,5\.0228", "GR,mismatch,5.0229"), file="certificates.csv")
+        self.refuses("counted", "row", (r"HB,(.*),2,no,", r"HB,\1,4,no,"), file="certificates.csv")
+        self.refuses("counted", "row", (r"HB,(.*),2,no,", r"HB,\1,2,yes,"), file="certificates.csv")
+        self.refuses("waves", "row", (r"(RV,mismatch(?:,[^,]*){4}),[^,]*", r"\1,1e-1"), file="certificates.csv")
+
+    def test_forged_eigenvalues(self):
+        for statement, *changes, after in [
+            ("wave", (r"sector: (\d)", lambda found: f"sector: {(int(found[1]) + 1) % 3}"), "kind: HB"),
+            ("eigenvalue", ("sector: 1", "sector: 2"), "eigenvalues: ["),
+            ("eigenvalue", (r"growth: \(\s*low: 0\.00893151", "growth: (low: 0.00893152"), ""),
+            ("growing", (r"counts: \[\s*0,\s*1", "counts: [0, 2"), ""),
+            ("growing", (r"counts: \[\s*0,\s*1", "counts: [0, 0"), ""),
+            ("growing", (r"counts: \[\s*0", "counts: [1"), "kind: HB,"),
+            ("growing", ("window: 1.5", "window: 1.0"), ""),
+            ("stability", ("verdict: Unstable", "verdict: HighFrequency"), ""),
+            ("stability", ("verdict: Unstable", "verdict: Neutral"), "kind: HB,"),
+            ("stability", ("verdict: Unstable", "verdict: Stable(beyond: 90.0)"), ""),
+            ("leading", (r"sector: 1,\s*line: -?0\.0\d*", "sector: 1, line: 0.02"), ""),
+            ("leading", (r"sector: 1,\s*line: -?0\.0\d*", "sector: 1, line: -2.5"), ""),
+        ]:
+            with self.subTest(statement=statement, changes=changes):
+                self.refuses("counted", statement, *changes, after=after)
+
+    def test_translation_does_not_lead(self):
+        # λ = 0 is an eigenvalue of sector 0, but the one of the statement is what leads beside it
+        nothing = "(low: -1e-12, high: 1e-12)"
+        zero = rf"eigenvalues: [(sector: 0, near: (0.0, 0.0), growth: {nothing}, omega: {nothing}),"
+        eigenvalue = (r"eigenvalues: \[\s*\(\s*sector: 0,.*?omega: \(.*?\),\s*\),", zero)
+        self.refuses("counted", "leading", eigenvalue, (r"sector: 0,\s*line: -[\d.]*", "sector: 0, line: -0.0001"))
+
+    def test_what_cannot_be_read(self):
+        self.assertEqual(check(self.work / "nothing")[0], 2)
+        for change in [(r"\(", "["), ("posed", "said"), ("label: 1", "label: x"), (r'"0.3"', '"a third"')]:
+            code, output = self.forged("waves", change)
+            self.assertEqual(code, 2, output)
+
+
+if __name__ == "__main__":
+    if BINARY is None:
+        print("tests of python/check_certificate.py skipped: no binary; build one or set BRAKEWAVE")
+        sys.exit(0)
+    unittest.main()
