@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
 use winnow::LocatingSlice;
 use winnow::ascii::{digit0, digit1, multispace0};
 use winnow::combinator::{
@@ -116,7 +117,7 @@ pub struct Expression {
 }
 
 /// What is wrong with an expression.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Wrong {
     /// It is longer than can be read.
     #[error("the expression has {0} characters; at most {LONGEST} are read")]
@@ -136,7 +137,7 @@ pub enum Wrong {
 }
 
 /// Why an operation has no result in an algebra.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
 pub enum Obstacle {
     /// Product or quotient of two factors that both depend on the states, or on state and phase.
     #[error("not affine in the states: a product of things that change")]
@@ -153,7 +154,7 @@ pub enum Obstacle {
 }
 
 /// Something wrong, and the bytes of the text it is about.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Flaw {
     /// What.
     pub wrong: Wrong,

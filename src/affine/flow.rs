@@ -6,7 +6,7 @@ use crate::linalg::{Matrix, Vector};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS, REMAINDER};
 
 /// Terms of the series of exp(Mh) for ‖Mh‖ ≤ 1 in the balanced norm: the remainder is 1/19! ≈ 8e-18.
-const TERMS: u32 = 18;
+pub(super) const TERMS: u32 = 18;
 
 /// Sweeps that balance a matrix: each at least halves what is left to gain.
 const SWEEPS: usize = 20;
@@ -96,8 +96,38 @@ impl ModeFlow {
         sum
     }
 
+    /// z at a time ≥ 0 after the beginning.
+    pub(super) fn after(&self, z: &Vector, time: f64) -> Vector {
+        let (mut z, mut rest) = (z.clone(), time);
+        while rest > self.length {
+            z = self.advance(&z);
+            rest -= self.length;
+        }
+        self.within(&z, rest)
+    }
+
+    /// Every state over the beginning of a piece, as polynomials in time/`length`/`part`, and what they leave out.
+    pub(super) fn states(&self, z: &Vector, part: f64, states: usize) -> Vec<Bernstein> {
+        let mut taylor = vec![[0.0; COEFFICIENTS]; states];
+        let mut term = z.clone();
+        for k in 0..COEFFICIENTS {
+            if k > 0 {
+                term = &self.matrix * term * (part * self.length / k as f64);
+            }
+            for (state, taylor) in taylor.iter_mut().enumerate() {
+                taylor[k] = term[state];
+            }
+        }
+        let amplitude: f64 = z.iter().zip(&self.scales).map(|(z, d)| z.abs() / d).sum();
+        let error = 1.06 * REMAINDER * part.powi(COEFFICIENTS as i32) * amplitude;
+        let polynomials = taylor.iter().zip(&self.scales);
+        polynomials
+            .map(|(taylor, d)| Bernstein::from_taylor(taylor, error * d))
+            .collect()
+    }
+
     /// A guard over the beginning of a piece, as a polynomial in time/`length`/`part`.
-    fn taylor(&self, guard: usize, z: &Vector, part: f64) -> ([f64; COEFFICIENTS], f64) {
+    pub(super) fn taylor(&self, guard: usize, z: &Vector, part: f64) -> ([f64; COEFFICIENTS], f64) {
         let GuardSeries { coefficients, size } = &self.guards[guard];
         let mut power = 1.0;
         let taylor = std::array::from_fn(|k| {
@@ -176,7 +206,7 @@ fn series(matrix: &Matrix, time: f64) -> Matrix {
 ///
 /// Osborne's method: rows and columns of one index get the same size. Units as different as volts and seconds
 /// would otherwise make pieces a hundred times too short.
-fn balance(matrix: &Matrix) -> (Vector, f64) {
+pub(super) fn balance(matrix: &Matrix) -> (Vector, f64) {
     let size = matrix.nrows();
     let mut scales = Vector::repeat(size, 1.0);
     let entry =

@@ -33,14 +33,14 @@ impl Dual {
     }
 
     /// Combination of both with these weights.
-    fn sum(self, weight: f64, other: Dual, other_weight: f64) -> Dual {
+    pub(super) fn sum(self, weight: f64, other: Dual, other_weight: f64) -> Dual {
         Dual {
             value: weight * self.value + other_weight * other.value,
             by: [0, 1].map(|p| weight * self.by[p] + other_weight * other.by[p]),
         }
     }
 
-    fn times(self, other: Dual) -> Dual {
+    pub(super) fn times(self, other: Dual) -> Dual {
         Dual {
             value: self.value * other.value,
             by: [0, 1].map(|p| self.by[p] * other.value + self.value * other.by[p]),

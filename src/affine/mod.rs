@@ -3,12 +3,13 @@
 //! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names; [`form`] is
 //! what expressions of such a system are evaluated in, [`mode`] the linear flow that a mode is made into at
 //! given parameters, [`flow`] that flow with the signs of its guards, and [`motion`] follows it through its switches;
-//! [`steady`] has the equilibria.
+//! [`steady`] has the equilibria, [`orbit`] the periodic orbits.
 
 pub mod expression;
 pub mod flow;
 pub mod form;
 pub mod mode;
 pub mod motion;
+pub mod orbit;
 pub mod steady;
 pub mod system;

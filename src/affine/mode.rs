@@ -16,7 +16,7 @@ pub struct Row {
 }
 
 impl Row {
-    fn zero(size: usize) -> Row {
+    pub(super) fn zero(size: usize) -> Row {
         let zero = Vector::zeros(size);
         Row {
             by: [zero.clone(), zero.clone()],
@@ -24,7 +24,14 @@ impl Row {
         }
     }
 
-    fn set(&mut self, column: usize, value: Dual) {
+    /// The component of z with this index.
+    pub(super) fn unit(size: usize, index: usize) -> Row {
+        let mut row = Row::zero(size);
+        row.at[index] = 1.0;
+        row
+    }
+
+    pub(super) fn set(&mut self, column: usize, value: Dual) {
         self.at[column] = value.value;
         for (by, derivative) in self.by.iter_mut().zip(value.by) {
             by[column] = derivative;
@@ -32,14 +39,14 @@ impl Row {
     }
 
     /// cᵀM with derivatives.
-    fn through(&self, matrix: &MatrixBy) -> Row {
+    pub(super) fn through(&self, matrix: &MatrixBy) -> Row {
         Row {
             at: matrix.at.tr_mul(&self.at),
             by: [0, 1].map(|p| matrix.at.tr_mul(&self.by[p]) + matrix.by[p].tr_mul(&self.at)),
         }
     }
 
-    fn negative(&self) -> Row {
+    pub(super) fn negative(&self) -> Row {
         Row {
             at: -&self.at,
             by: self.by.each_ref().map(|by| -by),
@@ -72,7 +79,7 @@ impl MatrixBy {
         }
     }
 
-    fn row(&self, row: usize) -> Row {
+    pub(super) fn row(&self, row: usize) -> Row {
         Row {
             at: self.at.row(row).transpose(),
             by: self.by.each_ref().map(|by| by.row(row).transpose()),

@@ -127,7 +127,7 @@ pub struct SwitchSource {
 }
 
 /// What is wrong with a system.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Mistake {
     /// An expression.
     #[error("{}", .0.wrong)]
@@ -169,7 +169,7 @@ pub enum Mistake {
 }
 
 /// Why a name cannot be used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
 pub enum BadName {
     /// It is no word.
     #[error("a name is a letter followed by letters, digits and `_`")]
@@ -184,7 +184,7 @@ pub enum BadName {
 
 /// Something wrong with a system, and the place: names of fields joined by dots, as in
 /// `modes.free.rates.v`.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[error("{path}: {mistake}")]
 pub struct SystemError {
     /// Path of the field below `system`.

@@ -184,7 +184,7 @@ impl Bernstein {
         first.or_else(second)
     }
 
-    fn value(&self, t: f64) -> f64 {
+    pub(crate) fn value(&self, t: f64) -> f64 {
         let mut row = self.coefficients;
         for level in 0..DEGREE {
             for index in 0..DEGREE - level {

@@ -3,8 +3,10 @@
 
 #![allow(clippy::excessive_precision)] // figures as they are printed
 
+mod branches;
 mod matrices;
 mod motion;
+mod orbits;
 mod refusals;
 mod steady;
 mod systems;

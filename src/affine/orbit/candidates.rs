@@ -1,0 +1,308 @@
+//! The sequence that follows an event, by one rule.
+//!
+//! Where a margin is zero the orbit is cut open at that instant, between a mode before and a mode after it. Every
+//! chain of exits from the one to the other that the state of the instant allows is a candidate: modes on the way
+//! get zones of no length. Where both sides are one mode in one state, no switch at all is a candidate, too. Whether a
+//! candidate solves its equations at the event, and whether it is admissible a step further on, decides.
+
+use std::f64::consts::TAU;
+
+use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, ZonePoint};
+use super::margin::{Margin, Watch};
+use super::signature::{Sequence, Way, Zone};
+use super::structure::section;
+use crate::affine::mode::Row;
+use crate::linalg::Vector;
+use crate::orbit::Candidate;
+
+/// Zones of no length between two others.
+const LONGEST: usize = 4;
+
+/// A state of an event is known to 1e-13; what is zero there is smaller than this, in its own units, and what is not
+/// is larger but for a second event nearby, which would then be tried too.
+const NEAR: f64 = 1e-7;
+
+/// A zone of a cycle that may become an orbit.
+#[derive(Clone, Debug)]
+struct Piece {
+    zone: Zone,
+    at: ZonePoint,
+    /// Whether it has no length yet.
+    nascent: bool,
+}
+
+/// An orbit cut open at one instant.
+struct Opened {
+    /// From just after the instant to just before it; the way in which the last one ends is open.
+    pieces: Vec<Piece>,
+    /// z at the instant, before any switch.
+    z: Vector,
+    /// Phase at the instant.
+    phase: f64,
+    /// Both sides are two parts of one zone: nothing new needs no switch.
+    joined: bool,
+}
+
+/// A mode on the way, with the state in which it begins.
+#[derive(Clone)]
+struct Stage {
+    mode: usize,
+    state: Vec<f64>,
+    /// How the stage before ends.
+    way: Way,
+}
+
+/// Every candidate for the sequence beyond the zero of a margin.
+pub fn candidates(
+    orbit: &AffineOrbit,
+    point: &Vector,
+    margin: &Margin,
+) -> Result<Vec<Candidate<AffineOrbit>>, OrbitFailure> {
+    let at = orbit.at(point)?;
+    let Some(opened) = at.open(margin)? else {
+        return Ok(Vec::new());
+    };
+    let parameter = orbit.parameter_at(point);
+    let mut found: Vec<Candidate<AffineOrbit>> = Vec::new();
+    let mut add = |pieces: Vec<Piece>| {
+        let pieces = from_beginning(pieces);
+        let sequence = Sequence(pieces.iter().map(|piece| piece.zone.clone()).collect());
+        if sequence.is_rotation_of(&orbit.sequence) {
+            return;
+        }
+        let Some(other) = orbit.with_sequence(sequence) else {
+            return;
+        };
+        let zones: Vec<ZonePoint> = pieces.iter().map(|piece| piece.at.clone()).collect();
+        let point = other.pack(&zones, parameter);
+        let nascent = (0..pieces.len())
+            .filter(|index| pieces[*index].nascent)
+            .collect();
+        let candidate = Candidate {
+            orbit: other,
+            point,
+            nascent,
+        };
+        let known = |one: &Candidate<AffineOrbit>| {
+            one.orbit == candidate.orbit && one.nascent == candidate.nascent
+        };
+        if !found.iter().any(known) {
+            found.push(candidate);
+        }
+    };
+    let Some((first, last)) = opened.pieces.first().zip(opened.pieces.last()) else {
+        return Ok(Vec::new());
+    };
+    let same = first.zone.mode == last.zone.mode && at.agree(&opened.z, &first.at.state);
+    if same && !opened.joined {
+        add(at.merged(&opened.pieces));
+    }
+    for chain in at.chains(last.zone.mode, &opened, &first.at.state, first.zone.mode) {
+        let mut pieces = opened.pieces.clone();
+        let mut way = None;
+        for (index, stage) in chain.iter().enumerate() {
+            if let Some(last) = pieces.last_mut() {
+                last.zone.way = Some(stage.way);
+            }
+            if index + 1 == chain.len() {
+                way = Some(stage.way);
+                break;
+            }
+            pieces.push(Piece {
+                zone: Zone {
+                    mode: stage.mode,
+                    way: None,
+                    name: orbit.setting.system.mode_name(stage.mode).to_owned(),
+                },
+                at: ZonePoint {
+                    state: stage.state.clone(),
+                    duration: 0.0,
+                    phase: opened.phase,
+                },
+                nascent: true,
+            });
+        }
+        if way.is_some() {
+            add(pieces);
+        }
+    }
+    Ok(found)
+}
+
+/// Rotates a cycle so that it begins where its name does; where it repeats itself the longest zone keeps the origin
+/// steady.
+fn from_beginning(mut pieces: Vec<Piece>) -> Vec<Piece> {
+    let sequence = Sequence(pieces.iter().map(|piece| piece.zone.clone()).collect());
+    let duration = |index: &usize| pieces[*index].at.duration;
+    let beginnings = sequence.beginnings().into_iter();
+    let start = beginnings.max_by(|one, other| duration(one).total_cmp(&duration(other)));
+    pieces.rotate_left(start.unwrap_or(0));
+    pieces
+}
+
+impl OrbitAt<'_> {
+    fn piece(&self, zone: usize) -> Piece {
+        let count = self.zones.len();
+        Piece {
+            zone: self.orbit.sequence.zone(zone).clone(),
+            at: self.zones[zone % count].clone(),
+            nascent: false,
+        }
+    }
+
+    /// Cuts the orbit open where a margin is zero; `None` where nothing is left.
+    fn open(&self, margin: &Margin) -> Result<Option<Opened>, OrbitFailure> {
+        let count = self.zones.len();
+        let zone = margin.zone;
+        let omega = self.posed.system.omega.value;
+        // between the end of one zone and the entry of another
+        let between = |before: usize, first: usize, pieces: usize| {
+            let before = before % count;
+            let ends = &self.zones[before];
+            Ok(Some(Opened {
+                pieces: (first..first + pieces)
+                    .map(|zone| self.piece(zone))
+                    .collect(),
+                z: self.passage(before, ends.duration)?.end,
+                phase: ends.phase + omega * ends.duration,
+                joined: false,
+            }))
+        };
+        match margin.watch {
+            Watch::Duration if count < 2 => Ok(None),
+            Watch::Duration => between(zone + count - 1, zone + 1, count - 1),
+            Watch::Onset(_) => between(zone + count - 1, zone, count),
+            Watch::End(_) | Watch::Speed | Watch::Condition(_) | Watch::Before(_) => {
+                between(zone, zone + 1, count)
+            }
+            Watch::Inside(_) => {
+                let z = self.passage(zone, margin.time)?.end;
+                let phase = self.zones[zone].phase + omega * margin.time;
+                let mut second = self.piece(zone);
+                second.at.state = z.rows(0, self.orbit.states()).iter().copied().collect();
+                second.at.phase = phase;
+                let mut pieces = vec![second];
+                if self.orbit.sequence.zone(zone).way.is_some() {
+                    pieces[0].at.duration -= margin.time;
+                    pieces.extend((zone + 1..zone + count).map(|zone| self.piece(zone)));
+                    let mut first = self.piece(zone);
+                    first.at.duration = margin.time;
+                    pieces.push(first);
+                }
+                Ok(Some(Opened {
+                    pieces,
+                    z,
+                    phase,
+                    joined: true,
+                }))
+            }
+        }
+    }
+
+    /// Whether z has these states.
+    fn agree(&self, z: &Vector, state: &[f64]) -> bool {
+        let units = &self.orbit.setting.scales.states;
+        let mut pairs = z.iter().zip(state).zip(units);
+        pairs.all(|((one, other), unit)| (one - other).abs() <= NEAR * unit)
+    }
+
+    /// A form in its own units.
+    fn relative(&self, row: &Row, z: &Vector) -> f64 {
+        row.at.dot(z) / self.orbit.size(row)
+    }
+
+    /// Every chain of exits from a mode to a mode and a state at an instant.
+    fn chains(&self, from: usize, opened: &Opened, state: &[f64], to: usize) -> Vec<Vec<Stage>> {
+        let mut found = Vec::new();
+        let mut open: Vec<Vec<Stage>> = vec![Vec::new()];
+        for _ in 0..=LONGEST {
+            let mut longer = Vec::new();
+            for chain in open {
+                let (mode, z) = match chain.last() {
+                    None => (from, opened.z.clone()),
+                    Some(stage) => (
+                        stage.mode,
+                        self.posed.system.lift(&stage.state, opened.phase),
+                    ),
+                };
+                for stage in self.exits(mode, &z) {
+                    let mut chain = chain.clone();
+                    chain.push(stage.clone());
+                    let there = Vector::from_column_slice(&stage.state);
+                    if stage.mode == to && self.agree(&there, state) {
+                        found.push(chain.clone());
+                    }
+                    longer.push(chain);
+                }
+            }
+            open = longer;
+        }
+        found
+    }
+
+    /// Every exit that a state allows.
+    fn exits(&self, mode: usize, z: &Vector) -> Vec<Stage> {
+        let guards = self.posed.system.modes[mode].guards.iter().enumerate();
+        let mut stages = Vec::new();
+        for (guard, known) in guards {
+            if self.relative(&known.row, z).abs() > NEAR {
+                continue;
+            }
+            for (exit, known) in known.exits.iter().enumerate() {
+                let mut conditions = known.conditions.iter();
+                if conditions.all(|row| self.relative(row, z) >= -NEAR) {
+                    stages.push(Stage {
+                        mode: known.to,
+                        state: (&known.reset.at * z).iter().copied().collect(),
+                        way: Way { guard, exit },
+                    });
+                }
+            }
+        }
+        stages
+    }
+
+    /// The cycle without a switch at the instant.
+    fn merged(&self, pieces: &[Piece]) -> Vec<Piece> {
+        let mut rest = pieces[1..].to_vec();
+        let first = &pieces[0];
+        if let Some(last) = rest.last_mut() {
+            last.at.duration += first.at.duration;
+            last.zone.way = first.zone.way;
+            return rest;
+        }
+        // nothing switches any more: the phase begins at 0, or a rate is zero
+        let mut only = first.clone();
+        only.zone.way = None;
+        let flow = self.posed.flow(only.zone.mode);
+        let z = self.posed.system.lift(&only.at.state, only.at.phase);
+        let omega = self.posed.system.omega.value;
+        let time = if omega > 0.0 {
+            (TAU - only.at.phase.rem_euclid(TAU)) / omega
+        } else {
+            let mode = &self.posed.system.modes[only.zone.mode];
+            self.turn(section(mode), &only).unwrap_or(0.0)
+        };
+        let z = flow.after(&z, time);
+        only.at.state = z.rows(0, self.orbit.states()).iter().copied().collect();
+        only.at.phase = 0.0;
+        vec![only]
+    }
+
+    /// The first time in a zone at which a state has a minimum.
+    fn turn(&self, state: usize, piece: &Piece) -> Option<f64> {
+        let flow = self.posed.flow(piece.zone.mode);
+        let mut z = self.posed.system.lift(&piece.at.state, piece.at.phase);
+        let mut falling = false;
+        let mut begun = 0.0;
+        while begun < piece.at.duration {
+            let states = flow.states(&z, 1.0, self.orbit.states());
+            if let Some(place) = states[state].minima(&mut falling).first() {
+                return Some(begun + place * flow.length);
+            }
+            z = flow.advance(&z);
+            begun += flow.length;
+        }
+        None
+    }
+}

@@ -1,0 +1,238 @@
+//! Every inequality of every zone, decided over the whole zone by bounds and not by samples.
+
+use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
+use super::margin::{Margin, Watch};
+use crate::affine::flow::ModeFlow;
+use crate::linalg::Vector;
+use crate::orbit::Examined;
+use crate::orbit::sign::{Bernstein, Verdict};
+
+/// What an examination found.
+#[derive(Clone, Debug)]
+pub struct Examination {
+    /// All margins, in the order of the zones.
+    pub margins: Vec<Margin>,
+    /// Whether every inequality holds everywhere.
+    pub verdict: Verdict,
+    /// Functions that change their sign where the stability changes: those of
+    /// [`super::multipliers::Monodromy::tests`]. Empty where it is not looked for.
+    pub tests: Vec<f64>,
+}
+
+impl Examined for Examination {
+    type Margin = Margin;
+
+    fn margins(&self) -> &[Margin] {
+        &self.margins
+    }
+
+    fn verdict(&self) -> Verdict {
+        self.verdict
+    }
+
+    fn tests(&self) -> &[f64] {
+        &self.tests
+    }
+}
+
+/// More pieces than this are refused: no zone of interest has them, and their examination would take longer than
+/// a second.
+const MOST_PIECES: f64 = 1e5;
+
+/// Where the rate of a guard at the beginning of an orbit without switches is less than this in its own units, a
+/// minimum may lie there.
+const AT_BEGINNING: f64 = 1e-12;
+
+/// A piece of a zone.
+struct Piece {
+    /// z at its beginning.
+    z: Vector,
+    /// Time of that after the entry of the zone.
+    begun: f64,
+    /// Its length in units of the pieces of the flow.
+    part: f64,
+    is_first: bool,
+    is_last: bool,
+}
+
+/// The pieces of a zone of positive length; the last two are of one length, so that none is tiny.
+fn pieces(flow: &ModeFlow, entry: Vector, duration: f64) -> Vec<Piece> {
+    let mut pieces = Vec::new();
+    let (mut z, mut begun) = (entry, 0.0);
+    loop {
+        let rest = (duration - begun) / flow.length;
+        let part = match rest {
+            _ if rest <= 1.0 => rest,
+            _ if rest <= 2.0 => 0.5 * rest,
+            _ => 1.0,
+        };
+        let is_last = rest <= 1.0;
+        let time = part * flow.length;
+        let next = match part {
+            _ if is_last => Vector::zeros(0),
+            1.0 => flow.advance(&z),
+            _ => flow.within(&z, time),
+        };
+        pieces.push(Piece {
+            z: std::mem::replace(&mut z, next),
+            begun,
+            part,
+            is_first: pieces.is_empty(),
+            is_last,
+        });
+        if is_last {
+            return pieces;
+        }
+        begun += time;
+    }
+}
+
+impl OrbitAt<'_> {
+    fn pieces(&self, zone: usize) -> Result<Vec<Piece>, OrbitFailure> {
+        let duration = self.zones[zone].duration;
+        if duration.is_nan() || duration <= 0.0 {
+            return Ok(Vec::new());
+        }
+        let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
+        let count = duration / flow.length;
+        if count > MOST_PIECES {
+            return Err(OrbitFailure::Long {
+                mode: self.orbit.sequence.zone(zone).name.clone(),
+                duration,
+                pieces: count,
+                most: MOST_PIECES,
+            });
+        }
+        Ok(pieces(flow, self.entry(zone), duration))
+    }
+
+    /// Margins and verdict.
+    pub(super) fn examine(&self) -> Result<Examination, OrbitFailure> {
+        let mut examination = Examination {
+            margins: Vec::new(),
+            verdict: Verdict::Positive,
+            tests: Vec::new(),
+        };
+        for zone in 0..self.zones.len() {
+            self.examine_zone(zone, &mut examination)?;
+        }
+        if self.orbit.setting.stability {
+            let monodromy = self.monodromy()?;
+            examination.tests =
+                monodromy.map_or_else(|| vec![0.0; 3], |monodromy| monodromy.tests());
+        }
+        Ok(examination)
+    }
+
+    fn examine_zone(&self, zone: usize, examination: &mut Examination) -> Result<(), OrbitFailure> {
+        let Examination {
+            margins, verdict, ..
+        } = examination;
+        let mut judge = |one: Verdict| *verdict = verdict.and(one);
+        let first = margins.len();
+        let passage = self.passage(zone, self.zones[zone].duration)?;
+        for watch in self.edges(zone) {
+            let Some(margin) = self.edge(watch, zone, &passage) else {
+                judge(Verdict::Negative);
+                continue;
+            };
+            let positive = margin.value > 0.0;
+            judge(if positive {
+                Verdict::Positive
+            } else {
+                Verdict::Negative
+            });
+            margins.push(margin);
+        }
+        let held = |watch: Watch| {
+            let margin = margins[first..].iter().find(|margin| margin.watch == watch);
+            margin.is_none_or(|margin| margin.value > 0.0)
+        };
+        let way = self.orbit.sequence.zone(zone).way;
+        let facts = &self.posed.facts[zone];
+        let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
+        let pieces = self.pieces(zone)?;
+        let mut inside = Vec::new();
+        for guard in 0..self.mode(zone).guards.len() {
+            let Some(order) = facts.at_entry[guard] else {
+                continue;
+            };
+            let row = &self.mode(zone).guards[guard].row;
+            // without switches the beginning is a place like any other: a minimum may lie there
+            let rate = || row.through(&self.mode(zone).matrix).at.dot(&passage.entry);
+            let slow = AT_BEGINNING * self.orbit.size(row) / self.orbit.setting.scales.time;
+            let mut falling = way.is_none() && rate() <= slow;
+            let mut places = Vec::new();
+            for piece in &pieces {
+                let (mut taylor, remainder) = flow.taylor(guard, &piece.z, piece.part);
+                let at_start = if piece.is_first { order } else { 0 };
+                taylor[..at_start].fill(0.0);
+                let at_end = facts.at_end[guard].filter(|_| piece.is_last && way.is_some());
+                let bernstein = Bernstein::from_taylor(&taylor, remainder);
+                judge(bernstein.verdict(at_start, at_end.unwrap_or(0)));
+                let minima = bernstein.minima(&mut falling).into_iter();
+                let time = |place: f64| piece.begun + place * piece.part * flow.length;
+                places.extend(minima.map(time));
+            }
+            // what follows from a margin at an end that is negative is no minimum of its own
+            if order > 0 && !held(Watch::Onset(guard)) && !places.is_empty() {
+                places.remove(0);
+            }
+            if way.is_some_and(|way| way.guard == guard) && !held(Watch::Speed) {
+                places.pop();
+            }
+            let entry = &pieces.first().map(|piece| piece.z.clone());
+            let value = |time: &f64| {
+                let z = entry.as_ref().map(|z| flow.after(z, *time));
+                z.map_or(f64::INFINITY, |z| row.at.dot(&z))
+            };
+            let least = places
+                .into_iter()
+                .min_by(|one, other| value(one).total_cmp(&value(other)));
+            inside.extend(least.map(|time| (guard, time)));
+        }
+        for (guard, time) in inside {
+            let time = self.stationary(guard, zone, time);
+            margins.push(self.inside(guard, zone, time)?);
+        }
+        Ok(())
+    }
+}
+
+impl AffineOrbit {
+    /// Least and largest value of every state over the orbit.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated there.
+    pub fn extremes(&self, point: &Vector) -> Result<Vec<(f64, f64)>, OrbitFailure> {
+        let at = self.at(point)?;
+        let n = self.states();
+        let mut extremes = vec![(f64::INFINITY, f64::NEG_INFINITY); n];
+        let mut visit = |state: usize, value: f64| {
+            let (low, high) = &mut extremes[state];
+            (*low, *high) = (low.min(value), high.max(value));
+        };
+        for zone in 0..self.zones() {
+            let flow = at.posed.flow(self.sequence.zone(zone).mode);
+            let passage = at.passage(zone, at.zones[zone].duration)?;
+            for state in 0..n {
+                visit(state, passage.entry[state]);
+                visit(state, passage.end[state]);
+            }
+            let mut courses = vec![(false, false); n];
+            for piece in at.pieces(zone)? {
+                let polynomials = flow.states(&piece.z, piece.part, n).into_iter();
+                for (state, (polynomial, (falling, rising))) in
+                    polynomials.zip(&mut courses).enumerate()
+                {
+                    let minima = polynomial.minima(falling);
+                    let maxima = polynomial.affine(-1.0, 0.0).minima(rising);
+                    for place in minima.into_iter().chain(maxima) {
+                        visit(state, polynomial.value(place));
+                    }
+                }
+            }
+        }
+        Ok(extremes)
+    }
+}

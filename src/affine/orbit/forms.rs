@@ -1,0 +1,242 @@
+//! Linear forms of z that are zero together, and which of them stay so along a flow and through a reset.
+
+use crate::affine::form::Dual;
+use crate::affine::mode::{Exit, MatrixBy, Row};
+use crate::linalg::Vector;
+
+/// A form whose coefficients are smaller than this part of what they are made of is zero but for rounding.
+const ROUNDED: f64 = 1e-10;
+
+/// Units in which forms are compared: the size of every component of z, and of the parameters.
+#[derive(Clone, Debug)]
+pub struct Units<'a> {
+    /// Sizes of the components of z.
+    pub z: &'a Vector,
+    /// Number of states.
+    pub states: usize,
+    /// Size of the parameters that vary.
+    pub parameter: f64,
+}
+
+impl Units<'_> {
+    /// Largest coefficient of a form, or its largest derivative.
+    pub fn size(&self, row: &Row) -> f64 {
+        let largest = |row: &Vector| {
+            let terms = row.iter().zip(self.z).map(|(c, unit)| (c * unit).abs());
+            terms.fold(0.0, f64::max)
+        };
+        let derivatives = row.by.iter().map(|by| self.parameter * largest(by));
+        derivatives.fold(largest(&row.at), f64::max)
+    }
+
+    /// The component whose coefficient is largest, a state if any of them counts.
+    fn pivot(&self, row: &Row, least: f64) -> Option<usize> {
+        let value = |index: usize| (row.at[index] * self.z[index]).abs();
+        let largest = |mut range: Vec<usize>| {
+            range.retain(|index| value(*index) > least);
+            let first = range.into_iter().rev();
+            first.max_by(|one, other| value(*one).total_cmp(&value(*other)))
+        };
+        largest((0..self.states).collect())
+            .or_else(|| largest((self.states + 1..row.at.len()).collect()))
+    }
+}
+
+fn entry(row: &Row, index: usize) -> Dual {
+    Dual {
+        value: row.at[index],
+        by: row.by.each_ref().map(|by| by[index]),
+    }
+}
+
+/// row − factor·other.
+fn subtract(row: &mut Row, factor: Dual, other: &Row) {
+    if factor == Dual::default() {
+        return;
+    }
+    for (by, (slope, other_by)) in row.by.iter_mut().zip(factor.by.iter().zip(&other.by)) {
+        by.axpy(-factor.value, other_by, 1.0);
+        by.axpy(-slope, &other.at, 1.0);
+    }
+    row.at.axpy(-factor.value, &other.at, 1.0);
+}
+
+/// 1/x.
+fn inverse(x: Dual) -> Dual {
+    let value = x.value.recip();
+    Dual {
+        value,
+        by: x.by.map(|by| -value * value * by),
+    }
+}
+
+/// Forms in echelon form: each has a component of its own in which the others are zero.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Forms {
+    /// The forms; the coefficient of its own component is 1.
+    pub rows: Vec<Row>,
+    /// The component of each of them.
+    pub pivots: Vec<usize>,
+}
+
+impl Forms {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// A form without what the others make of it.
+    fn remainder(&self, row: &Row) -> Row {
+        let mut row = row.clone();
+        for (form, pivot) in self.rows.iter().zip(&self.pivots) {
+            let factor = entry(&row, *pivot);
+            subtract(&mut row, factor, form);
+        }
+        row
+    }
+
+    /// Whether a form made of numbers of a size is zero where these are.
+    pub fn contain(&self, row: &Row, size: f64, units: &Units) -> bool {
+        units.size(&self.remainder(row)) <= ROUNDED * size
+    }
+
+    /// Adds a form that is zero, too. What depends on no state and no phase is left out.
+    pub fn insert(&mut self, row: &Row, units: &Units) {
+        let size = units.size(row);
+        let mut row = self.remainder(row);
+        let Some(pivot) = units.pivot(&row, ROUNDED * size) else {
+            return;
+        };
+        let own = entry(&row, pivot);
+        scale(&mut row, inverse(own));
+        for form in &mut self.rows {
+            let factor = entry(form, pivot);
+            subtract(form, factor, &row);
+        }
+        self.rows.push(row);
+        self.pivots.push(pivot);
+    }
+
+    /// The forms r among these for which the whole of r, rM, rM², … is zero: they stay zero along the flow.
+    pub fn invariant(&self, matrix: &MatrixBy, units: &Units) -> Forms {
+        let mut kept = self.clone();
+        loop {
+            let pairs = kept.rows.iter().map(|row| {
+                let through = row.through(matrix);
+                let size = bound(row, matrix, units);
+                let mut left = kept.remainder(&through);
+                if units.size(&left) <= ROUNDED * size {
+                    left = Row::zero(row.at.len());
+                }
+                (left, row.clone())
+            });
+            let rest = vanishing(pairs.collect(), units);
+            if rest.len() == kept.len() {
+                return kept;
+            }
+            kept = Forms::default();
+            for row in &rest {
+                kept.insert(row, units);
+            }
+        }
+    }
+
+    /// The forms that are zero after the reset of an exit where these are before it.
+    pub fn after(&self, exit: &Exit, units: &Units) -> Forms {
+        let states = units.states;
+        let reset: Vec<usize> = (0..states).filter(|state| is_reset(exit, *state)).collect();
+        let split = |row: Row| {
+            let (mut own, mut rest) = (Row::zero(row.at.len()), row);
+            for state in &reset {
+                let value = entry(&rest, *state);
+                own.set(*state, value);
+                rest.set(*state, Dual::default());
+            }
+            (own, rest)
+        };
+        let kept = self.rows.iter().map(|row| split(row.clone()));
+        let new = reset.iter().map(|state| {
+            let (own, mut rest) = split(exit.reset.row(*state).negative());
+            let one = Dual {
+                value: 1.0,
+                ..Dual::default()
+            };
+            rest.set(*state, one);
+            (own, rest)
+        });
+        let pairs = kept.chain(new).collect();
+        let mut forms = Forms::default();
+        for row in vanishing(pairs, units) {
+            forms.insert(&row, units);
+        }
+        forms
+    }
+
+    /// The least k for which cMᵏ is not zero where these forms are, `None` if there is none.
+    pub fn order(&self, row: &Row, matrix: &MatrixBy, units: &Units) -> Option<usize> {
+        let (mut row, mut size) = (row.clone(), units.size(row));
+        for order in 0..=row.at.len() {
+            if !self.contain(&row, size, units) {
+                return Some(order);
+            }
+            size = bound(&row, matrix, units);
+            row = row.through(matrix);
+        }
+        None
+    }
+}
+
+/// Size of the numbers of which a form times a matrix is made.
+fn bound(row: &Row, matrix: &MatrixBy, units: &Units) -> f64 {
+    let through = Row {
+        at: matrix.at.abs().tr_mul(&row.at.abs()),
+        by: [0, 1].map(|p| {
+            matrix.at.abs().tr_mul(&row.by[p].abs()) + matrix.by[p].abs().tr_mul(&row.at.abs())
+        }),
+    };
+    units.size(&through)
+}
+
+/// Whether an exit changes a state.
+fn is_reset(exit: &Exit, state: usize) -> bool {
+    let row = exit.reset.row(state);
+    let others = row.at.iter().enumerate();
+    let same = others
+        .into_iter()
+        .all(|(index, value)| *value == f64::from(u8::from(index == state)));
+    !same || row.by.iter().any(|by| by.amax() > 0.0)
+}
+
+fn scale(row: &mut Row, factor: Dual) {
+    for (by, slope) in row.by.iter_mut().zip(factor.by) {
+        *by *= factor.value;
+        by.axpy(slope, &row.at, 1.0);
+    }
+    row.at *= factor.value;
+}
+
+/// Combinations of pairs whose first parts add up to zero: their second parts.
+fn vanishing(pairs: Vec<(Row, Row)>, units: &Units) -> Vec<Row> {
+    let mut pivots: Vec<(usize, Row, Row)> = Vec::new();
+    let mut found = Vec::new();
+    for (mut first, mut second) in pairs {
+        let size = units.size(&first);
+        for (pivot, known, carried) in &pivots {
+            let factor = entry(&first, *pivot);
+            subtract(&mut first, factor, known);
+            subtract(&mut second, factor, carried);
+        }
+        let value = |index: &usize| (first.at[*index] * units.z[*index]).abs();
+        let largest = (0..first.at.len()).max_by(|one, other| value(one).total_cmp(&value(other)));
+        match largest.filter(|index| value(index) > ROUNDED * size) {
+            None => found.push(second),
+            Some(pivot) => {
+                let factor = inverse(entry(&first, pivot));
+                scale(&mut first, factor);
+                scale(&mut second, factor);
+                pivots.push((pivot, first, second));
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,374 @@
+//! The unknowns of an orbit: their order and their units.
+
+use std::f64::consts::TAU;
+use std::sync::{Arc, Mutex, OnceLock};
+
+use serde::{Deserialize, Serialize};
+
+use super::forms::Units;
+use super::passage::{Jet, Passage};
+use super::signature::Sequence;
+use super::structure::{ZoneFacts, facts};
+use crate::affine::flow::ModeFlow;
+use crate::affine::mode::{AffineSystem, Row};
+use crate::affine::system::{System, SystemError};
+use crate::linalg::Vector;
+
+/// Units of the unknowns, constant along a branch: they make every scaled unknown of order one. The phase is in
+/// radians.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scales {
+    /// Largest |xᵢ| of the first orbit, or 1 where that is 0.
+    pub states: Vec<f64>,
+    /// Its period.
+    pub time: f64,
+    /// Width of the range of the parameter.
+    pub parameter: f64,
+}
+
+/// What all orbits of a branch have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// The system.
+    pub system: System,
+    /// Values of its parameters; that of the continuation parameter is overridden by the unknown.
+    pub values: Vec<f64>,
+    /// Index of the continuation parameter.
+    pub parameter: usize,
+    /// Forcing periods in one orbit; without forcing it has no meaning.
+    pub periods: u32,
+    /// Whether changes of stability are looked for.
+    pub stability: bool,
+    /// Units.
+    pub scales: Scales,
+}
+
+/// Why the equations of an orbit cannot be evaluated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+pub enum OrbitFailure {
+    /// The system makes no sense at this value of the parameter.
+    #[error("{0}")]
+    System(SystemError),
+    /// The flow leaves the range of numbers.
+    #[error("the motion of the mode `{mode}` leaves the range of numbers within {duration}")]
+    Overflow {
+        /// Name of the mode.
+        mode: String,
+        /// Duration of the zone.
+        duration: f64,
+    },
+    /// A zone is too long for the time scale of its mode.
+    #[error(
+        "{duration} in the mode `{mode}` are {pieces:.0} of its own time scales; at most {most} are followed"
+    )]
+    Long {
+        /// Name of the mode.
+        mode: String,
+        /// Duration of the zone.
+        duration: f64,
+        /// That in units of the time scale of the mode.
+        pieces: f64,
+        /// Most of them.
+        most: f64,
+    },
+}
+
+/// The system at one value of the parameter, and what is known of the zones there.
+#[derive(Debug)]
+pub struct Posed {
+    /// The system.
+    pub system: AffineSystem,
+    /// Facts of the zones.
+    pub facts: Vec<ZoneFacts>,
+    flows: Vec<OnceLock<ModeFlow>>,
+    /// Longest piece of a flow: the unit of time.
+    longest: f64,
+}
+
+impl Posed {
+    /// The flow of a mode in pieces.
+    pub fn flow(&self, mode: usize) -> &ModeFlow {
+        self.flows[mode].get_or_init(|| ModeFlow::new(&self.system.modes[mode], self.longest))
+    }
+}
+
+/// The last value of the parameter, as bits, and the system there: one point is looked at several times.
+type Last = Arc<Mutex<Option<(u64, Arc<Posed>)>>>;
+
+/// The boundary-value problem of one sequence of zones.
+///
+/// Unknowns: for every zone the states at its entry and its duration; with forcing the phase of the first entry;
+/// the parameter.
+#[derive(Clone, Debug)]
+pub struct AffineOrbit {
+    /// What all orbits of the branch have in common.
+    pub setting: Arc<Setting>,
+    /// The zones; every mode, guard and exit is in the system.
+    pub sequence: Sequence,
+    /// Sizes of the components of z.
+    sizes: Vector,
+    last: Last,
+}
+
+impl PartialEq for AffineOrbit {
+    fn eq(&self, other: &AffineOrbit) -> bool {
+        (&self.setting, &self.sequence) == (&other.setting, &other.sequence)
+    }
+}
+
+/// A zone at a point, in physical units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ZonePoint {
+    /// States at its entry.
+    pub state: Vec<f64>,
+    /// Its duration.
+    pub duration: f64,
+    /// Phase of the forcing at its entry; zero without.
+    pub phase: f64,
+}
+
+/// An orbit at a point.
+#[derive(Clone, Debug)]
+pub struct OrbitAt<'a> {
+    /// The orbit.
+    pub orbit: &'a AffineOrbit,
+    /// The system there.
+    pub posed: Arc<Posed>,
+    /// Its zones.
+    pub zones: Vec<ZonePoint>,
+}
+
+impl AffineOrbit {
+    /// The orbits of a sequence of zones; `None` where it is empty or the system does not have one of them at the
+    /// values of `setting`.
+    pub fn new(setting: Arc<Setting>, sequence: Sequence) -> Option<AffineOrbit> {
+        let system = setting
+            .system
+            .at(&setting.values, &[setting.parameter])
+            .ok()?;
+        let states = system.states;
+        let known = |zone: &super::signature::Zone| {
+            let mode = system.modes.get(zone.mode)?;
+            match zone.way {
+                Some(way) => mode.guards.get(way.guard)?.exits.get(way.exit).map(|_| ()),
+                None => (sequence.len() == 1).then_some(()),
+            }
+        };
+        let known = sequence.0.iter().all(|zone| known(zone).is_some());
+        let fits = !sequence.is_empty() && setting.scales.states.len() == states;
+        (known && fits).then(|| AffineOrbit {
+            sizes: Vector::from_fn(system.size(), |index, _| {
+                setting.scales.states.get(index).copied().unwrap_or(1.0)
+            }),
+            last: Last::default(),
+            setting,
+            sequence,
+        })
+    }
+
+    /// The same problem for another sequence.
+    pub fn with_sequence(&self, sequence: Sequence) -> Option<AffineOrbit> {
+        AffineOrbit::new(self.setting.clone(), sequence)
+    }
+
+    /// Number of zones.
+    pub fn zones(&self) -> usize {
+        self.sequence.len()
+    }
+
+    /// Number of states.
+    pub fn states(&self) -> usize {
+        self.setting.scales.states.len()
+    }
+
+    /// Whether there is a forcing.
+    pub fn is_forced(&self) -> bool {
+        self.setting.system.forcing.is_some()
+    }
+
+    /// Unknowns of a zone.
+    pub(super) fn width(&self) -> usize {
+        self.states() + 1
+    }
+
+    /// Number of unknowns.
+    pub(super) fn count(&self) -> usize {
+        self.width() * self.zones() + usize::from(self.is_forced()) + 1
+    }
+
+    /// Index of the phase of the first entry.
+    pub(super) fn phase_index(&self) -> Option<usize> {
+        self.is_forced().then_some(self.width() * self.zones())
+    }
+
+    /// Units in which forms are compared.
+    pub(super) fn units(&self) -> Units<'_> {
+        Units {
+            z: &self.sizes,
+            states: self.states(),
+            parameter: self.setting.scales.parameter,
+        }
+    }
+
+    /// Size of a form: the sum of its terms for states of their units.
+    pub(super) fn size(&self, row: &Row) -> f64 {
+        let terms = row
+            .at
+            .iter()
+            .zip(&self.sizes)
+            .map(|(c, unit)| (c * unit).abs());
+        terms.sum()
+    }
+
+    /// Value of the continuation parameter at a point.
+    pub fn parameter_at(&self, point: &Vector) -> f64 {
+        point[point.len() - 1] * self.setting.scales.parameter
+    }
+
+    /// The system at a value of the parameter.
+    pub(super) fn posed(&self, value: f64) -> Result<Arc<Posed>, OrbitFailure> {
+        let bits = value.to_bits();
+        if let Ok(last) = self.last.lock()
+            && let Some((known, posed)) = &*last
+            && *known == bits
+        {
+            return Ok(posed.clone());
+        }
+        let setting = &self.setting;
+        let mut values = setting.values.clone();
+        values[setting.parameter] = value;
+        let system = setting.system.at(&values, &[setting.parameter]);
+        let system = system.map_err(OrbitFailure::System)?;
+        let posed = Arc::new(Posed {
+            facts: facts(&system, &self.sequence, &self.units()),
+            flows: system.modes.iter().map(|_| OnceLock::new()).collect(),
+            longest: setting.scales.time,
+            system,
+        });
+        if let Ok(mut last) = self.last.lock() {
+            *last = Some((bits, posed.clone()));
+        }
+        Ok(posed)
+    }
+
+    /// The orbit at a point.
+    ///
+    /// # Errors
+    /// The system makes no sense there.
+    pub fn at(&self, point: &Vector) -> Result<OrbitAt<'_>, OrbitFailure> {
+        let posed = self.posed(self.parameter_at(point))?;
+        Ok(OrbitAt {
+            zones: self.unpack(point, posed.system.omega.value),
+            orbit: self,
+            posed,
+        })
+    }
+
+    /// Scaled unknowns from physical ones: of the phases that of the first zone counts.
+    pub fn pack(&self, zones: &[ZonePoint], parameter: f64) -> Vector {
+        let Scales {
+            states,
+            time,
+            parameter: unit,
+        } = &self.setting.scales;
+        let mut point = Vec::with_capacity(self.count());
+        for zone in zones {
+            point.extend(zone.state.iter().zip(states).map(|(x, unit)| x / unit));
+            point.push(zone.duration / time);
+        }
+        if self.is_forced() {
+            point.push(zones[0].phase.rem_euclid(TAU));
+        }
+        point.push(parameter / unit);
+        Vector::from_vec(point)
+    }
+
+    fn unpack(&self, point: &Vector, omega: f64) -> Vec<ZonePoint> {
+        let Scales { states, time, .. } = &self.setting.scales;
+        let mut phase = self.phase_index().map_or(0.0, |index| point[index]);
+        let zones = (0..self.zones()).map(|zone| {
+            let first = self.width() * zone;
+            let state = states.iter().enumerate();
+            let duration = point[first + states.len()] * time;
+            let zone = ZonePoint {
+                state: state
+                    .map(|(index, unit)| point[first + index] * unit)
+                    .collect(),
+                duration,
+                phase,
+            };
+            phase += omega * duration;
+            zone
+        });
+        zones.collect()
+    }
+}
+
+impl OrbitAt<'_> {
+    /// The passage through a zone up to a time after its entry.
+    ///
+    /// # Errors
+    /// It leaves the range of numbers.
+    pub(super) fn passage(&self, zone: usize, time: f64) -> Result<Passage<'_>, OrbitFailure> {
+        let OrbitAt { orbit, posed, .. } = self;
+        let name = &orbit.sequence.zone(zone).name;
+        let mode = orbit.sequence.zone(zone).mode;
+        let passage = Passage::new(&posed.system.modes[mode], self.entry(zone), time);
+        let finite = passage.flow.at.iter().all(|x| x.is_finite());
+        finite
+            .then_some(passage)
+            .ok_or_else(|| OrbitFailure::Overflow {
+                mode: name.clone(),
+                duration: time,
+            })
+    }
+
+    /// z at the entry of a zone.
+    pub(super) fn entry(&self, zone: usize) -> Vector {
+        let at = &self.zones[zone % self.zones.len()];
+        self.posed.system.lift(&at.state, at.phase)
+    }
+
+    /// Adds the derivatives of a jet of a zone in the scaled unknowns, times a factor.
+    pub(super) fn spread(
+        &self,
+        zone: usize,
+        jet: &Jet,
+        factor: f64,
+        add: &mut impl FnMut(usize, f64),
+    ) {
+        let OrbitAt { orbit, posed, .. } = self;
+        let zone = zone % self.zones.len();
+        let Scales {
+            states,
+            time,
+            parameter,
+        } = &orbit.setting.scales;
+        let n = states.len();
+        let width = orbit.width();
+        for (state, unit) in states.iter().enumerate() {
+            add(width * zone + state, factor * unit * jet.by_z[state]);
+        }
+        add(width * zone + n, factor * time * jet.by_time);
+        let mut by_parameter = jet.by_parameter;
+        if let Some(index) = orbit.phase_index() {
+            // cos hφ and sin hφ turn into each other
+            let mut by_phase = 0.0;
+            for h in 1..=posed.system.harmonics {
+                let (cosine, sine) = (n + 2 * h - 1, n + 2 * h);
+                let angle = h as f64 * self.zones[zone].phase;
+                let turn = jet.by_z[sine] * angle.cos() - jet.by_z[cosine] * angle.sin();
+                by_phase += h as f64 * turn;
+            }
+            // φ = φ₀ + ω·(durations before)
+            let omega = posed.system.omega;
+            for before in 0..zone {
+                add(width * before + n, factor * time * by_phase * omega.value);
+            }
+            add(index, factor * by_phase);
+            let begun: f64 = self.zones[..zone].iter().map(|zone| zone.duration).sum();
+            by_parameter += by_phase * omega.by[0] * begun;
+        }
+        add(orbit.count() - 1, factor * parameter * by_parameter);
+    }
+}

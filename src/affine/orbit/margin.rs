@@ -1,0 +1,251 @@
+//! Margins: smooth functions of the unknowns that are positive while a sequence of zones holds.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::layout::{OrbitAt, OrbitFailure};
+use super::passage::{Jet, Passage};
+use super::structure::exit_of;
+use crate::affine::mode::{AffineMode, Row};
+
+/// What a margin measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Watch {
+    /// Duration of the zone.
+    Duration,
+    /// A guard just after the entry: its first derivative that is not zero there by the structure.
+    Onset(usize),
+    /// The least local minimum of a guard within the zone.
+    Inside(usize),
+    /// Another guard than the one that ends the zone, at the end.
+    End(usize),
+    /// How fast the guard that ends the zone falls there.
+    Speed,
+    /// A condition of the exit taken, by its number.
+    Condition(usize),
+    /// An exit before the one taken, by its number: how far one of its conditions fails.
+    Before(usize),
+}
+
+impl fmt::Display for Watch {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Watch::Duration => write!(formatter, "the duration"),
+            Watch::Onset(guard) => write!(formatter, "guard {guard} just after the entry"),
+            Watch::Inside(guard) => write!(formatter, "a minimum of guard {guard}"),
+            Watch::End(guard) => write!(formatter, "guard {guard} at the end"),
+            Watch::Speed => write!(formatter, "the speed at which the guard falls to zero"),
+            Watch::Condition(index) => write!(formatter, "condition {index} of the exit"),
+            Watch::Before(exit) => write!(formatter, "what keeps from exit {exit}"),
+        }
+    }
+}
+
+/// A margin: positive while the sequence holds. Scaled to order one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Margin {
+    /// What it measures.
+    pub watch: Watch,
+    /// Zone.
+    pub zone: usize,
+    /// Time after the entry of the zone at which a local minimum lies; 0 for other margins.
+    pub time: f64,
+    /// Its value.
+    pub value: f64,
+    /// Its derivatives in the scaled unknowns.
+    pub gradient: Vec<f64>,
+}
+
+/// What an exit before the one taken needs in order to fail.
+enum Earlier {
+    /// It cannot.
+    Holds,
+    /// This is positive.
+    Fails(Jet, f64),
+}
+
+impl OrbitAt<'_> {
+    /// Mode of a zone.
+    pub(super) fn mode(&self, zone: usize) -> &AffineMode {
+        &self.posed.system.modes[self.orbit.sequence.zone(zone).mode]
+    }
+
+    /// A margin of a zone from a jet times a factor.
+    pub(super) fn margin(
+        &self,
+        watch: Watch,
+        zone: usize,
+        time: f64,
+        jet: &Jet,
+        factor: f64,
+    ) -> Margin {
+        let mut gradient = vec![0.0; self.orbit.count()];
+        let mut add = |column: usize, by: f64| gradient[column] += by;
+        self.spread(zone, jet, factor, &mut add);
+        Margin {
+            watch,
+            zone,
+            time,
+            value: factor * jet.value,
+            gradient,
+        }
+    }
+
+    /// What is watched at the entry and the end of a zone.
+    pub(super) fn edges(&self, zone: usize) -> Vec<Watch> {
+        let facts = &self.posed.facts[zone];
+        let way = self.orbit.sequence.zone(zone).way;
+        let mut watched = vec![Watch::Duration];
+        let moving = |orders: &[Option<usize>]| -> Vec<usize> {
+            let orders = orders.iter().enumerate();
+            orders
+                .filter(|(_, order)| order.is_some())
+                .map(|(guard, _)| guard)
+                .collect()
+        };
+        // an orbit without switches has no entry
+        let Some(way) = way else {
+            return watched;
+        };
+        watched.extend(moving(&facts.at_entry).into_iter().map(Watch::Onset));
+        watched.push(Watch::Speed);
+        let others = moving(&facts.at_end)
+            .into_iter()
+            .filter(|guard| *guard != way.guard);
+        watched.extend(others.map(Watch::End));
+        watched.extend((0..way.exit).map(Watch::Before));
+        let exit = exit_of(&self.posed.system, &self.orbit.sequence, zone);
+        let conditions = exit.map_or(&[][..], |exit| &exit.conditions);
+        let open =
+            (0..conditions.len()).filter(|index| !self.is_zero_at_end(zone, &conditions[*index]));
+        watched.extend(open.map(Watch::Condition));
+        watched
+    }
+
+    /// Whether a form is zero at the end of a zone by the structure.
+    fn is_zero_at_end(&self, zone: usize, row: &Row) -> bool {
+        let units = self.orbit.units();
+        let size = units.size(row);
+        self.posed.facts[zone].end.contain(row, size, &units)
+    }
+
+    /// A margin at the entry or the end of a zone; `None` where it can never be positive.
+    pub(super) fn edge(&self, watch: Watch, zone: usize, passage: &Passage) -> Option<Margin> {
+        let orbit = self.orbit;
+        let time = orbit.setting.scales.time;
+        let facts = &self.posed.facts[zone];
+        let guards = &self.mode(zone).guards;
+        let way = orbit.sequence.zone(zone).way;
+        let exit = exit_of(&self.posed.system, &orbit.sequence, zone);
+        let (jet, factor) = match watch {
+            Watch::Duration => {
+                let mut gradient = vec![0.0; orbit.count()];
+                gradient[orbit.width() * zone + orbit.states()] = 1.0;
+                return Some(Margin {
+                    watch,
+                    zone,
+                    time: 0.0,
+                    value: self.zones[zone].duration / time,
+                    gradient,
+                });
+            }
+            Watch::Onset(guard) | Watch::Inside(guard) => {
+                let row = &guards[guard].row;
+                let order = facts.at_entry[guard].unwrap_or(0);
+                let factor = time.powi(order as i32) / orbit.size(row);
+                let jet = Jet::at_entry(&passage.derivative(row, order), &passage.entry);
+                (jet, factor)
+            }
+            Watch::End(guard) => {
+                let row = &guards[guard].row;
+                let order = facts.at_end[guard].unwrap_or(0);
+                let factor = (-time).powi(order as i32) / orbit.size(row);
+                (passage.at_end(&passage.derivative(row, order)), factor)
+            }
+            Watch::Speed => {
+                let way = way?;
+                let row = &guards[way.guard].row;
+                let order = facts.divided;
+                let [_, rate] = passage.divided(row, order);
+                (rate, -time.powi(order as i32 + 1) / orbit.size(row))
+            }
+            Watch::Condition(index) => {
+                let row = exit?.conditions.get(index)?;
+                (passage.at_end(row), orbit.size(row).recip())
+            }
+            Watch::Before(exit) => {
+                let conditions = &guards[way?.guard].exits[exit].conditions;
+                match self.earlier(zone, conditions, passage) {
+                    Earlier::Holds => return None,
+                    Earlier::Fails(jet, factor) => (jet, factor),
+                }
+            }
+        };
+        Some(self.margin(watch, zone, 0.0, &jet, factor))
+    }
+
+    /// Of the conditions of an exit that must not be taken the one that fails most.
+    fn earlier(&self, zone: usize, conditions: &[Row], passage: &Passage) -> Earlier {
+        let open = conditions
+            .iter()
+            .filter(|row| !self.is_zero_at_end(zone, row));
+        let failing = open.map(|row| (passage.at_end(row), -self.orbit.size(row).recip()));
+        let value = |(jet, factor): &(Jet, f64)| jet.value * factor;
+        let most = failing.max_by(|one, other| value(one).total_cmp(&value(other)));
+        most.map_or(Earlier::Holds, |(jet, factor)| Earlier::Fails(jet, factor))
+    }
+
+    /// The margin of a local minimum of a guard at a time after the entry: its derivative in the place of the
+    /// minimum is zero.
+    pub(super) fn inside(
+        &self,
+        guard: usize,
+        zone: usize,
+        time: f64,
+    ) -> Result<Margin, OrbitFailure> {
+        let row = &self.mode(zone).guards[guard].row;
+        let jet = Jet {
+            by_time: 0.0,
+            ..self.passage(zone, time)?.at_end(row)
+        };
+        let factor = self.orbit.size(row).recip();
+        Ok(self.margin(Watch::Inside(guard), zone, time, &jet, factor))
+    }
+
+    /// The stationary place of a guard next to a time, by Newton's method.
+    pub(super) fn stationary(&self, guard: usize, zone: usize, mut time: f64) -> f64 {
+        /// Steps taken at most.
+        const STEPS: usize = 8;
+        /// Beyond this, in units of the period, the place moves the value by less than rounding.
+        const NEAR: f64 = 1e-9;
+        let mode = self.mode(zone);
+        let rate = mode.guards[guard].row.through(&mode.matrix);
+        let curvature = rate.through(&mode.matrix);
+        let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
+        let entry = self.entry(zone);
+        for _ in 0..STEPS {
+            let z = flow.after(&entry, time.max(0.0));
+            let step = rate.at.dot(&z) / curvature.at.dot(&z);
+            if !step.is_finite() {
+                break;
+            }
+            time = (time - step).max(0.0);
+            if step.abs() <= NEAR * self.orbit.setting.scales.time {
+                break;
+            }
+        }
+        time
+    }
+
+    /// A margin that was seen nearby.
+    pub(super) fn again(&self, seen: &Margin) -> Result<Margin, OrbitFailure> {
+        if let Watch::Inside(guard) = seen.watch {
+            let time = self.stationary(guard, seen.zone, seen.time);
+            return self.inside(guard, seen.zone, time);
+        }
+        let passage = self.passage(seen.zone, self.zones[seen.zone].duration)?;
+        let margin = self.edge(seen.watch, seen.zone, &passage);
+        Ok(margin.unwrap_or_else(|| seen.clone()))
+    }
+}

@@ -1,0 +1,370 @@
+//! Floquet multipliers: the product of the flows of the zones and of the jumps between them.
+//!
+//! A perturbation reaches a guard earlier or later; compared at equal time it jumps by S = Rₓ + (f⁺ − Rż⁻)gᵀ/ġ.
+//! Where no jump is singular the product of the inverses is formed, too: of multipliers of very different size
+//! the large ones are exact in the one product, the small ones in the other.
+
+use nalgebra::Complex;
+
+use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
+use super::passage::{Passage, Propagator};
+use super::structure::exit_of;
+use crate::linalg::{Factors, Matrix, Vector};
+use crate::orbit::events::AT_ZERO;
+
+/// A Floquet multiplier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Multiplier {
+    /// Its value.
+    pub value: Complex<f64>,
+    /// Whether it is what it is for every orbit of its kind: 1 for the shift in time of an orbit without forcing,
+    /// 0 for a dimension that a sliding mode or a reset takes away.
+    pub trivial: bool,
+}
+
+/// From just after one switch to just after the next, in the states.
+struct Link {
+    /// Along the zone.
+    flow: Matrix,
+    /// Through the switch.
+    jump: Matrix,
+    /// The inverse, where there is one.
+    backward: Option<Matrix>,
+    /// How fast the guard falls, scaled to order one.
+    fall: f64,
+}
+
+/// The linearised motion over a period, without what is trivial.
+#[derive(Clone, Debug)]
+pub struct Monodromy {
+    /// In coordinates of the perturbations that are left.
+    pub matrix: Matrix,
+    inverse: Option<Matrix>,
+    /// Sizes of the two products before the shift was divided out: their rounding is relative to these.
+    sizes: [f64; 2],
+    /// How fast every guard falls at the end of its zone, scaled to order one.
+    falls: Vec<f64>,
+    /// Dimensions that are taken away.
+    zeros: usize,
+    /// Whether the shift in time has been divided out.
+    shifts: bool,
+}
+
+/// A jump is singular where its determinant is this part of the numbers it is made of.
+const SINGULAR: f64 = 1e-10;
+
+impl OrbitAt<'_> {
+    fn link(&self, zone: usize, passage: &Passage) -> Link {
+        let n = self.orbit.states();
+        let states = |matrix: &Matrix| matrix.view((0, 0), (n, n)).into_owned();
+        let flow = states(&passage.flow.at);
+        let matrix = &self.mode(zone).matrix;
+        let back = || states(&Propagator::new(matrix, -passage.time).at);
+        let exit = exit_of(&self.posed.system, &self.orbit.sequence, zone);
+        let (Some(exit), Some(way)) = (exit, self.orbit.sequence.zone(zone).way) else {
+            return Link {
+                flow,
+                jump: Matrix::identity(n, n),
+                backward: Some(back()),
+                fall: 1.0,
+            };
+        };
+        let row = &self.mode(zone).guards[way.guard].row;
+        let guard = &row.at;
+        let rate = passage.rate();
+        let fall = guard.dot(&rate);
+        let next = zone + 1;
+        let after = &self.mode(next).matrix.at * self.entry(next);
+        let shift = after.rows(0, n) - &exit.reset.at * &rate;
+        let normal = guard.rows(0, n).into_owned();
+        let reset = states(&exit.reset.at);
+        let jump = &reset + &shift * normal.transpose() / fall;
+        let inverse = || {
+            let undone = Factors::new(reset.clone()).inverse()?;
+            let moved = &undone * &shift;
+            let terms = normal.iter().zip(&moved).map(|(g, w)| g * w);
+            let size: f64 = terms.clone().map(f64::abs).sum::<f64>() + fall.abs();
+            let divisor = fall + terms.sum::<f64>();
+            let singular =
+                divisor.abs() <= SINGULAR * size || undone.amax() * reset.amax() > SINGULAR.recip();
+            let back = back() * (&undone - moved * (normal.transpose() * &undone) / divisor);
+            (!singular).then_some(back)
+        };
+        Link {
+            backward: inverse(),
+            fall: -fall * self.orbit.setting.scales.time / self.orbit.size(row),
+            jump,
+            flow,
+        }
+    }
+
+    /// The linearised motion over a period; `None` where it is infinite, at a graze.
+    pub(super) fn monodromy(&self) -> Result<Option<Monodromy>, OrbitFailure> {
+        let count = self.zones.len();
+        let mut links = Vec::with_capacity(count);
+        for zone in 0..count {
+            let passage = self.passage(zone, self.zones[zone].duration)?;
+            links.push(self.link(zone, &passage));
+        }
+        let finite = |matrix: &Matrix| matrix.iter().all(|x| x.is_finite());
+        if !links
+            .iter()
+            .all(|link| finite(&link.flow) && finite(&link.jump))
+        {
+            return Ok(None);
+        }
+        let n = self.orbit.states();
+        let rate = &self.mode(0).matrix.at * self.entry(0);
+        let rate = rate.rows(0, n).into_owned();
+        let back: Option<Vec<&Matrix>> = links.iter().map(|link| link.backward.as_ref()).collect();
+        let identity = Matrix::identity(n, n);
+        let (matrix, inverse, rate, zeros) = match back {
+            Some(back) => {
+                let matrix = links.iter().fold(identity.clone(), |product, link| {
+                    &link.jump * (&link.flow * product)
+                });
+                let inverse = back
+                    .into_iter()
+                    .rev()
+                    .fold(identity, |product, back| back * product);
+                (matrix, Some(inverse).filter(finite), rate, 0)
+            }
+            None => {
+                let (basis, factors) = reduced(&links, n);
+                let rank = basis.ncols();
+                let matrix = factors
+                    .iter()
+                    .fold(Matrix::identity(rank, rank), |product, one| one * product);
+                let inverses: Option<Vec<Matrix>> = factors
+                    .into_iter()
+                    .map(|one| Factors::new(one).inverse())
+                    .collect();
+                let inverse = inverses.map(|inverses| {
+                    let inverses = inverses.into_iter().rev();
+                    inverses.fold(Matrix::identity(rank, rank), |product, one| one * product)
+                });
+                (
+                    matrix,
+                    inverse.filter(finite),
+                    basis.tr_mul(&rate),
+                    n - rank,
+                )
+            }
+        };
+        let sizes = [
+            matrix.norm(),
+            inverse.as_ref().map_or(0.0, |inverse| inverse.norm()),
+        ];
+        let shifts = !self.orbit.is_forced() && rate.norm() > 0.0;
+        let across = |matrix: Matrix| {
+            if !shifts {
+                return matrix;
+            }
+            let basis = complement(&rate);
+            basis.tr_mul(&(matrix * &basis))
+        };
+        Ok(Some(Monodromy {
+            matrix: across(matrix),
+            inverse: inverse.map(across),
+            sizes,
+            falls: links.iter().map(|link| link.fall).collect(),
+            zeros,
+            shifts,
+        }))
+    }
+}
+
+/// An orthonormal basis of the perturbations that are left after a period, and the links in coordinates of such
+/// bases.
+fn reduced(links: &[Link], states: usize) -> (Matrix, Vec<Matrix>) {
+    let mut basis = Matrix::identity(states, states);
+    loop {
+        let before = basis.ncols();
+        let first = basis.clone();
+        let mut factors = Vec::with_capacity(links.len());
+        for link in links {
+            // a flow takes nothing away, however much it contracts
+            let moved = &link.flow * &basis;
+            let middle = range(&moved, 0.0);
+            let image = &link.jump * &middle;
+            let next = range(&image, SINGULAR);
+            factors.push(next.tr_mul(&image) * middle.tr_mul(&moved));
+            basis = next;
+        }
+        if basis.ncols() == before {
+            // the last basis in coordinates of the first: both span the same
+            let turn = first.tr_mul(&basis);
+            if let Some(last) = factors.last_mut() {
+                *last = turn * &*last;
+            }
+            return (first, factors);
+        }
+    }
+}
+
+/// An orthonormal basis of the range of a matrix; columns of less than a part of the largest are nothing.
+fn range(matrix: &Matrix, least: f64) -> Matrix {
+    let mut columns: Vec<Vector> = Vec::new();
+    let mut rest: Vec<Vector> = matrix
+        .column_iter()
+        .map(|column| column.into_owned())
+        .collect();
+    let largest = rest
+        .iter()
+        .fold(0.0_f64, |largest, column| largest.max(column.norm()));
+    loop {
+        let length = |index: &usize| rest[*index].norm();
+        let longest = (0..rest.len()).max_by(|one, other| length(one).total_cmp(&length(other)));
+        let Some(index) = longest else { break };
+        let mut column = rest.swap_remove(index);
+        if column.norm() <= least * largest {
+            break;
+        }
+        // twice is enough
+        for _ in 0..2 {
+            for known in &columns {
+                let along = known.dot(&column);
+                column.axpy(-along, known, 1.0);
+            }
+            column /= column.norm();
+        }
+        for other in &mut rest {
+            let along = column.dot(other);
+            other.axpy(-along, &column, 1.0);
+        }
+        columns.push(column);
+    }
+    if columns.is_empty() {
+        return Matrix::zeros(matrix.nrows(), 0);
+    }
+    Matrix::from_columns(&columns)
+}
+
+/// An orthonormal basis of what is perpendicular to a vector, which is not zero.
+fn complement(vector: &Vector) -> Matrix {
+    let n = vector.len();
+    // the reflection that takes the vector to its largest axis; the other columns of it
+    let axis = vector.iamax();
+    let mut mirror = vector / vector.norm();
+    mirror[axis] += mirror[axis].signum();
+    let scale = 2.0 / mirror.norm_squared();
+    let reflection = Matrix::identity(n, n) - &mirror * mirror.transpose() * scale;
+    reflection.remove_column(axis)
+}
+
+/// Eigenvalues, the largest first; of a conjugate pair that above the real axis.
+fn eigenvalues(matrix: &Matrix) -> Vec<Complex<f64>> {
+    let mut values: Vec<Complex<f64>> = match matrix.nrows() {
+        0 => Vec::new(),
+        1 => vec![Complex::new(matrix[(0, 0)], 0.0)],
+        _ => matrix.complex_eigenvalues().iter().copied().collect(),
+    };
+    values.sort_by(|one, other| {
+        let by_size = other.norm().total_cmp(&one.norm());
+        let close = (one.norm() - other.norm()).abs() <= 1e-12 * one.norm();
+        let by_sign = other.im.total_cmp(&one.im);
+        if close && one.re == other.re {
+            by_sign
+        } else {
+            by_size
+        }
+    });
+    values
+}
+
+impl Monodromy {
+    /// All multipliers, the largest first.
+    pub fn multipliers(&self) -> Vec<Multiplier> {
+        let mut values = eigenvalues(&self.matrix);
+        if let Some(inverse) = &self.inverse {
+            let mut others = eigenvalues(inverse);
+            others.reverse();
+            let [size, other_size] = self.sizes;
+            let mut index = 0;
+            while index < values.len() {
+                let pair = values
+                    .get(index + 1)
+                    .is_some_and(|next| *next == values[index].conj());
+                let count = if pair && values[index].im != 0.0 {
+                    2
+                } else {
+                    1
+                };
+                // each is known to the rounding of the product it comes from
+                let own = size / values[index].norm();
+                let other = other_size / others[index].norm();
+                if other < own {
+                    for index in index..index + count {
+                        values[index] = others[index].inv();
+                    }
+                }
+                index += count;
+            }
+        }
+        let left = values.into_iter().map(|value| Multiplier {
+            value,
+            trivial: false,
+        });
+        let trivial = |value: f64| Multiplier {
+            value: Complex::new(value, 0.0),
+            trivial: true,
+        };
+        let one = self.shifts.then(|| trivial(1.0));
+        let mut all: Vec<Multiplier> = left.chain(one).collect();
+        all.sort_by(|one, other| other.value.norm().total_cmp(&one.value.norm()));
+        all.extend((0..self.zeros).map(|_| trivial(0.0)));
+        all
+    }
+
+    /// det(M + 1), det(M − 1) and ∏(1 − μᵢμⱼ) over pairs, of what is not trivial: they change their sign where
+    /// a multiplier passes −1, where one passes 1, and where a pair has the product 1.
+    ///
+    /// At a graze one multiplier is infinite. The determinants have a simple pole there, which the speeds of the
+    /// guards divide out; the product is not looked at.
+    pub fn tests(&self) -> Vec<f64> {
+        let n = self.matrix.nrows();
+        let speeds: f64 = self.falls.iter().product();
+        let shifted = |by: f64| speeds * (&self.matrix + Matrix::identity(n, n) * by).determinant();
+        let torus = || match n {
+            0 | 1 => 1.0,
+            2 => 1.0 - self.matrix.determinant(),
+            _ => {
+                let values = eigenvalues(&self.matrix);
+                let pairs = (0..n).flat_map(|j| (0..j).map(move |i| (i, j)));
+                let product: Complex<f64> =
+                    pairs.map(|(i, j)| 1.0 - values[i] * values[j]).product();
+                product.re
+            }
+        };
+        let grazes = self.falls.iter().any(|fall| *fall <= AT_ZERO);
+        let tests = [
+            shifted(1.0),
+            shifted(-1.0),
+            if grazes { 0.0 } else { torus() },
+        ];
+        let finite = |test: f64| if test.is_finite() { test } else { 0.0 };
+        tests.map(finite).to_vec()
+    }
+
+    /// Argument of the pair of multipliers whose product is nearest to 1, between 0 and π; `None` where they are
+    /// real: a saddle whose multipliers are μ and 1/μ.
+    pub fn angle_on_circle(&self) -> Option<f64> {
+        let values = eigenvalues(&self.matrix);
+        let pairs = (0..values.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+        let far = |&(i, j): &(usize, usize)| (1.0 - values[i] * values[j]).norm();
+        let nearest = pairs.min_by(|one, other| far(one).total_cmp(&far(other)));
+        let (i, _) = nearest?;
+        (values[i].im != 0.0).then(|| values[i].arg().abs())
+    }
+}
+
+impl AffineOrbit {
+    /// All Floquet multipliers at a point, the largest first; none at a graze, where they have no limit.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated there.
+    pub fn multipliers(&self, point: &Vector) -> Result<Vec<Multiplier>, OrbitFailure> {
+        let monodromy = self.at(point)?.monodromy()?;
+        Ok(monodromy.map_or_else(Vec::new, |monodromy| monodromy.multipliers()))
+    }
+}

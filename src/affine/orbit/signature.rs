@@ -1,0 +1,107 @@
+//! The sequence of zones of an orbit.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// The way a zone ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Way {
+    /// The guard that is zero, by its number in the mode.
+    pub guard: usize,
+    /// The exit taken, by its number in the guard.
+    pub exit: usize,
+}
+
+/// A zone: a mode, and how it ends.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Zone {
+    /// Number of the mode.
+    pub mode: usize,
+    /// `None` where the orbit never switches.
+    pub way: Option<Way>,
+    /// Name of the mode.
+    pub name: String,
+}
+
+/// A cycle of zones; not empty.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Sequence(pub Vec<Zone>);
+
+impl Sequence {
+    /// Number of zones.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there is no zone.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Number of switches in a cycle.
+    pub fn switches(&self) -> usize {
+        self.0.iter().filter(|zone| zone.way.is_some()).count()
+    }
+
+    /// A zone, counted round the cycle.
+    pub fn zone(&self, index: usize) -> &Zone {
+        &self.0[index % self.0.len()]
+    }
+
+    /// Whether another sequence is this one but for the zone it begins with.
+    pub fn is_rotation_of(&self, other: &Sequence) -> bool {
+        let count = self.len();
+        count == other.len()
+            && (0..count).any(|shift| (0..count).all(|k| self.zone(k + shift) == other.zone(k)))
+    }
+
+    /// Zones with which the name may begin, so that it comes first in the order of the modes: more than one
+    /// where the sequence repeats itself.
+    pub fn beginnings(&self) -> Vec<usize> {
+        let count = self.len();
+        let from = |start: usize| (0..count).map(move |k| self.zone(start + k));
+        let modes = |start: usize| from(start).map(|zone| zone.mode);
+        let ways = |start: usize| from(start).map(|zone| zone.way);
+        let order = |one: &usize, other: &usize| {
+            let first = modes(*one).cmp(modes(*other));
+            first.then_with(|| ways(*one).cmp(ways(*other)))
+        };
+        let Some(best) = (0..count).min_by(order) else {
+            return Vec::new();
+        };
+        let equal = |start: &usize| order(start, &best).is_eq();
+        (0..count).filter(equal).collect()
+    }
+
+    /// Whether one zone of this sequence is split in the other: what stands between the two parts begins where a
+    /// guard touches zero from inside.
+    pub(super) fn is_split_in(&self, other: &Sequence) -> bool {
+        let (short, long) = (self.len(), other.len());
+        if short == 1 && self.zone(0).way.is_none() {
+            return other.0.iter().any(|zone| zone.mode == self.zone(0).mode);
+        }
+        if short >= long {
+            return false;
+        }
+        let more = long - short;
+        let fits = |shift: usize, start: usize| {
+            // zone `shift` of the short sequence is zones start..=start + more of the long one
+            let split = self.zone(shift);
+            other.zone(start).mode == split.mode
+                && other.zone(start + more) == split
+                && (1..short).all(|k| self.zone(shift + k) == other.zone(start + more + k))
+        };
+        (0..short).any(|shift| (0..long).any(|start| fits(shift, start)))
+    }
+}
+
+impl fmt::Display for Sequence {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, zone) in self.0.iter().enumerate() {
+            let dash = if index > 0 { "-" } else { "" };
+            write!(formatter, "{dash}{}", zone.name)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,91 @@
+//! What is zero at the entries and ends of the zones of a sequence whatever the parameter.
+//!
+//! A zone ends where its guard is zero, and what is zero there may stay so through the reset and along the next
+//! flow. From nothing round the cycle to a fixed point all of these facts are found.
+
+use super::forms::{Forms, Units};
+use super::signature::Sequence;
+use crate::affine::mode::{AffineMode, AffineSystem, Exit};
+
+/// What is known of a zone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ZoneFacts {
+    /// Forms that are zero at its entry.
+    pub zero: Forms,
+    /// Forms that are zero at its end.
+    pub end: Forms,
+    /// Order of the zero of every guard of the mode at the entry: 0 where it is not zero, `None` where it stays so.
+    pub at_entry: Vec<Option<usize>>,
+    /// The same at the end, where guards of odd order fall to zero.
+    pub at_end: Vec<Option<usize>>,
+    /// Order of the zero at the entry that is divided out of the equation of the guard that ends the zone:
+    /// as `at_entry`, but a guard of the phase alone is not divided, since no equation sets the phase at an entry.
+    pub divided: usize,
+}
+
+/// The exit that a zone takes; `None` also for one that is not in the system.
+pub fn exit_of<'a>(system: &'a AffineSystem, sequence: &Sequence, zone: usize) -> Option<&'a Exit> {
+    let zone = sequence.zone(zone);
+    let way = zone.way?;
+    let guard = system.modes.get(zone.mode)?.guards.get(way.guard)?;
+    guard.exits.get(way.exit)
+}
+
+/// The state whose rate is zero where an orbit begins that neither switches nor is forced: the first whose rate
+/// depends on the states.
+pub fn section(mode: &AffineMode) -> usize {
+    let matrix = &mode.matrix.at;
+    let states = mode.matrix.at.nrows();
+    let depends = |row: &usize| matrix.row(*row).iter().any(|c| *c != 0.0);
+    (0..states).find(depends).unwrap_or(0)
+}
+
+/// The facts of every zone of a sequence that the system has.
+pub fn facts(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Vec<ZoneFacts> {
+    let count = sequence.len();
+    let mode = |zone: usize| &system.modes[sequence.zone(zone).mode];
+    let mut entries = vec![Forms::default(); count];
+    let mut ends = vec![Forms::default(); count];
+    loop {
+        let before: usize = entries.iter().map(Forms::len).sum();
+        for zone in 0..count {
+            let mut end = entries[zone].invariant(&mode(zone).matrix, units);
+            let Some(way) = sequence.zone(zone).way else {
+                continue;
+            };
+            end.insert(&mode(zone).guards[way.guard].row, units);
+            if let Some(exit) = exit_of(system, sequence, zone) {
+                entries[(zone + 1) % count] = end.after(exit, units);
+            }
+            ends[zone] = end;
+        }
+        if entries.iter().map(Forms::len).sum::<usize>() <= before {
+            break;
+        }
+    }
+    let of = |(index, (zero, end)): (usize, (Forms, Forms))| {
+        let AffineMode { matrix, guards, .. } = mode(index);
+        let orders = |forms: &Forms| {
+            let order = |guard| forms.order(guard, matrix, units);
+            guards.iter().map(|guard| order(&guard.row)).collect()
+        };
+        let divided = sequence.zone(index).way.and_then(|way| {
+            let mut set = zero.clone();
+            let states = |pivot: &usize| *pivot < system.states;
+            let kept: Vec<bool> = zero.pivots.iter().map(states).collect();
+            let mut keep = kept.iter();
+            set.rows.retain(|_| keep.next() == Some(&true));
+            set.pivots.retain(states);
+            set.order(&guards[way.guard].row, matrix, units)
+        });
+        ZoneFacts {
+            at_entry: orders(&zero),
+            at_end: orders(&end),
+            divided: divided.unwrap_or(0),
+            zero,
+            end,
+        }
+    };
+    let pairs = entries.into_iter().zip(ends).enumerate();
+    pairs.map(of).collect()
+}
