@@ -4,18 +4,29 @@ Written from the eigenfunction problem of docs/theory.md, apart from the program
 is for.
 """
 
-from flint import acb, arb
+from math import log
 
-from ball_waves import DU, W, Dual, NotCovered, Refused, Wave, apply, contracts, decimal, exponential, must, prove_zero
+from flint import acb, acb_mat, acb_poly, arb
+
+from ball_waves import DU, W, Dual, NotCovered, Wave, apply, contracts, exponential, must, prove_zero, size
 
 FIRST = 1e-2
 """Half the width of the strip around the imaginary axis that is tried first, by the inverse of the period."""
 STRIPS = 6
 """Strips that are tried, each an eighth of the one before."""
 LARGEST = 1e6
-"""Growth beyond which it counts as not bounded."""
-PIECE = 2.0 ** -40
+"""Growth, by the inverse of the period, beyond which it counts as not bounded."""
+CELL = 0.65
+"""Radius of the discs of polynomials, by the inverse of the period."""
+CLOSENESS = 40
+"""Bits to which polynomials agree with M."""
+PIECE = 2.0**-40
 """Length of a piece of a contour, by the period, at which a zero counts as lying on it."""
+
+
+def modulus(number):
+    """|number|, from above."""
+    return abs(acb(number)).upper()
 
 
 class Perturbed(Wave):
@@ -29,7 +40,7 @@ class Perturbed(Wave):
         return next(i for i, (regime, _) in enumerate(self.zones) if regime != "Separation"), 2
 
     def order(self):
-        """The zones of a period in their order, each with whether its switch is passed and whether it is gone through."""
+        """The zones of a period in their order: number, whether the switch before it is passed, whether it is."""
         first, size = self.start()
         yield first, size == 1, True
         for step in range(1, self.count):
@@ -39,16 +50,15 @@ class Perturbed(Wave):
 
     def period(self, parts, growth):
         """What a period makes of a perturbation (η, η′), times e^{−λT}: 1 × 1 from a release and else 2 × 2."""
-        m, c, zones, ends = parts.m, parts.c, parts.zones, parts.ends
+        m, c, zones = parts.m, parts.c, parts.zones
         if self.coulomb and any(regime == "Separation" for regime, _ in self.zones):
             raise NotCovered("eigenvalues of waves with Coulomb impacts")
         front, wa, wb, square = m.d / c, m.a / (c * c), m.b / (c * c), growth * growth
         columns = [[1]] if self.start()[1] == 1 else [[1, 0], [0, 1]]
         for i, switch, through in self.order():
-            regime, entry = self.zones[i]
+            regime = self.zones[i][0]
             if switch:
-                end, after, before = ends[i - 1], parts.rises[i], parts.falls[i - 1]
-                columns = [self.switch(entry, column, end, before, after, parts, growth) for column in columns]
+                columns = [self.switch(i, column, parts, growth) for column in columns]
             if not through or regime == "Stick":
                 continue
             along = 2 * wa * growth + m.damping
@@ -58,15 +68,16 @@ class Perturbed(Wave):
                 rows = [[0, 1, 0, 0], [y / (1 - wb) for y in gap], [0, 0, 0, 1], [y / (1 - wa) for y in slip]]
             else:
                 drive = (m.friction if regime == "Slip" else -m.friction) * front
-                rows = [[0, 1], [y / (1 - wa) for y in (wa * square - drive * growth - m.h, drive - along)]]
+                slip = [wa * square - drive * growth - m.h, drive - along]
+                rows = [[0, 1], [y / (1 - wa) for y in slip]]
             grown = exponential(rows, zones[i][2])
             columns = [apply(grown, column) for column in columns]
-        decay = (-growth * sum(t for _, _, t in zones)).exp()
+        decay = (-growth * sum(t for *_, t in zones)).exp()
         return [[column[row] * decay for column in columns] for row in range(len(columns))]
 
-    def switch(self, entry, column, end, before, after, parts, growth):
-        """What a switch makes of (η), (η, η′) or (u, u′, η, η′), from the states on both sides and their slopes."""
-        m, c = parts.m, parts.c
+    def switch(self, i, column, parts, growth):
+        """What the switch before a zone makes of (η), (η, η′) or (u, u′, η, η′)."""
+        m, c, entry, after, before = parts.m, parts.c, self.zones[i][1], parts.rises[i], parts.falls[i - 1]
         if entry == "Release":
             reset = m.h + m.static * m.d / c * growth - m.a / (c * c) * growth * growth
             return [column[0], after[W] * reset * column[0] / m.h if self.static else 0]
@@ -76,7 +87,7 @@ class Perturbed(Wave):
             return [column[0], column[1] * after[W] / before[W]]
         if entry == "TakeOff":
             return [0, 0, *column]
-        late = -column[0] / end[DU]
+        late = -column[0] / parts.ends[i - 1][DU]
         gap = [0, -after[DU] * late] if entry == "Touch" else []
         return [*gap, column[2], column[3] - (after[W] - before[W]) * late]
 
@@ -96,6 +107,16 @@ class Perturbed(Wave):
         pairs = (growth, root), (-growth, root.conjugate())
         return [self.determinant(self.period(parts, at), z) for at, z in pairs]
 
+    def swings(self, parts, window):
+        """How many of ±i√h are known to be eigenvalues of sector 0 with |Im λ| ≤ window. Without damping, stick and
+        reversals V may swing as a whole, which neither P nor the gap feels."""
+        holds = any(regime == "Stick" or entry == "Reversal" for regime, entry in self.zones)
+        if holds or self.coulomb or not parts.m.damping.is_zero():
+            return 0
+        frequency = parts.m.h.sqrt().real
+        must(frequency < window or frequency > window, "√h is the window")
+        return 2 if frequency < window else 0
+
     def eigenvalue(self, parts, sector, near):
         """A regular zero of F_j as a complex ball."""
         root = self.root(sector)
@@ -107,100 +128,120 @@ class Perturbed(Wave):
     def no_growth_from(self, parts, rate, window):
         """Whether Re λ ≥ rate and |Im λ| ≤ window has no eigenvalue.
 
-        (η, η′/λ) and (u, u′/λ) in the characteristic coordinates p of a zone obey p′ = (λX + B + Z/λ)p with X
-        diagonal and less than 1. So |p| e^{−Re λ s} grows at most like exp(s(ρ(X − 1) + |B| + |Z|/ρ)), ρ being the rate:
-        beyond it every entry is smaller. At a release with static friction |λ| ≤ (ρ + W) e^{(Re λ − ρ)/(ρ + W)}
-        enters, which the stick zone before it outweighs where it lasts 1/(ρ + W).
+        What a period makes of (η, η′/λ) is bounded by a product of matrices for switches and zones, which get smaller
+        as Re λ grows.
         """
-        m, c, zones, ends = parts.m, parts.c, parts.zones, parts.ends
-        real = lambda y: acb(y).real
-        modulus = lambda y: abs(acb(y)).upper()
-        front, rate = m.d / c, arb(rate)
         size = self.start()[1]
         columns = [[arb(int(i == j)) for i in range(size)] for j in range(size)]
         for i, switch, through in self.order():
-            regime, entry = self.zones[i]
             if switch:
-                end, after, before = ends[i - 1], parts.rises[i], parts.falls[i - 1]
-                if entry == "Release":
-                    far = m.h / rate + m.static * front + m.a / (c * c) * (rate + window)
-                    slope = modulus(after[W] * far / m.h) if self.static else arb(0)
-                    must(not self.static or real(zones[i - 1][2]) * (rate + window) > 1, "a short stick zone")
-                    columns = [[column[0], column[0] * slope] for column in columns]
-                elif entry == "Arrest":
-                    columns = [column[:1] for column in columns]
-                elif entry == "Reversal":
-                    columns = [[column[0], column[1] * modulus(after[W] / before[W])] for column in columns]
-                elif entry == "TakeOff":
-                    columns = [[arb(0), arb(0), *column] for column in columns]
-                else:
-                    late, jump = modulus(1 / end[DU]) / rate, modulus(after[W] - before[W])
-                    gap = [arb(0), modulus(after[DU]) * late] if entry == "Touch" else None
-                    columns = [
-                        ([gap[0], gap[1] * column[0]] if gap else []) + [column[2], column[3] + jump * late * column[0]]
-                        for column in columns
-                    ]
-            if not through:
-                continue
-            length = real(zones[i][2])
-            if regime == "Stick":
-                columns = [[y * (-rate * length).exp() for y in column] for column in columns]
-                continue
-            # x of e^{λxs} for each wave speed: m x² + 2w x − w = 0 with m + w = 1
-            waves = [m.b / (c * c), m.a / (c * c)] if regime == "Separation" else [m.a / (c * c)]
-            roots = [w.sqrt() for w in waves]
-            speeds = [x for q in roots for x in (q / (1 + q), -q / (1 - q))]
-            drive = {"Slip": m.friction, "Reverse": -m.friction}.get(regime, 0) * front
-            # rows of η″ or u″ over λ: what multiplies 1 and 1/λ
-            if regime == "Separation":
-                now = [[0, -m.damping, front, -front], [-front, front, 0, -m.damping]]
-                late = [[-m.g, 0, 0, 0], [0, 0, -m.h, 0]]
-            else:
-                now, late = [[-drive, drive - m.damping]], [[-m.h, 0]]
-            n = len(speeds)
-            rows = [[arb(0)] * n for _ in range(n)]
-            for k, w in enumerate(waves):
-                # p of a pair from (y, y′/λ), and back: (x₂y − y′)/(x₂ − x₁), (y′ − x₁y)/(x₂ − x₁)
-                gap = speeds[2 * k + 1] - speeds[2 * k]
-                for into, sign in ((2 * k, -1), (2 * k + 1, 1)):
-                    for j in range(n):
-                        entry = lambda terms: terms[k][j - j % 2] + terms[k][j - j % 2 + 1] * speeds[j]
-                        share = sign / (gap * (1 - w))
-                        rows[into][j] += modulus(entry(now) * share) + modulus(entry(late) * share) / rate
-            for j in range(n):
-                rows[j][j] += rate * (real(speeds[j]) - 1)
-            grown = exponential(rows, length)
-            moved = []
-            for column in columns:
-                p = []
-                for k in range(n // 2):
-                    first, second = speeds[2 * k], speeds[2 * k + 1]
-                    for x in (second, first):
-                        p.append((modulus(x) * column[2 * k] + column[2 * k + 1]) / modulus(second - first).lower())
-                p = [real(y).upper() for y in apply(grown, p)]
-                for k in range(n // 2):
-                    pair = p[2 * k : 2 * k + 2]
-                    p[2 * k] = sum(pair)
-                    p[2 * k + 1] = sum(modulus(x) * y for x, y in zip(speeds[2 * k : 2 * k + 2], pair))
-                moved.append(p)
-            columns = moved
-        return contracts([[column[row].upper() for column in columns] for row in range(size)])
+                columns = [self.switch_bound(i, column, parts, rate, window) for column in columns]
+            if through and self.zones[i][0] == "Stick":
+                columns = [[y * (-rate * parts.zones[i][2].real).exp() for y in column] for column in columns]
+            elif through:
+                bound = self.zone_bound(i, parts, rate)
+                columns = [[modulus(y) for y in apply(bound, column)] for column in columns]
+        return contracts([[column[row] for column in columns] for row in range(size)])
 
-    def along(self, parts, begin, end, roots):
-        """F of every root at places along a segment, so close that between two neighbours, and from the ends to the
-        first and the last, its argument changes by less than π/2 from each of them."""
+    def switch_bound(self, i, column, parts, rate, window):
+        """What the switch before a zone makes of bounds of (η), (η, η′/λ) or (u, u′/λ, η, η′/λ)."""
+        m, c, entry, after, before = parts.m, parts.c, self.zones[i][1], parts.rises[i], parts.falls[i - 1]
+        if entry == "Release":
+            if not self.static:
+                return [column[0], arb(0)]
+            # |λ| ≤ (ρ + W)e^{(Re λ − ρ)/(ρ + W)}, which the stick zone before outweighs where it lasts 1/(ρ + W)
+            must(parts.zones[i - 1][2].real * (rate + window) > 1, "stick is too short")
+            reset = m.h / rate + m.static * m.d / c + m.a / (c * c) * (rate + window)
+            return [column[0], column[0] * modulus(after[W] * reset / m.h)]
+        if entry == "Arrest":
+            return column[:1]
+        if entry == "Reversal":
+            return [column[0], column[1] * modulus(after[W] / before[W])]
+        if entry == "TakeOff":
+            return [arb(0), arb(0), *column]
+        late = column[0] * modulus(1 / parts.ends[i - 1][DU]) / rate
+        gap = [arb(0), modulus(after[DU]) * late] if entry == "Touch" else []
+        return [*gap, column[2], column[3] + modulus(after[W] - before[W]) * late]
+
+    def zone_bound(self, i, parts, rate):
+        """A bound of what a sliding or separated zone makes of (η, η′/λ) or (u, u′/λ, η, η′/λ), times e^{−λT}.
+
+        In the characteristic coordinates p, y = p₁ + p₂ and y′/λ = x₁p₁ + x₂p₂, p′ = (λX + B + Z/λ)p with X diagonal
+        and less than 1: |p|e^{−Re λ s} grows at most like exp(s(ρ(X − 1) + |B| + |Z|/ρ)), whose entries fall
+        as ρ grows.
+        """
+        m, c, regime = parts.m, parts.c, self.zones[i][0]
+        front, wb, wa = m.d / c, m.b / (c * c), m.a / (c * c)
+        # rows of y″/λ, times 1 less the square of the wave's speed by that of c: what multiplies 1 and 1/λ
+        if regime == "Separation":
+            waves, late = [wb, wa], [[-m.g, 0, 0, 0], [0, 0, -m.h, 0]]
+            now = [[0, -m.damping, front, -front], [-front, front, 0, -m.damping]]
+        else:
+            drive = (m.friction if regime == "Slip" else -m.friction) * front
+            waves, now, late = [wa], [[-drive, drive - m.damping]], [[-m.h, 0]]
+        # x of e^{λxs}: (1 − w)x² + 2wx − w = 0
+        x = [y for q in (w.sqrt() for w in waves) for y in (q / (1 + q), -q / (1 - q))]
+        n = len(x)
+        rows, into, out = ([[arb(0)] * n for _ in range(n)] for _ in range(3))
+        for k in range(n):
+            first, row = k - k % 2, k // 2
+            gap = x[first + 1] - x[first]
+            for j in range(n):
+                pair = j - j % 2
+                scale = gap * (1 - waves[row])
+                entry = lambda terms: modulus((terms[row][pair] + terms[row][pair + 1] * x[j]) / scale)
+                rows[k][j] = entry(now) + entry(late) / rate + int(j == k) * rate * (x[k].real - 1)
+            # p = ±(x′y − y′/λ)/gap, where x′ is that of the other
+            into[k][first], into[k][first + 1] = modulus(x[first + 1 - k % 2] / gap), modulus(1 / gap)
+            out[first][k], out[first + 1][k] = arb(1), modulus(x[k])
+        grown = exponential(rows, parts.zones[i][2].real)
+        return (acb_mat(out) * acb_mat(grown) * acb_mat(into)).tolist()
+
+    def disc(self, parts, middle, radius):
+        """Polynomials in (λ − middle)/radius for the entries of M(λ)e^{−λT} on a disc, and a bound of their error.
+
+        They interpolate at n roots of unity. With |M| ≤ S on a disc four times as large, a Taylor coefficient of order
+        i is at most S/4ⁱ, so that what is left out and what it adds to the others are less than 3S/4ⁿ.
+        """
+        wide = middle + acb(arb(0, 1), arb(0, 1)) * (4 * radius)
+        most = size([y for row in self.period(parts, wide) for y in row])
+        must(most.is_finite(), "the perturbations cannot be enclosed")
+        n = max(24, int((float(most.log()) / log(2) + CLOSENESS) / 2) + 2)
+        unit = [(acb(0, 2) * arb.pi() * i / n).exp() for i in range(n)]
+        samples = [self.period(parts, middle + radius * z) for z in unit]
+        dimension = range(len(samples[0]))
+        fit = lambda i, j: acb_poly([y / n for y in acb.dft([sample[i][j] for sample in samples])])
+        return [[fit(i, j) for j in dimension] for i in dimension], (3 * most * arb(2) ** (-2 * n)).upper()
+
+    def along(self, parts, begin, end, roots, discs):
+        """F of every root at places along a segment: the segment is cut into pieces, one about each place, on which the
+        argument of F differs by less than π/2 from that at the place. Short pieces use polynomials on discs,
+        which are kept for other segments."""
         pieces, values = [(begin, end)], []
         length = sum(acb(t).real for *_, t in parts.zones)
+        side = (arb(CELL) / length).mid()
         while pieces:
             begin, end = pieces.pop()
             middle, half = (begin + end) / 2, (end - begin) / 2
-            over = middle + half * arb(0, 1)
-            exact, balls = (
-                [self.determinant(matrix, root) for root in roots]
-                for matrix in (self.period(parts, middle), self.period(parts, Dual(over, acb(1))))
-            )
-            # on the piece F/F(middle) = 1 + tw with −1 ≤ t ≤ 1 and w in a ball
-            if all(not y.contains(0) and abs((z.d * half / y).real) < 1 for y, z in zip(exact, balls)):
+            over, error = middle + half * arb(0, 1), arb(0)
+            if abs(half) < side / 4:
+                # a piece is within side·(√½ + 1/4) of the middle of its cell
+                cell = tuple(round(float((y / side).mid())) for y in (middle.real, middle.imag))
+                center = acb(cell[0] * side, cell[1] * side)
+                if cell not in discs:
+                    discs[cell] = self.disc(parts, center, side)
+                polynomials, error = discs[cell]
+                at, around = (middle - center) / side, (over - center) / side
+                exact = [[y(at) for y in row] for row in polynomials]
+                balls = [[Dual(y(around), y.derivative()(around) / side) for y in row] for row in polynomials]
+                n = len(exact)
+                # det(M + E) − det M for |E| ≤ error
+                error = error * (sum(abs(y.v) for row in balls for y in row) + 2 + 2 * error if n == 2 else 1)
+            else:
+                exact, balls = self.period(parts, middle), self.period(parts, Dual(over, acb(1)))
+            exact, balls = ([self.determinant(matrix, root) for root in roots] for matrix in (exact, balls))
+            # on the piece F/F(middle) is 1 + tw with −1 ≤ t ≤ 1 and w in a ball, but for the error
+            if all(abs((z.d * half / y).real) + error / abs(y) < 1 for y, z in zip(exact, balls)):
                 values.append(exact)
                 continue
             must(abs(half) * length > PIECE, "an eigenvalue on a contour")
@@ -208,8 +249,8 @@ class Perturbed(Wave):
         return values
 
     def turns(self, chain, conjugates):
-        """How often F turns round 0 on the contour made of a path in the upper half plane, from the right to the left on
-        the real axis, and its mirror image. `conjugates` belongs to the conjugate of z."""
+        """How often F turns round 0 on the contour made of a path in the upper half plane, from the right to the left
+        on the real axis, and its mirror image. `conjugates` belongs to the conjugate of z."""
         mirrored = [y.conjugate() for y in reversed(conjugates)]
         closed = mirrored + chain
         total = sum((after / before).arg() for before, after in zip(closed, closed[1:] + closed[:1]))
@@ -217,25 +258,24 @@ class Perturbed(Wave):
         must(whole is not None, "the argument is not enclosed")
         return int(whole)
 
-    def right_of(self, parts, sectors, window, line):
+    def right_of(self, parts, sectors, window, line, discs):
         """How many eigenvalues with |Im λ| ≤ window lie right of a line, in every sector."""
-        rate = 1.0
-        while not self.no_growth_from(parts, max(rate, line + 1), window):
+        unit = 1 / float(sum(acb(t).real for *_, t in parts.zones))
+        rate = max(unit, line + unit)
+        while not self.no_growth_from(parts, rate, window):
             rate *= 2
-            must(rate < LARGEST, "growth is not bounded")
-        roots = [self.root(sector) for sector in sectors]
-        corners = [acb(max(rate, line + 1), 0), acb(max(rate, line + 1), window), acb(line, window), acb(line, 0)]
-        both = [z for root in roots for z in (root, root.conjugate())]
-        chain = [at for ends in zip(corners, corners[1:]) for at in self.along(parts, *ends, both)]
-        return [self.turns([at[2 * i] for at in chain], [at[2 * i + 1] for at in chain]) for i in range(len(roots))]
+            must(rate < LARGEST * unit, "growth is not bounded")
+        corners = [acb(rate, 0), acb(rate, window), acb(line, window), acb(line, 0)]
+        roots = [z for root in map(self.root, sectors) for z in (root, root.conjugate())]
+        chain = [at for ends in zip(corners, corners[1:]) for at in self.along(parts, *ends, roots, discs)]
+        return [self.turns([at[i] for at in chain], [at[i + 1] for at in chain]) for i in range(0, len(roots), 2)]
 
-    def growing(self, parts, sectors, window, known):
-        """How many eigenvalues with |Im λ| ≤ window have Re λ > 0, in every sector, if none but `known` of each sector
-        are on the axis: a narrow strip around it has no others."""
+    def growing(self, parts, sectors, window, known, discs):
+        """How many eigenvalues with |Im λ| ≤ window have Re λ > 0, in every sector: as many as right of a narrow strip
+        around the axis, which has none but those `known` to be on the axis."""
         width = FIRST / float(sum(acb(t).real for *_, t in parts.zones))
         for _ in range(STRIPS):
-            right = self.right_of(parts, sectors, window, width)
-            left = self.right_of(parts, sectors, window, -width)
+            right, left = (self.right_of(parts, sectors, window, line, discs) for line in (width, -width))
             if [x + y for x, y in zip(right, known)] == left:
                 return right
             width /= 8

@@ -249,7 +249,8 @@ class Wave:
         if posed["impact"] not in ("Frictionless", "Coulomb"):
             raise NotCovered(f"impacts of {posed['impact']}")
         self.coulomb = posed["impact"] == "Coulomb"
-        must(self.coulomb or not any(entry == "ArrestedLanding" for _, entry in self.zones), "an impact without friction arrests")
+        arrests = any(entry == "ArrestedLanding" for _, entry in self.zones)
+        must(self.coulomb or not arrests, "an impact without friction arrests")
         self.kind = condition if isinstance(condition, str) else condition.name
         margin = condition.value if self.kind == "Margin" else {}
         self.watch, self.zone = margin.get("watch"), int(margin.get("zone", -1))
@@ -402,8 +403,9 @@ class Wave:
             for both in product([arb(i, 1) / parts for i in range(1 - parts, parts, 2)], repeat=2):
                 shares = [arb(0, 1)] * (self.base - 2) + list(both) + [arb(0, 1)] * (len(radii) - self.base)
                 box = [y + radius * share for y, radius, share in zip(middle, radii, shares)]
-                for i, row in enumerate((inverse * slope(box)).tolist()):
-                    bounds[i] = [old.max(abs(y - int(i == j)).upper()) for j, (old, y) in enumerate(zip(bounds[i], row))]
+                defect = (inverse * slope(box)).tolist()
+                for i, j in product(range(len(radii)), repeat=2):
+                    bounds[i][j] = bounds[i][j].max(abs(defect[i][j] - int(i == j)).upper())
             if contracts(bounds):
                 return True
         return False
@@ -488,8 +490,9 @@ class Signs:
             yield "the time of the touch", self.touch > 0 and self.touch < self.zones[wave.zone][2]
         for i, (regime, entry) in enumerate(wave.zones):
             before, after = (i - 1) % wave.count, (i + 1) % wave.count
-            (v, w, t), (came, via), (goes, switch) = self.zones[i], wave.zones[before], wave.zones[after]
-            force, limit, landed = m.h * v + m.damping, m.static * contact, self.state(before, self.zones[before][2])
+            (v, _, t), (came, via), (goes, switch) = self.zones[i], wave.zones[before], wave.zones[after]
+            force, limit = m.h * v + m.damping, m.static * contact
+            landed = self.state(before, self.zones[before][2])
             if came == "Separation" and before != none and not self.lands_still(before):
                 yield "U̇ < 0 at landing", landed[DU] < 0
             if entry == "ArrestedLanding" and not event("Impulse", before):
@@ -517,7 +520,8 @@ class Signs:
                 right += switch == "Arrest" and after == none and regime == "Slip" and not wave.static
                 lag = [0, 0, 0, -1, 1] if regime == "Slip" else [0, 0, 0, 1, -1]
                 yield "the sign of 1 − V̇", self.positive(i, lag, left, right, touched("Rate"))
-                left, right = int(event("LandingPressure", i)), int(switch == "TakeOff") + (goes == "Separation" and after == none)
+                left, right = int(event("LandingPressure", i)), int(switch == "TakeOff")
+                right += goes == "Separation" and after == none
                 if before == none and came == "Separation":
                     left = 1 if via == "Touch" else 2
                 yield "P > 0 in sliding", self.positive(i, pressure, left, right, touched("Pressure"))

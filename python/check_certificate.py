@@ -16,10 +16,10 @@ from fractions import Fraction
 from pathlib import Path
 
 try:
-    from flint import acb, arb, ctx
+    from flint import arb, ctx
 
     from ball_spectrum import Perturbed
-    from ball_waves import KNOWN_ZEROS, NotCovered, Refused, Signs, must, prove_zero
+    from ball_waves import NotCovered, Refused, Signs, must, prove_zero
 except ImportError as error:
     sys.exit(f"{error}: `pip install python-flint` gives the balls that this check needs")
 
@@ -135,7 +135,7 @@ class Point:
         self.point, self.source, self.row = point, source, row
         self.proof = point["outcome"].value
         self.posed, self.said = self.proof["posed"], self.proof["statement"]
-        self.growth = point.get("growth")
+        self.growth, self.discs = point.get("growth"), {}
 
     def statements(self):
         """Names of the statements and what checks them."""
@@ -180,14 +180,15 @@ class Point:
             raise NotCovered("numbers that do not stand in a problem file: a tube in SI units, a restart")
         model, given = source["model"], {}
         law, damping = model.get("friction_law", "Coulomb"), model.get("damping", {})
-        origin, names = model["coefficients"], {"Geometry": ["nu", "xi", "gamma"], "Given": ["a", "b", "D", "g", "h"]}
+        origin = model["coefficients"]
         must(origin.name == written["origin"].name, "the coefficients are given otherwise")
-        given = dict(zip(names[origin.name], written["origin"].value))
-        given |= {"friction": written["friction"], "mismatch": written["mismatch"], "mass_damping": written["damping"]}
+        names = {"Geometry": ["nu", "xi", "gamma"], "Given": ["a", "b", "D", "g", "h"]}[origin.name]
         text = lambda number: number.text if isinstance(number, Number) else "0"
-        problem = {name: text(origin.value[name]) for name in names[origin.name]}
+        problem = {name: text(origin.value[name]) for name in names}
         problem |= {"friction": text(model["friction"]), "mismatch": text(model["mismatch"])}
         problem |= {"mass_damping": text(damping.get("mass"))}
+        numbers = *written["origin"].value, written["friction"], written["mismatch"], written["damping"]
+        given = dict(zip(problem, numbers))
         continuation, varies = source["continuation"], snake(posed["parameter"])
         for name, number in problem.items():
             # the branch from a Hopf point begins at a value that is computed
@@ -195,8 +196,8 @@ class Point:
             must(computed or Fraction(number) == Fraction(given[name]), f"{name} is {number} in the problem")
         must(law == "Coulomb" or law.name == "Static", "another law of friction in the problem")
         ratio = None if law == "Coulomb" else law.value["ratio"]
-        must((ratio is None) == (written["ratio"] is None), "static friction is not that of the problem")
-        must(ratio is None or Fraction(ratio.text) == Fraction(written["ratio"]), "static friction is not that of the problem")
+        ratios = [Fraction(text or 1) for text in (ratio and ratio.text, written["ratio"])]
+        must(ratios[0] == ratios[1], "static friction is not that of the problem")
         must(model.get("impact", "Frictionless") == posed["impact"], "impacts are not those of the problem")
         must(int(source["wave"]["mode"]) == int(posed["mode"]), "the mode is not that of the problem")
         must(continuation["parameter"] == posed["parameter"], "the parameter is not that of the problem")
@@ -232,41 +233,50 @@ class Point:
     def table(self):
         if self.row is None:
             raise NotCovered("a certificate without its table")
-        row, point = self.row, self.point
-        said = (row["label"], row["type"], row["parameter"], row["proven"])
-        must(said == (str(int(point["label"])), point["kind"], snake(point["parameter"]), "yes"), "it is of another point")
-        must(inside(self.x[self.solved.base - 1].real, row["low"], row["high"]), "the parameter is not in its interval")
+        row, point, value = self.row, self.point, self.x[self.solved.base - 1].real
+        named = [str(int(point["label"])), point["kind"], snake(point["parameter"]), "yes"]
+        must([row[name] for name in ("label", "type", "parameter", "proven")] == named, "it is of another point")
+        must(inside(value, row["low"], row["high"]), "the parameter is not in its interval")
         must(inside(self.parts.c.real, row["speed_low"], row["speed_high"]), "the speed is not in its interval")
         must(float(row["unique"]) == self.said["unique"], "`unique` is not that of the certificate")
         must(int(row["inequalities"]) == self.said["inequalities"], "`inequalities` is not that of the certificate")
         grows = any(it["growth"]["low"] > 0 for it in self.proof.get("eigenvalues", []))
         must(row["unstable"] == ("yes" if grows else ""), "`unstable` is not what the eigenvalues say")
-        counted, mode = self.growth is not None and self.growth.name == "Proven", int(self.posed["mode"])
-        verdict = self.growth.value["verdict"] if counted else None
-        name = verdict.name if isinstance(verdict, Tagged) else verdict
-        must(row["stable"] == {"Stable": "yes", "Unstable": "no"}.get(name, ""), "`stable` is not that of the certificate")
-        whole = [int(n) * (1 if 2 * j in (0, mode) else 2) for j, n in enumerate(self.growth.value["counts"] if counted else [])]
-        must(row["growing"] == (str(sum(whole)) if counted else ""), "`growing` is not that of the certificate")
+        stable = growing = ""
+        if self.growth is not None and self.growth.name == "Proven":
+            verdict, mode = self.growth.value["verdict"], int(self.posed["mode"])
+            name = verdict.name if isinstance(verdict, Tagged) else verdict
+            stable = {"Stable": "yes", "Unstable": "no"}.get(name, "")
+            # a sector between 0 and k/2 counts for its conjugate too
+            counts = enumerate(self.growth.value["counts"])
+            growing = str(sum(int(count) * (1 if 2 * sector in (0, mode) else 2) for sector, count in counts))
+        must(row["stable"] == stable, "`stable` is not that of the certificate")
+        must(row["growing"] == growing, "`growing` is not that of the certificate")
 
     def eigenvalue(self, said):
         ball = self.solved.eigenvalue(self.parts, said["sector"], said["near"])
-        must(between(ball.real, said["growth"]) and between(ball.imag, said["omega"]), f"it is {ball.str(15, radius=False)}")
+        holds = between(ball.real, said["growth"]) and between(ball.imag, said["omega"])
+        must(holds, f"it is {ball.str(15, radius=False)}")
 
     def arc(self):
         raise NotCovered("what lies between two points")
 
     def counts(self):
         growth, mode, crossing = self.growth.value, int(self.posed["mode"]), self.solved.kind == "Crossing"
-        must(int(growth["mode"]) == mode and len(growth["counts"]) == mode // 2 + 1, "there are not as many as sectors")
-        known = [int(sector == 0) for sector in range(mode // 2 + 1)]
+        sectors, window = range(mode // 2 + 1), float(growth["window"])
+        must(
+            int(growth["mode"]) == mode and len(growth["counts"]) == len(sectors), "there are not as many as sectors"
+        )
+        known = [int(sector == 0) for sector in sectors]
         if crossing:
             sector = int(self.solved.condition.value["sector"])
             known[sector] += 2 if 2 * sector in (0, mode) else 1
-        found = self.counted(lambda: self.solved.growing(self.parts, range(len(known)), float(growth["window"]), known))
+        known[0] += self.solved.swings(self.parts, window)
+        found = self.counted(lambda: self.solved.growing(self.parts, sectors, window, known, self.discs))
         must(found == [int(count) for count in growth["counts"]], f"they are {found}")
         if self.source is not None and "max_frequency" in (self.source.get("stability") or {}):
-            window = self.source["stability"]["max_frequency"]
-            must(window == growth["window"], "the window is not that of the problem")
+            asked = self.source["stability"]["max_frequency"]
+            must(asked == window, "the window is not that of the problem")
         self.found = found
 
     def counted(self, how):
@@ -279,6 +289,7 @@ class Point:
 
     def leads(self, said):
         sector, line, mode = int(said["sector"]), float(said["line"]), int(self.posed["mode"])
+        window = float(self.growth.value["window"])
         near = [it["near"] for it in self.proof.get("eigenvalues", []) if it["sector"] == sector]
         must(len(near) == 1, "no eigenvalue of this sector is enclosed")
         ball = self.solved.eigenvalue(self.parts, sector, near[0])
@@ -286,8 +297,7 @@ class Point:
         must(ball.real > line, "the eigenvalue is left of the line")
         paired = 2 * sector in (0, mode) and not ball.imag.contains(0)
         expected = 1 + int(paired) + int(sector == 0 and line < 0)
-        count = lambda: self.solved.right_of(self.parts, [sector], float(self.growth.value["window"]), line)[0]
-        found = self.counted(count)
+        found = self.counted(lambda: self.solved.right_of(self.parts, [sector], window, line, self.discs)[0])
         must(found == expected, f"{found} eigenvalues are right of the line, not {expected}")
 
     def verdict(self):
@@ -314,7 +324,8 @@ def main(folder):
         rows = list(csv.DictReader(table.read_text(encoding="utf-8").splitlines())) if table.is_file() else None
         refused = 0
         labels = [int(point["label"]) for point in points]
-        if labels != sorted(set(labels)) or rows is not None and [row["label"] for row in rows] != list(map(str, labels)):
+        listed = list(map(str, labels)) if rows is None else [row["label"] for row in rows]
+        if labels != sorted(set(labels)) or listed != list(map(str, labels)):
             print("labels: refused: they do not ascend as those of the table do")
             refused += 1
         for index, point in enumerate(points):
@@ -336,7 +347,7 @@ def main(folder):
                 print(f"{name} {what}: {outcome}", flush=True)
                 if what.startswith("wave") and outcome != "proven again":
                     break
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError) as error:
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         print(f"{name}: cannot be read: {error!r}", file=sys.stderr)
         return 2
     return 1 if refused else 0
