@@ -2,6 +2,8 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use crate::affine::motion::Halt;
+use crate::affine::system::System;
 use crate::branch::Reason;
 use crate::branch::special::{Change, Inadmissible, Note, OfWaves, Special, WaveMargin, WaveStop};
 use crate::continuation::walk::End;
@@ -40,6 +42,35 @@ impl Landing {
                 "the limit of small material damping (docs/impact.md)"
             }
             Landing::Damped => "with material damping there is no impact (docs/impact.md)",
+        }
+    }
+}
+
+/// Why a motion does not go on, with the names of its modes.
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
+pub(crate) fn halt(system: &System, halt: &Halt) -> String {
+    let named = |time: f64, mode: usize, guard: usize, what: &str| {
+        let name = system.mode_name(mode);
+        format!(
+            "at t = {time} `zero` number {} of the mode {name} is reached, {what}",
+            guard + 1
+        )
+    };
+    match *halt {
+        Halt::NoExit { time, mode, guard } => named(
+            time,
+            mode,
+            guard,
+            "and none of its switches has its `if` fulfilled",
+        ),
+        Halt::Undecided { time, mode, guard } => named(
+            time,
+            mode,
+            guard,
+            "and stays zero: nothing tells whether the mode lasts",
+        ),
+        Halt::Chattering { .. } | Halt::Livelock { .. } | Halt::Unbounded { .. } => {
+            halt.to_string()
         }
     }
 }

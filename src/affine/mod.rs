@@ -2,9 +2,10 @@
 //!
 //! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names; [`form`] is
 //! what expressions of such a system are evaluated in, [`mode`] the linear flow that a mode is made into at
-//! given parameters, [`flow`] that flow with the signs of its guards, and [`motion`] follows it through its switches;
-//! [`steady`] has the equilibria, [`orbit`] the periodic orbits.
+//! given parameters, [`flow`] that flow with the signs of its guards, [`motion`] follows it through its switches,
+//! and [`course`] sees it at equal times; [`steady`] has the equilibria, [`orbit`] the periodic orbits.
 
+pub mod course;
 pub mod expression;
 pub mod flow;
 pub mod form;

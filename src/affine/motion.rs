@@ -100,6 +100,20 @@ const CHATTER: f64 = 1e-12;
 /// So many of them in a row are a chattering, and so many switches without time a livelock.
 const IN_A_ROW: usize = 8;
 
+/// The ratio of successive durations, where they fall. The last of them are rounding, as differences of times, or
+/// zero: the earlier half tells.
+fn ratio(durations: &[f64]) -> Option<f64> {
+    let lasting: Vec<f64> = durations
+        .iter()
+        .copied()
+        .take_while(|time| *time > 0.0)
+        .collect();
+    let middle = lasting.len() / 2;
+    let (first, later) = (lasting.first()?, lasting.get(middle)?);
+    let ratio = (later / first).powf(1.0 / middle.max(1) as f64);
+    (ratio < 1.0).then_some(ratio)
+}
+
 /// A motion of a system.
 #[derive(Clone, Debug)]
 pub struct Motion<'a> {
@@ -227,16 +241,10 @@ impl<'a> Motion<'a> {
             self.short.push(lasted);
         }
         if self.short.len() > IN_A_ROW {
-            let [.., before, last] = self.short[..] else {
-                return Err(Halt::Livelock { time });
-            };
-            let ratio = if before > 0.0 { last / before } else { 1.0 };
-            match exit.rest {
-                Some(rest) => to = rest,
-                None if lasted > 0.0 && ratio < 1.0 => {
-                    return Err(Halt::Chattering { time, ratio });
-                }
-                None => return Err(Halt::Livelock { time }),
+            match (exit.rest, ratio(&self.short)) {
+                (Some(rest), _) => to = rest,
+                (None, Some(ratio)) => return Err(Halt::Chattering { time, ratio }),
+                (None, None) => return Err(Halt::Livelock { time }),
             }
             self.short.clear();
         }

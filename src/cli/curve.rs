@@ -64,7 +64,11 @@ pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
         Ok(pictures::curve::picture(&found, ranges)),
     );
     pictures::put(folder.store(), Some(&problem), format, [drawn])?;
-    task.say(&titled(&problem, &summary::curve(&found)), "curve", &out)?;
+    task.say(
+        &titled(problem.title.as_deref(), &summary::curve(&found)),
+        "curve",
+        &out,
+    )?;
     if found.failed {
         for side in [0, 1] {
             warn(&found.end(side));

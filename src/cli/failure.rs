@@ -189,6 +189,18 @@ pub(crate) enum Usage {
     Unjoined(PathBuf),
     #[error("{} holds proofs, which have no picture; plot the folder of the run", .0.display())]
     NoPicture(PathBuf),
+    #[error("{} holds results of a system of one's own, of which no pictures are drawn yet", .0.display())]
+    Unpictured(PathBuf),
+    #[error("{option} is for waves of a tube, and the problem has a system")]
+    OfTubes { option: &'static str },
+    #[error(
+        "the motion begins at a label of another run: write `start: (mode: .., state: ..)` into `simulation`"
+    )]
+    NoBeginning,
+    #[error("`{name}` is no parameter of the system; it has {known}")]
+    NoParameter { name: String, known: String },
+    #[error("at these values the system makes no sense: {0}")]
+    NoSystem(crate::affine::system::SystemError),
     #[error(
         "every method begins from the closed form: give a problem that starts from `Fast` or `Slow`"
     )]

@@ -7,6 +7,7 @@ mod curve;
 mod failure;
 mod junit;
 mod map;
+mod motion;
 mod options;
 mod plot;
 mod prepare;
@@ -28,7 +29,7 @@ use clap::{
 };
 
 use crate::output::store::Offers;
-use crate::problem::{self, Problem};
+use crate::problem;
 use failure::{EXIT_CODES, Exit, Failure};
 
 /// Continuation and bifurcation of friction-driven travelling waves (brake squeal).
@@ -98,9 +99,19 @@ enum Purpose {
     Steady,
     Simulate,
     Report,
+    /// Any verb, with a system of one's own in the place of a tube
+    System,
 }
 
 impl Purpose {
+    /// The problem file.
+    fn template(self) -> String {
+        match self {
+            Purpose::System => problem::SYSTEM_TEMPLATE.to_owned(),
+            other => problem::template(other.sections()),
+        }
+    }
+
     /// The optional sections that it takes.
     fn sections(self) -> &'static [&'static str] {
         match self {
@@ -113,6 +124,7 @@ impl Purpose {
             Purpose::Map => &["map"],
             Purpose::Steady => &[],
             Purpose::Simulate => &["simulation"],
+            Purpose::System => &[],
         }
     }
 }
@@ -133,9 +145,7 @@ pub fn main() -> ExitCode {
         Verb::Steady(arguments) => steady::steady(&arguments),
         Verb::Simulate(arguments) => simulate::simulate(&arguments),
         Verb::Report(arguments) => report::report(&arguments),
-        Verb::New(arguments) => {
-            print(&problem::template(arguments.purpose.sections())).map(|()| Exit::Done)
-        }
+        Verb::New(arguments) => print(&arguments.purpose.template()).map(|()| Exit::Done),
         #[cfg(feature = "completions")]
         Verb::Completions { shell } => shell::completions(shell),
         #[cfg(feature = "completions")]
@@ -177,8 +187,7 @@ fn print(text: &str) -> Result<(), Failure> {
 }
 
 /// A text below the title of its problem.
-fn titled(problem: &Problem, text: &str) -> String {
-    let title = problem.title.as_ref();
+fn titled(title: Option<&str>, text: &str) -> String {
     title.map_or_else(|| text.to_owned(), |title| format!("{title}\n\n{text}"))
 }
 

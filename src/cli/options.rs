@@ -10,7 +10,7 @@ use super::{print, warn};
 use crate::model::Parameter;
 use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store, io_error};
-use crate::problem::{self, CurveEvent, Problem, Start};
+use crate::problem::{self, Any, CurveEvent, Problem, Start, SystemProblem};
 use crate::simulation::task::SimulationStart;
 
 /// A problem file, and the folder of its results.
@@ -75,6 +75,19 @@ impl Task {
         Ok(Store::open(folder, kind, problem, existing, &inputs)?)
     }
 
+    /// The same for a problem with a system.
+    pub(crate) fn open_system(
+        &self,
+        folder: &Path,
+        kind: Kind,
+        problem: &SystemProblem,
+    ) -> Result<Store, Failure> {
+        let existing = Existing::of(self.resume, self.force);
+        let mut inputs = vec![self.problem.clone()];
+        inputs.extend(problem.orbit.start.dir().cloned());
+        Ok(Store::open(folder, kind, problem, existing, &inputs)?)
+    }
+
     /// What the results are computed from: the problem file, and what it names.
     pub(crate) fn inputs(&self, problem: &Problem) -> Vec<PathBuf> {
         let mut inputs = vec![self.problem.clone()];
@@ -94,13 +107,26 @@ impl Task {
     }
 }
 
-/// Reads a problem file, with a warning of what no real tube has.
+/// Reads a problem file with waves of a tube, with a warning of what no real tube has.
 pub(crate) fn read(path: &Path) -> Result<(Problem, String), Failure> {
     let (problem, text) = problem::read(path)?;
+    doubt(path, &problem);
+    Ok((problem, text))
+}
+
+/// Reads a problem file of either kind, with a warning of what no real tube has.
+pub(crate) fn read_any(path: &Path) -> Result<(Any, String), Failure> {
+    let (problem, text) = problem::read_any(path)?;
+    if let Any::Tube(problem) = &problem {
+        doubt(path, problem);
+    }
+    Ok((problem, text))
+}
+
+fn doubt(path: &Path, problem: &Problem) {
     for doubt in problem.doubts() {
         warn(&format!("{}: {doubt}", path.display()));
     }
-    Ok((problem, text))
 }
 
 /// Refuses a result folder that is not there.
@@ -152,22 +178,32 @@ pub(crate) fn positive(text: &str) -> Result<f64, Usage> {
     }
 }
 
-/// NAME=VALUE on the command line.
+/// NAME=VALUE on the command line, where the name is that of a parameter of a tube.
 pub(crate) fn assignment(text: &str) -> Result<(Parameter, f64), Usage> {
+    let (name, number) = named(text)?;
+    Ok((of_tube(&name)?, number))
+}
+
+/// NAME=VALUE on the command line.
+pub(crate) fn named(text: &str) -> Result<(String, f64), Usage> {
     let (name, value) = text.split_once('=').ok_or(Usage::Assignment)?;
     let (name, value) = (name.trim(), value.trim());
-    let parameter = Parameter::from_column(name).ok_or_else(|| {
+    let number: f64 = value.parse().map_err(|_| Usage::Number(value.to_owned()))?;
+    if !number.is_finite() {
+        return Err(Usage::NotFinite(number));
+    }
+    Ok((name.to_owned(), number))
+}
+
+/// The parameter of a tube with this name.
+pub(crate) fn of_tube(name: &str) -> Result<Parameter, Usage> {
+    Parameter::from_column(name).ok_or_else(|| {
         let known = Parameter::ALL.map(|parameter| parameter.column());
         Usage::Parameter {
             name: name.to_owned(),
             known: known.join(", "),
         }
-    })?;
-    let number: f64 = value.parse().map_err(|_| Usage::Number(value.to_owned()))?;
-    if !number.is_finite() {
-        return Err(Usage::NotFinite(number));
-    }
-    Ok((parameter, number))
+    })
 }
 
 /// Refuses a parameter that is given two values.

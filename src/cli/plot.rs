@@ -12,7 +12,7 @@ use crate::output::pictures::{self, View};
 use crate::output::render::Format;
 use crate::output::run::{Restart, RunFolder};
 use crate::output::store::{Kind, Store};
-use crate::problem::Plot;
+use crate::problem::{Any, Plot};
 
 #[derive(Debug, Args)]
 pub(crate) struct PlotArguments {
@@ -81,7 +81,10 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
     let mut problem = match kind {
         Some(Kind::MapShard) => return Err(Usage::Unjoined(folder.clone()).into()),
         Some(Kind::Certificate) => return Err(Usage::NoPicture(folder.clone()).into()),
-        _ => origin::problem(folder)?,
+        _ => match origin::problem(folder)? {
+            Some(Any::System(_)) => return Err(Usage::Unpictured(folder.clone()).into()),
+            known => known.and_then(Any::tube),
+        },
     };
     if run && problem.is_none() {
         problem = Some(match &store {

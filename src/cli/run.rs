@@ -55,7 +55,10 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     if !task.quiet {
         let restart = prepared.restart.as_ref();
         let model = restart.map_or(problem.model, |wave| wave.model);
-        let mut text = titled(problem, &summary::branch(&out, problem, &model)?);
+        let mut text = titled(
+            problem.title.as_deref(),
+            &summary::branch(&out, problem, &model)?,
+        );
         if finished {
             text.push_str("the run was finished already: nothing was left to compute\n");
         }

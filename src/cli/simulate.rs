@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use clap::Args;
 
 use super::failure::{Exit, Failure, Usage};
-use super::options::{Task, Threads, cores};
+use super::motion;
+use super::options::{Task, Threads, cores, read_any};
 use super::prepare::ready;
 use super::progress::{Progress, drive};
 use super::{stopped, titled, warn};
@@ -19,7 +20,7 @@ use crate::output::render::Format;
 use crate::output::run::{PROFILE_RESOLUTION, Restart};
 use crate::output::simulation::{SimulationCheckpoint, SimulationFolder, columns};
 use crate::output::store::{Checkpoint, Kind, Store, VERSION, damaged};
-use crate::problem::{self, Continuation, Problem, Start};
+use crate::problem::{self, Any, Continuation, Problem, Start};
 use crate::simulation::course::{Course, NoCourse, Piece};
 
 use crate::simulation::measure::{Measure, Sample};
@@ -123,7 +124,15 @@ pub(crate) fn simulate(arguments: &SimulateArguments) -> Result<Exit, Failure> {
 }
 
 fn simulate_with(task: &Task) -> Result<Exit, Failure> {
-    let (problem, text, name) = task.read()?;
+    let (problem, text) = read_any(&task.problem)?;
+    match problem {
+        Any::Tube(problem) => simulate_tube(task, *problem, text),
+        Any::System(problem) => motion::simulate(task, &problem, &text),
+    }
+}
+
+fn simulate_tube(task: &Task, problem: Problem, text: String) -> Result<Exit, Failure> {
+    let name = task.problem.display().to_string();
     let section = problem.simulation(&text, &name)?;
     let (model, wave) = beginning(task, &problem, &text, section)?;
     let out = task.folder("_simulation");
@@ -228,7 +237,7 @@ fn simulate_with(task: &Task) -> Result<Exit, Failure> {
             motion.time_step()
         );
     }
-    task.say(&titled(&problem, &text), "results", &out)?;
+    task.say(&titled(problem.title.as_deref(), &text), "results", &out)?;
     Ok(Exit::Done)
 }
 

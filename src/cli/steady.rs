@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::failure::{Exit, Failure, Usage};
-use super::options::{assignment, once, picture, read, set};
+use super::options::{named, of_tube, once, picture, read_any, set};
 use super::progress::Progress;
 use super::{print, summary, warn};
-use crate::model::Parameter;
 use crate::output::render::Format;
+use crate::output::steady::{AFTER_STATES, BEFORE_STATES};
 use crate::output::store::{Existing, Kind, Store};
 use crate::output::{self, pictures};
-use crate::problem::MAX_MODE;
+use crate::problem::{Any, MAX_MODE, Problem, SystemProblem};
 use crate::steady::row::ModeRow;
 use crate::steady::{self, Mode, Settings, first_to_grow};
 use crate::table::{self, Table};
@@ -46,8 +46,8 @@ pub(crate) struct SteadyArguments {
     /// Problem file
     problem: PathBuf,
     /// Parameter value by its column instead of that of the file, e.g. stiffness_damping=0.003
-    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
-    at: Vec<(Parameter, f64)>,
+    #[arg(long, value_name = "NAME=VALUE", value_parser = named)]
+    at: Vec<(String, f64)>,
     /// Modes, e.g. 1..20 or 4 [default: 1 to twice the mode of the file, 12 at least]
     #[arg(long, value_name = "FIRST..LAST", value_parser = modes)]
     modes: Option<(u32, u32)>,
@@ -85,12 +85,60 @@ fn modes(text: &str) -> Result<(u32, u32), Usage> {
 }
 
 pub(crate) fn steady(arguments: &SteadyArguments) -> Result<Exit, Failure> {
+    match read_any(&arguments.problem)?.0 {
+        Any::Tube(problem) => sliding(arguments, *problem),
+        Any::System(problem) => equilibria(arguments, *problem),
+    }
+}
+
+/// The equilibria of a system.
+fn equilibria(arguments: &SteadyArguments, problem: SystemProblem) -> Result<Exit, Failure> {
+    for (option, given) in [
+        ("--modes", arguments.modes.is_some()),
+        ("--order", arguments.order.is_some()),
+        ("--plot", arguments.plot.is_some()),
+    ] {
+        if given {
+            return Err(Usage::OfTubes { option }.into());
+        }
+    }
+    let names = &problem.system.source.parameters;
+    let mut values = problem.values();
+    for (name, value) in &arguments.at {
+        let index = names.index(name).ok_or_else(|| Usage::NoParameter {
+            name: name.clone(),
+            known: names.names().collect::<Vec<_>>().join(", "),
+        })?;
+        values[index] = *value;
+    }
+    let system = problem.system.at(&values, &[]).map_err(Usage::NoSystem)?;
+    let text = output::steady::equilibria(&problem.system, &system);
+    if let Some(path) = &arguments.out {
+        let existing = Existing::of(false, arguments.force);
+        let inputs = [arguments.problem.clone()];
+        let store = Store::open(path, Kind::Steady, &problem, existing, &inputs)?;
+        output::steady::write_equilibria(&store, &problem, &text)?;
+    }
+    let states = problem.system.source.states.iter().map(String::as_str);
+    let shown: Vec<&str> = BEFORE_STATES
+        .into_iter()
+        .chain(states)
+        .chain(AFTER_STATES)
+        .collect();
+    print(&summary::table(text, arguments.csv, &shown))?;
+    Ok(Exit::Done)
+}
+
+/// The modes of steady sliding of a tube.
+fn sliding(arguments: &SteadyArguments, mut problem: Problem) -> Result<Exit, Failure> {
     let inputs = [arguments.problem.clone()];
     let picture = picture(arguments.plot.as_deref(), &inputs)?;
-    let (mut problem, _) = read(&arguments.problem)?;
-    once(&arguments.at)?;
-    for (parameter, value) in &arguments.at {
-        set(&mut problem, *parameter, *value)?;
+    let at = arguments.at.iter();
+    let at = at.map(|(name, value)| Ok((of_tube(name)?, *value)));
+    let at = at.collect::<Result<Vec<_>, Usage>>()?;
+    once(&at)?;
+    for (parameter, value) in at {
+        set(&mut problem, parameter, value)?;
     }
     let existing = Existing::of(false, arguments.force);
     let open = |path: &PathBuf| Store::open(path, Kind::Steady, &problem, existing, &inputs);

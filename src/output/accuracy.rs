@@ -85,7 +85,7 @@ impl AccuracyFolder {
             Some(earlier) => store.cut(TABLE, earlier.length)?,
             None => {
                 let pictures = layout::pictures(Kind::Accuracy, problem, format);
-                store.begin(&[TABLE, Origin::FILE], pictures, None)?;
+                store.begin(&[TABLE, Origin::<Problem>::FILE], pictures, None)?;
                 Origin::keep(&store, problem)?;
                 store.table(TABLE, &table::header::<Row>(), None)?
             }

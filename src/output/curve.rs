@@ -120,7 +120,7 @@ impl CurveFolder {
         format: Format,
     ) -> Result<CurveFolder, StoreError> {
         let pictures = layout::pictures(Kind::Curve, problem, format);
-        store.begin(&[Origin::FILE, STEPS, TABLE], pictures, None)?;
+        store.begin(&[Origin::<Problem>::FILE, STEPS, TABLE], pictures, None)?;
         Origin::keep(&store, problem)?;
         let steps = store.create(STEPS, b"")?;
         let mut folder = CurveFolder::tabulate(store, run, steps)?;

@@ -28,6 +28,10 @@ pub(crate) const STEADY: &str = "steady.csv";
 
 /// Time series of a simulation.
 pub(crate) const SERIES: &str = "series.csv";
+/// Switches of a motion of a system.
+pub(crate) const SWITCHES: &str = "switches.csv";
+/// States of a motion of a system at every period of its forcing.
+pub(crate) const SECTION: &str = "section.csv";
 /// Regimes over place and time.
 pub(crate) const REGIMES: &str = "regimes.npy";
 /// Contact line at the beginning.

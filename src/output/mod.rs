@@ -5,6 +5,7 @@ pub(crate) mod certify;
 pub(crate) mod curve;
 pub(crate) mod layout;
 pub(crate) mod map;
+pub(crate) mod motion;
 pub(crate) mod npy;
 pub(crate) mod origin;
 #[cfg(feature = "parquet")]

@@ -8,23 +8,23 @@ use super::layout::MAP_ORIGIN;
 use super::run::Restart;
 use super::simulation::SimulationCheckpoint;
 use super::store::{Checkpoint, Store, StoreError, VERSION, decode};
-use crate::problem::Problem;
+use crate::problem::{Any, Problem, SystemProblem};
 
 /// Content of `problem.ron`, and of `map.ron` in the folder of a map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Origin {
+pub(crate) struct Origin<P = Problem> {
     /// Version of brakewave that wrote it.
     pub version: String,
     /// The problem with all its settings.
-    pub problem: Problem,
+    pub problem: P,
 }
 
-impl Origin {
+impl<P: Clone + Serialize> Origin<P> {
     /// Name of the file where nothing else keeps the problem.
     pub(crate) const FILE: &'static str = "problem.ron";
 
     /// A problem of this version.
-    pub(crate) fn of(problem: &Problem) -> Origin {
+    pub(crate) fn of(problem: &P) -> Origin<P> {
         Origin {
             version: VERSION.to_owned(),
             problem: problem.clone(),
@@ -35,8 +35,8 @@ impl Origin {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub(crate) fn keep(store: &Store, problem: &Problem) -> Result<(), StoreError> {
-        store.save(Origin::FILE, &Origin::of(problem))
+    pub(crate) fn keep(store: &Store, problem: &P) -> Result<(), StoreError> {
+        store.save(Self::FILE, &Origin::of(problem))
     }
 }
 
@@ -44,15 +44,21 @@ impl Origin {
 ///
 /// # Errors
 /// When what is saved of it is damaged.
-pub(crate) fn problem(folder: &Path) -> Result<Option<Problem>, StoreError> {
+pub(crate) fn problem(folder: &Path) -> Result<Option<Any>, StoreError> {
     // what else a checkpoint holds is for going on, and may be of an earlier version
     let files = [
         Restart::FILE,
         SimulationCheckpoint::FILE,
         MAP_ORIGIN,
-        Origin::FILE,
+        Origin::<Problem>::FILE,
     ];
     let file = files.into_iter().find(|name| folder.join(name).exists());
-    let origin = file.map(|file| decode::<Origin>(&folder.join(file)));
-    Ok(origin.transpose()?.map(|origin| origin.problem))
+    let Some(path) = file.map(|file| folder.join(file)) else {
+        return Ok(None);
+    };
+    // each kind lacks what the other has
+    Ok(Some(match decode::<Origin<SystemProblem>>(&path) {
+        Ok(origin) => Any::System(Box::new(origin.problem)),
+        Err(_) => Any::Tube(Box::new(decode::<Origin>(&path)?.problem)),
+    }))
 }

@@ -41,6 +41,8 @@ pub struct Restart {
 impl Checkpoint for Restart {
     const FILE: &'static str = "branch.ron";
 
+    type Problem = Problem;
+
     fn problem(&self) -> &Problem {
         &self.problem
     }

@@ -47,6 +47,8 @@ pub(crate) struct SimulationCheckpoint {
 impl Checkpoint for SimulationCheckpoint {
     const FILE: &'static str = "checkpoint.ron";
 
+    type Problem = Problem;
+
     fn problem(&self) -> &Problem {
         &self.problem
     }

@@ -1,10 +1,15 @@
 //! The folder of the modes of steady sliding: `steady.csv`, a picture and the problem.
 
+use nalgebra::Complex;
+
 use super::layout::{self, STEADY};
 use super::origin::Origin;
 use super::render::Format;
 use super::store::{Kind, Store, StoreError};
-use crate::problem::Problem;
+use crate::affine::mode::AffineSystem;
+use crate::affine::system::System;
+use crate::problem::{Problem, SystemProblem};
+use crate::table::{line_of, number};
 
 /// Writes the table and what belongs to it, in place of an earlier one.
 ///
@@ -12,7 +17,86 @@ use crate::problem::Problem;
 /// When a file cannot be written.
 pub(crate) fn write(store: &Store, problem: &Problem, table: &str) -> Result<(), StoreError> {
     let pictures = layout::pictures(Kind::Steady, problem, Format::Svg);
-    store.begin(&[STEADY, Origin::FILE], pictures, None)?;
+    store.begin(&[STEADY, Origin::<Problem>::FILE], pictures, None)?;
     Origin::keep(store, problem)?;
     store.replace(STEADY, table.as_bytes())
+}
+
+/// Writes the table of a system's equilibria, in place of an earlier one.
+///
+/// # Errors
+/// When a file cannot be written.
+pub(crate) fn write_equilibria(
+    store: &Store,
+    problem: &SystemProblem,
+    table: &str,
+) -> Result<(), StoreError> {
+    let names = [STEADY, Origin::<SystemProblem>::FILE];
+    store.begin(&names, Vec::new(), None)?;
+    Origin::keep(store, problem)?;
+    store.replace(STEADY, table.as_bytes())
+}
+
+/// Columns of the table of equilibria before and after the states.
+pub(crate) const BEFORE_STATES: [&str; 2] = ["mode", "equilibrium"];
+/// See [`BEFORE_STATES`].
+pub(crate) const AFTER_STATES: [&str; 4] = ["stable", "re", "im", "why"];
+
+/// The equilibria of every mode as a table: `equilibrium` is `admissible`, `virtual` or `none`; eigenvalues are
+/// separated by blanks, and say `stable` where they decide it; `why` says what makes an equilibrium virtual, or
+/// what stands in its place.
+pub(crate) fn equilibria(system: &System, at: &AffineSystem) -> String {
+    let states = &system.source.states;
+    let names = |list: &[&str]| list.iter().map(|name| (*name).to_owned()).collect();
+    let header: [Vec<String>; 3] = [names(&BEFORE_STATES), states.clone(), names(&AFTER_STATES)];
+    let mut text = line_of(&header.concat());
+    for mode in 0..at.modes.len() {
+        let name = system.mode_name(mode).to_owned();
+        let cells = match at.equilibrium(mode) {
+            Ok(found) => {
+                let state = found.state.iter().copied().map(number);
+                // what a surface takes away is no eigenvalue of the motion in it
+                let sliding = usize::from(at.modes[mode].surface.is_some());
+                let mut values = found.eigenvalues;
+                let least = (0..values.len())
+                    .min_by(|one, other| values[*one].norm().total_cmp(&values[*other].norm()));
+                if let Some(least) = least.filter(|_| sliding == 1) {
+                    values.remove(least);
+                }
+                let parts = |part: fn(&Complex<f64>) -> f64| {
+                    let numbers = values.iter().map(|value| number(part(value)));
+                    numbers.collect::<Vec<_>>().join(" ")
+                };
+                let growth = values.iter().map(|value| value.re);
+                let growth = growth.fold(f64::NEG_INFINITY, f64::max);
+                let stable = match growth {
+                    growth if growth < 0.0 => "yes",
+                    growth if growth > 0.0 => "no",
+                    _ => "undecided",
+                };
+                let beyond = found.violated.map(|guard| {
+                    let exit = at.modes[mode].guards[guard].exits.last();
+                    let to = exit.map_or("", |exit| system.mode_name(exit.to));
+                    format!("it lies beyond the switch to {to}")
+                });
+                let kind = if beyond.is_some() {
+                    "virtual"
+                } else {
+                    "admissible"
+                };
+                let after = [stable.to_owned(), parts(|z| z.re), parts(|z| z.im)];
+                let before = [name, kind.to_owned()].into_iter();
+                let after = after.into_iter().chain([beyond.unwrap_or_default()]);
+                before.chain(state).chain(after).collect::<Vec<_>>()
+            }
+            Err(reason) => {
+                let mut cells = vec![name, "none".to_owned()];
+                cells.resize(states.len() + 5, String::new());
+                cells.push(reason.to_string());
+                cells
+            }
+        };
+        text.push_str(&line_of(&cells));
+    }
+    text
 }

@@ -73,6 +73,10 @@ const DEFAULT_MAX_FREQUENCY: f64 = 12.0;
 #[cfg_attr(not(feature = "cli"), allow(dead_code))]
 const TEMPLATE: &str = include_str!("template.ron");
 
+/// The same with a system of one's own.
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
+pub(crate) const SYSTEM_TEMPLATE: &str = include_str!("template_system.ron");
+
 /// Sections of [`TEMPLATE`] that may be comments.
 #[cfg_attr(not(feature = "cli"), allow(dead_code))]
 const OPTIONAL: [&str; 6] = [
@@ -163,32 +167,48 @@ impl Problem {
     /// `text` and `name` are the source of the problem and the name of its file, for the message.
     pub fn continuation(&self, text: &str, name: &str) -> Result<&Continuation, ProblemError> {
         let section = self.continuation.as_ref();
-        section.ok_or_else(|| missing("continuation", "no branch to follow", text, name))
+        section.ok_or_else(|| {
+            missing(
+                Subject::Tube,
+                "continuation",
+                "no branch to follow",
+                text,
+                name,
+            )
+        })
     }
 
     /// The `simulation` section; see [`Problem::continuation`].
     pub fn simulation(&self, text: &str, name: &str) -> Result<&Simulation, ProblemError> {
         let section = self.simulation.as_ref();
-        section.ok_or_else(|| missing("simulation", "nothing to simulate", text, name))
+        section.ok_or_else(|| {
+            missing(
+                Subject::Tube,
+                "simulation",
+                "nothing to simulate",
+                text,
+                name,
+            )
+        })
     }
 
     /// The `map` section; see [`Problem::continuation`].
     pub fn map(&self, text: &str, name: &str) -> Result<&Map, ProblemError> {
         let section = self.map.as_ref();
-        section.ok_or_else(|| missing("map", "no plane to map", text, name))
+        section.ok_or_else(|| missing(Subject::Tube, "map", "no plane to map", text, name))
     }
 
     /// The `curve` section; see [`Problem::continuation`].
     pub fn curve(&self, text: &str, name: &str) -> Result<&Curve, ProblemError> {
         let section = self.curve.as_ref();
-        section.ok_or_else(|| missing("curve", "no event to follow", text, name))
+        section.ok_or_else(|| missing(Subject::Tube, "curve", "no event to follow", text, name))
     }
 }
 
 /// The error about a section that is not there.
-fn missing(section: &str, lack: &str, text: &str, name: &str) -> ProblemError {
+fn missing(subject: Subject, section: &str, lack: &str, text: &str, name: &str) -> ProblemError {
     let message = format!("missing field `{section}` in the problem: there is {lack}");
-    let example = examples::example(Subject::Tube, "", section).unwrap_or_default();
+    let example = examples::example(subject, "", section).unwrap_or_default();
     refuse_at(text, name, section, message, format!("add `{example},`"))
 }
 
@@ -351,6 +371,24 @@ pub enum Any {
     Tube(Box<Problem>),
     /// Orbits of a system of one's own.
     System(Box<SystemProblem>),
+}
+
+impl Any {
+    /// That of a tube.
+    pub fn tube(self) -> Option<Problem> {
+        match self {
+            Any::Tube(problem) => Some(*problem),
+            Any::System(_) => None,
+        }
+    }
+
+    /// Title for plots and reports.
+    pub fn title(&self) -> Option<&str> {
+        match self {
+            Any::Tube(problem) => problem.title.as_deref(),
+            Any::System(problem) => problem.title.as_deref(),
+        }
+    }
 }
 
 /// Reads and checks a problem file with waves of a tube; returns its text as well.

@@ -7,6 +7,7 @@ mod branches;
 mod matrices;
 mod motion;
 mod orbits;
+mod problems;
 mod refusals;
 mod steady;
 mod systems;

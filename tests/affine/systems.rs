@@ -1,4 +1,4 @@
-//! Systems of the literature, as a problem file has them.
+//! Systems of the literature: most of them are those of the repository's problem files.
 
 use brakewave::affine::mode::AffineSystem;
 use brakewave::affine::motion::Place;
@@ -6,101 +6,22 @@ use brakewave::affine::system::{Source, System};
 use ron::extensions::Extensions;
 
 /// COCO, hspo `demo_impact` (Dankowicz & Schilder, Recipes for Continuation, ex. 15.2).
-pub const IMPACT: &str = r#"(
-    states: ["x", "v"],
-    parameters: {"c": 0.1, "A": 1.0, "w": 1.0, "d": 1.0, "e": 0.8},
-    forcing: "w",
-    modes: {"free": (
-        rates: {"x": "v", "v": "A*cos(phase) - c*v - x"},
-        until: [(zero: "d - x", to: "free", reset: {"v": "-e*v"})],
-    )},
-)"#;
+pub const IMPACT: &str = include_str!("../../problems/systems/impact_oscillator.ron");
 
 /// Den Hartog 1930: dry friction, forced by cos(phase).
-pub const FRICTION: &str = r#"(
-    states: ["x", "v"],
-    parameters: {"w": 1.2, "F": 0.6666666666666666, "z": 0.05},
-    forcing: "w",
-    define: {"rest": "cos(phase) - 2*z*v - x"},
-    modes: {
-        "forth": (rates: {"x": "v", "v": "rest - F"}, until: [(zero: "v", to: "back")]),
-        "back": (rates: {"x": "v", "v": "rest + F"}, until: [(zero: "-v", to: "forth")]),
-    },
-    sliding: {"stick": ("forth", "back")},
-)"#;
+pub const FRICTION: &str = include_str!("../../problems/systems/friction_oscillator.ron");
 
 /// AUTO-07p, demo chu, without its smoothing.
-pub const CHUA: &str = r#"(
-    states: ["x", "y", "z"],
-    parameters: {"alpha": 8.180977741435308, "beta": 14.3, "m": -0.14285714285714285, "n": 0.2857142857142857},
-    modes: {
-        "inner": (
-            rates: {"x": "alpha*(y - m*x)", "y": "x - y + z", "z": "-beta*y"},
-            until: [(zero: "1 - x", to: "upper"), (zero: "1 + x", to: "lower")],
-        ),
-        "upper": (
-            rates: {"x": "alpha*(y - n*x - (m - n))", "y": "x - y + z", "z": "-beta*y"},
-            until: [(zero: "x - 1", to: "inner")],
-        ),
-        "lower": (
-            rates: {"x": "alpha*(y - n*x + (m - n))", "y": "x - y + z", "z": "-beta*y"},
-            until: [(zero: "-1 - x", to: "inner")],
-        ),
-    },
-)"#;
+pub const CHUA: &str = include_str!("../../problems/systems/chua.ron");
 
 /// A relay with the process (s − ρ)²/(s + 1)³, after Johansson, Rantzer & Åström 1999.
-pub const RELAY: &str = r#"(
-    states: ["x", "y", "z"],
-    parameters: {"rho": 0.1},
-    modes: {
-        "plus": (
-            rates: {"x": "-3*x + y - 1", "y": "-3*x + z + 2*rho", "z": "-x - rho^2"},
-            until: [(zero: "x", to: "minus")],
-        ),
-        "minus": (
-            rates: {"x": "-3*x + y + 1", "y": "-3*x + z - 2*rho", "z": "-x + rho^2"},
-            until: [(zero: "-x", to: "plus")],
-        ),
-    },
-    sliding: {"slide": ("plus", "minus")},
-)"#;
+pub const RELAY: &str = include_str!("../../problems/systems/relay.ron");
 
 /// Buck converter (Hamill & Deane; Fossas & Olivar), its ramp a state.
-pub const BUCK: &str = r#"(
-    states: ["v", "i", "ramp"],
-    parameters: {"R": 22.0, "C": 4.7e-5, "L": 0.02, "T": 4e-4, "low": 3.8, "high": 8.2, "ref": 11.3, "a": 8.4, "E": 22.0},
-    define: {"control": "a*(v - ref)", "charge": "(i - v/R)/C", "slope": "(high - low)/T"},
-    modes: {
-        "off": (
-            rates: {"v": "charge", "i": "-v/L", "ramp": "slope"},
-            until: [
-                (zero: "control - ramp", to: "on"),
-                (zero: "high - ramp", to: "off", reset: {"ramp": "low"}, if: ["control - low"]),
-                (zero: "high - ramp", to: "on", reset: {"ramp": "low"}),
-            ],
-        ),
-        "on": (
-            rates: {"v": "charge", "i": "(E - v)/L", "ramp": "slope"},
-            until: [
-                (zero: "ramp - control", to: "off"),
-                (zero: "high - ramp", to: "off", reset: {"ramp": "low"}, if: ["control - low"]),
-                (zero: "high - ramp", to: "on", reset: {"ramp": "low"}),
-            ],
-        ),
-    },
-)"#;
+pub const BUCK: &str = include_str!("../../problems/systems/buck_converter.ron");
 
 /// A ball on a table that moves like a sine.
-pub const BALL: &str = r#"(
-    states: ["y", "v"],
-    parameters: {"G": 1.0473022709517175, "e": 0.5},
-    forcing: "1",
-    modes: {"flight": (
-        rates: {"y": "v", "v": "-1 + G*sin(phase)"},
-        until: [(zero: "y", to: "flight", reset: {"v": "-e*v"})],
-    )},
-)"#;
+pub const BALL: &str = include_str!("../../problems/systems/bouncing_ball.ron");
 
 /// A thermostat with hysteresis and a heater that lags behind.
 pub const THERMOSTAT: &str = r#"(
@@ -112,10 +33,17 @@ pub const THERMOSTAT: &str = r#"(
     },
 )"#;
 
-/// A section `system`, read as a problem file is.
+/// The section `system` of a problem file, or the section alone.
 pub fn source(text: &str) -> Source {
+    #[derive(serde::Deserialize)]
+    struct File {
+        system: Source,
+    }
     let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
-    options.from_str(text).unwrap()
+    match options.from_str::<File>(text) {
+        Ok(file) => file.system,
+        Err(_) => options.from_str(text).unwrap(),
+    }
 }
 
 /// A system that makes sense.

@@ -19,6 +19,7 @@ mod dice;
 mod folders;
 mod models;
 mod mutations;
+mod systems;
 mod watch;
 
 /// Inputs of one run of all targets together, unless `BRAKEWAVE_FUZZ_INPUTS` says otherwise.

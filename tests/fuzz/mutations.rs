@@ -101,15 +101,15 @@ fn spans(text: &str, belongs: impl Fn(u8) -> bool) -> Vec<(usize, usize)> {
 }
 
 /// The text without its comments, which damage would be lost in.
-fn bare(text: &str) -> String {
+pub fn bare(text: &str) -> String {
     text.lines()
         .filter(|line| !line.trim_start().starts_with("//"))
         .map(|line| line.split(" //").next().unwrap_or(line).to_owned() + "\n")
         .collect()
 }
 
-/// One random change of a text.
-fn mutate(dice: &mut Dice, text: &str) -> Vec<u8> {
+/// One random change of a text, some of them to one of these words.
+pub fn mutate(dice: &mut Dice, text: &str, words: &[&str]) -> Vec<u8> {
     let replace = |(from, to): (usize, usize), by: &str| {
         [&text[..from], by, &text[to..]].concat().into_bytes()
     };
@@ -129,7 +129,7 @@ fn mutate(dice: &mut Dice, text: &str) -> Vec<u8> {
         }
         5 | 6 if !names.is_empty() => {
             let place = *dice.pick(&names);
-            replace(place, dice.pick::<&str>(&WORDS))
+            replace(place, dice.pick::<&str>(words))
         }
         7 => {
             // a piece of lines left out or doubled
@@ -180,7 +180,7 @@ fn mutated_problem_files_end_by_the_contract() {
             if whole.is_empty() {
                 break;
             }
-            text = mutate(&mut dice, &whole);
+            text = mutate(&mut dice, &whole, &WORDS);
         }
         // the verb that the file is for, and sometimes another
         let has = |section: &str| text.windows(section.len()).any(|w| w == section.as_bytes());

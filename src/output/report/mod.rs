@@ -15,7 +15,7 @@ use super::origin;
 use super::pictures::{colours, page};
 use super::run::RunFolder;
 use super::store::{self, Kind, SOURCE, Store, StoreError, VERSION, damaged, unfinished};
-use crate::problem::Problem;
+use crate::problem::{Any, Problem};
 use crate::table::{self, Table};
 
 pub(crate) const PAGE: &str = "report.html";
@@ -41,8 +41,11 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
     let names = store.names();
     let there = |name: &str| names.iter().any(|known| known == name) && folder.join(name).exists();
     let problem = origin::problem(folder)?;
-    complete(store, problem.as_ref())?;
-    let title = problem.as_ref().and_then(|problem| problem.title.clone());
+    complete(store, problem.is_some())?;
+    let title = problem.as_ref().and_then(|problem| problem.title());
+    let title = title.map(str::to_owned);
+    let of_system = matches!(problem, Some(Any::System(_)));
+    let problem = problem.and_then(Any::tube);
     let kind = store.kind().map_or("", Kind::name);
     let title = title.unwrap_or_else(|| format!("Results of {kind}"));
     let mut left = Vec::new();
@@ -57,7 +60,11 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
             tables.push_str(&listed(name, &store::table(&folder.join(name))?));
         }
     }
-    let pictures = pictures(store, problem.as_ref(), &mut left)?;
+    // there are none of systems yet
+    let pictures = match of_system {
+        true => String::new(),
+        false => pictures(store, problem.as_ref(), &mut left)?,
+    };
     let (origin, file) = match there(SOURCE) {
         true => (
             "Problem file, as it was written",
@@ -101,8 +108,7 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
 }
 
 /// Refuses a folder without the table that all the rest belongs to, or without what must be saved with it.
-fn complete(store: &Store, problem: Option<&Problem>) -> Result<(), StoreError> {
-    let saved = problem.is_some();
+fn complete(store: &Store, saved: bool) -> Result<(), StoreError> {
     let (table, verb) = match store.kind() {
         Some(Kind::Run) if saved => (BRANCH, None),
         Some(Kind::Run) => return RunFolder::saved(store).map(|_| ()),

@@ -7,14 +7,15 @@ use serde::de::DeserializeOwned;
 
 use super::error::{StoreError, damaged};
 use super::file::decode;
-use crate::problem::Problem;
 
 /// What is saved to go on from: RON, replaced as a whole.
 pub(crate) trait Checkpoint: Serialize + DeserializeOwned {
     const FILE: &'static str;
+    /// The kind of its problem.
+    type Problem: PartialEq;
 
     /// The problem with all its settings.
-    fn problem(&self) -> &Problem;
+    fn problem(&self) -> &Self::Problem;
 
     /// What is wrong with it, if its parts do not belong together.
     fn flaw(&self) -> Option<String> {

@@ -24,8 +24,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
 
-use crate::problem::Problem;
-
 pub(crate) use admit::Existing;
 pub(crate) use checkpoint::Checkpoint;
 pub use error::{Offers, StoreError};
@@ -472,7 +470,7 @@ impl Store {
     /// When it is damaged, or missing.
     pub(crate) fn interrupted<C: Checkpoint>(
         &self,
-        problem: &Problem,
+        problem: &C::Problem,
         table: &str,
         lines: usize,
     ) -> Result<Option<C>, StoreError> {

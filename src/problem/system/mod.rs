@@ -11,8 +11,8 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::error::Flaw;
-use super::outline::Outline;
-use super::{Continuation, Expectation, Output};
+use super::outline::{Outline, Subject};
+use super::{Continuation, Expectation, Output, ProblemError, missing};
 use crate::affine::motion::Place;
 use crate::affine::system::{Ordered, Source, System};
 
@@ -232,6 +232,34 @@ impl SystemProblem {
     /// Values of the parameters, in the order of the file.
     pub fn values(&self) -> Vec<f64> {
         values(&self.system)
+    }
+
+    /// The section `simulation`, or an error that says how to write one.
+    ///
+    /// # Errors
+    /// Where there is none; `text` and `name` are the source of the problem and the name of its file.
+    pub fn simulation(&self, text: &str, name: &str) -> Result<&SystemSimulation, ProblemError> {
+        let section = self.simulation.as_ref();
+        section.ok_or_else(|| {
+            let lack = "nothing to simulate";
+            missing(Subject::System, "simulation", lack, text, name)
+        })
+    }
+
+    /// The section `continuation`; see [`SystemProblem::simulation`].
+    ///
+    /// # Errors
+    /// Where there is none.
+    pub fn continuation(
+        &self,
+        text: &str,
+        name: &str,
+    ) -> Result<&Continuation<String>, ProblemError> {
+        let section = self.continuation.as_ref();
+        section.ok_or_else(|| {
+            let lack = "no branch to follow";
+            missing(Subject::System, "continuation", lack, text, name)
+        })
     }
 
     /// Index of the parameter of the branch.

@@ -3,7 +3,7 @@
 use super::super::examples::example;
 use super::super::outline::Subject;
 use super::super::tests::{marked, refused};
-use super::super::{Any, OrbitStart, parse, parse_any};
+use super::super::{Any, OrbitStart, SYSTEM_TEMPLATE, parse, parse_any};
 use super::*;
 use crate::orbit::EventType;
 
@@ -117,6 +117,33 @@ fn every_field_is_read() {
     assert_eq!(numbers(2), [("A", 0.5)]);
     let simulation = system(FREE);
     assert_eq!((simulation.simulation, simulation.stability), (None, None));
+}
+
+/// The template, as it is and with the lines in use that are comments in it.
+#[test]
+fn the_template_is_right() {
+    let problem = system(SYSTEM_TEMPLATE);
+    assert_eq!(problem.expect.len(), 1);
+    let optional = [
+        "ds",
+        "max_points",
+        "tolerance",
+        "stop_after",
+        "samples",
+        "start",
+    ];
+    let lines = SYSTEM_TEMPLATE.lines().map(|line| {
+        let comment = line.trim_start().strip_prefix("// ");
+        let used = comment.filter(|rest| optional.iter().any(|name| rest.starts_with(name)));
+        used.unwrap_or(line)
+    });
+    let all = system(&lines.collect::<Vec<_>>().join("\n"));
+    let (all, usual) = (all.continuation.unwrap(), problem.continuation.unwrap());
+    assert_eq!(
+        (all.ds, all.ds_max, all.tolerance),
+        (usual.ds, usual.ds_max, usual.tolerance)
+    );
+    assert_eq!(all.stop_after.len(), 1);
 }
 
 #[test]

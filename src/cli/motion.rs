@@ -1,0 +1,57 @@
+//! `brakewave simulate` for a system of one's own.
+
+use std::fmt::Write;
+
+use super::failure::{Exit, Failure, Usage};
+use super::options::Task;
+use super::progress::drive;
+use super::{stopped, titled};
+use crate::affine::course::Course;
+use crate::messages::halt;
+use crate::output::motion::MotionFolder;
+use crate::output::store::Kind;
+use crate::problem::SystemProblem;
+
+/// Computes the motion and writes it as it goes on.
+pub(super) fn simulate(task: &Task, problem: &SystemProblem, text: &str) -> Result<Exit, Failure> {
+    let name = task.problem.display().to_string();
+    let section = problem.simulation(text, &name)?;
+    let system = &problem.system;
+    let affine = system.at(&problem.values(), &[]).map_err(Usage::NoSystem)?;
+    let start = problem.beginning().and_then(|start| start.place(system));
+    let start = start.ok_or(Usage::NoBeginning)?;
+    let out = task.folder("_simulation");
+    let store = task.open_system(&out, Kind::Simulation, problem)?;
+    let mut folder = MotionFolder::create(&store, problem)?;
+    let mut course = Course::new(&affine, start, section.duration, section.samples);
+    let mut stop = None;
+    drive(task.quiet, || {
+        match course.next() {
+            None => return Ok(None),
+            Some(Ok(seen)) => folder.write(&seen)?,
+            Some(Err(reason)) => {
+                stop = Some(reason);
+                return Ok(None);
+            }
+        }
+        let time = course.place().time;
+        Ok(Some((time / section.duration, format!("t = {time:.4}"))))
+    })?;
+    let place = course.place();
+    let mut words = format!(
+        "{} switches by t = {}, where it is in the mode {}:",
+        folder.switched,
+        place.time,
+        system.mode_name(place.mode)
+    );
+    for (name, value) in system.source.states.iter().zip(&place.state) {
+        // writing to a string does not fail
+        let _ = write!(words, " {name} = {value:.6}");
+    }
+    words.push('\n');
+    task.say(&titled(problem.title.as_deref(), &words), "results", &out)?;
+    match stop {
+        None => Ok(Exit::Done),
+        Some(reason) => stopped(&halt(system, &reason)),
+    }
+}

@@ -1,0 +1,224 @@
+//! Problem files with systems of one's own: equilibria, motions, and the verbs that are for waves of a tube.
+
+use std::f64::consts::TAU;
+
+use crate::harness::{Bench, Table, assert_same, changed, problem, snapshot};
+
+/// One of the repository's problem files.
+fn system(name: &str) -> String {
+    problem(&format!("systems/{name}.ron"))
+}
+
+/// Chua's circuit rests at x = ±1.5, y = 0, z = −x, and at the origin: λ³ + … of the inner region has one root above 0.
+#[test]
+fn equilibria_are_listed_mode_by_mode() {
+    let bench = Bench::new();
+    bench.put("chua.ron", system("chua"));
+    let outcome = bench
+        .run(&["steady", "chua.ron", "--at", "alpha=9"])
+        .expect(0);
+    let table = Table::parse(outcome.stdout.as_bytes());
+    for (row, mode, x) in [(0, "inner", 0.0), (1, "upper", 1.5), (2, "lower", -1.5)] {
+        assert_eq!(table.text(row, "mode"), mode);
+        assert_eq!(table.text(row, "equilibrium"), "admissible");
+        assert_eq!(table.text(row, "stable"), "no");
+        for (state, expected) in [("x", x), ("y", 0.0), ("z", -x)] {
+            assert!((table.number(row, state) - expected).abs() < 1e-13);
+        }
+        let sum: f64 = table
+            .text(row, "re")
+            .split(' ')
+            .map(|re| re.parse::<f64>().unwrap())
+            .sum();
+        // the trace: −αm or −αn, and −1
+        let slope = if row == 0 { -1.0 / 7.0 } else { 2.0 / 7.0 };
+        assert!((sum + 9.0 * slope + 1.0).abs() < 1e-12, "{mode}: {sum}");
+    }
+    // as a table and as a folder
+    let folder = ["steady", "chua.ron", "--at", "alpha=9", "--out", "rest"];
+    assert_eq!(bench.run(&folder).expect(0).stdout, outcome.stdout);
+    let files = snapshot(&bench.path("rest"));
+    assert_eq!(
+        files[std::path::Path::new("steady.csv")],
+        outcome.stdout.as_bytes()
+    );
+    bench.run(&folder).expect(2);
+    bench.run(&["plot", "rest"]).expect(2);
+    bench.run(&["report", "rest"]).expect(0);
+    // a relay rests in sliding only
+    bench.put("relay.ron", system("relay"));
+    let outcome = bench.run(&["steady", "relay.ron"]).expect(0);
+    let table = Table::parse(outcome.stdout.as_bytes());
+    let kinds =
+        ["plus", "minus", "slide"].map(|mode| table.text(table.only("mode", mode), "equilibrium"));
+    assert_eq!(kinds, ["virtual", "virtual", "admissible"]);
+    assert!(table.text(0, "why").contains("minus"), "{}", outcome.stdout);
+    assert_eq!(table.text(2, "re").split(' ').count(), 2);
+    // what is forced does not rest
+    bench.put("impact.ron", system("impact_oscillator"));
+    let outcome = bench.run(&["steady", "impact.ron"]).expect(0);
+    let table = Table::parse(outcome.stdout.as_bytes());
+    assert_eq!(
+        [table.text(0, "equilibrium"), table.text(0, "x")],
+        ["none", ""]
+    );
+    assert!(table.text(0, "why").contains("forced"));
+    for (words, message) in [
+        (
+            ["--at", "alfa=9"],
+            "`alfa` is no parameter of the system; it has alpha, beta",
+        ),
+        (["--modes", "1..3"], "--modes is for waves of a tube"),
+    ] {
+        let arguments = [&["steady", "chua.ron"], &words[..]].concat();
+        let outcome = bench.run(&arguments).expect(2);
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
+    }
+}
+
+/// Stick-slip without damping: 2π − 2 arctan(D/u) in slip, 2D/u in stick, with D = s − k = 0.5 and u = 1.
+#[test]
+fn a_motion_is_written_with_its_switches() {
+    let bench = Bench::new();
+    let text = changed(&system("belt"), "\"z\": 0.01", "\"z\": 0.0");
+    let text = changed(&text, "toward: Both", "toward: Up");
+    bench.put("belt.ron", text);
+    let outcome = bench
+        .run(&["simulate", "belt.ron", "--out", "out"])
+        .expect(0);
+    assert!(
+        outcome.stdout.contains("switches by t = 30"),
+        "{}",
+        outcome.stdout
+    );
+    let switches = Table::read(&bench.path("out/switches.csv"));
+    let times: Vec<f64> = (0..9).map(|row| switches.number(row, "time")).collect();
+    for (row, pair) in times.windows(2).enumerate() {
+        let expected = match switches.text(row, "to") {
+            "stick" => 1.0,
+            _ => TAU - 2.0 * 0.5_f64.atan(),
+        };
+        assert!(
+            (pair[1] - pair[0] - expected).abs() < 1e-12,
+            "{row}: {pair:?}"
+        );
+    }
+    assert_eq!(switches.text(1, "from"), switches.text(0, "to"));
+    assert_eq!(
+        switches.number(0, "x_before"),
+        switches.number(0, "x_after")
+    );
+    let series = Table::read(&bench.path("out/series.csv"));
+    assert!((series.number(1000, "time") - 30.0).abs() < 1e-12);
+    // in stick the mass has the speed of the belt
+    for row in series.all("mode", "stick") {
+        assert!((series.number(row, "v") - 1.0).abs() < 1e-13);
+    }
+    assert!(!bench.path("out/section.csv").exists());
+    // the same bytes again, and no results lost
+    let before = snapshot(&bench.path("out"));
+    bench
+        .run(&["simulate", "belt.ron", "--out", "out"])
+        .expect(2);
+    for option in ["--resume", "--force"] {
+        bench
+            .run(&["simulate", "belt.ron", "--out", "out", option, "--quiet"])
+            .expect(0);
+        assert_same(&snapshot(&bench.path("out")), &before, option);
+    }
+    bench.run(&["plot", "out"]).expect(2);
+    bench.run(&["report", "out"]).expect(0);
+}
+
+/// An impact takes the speed v to −ev at x = d, and the section repeats on a periodic orbit.
+#[test]
+fn a_forced_motion_has_a_section() {
+    let bench = Bench::new();
+    let text = changed(
+        &system("impact_oscillator"),
+        "duration: 100.0",
+        "duration: 400.0, samples: 50",
+    );
+    bench.put("impact.ron", text);
+    bench
+        .run(&["simulate", "impact.ron", "--out", "out", "--quiet"])
+        .expect(0);
+    let switches = Table::read(&bench.path("out/switches.csv"));
+    for row in switches.all("to", "free") {
+        let [x, before, after] =
+            ["x_before", "v_before", "v_after"].map(|name| switches.number(row, name));
+        assert!((x - 1.0).abs() < 1e-14 && (after + 0.8 * before).abs() < 1e-15);
+    }
+    let section = Table::read(&bench.path("out/section.csv"));
+    for row in 0..63 {
+        assert!((section.number(row, "time") - TAU * row as f64).abs() < 1e-12);
+    }
+    // |μ| = 0.5843 a period: 20 periods take a difference below 1 to 1e-4 of it, 40 more to rounding
+    let moved = ["x", "v"].map(|name| (section.number(62, name) - section.number(60, name)).abs());
+    assert!(moved[0].max(moved[1]) < 1e-9, "{moved:?}");
+    let phase = Table::read(&bench.path("out/series.csv"));
+    assert!((phase.number(1, "phase") - 8.0 % TAU).abs() < 1e-13);
+}
+
+/// A ball on a table at rest comes to rest at 2v/(1 − e) after infinitely many bounces.
+#[test]
+fn a_motion_that_ends_says_why() {
+    let bench = Bench::new();
+    let text = changed(
+        &system("bouncing_ball"),
+        "\"G\": 1.0473022709517175",
+        "\"G\": 0.0",
+    );
+    let text = changed(&text, "range: (1.0, 1.6)", "range: (0.0, 1.6)");
+    let text = changed(&text, "toward: Both", "toward: Up");
+    bench.put("ball.ron", &text);
+    let outcome = bench
+        .run(&["simulate", "ball.ron", "--out", "out"])
+        .expect(3);
+    assert!(
+        outcome.stderr.contains("accumulate at t = 8.3775999"),
+        "{}",
+        outcome.stderr
+    );
+    let bounces = Table::read(&bench.path("out/switches.csv"));
+    assert!((bounces.number(0, "time") - 2.0 * 2.0944).abs() < 1e-12);
+    let text = changed(&text, "simulation: (duration: 100.0),", "");
+    bench.put("none.ron", text);
+    let outcome = bench.run(&["simulate", "none.ron"]).expect(2);
+    assert!(
+        outcome.stderr.contains("missing field `simulation`"),
+        "{}",
+        outcome.stderr
+    );
+    assert!(
+        outcome.stderr.contains("simulation: (duration: 100.0"),
+        "{}",
+        outcome.stderr
+    );
+}
+
+#[test]
+fn verbs_for_tubes_say_so() {
+    let bench = Bench::new();
+    bench.put("chua.ron", system("chua"));
+    for verb in ["map", "curve", "certify", "accuracy"] {
+        let outcome = bench.run(&[verb, "chua.ron"]).expect(2);
+        let place = outcome
+            .stderr
+            .contains("chua.ron:7:5: this problem has a section `system`");
+        assert!(
+            place && outcome.stderr.contains("waves of a tube"),
+            "{}",
+            outcome.stderr
+        );
+    }
+    let new = bench.run(&["new", "--for", "system"]).expect(0);
+    bench.put("new.ron", &new.stdout);
+    bench.run(&["simulate", "new.ron", "--quiet"]).expect(0);
+    bench.put("new.ron", new.stdout.replace("A*cos(phase)", "A*cos(phas)"));
+    let outcome = bench.run(&["steady", "new.ron"]).expect(2);
+    assert!(
+        outcome.stderr.contains("did you mean `phase`?")
+            || outcome.stderr.contains("`phas` is no state")
+    );
+}
