@@ -89,17 +89,18 @@ pub(super) fn check(
     outline: &Outline<'_>,
 ) -> Result<(), Flaw> {
     let flaw = leaf::find(written, |path, leaf| {
-        let (mut name, mut place) = (path.name(), path.address());
-        if !outline.has(&place) {
-            // where an expectation has its numbers beside its other fields
-            for path in [&mut name, &mut place] {
-                *path = path.replace(".numbers.", ".");
-            }
+        let told = |name: &str| match leaf {
+            Leaf::Number(value) => number(name, value),
+            Leaf::Text(text) => word(name, text),
+        };
+        let (name, place) = (path.name(), path.address());
+        let (message, help) = told(&name)?;
+        // an expectation may have its numbers beside its other fields
+        let beside = |path: &str| path.replace(".numbers.", ".");
+        if !outline.has(&place) && place.contains(".numbers.") {
+            let (message, help) = told(&beside(&name))?;
+            return Some(Flaw::new(outline.locate(&beside(&place)), message, help));
         }
-        let (message, help) = match leaf {
-            Leaf::Number(value) => number(&name, value),
-            Leaf::Text(text) => word(&name, text),
-        }?;
         Some(Flaw::new(outline.locate(&place), message, help))
     });
     flaw.map_or(Ok(()), Err)
