@@ -208,9 +208,13 @@ impl SystemError {
     fn near<'a>(mut self, name: &str, known: impl Iterator<Item = &'a str>) -> SystemError {
         let close = known.map(|known| (strsim::osa_distance(name, known), known));
         let nearest = close.min_by_key(|(distance, _)| *distance);
-        let alike = |distance: usize| 3 * distance <= name.chars().count().max(3);
+        let letters = name.chars().count();
+        // a name of which no letter is right says nothing
+        let alike = |distance: usize, known: &str| {
+            3 * distance <= letters.max(3) && distance < letters.max(known.chars().count())
+        };
         self.nearest = nearest
-            .filter(|(distance, _)| alike(*distance))
+            .filter(|(distance, known)| alike(*distance, known))
             .map(|(_, known)| known.to_owned());
         self
     }
@@ -467,7 +471,7 @@ impl Reader<'_> {
             span,
             wrong: Wrong::Unknown(name.clone()),
         };
-        Err(flawed(flaw).near(&name, known()))
+        Err(flawed(flaw).near(&name, known().chain(RESERVED)))
     }
 
     fn mode_index(&self, path: &str, name: &str) -> Result<usize, SystemError> {

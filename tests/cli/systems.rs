@@ -217,8 +217,6 @@ fn verbs_for_tubes_say_so() {
     bench.run(&["simulate", "new.ron", "--quiet"]).expect(0);
     bench.put("new.ron", new.stdout.replace("A*cos(phase)", "A*cos(phas)"));
     let outcome = bench.run(&["steady", "new.ron"]).expect(2);
-    assert!(
-        outcome.stderr.contains("did you mean `phase`?")
-            || outcome.stderr.contains("`phas` is no state")
-    );
+    let message = "`phas` is no state, parameter or abbreviation; did you mean `phase`?";
+    assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
 }
