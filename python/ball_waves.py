@@ -121,8 +121,11 @@ Zero = namedtuple("Zero", "middle radius")
 
 
 def size(numbers):
-    """The largest modulus, from above."""
-    return max(abs(acb(x)).upper() for x in numbers)
+    """The largest modulus, from above; not a number where one is not."""
+    largest = arb(0)
+    for x in numbers:
+        largest = largest.max(abs(acb(x)).upper())
+    return largest
 
 
 def differences(equations, at):
@@ -163,7 +166,8 @@ def prove_zero(equations, guess):
         contraction = contraction.max(sum(abs(y) for y in defect) + len(row) * spread * error)
         curvature = curvature.max(16 * spread / POLYDISC**2)
     radius = 2 * size(times(inverse, equations(middle))) + arb(2) ** -240
-    proven = contraction + curvature * radius < arb(0.5) and radius < POLYDISC / 2
+    # four times as far there is no other: a real map has a real zero, for its conjugate would be one too
+    proven = contraction + 4 * curvature * radius < arb(0.5) and 4 * radius < POLYDISC / 2
     must(proven, "no zero of the equations is found next to the wave")
     return Zero(middle, radius.upper())
 
@@ -241,8 +245,9 @@ class Wave:
         self.count = len(self.zones)
         must(self.count and len(near["zones"]) == self.count, "zones without a state")
         for (before, _), (regime, entry) in zip(self.zones[-1:] + self.zones, self.zones):
-            if entry not in ENTRIES:
-                raise NotCovered(f"a zone that begins with {entry}")
+            if entry == "Section":
+                raise NotCovered("waves without switches")
+            must(entry in ENTRIES, f"there is no switch {entry}")
             befores, afters = ENTRIES[entry]
             fits = before in befores and regime in afters and (entry != "Reversal" or before != regime)
             must(fits, f"{entry} does not lead from {before} to {regime}")
@@ -263,6 +268,8 @@ class Wave:
         if self.watch in TOUCHES:
             self.guess.append(acb(float(margin["time"])))
         elif self.kind == "Crossing":
+            if not float(condition.value["omega"]):
+                raise NotCovered("an eigenvalue that crosses the axis at λ = 0")
             self.guess.append(acb(float(condition.value["omega"])))
         elif self.kind == "Fold":
             # F_x v = 0 with the largest entry of v put to 1; next to a fold F_x is nearly singular
@@ -370,7 +377,6 @@ class Wave:
 
     def enclosed(self, zero):
         """The unknowns in real balls; what an equation gives outright is exact."""
-        # with a zero its conjugate is one too, and there is only one here
         must(all(abs(x.imag) <= zero.radius for x in zero.middle), "the zero of the equations is not real")
         x = [acb(arb(y.real, zero.radius)) for y in zero.middle]
         if self.vanishing is not None:
@@ -384,7 +390,7 @@ class Wave:
         within the same share of their units, of the zero."""
         middle = [y.real for y in zero.middle]
         zones = [middle[3 * i : 3 * i + 3] for i in range(self.count)]
-        period, rate = sum(abs(t) for _, _, t in zones), max([arb(1)] + [abs(w) for _, w, _ in zones])
+        period, rate = sum(abs(t) for _, _, t in zones), size([1] + [w for _, w, _ in zones])
         units = [unit for y, _, t in zones for unit in (abs(y).max(period), rate, abs(t).max(period))]
         units += [arb(1), arb(float(self.posed["unit"]))] + [abs(y).max(arb(1)) for y in middle[self.base :]]
         radii = [unit * (arb(float(distance)) / units[self.base - 1]) for unit in units]
@@ -449,8 +455,8 @@ class Signs:
             first, last = place == 0 and left, place + 1 == 1 << depth and right
             if not (first and last):
                 order, sign = (first, 1) if first else (last, (-1) ** last) if last else (0, 1)
-                middle, half = (begin + (end - begin) * arb(2 * place + i) / (2 << depth) for i in (1, 0))
-                step = (middle - half) * arb(0, 1)
+                middle, low = (begin + (end - begin) * arb(2 * place + i) / (2 << depth) for i in (1, 0))
+                step = (middle - low) * arb(0, 1)
                 inside, over = (arb_mat([[y] for y in self.state(zone, t)]) for t in (middle, middle + step))
                 value, power = arb(0), arb(sign)
                 for k in range(ORDER + 1):
@@ -484,6 +490,7 @@ class Signs:
         contact, pressure = steady + front, [0, 0, 0, front, steady]
         event = lambda watch, i: wave.watch == watch and wave.zone == i % wave.count
         yield "c² > a > b > 0", c * c > m.a and m.a > m.b and m.b > 0
+        yield "g > 0 and h > 0", m.g > 0 and m.h > 0
         yield "the direction of D", front > 0
         yield "f > 0", m.friction > 0 and Fraction(wave.posed["written"]["ratio"] or 1) >= 1
         if self.touch is not None:

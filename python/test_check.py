@@ -180,6 +180,7 @@ class Certificates(unittest.TestCase):
             # another regime, another switch, another impact that the wave does not meet
             ("wave", ("regime: Reverse", "regime: Slip"), "kind: UZ"),
             ("wave", ("entry: Arrest", "entry: Landing"), "kind: UZ"),
+            ("wave", ("entry: Arrest", "entry: Rest"), "kind: UZ"),
             ("numbers", ("impact: Frictionless", "impact: Coulomb"), "kind: UZ"),
             # another type, another margin
             ("type", ("kind: RV", "kind: CO"), ""),
