@@ -31,6 +31,8 @@ pub struct Switching {
     pub to: usize,
     /// The guard that is zero, by its number in the mode that ends.
     pub guard: usize,
+    /// The exit taken, by its number in the guard.
+    pub exit: usize,
     /// States before it.
     pub before: Vec<f64>,
     /// States after the reset.
@@ -229,9 +231,10 @@ impl<'a> Motion<'a> {
             let size: f64 = row.at.iter().zip(z).map(|(c, z)| (c * z).abs()).sum();
             value(row) >= -16.0 * f64::EPSILON * size
         };
-        let mut exits = self.system.modes[mode].guards[guard].exits.iter();
-        let exit = exits.find(|exit| exit.conditions.iter().all(holds));
-        let exit = exit.ok_or(Halt::NoExit { time, mode, guard })?;
+        let exits = self.system.modes[mode].guards[guard].exits.iter();
+        let mut exits = exits.enumerate();
+        let exit = exits.find(|(_, exit)| exit.conditions.iter().all(holds));
+        let (number, exit) = exit.ok_or(Halt::NoExit { time, mode, guard })?;
         let mut to = exit.to;
         let lasted = time - self.entered;
         let length = self.flows[mode].length;
@@ -264,6 +267,7 @@ impl<'a> Motion<'a> {
             from: mode,
             to,
             guard,
+            exit: number,
             before,
             after,
         }))

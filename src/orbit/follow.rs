@@ -290,7 +290,13 @@ impl<O: Orbit> Curve for Track<O> {
             found.close = fails.map(|margin| Close::Margin(orbit.held(margin)));
         }
         match event {
-            Event::Fold => found.special = Some(Special::Fold(orbit.parameter())),
+            Event::Fold => {
+                if let Some((special, stop)) = orbit.repeats(&place.node) {
+                    found.special = Some(Special::Own(special));
+                    return Ok(Outcome::Ended(vec![found], walk::End::Own(Stop::Own(stop))));
+                }
+                found.special = Some(Special::Fold(orbit.parameter()));
+            }
             Event::User(value) => {
                 found.parameter = *value;
                 found.special = Some(Special::User(orbit.parameter(), *value));

@@ -205,6 +205,12 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
+    /// What a fold is where the branch would retrace itself, and why it ends there: its orbit is one of a part of
+    /// its period.
+    fn repeats(&self, _node: &Node) -> Option<(Self::Special, Self::Stop)> {
+        None
+    }
+
     /// What the zero of a function of [`Examined::tests`] is at a node: none where it is no event.
     fn crossing(&self, _test: usize, _node: &Node) -> Option<Self::Special> {
         None

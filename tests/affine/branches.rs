@@ -4,11 +4,13 @@ use std::f64::consts::TAU;
 
 use brakewave::EventType;
 use brakewave::affine::orbit::AffineOrbit;
+use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::continuation::Steps;
 use brakewave::linalg::Vector;
 use brakewave::orbit::follow::{Follower, Found, Limits};
 
 use crate::orbits::{Reference, impact, solved};
+use crate::systems::{BALL, FRICTION, RELAY, system, values};
 
 /// An event: its type, the parameter, the sequences before and after.
 pub struct Seen {
@@ -74,12 +76,10 @@ fn meets(seen: &[Seen], expected: &[(EventType, f64, &str)], allowed: f64) {
     };
     assert_eq!(seen.len(), expected.len(), "{}", list(seen));
     for (one, (kind, value, what)) in seen.iter().zip(expected) {
-        assert_eq!(
-            (one.kind, one.what.as_str()),
-            (*kind, *what),
-            "{}",
-            list(seen)
-        );
+        assert_eq!(one.kind, *kind, "{}", list(seen));
+        // which half of a symmetric orbit comes first is rounding
+        let named = what.is_empty() || one.what == *what;
+        assert!(named, "{what}: {}", list(seen));
         let off = (one.value - value).abs();
         assert!(
             off < allowed * value.abs(),
@@ -89,7 +89,7 @@ fn meets(seen: &[Seen], expected: &[(EventType, f64, &str)], allowed: f64) {
     }
 }
 
-use EventType::{EP, GR, LP, PD};
+use EventType::{CO, EP, GR, LP, PD};
 
 #[test]
 fn down_to_the_fold_and_through_the_graze() {
@@ -150,4 +150,84 @@ fn through_the_doubling_to_the_inner_graze() {
         (EP, 1.0, "free"),
     ];
     meets(&seen, &expected, 1e-13);
+}
+
+/// The orbit on which a motion settles.
+fn settled(
+    text: &str,
+    replaced: &[(&str, f64)],
+    parameter: &str,
+    mode: &str,
+    state: &[f64],
+    settle: f64,
+) -> (AffineOrbit, Vector) {
+    let system = system(text);
+    let wanted = Wanted {
+        parameter: system.source.parameters.index(parameter).unwrap(),
+        values: values(&system, replaced),
+        width: 1.0,
+        periods: 4,
+        stability: true,
+        system,
+    };
+    let beginning = Beginning {
+        mode: wanted.system.mode(mode).unwrap(),
+        state: state.to_vec(),
+        phase: 0.0,
+    };
+    first(&wanted, &beginning, Search::Settles(settle)).unwrap()
+}
+
+/// Both halves of a symmetric orbit meet the onset of stick, or of sliding, at once: two events at one place.
+#[test]
+fn through_the_onset_of_stick_and_of_sliding() {
+    let dry = settled(FRICTION, &[("w", 0.8)], "w", "forth", &[0.0, 0.1], 60.0);
+    let (seen, all) = follow(&dry.0, &dry.1, false, (0.6, 1.0), 200);
+    let onset = 0.7226791944381431415;
+    let expected = [
+        (CO, onset, ""),
+        (CO, onset, ""),
+        (EP, 0.6, "forth-stick-back-stick"),
+    ];
+    meets(&seen, &expected, 1e-12);
+    let last = all.last().unwrap();
+    let multipliers = last.orbit.multipliers(&last.node.point).unwrap();
+    assert!((multipliers[0].value.re - 0.041769776878522).abs() < 1e-12 && multipliers[1].trivial);
+    let relay = settled(
+        RELAY,
+        &[("rho", 3.0)],
+        "rho",
+        "plus",
+        &[0.0, 2.8, 17.0],
+        100.0,
+    );
+    let (seen, _) = follow(&relay.0, &relay.1, false, (1.5, 3.0), 200);
+    let onset = 2.0988410675607513346;
+    let expected = [
+        (CO, onset, ""),
+        (CO, onset, ""),
+        (EP, 1.5, "plus-slide-minus-slide"),
+    ];
+    meets(&seen, &expected, 1e-12);
+}
+
+/// The table throws the ball, and catches it in flight once more at every graze.
+#[test]
+fn from_the_ball_to_its_saddle_and_through_grazes() {
+    let (orbit, point) = settled(BALL, &[("G", 1.1)], "G", "flight", &[0.0, 2.0], 200.0);
+    let (seen, _) = follow(&orbit, &point, false, (1.0, 2.6), 160);
+    let expected = [
+        (LP, std::f64::consts::FRAC_PI_3, "flight"),
+        (GR, 2.5042999536516703382, "flight > flight-flight"),
+        (PD, 1.5168023602477137906, "flight-flight"),
+        (LP, 1.48422083296340167, "flight-flight"),
+        (
+            GR,
+            1.8942634188461103942,
+            "flight-flight > flight-flight-flight",
+        ),
+        (PD, 1.5827602547039797066, "flight-flight-flight"),
+        (LP, 1.574256307872913754, "flight-flight-flight"),
+    ];
+    meets(&seen[..expected.len()], &expected, 1e-12);
 }

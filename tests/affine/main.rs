@@ -9,5 +9,6 @@ mod motion;
 mod orbits;
 mod problems;
 mod refusals;
+mod start;
 mod steady;
 mod systems;

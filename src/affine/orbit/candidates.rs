@@ -10,7 +10,6 @@ use std::f64::consts::TAU;
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, ZonePoint};
 use super::margin::{Margin, Watch};
 use super::signature::{Sequence, Way, Zone};
-use super::structure::section;
 use crate::affine::mode::Row;
 use crate::linalg::Vector;
 use crate::orbit::Candidate;
@@ -94,7 +93,9 @@ pub fn candidates(
         return Ok(Vec::new());
     };
     let same = first.zone.mode == last.zone.mode && at.agree(&opened.z, &first.at.state);
-    if same && !opened.joined {
+    // without forcing what switches no more rests, or is one of a family that the parameter does not tell apart
+    let alone = opened.pieces.len() == 1 && !orbit.is_forced();
+    if same && !opened.joined && !alone {
         add(at.merged(&opened.pieces));
     }
     for chain in at.chains(last.zone.mode, &opened, &first.at.state, first.zone.mode) {
@@ -146,7 +147,8 @@ impl OrbitAt<'_> {
         Piece {
             zone: self.orbit.sequence.zone(zone).clone(),
             at: self.zones[zone % count].clone(),
-            nascent: false,
+            // one of two that open at one event
+            nascent: self.zones[zone % count].duration == 0.0,
         }
     }
 
@@ -271,38 +273,15 @@ impl OrbitAt<'_> {
             last.zone.way = first.zone.way;
             return rest;
         }
-        // nothing switches any more: the phase begins at 0, or a rate is zero
+        // nothing switches any more: the phase begins at 0
         let mut only = first.clone();
         only.zone.way = None;
         let flow = self.posed.flow(only.zone.mode);
         let z = self.posed.system.lift(&only.at.state, only.at.phase);
-        let omega = self.posed.system.omega.value;
-        let time = if omega > 0.0 {
-            (TAU - only.at.phase.rem_euclid(TAU)) / omega
-        } else {
-            let mode = &self.posed.system.modes[only.zone.mode];
-            self.turn(section(mode), &only).unwrap_or(0.0)
-        };
+        let time = (TAU - only.at.phase.rem_euclid(TAU)) / self.posed.system.omega.value;
         let z = flow.after(&z, time);
         only.at.state = z.rows(0, self.orbit.states()).iter().copied().collect();
         only.at.phase = 0.0;
         vec![only]
-    }
-
-    /// The first time in a zone at which a state has a minimum.
-    fn turn(&self, state: usize, piece: &Piece) -> Option<f64> {
-        let flow = self.posed.flow(piece.zone.mode);
-        let mut z = self.posed.system.lift(&piece.at.state, piece.at.phase);
-        let mut falling = false;
-        let mut begun = 0.0;
-        while begun < piece.at.duration {
-            let states = flow.states(&z, 1.0, self.orbit.states());
-            if let Some(place) = states[state].minima(&mut falling).first() {
-                return Some(begun + place * flow.length);
-            }
-            z = flow.advance(&z);
-            begun += flow.length;
-        }
-        None
     }
 }

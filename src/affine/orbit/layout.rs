@@ -117,7 +117,7 @@ impl PartialEq for AffineOrbit {
 }
 
 /// A zone at a point, in physical units.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ZonePoint {
     /// States at its entry.
     pub state: Vec<f64>,

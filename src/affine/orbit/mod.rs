@@ -3,7 +3,8 @@
 //! [`signature`] is the sequence of zones, [`layout`] has the unknowns, [`residual`] the equations; [`passage`] is
 //! the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends whatever the
 //! parameter, as [`forms`] tell. [`margin`] measures the inequalities, [`examine`] decides them; [`candidates`] finds
-//! what lies beyond an event; [`multipliers`] has the stability.
+//! what lies beyond an event; [`multipliers`] has the stability; [`start`] finds the first orbit, and [`row`] has what
+//! results keep of one.
 
 pub mod candidates;
 pub mod examine;
@@ -13,7 +14,9 @@ pub mod margin;
 pub mod multipliers;
 mod passage;
 mod residual;
+pub mod row;
 pub mod signature;
+pub mod start;
 mod structure;
 
 use std::fmt;
@@ -99,6 +102,11 @@ pub enum OrbitStop {
         /// How many times.
         times: usize,
     },
+    /// Without forcing: beyond it the orbit does not switch any more, and belongs to a family at one value of the
+    /// parameter.
+    Centre,
+    /// The period grows without bound.
+    Unbounded,
 }
 
 impl fmt::Display for OrbitStop {
@@ -108,9 +116,19 @@ impl fmt::Display for OrbitStop {
                 formatter,
                 "the orbit is one of 1/{times} of its period, traversed {times} times"
             ),
+            OrbitStop::Centre => write!(
+                formatter,
+                "beyond it nothing switches: a family of orbits at one value of the parameter"
+            ),
+            OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
         }
     }
 }
+
+/// The parameter is stationary, to rounding, where it changes by less than this along a unit tangent; if nothing but
+/// durations changes there, by this part at least, they grow without bound.
+const STATIONARY: f64 = 1e-8;
+const GROWING: f64 = 0.9;
 
 /// Below this component of the parameter along a unit tangent a multiplier 1 is that of a fold.
 const AT_FOLD: f64 = 1e-5;
@@ -254,8 +272,30 @@ impl Orbit for AffineOrbit {
         Some(newton::rounding(matrix, &sizes, noise.as_ref())?[parameter])
     }
 
+    fn ends_at(&self, _: &Vector, margin: &Margin) -> Option<OrbitStop> {
+        let left = self.zones() - usize::from(margin.watch == Watch::Duration);
+        let last = left == 1 && matches!(margin.watch, Watch::Duration | Watch::Speed);
+        (last && !self.is_forced()).then_some(OrbitStop::Centre)
+    }
+
+    fn exhausted(&self, node: &Node, _: (f64, f64)) -> Option<OrbitStop> {
+        let tangent = &node.tangent;
+        let along = tangent[tangent.len() - 1].abs();
+        let growth: f64 = (0..self.zones())
+            .map(|zone| tangent[self.duration_index(zone)])
+            .sum();
+        let unbounded =
+            !self.is_forced() && along < STATIONARY && growth > GROWING && !self.opens(&node.point);
+        unbounded.then_some(OrbitStop::Unbounded)
+    }
+
     fn completes(_: &OrbitStop) -> bool {
         true
+    }
+
+    fn repeats(&self, node: &Node) -> Option<(Critical, OrbitStop)> {
+        let times = self.traversals(&node.point);
+        (times > 1).then_some((Critical::PeriodDoubling, OrbitStop::Repeats { times }))
     }
 
     fn crossing(&self, test: usize, node: &Node) -> Option<Critical> {

@@ -1,0 +1,159 @@
+//! What results keep of an orbit: its modes in order of time, its switches, samples of it, and numbers from which it
+//! is found again.
+
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+use super::layout::{AffineOrbit, OrbitFailure, ZonePoint};
+use super::signature::Sequence;
+use crate::linalg::Vector;
+
+/// An orbit in order of time, from the entry of the first mode of the file that occurs: that of the earliest phase in
+/// \[0, 2π) where there are several, or without forcing that with which the names come first in the order of the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cycle {
+    /// Names of the modes, one for each zone.
+    pub names: Vec<String>,
+    /// Its period.
+    pub period: f64,
+    /// Times of the switches since the first: none for an orbit that never switches.
+    pub switches: Vec<f64>,
+    /// Zone of the orbit with which it begins.
+    pub first: usize,
+}
+
+/// A moment of an orbit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// Time since the orbit's first switch.
+    pub time: f64,
+    /// Phase of the forcing in \[0, 2π); zero without.
+    pub phase: f64,
+    /// States.
+    pub state: Vec<f64>,
+    /// Number of the mode.
+    pub mode: usize,
+}
+
+/// An orbit in physical numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SavedOrbit {
+    /// Its zones.
+    pub sequence: Sequence,
+    /// Where they begin and how long they last.
+    pub zones: Vec<ZonePoint>,
+    /// Forcing periods in it.
+    pub periods: u32,
+    /// Values of all parameters in the order of the file.
+    pub values: Vec<f64>,
+}
+
+/// Parts of an orbit are one another's repetition where nothing differs by more than this in its own units: a fold is
+/// known to 1e-8.
+const REPEATED: f64 = 1e-6;
+
+impl AffineOrbit {
+    /// The orbit at a point in order of time.
+    ///
+    /// # Errors
+    /// The system makes no sense there.
+    pub fn cycle(&self, point: &Vector) -> Result<Cycle, OrbitFailure> {
+        let zones = self.at(point)?.zones;
+        let count = zones.len();
+        let mode = |zone: &usize| self.sequence.zone(*zone).mode;
+        let least = (0..count).map(|zone| mode(&zone)).min();
+        let first = if self.is_forced() {
+            let of_first = (0..count).filter(|zone| Some(mode(zone)) == least);
+            let phase = |zone: &usize| zones[*zone].phase.rem_euclid(TAU);
+            of_first.min_by(|one, other| phase(one).total_cmp(&phase(other)))
+        } else {
+            self.sequence.beginnings().first().copied()
+        };
+        let first = first.unwrap_or(0);
+        let order = (0..count).map(|index| (first + index) % count);
+        let mut time = 0.0;
+        let mut switches = Vec::with_capacity(count);
+        for zone in order.clone() {
+            switches.push(time);
+            time += zones[zone].duration;
+        }
+        switches.truncate(self.sequence.switches());
+        Ok(Cycle {
+            names: order
+                .map(|zone| self.sequence.zone(zone).name.clone())
+                .collect(),
+            period: time,
+            switches,
+            first,
+        })
+    }
+
+    /// The orbit at so many even intervals of every zone, ends and entries both: states jump where they are reset.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated there.
+    pub fn samples(&self, point: &Vector, intervals: usize) -> Result<Vec<Sample>, OrbitFailure> {
+        let first = self.cycle(point)?.first;
+        let at = self.at(point)?;
+        let omega = at.posed.system.omega.value;
+        let mut samples = Vec::with_capacity(self.zones() * (intervals + 1));
+        let mut begun = 0.0;
+        for zone in (first..first + self.zones()).map(|zone| zone % self.zones()) {
+            let ZonePoint {
+                duration, phase, ..
+            } = at.zones[zone];
+            let mode = self.sequence.zone(zone).mode;
+            for part in 0..=intervals {
+                let time = duration * part as f64 / intervals.max(1) as f64;
+                let z = at.passage(zone, time)?.end;
+                samples.push(Sample {
+                    time: begun + time,
+                    phase: (phase + omega * time).rem_euclid(TAU),
+                    state: z.rows(0, self.states()).iter().copied().collect(),
+                    mode,
+                });
+            }
+            begun += duration;
+        }
+        Ok(samples)
+    }
+
+    /// The orbit at a point in physical numbers.
+    ///
+    /// # Errors
+    /// The system makes no sense there.
+    pub fn saved(&self, point: &Vector) -> Result<SavedOrbit, OrbitFailure> {
+        let mut values = self.setting.values.clone();
+        values[self.setting.parameter] = self.parameter_at(point);
+        Ok(SavedOrbit {
+            sequence: self.sequence.clone(),
+            zones: self.at(point)?.zones,
+            periods: self.setting.periods,
+            values,
+        })
+    }
+
+    /// How many times a shorter orbit is traversed: 1 unless parts of the orbit are the same, states and durations.
+    pub fn traversals(&self, point: &Vector) -> usize {
+        let (count, width) = (self.zones(), self.width());
+        let periods = self.setting.periods as usize;
+        let fits = |times: &usize| {
+            count.is_multiple_of(*times) && (!self.is_forced() || periods.is_multiple_of(*times))
+        };
+        let same = |times: &usize| {
+            let shift = count / times;
+            let alike = |zone: usize| {
+                let other = (zone + shift) % count;
+                let numbers = 0..width;
+                self.sequence.zone(zone) == self.sequence.zone(other)
+                    && numbers.into_iter().all(|index| {
+                        let off = point[width * zone + index] - point[width * other + index];
+                        off.abs() <= REPEATED
+                    })
+            };
+            (0..count).all(alike)
+        };
+        (2..=count).rev().filter(fits).find(same).unwrap_or(1)
+    }
+}

@@ -1,0 +1,498 @@
+//! The first orbit of a branch: by a motion that settles on it, or from a guess.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::Inadmissible;
+use super::layout::{AffineOrbit, OrbitFailure, Scales, Setting, ZonePoint};
+use super::row::SavedOrbit;
+use super::signature::{Sequence, Way, Zone};
+use crate::affine::mode::AffineSystem;
+use crate::affine::motion::{Halt, Motion, Place, Step, Switching};
+use crate::affine::system::{System, SystemError};
+use crate::continuation::newton::{self, Fixed, Settings};
+use crate::linalg::Vector;
+use crate::orbit::sign::Verdict;
+use crate::orbit::{Examined, Orbit};
+
+/// Where a motion begins.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Beginning {
+    /// Number of the mode.
+    pub mode: usize,
+    /// States.
+    pub state: Vec<f64>,
+    /// Phase of the forcing.
+    pub phase: f64,
+}
+
+/// How the first orbit is found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Search {
+    /// What a motion settles on after so many forcing periods, or so long a time without forcing.
+    Settles(f64),
+    /// What Newton's method finds from the motion over one period, this one without forcing.
+    Guess(f64),
+}
+
+/// The first orbit that is asked for.
+#[derive(Clone, Debug)]
+pub struct Wanted {
+    /// The system.
+    pub system: System,
+    /// Values of its parameters.
+    pub values: Vec<f64>,
+    /// Index of the continuation parameter.
+    pub parameter: usize,
+    /// Width of its range.
+    pub width: f64,
+    /// Forcing periods of the orbit, or switches back to the first one without forcing: where it settles at most,
+    /// the least number is found.
+    pub periods: u32,
+    /// Whether changes of stability are looked for.
+    pub stability: bool,
+}
+
+/// Why there is no first orbit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoStart {
+    /// The system makes no sense at these values.
+    #[error("{0}")]
+    System(SystemError),
+    /// The motion does not go on.
+    #[error("{0}")]
+    Halted(Halt),
+    /// The motion switches no more and does not return: it rests, or leaves.
+    #[error(
+        "the motion does not switch any more after t = {time}, and without forcing nothing repeats"
+    )]
+    Rests {
+        /// Time of the last switch.
+        time: f64,
+    },
+    /// The motion does not return within the periods asked for.
+    #[error(
+        "after {periods} periods the motion does not return: it is off by {off:.1e} of its size"
+    )]
+    NotPeriodic {
+        /// How many were tried.
+        periods: u32,
+        /// Least distance found, relative to the size of the states.
+        off: f64,
+    },
+    /// More switches than an orbit is followed through.
+    #[error("{0} switches in one period are more than are followed")]
+    Switches(usize),
+    /// Newton's method finds no orbit.
+    #[error("no orbit is found: {0}")]
+    Newton(newton::Failure<OrbitFailure>),
+    /// The orbit is not admissible.
+    #[error("the orbit that is found is none: {0}")]
+    Inadmissible(Inadmissible),
+    /// The system does not have these zones: an orbit has no infinitely many switches, and without forcing at least
+    /// one.
+    #[error("the motion has zones that no orbit has")]
+    NoZones,
+}
+
+/// A motion has returned where no state is further off than this part of its size.
+const RETURNED: f64 = 1e-6;
+
+/// One that settles slowly has returned, too, where it is off by no more than this: Newton's method does the rest.
+const NEARLY: f64 = 1e-3;
+
+/// Most switches of one orbit.
+const MOST_SWITCHES: usize = 200;
+
+/// Switches of a motion, each with the place where the next zone begins.
+type Switches = Vec<(Switching, Place)>;
+
+/// Zones of a motion that returns: where they begin, how they end, how long they last. None where it never switches.
+struct Course {
+    zones: Vec<(Place, Switching, f64)>,
+    /// Where the motion is at phase 0.
+    at_zero: Option<Place>,
+    periods: u32,
+}
+
+/// The first orbit and its point.
+///
+/// # Errors
+/// Why there is none.
+pub fn first(
+    wanted: &Wanted,
+    beginning: &Beginning,
+    search: Search,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    let system = wanted.system.at(&wanted.values, &[wanted.parameter]);
+    let system = system.map_err(NoStart::System)?;
+    let place = Place {
+        time: 0.0,
+        phase: beginning.phase,
+        mode: beginning.mode,
+        state: beginning.state.clone(),
+    };
+    let omega = system.omega.value;
+    let is_forced = omega > 0.0;
+    let period = if is_forced { TAU / omega } else { 1.0 };
+    let (settle, guess) = match search {
+        Search::Settles(periods) => (periods * period, None),
+        Search::Guess(time) => (0.0, Some(time)),
+    };
+    let longest = match guess {
+        _ if is_forced => period,
+        Some(time) => time,
+        None => settle.max(1.0),
+    };
+    let mut motion = Motion::new(&system, place, longest);
+    run(&mut motion, settle)?;
+    let time = guess.map(|time| {
+        if is_forced {
+            f64::from(wanted.periods.max(1)) * period
+        } else {
+            time
+        }
+    });
+    let course = match time {
+        Some(time) if is_on_guard(&system, motion.place()) => Course {
+            zones: from_switch(&mut motion, time)?,
+            at_zero: None,
+            periods: wanted.periods.max(1),
+        },
+        _ if is_forced => forced(wanted, &system, &mut motion, period, guess.is_some())?,
+        Some(time) => {
+            let begin = motion.place().time;
+            let switches = run(&mut motion, begin + time)?;
+            Course {
+                zones: closed(switches, time),
+                at_zero: None,
+                periods: 1,
+            }
+        }
+        None => free(wanted, &system, &mut motion, longest)?,
+    };
+    let parts = course.zones.iter().map(|(place, switching, duration)| {
+        // a switch that leads to where infinitely many others end
+        let exits = &system.modes[switching.from].guards[switching.guard].exits;
+        let leads = exits.get(switching.exit).map(|exit| exit.to);
+        let way = Way {
+            guard: switching.guard,
+            exit: switching.exit,
+        };
+        (leads == Some(switching.to)).then(|| zone(wanted, place, Some(way), *duration))
+    });
+    let mut parts: Vec<(Zone, ZonePoint)> = parts.collect::<Option<_>>().ok_or(NoStart::NoZones)?;
+    if let Some(place) = &course.at_zero {
+        let duration = f64::from(course.periods) * period;
+        parts = vec![zone(wanted, place, None, duration)];
+    }
+    pose(wanted, parts, course.periods)
+}
+
+/// The orbit that was saved, at the values wanted.
+///
+/// # Errors
+/// Why it is not found again.
+pub fn restart(wanted: &Wanted, saved: &SavedOrbit) -> Result<(AffineOrbit, Vector), NoStart> {
+    if saved.zones.len() != saved.sequence.len() {
+        return Err(NoStart::NoZones);
+    }
+    let parts = saved
+        .sequence
+        .0
+        .iter()
+        .cloned()
+        .zip(saved.zones.iter().cloned());
+    pose(wanted, parts.collect(), saved.periods)
+}
+
+/// Whether a place is one where a zone begins at a switch: a guard of its own mode is zero.
+fn is_on_guard(system: &AffineSystem, place: &Place) -> bool {
+    let z = system.lift(&place.state, place.phase);
+    let mut guards = system.modes[place.mode].guards.iter();
+    guards.any(|guard| {
+        let terms = guard.row.at.iter().zip(&z).map(|(c, z)| c * z);
+        let size: f64 = terms.clone().map(f64::abs).sum();
+        size > 0.0 && terms.sum::<f64>().abs() <= RETURNED * size
+    })
+}
+
+/// The zones of a motion from a switch to the one that comes nearest to this time.
+fn from_switch(motion: &mut Motion, time: f64) -> Result<Vec<(Place, Switching, f64)>, NoStart> {
+    /// How much later than the time the switch may come.
+    const LATE: f64 = 1.25;
+    let begin = motion.place().clone();
+    let switches = run(motion, begin.time + LATE * time)?;
+    if switches.len() > MOST_SWITCHES {
+        return Err(NoStart::Switches(switches.len()));
+    }
+    let off = |index: &usize| (switches[*index].0.time - begin.time - time).abs();
+    let last = (0..switches.len()).min_by(|one, other| off(one).total_cmp(&off(other)));
+    let last = last.ok_or(NoStart::Rests { time: begin.time })?;
+    let mut place = begin;
+    let zones = switches
+        .into_iter()
+        .take(last + 1)
+        .map(|(switching, next)| {
+            let from = std::mem::replace(&mut place, next);
+            let duration = switching.time - from.time;
+            (from, switching, duration)
+        });
+    Ok(zones.collect())
+}
+
+fn zone(wanted: &Wanted, place: &Place, way: Option<Way>, duration: f64) -> (Zone, ZonePoint) {
+    let zone = Zone {
+        mode: place.mode,
+        way,
+        name: wanted.system.mode_name(place.mode).to_owned(),
+    };
+    let point = ZonePoint {
+        state: place.state.clone(),
+        duration,
+        phase: place.phase,
+    };
+    (zone, point)
+}
+
+/// Moves on to a time: the switches on the way.
+fn run(motion: &mut Motion, until: f64) -> Result<Switches, NoStart> {
+    let mut switches = Vec::new();
+    loop {
+        match motion.step(until).map_err(NoStart::Halted)? {
+            Step::Reached => return Ok(switches),
+            Step::Switched(switching) => switches.push((switching, motion.place().clone())),
+        }
+    }
+}
+
+/// How far a place is from another one that should be the same, relative to the states on the way and to what their
+/// rates make of the time between: a state may be zero at all of the switches.
+fn distance(system: &AffineSystem, begin: &Place, here: &Place, switches: &Switches) -> f64 {
+    let places = switches.iter().map(|(_, place)| place);
+    let before = switches.iter().map(|(switching, _)| &switching.before);
+    let time = here.time - begin.time;
+    let mut sizes = vec![0.0_f64; begin.state.len()];
+    let mut visit = |state: usize, x: f64| sizes[state] = sizes[state].max(x.abs());
+    for place in places.chain([begin, here]) {
+        let rate = &system.modes[place.mode].matrix.at * system.lift(&place.state, place.phase);
+        for (state, x) in place.state.iter().enumerate() {
+            visit(state, *x);
+            visit(state, rate[state] * time / TAU);
+        }
+    }
+    for state in before {
+        state
+            .iter()
+            .enumerate()
+            .for_each(|(state, x)| visit(state, *x));
+    }
+    let pairs = begin.state.iter().zip(&here.state).zip(sizes);
+    let off = |((x, y), size): ((&f64, &f64), f64)| {
+        let off = (x - y).abs();
+        if off == 0.0 { 0.0 } else { off / size }
+    };
+    pairs.map(off).fold(0.0, f64::max)
+}
+
+/// The zones of a motion that has returned after `time` to where it was: from its first switch on.
+fn closed(mut switches: Switches, time: f64) -> Vec<(Place, Switching, f64)> {
+    let count = switches.len();
+    switches.rotate_left(count.min(1));
+    let ends = (0..count).map(|index| switches[index].0.clone());
+    let zones = ends.enumerate().map(|(index, end)| {
+        // entered by the switch before
+        let (_, place) = &switches[(index + count - 1) % count];
+        let wrapped = if index + 1 == count { time } else { 0.0 };
+        (place.clone(), end.clone(), end.time - place.time + wrapped)
+    });
+    zones.collect()
+}
+
+/// Which of the returns tried counts: the first that is close, or else the closest of all.
+fn chosen(tried: &[f64]) -> Result<usize, NoStart> {
+    let close = tried.iter().position(|off| *off <= RETURNED);
+    let numbered = tried.iter().enumerate();
+    let least = numbered.min_by(|one, other| one.1.total_cmp(other.1));
+    let nearly = || {
+        least
+            .filter(|(_, off)| **off <= NEARLY)
+            .map(|(index, _)| index)
+    };
+    close.or_else(nearly).ok_or(NoStart::NotPeriodic {
+        periods: tried.len() as u32,
+        off: least.map_or(f64::INFINITY, |(_, off)| *off),
+    })
+}
+
+/// The course over the least number of forcing periods after which the motion returns; over the number asked for where
+/// it is a guess.
+fn forced(
+    wanted: &Wanted,
+    system: &AffineSystem,
+    motion: &mut Motion,
+    period: f64,
+    is_guess: bool,
+) -> Result<Course, NoStart> {
+    let begin = motion.place().clone();
+    let most = wanted.periods.max(1);
+    let mut switches = Switches::new();
+    let (mut tried, mut counts) = (Vec::new(), Vec::new());
+    for periods in 1..=most {
+        let until = begin.time + f64::from(periods) * period;
+        switches.extend(run(motion, until)?);
+        if switches.len() > MOST_SWITCHES {
+            return Err(NoStart::Switches(switches.len()));
+        }
+        counts.push(switches.len());
+        let here = motion.place();
+        let off = distance(system, &begin, here, &switches);
+        let returned = here.mode == begin.mode;
+        tried.push(if returned { off } else { f64::INFINITY });
+        if tried.last().is_some_and(|off| *off <= RETURNED) && !is_guess {
+            break;
+        }
+    }
+    let index = if is_guess {
+        tried.len() - 1
+    } else {
+        chosen(&tried)?
+    };
+    switches.truncate(counts[index]);
+    let periods = index as u32 + 1;
+    let mut at_zero = None;
+    if switches.is_empty() {
+        let here = motion.place().clone();
+        let turn = (TAU - here.phase.rem_euclid(TAU)) / TAU;
+        run(motion, here.time + turn * period)?;
+        at_zero = Some(Place {
+            phase: 0.0,
+            ..motion.place().clone()
+        });
+    }
+    Ok(Course {
+        zones: closed(switches, f64::from(periods) * period),
+        at_zero,
+        periods,
+    })
+}
+
+/// Without forcing: from a switch to the same switch in the same state.
+fn free(
+    wanted: &Wanted,
+    system: &AffineSystem,
+    motion: &mut Motion,
+    longest: f64,
+) -> Result<Course, NoStart> {
+    let mut next = || {
+        let since = motion.place().time;
+        match motion.step(since + longest).map_err(NoStart::Halted)? {
+            Step::Switched(switching) => Ok((switching, motion.place().clone())),
+            Step::Reached => Err(NoStart::Rests { time: since }),
+        }
+    };
+    let (first, begin) = next()?;
+    let mut switches = Switches::new();
+    let (mut tried, mut counts) = (Vec::new(), Vec::new());
+    while tried.len() < wanted.periods.max(1) as usize {
+        let (switching, here) = next()?;
+        let by = |one: &Switching| (one.from, one.to, one.guard, one.exit);
+        let returned = by(&switching) == by(&first);
+        switches.push((switching, here.clone()));
+        if switches.len() > MOST_SWITCHES {
+            return Err(NoStart::Switches(switches.len()));
+        }
+        if returned {
+            tried.push(distance(system, &begin, &here, &switches));
+            counts.push(switches.len());
+            if tried.last().is_some_and(|off| *off <= RETURNED) {
+                break;
+            }
+        }
+    }
+    switches.truncate(counts[chosen(&tried)?]);
+    let end = switches.last().map_or(begin.time, |(_, place)| place.time);
+    Ok(Course {
+        zones: closed(switches, end - begin.time),
+        at_zero: None,
+        periods: 1,
+    })
+}
+
+/// The orbit with these zones next to these places.
+fn pose(
+    wanted: &Wanted,
+    parts: Vec<(Zone, ZonePoint)>,
+    periods: u32,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    /// Newton's method from a motion that has nearly returned; a guess may be worse.
+    const NEWTON: Settings = Settings {
+        tolerance: 1e-10,
+        most_iterations: 40,
+        halvings: 12,
+        polish: 1,
+    };
+    /// A state that never exceeds this is zero but for rounding.
+    const NOTHING: f64 = 1e-15;
+    let (zones, points): (Vec<Zone>, Vec<ZonePoint>) = parts.into_iter().unzip();
+    let value = wanted
+        .values
+        .get(wanted.parameter)
+        .copied()
+        .ok_or(NoStart::NoZones)?;
+    let states = wanted.system.source.states.len();
+    if points.is_empty() || points.iter().any(|point| point.state.len() != states) {
+        return Err(NoStart::NoZones);
+    }
+    let unit = |size: f64| {
+        if size > NOTHING && size.is_finite() {
+            size
+        } else {
+            1.0
+        }
+    };
+    let scales = Scales {
+        states: vec![1.0; states],
+        time: unit(points.iter().map(|point| point.duration).sum()),
+        parameter: wanted.width,
+    };
+    let setting = |scales: Scales| Setting {
+        system: wanted.system.clone(),
+        values: wanted.values.clone(),
+        parameter: wanted.parameter,
+        periods,
+        stability: wanted.stability,
+        scales,
+    };
+    let sequence = Sequence(zones);
+    let posed = |scales: Scales| {
+        let orbit = AffineOrbit::new(Arc::new(setting(scales)), sequence.clone());
+        orbit.ok_or(NoStart::NoZones)
+    };
+    let failed = |failure: OrbitFailure| NoStart::Newton(newton::Failure::System(failure));
+    // a state may be zero at all of the switches: its size is that between them
+    let bare = posed(scales.clone())?;
+    let extremes = bare.extremes(&bare.pack(&points, value)).map_err(failed)?;
+    let orbit = posed(Scales {
+        states: extremes
+            .iter()
+            .map(|(low, high)| unit(low.abs().max(high.abs())))
+            .collect(),
+        ..scales
+    })?;
+    let guess = orbit.pack(&points, value);
+    let index = guess.len() - 1;
+    let mut fixed = Fixed {
+        index,
+        value: guess[index],
+    };
+    let solution = newton::solve(&orbit, &mut fixed, &guess, &NEWTON).map_err(NoStart::Newton)?;
+    let point = solution.point;
+    let examination = orbit.examination(&point).map_err(failed)?;
+    match examination.verdict() {
+        Verdict::Positive => Ok((orbit, point)),
+        _ => Err(NoStart::Inadmissible(orbit.inadmissible(&examination))),
+    }
+}

@@ -1,0 +1,274 @@
+//! First orbits: by a motion that settles, from a guess, from what was saved; and what is refused.
+
+use std::f64::consts::TAU;
+
+use brakewave::affine::orbit::AffineOrbit;
+use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first, restart};
+use brakewave::linalg::Vector;
+
+use crate::systems::{BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, system, values};
+
+fn wanted(text: &str, replaced: &[(&str, f64)], parameter: &str, periods: u32) -> Wanted {
+    let system = system(text);
+    let values = values(&system, replaced);
+    Wanted {
+        parameter: system.source.parameters.index(parameter).unwrap(),
+        width: 1.0,
+        periods,
+        stability: true,
+        values,
+        system,
+    }
+}
+
+fn from(
+    wanted: &Wanted,
+    mode: &str,
+    state: &[f64],
+    phase: f64,
+    search: Search,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    let beginning = Beginning {
+        mode: wanted.system.mode(mode).unwrap(),
+        state: state.to_vec(),
+        phase,
+    };
+    first(wanted, &beginning, search)
+}
+
+#[test]
+fn motions_settle_on_their_orbits() {
+    // the entry of the first zone in the canonical order, from the reference
+    type Case<'a> = (
+        &'a str,
+        &'a [(&'a str, f64)],
+        &'a str,
+        &'a [f64],
+        f64,
+        u32,
+        &'a str,
+        f64,
+        usize,
+        f64,
+    );
+    let cases: [Case; 8] = [
+        (
+            IMPACT,
+            &[],
+            "free",
+            &[0.0, 0.0],
+            200.0,
+            4,
+            "free",
+            TAU,
+            1,
+            -1.3565863500759056077,
+        ),
+        // period 2 of the doubled orbit: two impacts in four forcing periods
+        (
+            IMPACT,
+            &[("A", 3.2), ("w", 2.6), ("e", 0.7)],
+            "free",
+            &[1.0, -1.015],
+            400.0,
+            8,
+            "free-free",
+            9.6664389341224407337,
+            2,
+            -0.7 * 1.9181042983376358108,
+        ),
+        (
+            FRICTION,
+            &[("w", 0.6)],
+            "forth",
+            &[0.0, 0.1],
+            60.0,
+            2,
+            "forth-stick-back-stick",
+            TAU / 0.6,
+            4,
+            0.0,
+        ),
+        (
+            CHUA,
+            &[("alpha", 7.5)],
+            "upper",
+            &[1.0, 0.2, -0.07],
+            400.0,
+            3,
+            "inner-upper",
+            2.1663362998426486422,
+            2,
+            -0.344025375990686281,
+        ),
+        (
+            RELAY,
+            &[("rho", 0.5)],
+            "plus",
+            &[0.0, 1.0, 1.4],
+            100.0,
+            3,
+            "plus-slide-minus-slide",
+            2.0 * 6.3106196225210411327,
+            4,
+            1.0,
+        ),
+        (
+            BUCK,
+            &[],
+            "off",
+            &[12.0, 0.6, 3.8],
+            0.4,
+            3,
+            "off-on",
+            4e-4,
+            2,
+            0.59963579835236821478,
+        ),
+        (
+            BALL,
+            &[("G", 1.2870106258578293052)],
+            "flight",
+            &[0.0, 2.0],
+            200.0,
+            2,
+            "flight",
+            TAU,
+            1,
+            2.0943951023931954923,
+        ),
+        (
+            THERMOSTAT,
+            &[],
+            "on",
+            &[0.9, 0.3],
+            100.0,
+            2,
+            "on-off",
+            1.6276431155305965835,
+            2,
+            0.32830697326469068393,
+        ),
+    ];
+    for (text, replaced, mode, state, settle, most, names, period, switches, second) in cases {
+        // the doubled orbit is stable beside one that does not reach the wall
+        let phase = if names == "free-free" { -0.2147 } else { 0.0 };
+        let wanted = wanted(
+            text,
+            replaced,
+            system(text).source.parameters.names().next().unwrap(),
+            most,
+        );
+        let (orbit, point) = from(&wanted, mode, state, phase, Search::Settles(settle))
+            .unwrap_or_else(|error| panic!("{names}: {error}"));
+        let cycle = orbit.cycle(&point).unwrap();
+        assert_eq!(cycle.names.join("-"), names);
+        assert!(
+            (cycle.period - period).abs() < 1e-12 * period,
+            "{names}: {}",
+            cycle.period
+        );
+        assert_eq!(cycle.switches.len(), switches);
+        let entry = orbit.at(&point).unwrap().zones[cycle.first].state[1];
+        assert!(
+            (entry - second).abs() < 1e-12,
+            "{names}: {entry} for {second}"
+        );
+        // what was saved leads back to it
+        let saved = orbit.saved(&point).unwrap();
+        let (again, same) =
+            restart(&wanted, &saved).unwrap_or_else(|error| panic!("{names}: {error}, {saved:?}"));
+        assert_eq!(again.sequence, orbit.sequence);
+        assert!((same - &point).amax() < 1e-11, "{names}");
+        // samples begin with the entry and end where the orbit returns
+        let samples = orbit.samples(&point, 10).unwrap();
+        assert_eq!(samples.len(), 11 * orbit.sequence.len());
+        assert!((samples[0].state[1] - second).abs() < 1e-12);
+        assert!((samples.last().unwrap().time - period).abs() < 1e-12 * period);
+        // extremes hold for every sample
+        for (state, (low, high)) in orbit.extremes(&point).unwrap().into_iter().enumerate() {
+            for sample in &samples {
+                let x = sample.state[state];
+                assert!(
+                    x >= low - 1e-12 && x <= high + 1e-12,
+                    "{names}: {x} beyond {low}..{high}"
+                );
+            }
+        }
+        assert_eq!(orbit.traversals(&point), 1);
+    }
+}
+
+#[test]
+fn an_orbit_without_switches_is_the_linear_one() {
+    let wanted = wanted(IMPACT, &[("A", 0.05)], "A", 1);
+    let (orbit, point) = from(&wanted, "free", &[0.0, 0.0], 0.0, Search::Settles(200.0)).unwrap();
+    let cycle = orbit.cycle(&point).unwrap();
+    assert_eq!(
+        (cycle.names.join("-"), cycle.switches.len()),
+        ("free".to_owned(), 0)
+    );
+    // x = A sin(phase)/(cw) at resonance
+    let state = &orbit.at(&point).unwrap().zones[0].state;
+    assert!(
+        state[0].abs() < 1e-13 && (state[1] - 0.5).abs() < 1e-13,
+        "{state:?}"
+    );
+}
+
+#[test]
+fn guesses_lead_to_unstable_orbits() {
+    // the single-impact orbit beyond its period doubling, and the saddle of the ball
+    let one = wanted(
+        IMPACT,
+        &[("A", 7.3751726459191770445), ("w", 2.6), ("e", 0.7)],
+        "A",
+        2,
+    );
+    let beginning = Beginning {
+        mode: 0,
+        state: vec![1.0, -1.679],
+        phase: 0.2652,
+    };
+    let (orbit, point) = first(&one, &beginning, Search::Guess(0.0)).unwrap();
+    let speed = orbit.at(&point).unwrap().zones[0].state[1];
+    assert!((speed + 0.7 * 2.4).abs() < 1e-12, "{speed}");
+    let saddle = wanted(BALL, &[], "G", 1);
+    let beginning = Beginning {
+        mode: 0,
+        state: vec![0.0, 2.09],
+        phase: -0.02,
+    };
+    let (orbit, point) = first(&saddle, &beginning, Search::Guess(0.0)).unwrap();
+    let phase = orbit.at(&point).unwrap().zones[0].phase;
+    assert!(
+        (phase - (TAU - 0.014141546406084157704)).abs() < 1e-12,
+        "{phase}"
+    );
+}
+
+#[test]
+fn what_does_not_return_is_refused() {
+    // beyond every doubling the doubled orbit of w = 2.6 is not met within two periods
+    let short = wanted(IMPACT, &[("A", 3.2), ("w", 2.6), ("e", 0.7)], "A", 2);
+    let refused = from(
+        &short,
+        "free",
+        &[1.0, -1.015],
+        -0.2147,
+        Search::Settles(400.0),
+    )
+    .unwrap_err();
+    assert!(
+        matches!(refused, NoStart::NotPeriodic { periods: 2, .. }),
+        "{refused}"
+    );
+    // a heater too weak to reach the upper threshold
+    let rests = wanted(THERMOSTAT, &[("Q", 1.0)], "Q", 1);
+    let refused = from(&rests, "on", &[0.9, 0.3], 0.0, Search::Settles(100.0)).unwrap_err();
+    assert!(matches!(refused, NoStart::Rests { .. }), "{refused}");
+    // a ball on a table at rest
+    let chatters = wanted(BALL, &[("G", 0.0)], "G", 1);
+    let refused = from(&chatters, "flight", &[0.0, 1.0], 0.0, Search::Settles(10.0)).unwrap_err();
+    assert!(matches!(refused, NoStart::Halted(_)), "{refused}");
+}
