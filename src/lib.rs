@@ -29,7 +29,7 @@
 //!
 //! ```text
 //! linalg ─► continuation ─► orbit ─┐   ┌─► affine ─► problem      interval ─► problem, certify
-//! model ───────────────────────────┴─► flow ─► wave ─► stability ─► problem ─► branch ─► certify, curve, map,
+//! model ───────────────────────────┴─► flow ─► wave ─► stability ─► problem ─► branch, hybrid ─► certify, curve, map,
 //!   │                          └──► steady                  ▲           │       discretised, accuracy
 //!   └─► simulation ─────────────────────────────────────────┘           └───────► output ─► cli
 //!                                                              table ─────────────┘
@@ -48,7 +48,9 @@
 //! - [`simulation`] moves a ring or the whole tube in time, with the model and none of the above, so that
 //!   agreement is evidence;
 //! - [`problem`] reads and checks problem files;
+//! - [`orbit`] follows a branch of periodic orbits of any hybrid system, change by change, event by event;
 //! - [`branch`] follows waves in one parameter: first wave, changes of regime, points and labels;
+//! - [`hybrid`] follows orbits of a user's system in one parameter;
 //! - [`interval`] is arithmetic that rounds outwards, [`certify`] proves in it the special points that a
 //!   branch has located;
 //! - [`curve`] follows one event in two parameters, [`map`] lays branches through a plane of them;
@@ -73,6 +75,7 @@ pub mod continuation;
 pub mod curve;
 pub mod discretised;
 pub mod flow;
+pub mod hybrid;
 pub mod interval;
 pub mod linalg;
 pub mod map;

@@ -3,11 +3,13 @@
 use std::fmt::{self, Display, Formatter};
 
 use crate::affine::motion::Halt;
+use crate::affine::orbit::{self as affine, AffineOrbit};
 use crate::affine::system::System;
 use crate::branch::Reason;
 use crate::branch::special::{Change, Inadmissible, Note, OfWaves, Special, WaveMargin, WaveStop};
 use crate::continuation::walk::End;
 use crate::curve::{self, Gone, What};
+use crate::hybrid;
 use crate::map::Missing;
 use crate::model::signature::Regime;
 use crate::model::{Impact, Landing};
@@ -117,6 +119,15 @@ impl Display for Doubt {
     }
 }
 
+/// Something that comes so close to zero on a branch that its sign is not known.
+fn near_zero(f: &mut Formatter<'_>, column: &str, value: f64, what: &impl Display) -> fmt::Result {
+    write!(
+        f,
+        "{column} = {value:.12}: here, or since the point before, {what} comes so close to zero that \
+         rounding decides: two events may be missing, or the regimes may be others"
+    )
+}
+
 /// Orbits whose changes of signature have sentences.
 pub(crate) trait Told: Orbit {
     /// What happens at a change, without what comes of it.
@@ -166,6 +177,34 @@ impl Display for OfWaves {
                 write!(f, "a {what} of sector {sector} becomes {becomes}")
             }
         }
+    }
+}
+
+impl Told for AffineOrbit {
+    fn event(change: &orbit::special::Change<AffineOrbit>) -> String {
+        let mode = &change.before.zone(change.margin.zone).name;
+        let after = change.after.as_ref().map(|after| after.len());
+        match (change.margin.watch, change.kind) {
+            (affine::Watch::Duration, _) => format!("a zone of `{mode}` shrinks to nothing"),
+            (affine::Watch::Inside(_), _) => {
+                format!("a guard of `{mode}` touches zero from inside: grazing")
+            }
+            (affine::Watch::Speed, EventType::GR) if after < Some(change.before.len()) => {
+                format!("the guard that ends `{mode}` is met at no speed: grazing")
+            }
+            (watch, _) => format!("{watch} of `{mode}` reaches zero"),
+        }
+    }
+}
+
+impl Display for hybrid::Note {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let hybrid::Note::Close {
+            parameter,
+            value,
+            what,
+        } = self;
+        near_zero(f, parameter, *value, what)
     }
 }
 
@@ -460,12 +499,7 @@ impl Display for Note {
                 parameter,
                 value,
                 what,
-            } => write!(
-                f,
-                "{} = {value:.12}: here, or since the point before, {what} comes so close to zero that \
-                 rounding decides: two events may be missing, or the regimes may be others",
-                parameter.column()
-            ),
+            } => near_zero(f, parameter.column(), *value, what),
             Note::NotConverged {
                 point,
                 parameter,

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 /// The drawing of `src/lib.rs` from left to right; `messages` and `table` stand before what shows them.
-const ORDER: [&str; 22] = [
+const ORDER: [&str; 23] = [
     "linalg",
     "interval",
     "model",
@@ -20,6 +20,7 @@ const ORDER: [&str; 22] = [
     "stability",
     "problem",
     "branch",
+    "hybrid",
     "certify",
     "curve",
     "map",

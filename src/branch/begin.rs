@@ -1,7 +1,6 @@
 //! The wave that the branch of a problem begins with: in closed form, from a Hopf point, or restarted.
 
 use super::first_wave::{self, beyond_hopf};
-use super::progress::steps;
 use super::saved::SavedWave;
 use super::slip_stick::polish;
 use super::wanted::{NoStart, Wanted};
@@ -204,7 +203,7 @@ pub(super) fn begin(
             which,
             width: continuation.range.1 - continuation.range.0,
         };
-        first_wave::find(&wanted, steps(continuation), observer).map(|(wave, point)| Begun {
+        first_wave::find(&wanted, continuation.steps(), observer).map(|(wave, point)| Begun {
             wave,
             point,
             model,
@@ -218,7 +217,7 @@ pub(super) fn begin(
             let family = family_in_range(&model, problem, continuation)?;
             let begun = if material {
                 let (wave, point) =
-                    beyond_hopf(&family, steps(continuation)).map_err(NoStart::Newton)?;
+                    beyond_hopf(&family, continuation.steps()).map_err(NoStart::Newton)?;
                 Begun {
                     model: wave.model_at(&point),
                     wave,

@@ -4,11 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::saved::finite;
 use super::special::ResumeMismatch;
-use crate::continuation::Steps;
 use crate::flow::method::Method;
 use crate::model::Model;
-use crate::orbit::legs::{self, Plan};
-use crate::problem::{Continuation, Problem, Toward};
+use crate::orbit::legs;
+use crate::problem::{Continuation, Problem};
 use crate::stability::spectrum::Spectrum;
 use crate::stability::track::ALLOWANCE;
 use crate::wave::{Scales, Wave};
@@ -84,37 +83,5 @@ impl Progress {
         let scales = self.beside.scales;
         let wave = Wave::new(model, parameter, mode, signature.clone(), scales);
         Ok(wave.with_method(method))
-    }
-}
-
-/// What is asked for of the legs.
-pub(super) fn plan(continuation: &Continuation, problem: &Problem, model: &Model) -> Plan {
-    let stops = continuation.stop_after.iter();
-    Plan {
-        range: continuation.range,
-        directions: directions(continuation.toward).to_vec(),
-        stop_at: continuation.stop_at.clone(),
-        stop_after: stops.map(|stop| (stop.event, stop.count)).collect(),
-        steps: steps(continuation),
-        most_points: continuation.most_points(model.law),
-        samples: problem.output.profiles,
-    }
-}
-
-/// Step lengths and tolerance of a problem.
-pub(super) fn steps(continuation: &Continuation) -> Steps {
-    Steps {
-        ds: continuation.ds,
-        ds_min: continuation.ds_min,
-        ds_max: continuation.ds_max,
-        tolerance: continuation.tolerance,
-    }
-}
-
-fn directions(toward: Toward) -> &'static [bool] {
-    match toward {
-        Toward::Down => &[false],
-        Toward::Up => &[true],
-        Toward::Both => &[false, true],
     }
 }

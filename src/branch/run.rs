@@ -10,7 +10,7 @@ use super::conditioning::conditioning;
 use super::first_wave::Observer;
 use super::item::{event, row};
 use super::orbit::Found;
-use super::progress::{Beside, plan};
+use super::progress::Beside;
 use super::row::EigenvalueRow;
 use super::saved::SavedWave;
 use super::special::{Failure, Note, OfWaves, Special};
@@ -81,7 +81,7 @@ impl Runner {
             family,
         } = begin(problem, continuation, restart, observer)?;
         let beside = Beside::new(&wave);
-        let plan = plan(continuation, problem, &model);
+        let plan = continuation.plan(continuation.most_points(model.law), problem.output.profiles);
         let legs =
             Legs::begin(wave, &point, plan).map_err(|reason| NoStart::Newton(reason.into()))?;
         Ok(Runner {
@@ -103,7 +103,7 @@ impl Runner {
         let model = saved.model;
         let method = problem.method.unwrap_or(Method::cheapest(model.law));
         let wave = progress.wave(problem, continuation, model, method)?;
-        let plan = plan(continuation, problem, &model);
+        let plan = continuation.plan(continuation.most_points(model.law), problem.output.profiles);
         let legs = Legs::resume(&wave, progress.legs, plan)?;
         Ok(Runner::at(
             problem,
@@ -133,7 +133,7 @@ impl Runner {
     }
 
     /// All that is needed to go on from here.
-    pub fn saved(&self) -> Progress {
+    pub fn state(&self) -> Progress {
         Progress {
             legs: self.legs.progress().clone(),
             beside: self.beside.clone(),

@@ -1,6 +1,5 @@
 //! `brakewave check`: does the branch still have the events it is expected to have?
 
-use crate::orbit::legs::Run as _;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -8,14 +7,15 @@ use clap::Args;
 
 use super::failure::{Exit, Failure};
 use super::junit::{self, Suite, Verdict};
-use super::options::{read, spare, write};
-use super::prepare::{early_end, follow, ready};
+use super::options::{read_any, spare, write};
+use super::prepare::{early_end, follow, ready, ready_system};
 use super::{print, warn};
 use crate::certify::{Point, certify};
+use crate::orbit::legs::Run;
 use crate::output::certify::sentence;
 use crate::output::store::Offers;
-use crate::problem::Problem;
 use crate::problem::compare::{Compared, Comparison, Occurrence, compare};
+use crate::problem::{Any, Problem, SystemProblem};
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArguments {
@@ -101,44 +101,85 @@ fn simulates_only(problem: &Problem) -> bool {
 
 fn check_file(path: &Path) -> Result<Outcome, Failure> {
     let file = path.display().to_string();
-    let (problem, text) = read(path)?;
+    let (problem, text) = match read_any(path)? {
+        (Any::Tube(problem), text) => (*problem, text),
+        (Any::System(problem), text) => return check_system(path, *problem, text),
+    };
     if simulates_only(&problem) {
-        return Ok(Outcome {
-            file,
-            found: Vec::new(),
-            exit: Exit::Done,
-            trouble: None,
-        });
+        return Ok(skipped(file));
     }
     let prepared = ready(problem, text, path)?;
     let (problem, parameter) = (&prepared.problem, prepared.continuation.parameter);
     let mut branch = prepared.begin(false)?;
-    let mut events = Vec::new();
     let mut certified = Vec::new();
-    follow(false, &mut branch, |items, branch| {
-        for item in items {
-            if problem.certify {
-                certified.extend(certify(&item, prepared.source.text()));
-            }
-            events.extend(item.event);
+    let events = events(&file, &mut branch, |item| {
+        if problem.certify {
+            certified.extend(certify(&item, prepared.source.text()));
         }
-        let (points, events) = (branch.progress().points, events.len());
-        Ok(format!("{file}: {points} points, {events} events"))
+        item.event
     })?;
     let compared = compare(&problem.expect, &events);
     let compared = compared.iter().map(|one| found(one, parameter.column()));
-    let found: Vec<Found> = compared.chain(certified.iter().map(proven)).collect();
-    let trouble = early_end(&branch);
-    Ok(Outcome {
+    let found = compared.chain(certified.iter().map(proven)).collect();
+    Ok(Outcome::of(file, found, &branch))
+}
+
+/// The same of a problem with a system of one's own.
+fn check_system(path: &Path, problem: SystemProblem, text: String) -> Result<Outcome, Failure> {
+    let file = path.display().to_string();
+    if problem.continuation.is_none() && problem.expect.is_empty() {
+        return Ok(skipped(file));
+    }
+    let prepared = ready_system(problem, text, path)?;
+    let mut branch = prepared.begin()?;
+    let events = events(&file, &mut branch, |item| item.event)?;
+    let compared = compare(&prepared.problem.expect, &events);
+    let compared = compared.iter();
+    let column = &prepared.continuation.parameter;
+    let found = compared.map(|one| found(one, column)).collect();
+    Ok(Outcome::of(file, found, &branch))
+}
+
+/// The events of a branch that is followed to its end.
+fn events<R: Run, E>(
+    file: &str,
+    branch: &mut R,
+    mut event: impl FnMut(R::Item) -> Option<E>,
+) -> Result<Vec<E>, Failure> {
+    let mut events = Vec::new();
+    follow(false, branch, |items, branch| {
+        events.extend(items.into_iter().filter_map(&mut event));
+        let (points, events) = (branch.progress().points, events.len());
+        Ok(format!("{file}: {points} points, {events} events"))
+    })?;
+    Ok(events)
+}
+
+/// Of a file that has no branch to run, and nothing to compare.
+fn skipped(file: String) -> Outcome {
+    Outcome {
         file,
-        exit: match &trouble {
-            _ if found.iter().any(|one| !one.met) => Exit::Unmet,
-            Some(_) => Exit::Numerical,
-            None => Exit::Done,
-        },
-        found,
-        trouble,
-    })
+        found: Vec::new(),
+        exit: Exit::Done,
+        trouble: None,
+    }
+}
+
+impl Outcome {
+    /// What was compared along a branch.
+    fn of(file: String, found: Vec<Found>, branch: &impl Run) -> Outcome {
+        let trouble = early_end(branch);
+        Outcome {
+            file,
+            exit: match &trouble {
+                _ if found.iter().any(|one| !one.met) => Exit::Unmet,
+                Some(_) => Exit::Numerical,
+                None => Exit::Done,
+            },
+            found,
+            trouble,
+        }
+    }
 }
 
 /// A special point to be proven, in words.

@@ -14,8 +14,8 @@ use crate::curve::start::{self, NoCurve, Start};
 use crate::output::curve::CurveFolder;
 use crate::output::pictures;
 use crate::output::render::Format;
-use crate::output::run::labelled;
 use crate::output::store::Kind;
+use crate::output::waves::labelled;
 use crate::problem::{self, CurveEvent, Problem};
 
 #[derive(Debug, Args)]
@@ -88,7 +88,7 @@ fn start(
     if let CurveEvent::Label { dir, label } = &section.event {
         let source = Source::new(task.problem.display().to_string(), text);
         let earlier = source.restart(dir, problem.wave.mode)?;
-        let (event, wave) = (labelled(dir, *label)?, earlier.wave(dir, *label)?);
+        let (event, wave) = (labelled(dir, *label)?, earlier.labelled(dir, *label)?);
         return Ok(start::labelled(problem, wave, event, section)?);
     }
     let prepared = ready(problem.clone(), text, &task.problem)?;

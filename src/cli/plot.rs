@@ -7,11 +7,13 @@ use clap::{Args, ValueEnum};
 use super::failure::{Exit, Failure, Usage};
 use super::options::{format, there};
 use super::print;
+use crate::branch::run::Runner;
 use crate::output::origin;
 use crate::output::pictures::{self, View};
 use crate::output::render::Format;
-use crate::output::run::{Restart, RunFolder};
+use crate::output::run::RunFolder;
 use crate::output::store::{Kind, Store};
+use crate::output::waves::Waves;
 use crate::problem::{Any, Plot};
 
 #[derive(Debug, Args)]
@@ -88,9 +90,9 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
     };
     if run && problem.is_none() {
         problem = Some(match &store {
-            Ok(store) => RunFolder::saved(store)?.problem,
+            Ok(store) => RunFolder::<Runner>::saved(store)?.problem,
             // a folder of a version before manifests may still hold a run
-            Err(_) => Restart::read(folder)?.problem,
+            Err(_) => Waves::read(folder)?.problem,
         });
     }
     let store = store?;

@@ -1,15 +1,19 @@
 //! A problem made ready to be run: the wave it restarts from, and the ways its branch can go.
 
-use crate::orbit::legs::Run as _;
+use crate::orbit::legs::{End, Run};
 use std::path::Path;
 
-use super::failure::Failure;
+use super::failure::{Exit, Failure};
 use super::options::read;
 use super::progress::{Progress, drive};
 use crate::branch::SavedWave;
-use crate::branch::run::{End, Item, RunError, Runner};
-use crate::output::run::Restart;
-use crate::problem::{self, Continuation, Problem, Start, Toward};
+use crate::branch::run::{RunError, Runner};
+use crate::hybrid::{self, SavedOrbit};
+use crate::output::orbits::Orbits;
+use crate::output::waves::Waves;
+use crate::problem::{
+    self, Continuation, OrbitStart, Problem, ProblemError, Start, SystemProblem, Toward,
+};
 
 /// A problem read and ready to run.
 pub(crate) struct Prepared {
@@ -41,10 +45,10 @@ impl Prepared {
 }
 
 /// Follows a branch to its end. `take` has the points of every step, and says where the branch is.
-pub(crate) fn follow(
+pub(crate) fn follow<R: Run>(
     quiet: bool,
-    branch: &mut Runner,
-    mut take: impl FnMut(Vec<Item>, &Runner) -> Result<String, Failure>,
+    branch: &mut R,
+    mut take: impl FnMut(Vec<R::Item>, &R) -> Result<String, Failure>,
 ) -> Result<(), Failure> {
     drive(quiet, || {
         if branch.progress().end.is_some() {
@@ -57,7 +61,7 @@ pub(crate) fn follow(
 }
 
 /// Why a branch ended before its range, if it did.
-pub(crate) fn early_end(branch: &Runner) -> Option<String> {
+pub(crate) fn early_end(branch: &impl Run) -> Option<String> {
     match &branch.progress().end {
         Some(End::Failed(reason)) => Some(format!("the branch ended before its range: {reason}")),
         _ => None,
@@ -83,7 +87,11 @@ impl Source {
 
     /// A refusal of what stands at a path.
     pub(crate) fn refuse(&self, path: &str, message: String, help: &str) -> Failure {
-        problem::refuse_at(&self.text, &self.name, path, message, help).into()
+        self.refusal(path, message, help).into()
+    }
+
+    fn refusal(&self, path: &str, message: String, help: &str) -> ProblemError {
+        problem::refuse_at(&self.text, &self.name, path, message, help)
     }
 
     /// What ends a run before it begins, with the line it is about if there is one.
@@ -92,15 +100,15 @@ impl Source {
             None => error.into(),
             Some((path, help)) => {
                 let message = error.to_string();
-                let place = problem::refuse_at(&self.text, &self.name, path, message, help);
+                let place = self.refusal(path, message, help);
                 Failure::Placed(place, Failure::Run(error).exit())
             }
         }
     }
 
     /// The run of a folder to restart from, which must hold waves of this mode.
-    pub(crate) fn restart(&self, dir: &Path, mode: u32) -> Result<Restart, Failure> {
-        let earlier = Restart::read(dir)?;
+    pub(crate) fn restart(&self, dir: &Path, mode: u32) -> Result<Waves, Failure> {
+        let earlier = Waves::read(dir)?;
         let known = earlier.problem.wave.mode;
         if known != mode {
             let message = format!(
@@ -127,7 +135,7 @@ pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepa
     let mut restart = None;
     if let Start::Restart { dir, label } = &problem.wave.start {
         let earlier = source.restart(dir, problem.wave.mode)?;
-        let wave = earlier.wave(dir, *label)?.clone();
+        let wave = earlier.labelled(dir, *label)?.clone();
         let law = problem.model.law;
         let other = std::mem::discriminant(&law) != std::mem::discriminant(&wave.model.law);
         if other && problem::says(&source.text, "model.friction_law") {
@@ -144,8 +152,14 @@ pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepa
     continuation.toward = match (&problem.wave.start, &restart) {
         // there are waves on one side of it only
         (Start::Hopf, _) => Toward::beyond_hopf(parameter),
-        (_, Some(wave)) => ways(&continuation, wave.model.value(parameter), &source)?,
-        _ => ways(&continuation, problem.model.value(parameter), &source)?,
+        (_, Some(wave)) => {
+            let first = wave.model.value(parameter);
+            ways(&continuation, parameter.column(), first, &source)?
+        }
+        _ => {
+            let first = problem.model.value(parameter);
+            ways(&continuation, parameter.column(), first, &source)?
+        }
     };
     Ok(Prepared {
         problem,
@@ -155,9 +169,66 @@ pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepa
     })
 }
 
+/// A problem with a system of one's own, read and ready to run.
+pub(crate) struct PreparedSystem {
+    pub problem: SystemProblem,
+    pub continuation: Continuation<String>,
+    restart: Option<SavedOrbit>,
+    source: Source,
+}
+
+impl PreparedSystem {
+    /// The beginning of the branch, or the line of the problem file that keeps it from beginning.
+    pub(crate) fn begin(&self) -> Result<hybrid::Runner, Failure> {
+        let restart = self.restart.as_ref();
+        let begun = hybrid::Runner::begin(&self.problem, &self.continuation, restart);
+        begun.map_err(|error| {
+            let (path, help) = error.about();
+            let place = self.source.refusal(path, error.to_string(), help);
+            Failure::Placed(place, Exit::Numerical)
+        })
+    }
+}
+
+/// The branch of a problem with a system that was read, and the orbit it restarts from if it does.
+pub(crate) fn ready_system(
+    problem: SystemProblem,
+    text: String,
+    path: &Path,
+) -> Result<PreparedSystem, Failure> {
+    let source = Source::new(path.display().to_string(), text);
+    let mut continuation = problem.continuation(&source.text, &source.name)?.clone();
+    let restart = match &problem.orbit.start {
+        OrbitStart::Restart { dir, label } => {
+            let earlier = Orbits::read(dir)?;
+            if earlier.problem.system.source.states != problem.system.source.states {
+                let message = format!("{} holds orbits with other states", dir.display());
+                return Err(source.refuse("orbit.start", message, "name another folder"));
+            }
+            Some(earlier.labelled(dir, *label)?.clone())
+        }
+        _ => None,
+    };
+    let values = restart
+        .as_ref()
+        .map_or_else(|| problem.values(), |orbit| orbit.parameters.clone());
+    let first = problem
+        .parameter()
+        .and_then(|index| values.get(index).copied());
+    let column = continuation.parameter.clone();
+    continuation.toward = ways(&continuation, &column, first, &source)?;
+    Ok(PreparedSystem {
+        problem,
+        continuation,
+        restart,
+        source,
+    })
+}
+
 /// The ways a branch can go from its first point: at an end of the range there is but one.
-fn ways(
-    continuation: &Continuation,
+fn ways<P>(
+    continuation: &Continuation<P>,
+    column: &str,
     first: Option<f64>,
     source: &Source,
 ) -> Result<Toward, Failure> {
@@ -174,7 +245,7 @@ fn ways(
             let message = format!(
                 "the branch starts at {} = {first:?}, an end of the range from {low:?} to {high:?} \
                  with nothing beyond",
-                continuation.parameter.column()
+                column
             );
             let help = "go the other way, or widen the range";
             Err(source.refuse("continuation.toward", message, help))

@@ -1,17 +1,20 @@
 //! `brakewave run`.
 
-use crate::orbit::legs::Run as _;
+use std::path::Path;
+
 use clap::Args;
 
 use super::failure::{Exit, Failure};
-use super::options::{Task, Threads};
-use super::prepare::{early_end, follow, prepare};
+use super::options::{Task, Threads, read_any};
+use super::prepare::{early_end, follow, ready, ready_system};
 use super::{stopped, summary, titled, warn};
 use crate::branch::run::Runner;
+use crate::hybrid;
 use crate::output::pictures;
 use crate::output::render::Format;
-use crate::output::run::{Restart, RunFolder};
-use crate::output::store::{Checkpoint, Kind, damaged};
+use crate::output::run::{RESTART, Recorded, Restart, RunFolder};
+use crate::output::store::{Kind, Store, damaged};
+use crate::problem::{Any, Problem, SystemProblem};
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
@@ -22,50 +25,134 @@ pub(crate) struct RunArguments {
 }
 
 pub(crate) fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
+    let (problem, text) = read_any(&arguments.task.problem)?;
+    match problem {
+        Any::Tube(problem) => waves(arguments, *problem, text),
+        Any::System(problem) => orbits(arguments, *problem, text),
+    }
+}
+
+fn waves(arguments: &RunArguments, problem: Problem, text: String) -> Result<Exit, Failure> {
     let task = &arguments.task;
-    let prepared = prepare(&task.problem)?;
+    let prepared = ready(problem, text, &task.problem)?;
     let problem = &prepared.problem;
     let out = task.folder("");
     let store = task.open(&out, Kind::Run, problem)?;
-    let saved = RunFolder::interrupted(&store, problem)?;
-    let mut branch = if let Some(saved) = &saved {
-        let (first, progress) = (saved.wave(&out, 1)?, saved.progress.clone());
-        Runner::resume(problem, &prepared.continuation, first, progress)
-            .map_err(|reason| damaged(&out.join(Restart::FILE), reason.to_string()))?
-    } else {
-        let begun = prepared.begin(task.quiet);
-        if begun.is_err() && store.holds_results() {
-            warn(&format!(
-                "nothing was computed; {} keeps the results of the earlier run",
-                out.display()
-            ));
-        }
-        begun?
-    };
-    let mut folder = RunFolder::open(store, problem, &branch, saved)?;
-    let finished = branch.progress().end.is_some();
-    follow(task.quiet, &mut branch, |items, branch| {
-        folder.write(&items, branch)?;
-        let here = branch.progress();
-        Ok(format!("{} points, {} events", here.points, here.events))
-    })?;
+    let followed: Followed<Runner> = Followed::new(
+        task,
+        &out,
+        store,
+        problem,
+        |saved: &Restart<Runner>| {
+            let (first, progress) = (saved.labelled(&out, 1)?, saved.progress.clone());
+            Runner::resume(problem, &prepared.continuation, first, progress)
+                .map_err(|reason| spoiled(&out, &reason))
+        },
+        || prepared.begin(task.quiet),
+    )?;
     arguments.threads.install(1, usize::MAX, || {
-        Ok(pictures::draw(folder.store(), Some(problem), Format::Svg)?)
+        Ok(pictures::draw(
+            followed.folder.store(),
+            Some(problem),
+            Format::Svg,
+        )?)
     })?;
     if !task.quiet {
         let restart = prepared.restart.as_ref();
         let model = restart.map_or(problem.model, |wave| wave.model);
-        let mut text = titled(
-            problem.title.as_deref(),
-            &summary::branch(&out, problem, &model)?,
-        );
-        if finished {
+        let text = summary::branch(&out, problem, &model)?;
+        followed.say(task, &out, titled(problem.title.as_deref(), &text))?;
+    }
+    followed.end(followed.branch.notes())
+}
+
+fn orbits(arguments: &RunArguments, problem: SystemProblem, text: String) -> Result<Exit, Failure> {
+    let task = &arguments.task;
+    let prepared = ready_system(problem, text, &task.problem)?;
+    let problem = &prepared.problem;
+    let out = task.folder("");
+    let store = task.open_system(&out, Kind::Run, problem)?;
+    let followed: Followed<hybrid::Runner> = Followed::new(
+        task,
+        &out,
+        store,
+        problem,
+        |saved: &Restart<hybrid::Runner>| {
+            let (first, progress) = (saved.labelled(&out, 1)?, saved.progress.clone());
+            hybrid::Runner::resume(problem, &prepared.continuation, first, progress)
+                .map_err(|reason| spoiled(&out, &reason))
+        },
+        || prepared.begin(),
+    )?;
+    if !task.quiet {
+        let text = summary::orbits(&out, &prepared.continuation.parameter)?;
+        followed.say(task, &out, titled(problem.title.as_deref(), &text))?;
+    }
+    followed.end(followed.branch.notes())
+}
+
+/// What was saved does not go on.
+fn spoiled(folder: &Path, reason: &impl ToString) -> Failure {
+    damaged(&folder.join(RESTART), reason.to_string()).into()
+}
+
+/// A branch followed to its end into a folder.
+struct Followed<R: Recorded> {
+    folder: RunFolder<R>,
+    branch: R,
+    /// Whether it was at its end before.
+    finished: bool,
+}
+
+impl<R: Recorded> Followed<R> {
+    fn new(
+        task: &Task,
+        out: &Path,
+        store: Store,
+        problem: &R::Problem,
+        resume: impl FnOnce(&Restart<R>) -> Result<R, Failure>,
+        begin: impl FnOnce() -> Result<R, Failure>,
+    ) -> Result<Followed<R>, Failure> {
+        let saved = RunFolder::<R>::interrupted(&store, problem)?;
+        let mut branch = if let Some(saved) = &saved {
+            resume(saved)?
+        } else {
+            let begun = begin();
+            if begun.is_err() && store.holds_results() {
+                warn(&format!(
+                    "nothing was computed; {} keeps the results of the earlier run",
+                    out.display()
+                ));
+            }
+            begun?
+        };
+        let mut folder = RunFolder::open(store, problem, &branch, saved)?;
+        let finished = branch.progress().end.is_some();
+        follow(task.quiet, &mut branch, |items, branch| {
+            folder.write(&items, branch)?;
+            let here = branch.progress();
+            Ok(format!("{} points, {} events", here.points, here.events))
+        })?;
+        Ok(Followed {
+            folder,
+            branch,
+            finished,
+        })
+    }
+
+    /// Prints what was found.
+    fn say(&self, task: &Task, out: &Path, mut text: String) -> Result<(), Failure> {
+        if self.finished {
             text.push_str("the run was finished already: nothing was left to compute\n");
         }
-        task.say(&text, "results", &out)?;
+        task.say(&text, "results", out)
     }
-    for note in branch.notes() {
-        warn(&note.to_string());
+
+    /// Warns of what could not be settled, and says how the branch ended.
+    fn end(&self, notes: &[impl ToString]) -> Result<Exit, Failure> {
+        for note in notes {
+            warn(&note.to_string());
+        }
+        early_end(&self.branch).map_or(Ok(Exit::Done), |why| stopped(&why))
     }
-    early_end(&branch).map_or(Ok(Exit::Done), |why| stopped(&why))
 }

@@ -17,9 +17,10 @@ use crate::model::{Model, Parameter};
 use crate::output::layout::{END, GROWTH, MEASURES, START, profile_file};
 use crate::output::pictures;
 use crate::output::render::Format;
-use crate::output::run::{PROFILE_RESOLUTION, Restart};
+use crate::output::run::RESTART;
 use crate::output::simulation::{SimulationCheckpoint, SimulationFolder, columns};
 use crate::output::store::{Checkpoint, Kind, Store, VERSION, damaged};
+use crate::output::waves::{PROFILE_RESOLUTION, Waves};
 use crate::problem::{self, Any, Continuation, Problem, Start};
 use crate::simulation::course::{Course, NoCourse, Piece};
 
@@ -68,11 +69,11 @@ fn beginning(
         }
         SimulationStart::Wave { dir, label } => (dir, *label),
     };
-    if !dir.join(Restart::FILE).exists() {
+    if !dir.join(RESTART).exists() {
         return Err(Usage::NoWaves(dir.clone()).into());
     }
-    let restart = Restart::read(dir)?;
-    let saved = restart.wave(dir, label)?;
+    let restart = Waves::read(dir)?;
+    let saved = restart.labelled(dir, label)?;
     remark(&saved.model, &model);
     let path = dir.join(profile_file(label));
     if !path.is_file() {

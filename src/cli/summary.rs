@@ -9,8 +9,8 @@ use crate::model::{Damping, FrictionLaw, Landing, Model, Parameter, Sectors};
 use crate::orbit::EventType;
 use crate::output::curve::words;
 use crate::output::layout::{BRANCH, EVENTS};
-use crate::output::run::separates;
 use crate::output::store::{self, StoreError};
+use crate::output::waves::separates;
 use crate::problem::{Problem, Start};
 use crate::table::Table;
 use crate::wave::start::{Onset, Which, onset, slip_stick};
@@ -30,15 +30,16 @@ fn figure(value: f64) -> String {
 }
 
 /// The report of the folder of a run, from its tables: a run that was resumed is reported as a whole.
-/// `model` is that of the first wave.
-pub(crate) fn branch(
-    folder: &Path,
-    problem: &Problem,
-    model: &Model,
-) -> Result<String, StoreError> {
-    let parameter = problem.parameter();
-    let points = store::table(&folder.join(BRANCH))?;
-    let events = store::table(&folder.join(EVENTS))?;
+/// The columns of a branch that its summary shows: the parameter, and a number of the orbit.
+struct Shown<'a> {
+    parameter: &'a str,
+    symbol: &'a str,
+    number: &'a str,
+    number_symbol: &'a str,
+}
+
+/// The labelled points and the events of a branch, line by line.
+fn listed(points: &Table, events: &Table, shown: &Shown) -> String {
     let number =
         |table: &Table, row: usize, column: &str| table.field(row, column).unwrap_or(f64::NAN);
     // the frequency in hertz where the rotation is known
@@ -52,8 +53,8 @@ pub(crate) fn branch(
         "point",
         "label",
         "type",
-        parameter.column(),
-        "speed",
+        shown.parameter,
+        shown.number,
         if heard { "         Hz" } else { "" },
         if asked { "stable     " } else { "" },
         "regimes"
@@ -66,14 +67,14 @@ pub(crate) fn branch(
                 "{:>6} {label:>5} {:<4} {} {}{} {} {}",
                 points.text(row, "point"),
                 points.text(row, "type"),
-                figure(number(&points, row, parameter.column())),
-                figure(number(&points, row, "speed")),
+                figure(number(points, row, shown.parameter)),
+                figure(number(points, row, shown.number)),
                 match points.field::<f64>(row, "hertz") {
                     Some(hertz) => format!(" {hertz:>10.2}"),
                     None => String::new(),
                 },
                 if asked {
-                    stability(&points, row)
+                    stability(points, row)
                 } else {
                     String::new()
                 },
@@ -87,12 +88,13 @@ pub(crate) fn branch(
     for row in found {
         let _ = write!(
             report,
-            "  {} at {} = {:.15} ± {:.0e}, c = {:.15}",
+            "  {} at {} = {:.15} ± {:.0e}, {} = {:.15}",
             events.text(row, "type"),
-            parameter.symbol(),
-            number(&events, row, parameter.column()),
-            number(&events, row, "uncertainty"),
-            number(&events, row, "speed")
+            shown.symbol,
+            number(events, row, shown.parameter),
+            number(events, row, "uncertainty"),
+            shown.number_symbol,
+            number(events, row, shown.number)
         );
         let pair = events
             .field::<f64>(row, "omega")
@@ -110,6 +112,38 @@ pub(crate) fn branch(
         }
         let _ = writeln!(report, "; {}", events.text(row, "what"));
     }
+    report
+}
+
+/// A branch of orbits in a folder.
+pub(crate) fn orbits(folder: &Path, parameter: &str) -> Result<String, StoreError> {
+    let points = store::table(&folder.join(BRANCH))?;
+    let events = store::table(&folder.join(EVENTS))?;
+    let shown = Shown {
+        parameter,
+        symbol: parameter,
+        number: "period",
+        number_symbol: "T",
+    };
+    Ok(listed(&points, &events, &shown))
+}
+
+/// `model` is that of the first wave.
+pub(crate) fn branch(
+    folder: &Path,
+    problem: &Problem,
+    model: &Model,
+) -> Result<String, StoreError> {
+    let parameter = problem.parameter();
+    let points = store::table(&folder.join(BRANCH))?;
+    let events = store::table(&folder.join(EVENTS))?;
+    let shown = Shown {
+        parameter: parameter.column(),
+        symbol: parameter.symbol(),
+        number: "speed",
+        number_symbol: "c",
+    };
+    let mut report = listed(&points, &events, &shown);
     if let Some(section) = &problem.stability {
         let whole_circle = section.sectors == Sectors::All;
         report.push_str(&stable_parts(&points, parameter, whole_circle));

@@ -2,13 +2,15 @@
 
 use super::render::Format;
 use super::store::Kind;
-use crate::problem::{Plot, Problem};
+use crate::problem::{Plot, Problem, SystemPlot, SystemProblem};
 use crate::simulation::task::Body;
 
 pub(crate) const BRANCH: &str = "branch.csv";
 pub(crate) const EVENTS: &str = "events.csv";
 /// Eigenvalues at the labels of a branch.
 pub(crate) const SPECTRUM: &str = "spectrum.csv";
+/// Floquet multipliers at the labels of a branch of orbits.
+pub(crate) const MULTIPLIERS: &str = "multipliers.csv";
 /// Folder of the waves at the labels of a branch.
 pub(crate) const PROFILES: &str = "profiles";
 
@@ -68,14 +70,27 @@ pub(crate) fn pictures(kind: Kind, problem: &Problem, format: Format) -> Vec<Str
     names.iter().map(|name| picture(name, format)).collect()
 }
 
-/// The file of a picture.
-pub(super) fn picture(name: &str, format: Format) -> String {
-    format!("{name}.{}", format.extension())
+/// Files of the pictures of a branch of orbits.
+pub(crate) fn pictures_of_orbits(problem: &SystemProblem, format: Format) -> Vec<String> {
+    let plots = problem.output.plots.iter();
+    plots
+        .map(|plot| picture(&orbit_plot(plot), format))
+        .collect()
 }
 
-/// Name of a picture of a branch.
-pub(super) fn plot(plot: &Plot) -> String {
-    // A column name comes from a file and must not lead out of the folder.
+/// Name of a picture of a branch of orbits.
+pub(super) fn orbit_plot(plot: &SystemPlot) -> String {
+    match plot {
+        SystemPlot::Diagram => "diagram".to_owned(),
+        SystemPlot::Phase(one, other) => format!("phase_{}_{}", safe(one), safe(other)),
+        SystemPlot::Time(state) => format!("time_{}", safe(state)),
+        SystemPlot::Multipliers => "multipliers".to_owned(),
+        SystemPlot::Column(name) => format!("column_{}", safe(name)),
+    }
+}
+
+/// A name that comes from a file and must not lead out of the folder.
+fn safe(name: &str) -> String {
     let safe = |c: char| {
         if c.is_alphanumeric() || c == '-' {
             c
@@ -83,6 +98,16 @@ pub(super) fn plot(plot: &Plot) -> String {
             '_'
         }
     };
+    name.chars().map(safe).collect()
+}
+
+/// The file of a picture.
+pub(super) fn picture(name: &str, format: Format) -> String {
+    format!("{name}.{}", format.extension())
+}
+
+/// Name of a picture of a branch.
+pub(super) fn plot(plot: &Plot) -> String {
     let name = match plot {
         Plot::Diagram => "diagram",
         Plot::Pressure => "pressure",
@@ -92,7 +117,7 @@ pub(super) fn plot(plot: &Plot) -> String {
         Plot::Friction => "friction",
         Plot::Spectrum => "spectrum",
         Plot::Multipliers => "multipliers",
-        Plot::Column(name) => &format!("column_{}", name.chars().map(safe).collect::<String>()),
+        Plot::Column(name) => &format!("column_{}", safe(name)),
     };
     name.to_owned()
 }

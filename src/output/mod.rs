@@ -7,6 +7,7 @@ pub(crate) mod layout;
 pub(crate) mod map;
 pub(crate) mod motion;
 pub(crate) mod npy;
+pub(crate) mod orbits;
 pub(crate) mod origin;
 #[cfg(feature = "parquet")]
 pub(crate) mod parquet;
@@ -18,3 +19,4 @@ pub(crate) mod simulation;
 pub(crate) mod steady;
 pub mod store;
 pub(crate) mod vtk;
+pub(crate) mod waves;

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::layout::MAP_ORIGIN;
-use super::run::Restart;
+use super::run::RESTART;
 use super::simulation::SimulationCheckpoint;
 use super::store::{Checkpoint, Store, StoreError, VERSION, decode};
 use crate::problem::{Any, Problem, SystemProblem};
@@ -47,7 +47,7 @@ impl<P: Clone + Serialize> Origin<P> {
 pub(crate) fn problem(folder: &Path) -> Result<Option<Any>, StoreError> {
     // what else a checkpoint holds is for going on, and may be of an earlier version
     let files = [
-        Restart::FILE,
+        RESTART,
         SimulationCheckpoint::FILE,
         MAP_ORIGIN,
         Origin::<Problem>::FILE,

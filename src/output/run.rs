@@ -5,135 +5,140 @@
 //! A resumed run cuts the tables back to the last progress saved and goes on from there, through
 //! the same steps as an uninterrupted one.
 
-use crate::orbit::legs::Run as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::layout::{self, BRANCH, EVENTS, PROFILES, SPECTRUM, profile_file};
-use super::render::Format;
-use super::store::{
-    self, Checkpoint, Growing, Kind, Store, StoreError, VERSION, damaged, refused, unfinished,
-};
-use crate::branch::SavedWave;
-use crate::branch::row::{BranchRow, EventRow, SpectrumRow};
-use crate::branch::run::{Item, Progress, Runner};
-use crate::curve::start::Labelled;
-use crate::model::signature::Regime;
-use crate::orbit::EventType;
-use crate::problem::{Problem, Start};
-use crate::table::{self, Table};
+use super::layout::{BRANCH, EVENTS, PROFILES, profile_file};
+use super::store::{Checkpoint, Growing, Store, StoreError, VERSION, refused, unfinished};
+use crate::orbit::legs::{self, Run};
+
+/// Lines of the tables of a run.
+pub struct Headers {
+    /// Of `branch.csv`.
+    pub branch: String,
+    /// Of `events.csv`.
+    pub events: String,
+    /// Of the table of eigenvalues or multipliers at labels, with its name, where stability is asked for.
+    pub spectrum: Option<(&'static str, String)>,
+    /// Files of the pictures to be drawn.
+    pub pictures: Vec<String>,
+}
+
+/// What a point adds to the tables of a run.
+pub struct Lines<S> {
+    /// To `branch.csv`.
+    pub branch: String,
+    /// To `events.csv`, where it is an event.
+    pub event: Option<String>,
+    /// To the table of eigenvalues or multipliers.
+    pub spectrum: Vec<String>,
+    /// What is kept of a labelled point, its label, and its profile where it is asked for.
+    pub kept: Option<(S, usize, Option<String>)>,
+}
+
+/// A run that a folder keeps.
+pub trait Recorded: Run {
+    /// Its problem.
+    type Problem: Clone + std::fmt::Debug + PartialEq + Serialize + DeserializeOwned;
+    /// All that is needed to go on.
+    type Progress: Clone + std::fmt::Debug + PartialEq + Serialize + DeserializeOwned;
+    /// A labelled point.
+    type Saved: Clone + std::fmt::Debug + PartialEq + Serialize + DeserializeOwned;
+
+    /// All that is needed to go on from here.
+    fn saved(&self) -> Self::Progress;
+
+    /// The legs of that.
+    fn legs(progress: &Self::Progress) -> &legs::Progress<Self::Orbit>;
+
+    /// Rows of the table of eigenvalues or multipliers handed out so far.
+    fn eigenvalues(progress: &Self::Progress) -> usize;
+
+    /// First lines of the tables.
+    fn headers(problem: &Self::Problem) -> Headers;
+
+    /// The lines of a point.
+    fn lines(problem: &Self::Problem, item: &Self::Item) -> Lines<Self::Saved>;
+
+    /// The label of a point that was saved.
+    fn label(saved: &Self::Saved) -> usize;
+
+    /// The first of the saved points that is not of its problem.
+    fn broken(problem: &Self::Problem, saved: &[Self::Saved]) -> Option<usize>;
+}
 
 /// Content of `branch.ron`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Restart {
+#[serde(bound = "")]
+pub struct Restart<R: Recorded> {
     /// Version of brakewave that wrote it.
     pub version: String,
     /// The problem with all its settings.
-    pub problem: Problem,
+    pub problem: R::Problem,
     /// State of the run.
-    pub progress: Progress,
-    /// Every labelled wave, in order.
-    pub waves: Vec<SavedWave>,
+    pub progress: R::Progress,
+    /// Every labelled point, in order.
+    pub labelled: Vec<R::Saved>,
 }
 
-impl Checkpoint for Restart {
-    const FILE: &'static str = "branch.ron";
+/// Its name.
+pub(crate) const RESTART: &str = "branch.ron";
 
-    type Problem = Problem;
+impl<R: Recorded> Checkpoint for Restart<R> {
+    type Problem = R::Problem;
 
-    fn problem(&self) -> &Problem {
+    const FILE: &'static str = RESTART;
+
+    fn problem(&self) -> &R::Problem {
         &self.problem
     }
 
-    /// All waves have the model of the problem, but for the parameter they were followed in.
     fn flaw(&self) -> Option<String> {
-        let parameter = self.problem.parameter();
-        let model = match (&self.problem.wave.start, self.waves.first()) {
-            (Start::Restart { .. }, Some(first)) => first.model,
-            _ => self.problem.model,
-        };
-        let broken = self.waves.iter().enumerate().position(|(index, wave)| {
-            let value = wave.model.value(parameter).unwrap_or(f64::NAN);
-            let known = wave.model == model.with(parameter, value);
-            wave.label != index + 1 || !wave.is_whole() || !known
-        });
+        let mut labels = self.labelled.iter().enumerate();
+        let misplaced = labels.position(|(index, saved)| R::label(saved) != index + 1);
+        let broken = misplaced.or_else(|| R::broken(&self.problem, &self.labelled));
         match broken {
-            Some(index) => Some(format!("the wave in place {} is not whole", index + 1)),
-            None if self.waves.len() != self.progress.legs.labels => {
-                Some("waves are missing".into())
+            Some(index) => Some(format!("the point in place {} is not whole", index + 1)),
+            None if self.labelled.len() != R::legs(&self.progress).labels => {
+                Some("labelled points are missing".into())
             }
             None => None,
         }
     }
 }
 
-impl Restart {
+impl<R: Recorded> Restart<R> {
     /// Reads that of a folder.
     ///
     /// # Errors
     /// When it cannot be read, or is damaged.
-    pub fn read(folder: &Path) -> Result<Restart, StoreError> {
+    pub fn read(folder: &Path) -> Result<Restart<R>, StoreError> {
         Checkpoint::read(folder)
     }
 
-    /// The wave of a label.
+    /// The point of a label.
     ///
     /// # Errors
     /// When there is no such label.
-    pub fn wave(&self, folder: &Path, label: usize) -> Result<&SavedWave, StoreError> {
-        let wave = self.waves.iter().find(|wave| wave.label == label);
-        wave.ok_or_else(|| {
-            let last = self.waves.len();
+    pub fn labelled(&self, folder: &Path, label: usize) -> Result<&R::Saved, StoreError> {
+        let mut saved = self.labelled.iter();
+        saved.find(|saved| R::label(saved) == label).ok_or_else(|| {
+            let last = self.labelled.len();
             let reason = format!("no label {label}; labels run from 1 to {last}");
-            refused(&folder.join(Restart::FILE), reason)
+            refused(&folder.join(RESTART), reason)
         })
     }
 }
-
-/// The event of a label, from `events.csv`.
-///
-/// # Errors
-/// The file is missing or damaged, or has no such label.
-pub(crate) fn labelled(folder: &Path, label: usize) -> Result<Labelled, StoreError> {
-    #[derive(Deserialize)]
-    struct Row {
-        label: usize,
-        #[serde(rename = "type")]
-        kind: EventType,
-        sector: Option<usize>,
-        omega: Option<f64>,
-    }
-    let path = folder.join(EVENTS);
-    let rows = store::table(&path)?.rows::<Row>();
-    let rows = rows.map_err(|error| damaged(&path, error.to_string()))?;
-    let row = rows.iter().find(|row| row.label == label);
-    let row =
-        row.ok_or_else(|| refused(&path, format!("no label {label}; there are {}", rows.len())))?;
-    Ok(Labelled {
-        kind: row.kind,
-        sector: row.sector.unwrap_or(0),
-        omega: row.omega,
-    })
-}
-
-/// Whether a wave in the table of points lifts off.
-pub(crate) fn separates(branch: &Table) -> bool {
-    let separation = |name| Regime::named(name) == Some(Regime::Separation);
-    (0..branch.len()).any(|row| branch.text(row, "regimes").split('-').any(separation))
-}
-
-/// Intervals of a profile over one wavelength.
-pub(crate) const PROFILE_RESOLUTION: usize = 360;
 
 /// The state of a run is saved when this many times as long has passed as saving took: at most a
 /// twentieth of the run goes into it, however slow the disk and large the state.
 const SAVED_EVERY: u32 = 20;
 
 /// The folder of a run being written.
-#[derive(Debug)]
-pub(crate) struct RunFolder {
+pub(crate) struct RunFolder<R: Recorded> {
     store: Store,
     branch: Growing,
     events: Growing,
@@ -141,29 +146,29 @@ pub(crate) struct RunFolder {
     spectrum: Option<Growing>,
     /// Written since the state was saved.
     profiles: Vec<Growing>,
-    restart: Restart,
+    restart: Restart<R>,
     /// When the state was saved, and how long that took.
     saved: (Instant, Duration),
 }
 
-impl RunFolder {
+impl<R: Recorded> RunFolder<R> {
     /// What an interrupted run left, if it left anything that would be missed.
     ///
     /// # Errors
     /// When that is damaged.
     pub(crate) fn interrupted(
         store: &Store,
-        problem: &Problem,
-    ) -> Result<Option<Restart>, StoreError> {
-        let saved: Option<Restart> = store.interrupted(problem, BRANCH, 1)?;
-        Ok(saved.filter(|saved| saved.progress.legs.points > 0))
+        problem: &R::Problem,
+    ) -> Result<Option<Restart<R>>, StoreError> {
+        let saved: Option<Restart<R>> = store.interrupted(problem, BRANCH, 1)?;
+        Ok(saved.filter(|saved| R::legs(&saved.progress).points > 0))
     }
 
     /// What a run has saved, to be shown.
     ///
     /// # Errors
     /// When that is damaged, or nothing is saved yet.
-    pub(crate) fn saved(store: &Store) -> Result<Restart, StoreError> {
+    pub(crate) fn saved(store: &Store) -> Result<Restart<R>, StoreError> {
         let saved = store.saved(BRANCH, 1)?;
         saved.ok_or_else(|| unfinished(store.path(), "run", "nothing is saved yet"))
     }
@@ -176,29 +181,30 @@ impl RunFolder {
     /// refuses.
     pub(crate) fn open(
         store: Store,
-        problem: &Problem,
-        branch: &Runner,
-        saved: Option<Restart>,
-    ) -> Result<RunFolder, StoreError> {
-        let now = branch.saved();
+        problem: &R::Problem,
+        branch: &R,
+        saved: Option<Restart<R>>,
+    ) -> Result<RunFolder<R>, StoreError> {
+        let progress = branch.saved();
+        let now = R::legs(&progress).clone();
         let resumed = saved.is_some();
         let kept = |rows: usize| resumed.then_some(rows);
-        let spectrum = branch.with_stability().then_some(SPECTRUM);
+        let Headers {
+            branch,
+            events,
+            spectrum,
+            pictures,
+        } = R::headers(problem);
         if !resumed {
-            let mut names = Vec::from_iter(spectrum.map(str::to_owned));
-            names.extend(layout::pictures(Kind::Run, problem, Format::Svg));
-            store.begin(&[BRANCH, EVENTS, Restart::FILE], names, Some(PROFILES))?;
+            let mut names: Vec<String> = spectrum.iter().map(|(name, _)| (*name).into()).collect();
+            names.extend(pictures);
+            store.begin(&[BRANCH, EVENTS, RESTART], names, Some(PROFILES))?;
         }
-        let header = table::columns(&EventRow::columns(problem.model, problem.output.rotation));
-        let columns = table::columns(&BranchRow::columns(problem.output.rotation));
         let mut folder = RunFolder {
-            branch: store.table(BRANCH, &table::line_of(&columns), kept(now.legs.points))?,
-            events: store.table(EVENTS, &table::line_of(&header), kept(now.legs.events))?,
+            branch: store.table(BRANCH, &branch, kept(now.points))?,
+            events: store.table(EVENTS, &events, kept(now.events))?,
             spectrum: spectrum
-                .map(|name| {
-                    let header = table::header::<SpectrumRow>();
-                    store.table(name, &header, kept(now.beside.eigenvalues))
-                })
+                .map(|(name, header)| store.table(name, &header, kept(R::eigenvalues(&progress))))
                 .transpose()?,
             store,
             profiles: Vec::new(),
@@ -206,12 +212,12 @@ impl RunFolder {
             restart: saved.unwrap_or_else(|| Restart {
                 version: VERSION.to_owned(),
                 problem: problem.clone(),
-                progress: now.clone(),
-                waves: Vec::new(),
+                progress,
+                labelled: Vec::new(),
             }),
         };
         if resumed {
-            folder.store.keep_numbered(PROFILES, now.legs.labels)?;
+            folder.store.keep_numbered(PROFILES, now.labels)?;
             folder.store.guard(PROFILES)?;
         } else {
             // no row without it
@@ -228,7 +234,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the system refuses.
-    pub(crate) fn write(&mut self, items: &[Item], branch: &Runner) -> Result<(), StoreError> {
+    pub(crate) fn write(&mut self, items: &[R::Item], branch: &R) -> Result<(), StoreError> {
         for item in items {
             self.append(item)?;
         }
@@ -240,33 +246,23 @@ impl RunFolder {
         Ok(())
     }
 
-    fn append(&mut self, item: &Item) -> Result<(), StoreError> {
-        let mode = f64::from(item.wave().0.mode);
-        let output = &self.restart.problem.output;
-        let hertz = |speed: f64| output.hertz(mode * speed);
-        let row = BranchRow::new(&item.point, item.leg, hertz(item.point.speed));
-        self.branch.row(&row)?;
-        if let Some(event) = &item.event {
-            self.events.row(&EventRow::new(event, hertz(event.speed)))?;
+    fn append(&mut self, item: &R::Item) -> Result<(), StoreError> {
+        let lines = R::lines(&self.restart.problem, item);
+        self.branch.push(lines.branch.as_bytes())?;
+        if let Some(event) = &lines.event {
+            self.events.push(event.as_bytes())?;
         }
-        if let (Some(file), Some(label)) = (&mut self.spectrum, item.point.label) {
-            for &eigenvalue in &item.eigenvalues {
-                file.row(&SpectrumRow { label, eigenvalue })?;
+        if let Some(file) = &mut self.spectrum {
+            for line in &lines.spectrum {
+                file.push(line.as_bytes())?;
             }
         }
-        let Some(saved) = &item.saved else {
-            return Ok(());
-        };
-        self.restart.waves.push(saved.clone());
-        // a profile that overflows is left out: the point itself has been solved
-        if self.restart.problem.output.profiles > 0
-            && let Ok(samples) = item.profile(PROFILE_RESOLUTION)
-        {
-            let text = table::table(samples);
-            let file = self
-                .store
-                .create(&profile_file(saved.label), text.as_bytes())?;
-            self.profiles.push(file);
+        if let Some((saved, label, profile)) = lines.kept {
+            self.restart.labelled.push(saved);
+            if let Some(text) = profile {
+                let file = self.store.create(&profile_file(label), text.as_bytes())?;
+                self.profiles.push(file);
+            }
         }
         Ok(())
     }
@@ -280,7 +276,7 @@ impl RunFolder {
         }
         self.profiles.clear();
         self.store.sync()?;
-        self.store.save(Restart::FILE, &self.restart)?;
+        self.store.save(RESTART, &self.restart)?;
         self.saved = (Instant::now(), begun.elapsed());
         Ok(())
     }

@@ -45,9 +45,9 @@ pub(crate) struct SimulationCheckpoint {
 }
 
 impl Checkpoint for SimulationCheckpoint {
-    const FILE: &'static str = "checkpoint.ron";
-
     type Problem = Problem;
+
+    const FILE: &'static str = "checkpoint.ron";
 
     fn problem(&self) -> &Problem {
         &self.problem

@@ -5,9 +5,10 @@ use std::fmt;
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE};
+use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE, Steps};
 use crate::model::{FrictionLaw, Parameter};
 use crate::orbit::EventType;
+use crate::orbit::legs::Plan;
 
 /// Largest number of points of a leg where none is given.
 pub(crate) const DEFAULT_MAX_POINTS: usize = 100_000;
@@ -27,6 +28,15 @@ pub enum Toward {
 }
 
 impl Toward {
+    /// Whether the parameter grows at first, leg by leg.
+    fn directions(self) -> &'static [bool] {
+        match self {
+            Toward::Down => &[false],
+            Toward::Up => &[true],
+            Toward::Both => &[false, true],
+        }
+    }
+
     /// The way a branch leaves a Hopf point of steady sliding: damping ends the waves that friction
     /// drives.
     pub(crate) fn beyond_hopf(parameter: Parameter) -> Toward {
@@ -79,6 +89,32 @@ impl<P> Continuation<P> {
             max_points: None,
             tolerance: DEFAULT_TOLERANCE,
             stop_after: Vec::new(),
+        }
+    }
+}
+
+impl<P> Continuation<P> {
+    /// Step lengths and tolerance.
+    pub fn steps(&self) -> Steps {
+        Steps {
+            ds: self.ds,
+            ds_min: self.ds_min,
+            ds_max: self.ds_max,
+            tolerance: self.tolerance,
+        }
+    }
+
+    /// What is asked for of the legs of a run; `samples` are the profiles wanted.
+    pub(crate) fn plan(&self, most_points: usize, samples: usize) -> Plan {
+        let stops = self.stop_after.iter();
+        Plan {
+            range: self.range,
+            directions: self.toward.directions().to_vec(),
+            stop_at: self.stop_at.clone(),
+            stop_after: stops.map(|stop| (stop.event, stop.count)).collect(),
+            steps: self.steps(),
+            most_points,
+            samples,
         }
     }
 }

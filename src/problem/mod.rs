@@ -30,6 +30,7 @@ use std::path::{Path, PathBuf};
 use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use continuation::DEFAULT_MAX_POINTS;
 pub use continuation::{Continuation, StopAfter, Toward};
 pub use curve::{Curve, CurveEvent};
 pub use doubt::Doubt;

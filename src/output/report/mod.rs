@@ -15,6 +15,7 @@ use super::origin;
 use super::pictures::{colours, page};
 use super::run::RunFolder;
 use super::store::{self, Kind, SOURCE, Store, StoreError, VERSION, damaged, unfinished};
+use crate::branch::run::Runner;
 use crate::problem::{Any, Problem};
 use crate::table::{self, Table};
 
@@ -111,7 +112,7 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
 fn complete(store: &Store, saved: bool) -> Result<(), StoreError> {
     let (table, verb) = match store.kind() {
         Some(Kind::Run) if saved => (BRANCH, None),
-        Some(Kind::Run) => return RunFolder::saved(store).map(|_| ()),
+        Some(Kind::Run) => return RunFolder::<Runner>::saved(store).map(|_| ()),
         Some(Kind::Map) => (MAP, Some("map")),
         Some(Kind::Curve) => (CURVE, Some("curve")),
         Some(Kind::Accuracy) => (ACCURACY, Some("accuracy")),

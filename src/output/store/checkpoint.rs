@@ -10,9 +10,10 @@ use super::file::decode;
 
 /// What is saved to go on from: RON, replaced as a whole.
 pub(crate) trait Checkpoint: Serialize + DeserializeOwned {
-    const FILE: &'static str;
-    /// The kind of its problem.
+    /// The problem that it is of.
     type Problem: PartialEq;
+
+    const FILE: &'static str;
 
     /// The problem with all its settings.
     fn problem(&self) -> &Self::Problem;

@@ -1,0 +1,12 @@
+//! A branch of periodic orbits of a user's system in one parameter: first orbit, points, labels and events.
+
+mod begin;
+mod point;
+pub mod row;
+pub mod run;
+mod saved;
+
+pub use begin::NoStart;
+pub use point::{Note, OrbitEvent, OrbitPoint};
+pub use run::{Item, Runner};
+pub use saved::SavedOrbit;

@@ -1,0 +1,114 @@
+//! What a branch of orbits is made of, as plain data.
+
+use nalgebra::Complex;
+
+use crate::affine::orbit::{AffineOrbit, Multiplier};
+use crate::orbit::special::Close;
+use crate::orbit::{EventType, Orbit, Stability};
+use crate::problem::compare::Occurrence;
+
+/// One accepted point of a branch: a row of `branch.csv`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrbitPoint {
+    /// Running number from 1.
+    pub point: usize,
+    /// Label of a labelled point: the key of events, multipliers and profiles.
+    pub label: Option<usize>,
+    /// Leg it belongs to, from 1.
+    pub leg: usize,
+    /// Type of a special point.
+    pub kind: Option<EventType>,
+    /// Names of the modes in order of time, joined by `-`, from the entry of the first mode of the file.
+    pub regimes: String,
+    /// Values of the parameters in the order of the file.
+    pub parameters: Vec<f64>,
+    /// Period.
+    pub period: f64,
+    /// Times of the switches since the orbit's first.
+    pub switches: Vec<f64>,
+    /// Least and largest value of every state.
+    pub extremes: Vec<(f64, f64)>,
+    /// Stability; `None` when not asked for.
+    pub stable: Option<Stability>,
+    /// Multipliers outside the unit circle; `None` when not asked for or without a limit.
+    pub unstable: Option<usize>,
+    /// All multipliers, the largest first; none when not asked for or without a limit.
+    pub multipliers: Vec<Multiplier>,
+    /// Newton iterations spent on the point.
+    pub newton: usize,
+    /// Largest relative residual of the boundary-value problem.
+    pub residual: f64,
+}
+
+impl OrbitPoint {
+    /// The largest multiplier that is not trivial.
+    pub fn leading(&self) -> Option<Complex<f64>> {
+        let mut own = self.multipliers.iter().filter(|one| !one.trivial);
+        own.next().map(|one| one.value)
+    }
+}
+
+/// A special point: a row of `events.csv`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrbitEvent {
+    /// Label of the point in `branch.csv`.
+    pub label: usize,
+    /// Type of the event.
+    pub kind: EventType,
+    /// Names and values of the parameters in the order of the file.
+    pub parameters: Vec<(String, f64)>,
+    /// Period.
+    pub period: f64,
+    /// The leading multiplier; `None` when not asked for or without a limit.
+    pub leading: Option<Complex<f64>>,
+    /// Modes before the event, along the branch.
+    pub regimes_before: String,
+    /// Modes after the event, along the branch.
+    pub regimes_after: String,
+    /// Bound or honest estimate of the error of the located parameter.
+    pub uncertainty: f64,
+    /// A short sentence.
+    pub what: String,
+}
+
+impl Occurrence for OrbitEvent {
+    fn kind(&self) -> EventType {
+        self.kind
+    }
+
+    fn label(&self) -> usize {
+        self.label
+    }
+
+    fn number(&self, name: &str) -> Option<f64> {
+        match name {
+            "period" => Some(self.period),
+            "multiplier_re" => self.leading.map(|value| value.re),
+            "multiplier_im" => self.leading.map(|value| value.im),
+            _ => {
+                let mut parameters = self.parameters.iter();
+                parameters
+                    .find(|(known, _)| known == name)
+                    .map(|(_, value)| *value)
+            }
+        }
+    }
+
+    fn regimes(&self) -> [&str; 2] {
+        [&self.regimes_before, &self.regimes_after]
+    }
+}
+
+/// What could not be settled in a run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Note {
+    /// What comes so close to zero at a point, or between it and the one before, that rounding decides.
+    Close {
+        /// Name of the parameter.
+        parameter: String,
+        /// Its value.
+        value: f64,
+        /// What.
+        what: Close<<AffineOrbit as Orbit>::Held>,
+    },
+}

@@ -1,0 +1,189 @@
+//! The tables of a branch of orbits: what stands in their rows, field by field.
+
+use serde::{Serialize, Serializer};
+
+use super::{OrbitEvent, OrbitPoint};
+use crate::affine::orbit::Multiplier;
+use crate::affine::system::Source;
+use crate::orbit::{EventType, Stability};
+
+/// Named numbers, each in its column.
+#[derive(Clone, Debug, Default)]
+struct Named(Vec<(String, Option<f64>)>);
+
+impl Serialize for Named {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let columns = self.0.iter();
+        serializer.collect_map(columns.map(|(name, value)| (name, value)))
+    }
+}
+
+impl Named {
+    fn parameters(source: &Source, values: Option<&[f64]>) -> Named {
+        let names = source.parameters.names().enumerate();
+        let value = |index: usize| values.and_then(|values| values.get(index).copied());
+        Named(
+            names
+                .map(|(index, name)| (name.to_owned(), value(index)))
+                .collect(),
+        )
+    }
+
+    fn extremes(source: &Source, values: Option<&[(f64, f64)]>) -> Named {
+        let states = source.states.iter().enumerate();
+        let columns = states.flat_map(|(index, state)| {
+            let value = values.and_then(|values| values.get(index).copied());
+            [
+                (format!("min_{state}"), value.map(|(least, _)| least)),
+                (format!("max_{state}"), value.map(|(_, largest)| largest)),
+            ]
+        });
+        Named(columns.collect())
+    }
+}
+
+/// A row of `branch.csv`.
+#[derive(Clone, Debug, Serialize)]
+pub struct OrbitRow<'a> {
+    point: usize,
+    label: Option<usize>,
+    #[serde(rename = "type")]
+    kind: Option<EventType>,
+    regimes: &'a str,
+    parameters: Named,
+    period: f64,
+    switches: &'a [f64],
+    extremes: Named,
+    stable: Option<&'static str>,
+    unstable: Option<usize>,
+    multiplier_re: Option<f64>,
+    multiplier_im: Option<f64>,
+    newton: usize,
+    residual: f64,
+    leg: usize,
+}
+
+impl<'a> OrbitRow<'a> {
+    /// A row for the names of its columns.
+    pub fn columns(source: &Source) -> OrbitRow<'a> {
+        OrbitRow {
+            point: 0,
+            label: None,
+            kind: None,
+            regimes: "",
+            parameters: Named::parameters(source, None),
+            period: 0.0,
+            switches: &[],
+            extremes: Named::extremes(source, None),
+            stable: None,
+            unstable: None,
+            multiplier_re: None,
+            multiplier_im: None,
+            newton: 0,
+            residual: 0.0,
+            leg: 0,
+        }
+    }
+
+    /// A point.
+    pub fn new(source: &Source, point: &'a OrbitPoint) -> OrbitRow<'a> {
+        let leading = point.leading();
+        OrbitRow {
+            point: point.point,
+            label: point.label,
+            kind: point.kind,
+            regimes: &point.regimes,
+            parameters: Named::parameters(source, Some(&point.parameters)),
+            period: point.period,
+            switches: &point.switches,
+            extremes: Named::extremes(source, Some(&point.extremes)),
+            stable: point.stable.map(Stability::word),
+            unstable: point.unstable,
+            multiplier_re: leading.map(|value| value.re),
+            multiplier_im: leading.map(|value| value.im),
+            newton: point.newton,
+            residual: point.residual,
+            leg: point.leg,
+        }
+    }
+}
+
+/// A row of `events.csv`.
+#[derive(Clone, Debug, Serialize)]
+pub struct OrbitEventRow<'a> {
+    label: usize,
+    #[serde(rename = "type")]
+    kind: Option<EventType>,
+    parameters: Named,
+    period: f64,
+    multiplier_re: Option<f64>,
+    multiplier_im: Option<f64>,
+    regimes_before: &'a str,
+    regimes_after: &'a str,
+    uncertainty: f64,
+    what: &'a str,
+}
+
+impl<'a> OrbitEventRow<'a> {
+    /// A row for the names of its columns.
+    pub fn columns(source: &Source) -> OrbitEventRow<'a> {
+        OrbitEventRow {
+            label: 0,
+            kind: None,
+            parameters: Named::parameters(source, None),
+            period: 0.0,
+            multiplier_re: None,
+            multiplier_im: None,
+            regimes_before: "",
+            regimes_after: "",
+            uncertainty: 0.0,
+            what: "",
+        }
+    }
+
+    /// An event.
+    pub fn new(event: &'a OrbitEvent) -> OrbitEventRow<'a> {
+        let parameters = event.parameters.iter();
+        OrbitEventRow {
+            label: event.label,
+            kind: Some(event.kind),
+            parameters: Named(
+                parameters
+                    .map(|(name, value)| (name.clone(), Some(*value)))
+                    .collect(),
+            ),
+            period: event.period,
+            multiplier_re: event.leading.map(|value| value.re),
+            multiplier_im: event.leading.map(|value| value.im),
+            regimes_before: &event.regimes_before,
+            regimes_after: &event.regimes_after,
+            uncertainty: event.uncertainty,
+            what: &event.what,
+        }
+    }
+}
+
+/// A row of `multipliers.csv`.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct MultiplierRow {
+    label: usize,
+    /// From 1, the largest first.
+    index: usize,
+    re: f64,
+    im: f64,
+    modulus: f64,
+}
+
+impl MultiplierRow {
+    /// A multiplier of the orbit of a label; `index` counts from 0.
+    pub fn new(label: usize, index: usize, multiplier: &Multiplier) -> MultiplierRow {
+        let value = multiplier.value;
+        MultiplierRow {
+            label,
+            index: index + 1,
+            re: value.re,
+            im: value.im,
+            modulus: value.norm(),
+        }
+    }
+}

@@ -1,0 +1,329 @@
+//! The pipeline from a problem to a branch of orbits: first orbit, legs, points, labels and events.
+
+use serde::{Deserialize, Serialize};
+
+use super::begin::{NoStart, begin};
+use super::point::{Note, OrbitEvent, OrbitPoint};
+use super::row::MultiplierRow;
+use super::saved::SavedOrbit;
+use crate::affine::orbit::{AffineOrbit, Scales};
+use crate::orbit::follow::Found;
+use crate::orbit::legs::{self, Legs, Numbers, Run, Stretch};
+use crate::orbit::special::{Failure, ResumeMismatch, Special};
+use crate::orbit::{EventType, Stability};
+use crate::problem::SystemProblem;
+use crate::problem::{Continuation, DEFAULT_MAX_POINTS};
+
+/// How a run of orbits ended.
+pub type End = legs::End<AffineOrbit>;
+
+/// Samples of a profile over one period.
+pub const PROFILE_RESOLUTION: usize = 360;
+
+/// A multiplier this close to the unit circle, relative to its size, is on it but for rounding: the events where
+/// one crosses are located to about this.
+const ON_CIRCLE: f64 = 1e-9;
+
+/// A row of the branch, with the orbit behind it.
+#[derive(Clone, Debug)]
+pub struct Item {
+    /// The row.
+    pub point: OrbitPoint,
+    /// The event, at special points.
+    pub event: Option<OrbitEvent>,
+    /// What makes the point special.
+    pub special: Option<Special<AffineOrbit>>,
+    /// Multipliers at labelled points.
+    pub multipliers: Vec<MultiplierRow>,
+    /// The orbit in physical numbers, at labelled points.
+    pub saved: Option<SavedOrbit>,
+    found: Found<AffineOrbit>,
+}
+
+impl Item {
+    /// The orbit as a boundary-value problem, and its scaled unknowns.
+    pub fn orbit(&self) -> (&AffineOrbit, &crate::linalg::Vector) {
+        (&self.found.orbit, &self.found.node.point)
+    }
+}
+
+/// The state of a run of orbits between two steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// The legs.
+    pub legs: legs::Progress<AffineOrbit>,
+    /// Units of the unknowns.
+    pub scales: Scales,
+    /// Rows of `multipliers.csv` handed out so far.
+    pub multipliers: usize,
+}
+
+/// A branch of orbits being computed from a problem.
+pub struct Runner {
+    problem: SystemProblem,
+    continuation: Continuation<String>,
+    /// Values of the parameters at the first orbit.
+    values: Vec<f64>,
+    legs: Legs<AffineOrbit>,
+    scales: Scales,
+    multipliers: usize,
+    notes: Vec<Note>,
+}
+
+impl Runner {
+    /// Finds the first orbit. `restart` is the orbit that `start: Restart(…)` names.
+    ///
+    /// # Errors
+    /// There is no first orbit.
+    pub fn begin(
+        problem: &SystemProblem,
+        continuation: &Continuation<String>,
+        restart: Option<&SavedOrbit>,
+    ) -> Result<Runner, NoStart> {
+        let (orbit, point) = begin(problem, continuation, restart)?;
+        let scales = orbit.setting.scales.clone();
+        let values = orbit.setting.values.clone();
+        let plan = plan(problem, continuation);
+        let legs = Legs::begin(orbit, &point, plan).map_err(NoStart::NoLeg)?;
+        Ok(Runner {
+            problem: problem.clone(),
+            continuation: continuation.clone(),
+            values,
+            legs,
+            scales,
+            multipliers: 0,
+            notes: Vec::new(),
+        })
+    }
+
+    /// Goes on from saved progress; `first` is the orbit of label 1.
+    ///
+    /// # Errors
+    /// When the progress is not one that a run of this problem leaves.
+    pub fn resume(
+        problem: &SystemProblem,
+        continuation: &Continuation<String>,
+        first: &SavedOrbit,
+        progress: Progress,
+    ) -> Result<Runner, ResumeMismatch<AffineOrbit>> {
+        let names = &problem.system.source.parameters;
+        let parameter = names.index(&continuation.parameter);
+        let (low, high) = continuation.range;
+        let posed = parameter.and_then(|parameter| first.orbit(problem, parameter, high - low));
+        let (orbit, _) = posed.ok_or(ResumeMismatch::Progress)?;
+        let orbit = orbit.scaled(progress.scales.clone());
+        let orbit = orbit.ok_or(ResumeMismatch::Progress)?;
+        let plan = plan(problem, continuation);
+        Ok(Runner {
+            problem: problem.clone(),
+            continuation: continuation.clone(),
+            values: orbit.setting.values.clone(),
+            legs: Legs::resume(&orbit, progress.legs, plan)?,
+            scales: progress.scales,
+            multipliers: progress.multipliers,
+            notes: Vec::new(),
+        })
+    }
+
+    /// All that is needed to go on from here.
+    pub fn state(&self) -> Progress {
+        Progress {
+            legs: self.legs.progress().clone(),
+            scales: self.scales.clone(),
+            multipliers: self.multipliers,
+        }
+    }
+
+    /// What could not be settled so far.
+    pub fn notes(&self) -> &[Note] {
+        &self.notes
+    }
+
+    /// Ends a leg that has as many points as it may, with a row that says so.
+    fn check_points(&mut self, items: &mut Vec<Item>) {
+        let Some(found) = self.legs.at_most_points() else {
+            return;
+        };
+        let end = match &found.special {
+            Some(Special::Failed(Failure::Ended(end))) => Some(end.as_ref().clone()),
+            _ => None,
+        };
+        items.push(self.item(found));
+        self.legs.finish(end, false);
+    }
+
+    fn item(&mut self, found: Found<AffineOrbit>) -> Item {
+        let parameter = &self.continuation.parameter;
+        if let Some(what) = found.close.clone() {
+            self.notes.push(Note::Close {
+                parameter: parameter.clone(),
+                value: found.parameter,
+                what,
+            });
+        }
+        let mut values = self.values.clone();
+        if let Some(index) = self.problem.system.source.parameters.index(parameter) {
+            values[index] = found.parameter;
+        }
+        let numbers = self.legs.number(&found);
+        let asked = self.problem.stability.is_some();
+        let point = point(&found, values, numbers, asked);
+        let at = found.orbit.at(&found.node.point);
+        let zones = at.map(|at| at.zones).unwrap_or_default();
+        let saved = point
+            .label
+            .map(|label| SavedOrbit::new(label, point.parameters.clone(), &found.orbit, &zones));
+        let multipliers = point.label.map(|label| {
+            let rows = point.multipliers.iter().enumerate();
+            rows.map(|(index, one)| MultiplierRow::new(label, index, one))
+                .collect()
+        });
+        let multipliers: Vec<MultiplierRow> = multipliers.unwrap_or_default();
+        self.multipliers += multipliers.len();
+        let special = found.special.clone();
+        Item {
+            event: special
+                .as_ref()
+                .map(|special| self.event(&point, special, &found)),
+            point,
+            special,
+            multipliers,
+            saved,
+            found,
+        }
+    }
+
+    /// The row of an event. Whatever its type, the parameter is known no better than to half a unit in its last
+    /// place.
+    fn event(
+        &self,
+        point: &OrbitPoint,
+        special: &Special<AffineOrbit>,
+        found: &Found<AffineOrbit>,
+    ) -> OrbitEvent {
+        let size = found.parameter.abs();
+        let half_unit = 0.5 * (size.next_up() - size);
+        let names = self.problem.system.source.parameters.names();
+        let parameters = names
+            .map(str::to_owned)
+            .zip(point.parameters.iter().copied());
+        let beyond = || match &found.entered {
+            Some((orbit, node)) => Some(orbit.course(&node.point).ok()?.regimes),
+            None => special.after().map(|after| after.to_string()),
+        };
+        OrbitEvent {
+            label: point.label.unwrap_or_default(),
+            kind: special.kind(),
+            parameters: parameters.collect(),
+            period: point.period,
+            leading: point.leading(),
+            regimes_before: point.regimes.clone(),
+            regimes_after: beyond().unwrap_or_else(|| point.regimes.clone()),
+            uncertainty: if found.uncertainty < half_unit {
+                half_unit
+            } else {
+                found.uncertainty
+            },
+            what: special.to_string(),
+        }
+    }
+}
+
+impl Run for Runner {
+    type Orbit = AffineOrbit;
+    type Item = Item;
+
+    fn progress(&self) -> &legs::Progress<AffineOrbit> {
+        self.legs.progress()
+    }
+
+    fn step(&mut self) -> Vec<Item> {
+        let mut items = Vec::new();
+        if self.progress().end.is_some() {
+            return items;
+        }
+        if self.legs.at_beginning() {
+            let found = self.legs.set_out();
+            items.push(self.item(found));
+            self.check_points(&mut items);
+            return items;
+        }
+        let Stretch { found, end, .. } = self.legs.step();
+        for found in found {
+            let kind = found.kind();
+            items.push(self.item(found));
+            if self.legs.stops_at(kind) {
+                self.legs.finish(end, true);
+                return items;
+            }
+        }
+        if end.is_some() {
+            self.legs.finish(end, false);
+        } else {
+            self.check_points(&mut items);
+        }
+        items
+    }
+
+    fn position(&self) -> f64 {
+        self.legs.position()
+    }
+}
+
+/// What is asked for of the legs.
+fn plan(problem: &SystemProblem, continuation: &Continuation<String>) -> legs::Plan {
+    let most = continuation.max_points.unwrap_or(DEFAULT_MAX_POINTS);
+    continuation.plan(most, problem.output.profiles)
+}
+
+/// The row of a point. What cannot be evaluated there is left out.
+fn point(
+    found: &Found<AffineOrbit>,
+    parameters: Vec<f64>,
+    numbers: Numbers,
+    asked: bool,
+) -> OrbitPoint {
+    let (orbit, node) = (&found.orbit, &found.node);
+    let course = orbit.course(&node.point).ok();
+    let multipliers = asked.then(|| orbit.multipliers(&node.point).unwrap_or_default());
+    let own = |multipliers: &Vec<_>| -> Vec<f64> {
+        let own = multipliers
+            .iter()
+            .filter(|one: &&crate::affine::orbit::Multiplier| !one.trivial);
+        own.map(|one| one.value.norm()).collect()
+    };
+    let sizes = multipliers.as_ref().map(own);
+    let outside = sizes.as_ref().filter(|sizes| !sizes.is_empty());
+    let outside = outside.map(|sizes| sizes.iter().filter(|size| **size > 1.0).count());
+    let critical = matches!(
+        found.kind(),
+        Some(EventType::LP | EventType::PD | EventType::NS | EventType::BP)
+    );
+    let near = |sizes: &Vec<f64>| sizes.iter().any(|size| (size - 1.0).abs() <= ON_CIRCLE);
+    let stable = sizes.as_ref().map(|sizes| match outside {
+        None => Stability::Undecided,
+        Some(_) if critical || near(sizes) => Stability::Undecided,
+        Some(0) => Stability::Yes,
+        Some(_) => Stability::No,
+    });
+    let (regimes, period, switches) = course.map_or_else(
+        || (orbit.sequence.to_string(), f64::NAN, Vec::new()),
+        |course| (course.regimes, course.period, course.switches),
+    );
+    OrbitPoint {
+        point: numbers.point,
+        label: numbers.label,
+        leg: numbers.leg,
+        kind: found.kind(),
+        regimes,
+        parameters,
+        period,
+        switches,
+        extremes: orbit.extremes(&node.point).unwrap_or_default(),
+        stable,
+        unstable: outside,
+        multipliers: multipliers.unwrap_or_default(),
+        newton: node.newton,
+        residual: node.residual,
+    }
+}
