@@ -14,7 +14,7 @@ use crate::output::render::Format;
 use crate::output::run::RunFolder;
 use crate::output::store::{Kind, Store};
 use crate::output::waves::Waves;
-use crate::problem::{Any, Plot};
+use crate::problem::{Any, Plot, SystemPlot, SystemProblem};
 
 #[derive(Debug, Args)]
 pub(crate) struct PlotArguments {
@@ -84,6 +84,9 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
         Some(Kind::MapShard) => return Err(Usage::Unjoined(folder.clone()).into()),
         Some(Kind::Certificate) => return Err(Usage::NoPicture(folder.clone()).into()),
         _ => match origin::problem(folder)? {
+            Some(Any::System(problem)) if run => {
+                return plot_orbits(arguments, &store?, *problem, format);
+            }
             Some(Any::System(_)) => return Err(Usage::Unpictured(folder.clone()).into()),
             known => known.and_then(Any::tube),
         },
@@ -101,17 +104,8 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
             return Err(Usage::NoBranch(folder.clone()).into());
         }
         if arguments.view() {
-            let earlier = store.path().join(pictures::view_file(format));
-            if earlier.exists() && !arguments.force {
-                return Err(Usage::Drawn(earlier).into());
-            }
-            let view = View {
-                column: arguments.y.clone().unwrap_or("speed".to_owned()),
-                range: arguments.range.unwrap_or(View::EVERYWHERE),
-                logarithmic: Some(arguments.log.contains(&Side::X)),
-                height: arguments.range_y.unwrap_or(View::EVERYWHERE),
-                logarithmic_height: arguments.log.contains(&Side::Y),
-            };
+            refuse_drawn(arguments, &store, format)?;
+            let view = arguments.shown("speed");
             let x = arguments.x.as_deref();
             return list(&pictures::draw_view(&store, problem, x, &view, format)?);
         }
@@ -121,6 +115,54 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
         }
     }
     list(&pictures::draw(&store, problem.as_ref(), format)?)
+}
+
+/// The pictures of a branch of orbits: those asked for, one view, or the diagram.
+fn plot_orbits(
+    arguments: &PlotArguments,
+    store: &Store,
+    mut problem: SystemProblem,
+    format: Format,
+) -> Result<Exit, Failure> {
+    if problem.continuation.is_none() {
+        return Err(Usage::NoBranch(arguments.folder.clone()).into());
+    }
+    if arguments.view() {
+        refuse_drawn(arguments, store, format)?;
+        let first = problem.system.source.states.first();
+        let column = first.map_or("period".to_owned(), |state| format!("max_{state}"));
+        let (x, view) = (arguments.x.as_deref(), arguments.shown(&column));
+        return list(&pictures::orbits::draw_view(
+            store, &problem, x, &view, format,
+        )?);
+    }
+    // a run that asked for no pictures still has its diagram
+    if problem.output.plots.is_empty() {
+        problem.output.plots.push(SystemPlot::Diagram);
+    }
+    list(&pictures::orbits::draw(store, &problem, format)?)
+}
+
+/// Refuses to replace a view that was drawn before.
+fn refuse_drawn(arguments: &PlotArguments, store: &Store, format: Format) -> Result<(), Failure> {
+    let earlier = store.path().join(pictures::view_file(format));
+    if earlier.exists() && !arguments.force {
+        return Err(Usage::Drawn(earlier).into());
+    }
+    Ok(())
+}
+
+impl PlotArguments {
+    /// The view that is asked for, of this column where none is named.
+    fn shown(&self, column: &str) -> View {
+        View {
+            column: self.y.clone().unwrap_or(column.to_owned()),
+            range: self.range.unwrap_or(View::EVERYWHERE),
+            logarithmic: Some(self.log.contains(&Side::X)),
+            height: self.range_y.unwrap_or(View::EVERYWHERE),
+            logarithmic_height: self.log.contains(&Side::Y),
+        }
+    }
 }
 
 fn list(written: &[PathBuf]) -> Result<Exit, Failure> {

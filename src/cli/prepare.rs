@@ -8,7 +8,7 @@ use super::options::read;
 use super::progress::{Progress, drive};
 use crate::branch::SavedWave;
 use crate::branch::run::{RunError, Runner};
-use crate::hybrid::{self, SavedOrbit};
+use crate::hybrid::{self, LabelledOrbit};
 use crate::output::orbits::Orbits;
 use crate::output::waves::Waves;
 use crate::problem::{
@@ -173,7 +173,7 @@ pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepa
 pub(crate) struct PreparedSystem {
     pub problem: SystemProblem,
     pub continuation: Continuation<String>,
-    restart: Option<SavedOrbit>,
+    restart: Option<LabelledOrbit>,
     source: Source,
 }
 
@@ -211,7 +211,7 @@ pub(crate) fn ready_system(
     };
     let values = restart
         .as_ref()
-        .map_or_else(|| problem.values(), |orbit| orbit.parameters.clone());
+        .map_or_else(|| problem.values(), |saved| saved.orbit.values.clone());
     let first = problem
         .parameter()
         .and_then(|index| values.get(index).copied());

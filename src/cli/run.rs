@@ -84,6 +84,10 @@ fn orbits(arguments: &RunArguments, problem: SystemProblem, text: String) -> Res
         },
         || prepared.begin(),
     )?;
+    arguments.threads.install(1, usize::MAX, || {
+        let store = followed.folder.store();
+        Ok(pictures::orbits::draw(store, problem, Format::Svg)?)
+    })?;
     if !task.quiet {
         let text = summary::orbits(&out, &prepared.continuation.parameter)?;
         followed.say(task, &out, titled(problem.title.as_deref(), &text))?;

@@ -1,19 +1,18 @@
 //! The orbit that the branch of a problem begins with.
 
-use super::saved::SavedOrbit;
+use super::saved::LabelledOrbit;
 use crate::affine::orbit::AffineOrbit;
-use crate::affine::orbit::start::{NoOrbit, Wanted, polished};
+use crate::affine::orbit::start::{self, Beginning, Search, Wanted, first, restart};
 use crate::linalg::Vector;
 use crate::orbit::special::ResumeMismatch;
-use crate::problem::Continuation;
-use crate::problem::{OrbitStart, SystemProblem};
+use crate::problem::{Continuation, OrbitStart, SystemProblem};
 
 /// Why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoStart {
     /// There is no orbit.
     #[error("no start: {0}")]
-    NoOrbit(#[from] NoOrbit),
+    NoOrbit(#[from] start::NoStart),
     /// The branch does not begin there.
     #[error("no start: {0}")]
     NoLeg(ResumeMismatch<AffineOrbit>),
@@ -49,13 +48,9 @@ impl NoStart {
     /// The path of the field of the problem that this is about, and what would be right there.
     pub fn about(&self) -> (&'static str, &'static str) {
         match self {
-            NoStart::NoOrbit(NoOrbit::NotPeriodic { .. }) => (
+            NoStart::NoOrbit(start::NoStart::NotPeriodic { .. }) => (
                 "orbit",
                 "let it settle longer, admit more `periods`, or begin at other values of the parameters",
-            ),
-            NoStart::NoOrbit(NoOrbit::DoesNotClose { .. }) => (
-                "orbit.start",
-                "give the state just after a switch, and the period, to a few digits more",
             ),
             NoStart::LabelOutside { .. } => (
                 "continuation.range",
@@ -70,37 +65,48 @@ impl NoStart {
     }
 }
 
-/// Finds the first orbit of a problem. `restart` is the orbit that `start: Restart(…)` names.
+/// Most returns of a motion without forcing to one switch, before it repeats itself.
+const MOST_RETURNS: u32 = 64;
+
+/// What is asked for of the first orbit.
+pub(super) fn wanted(
+    problem: &SystemProblem,
+    continuation: &Continuation<String>,
+    values: Vec<f64>,
+) -> Result<Wanted, NoStart> {
+    let names = &problem.system.source.parameters;
+    let (low, high) = continuation.range;
+    Ok(Wanted {
+        system: problem.system.clone(),
+        values,
+        parameter: names
+            .index(&continuation.parameter)
+            .ok_or(NoStart::Unknown)?,
+        width: high - low,
+        periods: match problem.system.source.forcing {
+            Some(_) => u32::try_from(problem.orbit.periods).unwrap_or(u32::MAX),
+            None => MOST_RETURNS,
+        },
+        stability: problem.stability.is_some(),
+    })
+}
+
+/// Finds the first orbit of a problem. `saved` is the orbit that `start: Restart(…)` names.
 pub(super) fn begin(
     problem: &SystemProblem,
     continuation: &Continuation<String>,
-    restart: Option<&SavedOrbit>,
+    saved: Option<&LabelledOrbit>,
 ) -> Result<(AffineOrbit, Vector), NoStart> {
-    let system = &problem.system;
-    let names = &system.source.parameters;
-    let parameter = names.index(&continuation.parameter);
-    let parameter = parameter.ok_or(NoStart::Unknown)?;
-    let (low, high) = continuation.range;
-    let wanted = Wanted {
-        system,
-        values: problem.values(),
-        parameter,
-        width: high - low,
-        stability: problem.stability.is_some(),
-    };
     let start = &problem.orbit.start;
-    let place = start.beginning();
-    let place = place.and_then(|beginning| beginning.place(system));
-    let periods = problem.orbit.periods;
-    Ok(match (start, restart) {
-        (OrbitStart::Simulate { settle, .. }, _) => {
-            wanted.simulated(place.ok_or(NoStart::Unknown)?, *settle, periods)?
-        }
-        (OrbitStart::Given { period, .. }, _) => {
-            wanted.given(place.ok_or(NoStart::Unknown)?, *period, periods)?
-        }
-        (OrbitStart::Restart { label, .. }, Some(saved)) => {
-            let value = saved.parameters.get(parameter).copied().unwrap_or(f64::NAN);
+    let search = match start {
+        OrbitStart::Simulate { settle, .. } => Search::Settles(*settle),
+        OrbitStart::Given { period, .. } => Search::Guess(period.unwrap_or_default()),
+        OrbitStart::Restart { label, .. } => {
+            let saved = saved.ok_or(NoStart::NoRestart { label: *label })?;
+            let wanted = wanted(problem, continuation, saved.orbit.values.clone())?;
+            let value = wanted.values.get(wanted.parameter);
+            let value = value.copied().unwrap_or(f64::NAN);
+            let (low, high) = continuation.range;
             if !(value >= low && value <= high) {
                 return Err(NoStart::LabelOutside {
                     label: *label,
@@ -110,14 +116,18 @@ pub(super) fn begin(
                     high,
                 });
             }
-            let posed = saved.orbit(problem, parameter, high - low);
-            let (orbit, guess) = posed.ok_or(NoStart::NoRestart { label: *label })?;
-            let point = polished(&orbit, &guess)?;
-            (orbit, point)
+            return Ok(restart(&wanted, &saved.orbit)?);
         }
-        (OrbitStart::Restart { label, .. }, None) => {
-            return Err(NoStart::NoRestart { label: *label });
-        }
-        (OrbitStart::Switch { .. }, _) => return Err(NoStart::Switch),
-    })
+        OrbitStart::Switch { .. } => return Err(NoStart::Switch),
+    };
+    let place = start.beginning();
+    let place = place.and_then(|beginning| beginning.place(&problem.system));
+    let place = place.ok_or(NoStart::Unknown)?;
+    let beginning = Beginning {
+        mode: place.mode,
+        state: place.state,
+        phase: place.phase,
+    };
+    let wanted = wanted(problem, continuation, problem.values())?;
+    Ok(first(&wanted, &beginning, search)?)
 }

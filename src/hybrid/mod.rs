@@ -9,4 +9,4 @@ mod saved;
 pub use begin::NoStart;
 pub use point::{Note, OrbitEvent, OrbitPoint};
 pub use run::{Item, Runner};
-pub use saved::SavedOrbit;
+pub use saved::LabelledOrbit;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::begin::{NoStart, begin};
 use super::point::{Note, OrbitEvent, OrbitPoint};
 use super::row::MultiplierRow;
-use super::saved::SavedOrbit;
+use super::saved::LabelledOrbit;
 use crate::affine::orbit::{AffineOrbit, Scales};
 use crate::orbit::follow::Found;
 use crate::orbit::legs::{self, Legs, Numbers, Run, Stretch};
@@ -36,7 +36,7 @@ pub struct Item {
     /// Multipliers at labelled points.
     pub multipliers: Vec<MultiplierRow>,
     /// The orbit in physical numbers, at labelled points.
-    pub saved: Option<SavedOrbit>,
+    pub saved: Option<LabelledOrbit>,
     found: Found<AffineOrbit>,
 }
 
@@ -78,7 +78,7 @@ impl Runner {
     pub fn begin(
         problem: &SystemProblem,
         continuation: &Continuation<String>,
-        restart: Option<&SavedOrbit>,
+        restart: Option<&LabelledOrbit>,
     ) -> Result<Runner, NoStart> {
         let (orbit, point) = begin(problem, continuation, restart)?;
         let scales = orbit.setting.scales.clone();
@@ -103,16 +103,14 @@ impl Runner {
     pub fn resume(
         problem: &SystemProblem,
         continuation: &Continuation<String>,
-        first: &SavedOrbit,
+        first: &LabelledOrbit,
         progress: Progress,
     ) -> Result<Runner, ResumeMismatch<AffineOrbit>> {
         let names = &problem.system.source.parameters;
         let parameter = names.index(&continuation.parameter);
-        let (low, high) = continuation.range;
-        let posed = parameter.and_then(|parameter| first.orbit(problem, parameter, high - low));
-        let (orbit, _) = posed.ok_or(ResumeMismatch::Progress)?;
-        let orbit = orbit.scaled(progress.scales.clone());
-        let orbit = orbit.ok_or(ResumeMismatch::Progress)?;
+        let scales = progress.scales.clone();
+        let posed = parameter.and_then(|index| first.posed(problem, index, scales));
+        let orbit = posed.ok_or(ResumeMismatch::Progress)?;
         let plan = plan(problem, continuation);
         Ok(Runner {
             problem: problem.clone(),
@@ -168,11 +166,12 @@ impl Runner {
         let numbers = self.legs.number(&found);
         let asked = self.problem.stability.is_some();
         let point = point(&found, values, numbers, asked);
-        let at = found.orbit.at(&found.node.point);
-        let zones = at.map(|at| at.zones).unwrap_or_default();
-        let saved = point
-            .label
-            .map(|label| SavedOrbit::new(label, point.parameters.clone(), &found.orbit, &zones));
+        let saved = point.label.and_then(|label| {
+            let mut orbit = found.orbit.saved(&found.node.point).ok()?;
+            // the value that was asked for, not the scaled unknown's
+            orbit.values.clone_from(&point.parameters);
+            Some(LabelledOrbit { label, orbit })
+        });
         let multipliers = point.label.map(|label| {
             let rows = point.multipliers.iter().enumerate();
             rows.map(|(index, one)| MultiplierRow::new(label, index, one))
@@ -208,7 +207,7 @@ impl Runner {
             .map(str::to_owned)
             .zip(point.parameters.iter().copied());
         let beyond = || match &found.entered {
-            Some((orbit, node)) => Some(orbit.course(&node.point).ok()?.regimes),
+            Some((orbit, node)) => Some(orbit.cycle(&node.point).ok()?.names.join("-")),
             None => special.after().map(|after| after.to_string()),
         };
         OrbitEvent {
@@ -284,7 +283,7 @@ fn point(
     asked: bool,
 ) -> OrbitPoint {
     let (orbit, node) = (&found.orbit, &found.node);
-    let course = orbit.course(&node.point).ok();
+    let cycle = orbit.cycle(&node.point).ok();
     let multipliers = asked.then(|| orbit.multipliers(&node.point).unwrap_or_default());
     let own = |multipliers: &Vec<_>| -> Vec<f64> {
         let own = multipliers
@@ -306,9 +305,9 @@ fn point(
         Some(0) => Stability::Yes,
         Some(_) => Stability::No,
     });
-    let (regimes, period, switches) = course.map_or_else(
+    let (regimes, period, switches) = cycle.map_or_else(
         || (orbit.sequence.to_string(), f64::NAN, Vec::new()),
-        |course| (course.regimes, course.period, course.switches),
+        |cycle| (cycle.names.join("-"), cycle.period, cycle.switches),
     );
     OrbitPoint {
         point: numbers.point,

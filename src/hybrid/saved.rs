@@ -4,95 +4,62 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::affine::orbit::{AffineOrbit, Scales, Sequence, Setting, ZonePoint};
-use crate::linalg::Vector;
+use crate::affine::orbit::row::SavedOrbit;
+use crate::affine::orbit::{AffineOrbit, Scales, Setting};
 use crate::problem::SystemProblem;
 
 /// An orbit in physical numbers: what a restart needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SavedOrbit {
+pub struct LabelledOrbit {
     /// Label.
     pub label: usize,
-    /// Values of the parameters in the order of the file.
-    pub parameters: Vec<f64>,
-    /// Forcing periods in one orbit.
-    pub periods: u32,
-    /// Sequence of zones.
-    pub sequence: Sequence,
-    /// State at the entry of each zone, its duration, and the phase there.
-    pub zones: Vec<(Vec<f64>, f64, f64)>,
+    /// The orbit.
+    pub orbit: SavedOrbit,
 }
 
-impl SavedOrbit {
-    /// A solved orbit; `parameters` have the value of the point.
-    pub(super) fn new(
-        label: usize,
-        parameters: Vec<f64>,
-        orbit: &AffineOrbit,
-        zones: &[ZonePoint],
-    ) -> SavedOrbit {
-        let zones = zones.iter();
-        SavedOrbit {
-            label,
-            parameters,
-            periods: orbit.setting.periods,
-            sequence: orbit.sequence.clone(),
-            zones: zones
-                .map(|zone| (zone.state.clone(), zone.duration, zone.phase))
-                .collect(),
-        }
-    }
-
+impl LabelledOrbit {
     /// Whether every zone has its numbers and all of them are finite: a damaged file may say otherwise.
-    pub fn is_whole(&self, states: usize, parameters: usize) -> bool {
-        let fits = |(state, duration, phase): &(Vec<f64>, f64, f64)| {
-            state.len() == states
-                && state
-                    .iter()
-                    .chain([duration, phase])
-                    .all(|number| number.is_finite())
-        };
-        self.zones.len() == self.sequence.len()
-            && !self.zones.is_empty()
-            && self.zones.iter().all(fits)
-            && self.parameters.len() == parameters
-            && self.parameters.iter().all(|value| value.is_finite())
+    pub(crate) fn is_whole(&self, states: usize, parameters: usize) -> bool {
+        let SavedOrbit {
+            sequence,
+            zones,
+            values,
+            ..
+        } = &self.orbit;
+        let known = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
+        !zones.is_empty()
+            && zones.len() == sequence.len()
+            && zones.iter().all(|zone| {
+                zone.state.len() == states
+                    && known(&zone.state)
+                    && known(&[zone.duration, zone.phase])
+            })
+            && values.len() == parameters
+            && known(values)
     }
 
-    /// The orbit as a boundary-value problem of this system in a parameter of which `width` is the unit, and its
-    /// scaled unknowns; `None` where the system has no such sequence.
-    pub fn orbit(
+    /// The boundary-value problem of it in these units; `None` where the system has no such sequence.
+    pub(super) fn posed(
         &self,
         problem: &SystemProblem,
         parameter: usize,
-        width: f64,
-    ) -> Option<(AffineOrbit, Vector)> {
-        let states = problem.system.source.states.len();
-        let largest = (0..states).map(|state| {
-            let sizes = self.zones.iter().map(|(at, ..)| at[state].abs());
-            let largest = sizes.fold(0.0, f64::max);
-            if largest > 0.0 { largest } else { 1.0 }
-        });
+        scales: Scales,
+    ) -> Option<AffineOrbit> {
+        let units = scales
+            .states
+            .iter()
+            .chain([&scales.time, &scales.parameter]);
+        let fits = units
+            .into_iter()
+            .all(|unit| unit.is_finite() && *unit > 0.0);
         let setting = Setting {
             system: problem.system.clone(),
-            values: self.parameters.clone(),
+            values: self.orbit.values.clone(),
             parameter,
-            periods: self.periods,
+            periods: self.orbit.periods,
             stability: problem.stability.is_some(),
-            scales: Scales {
-                states: largest.collect(),
-                time: self.zones.iter().map(|(_, duration, _)| duration).sum(),
-                parameter: width,
-            },
+            scales,
         };
-        let orbit = AffineOrbit::new(Arc::new(setting), self.sequence.clone())?;
-        let zones = self.zones.iter().map(|(state, duration, phase)| ZonePoint {
-            state: state.clone(),
-            duration: *duration,
-            phase: *phase,
-        });
-        let zones: Vec<ZonePoint> = zones.collect();
-        let point = orbit.pack(&zones, self.parameters[parameter]);
-        Some((orbit, point))
+        fits.then(|| AffineOrbit::new(Arc::new(setting), self.orbit.sequence.clone()))?
     }
 }

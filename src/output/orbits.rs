@@ -6,7 +6,7 @@ use super::layout::{self, MULTIPLIERS};
 use super::render::Format;
 use super::run::{Headers, Lines, Recorded, Restart};
 use crate::affine::orbit::AffineOrbit;
-use crate::hybrid::SavedOrbit;
+use crate::hybrid::LabelledOrbit;
 use crate::hybrid::row::{MultiplierRow, OrbitEventRow, OrbitRow};
 use crate::hybrid::run::{Item, PROFILE_RESOLUTION, Progress, Runner};
 use crate::orbit::legs;
@@ -19,7 +19,7 @@ pub(crate) type Orbits = Restart<Runner>;
 impl Recorded for Runner {
     type Problem = SystemProblem;
     type Progress = Progress;
-    type Saved = SavedOrbit;
+    type Saved = LabelledOrbit;
 
     fn saved(&self) -> Progress {
         self.state()
@@ -46,7 +46,7 @@ impl Recorded for Runner {
         }
     }
 
-    fn lines(problem: &SystemProblem, item: &Item) -> Lines<SavedOrbit> {
+    fn lines(problem: &SystemProblem, item: &Item) -> Lines<LabelledOrbit> {
         let source = &problem.system.source;
         let event = item.event.as_ref();
         let saved = item.saved.as_ref();
@@ -58,24 +58,24 @@ impl Recorded for Runner {
         }
     }
 
-    fn label(saved: &SavedOrbit) -> usize {
+    fn label(saved: &LabelledOrbit) -> usize {
         saved.label
     }
 
     /// All orbits have the parameters of the problem, but for the one they were followed in.
-    fn broken(problem: &SystemProblem, saved: &[SavedOrbit]) -> Option<usize> {
+    fn broken(problem: &SystemProblem, saved: &[LabelledOrbit]) -> Option<usize> {
         let values = match (problem.orbit.start.dir(), saved.first()) {
-            (Some(_), Some(first)) => first.parameters.clone(),
+            (Some(_), Some(first)) => first.orbit.values.clone(),
             _ => problem.values(),
         };
         let states = problem.system.source.states.len();
         let followed = problem.parameter();
-        saved.iter().position(|orbit| {
-            let pairs = orbit.parameters.iter().zip(&values).enumerate();
+        saved.iter().position(|one| {
+            let pairs = one.orbit.values.iter().zip(&values).enumerate();
             let differs = |(index, (own, known)): (usize, (&f64, &f64))| {
                 Some(index) != followed && own != known
             };
-            !orbit.is_whole(states, values.len()) || pairs.into_iter().any(differs)
+            !one.is_whole(states, values.len()) || pairs.into_iter().any(differs)
         })
     }
 }
@@ -105,7 +105,9 @@ fn profile(problem: &SystemProblem, item: &Item) -> Option<String> {
         return None;
     }
     let (orbit, point) = item.orbit();
-    let samples = orbit.samples(point, PROFILE_RESOLUTION).ok()?;
+    let samples = orbit
+        .samples(point, PROFILE_RESOLUTION / orbit.zones().max(1))
+        .ok()?;
     let system = &problem.system;
     let rows = samples.into_iter().map(|sample| {
         let names = system.source.states.iter().enumerate();

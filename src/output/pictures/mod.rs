@@ -11,6 +11,7 @@ mod displacement;
 pub(crate) mod map;
 pub(crate) mod multipliers;
 mod names;
+pub(crate) mod orbits;
 pub(crate) mod page;
 mod profile;
 mod simulation;

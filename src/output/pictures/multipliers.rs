@@ -93,6 +93,19 @@ pub(crate) fn discretised(
     plane(&multipliers, legend, period, &format!("{points} k|c|"))
 }
 
+/// Multipliers of an orbit, which `words` name, or why there are none.
+pub(super) fn of_orbit(places: &[Point], words: &str, none: &str) -> Picture {
+    let mark = Mark::new(Shape::Circle, 4.4, BLUE);
+    let multipliers: Vec<Multiplier> = places.iter().map(|place| (*place, mark)).collect();
+    let Some(near) = Window::foremost(&multipliers, 1.0) else {
+        return blank(none);
+    };
+    let all = Window::of_all(&multipliers, near);
+    let panel = all.panel("Im μ", all.layers(&multipliers));
+    let keys = [(Key::Mark(mark), words), (Key::Mark(CROSS), "μ = 1")];
+    Picture::new(vec![panel], Legend::default().with("", keys))
+}
+
 /// What an empty picture says.
 const UNKNOWN: &str = "no multiplier of the wave is known";
 

@@ -1,0 +1,196 @@
+//! Pictures of a branch of orbits: columns over the parameter, phase planes, time series, multipliers.
+
+use std::path::PathBuf;
+
+use super::diagram::{self, View};
+use super::profile::evenly;
+use super::tables::{Tables, column, number, read, read_if_there};
+use super::{Named, PlotError, multipliers, put};
+use crate::affine::system::Source;
+use crate::output::layout::{self, MULTIPLIERS, profile_file};
+use crate::output::render::{
+    Axis, CATEGORIES, Extent, Format, Key, Layer, Legend, Panel, Pen, Picture, Point,
+};
+use crate::output::store::{Store, StoreError};
+use crate::problem::{SystemPlot, SystemProblem};
+use crate::table::Table;
+
+/// Most orbits in a picture of orbits: more colours are not told apart.
+const MOST: usize = 6;
+
+const WIDTH: f64 = 1.8;
+
+/// What an empty picture says.
+const NONE: &str = "no orbit was sampled: ask for `profiles` in `output`";
+const UNKNOWN: &str = "no multiplier is known: ask for `stability: ()`";
+
+/// A labelled orbit.
+struct Sampled {
+    label: String,
+    value: f64,
+    samples: Table,
+}
+
+/// Draws the pictures that a problem with a system asks for.
+///
+/// # Errors
+/// As for waves.
+pub(crate) fn draw(
+    store: &Store,
+    problem: &SystemProblem,
+    format: Format,
+) -> Result<Vec<PathBuf>, PlotError> {
+    let Some(section) = &problem.continuation else {
+        return Ok(Vec::new());
+    };
+    let tables = Tables::read(store.path(), &section.parameter)?;
+    let source = &problem.system.source;
+    let orbits = sampled(store, &tables)?;
+    let title = problem.title.as_deref();
+    let picture = |plot: &SystemPlot| -> Named {
+        let drawn = describe(store, source, plot, &tables, &orbits);
+        let subtitle = constants(source, &section.parameter);
+        let drawn = drawn.map(|picture| picture.titled(title).subtitled(&subtitle));
+        (layout::orbit_plot(plot), drawn)
+    };
+    put(
+        store,
+        None,
+        format,
+        problem.output.plots.iter().map(picture),
+    )
+}
+
+/// Draws one column of the branch over another one, or over the parameter.
+///
+/// # Errors
+/// As [`draw`].
+pub(crate) fn draw_view(
+    store: &Store,
+    problem: &SystemProblem,
+    x: Option<&str>,
+    view: &View,
+    format: Format,
+) -> Result<Vec<PathBuf>, PlotError> {
+    let section = problem.continuation.as_ref();
+    let parameter = section.map_or("", |section| section.parameter.as_str());
+    let tables = Tables::read(store.path(), x.unwrap_or(parameter))?;
+    tables.check_column(&view.column)?;
+    let drawn = diagram::picture(&tables, view)?;
+    let subtitle = constants(&problem.system.source, parameter);
+    let drawn = drawn.titled(problem.title.as_deref()).subtitled(&subtitle);
+    put(store, None, format, [(layout::VIEW.to_owned(), Ok(drawn))])
+}
+
+fn describe(
+    store: &Store,
+    source: &Source,
+    plot: &SystemPlot,
+    tables: &Tables,
+    orbits: &[Sampled],
+) -> Result<Picture, StoreError> {
+    match plot {
+        SystemPlot::Diagram => {
+            let first = source
+                .states
+                .first()
+                .map_or("period".to_owned(), |state| format!("max_{state}"));
+            diagram::picture(tables, &View::whole(&first))
+        }
+        SystemPlot::Column(name) => diagram::picture(tables, &View::whole(name)),
+        SystemPlot::Phase(one, other) => Ok(curves(orbits, one, other, &tables.parameter)),
+        SystemPlot::Time(state) => Ok(curves(orbits, "time", state, &tables.parameter)),
+        SystemPlot::Multipliers => {
+            let path = store.path().join(MULTIPLIERS);
+            let table = read_if_there(&path, &["label", "re", "im"])?;
+            Ok(circle(table.as_ref(), tables))
+        }
+    }
+}
+
+/// The parameters that stay as they are.
+fn constants(source: &Source, followed: &str) -> String {
+    let others = source
+        .parameters
+        .0
+        .iter()
+        .filter(|(name, _)| name != followed);
+    let words: Vec<String> = others
+        .map(|(name, value)| format!("{name} = {value}"))
+        .collect();
+    words.join(", ")
+}
+
+/// Orbits of the labels that have a profile, evenly spread.
+fn sampled(store: &Store, tables: &Tables) -> Result<Vec<Sampled>, StoreError> {
+    let labels: Vec<String> = (0..tables.branch.len())
+        .map(|row| tables.branch.text(row, "label").to_owned())
+        .filter(|label| {
+            let file = label.parse().map(profile_file);
+            file.is_ok_and(|file| store.path().join(file).exists())
+        })
+        .collect();
+    let chosen = evenly(labels.len(), MOST).into_iter();
+    let read = chosen.map(|index| {
+        let label = labels[index].clone();
+        let file = profile_file(label.parse().unwrap_or_default());
+        Ok(Sampled {
+            value: tables.parameter_at(&label).unwrap_or(f64::NAN),
+            samples: read(&store.path().join(file), &["time", "mode"])?,
+            label,
+        })
+    });
+    read.collect()
+}
+
+/// Columns of the orbits over one another, cut where a reset makes a state jump.
+fn curves(orbits: &[Sampled], x: &str, y: &str, parameter: &str) -> Picture {
+    let mut layers = Vec::new();
+    let mut keys = Vec::new();
+    for (orbit, colour) in orbits.iter().zip(CATEGORIES.into_iter().cycle()) {
+        let samples = &orbit.samples;
+        let times = column(samples, "time");
+        let pairs = column(samples, x).into_iter().zip(column(samples, y));
+        let mut line: Vec<Point> = Vec::with_capacity(samples.len() + 8);
+        let mut before = f64::NAN;
+        for (point, time) in pairs.zip(times) {
+            // two samples at one time are the two sides of a switch
+            if time == before {
+                line.push((f64::NAN, f64::NAN));
+            }
+            before = time;
+            line.push(point);
+        }
+        let pen = Pen::solid(colour, WIDTH);
+        layers.push(Layer::Line(line, pen));
+        keys.push((
+            Key::Line(pen),
+            format!("{} ({parameter} = {:.6})", orbit.label, orbit.value),
+        ));
+    }
+    let axis = |name: &str| Axis::new((name, ""), Extent::Data(0.04));
+    let panel = Panel::new(axis(x), axis(y), layers).unless(orbits.is_empty(), NONE);
+    Picture::new(vec![panel], Legend::default().with("label:", keys))
+}
+
+/// Multipliers of the first label that has some, with the unit circle.
+fn circle(table: Option<&Table>, tables: &Tables) -> Picture {
+    let rows = table.into_iter().flat_map(|table| {
+        let first = table.text(0, "label").to_owned();
+        let of_first = move |row: &usize| table.text(*row, "label") == first;
+        (0..table.len())
+            .filter(of_first)
+            .map(move |row| (table, row))
+    });
+    let places = rows
+        .filter_map(|(table, row)| Some((number(table, row, "re")?, number(table, row, "im")?)));
+    let places: Vec<Point> = places.collect();
+    let label = table
+        .filter(|table| !table.is_empty())
+        .map(|table| table.text(0, "label"));
+    let words = label.map(|label| {
+        let value = tables.parameter_at(label).unwrap_or(f64::NAN);
+        format!("label {label}: {} = {value:.6}", tables.parameter)
+    });
+    multipliers::of_orbit(&places, &words.unwrap_or_default(), UNKNOWN)
+}
