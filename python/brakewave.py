@@ -236,7 +236,7 @@ def _axes(axes):
     return axes
 
 
-MARKS = {"LP": "s", "HB": "|", "BP": "v", "GR": "^", "RV": "D", "CO": "o", "ST": "s", "UZ": ".", "EP": "o", "MX": "x"}
+MARKS = {"LP": "s", "PD": "D", "NS": "*", "SL": "P", "HB": "|", "BP": "v", "GR": "^", "RV": "D", "CO": "o", "ST": "s", "UZ": ".", "EP": "o", "MX": "x"}
 """Marks of special points, as in the pictures of the program itself; those of LP, BP and EP are hollow."""
 
 

@@ -24,6 +24,9 @@ pub const PROFILE_RESOLUTION: usize = 360;
 /// one crosses are located to about this.
 const ON_CIRCLE: f64 = 1e-9;
 
+/// A multiplier larger than this is infinite but for rounding: at a graze, where the speed of an impact is zero.
+const INFINITE: f64 = 1e12;
+
 /// A row of the branch, with the orbit behind it.
 #[derive(Clone, Debug)]
 pub struct Item {
@@ -242,7 +245,12 @@ impl Run for Runner {
             return items;
         }
         if self.legs.at_beginning() {
-            let found = self.legs.set_out();
+            let mut found = self.legs.set_out();
+            // the value of the problem, not the scaled unknown's
+            let parameters = &self.problem.system.source.parameters;
+            let index = parameters.index(&self.continuation.parameter);
+            let exact = index.and_then(|index| self.values.get(index).copied());
+            found.parameter = exact.unwrap_or(found.parameter);
             items.push(self.item(found));
             self.check_points(&mut items);
             return items;
@@ -284,7 +292,11 @@ fn point(
 ) -> OrbitPoint {
     let (orbit, node) = (&found.orbit, &found.node);
     let cycle = orbit.cycle(&node.point).ok();
-    let multipliers = asked.then(|| orbit.multipliers(&node.point).unwrap_or_default());
+    let multipliers = asked.then(|| {
+        let all = orbit.multipliers(&node.point).unwrap_or_default();
+        let finite = all.iter().all(|one| one.value.norm() < INFINITE);
+        if finite { all } else { Vec::new() }
+    });
     let own = |multipliers: &Vec<_>| -> Vec<f64> {
         let own = multipliers
             .iter()

@@ -101,9 +101,24 @@ pub(super) fn of_orbit(places: &[Point], words: &str, none: &str) -> Picture {
         return blank(none);
     };
     let all = Window::of_all(&multipliers, near);
-    let panel = all.panel("Im μ", all.layers(&multipliers));
     let keys = [(Key::Mark(mark), words), (Key::Mark(CROSS), "μ = 1")];
-    Picture::new(vec![panel], Legend::default().with("", keys))
+    beside(&multipliers, [all, near], Legend::default().with("", keys))
+}
+
+/// The unit circle with all multipliers on the left, a part of it enlarged on the right.
+fn beside(multipliers: &[Multiplier], [all, near]: [Window; 2], legend: Legend) -> Picture {
+    let outline = Pen::solid(GREY, 1.3);
+    let mut left = all.layers(multipliers);
+    let corners = near.corners();
+    let closed = corners.iter().chain(&corners[..2]).copied().collect();
+    left.push(Layer::Line(closed, outline));
+    let right = near.layers(multipliers);
+    let legend = legend.with("", [(Key::Line(outline), "enlarged on the right")]);
+    let panels = vec![all.panel("Im μ", left), near.panel("", right)];
+    Picture {
+        beside: true,
+        ..Picture::new(panels, legend)
+    }
 }
 
 /// What an empty picture says.
@@ -129,27 +144,11 @@ fn plane(multipliers: &[Multiplier], legend: Legend, period: f64, divisor: &str)
         return blank(UNKNOWN);
     };
     let all = Window::of_all(multipliers, near);
-    let outline = Pen::solid(GREY, 1.3);
-    let mut left = all.layers(multipliers);
-    let corners = near.corners();
-    let closed = corners.iter().chain(&corners[..2]).copied().collect();
-    left.push(Layer::Line(closed, outline));
-    let right = near.layers(multipliers);
     let period = number::significant(period, 4);
     let legend = legend
-        .with(
-            "",
-            [
-                (Key::Mark(CROSS), "translation, μ = 1"),
-                (Key::Line(outline), "enlarged on the right"),
-            ],
-        )
+        .with("", [(Key::Mark(CROSS), "translation, μ = 1")])
         .with::<&str>(&format!("μ = exp(λT), T = 2π/({divisor}) = {period}"), []);
-    let panels = vec![all.panel("Im μ", left), near.panel("", right)];
-    Picture {
-        beside: true,
-        ..Picture::new(panels, legend)
-    }
+    beside(multipliers, [all, near], legend)
 }
 
 /// The cross at μ = 1.

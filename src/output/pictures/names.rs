@@ -88,7 +88,7 @@ pub(super) fn event(kind: EventType) -> &'static str {
         EventType::NS => "torus",
         EventType::HB => "Hopf",
         EventType::BP => "real crossing",
-        EventType::GR => "take-off",
+        EventType::GR => "graze",
         EventType::RV => "reverse slip",
         EventType::CO => "coalescence",
         EventType::ST => "stick vanishes",
@@ -144,7 +144,12 @@ fn turned(mut regimes: Vec<Option<Regime>>) -> Vec<Option<Regime>> {
 
 /// A signature of regimes shortened: `slip-reverse-stick` becomes `sl-rev-st`.
 pub(super) fn short_signature(regimes: &str) -> String {
-    let short = sequence(regimes).into_iter().map(short_regime);
+    let sequence = sequence(regimes);
+    // modes of a user's own have their names
+    if sequence.contains(&None) {
+        return regimes.to_owned();
+    }
+    let short = sequence.into_iter().map(short_regime);
     short.collect::<Vec<_>>().join("-")
 }
 

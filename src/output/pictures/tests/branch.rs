@@ -36,7 +36,7 @@ fn diagram_has_markers_and_labels() {
             "unstable",
             "EP end",
             "HB Hopf",
-            "GR take-off",
+            "GR graze",
             "CO coalescence"
         ]
     );
