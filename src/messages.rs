@@ -183,16 +183,24 @@ impl Display for OfWaves {
 impl Told for AffineOrbit {
     fn event(change: &orbit::special::Change<AffineOrbit>) -> String {
         let mode = &change.before.zone(change.margin.zone).name;
-        let after = change.after.as_ref().map(|after| after.len());
         match (change.margin.watch, change.kind) {
+            (affine::Watch::Duration, EventType::GR) => {
+                format!("a zone of `{mode}` between two of one mode shrinks to nothing: grazing")
+            }
             (affine::Watch::Duration, _) => format!("a zone of `{mode}` shrinks to nothing"),
             (affine::Watch::Inside(_), _) => {
                 format!("a guard of `{mode}` touches zero from inside: grazing")
             }
-            (affine::Watch::Speed, EventType::GR) if after < Some(change.before.len()) => {
-                format!("the guard that ends `{mode}` is met at no speed: grazing")
+            (affine::Watch::Speed | affine::Watch::Onset(_), EventType::GR) => {
+                format!("a guard of `{mode}` is met at no speed: grazing")
             }
-            (watch, _) => format!("{watch} of `{mode}` reaches zero"),
+            (_, EventType::SL) => {
+                format!("a condition at a switch of `{mode}` reaches zero: it leads elsewhere")
+            }
+            (affine::Watch::End(_), _) => {
+                format!("a second guard of `{mode}` is zero at its end: two switches coalesce")
+            }
+            _ => format!("a guard of `{mode}` reaches zero at a switch"),
         }
     }
 }

@@ -7,17 +7,17 @@ use brakewave::problem::{Any, OrbitStart, SystemProblem, read_any};
 
 /// Every problem of the repository with a system.
 fn problems() -> Vec<(String, SystemProblem)> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/problems/systems");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/problems");
     let entries = fs::read_dir(folder).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());
-    let problems = paths.map(|path| {
+    let problems = paths.filter_map(|path| {
         let (problem, text) = read_any(&path).unwrap_or_else(|error| panic!("{error}"));
+        let Any::System(problem) = problem else {
+            return None;
+        };
         let name = path.display().to_string();
         assert!(text.lines().count() <= 40, "{name} is a page");
-        match problem {
-            Any::System(problem) => (name, *problem),
-            Any::Tube(_) => panic!("{name} is a tube"),
-        }
+        Some((name, *problem))
     });
     problems.collect()
 }

@@ -6,22 +6,22 @@ use brakewave::affine::system::{Source, System};
 use ron::extensions::Extensions;
 
 /// COCO, hspo `demo_impact` (Dankowicz & Schilder, Recipes for Continuation, ex. 15.2).
-pub const IMPACT: &str = include_str!("../../problems/systems/impact_oscillator.ron");
+pub const IMPACT: &str = include_str!("../../problems/impact_oscillator.ron");
 
 /// Den Hartog 1930: dry friction, forced by cos(phase).
-pub const FRICTION: &str = include_str!("../../problems/systems/friction_oscillator.ron");
+pub const FRICTION: &str = include_str!("../../problems/friction_oscillator.ron");
 
 /// AUTO-07p, demo chu, without its smoothing.
-pub const CHUA: &str = include_str!("../../problems/systems/chua.ron");
+pub const CHUA: &str = include_str!("../../problems/chua.ron");
 
 /// A relay with the process (s − ρ)²/(s + 1)³, after Johansson, Rantzer & Åström 1999.
-pub const RELAY: &str = include_str!("../../problems/systems/relay.ron");
+pub const RELAY: &str = include_str!("../../problems/relay.ron");
 
 /// Buck converter (Hamill & Deane; Fossas & Olivar), its ramp a state.
-pub const BUCK: &str = include_str!("../../problems/systems/buck_converter.ron");
+pub const BUCK: &str = include_str!("../../problems/buck_converter.ron");
 
 /// A ball on a table that moves like a sine.
-pub const BALL: &str = include_str!("../../problems/systems/bouncing_ball.ron");
+pub const BALL: &str = include_str!("../../problems/bouncing_ball.ron");
 
 /// A thermostat with hysteresis and a heater that lags behind.
 pub const THERMOSTAT: &str = r#"(

@@ -167,6 +167,8 @@ fn mutated_problem_files_end_by_the_contract() {
         .map(|entry| entry.expect("an entry").path())
         .filter(|path| path.extension().is_some_and(|extension| extension == "ron"))
         .map(|path| bare(&fs::read_to_string(path).expect("a problem file")))
+        // those of systems are damaged by a test of their own
+        .filter(|text| !text.contains("system:"))
         .collect();
     files.sort();
     let mut record = Record::default();

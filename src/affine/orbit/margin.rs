@@ -1,7 +1,5 @@
 //! Margins: smooth functions of the unknowns that are positive while a sequence of zones holds.
 
-use std::fmt;
-
 use serde::{Deserialize, Serialize};
 
 use super::layout::{OrbitAt, OrbitFailure};
@@ -26,20 +24,6 @@ pub enum Watch {
     Condition(usize),
     /// An exit before the one taken, by its number: how far one of its conditions fails.
     Before(usize),
-}
-
-impl fmt::Display for Watch {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Watch::Duration => write!(formatter, "the duration"),
-            Watch::Onset(guard) => write!(formatter, "guard {guard} just after the entry"),
-            Watch::Inside(guard) => write!(formatter, "a minimum of guard {guard}"),
-            Watch::End(guard) => write!(formatter, "guard {guard} at the end"),
-            Watch::Speed => write!(formatter, "the speed at which the guard falls to zero"),
-            Watch::Condition(index) => write!(formatter, "condition {index} of the exit"),
-            Watch::Before(exit) => write!(formatter, "what keeps from exit {exit}"),
-        }
-    }
 }
 
 /// A margin: positive while the sequence holds. Scaled to order one.

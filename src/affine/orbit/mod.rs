@@ -45,7 +45,20 @@ pub struct Held {
 
 impl fmt::Display for Held {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{} of `{}`", self.watch, self.mode)
+        let mode = &self.mode;
+        match self.watch {
+            Watch::Duration => write!(formatter, "the duration of a zone of `{mode}`"),
+            Watch::Onset(_) => write!(formatter, "a guard of `{mode}` just after its entry"),
+            Watch::Inside(_) => write!(formatter, "the least value of a guard within `{mode}`"),
+            Watch::End(_) => write!(formatter, "another guard of `{mode}` at its end"),
+            Watch::Speed => write!(
+                formatter,
+                "the speed at which the guard of `{mode}` falls to zero"
+            ),
+            Watch::Condition(_) | Watch::Before(_) => {
+                write!(formatter, "a condition at the end of `{mode}`")
+            }
+        }
     }
 }
 
@@ -241,7 +254,7 @@ impl Orbit for AffineOrbit {
         }
         match after {
             Some(after) if before.is_split_in(after) || after.is_split_in(before) => EventType::GR,
-            Some(after) if before.len() == after.len() => EventType::SL,
+            Some(after) if before.leads_elsewhere(after) => EventType::SL,
             Some(_) => EventType::CO,
             None => match margin.watch {
                 Watch::Condition(_) | Watch::Before(_) => EventType::SL,

@@ -96,6 +96,31 @@ impl Sequence {
     }
 }
 
+impl Sequence {
+    /// Whether a guard ends a mode as often in both sequences, but by other exits: a condition decides
+    /// otherwise.
+    pub(super) fn leads_elsewhere(&self, other: &Sequence) -> bool {
+        let ways = |sequence: &Sequence| {
+            let ways = sequence
+                .0
+                .iter()
+                .filter_map(|zone| Some((zone.mode, zone.way?)));
+            let mut ways: Vec<(usize, Way)> = ways.collect();
+            ways.sort_unstable();
+            ways
+        };
+        let (own, others) = (ways(self), ways(other));
+        let of = |ways: &[(usize, Way)], mode: usize, guard: usize| -> Vec<usize> {
+            let same = |one: &&(usize, Way)| (one.0, one.1.guard) == (mode, guard);
+            ways.iter().filter(same).map(|one| one.1.exit).collect()
+        };
+        own.iter().any(|(mode, way)| {
+            let (before, after) = (of(&own, *mode, way.guard), of(&others, *mode, way.guard));
+            before.len() == after.len() && before != after
+        })
+    }
+}
+
 impl fmt::Display for Sequence {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, zone) in self.0.iter().enumerate() {

@@ -215,7 +215,8 @@ fn is_on_guard(system: &AffineSystem, place: &Place) -> bool {
     guards.any(|guard| {
         let terms = guard.row.at.iter().zip(&z).map(|(c, z)| c * z);
         let size: f64 = terms.clone().map(f64::abs).sum();
-        size > 0.0 && terms.sum::<f64>().abs() <= RETURNED * size
+        // a guard of states that are all zero is zero
+        terms.sum::<f64>().abs() <= RETURNED * size
     })
 }
 
