@@ -6,7 +6,7 @@ use crate::harness::{Bench, Table, assert_same, changed, problem, snapshot};
 
 /// One of the repository's problem files.
 fn system(name: &str) -> String {
-    problem(&format!("systems/{name}.ron"))
+    problem(&format!("{name}.ron"))
 }
 
 /// Chua's circuit rests at x = ±1.5, y = 0, z = −x, and at the origin: λ³ + … of the inner region has one root above 0.
@@ -219,4 +219,118 @@ fn verbs_for_tubes_say_so() {
     let outcome = bench.run(&["steady", "new.ron"]).expect(2);
     let message = "`phas` is no state, parameter or abbreviation; did you mean `phase`?";
     assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
+}
+
+/// Impact oscillator with a stop at d = 1, k = 1, c = 0.1, ω = 1, e = 0.8: A²|G|² = (d − Vy)² + V²(e + W)²/ω² in the speed
+/// V before the impact, so that the fold, the graze A = d/|G| = 0.1 and what lies beyond are known.
+#[test]
+fn a_branch_of_orbits_is_followed_through_its_graze() {
+    let bench = Bench::new();
+    bench.put("impact.ron", system("impact_oscillator"));
+    let outcome = bench.run(&["run", "impact.ron", "--out", "out"]).expect(0);
+    assert!(outcome.stdout.contains("fold in A"), "{}", outcome.stdout);
+    let events = Table::read(&bench.path("out/events.csv"));
+    let fold = events.only("type", "LP");
+    let known = 0.099_970_753_628_313_27;
+    assert!((events.number(fold, "A") - known).abs() < 1e-13 * known);
+    assert!((events.number(fold, "multiplier_re") - 1.0).abs() < 1e-10);
+    let graze = events.only("type", "GR");
+    assert!((events.number(graze, "A") - 0.1).abs() < 1e-14);
+    let branch = Table::read(&bench.path("out/branch.csv"));
+    let header = "point,label,type,regimes,c,A,w,d,e,period,switches,min_x,max_x,min_v,max_v,stable,unstable,\
+                  multiplier_re,multiplier_im,newton,residual,leg";
+    let text = std::fs::read_to_string(bench.path("out/branch.csv")).unwrap();
+    assert_eq!(text.lines().next(), Some(header));
+    for row in 0..branch.rows.len() {
+        let period = branch.number(row, "period");
+        assert!((period - TAU).abs() < 1e-12, "row {row}: {period}");
+        let [amplitude, largest] = ["A", "max_x"].map(|name| branch.number(row, name));
+        // 10 = |G|, and x ≤ d
+        let expected = if branch.text(row, "switches").is_empty() {
+            10.0 * amplitude
+        } else {
+            1.0
+        };
+        assert!((largest - expected).abs() < 1e-12, "row {row}: {largest}");
+        assert_eq!(branch.text(row, "regimes"), "free");
+    }
+    // det of the linear flow: |μ|² = e^(−2πc) without an impact, e² times that with one
+    let last = branch.rows.len() - 1;
+    let size = branch
+        .number(last, "multiplier_re")
+        .hypot(branch.number(last, "multiplier_im"));
+    assert!((size * size - (-0.1 * TAU).exp()).abs() < 1e-12);
+    let multipliers = Table::read(&bench.path("out/multipliers.csv"));
+    let of_first = multipliers.all("label", "1").into_iter();
+    let product: f64 = of_first
+        .map(|row| multipliers.number(row, "modulus"))
+        .product();
+    assert!((product - 0.64 * (-0.1 * TAU).exp()).abs() < 1e-12);
+    for name in [
+        "diagram.svg",
+        "phase_x_v.svg",
+        "time_x.svg",
+        "multipliers.svg",
+        "profiles/1.csv",
+    ] {
+        assert!(bench.path("out").join(name).exists(), "{name}");
+    }
+}
+
+/// Another run, a resumed run, and one on from a label: the same orbits.
+#[test]
+fn branches_of_orbits_are_resumed_and_restarted() {
+    let bench = Bench::new();
+    bench.put("impact.ron", system("impact_oscillator"));
+    bench
+        .run(&["run", "impact.ron", "--out", "one", "--quiet"])
+        .expect(0);
+    bench
+        .run(&["run", "impact.ron", "--out", "two", "--quiet"])
+        .expect(0);
+    assert_same(
+        &snapshot(&bench.path("one")),
+        &snapshot(&bench.path("two")),
+        "the same run",
+    );
+    bench
+        .run(&["run", "impact.ron", "--out", "two", "--quiet"])
+        .expect(2);
+    bench
+        .run(&["run", "impact.ron", "--out", "two", "--quiet", "--resume"])
+        .expect(0);
+    assert_same(
+        &snapshot(&bench.path("one")),
+        &snapshot(&bench.path("two")),
+        "the same run",
+    );
+    bench.run(&["plot", "two"]).expect(0);
+    assert_same(
+        &snapshot(&bench.path("one")),
+        &snapshot(&bench.path("two")),
+        "the same run",
+    );
+    bench.run(&["plot", "two", "--y", "max_v"]).expect(0);
+    assert!(bench.path("two/view.svg").exists());
+    bench.run(&["report", "one"]).expect(0);
+    let text = system("impact_oscillator");
+    let from = text.find("start: Simulate").unwrap();
+    let end = from + text[from..].find("settle:").unwrap();
+    let end = end + text[end..].find(')').unwrap() + 1;
+    let restart = format!(
+        "{}start: Restart(dir: \"one\", label: 5){}",
+        &text[..from],
+        &text[end..]
+    );
+    bench.put("again.ron", restart);
+    bench
+        .run(&["run", "again.ron", "--out", "again", "--quiet"])
+        .expect(0);
+    let [one, again] =
+        ["one", "again"].map(|name| Table::read(&bench.path(name).join("events.csv")));
+    for kind in ["LP", "GR"] {
+        let [first, second] =
+            [&one, &again].map(|table| table.number(table.only("type", kind), "A"));
+        assert!((first - second).abs() < 1e-13, "{kind}: {first} {second}");
+    }
 }
