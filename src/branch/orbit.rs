@@ -102,8 +102,9 @@ impl Orbit for Wave {
         (one.watch, one.zone) == (other.watch, other.zone)
     }
 
-    fn is_duration(margin: &Margin) -> bool {
-        margin.watch == Watch::Duration
+    /// A zone without length says most.
+    fn precedence(margin: &Margin) -> usize {
+        usize::from(margin.watch != Watch::Duration)
     }
 
     fn is_alike(&self, margin: &Margin, other: &Wave, of_other: &Margin) -> bool {

@@ -102,6 +102,11 @@ pub trait Curve: Sized {
         None
     }
 
+    /// Whether a curve that finds no step from a node ends there for a reason of its own.
+    fn ends_at(&self, _node: &Node) -> Option<Self::End> {
+        None
+    }
+
     /// The point that tells of an end other than an event.
     fn last(&self, _end: &EndOf<Self>, _here: Self::Found) -> Option<Self::Found> {
         None
@@ -290,6 +295,7 @@ impl<C: Curve> Walker<C> {
                     Refused::Curve(reason) => self.curve.ends_with(reason),
                     _ => None,
                 };
+                let own = own.or_else(|| self.curve.ends_at(&self.node));
                 let end = match own {
                     Some(own) => End::Own(own),
                     None => End::NoStep {

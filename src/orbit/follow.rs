@@ -291,9 +291,8 @@ impl<O: Orbit> Curve for Track<O> {
         }
         match event {
             Event::Fold => {
-                if let Some((special, stop)) = orbit.repeats(&place.node) {
-                    found.special = Some(Special::Own(special));
-                    return Ok(Outcome::Ended(vec![found], walk::End::Own(Stop::Own(stop))));
+                if let Some(ended) = self.repeated(&found) {
+                    return Ok(ended);
                 }
                 found.special = Some(Special::Fold(orbit.parameter()));
             }
@@ -310,6 +309,9 @@ impl<O: Orbit> Curve for Track<O> {
                 return Ok(Outcome::Ended(vec![found], walk::End::Edge));
             }
             Event::Crossing(test) => {
+                if let Some(ended) = self.repeated(&found) {
+                    return Ok(ended);
+                }
                 found.special = orbit.crossing(*test, &place.node).map(Special::Own);
             }
             Event::Change(margin) if orbit.barred(margin).is_some() => {
@@ -331,8 +333,7 @@ impl<O: Orbit> Curve for Track<O> {
                         && beyond.is_some_and(|beyond| O::value(beyond) <= 0.0)
                 });
                 let mut margins: Vec<O::Margin> = seen.chain(vanished).cloned().collect();
-                // a zone without length says most about what comes next
-                margins.sort_by_key(|margin| !O::is_duration(margin));
+                margins.sort_by_key(O::precedence);
                 return Ok(self.change(found, &margins, step));
             }
         }
@@ -363,10 +364,26 @@ impl<O: Orbit> Curve for Track<O> {
         stop.map(Stop::Own)
     }
 
+    fn ends_at(&self, node: &Node) -> Option<Stop<O>> {
+        let (_, stop) = self.orbit.repeats(node)?;
+        Some(Stop::Own(stop))
+    }
+
     fn last(&self, end: &Ending<O>, here: Found<O>) -> Option<Found<O>> {
-        Some(Found {
-            special: Some(failed(end)),
-            ..here
+        let repeats = match end {
+            walk::End::Own(Stop::Own(_)) => self.orbit.repeats(&here.node),
+            _ => None,
+        };
+        Some(match repeats {
+            Some((special, _)) => Found {
+                uncertainty: REPEATS * here.parameter.abs().max(self.orbit.unit()),
+                special: Some(Special::Own(special)),
+                ..here
+            },
+            None => Found {
+                special: Some(failed(end)),
+                ..here
+            },
         })
     }
 }
@@ -375,7 +392,22 @@ fn failed<O: Orbit>(end: &Ending<O>) -> Special<O> {
     Special::Failed(Failure::Ended(Box::new(end.clone())))
 }
 
+/// Where a branch that comes to an orbit traversed several times finds no step any more, its parameter is off by
+/// the square of what the parts differ by, and of the order of one part of a million.
+const REPEATS: f64 = 1e-6;
+
 impl<O: Orbit> Track<O> {
+    /// The end of a branch where it would retrace itself: whatever test sees it there.
+    fn repeated(&self, found: &Found<O>) -> Option<Outcome<Track<O>>> {
+        let (special, stop) = self.orbit.repeats(&found.node)?;
+        let found = Found {
+            special: Some(Special::Own(special)),
+            ..found.clone()
+        };
+        let end = walk::End::Own(Stop::Own(stop));
+        Some(Outcome::Ended(vec![found], end))
+    }
+
     /// A change of regime: the event, and the branch beyond it.
     fn change(
         &self,

@@ -136,8 +136,8 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
     /// Whether two margins of one signature are the same function.
     fn is_same(one: &Self::Margin, other: &Self::Margin) -> bool;
 
-    /// Whether a margin is the duration of a zone.
-    fn is_duration(margin: &Self::Margin) -> bool;
+    /// Which of several margins that vanish at one place says most about what comes next: the least first.
+    fn precedence(margin: &Self::Margin) -> usize;
 
     /// Whether a margin of this orbit and one of another signature measure the same.
     fn is_alike(&self, margin: &Self::Margin, other: &Self, of_other: &Self::Margin) -> bool;

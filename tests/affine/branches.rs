@@ -89,7 +89,7 @@ fn meets(seen: &[Seen], expected: &[(EventType, f64, &str)], allowed: f64) {
     }
 }
 
-use EventType::{CO, EP, GR, LP, PD};
+use EventType::{EP, GR, LP, PD, SL};
 
 #[test]
 fn down_to_the_fold_and_through_the_graze() {
@@ -185,8 +185,8 @@ fn through_the_onset_of_stick_and_of_sliding() {
     let (seen, all) = follow(&dry.0, &dry.1, false, (0.6, 1.0), 200);
     let onset = 0.7226791944381431415;
     let expected = [
-        (CO, onset, ""),
-        (CO, onset, ""),
+        (SL, onset, ""),
+        (SL, onset, ""),
         (EP, 0.6, "forth-stick-back-stick"),
     ];
     meets(&seen, &expected, 1e-12);
@@ -204,8 +204,8 @@ fn through_the_onset_of_stick_and_of_sliding() {
     let (seen, _) = follow(&relay.0, &relay.1, false, (1.5, 3.0), 200);
     let onset = 2.0988410675607513346;
     let expected = [
-        (CO, onset, ""),
-        (CO, onset, ""),
+        (SL, onset, ""),
+        (SL, onset, ""),
         (EP, 1.5, "plus-slide-minus-slide"),
     ];
     meets(&seen, &expected, 1e-12);

@@ -10,6 +10,7 @@ fn problems() -> Vec<(String, SystemProblem)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/problems");
     let entries = fs::read_dir(folder).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());
+    let paths = paths.filter(|path| path.is_file());
     let problems = paths.filter_map(|path| {
         let (problem, text) = read_any(&path).unwrap_or_else(|error| panic!("{error}"));
         let Any::System(problem) = problem else {

@@ -212,8 +212,14 @@ impl Orbit for AffineOrbit {
         (one.watch, one.zone) == (other.watch, other.zone)
     }
 
-    fn is_duration(margin: &Margin) -> bool {
-        margin.watch == Watch::Duration
+    /// A zone without length says most, then a switch without speed: where an orbit that is traversed several
+    /// times grazes, every traversal touches, and the one that has touched before goes first.
+    fn precedence(margin: &Margin) -> usize {
+        match margin.watch {
+            Watch::Duration => 0,
+            Watch::Speed | Watch::Onset(_) => 1,
+            _ => 2,
+        }
     }
 
     fn is_alike(&self, margin: &Margin, other: &AffineOrbit, of_other: &Margin) -> bool {

@@ -49,9 +49,9 @@ pub struct SavedOrbit {
     pub values: Vec<f64>,
 }
 
-/// Parts of an orbit are one another's repetition where nothing differs by more than this in its own units: a fold is
-/// known to 1e-8.
-const REPEATED: f64 = 1e-6;
+/// Parts of an orbit are one another's repetition where nothing differs by more than this in its own units: the
+/// parameter differs by the square of it, and the equations are singular there, so that the place is not known better.
+const REPEATED: f64 = 1e-3;
 
 impl AffineOrbit {
     /// The orbit at a point in order of time.
