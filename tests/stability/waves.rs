@@ -10,7 +10,7 @@ use brakewave::continuation;
 use brakewave::linalg::Vector;
 use brakewave::model::coefficients::Geometry;
 use brakewave::model::{Damping, Impact, Model, Parameter};
-use brakewave::problem::{self, Problem};
+use brakewave::problem::{self, Any, Problem};
 use brakewave::stability::characteristic::Characteristic;
 use brakewave::stability::spectrum::{Request, Spectrum, spectrum};
 use brakewave::wave::Wave;
@@ -96,7 +96,12 @@ pub fn problems() -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder())
         .expect("there are problems")
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .filter(|name| name.ends_with(".ron") && problem(name).0.continuation.is_some())
+        .filter(|name| name.ends_with(".ron"))
+        .filter(|name| match problem::read_any(&folder().join(name)) {
+            Ok((Any::Tube(problem), _)) => problem.continuation.is_some(),
+            Ok((Any::System(_), _)) => false,
+            Err(error) => panic!("{error}"),
+        })
         .collect();
     names.sort();
     names
