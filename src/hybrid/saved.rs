@@ -19,6 +19,7 @@ pub struct LabelledOrbit {
 
 impl LabelledOrbit {
     /// Whether every zone has its numbers and all of them are finite: a damaged file may say otherwise.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn is_whole(&self, states: usize, parameters: usize) -> bool {
         let SavedOrbit {
             sequence,

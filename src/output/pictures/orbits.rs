@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use super::diagram::{self, View};
 use super::profile::evenly;
-use super::tables::{Tables, column, number, read, read_if_there};
+use super::tables::{self, Tables, column, read, read_if_there};
 use super::{Named, PlotError, multipliers, put};
 use crate::affine::system::Source;
 use crate::output::layout::{self, MULTIPLIERS, profile_file};
 use crate::output::render::{
-    Axis, CATEGORIES, Extent, Format, Key, Layer, Legend, Panel, Pen, Picture, Point,
+    Axis, CATEGORIES, Extent, Format, Key, Layer, Legend, Panel, Pen, Picture, Point, number,
 };
 use crate::output::store::{Store, StoreError};
 use crate::problem::{SystemPlot, SystemProblem};
@@ -116,7 +116,7 @@ fn constants(source: &Source, followed: &str) -> String {
         .iter()
         .filter(|(name, _)| name != followed);
     let words: Vec<String> = others
-        .map(|(name, value)| format!("{name} = {value}"))
+        .map(|(name, value)| format!("{name} = {}", number::significant(*value, 4)))
         .collect();
     words.join(", ")
 }
@@ -182,8 +182,10 @@ fn circle(table: Option<&Table>, tables: &Tables) -> Picture {
             .filter(of_first)
             .map(move |row| (table, row))
     });
-    let places = rows
-        .filter_map(|(table, row)| Some((number(table, row, "re")?, number(table, row, "im")?)));
+    let places = rows.filter_map(|(table, row)| {
+        let number = |column| tables::number(table, row, column);
+        Some((number("re")?, number("im")?))
+    });
     let places: Vec<Point> = places.collect();
     let label = table
         .filter(|table| !table.is_empty())
