@@ -31,6 +31,8 @@ except (ImportError, SystemExit) as error:
 ROOT = Path(__file__).resolve().parent.parent
 BUILT = [ROOT / "target" / profile / "brakewave" for profile in ("release", "debug")]
 BINARY = next(filter(None, [os.environ.get("BRAKEWAVE"), *(str(path) for path in BUILT if path.is_file())]), None)
+# it is called from other folders
+BINARY = BINARY and str(Path(BINARY).resolve())
 BINARY = BINARY or shutil.which("brakewave")
 
 MODEL = "model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.5, mismatch: 0.2),"
