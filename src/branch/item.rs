@@ -100,11 +100,8 @@ pub fn answer(
     };
 }
 
-/// The row of an event at a point. Whatever its type, the parameter is known no better than to half a unit
-/// in its last place.
+/// The row of an event at a point.
 pub(super) fn event(point: &BranchPoint, special: &Special, found: &Found) -> Event {
-    let value = found.parameter.abs();
-    let half_unit = 0.5 * (value.next_up() - value);
     let (sector, omega) = match special {
         Special::Own(OfWaves::Crossing { sector, omega, .. }) => (Some(*sector), *omega),
         _ => (None, None),
@@ -119,11 +116,7 @@ pub(super) fn event(point: &BranchPoint, special: &Special, found: &Found) -> Ev
         omega,
         regimes_before: point.regimes.clone(),
         regimes_after: after.map_or_else(|| point.regimes.clone(), |after| after.to_string()),
-        uncertainty: if found.uncertainty < half_unit {
-            half_unit
-        } else {
-            found.uncertainty
-        },
+        uncertainty: found.known_to(),
         what: special.to_string(),
     }
 }

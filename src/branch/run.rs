@@ -13,7 +13,7 @@ use super::orbit::Found;
 use super::progress::Beside;
 use super::row::EigenvalueRow;
 use super::saved::SavedWave;
-use super::special::{Failure, Note, OfWaves, Special};
+use super::special::{Note, OfWaves, Special};
 use super::wanted::NoStart;
 use super::{BranchPoint, Reason, Stability};
 use crate::continuation::Node;
@@ -228,16 +228,12 @@ impl Runner {
 
     /// Ends a leg that has as many points as it may, with a row that says so.
     fn check_points(&mut self, items: &mut Vec<Item>) {
-        let Some(found) = self.legs.at_most_points() else {
+        let Some((found, end)) = self.legs.at_most_points() else {
             return;
-        };
-        let end = match &found.special {
-            Some(Special::Failed(Failure::Ended(end))) => Some(end.as_ref().clone()),
-            _ => None,
         };
         let spectrum = self.beside.spectrum.clone();
         items.push(self.item(found, spectrum.as_ref()));
-        self.legs.finish(end, false);
+        self.legs.finish(Some(end), false);
     }
 
     /// The waves at the Hopf point, from steady sliding to where a stick zone opens.

@@ -17,10 +17,10 @@ use crate::model::{Model, Parameter};
 use crate::output::layout::{END, GROWTH, MEASURES, START, profile_file};
 use crate::output::pictures;
 use crate::output::render::Format;
-use crate::output::run::RESTART;
+use crate::output::run::{PROFILE_RESOLUTION, RESTART};
 use crate::output::simulation::{SimulationCheckpoint, SimulationFolder, columns};
 use crate::output::store::{Checkpoint, Kind, Store, VERSION, damaged};
-use crate::output::waves::{PROFILE_RESOLUTION, Waves};
+use crate::output::waves::Waves;
 use crate::problem::{self, Any, Continuation, Problem, Start};
 use crate::simulation::course::{Course, NoCourse, Piece};
 

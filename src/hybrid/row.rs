@@ -4,7 +4,8 @@ use serde::{Serialize, Serializer};
 
 use super::{OrbitEvent, OrbitPoint};
 use crate::affine::orbit::Multiplier;
-use crate::affine::system::Source;
+use crate::affine::orbit::row::Sample;
+use crate::affine::system::{Source, System};
 use crate::orbit::{EventType, Stability};
 
 /// Named numbers, each in its column.
@@ -184,6 +185,29 @@ impl MultiplierRow {
             re: value.re,
             im: value.im,
             modulus: value.norm(),
+        }
+    }
+}
+
+/// A row of the profile of an orbit.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct SampleRow<'a> {
+    time: f64,
+    phase: f64,
+    states: Named,
+    mode: &'a str,
+}
+
+impl<'a> SampleRow<'a> {
+    /// A moment of an orbit of a system.
+    pub fn new(system: &'a System, sample: &Sample) -> SampleRow<'a> {
+        let values = sample.state.iter().map(|value| Some(*value));
+        let names = system.source.states.iter().cloned();
+        SampleRow {
+            time: sample.time,
+            phase: sample.phase,
+            states: Named(names.zip(values).collect()),
+            mode: system.mode_name(sample.mode),
         }
     }
 }

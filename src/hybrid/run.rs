@@ -6,19 +6,17 @@ use super::begin::{NoStart, begin};
 use super::point::{Note, OrbitEvent, OrbitPoint};
 use super::row::MultiplierRow;
 use super::saved::LabelledOrbit;
-use crate::affine::orbit::{AffineOrbit, Scales};
+use crate::affine::orbit::{AffineOrbit, Multiplier, Scales};
+use crate::linalg::Vector;
 use crate::orbit::follow::Found;
 use crate::orbit::legs::{self, Legs, Numbers, Run, Stretch};
-use crate::orbit::special::{Failure, ResumeMismatch, Special};
+use crate::orbit::special::{ResumeMismatch, Special};
 use crate::orbit::{EventType, Stability};
 use crate::problem::SystemProblem;
 use crate::problem::{Continuation, DEFAULT_MAX_POINTS};
 
 /// How a run of orbits ended.
 pub type End = legs::End<AffineOrbit>;
-
-/// Samples of a profile over one period.
-pub const PROFILE_RESOLUTION: usize = 360;
 
 /// A multiplier this close to the unit circle, relative to its size, is on it but for rounding: the events where
 /// one crosses are located to about this.
@@ -45,7 +43,7 @@ pub struct Item {
 
 impl Item {
     /// The orbit as a boundary-value problem, and its scaled unknowns.
-    pub fn orbit(&self) -> (&AffineOrbit, &crate::linalg::Vector) {
+    pub fn orbit(&self) -> (&AffineOrbit, &Vector) {
         (&self.found.orbit, &self.found.node.point)
     }
 }
@@ -142,15 +140,11 @@ impl Runner {
 
     /// Ends a leg that has as many points as it may, with a row that says so.
     fn check_points(&mut self, items: &mut Vec<Item>) {
-        let Some(found) = self.legs.at_most_points() else {
+        let Some((found, end)) = self.legs.at_most_points() else {
             return;
         };
-        let end = match &found.special {
-            Some(Special::Failed(Failure::Ended(end))) => Some(end.as_ref().clone()),
-            _ => None,
-        };
         items.push(self.item(found));
-        self.legs.finish(end, false);
+        self.legs.finish(Some(end), false);
     }
 
     fn item(&mut self, found: Found<AffineOrbit>) -> Item {
@@ -195,16 +189,13 @@ impl Runner {
         }
     }
 
-    /// The row of an event. Whatever its type, the parameter is known no better than to half a unit in its last
-    /// place.
+    /// The row of an event.
     fn event(
         &self,
         point: &OrbitPoint,
         special: &Special<AffineOrbit>,
         found: &Found<AffineOrbit>,
     ) -> OrbitEvent {
-        let size = found.parameter.abs();
-        let half_unit = 0.5 * (size.next_up() - size);
         let names = self.problem.system.source.parameters.names();
         let parameters = names
             .map(str::to_owned)
@@ -221,11 +212,7 @@ impl Runner {
             leading: point.leading(),
             regimes_before: point.regimes.clone(),
             regimes_after: beyond().unwrap_or_else(|| point.regimes.clone()),
-            uncertainty: if found.uncertainty < half_unit {
-                half_unit
-            } else {
-                found.uncertainty
-            },
+            uncertainty: found.known_to(),
             what: special.to_string(),
         }
     }
@@ -297,10 +284,8 @@ fn point(
         let finite = all.iter().all(|one| one.value.norm() < INFINITE);
         if finite { all } else { Vec::new() }
     });
-    let own = |multipliers: &Vec<_>| -> Vec<f64> {
-        let own = multipliers
-            .iter()
-            .filter(|one: &&crate::affine::orbit::Multiplier| !one.trivial);
+    let own = |multipliers: &Vec<Multiplier>| -> Vec<f64> {
+        let own = multipliers.iter().filter(|one| !one.trivial);
         own.map(|one| one.value.norm()).collect()
     };
     let sizes = multipliers.as_ref().map(own);

@@ -80,6 +80,17 @@ impl<O: Orbit> Found<O> {
         }
     }
 
+    /// The error that is told: the parameter is known no better than to half a unit in its last place.
+    pub fn known_to(&self) -> f64 {
+        let size = self.parameter.abs();
+        let half_unit = 0.5 * (size.next_up() - size);
+        if self.uncertainty < half_unit {
+            half_unit
+        } else {
+            self.uncertainty
+        }
+    }
+
     /// Its type, if it is special.
     pub fn kind(&self) -> Option<EventType> {
         self.special.as_ref().map(Special::kind)
@@ -314,13 +325,12 @@ impl<O: Orbit> Curve for Track<O> {
                 }
                 found.special = orbit.crossing(*test, &place.node).map(Special::Own);
             }
-            Event::Change(margin) if orbit.barred(margin).is_some() => {
-                let stop = orbit.barred(margin).map(Stop::Own);
-                let end = walk::End::Own(stop.unwrap_or(Stop::NoSignature));
-                found.special = Some(failed(&end));
-                return Ok(Outcome::Ended(vec![found], end));
-            }
-            Event::Change(_) => {
+            Event::Change(margin) => {
+                if let Some(stop) = orbit.barred(margin) {
+                    let end = walk::End::Own(Stop::Own(stop));
+                    found.special = Some(failed(&end));
+                    return Ok(Outcome::Ended(vec![found], end));
+                }
                 // several margins may vanish at one event: the table is asked for each. At the stiff
                 // end rounding keeps their zeros apart, or one of them from being located
                 let seen = together.iter().filter_map(|located| match &located.event {

@@ -242,17 +242,18 @@ impl<O: Orbit> Legs<O> {
         stop
     }
 
-    /// The point that ends a leg that has as many as it may.
-    pub fn at_most_points(&self) -> Option<Found<O>> {
+    /// The point that ends a leg that has as many as it may, and that end.
+    pub fn at_most_points(&self) -> Option<(Found<O>, Ending<O>)> {
         let most = self.plan.most_points;
         if self.progress.points - self.progress.before_leg < most {
             return None;
         }
         let end = WalkEnd::MaxPoints { most };
-        Some(Found {
-            special: Some(Special::Failed(Failure::Ended(Box::new(end)))),
+        let found = Found {
+            special: Some(Special::Failed(Failure::Ended(Box::new(end.clone())))),
             ..self.follower.here()
-        })
+        };
+        Some((found, end))
     }
 
     /// Takes note of how a leg ended; `stopped` where the whole run is to.

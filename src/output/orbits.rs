@@ -1,14 +1,12 @@
 //! The tables of a branch of orbits.
 
-use serde::Serialize;
-
 use super::layout::{self, MULTIPLIERS};
 use super::render::Format;
-use super::run::{Headers, Lines, Recorded, Restart};
+use super::run::{Headers, Lines, PROFILE_RESOLUTION, Recorded, Restart};
 use crate::affine::orbit::AffineOrbit;
 use crate::hybrid::LabelledOrbit;
-use crate::hybrid::row::{MultiplierRow, OrbitEventRow, OrbitRow};
-use crate::hybrid::run::{Item, PROFILE_RESOLUTION, Progress, Runner};
+use crate::hybrid::row::{MultiplierRow, OrbitEventRow, OrbitRow, SampleRow};
+use crate::hybrid::run::{Item, Progress, Runner};
 use crate::orbit::legs;
 use crate::problem::SystemProblem;
 use crate::table;
@@ -35,10 +33,11 @@ impl Recorded for Runner {
 
     fn headers(problem: &SystemProblem) -> Headers {
         let source = &problem.system.source;
-        let line = |row: &dyn Fn() -> Vec<String>| table::line_of(&row());
+        let branch = table::columns(&OrbitRow::columns(source));
+        let events = table::columns(&OrbitEventRow::columns(source));
         Headers {
-            branch: line(&|| table::columns(&OrbitRow::columns(source))),
-            events: line(&|| table::columns(&OrbitEventRow::columns(source))),
+            branch: table::line_of(&branch),
+            events: table::line_of(&events),
             spectrum: problem
                 .stability
                 .map(|_| (MULTIPLIERS, table::header::<MultiplierRow>())),
@@ -80,25 +79,6 @@ impl Recorded for Runner {
     }
 }
 
-/// A row of a profile.
-#[derive(Clone, Debug, Default, Serialize)]
-struct ProfileRow<'a> {
-    time: f64,
-    phase: f64,
-    states: std::collections::BTreeMap<Ordered<'a>, f64>,
-    mode: &'a str,
-}
-
-/// A name that keeps its place among others.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-struct Ordered<'a>(usize, &'a str);
-
-impl Serialize for Ordered<'_> {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.1)
-    }
-}
-
 /// The profile of a labelled orbit, where profiles are asked for; one that overflows is left out.
 fn profile(problem: &SystemProblem, item: &Item) -> Option<String> {
     if problem.output.profiles == 0 {
@@ -108,18 +88,7 @@ fn profile(problem: &SystemProblem, item: &Item) -> Option<String> {
     let samples = orbit
         .samples(point, PROFILE_RESOLUTION / orbit.zones().max(1))
         .ok()?;
-    let system = &problem.system;
-    let rows = samples.into_iter().map(|sample| {
-        let names = system.source.states.iter().enumerate();
-        let states = names.zip(sample.state);
-        ProfileRow {
-            time: sample.time,
-            phase: sample.phase,
-            states: states
-                .map(|((index, name), value)| (Ordered(index, name), value))
-                .collect(),
-            mode: system.mode_name(sample.mode),
-        }
-    });
+    let rows = samples.iter();
+    let rows = rows.map(|sample| SampleRow::new(&problem.system, sample));
     Some(table::table(rows))
 }

@@ -133,6 +133,9 @@ impl<R: Recorded> Restart<R> {
     }
 }
 
+/// Intervals of a profile over one wavelength, or one period.
+pub(crate) const PROFILE_RESOLUTION: usize = 360;
+
 /// The state of a run is saved when this many times as long has passed as saving took: at most a
 /// twentieth of the run goes into it, however slow the disk and large the state.
 const SAVED_EVERY: u32 = 20;

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::layout::{self, EVENTS, SPECTRUM};
 use super::render::Format;
-use super::run::{Headers, Lines, Recorded, Restart};
+use super::run::{Headers, Lines, PROFILE_RESOLUTION, Recorded, Restart};
 use super::store::{self, Kind, StoreError, damaged, refused};
 use crate::branch::SavedWave;
 use crate::branch::row::{BranchRow, EventRow, SpectrumRow};
@@ -125,6 +125,3 @@ pub(crate) fn separates(branch: &Table) -> bool {
     let separation = |name| Regime::named(name) == Some(Regime::Separation);
     (0..branch.len()).any(|row| branch.text(row, "regimes").split('-').any(separation))
 }
-
-/// Intervals of a profile over one wavelength.
-pub(crate) const PROFILE_RESOLUTION: usize = 360;
