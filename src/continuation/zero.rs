@@ -93,7 +93,7 @@ pub fn zero<T, E>(
         let middle = 0.5 * (low + high);
         let neighbours = middle == low || middle == high;
         let mut place = bracket.secant();
-        if !place.is_finite() || waited == PATIENCE {
+        if !(place >= low.min(high) && place <= low.max(high)) || waited >= PATIENCE {
             place = middle;
         }
         let (value, found) = f(place)?;
@@ -207,6 +207,27 @@ mod tests {
         let jump = |x: f64| if x < 1e-9 { -1e-300 } else { 1e300 };
         let (place, count) = of(jump, 0.0, 1.0);
         assert!((place - 1e-9).abs() <= 1e-15 && count < bound, "{count}");
+    }
+
+    /// Between neighbouring numbers a secant is rounding: it may stay at an end, or leave the bracket.
+    #[test]
+    fn a_bracket_of_a_few_numbers_is_searched_to_its_end() {
+        let number = |index: u32| 0.5 + 0.5 * f64::EPSILON * f64::from(index);
+        for (last, height) in
+            (2..12).flat_map(|last| (-40..40).map(move |e| (last, 1.7_f64.powi(e))))
+        {
+            for step in 1..last {
+                let values = Cell::new(0);
+                let f = |x: f64| {
+                    values.set(values.get() + 1);
+                    assert!(values.get() <= 4 * (PATIENCE + 1), "{last} {height} {step}");
+                    Ok::<_, ()>((if x < number(step) { height } else { -0.3 }, ()))
+                };
+                let bracket = Bracket::new((0.5, height), (number(last), -0.3));
+                let found = zero(bracket, f64::EPSILON, f).unwrap().bracket;
+                assert!(found.low.0 < number(step) && found.high.0 >= number(step));
+            }
+        }
     }
 
     #[test]
