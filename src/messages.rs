@@ -71,9 +71,10 @@ pub(crate) fn halt(system: &System, halt: &Halt) -> String {
             guard,
             "and stays zero: nothing tells whether the mode lasts",
         ),
-        Halt::Chattering { .. } | Halt::Livelock { .. } | Halt::Unbounded { .. } => {
-            halt.to_string()
+        Halt::Chattering { .. } => {
+            format!("{halt}; `rest` of a switch names the mode that begins there")
         }
+        Halt::Livelock { .. } | Halt::Unbounded { .. } => halt.to_string(),
     }
 }
 

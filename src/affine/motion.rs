@@ -102,8 +102,8 @@ const CHATTER: f64 = 1e-12;
 /// So many of them in a row are a chattering, and so many switches without time a livelock.
 const IN_A_ROW: usize = 8;
 
-/// The ratio of successive durations, where they fall. The last of them are rounding, as differences of times, or
-/// zero: the earlier half tells.
+/// The ratio of successive durations that fall. The last of them are rounding, as differences of times, or zero: the
+/// earlier half tells.
 fn ratio(durations: &[f64]) -> Option<f64> {
     let lasting: Vec<f64> = durations
         .iter()
@@ -126,8 +126,10 @@ pub struct Motion<'a> {
     fresh: bool,
     /// Time at which the zone began.
     entered: f64,
-    /// Durations of the last zones that were short.
-    short: Vec<f64>,
+    /// Durations of the last zones, each shorter than the one before but for rounding.
+    falling: Vec<f64>,
+    /// How many of the last zones were short.
+    short: usize,
 }
 
 impl<'a> Motion<'a> {
@@ -139,7 +141,8 @@ impl<'a> Motion<'a> {
             system,
             fresh: true,
             entered: place.time,
-            short: Vec::new(),
+            falling: Vec::new(),
+            short: 0,
             place,
         }
     }
@@ -238,18 +241,19 @@ impl<'a> Motion<'a> {
         let mut to = exit.to;
         let lasted = time - self.entered;
         let length = self.flows[mode].length;
-        if lasted > CHATTER * length {
-            self.short.clear();
-        } else {
-            self.short.push(lasted);
+        let is_short = lasted <= CHATTER * length;
+        self.short = if is_short { self.short + 1 } else { 0 };
+        if !is_short && self.falling.last().is_some_and(|before| lasted >= *before) {
+            self.falling.clear();
         }
-        if self.short.len() > IN_A_ROW {
-            match (exit.rest, ratio(&self.short)) {
+        self.falling.push(lasted);
+        if self.short > IN_A_ROW {
+            match (exit.rest, ratio(&self.falling)) {
                 (Some(rest), _) => to = rest,
                 (None, Some(ratio)) => return Err(Halt::Chattering { time, ratio }),
                 (None, None) => return Err(Halt::Livelock { time }),
             }
-            self.short.clear();
+            (self.short, self.falling) = (0, Vec::new());
         }
         let after: Vec<f64> = (&exit.reset.at * z).iter().copied().collect();
         let before = z.rows(0, self.system.states).iter().copied().collect();
