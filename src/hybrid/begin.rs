@@ -1,6 +1,7 @@
 //! The orbit that the branch of a problem begins with.
 
 use super::saved::LabelledOrbit;
+use crate::affine::motion::Halt;
 use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::{self, Beginning, Search, Wanted, first, restart};
 use crate::linalg::Vector;
@@ -51,6 +52,11 @@ impl NoStart {
             NoStart::NoOrbit(start::NoStart::NotPeriodic { .. }) => (
                 "orbit",
                 "let it settle longer, admit more `periods`, or begin at other values of the parameters",
+            ),
+            NoStart::NoOrbit(start::NoStart::Halted(Halt::Chattering { .. })) => (
+                "orbit.start",
+                "name in `rest` of the switch the mode that begins where infinitely many of them end, or begin \
+                 elsewhere",
             ),
             NoStart::LabelOutside { .. } => (
                 "continuation.range",
