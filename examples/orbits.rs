@@ -1,7 +1,7 @@
 //! Run times of branches of orbits, as a table: `cargo run --release --example orbits`.
 //!
 //! Each time is the median of repeated runs in one process on one thread, from the first orbit to the last point,
-//! with every event, row and multiplier, without files.
+//! with every event, row and multiplier, without files. `-- relay "ten masses"` runs these problems alone.
 
 use std::time::Instant;
 
@@ -14,6 +14,7 @@ const RUNS: usize = 50;
 const SECONDS: f64 = 3.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let wanted: Vec<String> = std::env::args().skip(1).collect();
     println!(
         "| problem | states | points | events | ms | ms for 100 points |\n|---|---|---|---|---|---|"
     );
@@ -38,6 +39,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ),
         ("ten masses", include_str!("../problems/chain.ron")),
     ] {
+        if !wanted.is_empty() && !wanted.iter().any(|one| one == name) {
+            continue;
+        }
         let Any::System(problem) = parse_any(text, name)? else {
             continue;
         };

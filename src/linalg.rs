@@ -11,6 +11,21 @@ pub type Matrix = DMatrix<f64>;
 /// Dense column vector.
 pub type Vector = DVector<f64>;
 
+/// Adds factor·left·right to a sum, all by columns, `rows` that of left: zeros of right cost nothing. Most matrices
+/// of users' systems have few entries, or are too small for the blocks of a general product.
+pub fn add_product(factor: f64, left: &[f64], rows: usize, right: &[f64], sum: &mut [f64]) {
+    let columns = right.chunks_exact(left.len() / rows);
+    for (column, sum) in columns.zip(sum.chunks_exact_mut(rows)) {
+        for (weight, left) in column.iter().zip(left.chunks_exact(rows)) {
+            if *weight != 0.0 {
+                let weight = factor * weight;
+                let pairs = sum.iter_mut().zip(left);
+                pairs.for_each(|(sum, entry)| *sum += weight * entry);
+            }
+        }
+    }
+}
+
 /// LU factors of a square matrix.
 #[derive(Clone, Debug)]
 pub struct Factors(LU<f64, Dyn, Dyn>);

@@ -2,7 +2,7 @@
 //! sign is proven over the whole piece.
 
 use super::mode::AffineMode;
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, add_product};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS, REMAINDER};
 
 /// Terms of the series of exp(Mh) for ‖Mh‖ ≤ 1 in the balanced norm: the remainder is 1/19! ≈ 8e-18.
@@ -32,10 +32,11 @@ pub struct ModeFlow {
     guards: Vec<GuardSeries>,
 }
 
-/// Taylor coefficients of a guard over a piece, as linear forms of z at its beginning.
+/// A guard over a piece.
 #[derive(Clone, Debug)]
 struct GuardSeries {
-    coefficients: [Vector; COEFFICIENTS],
+    /// Its Taylor coefficients in time/`length` as linear forms of z at the beginning, one in each column.
+    coefficients: Matrix,
     /// max |cᵢ|dᵢ.
     size: f64,
 }
@@ -62,19 +63,21 @@ impl ModeFlow {
             longest
         };
         let guards = mode.guards.iter().map(|guard| {
-            let mut term = guard.row.at.clone();
-            let size = term.component_mul(&scales).amax();
-            let coefficients = std::array::from_fn(|k| {
-                if k > 0 {
-                    term = matrix.tr_mul(&term) * (length / k as f64);
-                }
-                term.clone()
-            });
+            let form = &guard.row.at;
+            let size = form.component_mul(&scales).amax();
+            let mut coefficients = Matrix::zeros(form.len(), COEFFICIENTS);
+            coefficients.set_column(0, form);
+            for k in 1..COEFFICIENTS {
+                let (known, next) = coefficients.as_mut_slice().split_at_mut(k * form.len());
+                let (last, next) = (&known[(k - 1) * form.len()..], &mut next[..form.len()]);
+                add_product(length / k as f64, last, 1, matrix.as_slice(), next);
+            }
             GuardSeries { coefficients, size }
         });
+        let [step, _] = propagator(&matrix, &Matrix::zeros(0, 0), norm, length);
         ModeFlow {
             guards: guards.collect(),
-            step: series(&matrix, length),
+            step,
             length,
             scales,
             matrix,
@@ -88,12 +91,20 @@ impl ModeFlow {
 
     /// z after a part of a piece, 0 ≤ `time` ≤ `length`.
     pub fn within(&self, z: &Vector, time: f64) -> Vector {
-        let (mut sum, mut term) = (z.clone(), z.clone());
+        let (mut sum, mut term, mut next) = (z.clone(), z.clone(), z.clone());
         for k in 1..=TERMS {
-            term = &self.matrix * term * (time / f64::from(k));
+            self.rate(time / f64::from(k), &term, &mut next);
+            std::mem::swap(&mut term, &mut next);
             sum += &term;
         }
         sum
+    }
+
+    /// Mz times a factor.
+    fn rate(&self, factor: f64, z: &Vector, rate: &mut Vector) {
+        rate.fill(0.0);
+        let (matrix, rows) = (self.matrix.as_slice(), z.len());
+        add_product(factor, matrix, rows, z.as_slice(), rate.as_mut_slice());
     }
 
     /// z at a time ≥ 0 after the beginning.
@@ -109,10 +120,11 @@ impl ModeFlow {
     /// Every state over the beginning of a piece, as polynomials in time/`length`/`part`, and what they leave out.
     pub(super) fn states(&self, z: &Vector, part: f64, states: usize) -> Vec<Bernstein> {
         let mut taylor = vec![[0.0; COEFFICIENTS]; states];
-        let mut term = z.clone();
+        let (mut term, mut next) = (z.clone(), z.clone());
         for k in 0..COEFFICIENTS {
             if k > 0 {
-                term = &self.matrix * term * (part * self.length / k as f64);
+                self.rate(part * self.length / k as f64, &term, &mut next);
+                std::mem::swap(&mut term, &mut next);
             }
             for (state, taylor) in taylor.iter_mut().enumerate() {
                 taylor[k] = term[state];
@@ -131,7 +143,7 @@ impl ModeFlow {
         let GuardSeries { coefficients, size } = &self.guards[guard];
         let mut power = 1.0;
         let taylor = std::array::from_fn(|k| {
-            let coefficient = coefficients[k].dot(z) * power;
+            let coefficient = coefficients.column(k).dot(z) * power;
             power *= part;
             coefficient
         });
@@ -181,8 +193,8 @@ impl ModeFlow {
             let z = self.within(z, time);
             let coefficients = &self.guards[guard].coefficients;
             [
-                coefficients[0].dot(&z),
-                coefficients[1].dot(&z) / self.length,
+                coefficients.column(0).dot(&z),
+                coefficients.column(1).dot(&z) / self.length,
             ]
         };
         let better = time - value / slope;
@@ -191,15 +203,63 @@ impl ModeFlow {
     }
 }
 
-/// exp(Mt) by its series, for ‖Mt‖ ≤ 1 in the balanced norm.
-fn series(matrix: &Matrix, time: f64) -> Matrix {
+/// Matrices larger than this are squared in blocks.
+const SMALL: usize = 8;
+
+/// E = exp(Mt) for the norm of M, and ∂E/∂p where `by` has an entry: by the series of the balanced matrix over a part
+/// of the time, and squares of it. With (E + εE′)² = E² + ε(EE′ + E′E) the derivative is as exact as the value.
+pub(super) fn propagator(matrix: &Matrix, by: &Matrix, norm: f64, time: f64) -> [Matrix; 2] {
     let size = matrix.nrows();
-    let (mut sum, mut term) = (Matrix::identity(size, size), Matrix::identity(size, size));
+    let doublings = (norm * time.abs()).log2().ceil().max(0.0);
+    // what is not finite gives a propagator that is not
+    let step = time * (-doublings).exp2();
+    let doublings = if doublings.is_finite() {
+        doublings as u32
+    } else {
+        0
+    };
+    let add = |factor: f64, left: &Matrix, right: &Matrix, sum: &mut Matrix| {
+        let (left, right) = (left.as_slice(), right.as_slice());
+        add_product(factor, left, size, right, sum.as_mut_slice());
+    };
+    let zero = Matrix::zeros(size, size);
+    let mut term = Matrix::identity(size, size);
+    let [mut sum, mut next, mut term_by, mut sum_by] =
+        [term.clone(), zero.clone(), zero.clone(), zero];
+    let parametric = by.iter().any(|by| *by != 0.0);
     for k in 1..=TERMS {
-        term = matrix * term * (time / f64::from(k));
+        let factor = step / f64::from(k);
+        if parametric {
+            next.fill(0.0);
+            add(factor, &term_by, matrix, &mut next);
+            add(factor, &term, by, &mut next);
+            std::mem::swap(&mut term_by, &mut next);
+            sum_by += &term_by;
+        }
+        next.fill(0.0);
+        add(factor, &term, matrix, &mut next);
+        std::mem::swap(&mut term, &mut next);
         sum += &term;
     }
-    sum
+    let add = |left: &Matrix, right: &Matrix, sum: &mut Matrix| {
+        if size > SMALL {
+            sum.gemm(1.0, left, right, 1.0);
+        } else {
+            add(1.0, left, right, sum);
+        }
+    };
+    for _ in 0..doublings {
+        if parametric {
+            next.fill(0.0);
+            add(&sum, &sum_by, &mut next);
+            add(&sum_by, &sum, &mut next);
+            std::mem::swap(&mut sum_by, &mut next);
+        }
+        next.fill(0.0);
+        add(&sum, &sum, &mut next);
+        std::mem::swap(&mut sum, &mut next);
+    }
+    [sum, sum_by]
 }
 
 /// Powers of two d for which the largest column sum of D⁻¹MD is small, and that sum.
@@ -209,19 +269,21 @@ fn series(matrix: &Matrix, time: f64) -> Matrix {
 pub(super) fn balance(matrix: &Matrix) -> (Vector, f64) {
     let size = matrix.nrows();
     let mut scales = Vector::repeat(size, 1.0);
-    let entry =
-        |scales: &Vector, i: usize, j: usize| (matrix[(i, j)] * scales[j] / scales[i]).abs();
+    let mut scaled = matrix.abs();
     for _ in 0..SWEEPS {
         let mut changed = false;
         for i in 0..size {
             let others = || (0..size).filter(|j| *j != i);
-            let row: f64 = others().map(|j| entry(&scales, i, j)).sum();
-            let column: f64 = others().map(|j| entry(&scales, j, i)).sum();
+            let row: f64 = others().map(|j| scaled[(i, j)]).sum();
+            let column: f64 = others().map(|j| scaled[(j, i)]).sum();
             if row > 0.0 && column > 0.0 {
                 // the power of two nearest to √(row/column)
                 let exponent = (0.5 * (row / column).log2()).round();
                 if exponent != 0.0 && exponent.abs() < 100.0 {
-                    scales[i] *= exponent.exp2();
+                    let factor = exponent.exp2();
+                    scales[i] *= factor;
+                    scaled.row_mut(i).scale_mut(factor.recip());
+                    scaled.column_mut(i).scale_mut(factor);
                     changed = true;
                 }
             }
@@ -230,6 +292,7 @@ pub(super) fn balance(matrix: &Matrix) -> (Vector, f64) {
             break;
         }
     }
-    let sums = (0..size).map(|j| (0..size).map(|i| entry(&scales, i, j)).sum());
-    (scales.clone(), sums.fold(0.0, f64::max))
+    let norm = scaled.column_iter().map(|column| column.sum());
+    let norm = norm.fold(0.0, f64::max);
+    (scales, norm)
 }

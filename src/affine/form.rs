@@ -260,9 +260,10 @@ impl Form {
 
     fn finite(self) -> Result<Form, Obstacle> {
         let harmonics = self.harmonics.iter().flatten();
-        let terms = self.states.iter().chain([&self.constant]).chain(harmonics);
-        let all: Result<Vec<Dual>, Obstacle> = terms.map(|term| term.finite()).collect();
-        all.map(|_| self)
+        let constant = std::iter::once(&self.constant);
+        let mut terms = self.states.iter().chain(constant).chain(harmonics);
+        let finite = terms.all(|term| term.finite().is_ok());
+        finite.then_some(self).ok_or(Obstacle::NotFinite)
     }
 
     /// The form itself, where the phase stands inside `sin` and `cos` only.

@@ -40,10 +40,27 @@ impl Row {
 
     /// cᵀM with derivatives.
     pub(super) fn through(&self, matrix: &MatrixBy) -> Row {
-        Row {
-            at: matrix.at.tr_mul(&self.at),
-            by: [0, 1].map(|p| matrix.at.tr_mul(&self.by[p]) + matrix.by[p].tr_mul(&self.at)),
+        self.through_with(matrix, |number| number)
+    }
+
+    /// The same with a function of every number in place of it, which keeps zero.
+    pub(super) fn through_with(&self, matrix: &MatrixBy, of: impl Fn(f64) -> f64 + Copy) -> Row {
+        let mut through = Row::zero(matrix.at.ncols());
+        let add = |sum: &mut Vector, factor: f64, matrix: &Matrix, row: usize| {
+            // most coefficients of a form are zero
+            if factor != 0.0 {
+                let pairs = sum.iter_mut().zip(matrix.row(row).into_iter());
+                pairs.for_each(|(sum, entry)| *sum += of(factor) * of(*entry));
+            }
+        };
+        for row in 0..self.at.len() {
+            add(&mut through.at, self.at[row], &matrix.at, row);
+            for p in 0..VARYING {
+                add(&mut through.by[p], self.by[p][row], &matrix.at, row);
+                add(&mut through.by[p], self.at[row], &matrix.by[p], row);
+            }
         }
+        through
     }
 
     pub(super) fn negative(&self) -> Row {
@@ -176,7 +193,7 @@ impl System {
         let omega = match &self.forcing {
             None => Dual::default(),
             Some(expression) => {
-                let omega = evaluation.form("forcing", expression)?.constant;
+                let omega = evaluation.form(&|| "forcing".into(), expression)?.constant;
                 if omega.value <= 0.0 {
                     let mistake = Mistake::Frequency(omega.value);
                     return Err(SystemError::at("forcing", mistake));
@@ -186,14 +203,15 @@ impl System {
         };
         let names = self.source.modes.names();
         let modes = names.zip(&self.modes).map(|(name, mode)| {
-            let path = format!("modes.{name}");
+            let path = || format!("modes.{name}");
             let rates = self.source.states.iter().zip(&mode.rates);
-            let rates =
-                rates.map(|(state, rate)| evaluation.form(&format!("{path}.rates.{state}"), rate));
-            let switches =
-                mode.switches.iter().enumerate().map(|(index, switch)| {
-                    evaluation.switch(&format!("{path}.until.{index}"), switch)
-                });
+            let rates = rates.map(|(state, rate)| {
+                evaluation.form(&|| format!("{}.rates.{state}", path()), rate)
+            });
+            let switches = mode.switches.iter().enumerate();
+            let switches = switches.map(|(index, switch)| {
+                evaluation.switch(&|| format!("{}.until.{index}", path()), switch)
+            });
             Ok((
                 rates.collect::<Result<Vec<_>, _>>()?,
                 switches.collect::<Result<Vec<_>, _>>()?,
@@ -233,6 +251,9 @@ impl System {
     }
 }
 
+/// Where an expression stands: told only if it is wrong.
+type Path<'a> = &'a dyn Fn() -> String;
+
 /// What the names of a system stand for.
 struct Evaluation<'a> {
     system: &'a System,
@@ -256,7 +277,7 @@ impl<'a> Evaluation<'a> {
         let names = system.source.define.names();
         for (name, expression) in names.zip(&system.define) {
             // an abbreviation may stand for the phase: only its use tells whether that makes sense
-            let form = evaluation.evaluate(&format!("define.{name}"), expression)?;
+            let form = evaluation.evaluate(&|| format!("define.{name}"), expression)?;
             evaluation.abbreviations.push(form);
         }
         Ok(evaluation)
@@ -282,34 +303,34 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    fn evaluate(&self, path: &str, expression: &Expression) -> Result<Form, SystemError> {
+    fn evaluate(&self, path: Path, expression: &Expression) -> Result<Form, SystemError> {
         let form = expression.evaluate(&|name| self.meaning(name));
-        form.map_err(|flaw| SystemError::at(path, Mistake::Expression(flaw)))
+        form.map_err(|flaw| SystemError::at(path(), Mistake::Expression(flaw)))
     }
 
-    fn form(&self, path: &str, expression: &Expression) -> Result<Form, SystemError> {
+    fn form(&self, path: Path, expression: &Expression) -> Result<Form, SystemError> {
         let form = self.evaluate(path, expression)?;
         form.settled().map_err(|obstacle| {
             let flaw = Flaw {
                 wrong: obstacle.into(),
                 span: expression.span.clone(),
             };
-            SystemError::at(path, Mistake::Expression(flaw))
+            SystemError::at(path(), Mistake::Expression(flaw))
         })
     }
 
-    fn switch<'b>(&self, path: &str, switch: &'b Switch) -> Result<FormSwitch<'b>, SystemError> {
+    fn switch<'b>(&self, path: Path, switch: &'b Switch) -> Result<FormSwitch<'b>, SystemError> {
         let names = &self.system.source.states;
         let reset = switch.reset.iter().map(|(state, expression)| {
-            let path = format!("{path}.reset.{}", names[*state]);
+            let path = || format!("{}.reset.{}", path(), names[*state]);
             Ok((*state, self.form(&path, expression)?))
         });
         let conditions = switch.conditions.iter().enumerate();
         let conditions = conditions
-            .map(|(index, expression)| self.form(&format!("{path}.if.{index}"), expression));
+            .map(|(index, expression)| self.form(&|| format!("{}.if.{index}", path()), expression));
         Ok(FormSwitch {
             switch,
-            guard: self.form(&format!("{path}.zero"), &switch.zero)?,
+            guard: self.form(&|| format!("{}.zero", path()), &switch.zero)?,
             reset: reset.collect::<Result<_, SystemError>>()?,
             conditions: conditions.collect::<Result<_, _>>()?,
         })

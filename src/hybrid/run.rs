@@ -280,9 +280,9 @@ fn point(
     let (orbit, node) = (&found.orbit, &found.node);
     let cycle = orbit.cycle(&node.point).ok();
     let multipliers = asked.then(|| {
-        let all = orbit.multipliers(&node.point).unwrap_or_default();
+        let all = &found.examination.multipliers;
         let finite = all.iter().all(|one| one.value.norm() < INFINITE);
-        if finite { all } else { Vec::new() }
+        if finite { all.clone() } else { Vec::new() }
     });
     let own = |multipliers: &Vec<Multiplier>| -> Vec<f64> {
         let own = multipliers.iter().filter(|one| !one.trivial);

@@ -66,16 +66,16 @@ impl Verdict {
     }
 }
 
-/// C(j, i)/C(16, i), the conversion from Taylor to Bernstein coefficients.
+/// C(j, i)/C(16, i), the conversion from Taylor coefficients i to Bernstein coefficients j.
 const CONVERSION: [[f64; COEFFICIENTS]; COEFFICIENTS] = {
     let mut table = [[0.0; COEFFICIENTS]; COEFFICIENTS];
     let mut j = 0;
     while j < COEFFICIENTS {
-        table[j][0] = 1.0;
+        table[0][j] = 1.0;
         let mut i = 0;
         while i < j {
             // C(j, i+1)/C(n, i+1) = C(j, i)/C(n, i) · (j − i)/(n − i)
-            table[j][i + 1] = table[j][i] * ((j - i) as f64) / ((DEGREE - i) as f64);
+            table[i + 1][j] = table[i][j] * ((j - i) as f64) / ((DEGREE - i) as f64);
             i += 1;
         }
         j += 1;
@@ -87,8 +87,9 @@ impl Bernstein {
     /// The polynomial Σ aᵢtⁱ on \[0, 1\]; `remainder` bounds what the series leaves out.
     pub(crate) fn from_taylor(taylor: &[f64; COEFFICIENTS], remainder: f64) -> Bernstein {
         let mut coefficients = [0.0; COEFFICIENTS];
-        for (coefficient, row) in coefficients.iter_mut().zip(&CONVERSION) {
-            *coefficient = row.iter().zip(taylor).map(|(c, a)| c * a).sum();
+        for (row, a) in CONVERSION.iter().zip(taylor) {
+            let sums = coefficients.iter_mut().zip(row);
+            sums.for_each(|(sum, c)| *sum += c * a);
         }
         let size = taylor.iter().fold(0.0_f64, |size, a| size.max(a.abs()));
         Bernstein {

@@ -2,6 +2,8 @@
 
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
 use super::margin::{Margin, Watch};
+use super::multipliers::Multiplier;
+use super::passage::Passage;
 use crate::affine::flow::ModeFlow;
 use crate::linalg::Vector;
 use crate::orbit::Examined;
@@ -17,6 +19,8 @@ pub struct Examination {
     /// Functions that change their sign where the stability changes: those of
     /// [`super::multipliers::Monodromy::tests`]. Empty where it is not looked for.
     pub tests: Vec<f64>,
+    /// All multipliers, the largest first: none at a graze, or where stability is not looked for.
+    pub multipliers: Vec<Multiplier>,
 }
 
 impl Examined for Examination {
@@ -112,27 +116,35 @@ impl OrbitAt<'_> {
             margins: Vec::new(),
             verdict: Verdict::Positive,
             tests: Vec::new(),
+            multipliers: Vec::new(),
         };
-        for zone in 0..self.zones.len() {
-            self.examine_zone(zone, &mut examination)?;
+        let passages = self.passages()?;
+        for (zone, passage) in passages.iter().enumerate() {
+            self.examine_zone(zone, passage, &mut examination)?;
         }
         if self.orbit.setting.stability {
-            let monodromy = self.monodromy()?;
-            examination.tests =
-                monodromy.map_or_else(|| vec![0.0; 3], |monodromy| monodromy.tests());
+            examination.tests = vec![0.0; 3];
+            if let Some(monodromy) = self.monodromy(&passages) {
+                examination.multipliers = monodromy.multipliers();
+                examination.tests = monodromy.tests(&examination.multipliers);
+            }
         }
         Ok(examination)
     }
 
-    fn examine_zone(&self, zone: usize, examination: &mut Examination) -> Result<(), OrbitFailure> {
+    fn examine_zone(
+        &self,
+        zone: usize,
+        passage: &Passage,
+        examination: &mut Examination,
+    ) -> Result<(), OrbitFailure> {
         let Examination {
             margins, verdict, ..
         } = examination;
         let mut judge = |one: Verdict| *verdict = verdict.and(one);
         let first = margins.len();
-        let passage = self.passage(zone, self.zones[zone].duration)?;
         for watch in self.edges(zone) {
-            let Some(margin) = self.edge(watch, zone, &passage) else {
+            let Some(margin) = self.edge(watch, zone, passage) else {
                 judge(Verdict::Negative);
                 continue;
             };
@@ -214,13 +226,16 @@ impl AffineOrbit {
         };
         for zone in 0..self.zones() {
             let flow = at.posed.flow(self.sequence.zone(zone).mode);
-            let passage = at.passage(zone, at.zones[zone].duration)?;
+            let (entry, pieces) = (at.entry(zone), at.pieces(zone)?);
+            let last = pieces.last();
+            let end = last.map(|last| flow.within(&last.z, last.part * flow.length));
+            let end = end.as_ref().unwrap_or(&entry);
             for state in 0..n {
-                visit(state, passage.entry[state]);
-                visit(state, passage.end[state]);
+                visit(state, entry[state]);
+                visit(state, end[state]);
             }
             let mut courses = vec![(false, false); n];
-            for piece in at.pieces(zone)? {
+            for piece in pieces {
                 let polynomials = flow.states(&piece.z, piece.part, n).into_iter();
                 for (state, (polynomial, (falling, rising))) in
                     polynomials.zip(&mut courses).enumerate()

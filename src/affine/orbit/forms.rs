@@ -188,13 +188,7 @@ impl Forms {
 
 /// Size of the numbers of which a form times a matrix is made.
 fn bound(row: &Row, matrix: &MatrixBy, units: &Units) -> f64 {
-    let through = Row {
-        at: matrix.at.abs().tr_mul(&row.at.abs()),
-        by: [0, 1].map(|p| {
-            matrix.at.abs().tr_mul(&row.by[p].abs()) + matrix.by[p].abs().tr_mul(&row.at.abs())
-        }),
-    };
-    units.size(&through)
+    units.size(&row.through_with(matrix, f64::abs))
 }
 
 /// Whether an exit changes a state.

@@ -9,7 +9,7 @@ use super::forms::Units;
 use super::passage::{Jet, Passage};
 use super::signature::Sequence;
 use super::structure::{ZoneFacts, facts};
-use crate::affine::flow::ModeFlow;
+use crate::affine::flow::{ModeFlow, balance};
 use crate::affine::mode::{AffineSystem, Row};
 use crate::affine::system::{System, SystemError};
 use crate::linalg::Vector;
@@ -80,12 +80,18 @@ pub struct Posed {
     pub system: AffineSystem,
     /// Facts of the zones.
     pub facts: Vec<ZoneFacts>,
+    norms: Vec<OnceLock<f64>>,
     flows: Vec<OnceLock<ModeFlow>>,
     /// Longest piece of a flow: the unit of time.
     longest: f64,
 }
 
 impl Posed {
+    /// The norm of the balanced matrix of a mode.
+    fn norm(&self, mode: usize) -> f64 {
+        *self.norms[mode].get_or_init(|| balance(&self.system.modes[mode].matrix.at).1)
+    }
+
     /// The flow of a mode in pieces.
     pub fn flow(&self, mode: usize) -> &ModeFlow {
         self.flows[mode].get_or_init(|| ModeFlow::new(&self.system.modes[mode], self.longest))
@@ -241,6 +247,7 @@ impl AffineOrbit {
         let system = system.map_err(OrbitFailure::System)?;
         let posed = Arc::new(Posed {
             facts: facts(&system, &self.sequence, &self.units()),
+            norms: vec![OnceLock::new(); system.modes.len()],
             flows: system.modes.iter().map(|_| OnceLock::new()).collect(),
             longest: setting.scales.time,
             system,
@@ -313,14 +320,30 @@ impl OrbitAt<'_> {
         let OrbitAt { orbit, posed, .. } = self;
         let name = &orbit.sequence.zone(zone).name;
         let mode = orbit.sequence.zone(zone).mode;
-        let passage = Passage::new(&posed.system.modes[mode], self.entry(zone), time);
-        let finite = passage.flow.at.iter().all(|x| x.is_finite());
+        let passage = Passage::new(
+            &posed.system.modes[mode],
+            posed.norm(mode),
+            self.entry(zone),
+            time,
+        );
+        let finite = passage.flow.iter().all(|x| x.is_finite());
         finite
             .then_some(passage)
             .ok_or_else(|| OrbitFailure::Overflow {
                 mode: name.clone(),
                 duration: time,
             })
+    }
+
+    /// The passages through all zones.
+    ///
+    /// # Errors
+    /// One of them leaves the range of numbers.
+    pub(super) fn passages(&self) -> Result<Vec<Passage<'_>>, OrbitFailure> {
+        let zones = self.zones.iter().enumerate();
+        zones
+            .map(|(index, zone)| self.passage(index, zone.duration))
+            .collect()
     }
 
     /// z at the entry of a zone.

@@ -325,8 +325,8 @@ impl Orbit for AffineOrbit {
                 (along > AT_FOLD).then_some(Critical::Branching)
             }
             _ => {
-                let monodromy = self.at(&node.point).ok()?.monodromy().ok()??;
-                monodromy
+                let at = self.at(&node.point).ok()?;
+                at.monodromy(&at.passages().ok()?)?
                     .angle_on_circle()
                     .map(|angle| Critical::Torus { angle })
             }

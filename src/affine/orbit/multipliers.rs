@@ -7,7 +7,7 @@
 use nalgebra::Complex;
 
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
-use super::passage::{Passage, Propagator};
+use super::passage::Passage;
 use super::structure::exit_of;
 use crate::linalg::{Factors, Matrix, Vector};
 use crate::orbit::events::AT_ZERO;
@@ -57,9 +57,8 @@ impl OrbitAt<'_> {
     fn link(&self, zone: usize, passage: &Passage) -> Link {
         let n = self.orbit.states();
         let states = |matrix: &Matrix| matrix.view((0, 0), (n, n)).into_owned();
-        let flow = states(&passage.flow.at);
-        let matrix = &self.mode(zone).matrix;
-        let back = || states(&Propagator::new(matrix, -passage.time).at);
+        let flow = states(&passage.flow);
+        let back = || states(&passage.backward());
         let exit = exit_of(&self.posed.system, &self.orbit.sequence, zone);
         let (Some(exit), Some(way)) = (exit, self.orbit.sequence.zone(zone).way) else {
             return Link {
@@ -104,19 +103,16 @@ impl OrbitAt<'_> {
     }
 
     /// The linearised motion over a period; `None` where it is infinite, at a graze.
-    pub(super) fn monodromy(&self) -> Result<Option<Monodromy>, OrbitFailure> {
-        let count = self.zones.len();
-        let mut links = Vec::with_capacity(count);
-        for zone in 0..count {
-            let passage = self.passage(zone, self.zones[zone].duration)?;
-            links.push(self.link(zone, &passage));
-        }
+    pub(super) fn monodromy(&self, passages: &[Passage]) -> Option<Monodromy> {
+        let passages = passages.iter().enumerate();
+        let links = passages.map(|(zone, passage)| self.link(zone, passage));
+        let links: Vec<Link> = links.collect();
         let finite = |matrix: &Matrix| matrix.iter().all(|x| x.is_finite());
         if !links
             .iter()
             .all(|link| finite(&link.flow) && finite(&link.jump))
         {
-            return Ok(None);
+            return None;
         }
         let n = self.orbit.states();
         let rate = &self.mode(0).matrix.at * self.entry(0);
@@ -168,14 +164,14 @@ impl OrbitAt<'_> {
             let basis = complement(&rate);
             basis.tr_mul(&(matrix * &basis))
         };
-        Ok(Some(Monodromy {
+        Some(Monodromy {
             matrix: across(matrix),
             inverse: inverse.map(across),
             sizes,
             falls: links.iter().map(|link| link.fall).collect(),
             zeros,
             shifts,
-        }))
+        })
     }
 }
 
@@ -321,15 +317,15 @@ impl Monodromy {
         all
     }
 
-    /// det(M + 1), det(M − 1) and ∏(1 − μᵢμⱼ) over pairs, of what is not trivial: they change their sign where
+    /// Of all multipliers det(M + 1), det(M − 1) and ∏(1 − μᵢμⱼ) over pairs, of what is not trivial: they change their sign where
     /// a multiplier passes −1, where one passes 1, and where a pair has the product 1.
     ///
     /// At a graze one multiplier is infinite. The determinants have a simple pole there, which the speeds of the
     /// guards divide out; the product is not looked at. Entries of M are so large then that its determinant is lost
     /// in rounding: the multipliers are not.
-    pub fn tests(&self) -> Vec<f64> {
-        let all = self.multipliers().into_iter();
-        let values: Vec<Complex<f64>> = all
+    pub fn tests(&self, multipliers: &[Multiplier]) -> Vec<f64> {
+        let values: Vec<Complex<f64>> = multipliers
+            .iter()
             .filter(|one| !one.trivial)
             .map(|one| one.value)
             .collect();
@@ -372,7 +368,8 @@ impl AffineOrbit {
     /// # Errors
     /// The flow cannot be evaluated there.
     pub fn multipliers(&self, point: &Vector) -> Result<Vec<Multiplier>, OrbitFailure> {
-        let monodromy = self.at(point)?.monodromy()?;
+        let at = self.at(point)?;
+        let monodromy = at.monodromy(&at.passages()?);
         Ok(monodromy.map_or_else(Vec::new, |monodromy| monodromy.multipliers()))
     }
 }

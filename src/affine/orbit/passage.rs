@@ -1,7 +1,7 @@
 //! The passage of an orbit through a zone: where it ends, and forms of z along it with all their derivatives.
 
-use crate::affine::flow::{TERMS, balance};
-use crate::affine::mode::{AffineMode, MatrixBy, Row};
+use crate::affine::flow::{TERMS, propagator};
+use crate::affine::mode::{AffineMode, Row};
 use crate::linalg::{Matrix, Vector};
 
 /// A number with its derivatives in z at the entry, in time, and in the parameter at a fixed z.
@@ -45,85 +45,44 @@ impl Jet {
     }
 }
 
-/// E = exp(Mt) and ∂E/∂p.
-#[derive(Clone, Debug)]
-pub struct Propagator {
-    /// E.
-    pub at: Matrix,
-    /// ∂E/∂p.
-    pub by: Matrix,
-}
-
-impl Propagator {
-    /// By the series of the balanced matrix over a part of the time, and squares of it: with
-    /// (E + εE′)² = E² + ε(EE′ + E′E) the derivative is as exact as the value.
-    pub fn new(matrix: &MatrixBy, time: f64) -> Propagator {
-        let (_, norm) = balance(&matrix.at);
-        let size = matrix.at.nrows();
-        let doublings = (norm * time.abs()).log2().ceil().max(0.0);
-        // what is not finite gives a propagator that is not
-        let step = time * (-doublings).exp2();
-        let doublings = if doublings.is_finite() {
-            doublings as u32
-        } else {
-            0
-        };
-        let identity = Matrix::identity(size, size);
-        let zero = Matrix::zeros(size, size);
-        let (mut at, mut by) = (identity.clone(), zero.clone());
-        let (mut term, mut term_by) = (identity, zero.clone());
-        let mut next = zero;
-        let parametric = matrix.by[0].iter().any(|by| *by != 0.0);
-        for k in 1..=TERMS {
-            let factor = step / f64::from(k);
-            if parametric {
-                next.gemm(factor, &term_by, &matrix.at, 0.0);
-                next.gemm(factor, &term, &matrix.by[0], 1.0);
-                std::mem::swap(&mut term_by, &mut next);
-                by += &term_by;
-            }
-            next.gemm(factor, &term, &matrix.at, 0.0);
-            std::mem::swap(&mut term, &mut next);
-            at += &term;
-        }
-        for _ in 0..doublings {
-            if parametric {
-                next.gemm(1.0, &at, &by, 0.0);
-                next.gemm(1.0, &by, &at, 1.0);
-                std::mem::swap(&mut by, &mut next);
-            }
-            next.gemm(1.0, &at, &at, 0.0);
-            std::mem::swap(&mut at, &mut next);
-        }
-        Propagator { at, by }
-    }
-}
-
 /// A zone from its entry to a time.
 #[derive(Clone, Debug)]
 pub struct Passage<'a> {
     mode: &'a AffineMode,
+    /// Norm of its matrix.
+    norm: f64,
     /// z at the entry.
     pub entry: Vector,
     /// Time since.
     pub time: f64,
     /// exp(Mt).
-    pub flow: Propagator,
+    pub flow: Matrix,
     /// z at the time.
     pub end: Vector,
+    /// ∂z/∂p there.
+    by: Vector,
 }
 
 impl<'a> Passage<'a> {
-    /// The passage from z.
-    pub fn new(mode: &'a AffineMode, entry: Vector, time: f64) -> Passage<'a> {
-        let flow = Propagator::new(&mode.matrix, time);
+    /// The passage from z through a mode whose matrix has this norm.
+    pub fn new(mode: &'a AffineMode, norm: f64, entry: Vector, time: f64) -> Passage<'a> {
+        let [flow, by] = propagator(&mode.matrix.at, &mode.matrix.by[0], norm, time);
         Passage {
-            end: &flow.at * &entry,
+            end: &flow * &entry,
+            by: by * &entry,
             mode,
+            norm,
             entry,
             time,
             flow,
         }
+    }
+
+    /// exp(−Mt).
+    pub fn backward(&self) -> Matrix {
+        let matrix = &self.mode.matrix.at;
+        let [flow, _] = propagator(matrix, &Matrix::zeros(0, 0), self.norm, -self.time);
+        flow
     }
 
     /// ż at the end.
@@ -135,9 +94,9 @@ impl<'a> Passage<'a> {
     pub fn at_end(&self, row: &Row) -> Jet {
         Jet {
             value: row.at.dot(&self.end),
-            by_z: self.flow.at.tr_mul(&row.at),
+            by_z: self.flow.tr_mul(&row.at),
             by_time: self.mode.matrix.at.tr_mul(&row.at).dot(&self.end),
-            by_parameter: row.by[0].dot(&self.end) + row.at.dot(&(&self.flow.by * &self.entry)),
+            by_parameter: row.by[0].dot(&self.end) + row.at.dot(&self.by),
         }
     }
 
@@ -149,8 +108,7 @@ impl<'a> Passage<'a> {
     /// q(t) = c·z(t)/tᵐ and q̇(t), where c·z has a zero of order m at the entry: its first m Taylor coefficients
     /// are left out, whatever they are. Regular at t = 0.
     pub fn divided(&self, row: &Row, order: usize) -> [Jet; 2] {
-        let (_, norm) = balance(&self.mode.matrix.at);
-        if order > 0 && norm * self.time.abs() <= 1.0 {
+        if order > 0 && self.norm * self.time.abs() <= 1.0 {
             return self.divided_series(row, order);
         }
         // P(t) = tᵐq(t) and Ṗ(t)
