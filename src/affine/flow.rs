@@ -269,13 +269,13 @@ pub(super) fn propagator(matrix: &Matrix, by: &Matrix, norm: f64, time: f64) -> 
 pub(super) fn balance(matrix: &Matrix) -> (Vector, f64) {
     let size = matrix.nrows();
     let mut scales = Vector::repeat(size, 1.0);
+    let diagonal = matrix.diagonal().abs();
     let mut scaled = matrix.abs();
+    scaled.fill_diagonal(0.0);
     for _ in 0..SWEEPS {
         let mut changed = false;
         for i in 0..size {
-            let others = || (0..size).filter(|j| *j != i);
-            let row: f64 = others().map(|j| scaled[(i, j)]).sum();
-            let column: f64 = others().map(|j| scaled[(j, i)]).sum();
+            let (row, column) = (scaled.row(i).sum(), scaled.column(i).sum());
             if row > 0.0 && column > 0.0 {
                 // the power of two nearest to √(row/column)
                 let exponent = (0.5 * (row / column).log2()).round();
@@ -292,7 +292,7 @@ pub(super) fn balance(matrix: &Matrix) -> (Vector, f64) {
             break;
         }
     }
-    let norm = scaled.column_iter().map(|column| column.sum());
-    let norm = norm.fold(0.0, f64::max);
-    (scales, norm)
+    let sums = scaled.column_iter().zip(&diagonal);
+    let sums = sums.map(|(column, own)| column.sum() + own);
+    (scales, sums.fold(0.0, f64::max))
 }

@@ -4,7 +4,7 @@
 use super::expression::{Expression, Flaw};
 use super::form::{Dual, Form, VARYING};
 use super::system::{Mistake, Switch, System, SystemError};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, add_product};
 
 /// A linear form in z with its derivatives in the parameters that vary.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,25 +40,15 @@ impl Row {
 
     /// cᵀM with derivatives.
     pub(super) fn through(&self, matrix: &MatrixBy) -> Row {
-        self.through_with(matrix, |number| number)
-    }
-
-    /// The same with a function of every number in place of it, which keeps zero.
-    pub(super) fn through_with(&self, matrix: &MatrixBy, of: impl Fn(f64) -> f64 + Copy) -> Row {
         let mut through = Row::zero(matrix.at.ncols());
-        let add = |sum: &mut Vector, factor: f64, matrix: &Matrix, row: usize| {
-            // most coefficients of a form are zero
-            if factor != 0.0 {
-                let pairs = sum.iter_mut().zip(matrix.row(row).into_iter());
-                pairs.for_each(|(sum, entry)| *sum += of(factor) * of(*entry));
-            }
+        let add = |row: &Vector, matrix: &Matrix, sum: &mut Vector| {
+            let (row, matrix) = (row.as_slice(), matrix.as_slice());
+            add_product(1.0, row, 1, matrix, sum.as_mut_slice());
         };
-        for row in 0..self.at.len() {
-            add(&mut through.at, self.at[row], &matrix.at, row);
-            for p in 0..VARYING {
-                add(&mut through.by[p], self.by[p][row], &matrix.at, row);
-                add(&mut through.by[p], self.at[row], &matrix.by[p], row);
-            }
+        add(&self.at, &matrix.at, &mut through.at);
+        for p in 0..VARYING {
+            add(&self.by[p], &matrix.at, &mut through.by[p]);
+            add(&self.at, &matrix.by[p], &mut through.by[p]);
         }
         through
     }

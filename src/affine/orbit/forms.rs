@@ -1,8 +1,8 @@
 //! Linear forms of z that are zero together, and which of them stay so along a flow and through a reset.
 
-use crate::affine::form::Dual;
+use crate::affine::form::{Dual, VARYING};
 use crate::affine::mode::{Exit, MatrixBy, Row};
-use crate::linalg::Vector;
+use crate::linalg::{Matrix, Vector};
 
 /// A form whose coefficients are smaller than this part of what they are made of is zero but for rounding.
 const ROUNDED: f64 = 1e-10;
@@ -188,7 +188,19 @@ impl Forms {
 
 /// Size of the numbers of which a form times a matrix is made.
 fn bound(row: &Row, matrix: &MatrixBy, units: &Units) -> f64 {
-    units.size(&row.through_with(matrix, f64::abs))
+    let terms = |row: &Vector, matrix: &Matrix, column: usize| -> f64 {
+        let entries = row.iter().zip(matrix.column(column));
+        entries.map(|(c, entry)| (c * entry).abs()).sum()
+    };
+    let largest = |column: usize| {
+        let derivative = |p: usize| {
+            terms(&row.by[p], &matrix.at, column) + terms(&row.at, &matrix.by[p], column)
+        };
+        let derivatives = (0..VARYING).map(|p| units.parameter * derivative(p));
+        let size = derivatives.fold(terms(&row.at, &matrix.at, column), f64::max);
+        size * units.z[column]
+    };
+    (0..row.at.len()).map(largest).fold(0.0, f64::max)
 }
 
 /// Whether an exit changes a state.

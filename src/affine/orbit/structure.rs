@@ -69,9 +69,13 @@ pub fn facts(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Vec<Z
             let order = |guard| forms.order(guard, matrix, units);
             guards.iter().map(|guard| order(&guard.row)).collect()
         };
+        let at_entry: Vec<Option<usize>> = orders(&zero);
+        let states = |pivot: &usize| *pivot < system.states;
         let divided = sequence.zone(index).way.and_then(|way| {
+            if zero.pivots.iter().all(states) {
+                return at_entry[way.guard];
+            }
             let mut set = zero.clone();
-            let states = |pivot: &usize| *pivot < system.states;
             let kept: Vec<bool> = zero.pivots.iter().map(states).collect();
             let mut keep = kept.iter();
             set.rows.retain(|_| keep.next() == Some(&true));
@@ -79,7 +83,7 @@ pub fn facts(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Vec<Z
             set.order(&guards[way.guard].row, matrix, units)
         });
         ZoneFacts {
-            at_entry: orders(&zero),
+            at_entry,
             at_end: orders(&end),
             divided: divided.unwrap_or(0),
             zero,
