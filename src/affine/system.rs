@@ -92,6 +92,17 @@ pub struct Source {
     pub sliding: Ordered<(String, String)>,
 }
 
+impl Source {
+    /// Whether both are one system, but for the values of its parameters.
+    pub fn is_same(&self, other: &Source) -> bool {
+        let bare = |source: &Source| Source {
+            parameters: Ordered::default(),
+            ..source.clone()
+        };
+        self.parameters.names().eq(other.parameters.names()) && bare(self) == bare(other)
+    }
+}
+
 fn is_empty<T>(map: &Ordered<T>) -> bool {
     map.0.is_empty()
 }

@@ -8,8 +8,8 @@ use super::options::read;
 use super::progress::{Progress, drive};
 use crate::branch::SavedWave;
 use crate::branch::run::{RunError, Runner};
-use crate::hybrid::{self, LabelledOrbit};
-use crate::output::orbits::Orbits;
+use crate::hybrid::{self, Named};
+use crate::output::orbits::{Orbits, kind_of};
 use crate::output::waves::Waves;
 use crate::problem::{
     self, Continuation, OrbitStart, Problem, ProblemError, Start, SystemProblem, Toward,
@@ -173,15 +173,15 @@ pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepa
 pub(crate) struct PreparedSystem {
     pub problem: SystemProblem,
     pub continuation: Continuation<String>,
-    restart: Option<LabelledOrbit>,
+    named: Option<Named>,
     source: Source,
 }
 
 impl PreparedSystem {
     /// The beginning of the branch, or the line of the problem file that keeps it from beginning.
     pub(crate) fn begin(&self) -> Result<hybrid::Runner, Failure> {
-        let restart = self.restart.as_ref();
-        let begun = hybrid::Runner::begin(&self.problem, &self.continuation, restart);
+        let named = self.named.as_ref();
+        let begun = hybrid::Runner::begin(&self.problem, &self.continuation, named);
         begun.map_err(|error| {
             let (path, help) = error.about();
             let place = self.source.refusal(path, error.to_string(), help);
@@ -198,31 +198,59 @@ pub(crate) fn ready_system(
 ) -> Result<PreparedSystem, Failure> {
     let source = Source::new(path.display().to_string(), text);
     let mut continuation = problem.continuation(&source.text, &source.name)?.clone();
-    let restart = match &problem.orbit.start {
-        OrbitStart::Restart { dir, label } => {
-            let earlier = Orbits::read(dir)?;
-            if earlier.problem.system.source.states != problem.system.source.states {
-                let message = format!("{} holds orbits with other states", dir.display());
-                return Err(source.refuse("orbit.start", message, "name another folder"));
-            }
-            Some(earlier.labelled(dir, *label)?.clone())
+    let start = &problem.orbit.start;
+    let named = match start {
+        OrbitStart::Restart { dir, label } | OrbitStart::Switch { dir, label } => {
+            Some(named(&problem, dir, *label, &source)?)
         }
-        _ => None,
+        OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => None,
     };
-    let values = restart
-        .as_ref()
-        .map_or_else(|| problem.values(), |saved| saved.orbit.values.clone());
+    let values = named.as_ref().map_or_else(
+        || problem.values(),
+        |named| named.saved.orbit.values.clone(),
+    );
     let first = problem
         .parameter()
         .and_then(|index| values.get(index).copied());
     let column = continuation.parameter.clone();
-    continuation.toward = ways(&continuation, &column, first, &source)?;
+    // the other branch at an event goes the way it goes
+    if !matches!(start, OrbitStart::Switch { .. }) {
+        continuation.toward = ways(&continuation, &column, first, &source)?;
+    }
     Ok(PreparedSystem {
         problem,
         continuation,
-        restart,
+        named,
         source,
     })
+}
+
+/// The orbit of a run of the same system, and what it is there.
+fn named(
+    problem: &SystemProblem,
+    dir: &Path,
+    label: usize,
+    source: &Source,
+) -> Result<Named, Failure> {
+    let earlier = Orbits::read(dir)?;
+    let (own, others) = (&problem.system.source, &earlier.problem.system.source);
+    let refuse = |what: &str| {
+        let message = format!("{} holds orbits {what}", dir.display());
+        source.refuse("orbit.start", message, "name another folder")
+    };
+    if others.states != own.states {
+        return Err(refuse("with other states"));
+    }
+    if !others.parameters.names().eq(own.parameters.names()) {
+        return Err(refuse("of a system with other parameters"));
+    }
+    // an event is one of its own equations only
+    if matches!(problem.orbit.start, OrbitStart::Switch { .. }) && !others.is_same(own) {
+        return Err(refuse("of another system"));
+    }
+    let saved = earlier.labelled(dir, label)?.clone();
+    let kind = kind_of(dir, label)?;
+    Ok(Named { saved, kind })
 }
 
 /// The ways a branch can go from its first point: at an end of the range there is but one.

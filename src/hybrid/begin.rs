@@ -4,7 +4,9 @@ use super::saved::LabelledOrbit;
 use crate::affine::motion::Halt;
 use crate::affine::orbit::AffineOrbit;
 use crate::affine::orbit::start::{self, Beginning, Search, Wanted, first, restart};
+use crate::affine::orbit::switch::switch;
 use crate::linalg::Vector;
+use crate::orbit::EventType;
 use crate::orbit::special::ResumeMismatch;
 use crate::problem::{Continuation, OrbitStart, SystemProblem};
 
@@ -26,7 +28,7 @@ pub enum NoStart {
         /// Its label.
         label: usize,
     },
-    /// The orbit to restart from lies outside the range.
+    /// The orbit to restart from lies outside the range, or the other branch from it begins there.
     #[error("label {label} has {column} = {value}, outside the range ({low}, {high})")]
     LabelOutside {
         /// Its label.
@@ -40,9 +42,14 @@ pub enum NoStart {
         /// Upper end.
         high: f64,
     },
-    /// The other branch at an event cannot be entered yet.
-    #[error("`Switch` is not there yet: begin with `Simulate`, `Given` or `Restart`")]
-    Switch,
+    /// Only at PD and BP another branch passes.
+    #[error("label {label} is of type {kind}: another branch begins at PD and BP only")]
+    NotBranching {
+        /// The label.
+        label: usize,
+        /// Its type.
+        kind: String,
+    },
 }
 
 impl NoStart {
@@ -62,7 +69,10 @@ impl NoStart {
                 "continuation.range",
                 "widen the range to contain the point to restart from",
             ),
-            NoStart::Switch => ("orbit.start", "write for example `start: Restart(…)`"),
+            NoStart::NotBranching { .. } => (
+                "orbit.start",
+                "name a label of that type, or write `Restart` for the branch itself",
+            ),
             _ => (
                 "orbit.start",
                 "begin at another state, or at other values of the parameters",
@@ -97,34 +107,83 @@ pub(super) fn wanted(
     })
 }
 
-/// Finds the first orbit of a problem. `saved` is the orbit that `start: Restart(…)` names.
+/// The saved orbit that a problem names.
+#[derive(Clone, Debug)]
+pub struct Named {
+    /// The orbit.
+    pub saved: LabelledOrbit,
+    /// What it is in `events.csv`; none where it is no event.
+    pub kind: Option<EventType>,
+}
+
+/// The first orbit of a branch.
+pub(super) struct First {
+    pub orbit: AffineOrbit,
+    pub point: Vector,
+    /// Ways that the branch goes from there.
+    pub directions: Vec<bool>,
+}
+
+/// Finds the first orbit of a problem. `named` is the orbit that `start: Restart(…)` or `Switch(…)` names.
 pub(super) fn begin(
     problem: &SystemProblem,
     continuation: &Continuation<String>,
-    saved: Option<&LabelledOrbit>,
-) -> Result<(AffineOrbit, Vector), NoStart> {
+    named: Option<&Named>,
+) -> Result<First, NoStart> {
     let start = &problem.orbit.start;
+    let directions = continuation.toward.directions().to_vec();
+    let along = |(orbit, point): (AffineOrbit, Vector)| First {
+        orbit,
+        point,
+        directions: directions.clone(),
+    };
     let search = match start {
         OrbitStart::Simulate { settle, .. } => Search::Settles(*settle),
         OrbitStart::Given { period, .. } => Search::Guess(period.unwrap_or_default()),
-        OrbitStart::Restart { label, .. } => {
-            let saved = saved.ok_or(NoStart::NoRestart { label: *label })?;
+        OrbitStart::Restart { label, .. } | OrbitStart::Switch { label, .. } => {
+            let label = *label;
+            let Named { saved, kind } = named.ok_or(NoStart::NoRestart { label })?;
             let wanted = wanted(problem, continuation, saved.orbit.values.clone())?;
-            let value = wanted.values.get(wanted.parameter);
-            let value = value.copied().unwrap_or(f64::NAN);
             let (low, high) = continuation.range;
-            if !(value >= low && value <= high) {
-                return Err(NoStart::LabelOutside {
-                    label: *label,
+            let within = |values: &[f64]| {
+                let value = values.get(wanted.parameter).copied().unwrap_or(f64::NAN);
+                let outside = NoStart::LabelOutside {
+                    label,
                     column: continuation.parameter.clone(),
                     value,
                     low,
                     high,
-                });
+                };
+                (value >= low && value <= high).then_some(()).ok_or(outside)
+            };
+            within(&wanted.values)?;
+            if matches!(start, OrbitStart::Restart { .. }) {
+                return Ok(along(restart(&wanted, &saved.orbit)?));
             }
-            return Ok(restart(&wanted, &saved.orbit)?);
+            let doubled = match kind {
+                Some(EventType::PD) => true,
+                Some(EventType::BP) => false,
+                other => {
+                    let kind = other.map_or_else(|| "none".to_owned(), |kind| kind.to_string());
+                    return Err(NoStart::NotBranching { label, kind });
+                }
+            };
+            let sides = switch(&wanted, &saved.orbit, doubled)?;
+            let both = sides.iter().any(|side| side.up) && sides.iter().any(|side| !side.up);
+            let mut wished = sides.iter().filter(|side| directions.contains(&side.up));
+            // a branch that goes one way only is found from either
+            let side = wished.next().or(sides.first()).ok_or(NoStart::Unknown)?;
+            within(&side.orbit.setting.values)?;
+            let mut ways = vec![side.up];
+            if both && directions.len() > 1 {
+                ways.push(!side.up);
+            }
+            return Ok(First {
+                orbit: side.orbit.clone(),
+                point: side.point.clone(),
+                directions: ways,
+            });
         }
-        OrbitStart::Switch { .. } => return Err(NoStart::Switch),
     };
     let place = start.beginning();
     let place = place.and_then(|beginning| beginning.place(&problem.system));
@@ -135,5 +194,5 @@ pub(super) fn begin(
         phase: place.phase,
     };
     let wanted = wanted(problem, continuation, problem.values())?;
-    Ok(first(&wanted, &beginning, search)?)
+    Ok(along(first(&wanted, &beginning, search)?))
 }

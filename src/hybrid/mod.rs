@@ -6,7 +6,7 @@ pub mod row;
 pub mod run;
 mod saved;
 
-pub use begin::NoStart;
+pub use begin::{Named, NoStart};
 pub use point::{Note, OrbitEvent, OrbitPoint};
 pub use run::{Item, Runner};
 pub use saved::LabelledOrbit;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::begin::{NoStart, begin};
+use super::begin::{First, Named, NoStart, begin};
 use super::point::{Note, OrbitEvent, OrbitPoint};
 use super::row::MultiplierRow;
 use super::saved::LabelledOrbit;
@@ -57,6 +57,9 @@ pub struct Progress {
     pub scales: Scales,
     /// Rows of `multipliers.csv` handed out so far.
     pub multipliers: usize,
+    /// Ways of the legs where they are not those of the problem: the other branch at an event has its own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub directions: Vec<bool>,
 }
 
 /// A branch of orbits being computed from a problem.
@@ -72,19 +75,26 @@ pub struct Runner {
 }
 
 impl Runner {
-    /// Finds the first orbit. `restart` is the orbit that `start: Restart(…)` names.
+    /// Finds the first orbit. `named` is the orbit that `start: Restart(…)` or `Switch(…)` names.
     ///
     /// # Errors
     /// There is no first orbit.
     pub fn begin(
         problem: &SystemProblem,
         continuation: &Continuation<String>,
-        restart: Option<&LabelledOrbit>,
+        named: Option<&Named>,
     ) -> Result<Runner, NoStart> {
-        let (orbit, point) = begin(problem, continuation, restart)?;
+        let First {
+            orbit,
+            point,
+            directions,
+        } = begin(problem, continuation, named)?;
         let scales = orbit.setting.scales.clone();
         let values = orbit.setting.values.clone();
-        let plan = plan(problem, continuation);
+        let plan = legs::Plan {
+            directions,
+            ..plan(problem, continuation)
+        };
         let legs = Legs::begin(orbit, &point, plan).map_err(NoStart::NoLeg)?;
         Ok(Runner {
             problem: problem.clone(),
@@ -112,7 +122,10 @@ impl Runner {
         let scales = progress.scales.clone();
         let posed = parameter.and_then(|index| first.posed(problem, index, scales));
         let orbit = posed.ok_or(ResumeMismatch::Progress)?;
-        let plan = plan(problem, continuation);
+        let mut plan = plan(problem, continuation);
+        if !progress.directions.is_empty() {
+            plan.directions = progress.directions;
+        }
         Ok(Runner {
             problem: problem.clone(),
             continuation: continuation.clone(),
@@ -130,6 +143,11 @@ impl Runner {
             legs: self.legs.progress().clone(),
             scales: self.scales.clone(),
             multipliers: self.multipliers,
+            directions: if self.legs.plan().directions == self.continuation.toward.directions() {
+                Vec::new()
+            } else {
+                self.legs.plan().directions.clone()
+            },
         }
     }
 

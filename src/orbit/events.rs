@@ -218,8 +218,9 @@ pub(super) fn located<O: Orbit>(
         places.all(|s| (s - fold.0.s).abs() > step.at_once())
             && (changes.is_empty() || !orbit.closes(&fold.0.node.point))
     };
-    let fold = fold.filter(apart);
+    let fold = fold.filter(&apart);
     let crossings = crossings(orbit, step).ok_or(Refusal::NotFound)?;
+    let crossings: Vec<_> = crossings.into_iter().filter(apart).collect();
     let inexact = fold.iter().chain(&changes).chain(&crossings);
     for (place, Located { uncertainty, .. }) in inexact {
         let value = orbit.value_at(&place.node.point);
@@ -441,13 +442,18 @@ fn crossings<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Vec<(Place, Located<
     let tests = step.before.tests().iter().zip(step.after.tests());
     let mut located = Vec::new();
     for (index, (&before, &after)) in tests.enumerate() {
-        if before * after >= 0.0 {
+        let before = orbit.across_folds(index, before, step.from);
+        let after = orbit.across_folds(index, after, step.to);
+        let differ = before * after < 0.0;
+        // nor where one of them is no number
+        if !differ {
             continue;
         }
         let small = (0.0, 4.0 * f64::EPSILON * step.ds);
         let value = |node: &Node| {
             let examination = orbit.examination(&node.point).ok()?;
-            examination.tests().get(index).copied()
+            let value = examination.tests().get(index).copied()?;
+            Some(orbit.across_folds(index, value, node))
         };
         let ends = ((0.0, before), (step.ds, after));
         let (place, _) = locate::zero_along(orbit, step.from, ends, small, tolerance, value)?;

@@ -211,6 +211,11 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
+    /// The function of [`Examined::tests`] of this place at a node, without the zero that it has at every fold.
+    fn across_folds(&self, _test: usize, value: f64, _node: &Node) -> f64 {
+        value
+    }
+
     /// What the zero of a function of [`Examined::tests`] is at a node: none where it is no event.
     fn crossing(&self, _test: usize, _node: &Node) -> Option<Self::Special> {
         None

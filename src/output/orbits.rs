@@ -1,13 +1,18 @@
 //! The tables of a branch of orbits.
 
-use super::layout::{self, MULTIPLIERS};
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::layout::{self, EVENTS, MULTIPLIERS};
 use super::render::Format;
 use super::run::{Headers, Lines, PROFILE_RESOLUTION, Recorded, Restart};
+use super::store::{self, StoreError, damaged};
 use crate::affine::orbit::AffineOrbit;
 use crate::hybrid::LabelledOrbit;
 use crate::hybrid::row::{MultiplierRow, OrbitEventRow, OrbitRow, SampleRow};
 use crate::hybrid::run::{Item, Progress, Runner};
-use crate::orbit::legs;
+use crate::orbit::{EventType, legs};
 use crate::problem::SystemProblem;
 use crate::table;
 
@@ -77,6 +82,24 @@ impl Recorded for Runner {
             !one.is_whole(states, values.len()) || pairs.into_iter().any(differs)
         })
     }
+}
+
+/// The type of a labelled orbit, from `events.csv`; none where the label is that of a sample.
+///
+/// # Errors
+/// The file is missing or damaged.
+pub(crate) fn kind_of(folder: &Path, label: usize) -> Result<Option<EventType>, StoreError> {
+    #[derive(Deserialize)]
+    struct Row {
+        label: usize,
+        #[serde(rename = "type")]
+        kind: EventType,
+    }
+    let path = folder.join(EVENTS);
+    let rows = store::table(&path)?.rows::<Row>();
+    let rows = rows.map_err(|error| damaged(&path, error.to_string()))?;
+    let row = rows.iter().find(|row| row.label == label);
+    Ok(row.map(|row| row.kind))
 }
 
 /// The profile of a labelled orbit, where profiles are asked for; one that overflows is left out.

@@ -29,7 +29,7 @@ pub enum Toward {
 
 impl Toward {
     /// Whether the parameter grows at first, leg by leg.
-    fn directions(self) -> &'static [bool] {
+    pub(crate) fn directions(self) -> &'static [bool] {
         match self {
             Toward::Down => &[false],
             Toward::Up => &[true],

@@ -11,4 +11,5 @@ mod problems;
 mod refusals;
 mod start;
 mod steady;
+mod switch;
 mod systems;

@@ -3,8 +3,8 @@
 //! [`signature`] is the sequence of zones, [`layout`] has the unknowns, [`residual`] the equations; [`passage`] is
 //! the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends whatever the
 //! parameter, as [`forms`] tell. [`margin`] measures the inequalities, [`examine`] decides them; [`candidates`] finds
-//! what lies beyond an event; [`multipliers`] has the stability; [`start`] finds the first orbit, and [`row`] has what
-//! results keep of one.
+//! what lies beyond an event; [`multipliers`] has the stability; [`start`] finds the first orbit, [`switch`] that of the
+//! other branch at an event, and [`row`] has what results keep of one.
 
 pub mod candidates;
 pub mod examine;
@@ -18,6 +18,7 @@ pub mod row;
 pub mod signature;
 pub mod start;
 mod structure;
+pub mod switch;
 
 use std::fmt;
 
@@ -142,9 +143,6 @@ impl fmt::Display for OrbitStop {
 /// durations changes there, by this part at least, they grow without bound.
 const STATIONARY: f64 = 1e-8;
 const GROWING: f64 = 0.9;
-
-/// Below this component of the parameter along a unit tangent a multiplier 1 is that of a fold.
-const AT_FOLD: f64 = 1e-5;
 
 /// A zone shorter than this, in units of the period, is about to close.
 const CLOSING: f64 = 1e-6;
@@ -317,13 +315,18 @@ impl Orbit for AffineOrbit {
         (times > 1).then_some((Critical::PeriodDoubling, OrbitStop::Repeats { times }))
     }
 
+    /// det(M − 1) vanishes at folds, as the parameter along the unit tangent does; their quotient does not.
+    fn across_folds(&self, test: usize, value: f64, node: &Node) -> f64 {
+        match test {
+            1 => value / node.tangent[node.tangent.len() - 1],
+            _ => value,
+        }
+    }
+
     fn crossing(&self, test: usize, node: &Node) -> Option<Critical> {
         match test {
             0 => Some(Critical::PeriodDoubling),
-            1 => {
-                let along = node.tangent[node.tangent.len() - 1].abs();
-                (along > AT_FOLD).then_some(Critical::Branching)
-            }
+            1 => Some(Critical::Branching),
             _ => {
                 let at = self.at(&node.point).ok()?;
                 at.monodromy(&at.passages().ok()?)?

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use super::layout::{AffineOrbit, OrbitFailure, ZonePoint};
-use super::signature::Sequence;
+use super::signature::{Sequence, Zone};
 use crate::linalg::Vector;
 
 /// An orbit in order of time, from the entry of the first mode of the file that occurs: that of the earliest phase in
@@ -47,6 +47,26 @@ pub struct SavedOrbit {
     pub periods: u32,
     /// Values of all parameters in the order of the file.
     pub values: Vec<f64>,
+}
+
+impl SavedOrbit {
+    /// Its zones with their places; `None` where one lacks the other.
+    pub(super) fn parts(&self) -> Option<Vec<(Zone, ZonePoint)>> {
+        let parts = self.sequence.0.iter().cloned();
+        let fits = self.zones.len() == self.sequence.len();
+        fits.then(|| parts.zip(self.zones.iter().cloned()).collect())
+    }
+
+    /// The first of so many equal parts.
+    pub(super) fn part(&self, times: usize) -> SavedOrbit {
+        let count = self.zones.len() / times;
+        SavedOrbit {
+            sequence: Sequence(self.sequence.0[..count].to_vec()),
+            zones: self.zones[..count].to_vec(),
+            periods: (self.periods / times as u32).max(1),
+            values: self.values.clone(),
+        }
+    }
 }
 
 /// Parts of an orbit are one another's repetition where nothing differs by more than this in its own units: the

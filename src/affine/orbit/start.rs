@@ -95,6 +95,9 @@ pub enum NoStart {
     /// one.
     #[error("the motion has zones that no orbit has")]
     NoZones,
+    /// The equations of an orbit are regular at a fixed parameter: no other branch passes there.
+    #[error("no other branch passes through the orbit: its equations are singular to {0:.1e} only")]
+    Regular(f64),
 }
 
 /// A motion has returned where no state is further off than this part of its size.
@@ -196,16 +199,11 @@ pub fn first(
 /// # Errors
 /// Why it is not found again.
 pub fn restart(wanted: &Wanted, saved: &SavedOrbit) -> Result<(AffineOrbit, Vector), NoStart> {
-    if saved.zones.len() != saved.sequence.len() {
-        return Err(NoStart::NoZones);
-    }
-    let parts = saved
-        .sequence
-        .0
-        .iter()
-        .cloned()
-        .zip(saved.zones.iter().cloned());
-    pose(wanted, parts.collect(), saved.periods)
+    pose(
+        wanted,
+        saved.parts().ok_or(NoStart::NoZones)?,
+        saved.periods,
+    )
 }
 
 /// Whether a place is one where a zone begins at a switch: a guard of its own mode is zero.
@@ -435,6 +433,36 @@ fn pose(
         halvings: 12,
         polish: 1,
     };
+    let (orbit, guess) = scaled(wanted, parts, periods)?;
+    let index = guess.len() - 1;
+    let mut fixed = Fixed {
+        index,
+        value: guess[index],
+    };
+    let solution = newton::solve(&orbit, &mut fixed, &guess, &NEWTON).map_err(NoStart::Newton)?;
+    admitted(&orbit, &solution.point)?;
+    Ok((orbit, solution.point))
+}
+
+/// Whether every inequality of an orbit holds.
+pub(super) fn admitted(orbit: &AffineOrbit, point: &Vector) -> Result<(), NoStart> {
+    let examination = orbit.examination(point).map_err(failed)?;
+    match examination.verdict() {
+        Verdict::Positive => Ok(()),
+        _ => Err(NoStart::Inadmissible(orbit.inadmissible(&examination))),
+    }
+}
+
+fn failed(failure: OrbitFailure) -> NoStart {
+    NoStart::Newton(newton::Failure::System(failure))
+}
+
+/// The orbits with these zones, in units of these places, and the places in those.
+pub(super) fn scaled(
+    wanted: &Wanted,
+    parts: Vec<(Zone, ZonePoint)>,
+    periods: u32,
+) -> Result<(AffineOrbit, Vector), NoStart> {
     /// A state that never exceeds this is zero but for rounding.
     const NOTHING: f64 = 1e-15;
     let (zones, points): (Vec<Zone>, Vec<ZonePoint>) = parts.into_iter().unzip();
@@ -472,7 +500,6 @@ fn pose(
         let orbit = AffineOrbit::new(Arc::new(setting(scales)), sequence.clone());
         orbit.ok_or(NoStart::NoZones)
     };
-    let failed = |failure: OrbitFailure| NoStart::Newton(newton::Failure::System(failure));
     // a state may be zero at all of the switches: its size is that between them
     let bare = posed(scales.clone())?;
     let extremes = bare.extremes(&bare.pack(&points, value)).map_err(failed)?;
@@ -483,17 +510,6 @@ fn pose(
             .collect(),
         ..scales
     })?;
-    let guess = orbit.pack(&points, value);
-    let index = guess.len() - 1;
-    let mut fixed = Fixed {
-        index,
-        value: guess[index],
-    };
-    let solution = newton::solve(&orbit, &mut fixed, &guess, &NEWTON).map_err(NoStart::Newton)?;
-    let point = solution.point;
-    let examination = orbit.examination(&point).map_err(failed)?;
-    match examination.verdict() {
-        Verdict::Positive => Ok((orbit, point)),
-        _ => Err(NoStart::Inadmissible(orbit.inadmissible(&examination))),
-    }
+    let point = orbit.pack(&points, value);
+    Ok((orbit, point))
 }
