@@ -10,6 +10,7 @@ use crate::branch::special::{Change, Inadmissible, Note, OfWaves, Special, WaveM
 use crate::continuation::walk::End;
 use crate::curve::{self, Gone, What};
 use crate::hybrid;
+use crate::hybrid::scan::Lack;
 use crate::map::Missing;
 use crate::model::signature::Regime;
 use crate::model::{Impact, Landing};
@@ -75,6 +76,21 @@ pub(crate) fn halt(system: &System, halt: &Halt) -> String {
             format!("{halt}; `rest` of a switch names the mode that begins there")
         }
         Halt::Livelock { .. } | Halt::Unbounded { .. } => halt.to_string(),
+    }
+}
+
+/// What a motion does that has no samples.
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
+pub(crate) const AWAY: &str = "the motion does not come to the section";
+
+/// Why a value of a scan has fewer samples than asked for.
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
+pub(crate) fn lack(system: &System, lack: &Lack) -> String {
+    match lack {
+        Lack::System(error) => format!("the system makes no sense here: {error}"),
+        Lack::Halted(reason) => halt(system, reason),
+        Lack::Away { time } => format!("{AWAY} for a time of {time}"),
+        Lack::Outside => "no random state lies within the mode that motions begin in".to_owned(),
     }
 }
 

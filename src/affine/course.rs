@@ -74,7 +74,7 @@ impl Iterator for Course<'_> {
         let until = self.begun + time;
         if until > self.motion.place().time {
             match self.motion.step(until) {
-                Ok(Step::Reached) => {}
+                Ok(Step::Reached | Step::Section) => {}
                 Ok(Step::Switched(switching)) => return Some(Ok(Seen::Switch(switching))),
                 Err(halt) => {
                     self.ended = true;

@@ -62,26 +62,32 @@ impl ModeFlow {
         } else {
             longest
         };
-        let guards = mode.guards.iter().map(|guard| {
-            let form = &guard.row.at;
-            let size = form.component_mul(&scales).amax();
-            let mut coefficients = Matrix::zeros(form.len(), COEFFICIENTS);
-            coefficients.set_column(0, form);
-            for k in 1..COEFFICIENTS {
-                let (known, next) = coefficients.as_mut_slice().split_at_mut(k * form.len());
-                let (last, next) = (&known[(k - 1) * form.len()..], &mut next[..form.len()]);
-                add_product(length / k as f64, last, 1, matrix.as_slice(), next);
-            }
-            GuardSeries { coefficients, size }
-        });
         let [step, _] = propagator(&matrix, &Matrix::zeros(0, 0), norm, length);
-        ModeFlow {
-            guards: guards.collect(),
+        let mut flow = ModeFlow {
+            guards: Vec::new(),
             step,
             length,
             scales,
             matrix,
+        };
+        for guard in &mode.guards {
+            flow.watch(guard.row.at.clone());
         }
+        flow
+    }
+
+    /// One more linear form of z whose sign is looked at, after those that are there.
+    pub(super) fn watch(&mut self, form: Vector) {
+        let size = form.component_mul(&self.scales).amax();
+        let mut coefficients = Matrix::zeros(form.len(), COEFFICIENTS);
+        coefficients.set_column(0, &form);
+        for k in 1..COEFFICIENTS {
+            let (known, next) = coefficients.as_mut_slice().split_at_mut(k * form.len());
+            let (last, next) = (&known[(k - 1) * form.len()..], &mut next[..form.len()]);
+            let part = self.length / k as f64;
+            add_product(part, last, 1, self.matrix.as_slice(), next);
+        }
+        self.guards.push(GuardSeries { coefficients, size });
     }
 
     /// z after a whole piece.

@@ -46,6 +46,8 @@ pub enum Step {
     Reached,
     /// A switch before it.
     Switched(Switching),
+    /// The section that is watched, before it.
+    Section,
 }
 
 /// Why a motion does not go on.
@@ -99,6 +101,9 @@ pub enum Halt {
 /// digits of the state are rounding.
 const CHATTER: f64 = 1e-12;
 
+/// A form that is zero is so within this many units of its terms: the state at a switch is known to a few roundings.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// So many of them in a row are a chattering, and so many switches without time a livelock.
 const IN_A_ROW: usize = 8;
 
@@ -130,6 +135,18 @@ pub struct Motion<'a> {
     falling: Vec<f64>,
     /// How many of the last zones were short.
     short: usize,
+    section: Option<Section>,
+}
+
+/// A section that a motion is watched for, and what is known of its sign.
+#[derive(Clone, Debug)]
+struct Section {
+    row: Vector,
+    /// Whether the motion comes from below; where it does not it has to get there first. Not known in a zone that
+    /// lies in the section.
+    below: Option<bool>,
+    /// Whether the motion is at the section just now.
+    there: bool,
 }
 
 impl<'a> Motion<'a> {
@@ -143,8 +160,38 @@ impl<'a> Motion<'a> {
             entered: place.time,
             falling: Vec::new(),
             short: 0,
+            section: None,
             place,
         }
+    }
+
+    /// The same motion, which now stops wherever this linear form of z comes to zero from below: also at a switch,
+    /// before it, but not where a reset leads across. The form is that of the first guard of a mode.
+    pub fn watching(mut self, mode: usize) -> Motion<'a> {
+        let form = self.system.modes.get(mode);
+        let form = form.and_then(|mode| Some(mode.guards.first()?.row.at.clone()));
+        self.section = form.map(|row| Section {
+            row,
+            below: None,
+            there: true,
+        });
+        if let Some(Section { row, .. }) = &self.section {
+            for flow in &mut self.flows {
+                flow.watch(-row);
+                flow.watch(row.clone());
+            }
+        }
+        self
+    }
+
+    /// Whether every guard of the mode is positive at the place, or about to be.
+    pub fn is_inside(&self) -> bool {
+        let Place {
+            state, phase, mode, ..
+        } = &self.place;
+        let z = self.system.lift(state, *phase);
+        let mut guards = 0..self.system.modes[*mode].guards.len();
+        guards.all(|guard| matches!(self.flows[*mode].onset(guard, &z), Onset::Positive(_)))
     }
 
     /// Where it is.
@@ -157,6 +204,15 @@ impl<'a> Motion<'a> {
     /// # Errors
     /// Why the motion does not go on.
     pub fn step(&mut self, until: f64) -> Result<Step, Halt> {
+        loop {
+            if let Some(step) = self.move_on(until)? {
+                return Ok(step);
+            }
+        }
+    }
+
+    /// The same; none where the motion has only come below its section.
+    fn move_on(&mut self, until: f64) -> Result<Option<Step>, Halt> {
         let Place {
             time: start,
             phase,
@@ -171,7 +227,7 @@ impl<'a> Motion<'a> {
             for guard in guards.clone() {
                 match flow.onset(guard, &z) {
                     Onset::Positive(order) => orders[guard] = order,
-                    Onset::Negative => return self.switch(guard, start, &z),
+                    Onset::Negative => return self.switch(guard, start, &z).map(Some),
                     Onset::Zero => {
                         return Err(Halt::Undecided {
                             time: start,
@@ -182,12 +238,32 @@ impl<'a> Motion<'a> {
                 }
             }
         }
+        // below the section its negative is positive, above it the section itself
+        let count = guards.len();
+        let mut watched = None;
+        if let Some(section) = &mut self.section {
+            let mut order = 0;
+            if self.fresh || section.there {
+                section.below = match flow.onset(count, &z) {
+                    Onset::Positive(_) => Some(true),
+                    Onset::Negative => Some(false),
+                    Onset::Zero => None,
+                };
+                let side = section.below.map(|below| count + usize::from(!below));
+                if let Some(Onset::Positive(zero)) = side.map(|side| flow.onset(side, &z)) {
+                    order = zero;
+                }
+                section.there = false;
+            }
+            watched = section.below.map(|below| count + usize::from(!below));
+            orders.resize(count + 2, order);
+        }
         let (mut time, mut begun) = (start, 0.0);
         while time < until {
             let rest = until - time;
             let part = (rest / flow.length).min(1.0);
             let mut first: Option<(f64, usize)> = None;
-            for guard in guards.clone() {
+            for guard in watched.into_iter().chain(guards.clone()) {
                 let crossing = flow.crossing(guard, &z, orders[guard], part);
                 // at one instant the file's order decides
                 if let Some(after) = crossing
@@ -199,7 +275,20 @@ impl<'a> Motion<'a> {
             }
             if let Some((after, guard)) = first {
                 let z = flow.within(&z, after);
-                return self.switch(guard, start + begun + after, &z);
+                let now = start + begun + after;
+                let Some(section) = self.section.as_mut().filter(|section| {
+                    // a switch in the section itself: which of the two comes first is rounding
+                    let size: f64 = section.row.iter().zip(&z).map(|(c, z)| (c * z).abs()).sum();
+                    let zero = section.row.dot(&z).abs() <= ROUNDING * size;
+                    guard >= count || section.below == Some(true) && zero
+                }) else {
+                    return self.switch(guard, now, &z).map(Some);
+                };
+                let risen = section.below == Some(true);
+                section.there = true;
+                self.fresh = false;
+                self.come(now, phase + self.system.omega.value * (now - start), &z);
+                return Ok(risen.then_some(Step::Section));
             }
             if part < 1.0 {
                 z = flow.within(&z, rest);
@@ -214,10 +303,18 @@ impl<'a> Motion<'a> {
             }
         }
         self.fresh = false;
-        self.place.state = z.rows(0, self.system.states).iter().copied().collect();
-        self.place.phase = phase + self.system.omega.value * (until - start);
-        self.place.time = until;
-        Ok(Step::Reached)
+        let phase = phase + self.system.omega.value * (until - start);
+        self.come(until, phase, &z);
+        Ok(Some(Step::Reached))
+    }
+
+    /// Takes a place within the zone.
+    fn come(&mut self, time: f64, phase: f64, z: &Vector) {
+        self.place.state.clear();
+        let state = z.rows(0, self.system.states);
+        self.place.state.extend(state.iter());
+        self.place.phase = phase;
+        self.place.time = time;
     }
 
     /// Goes over to the mode that a guard leads to.
@@ -232,7 +329,7 @@ impl<'a> Motion<'a> {
         // a condition that is zero holds; so it does where rounding alone makes it negative
         let holds = |row: &Row| {
             let size: f64 = row.at.iter().zip(z).map(|(c, z)| (c * z).abs()).sum();
-            value(row) >= -16.0 * f64::EPSILON * size
+            value(row) >= -ROUNDING * size
         };
         let exits = self.system.modes[mode].guards[guard].exits.iter();
         let mut exits = exits.enumerate();

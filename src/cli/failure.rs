@@ -171,8 +171,8 @@ pub(crate) enum Usage {
     Shard,
     #[error("name a problem file")]
     NoProblem,
-    #[error("{} and {} are shards of different maps", .0.display(), .1.display())]
-    OtherMap(PathBuf, PathBuf),
+    #[error("{} and {} are shards of different problems", .0.display(), .1.display())]
+    OtherShards(PathBuf, PathBuf),
     #[error("{}: there is no such folder", .0.display())]
     NoFolder(PathBuf),
     #[error("{}: it is there already; --force replaces it", .0.display())]
@@ -185,8 +185,12 @@ pub(crate) enum Usage {
     NoBranch(PathBuf),
     #[error("{} holds no branch: --x, --y, --log and --range draw columns of one", .0.display())]
     NoView(PathBuf),
-    #[error("{} is a shard of a map: join all of them first with `brakewave map merge`", .0.display())]
-    Unjoined(PathBuf),
+    #[error("{} is a shard of a {verb}: join all of them first with `brakewave {verb} merge`", folder.display())]
+    Unjoined { folder: PathBuf, verb: &'static str },
+    #[error("{} is no scan, over which a branch could be drawn", .0.display())]
+    NoScan(PathBuf),
+    #[error("{} holds no branch of orbits in `{parameter}`, the parameter of the scan", folder.display())]
+    NoBranchIn { folder: PathBuf, parameter: String },
     #[error("{} holds proofs, which have no picture; plot the folder of the run", .0.display())]
     NoPicture(PathBuf),
     #[error("{} holds results of a system of one's own, of which no pictures are drawn yet", .0.display())]

@@ -6,13 +6,13 @@ mod check;
 mod curve;
 mod failure;
 mod junit;
-mod map;
 mod motion;
 mod options;
 mod plot;
 mod prepare;
 mod progress;
 mod report;
+mod rows;
 mod run;
 #[cfg(feature = "completions")]
 mod shell;
@@ -29,7 +29,7 @@ use clap::{
 };
 
 use crate::output::store::Offers;
-use crate::problem;
+use crate::problem::{self, Problem, SystemProblem};
 use failure::{EXIT_CODES, Exit, Failure};
 
 /// Continuation and bifurcation of friction-driven travelling waves (brake squeal).
@@ -57,7 +57,9 @@ enum Verb {
     /// Follow an event of the branch in two parameters
     Curve(curve::CurveArguments),
     /// Which waves exist where in a plane of two parameters, and which of them are stable
-    Map(map::MapArguments),
+    Map(rows::RowsArguments),
+    /// What motions of a system settle on, for many values of a parameter
+    Scan(rows::RowsArguments),
     /// Stability of steady sliding, mode by mode, in the reduced model and in the tube itself, as CSV
     /// on standard output
     Steady(steady::SteadyArguments),
@@ -99,6 +101,7 @@ enum Purpose {
     Steady,
     Simulate,
     Report,
+    Scan,
     /// Any verb, with a system of one's own in the place of a tube
     System,
 }
@@ -107,7 +110,7 @@ impl Purpose {
     /// The problem file.
     fn template(self) -> String {
         match self {
-            Purpose::System => problem::SYSTEM_TEMPLATE.to_owned(),
+            Purpose::Scan | Purpose::System => problem::SYSTEM_TEMPLATE.to_owned(),
             other => problem::template(other.sections()),
         }
     }
@@ -124,7 +127,7 @@ impl Purpose {
             Purpose::Map => &["map"],
             Purpose::Steady => &[],
             Purpose::Simulate => &["simulation"],
-            Purpose::System => &[],
+            Purpose::Scan | Purpose::System => &[],
         }
     }
 }
@@ -141,7 +144,8 @@ pub fn main() -> ExitCode {
         Verb::Spectrum(arguments) => spectrum::spectrum(&arguments),
         Verb::Accuracy(arguments) => accuracy::accuracy(&arguments),
         Verb::Curve(arguments) => curve::curve(&arguments),
-        Verb::Map(arguments) => map::map(&arguments),
+        Verb::Map(arguments) => rows::rows::<Problem>(&arguments),
+        Verb::Scan(arguments) => rows::rows::<SystemProblem>(&arguments),
         Verb::Steady(arguments) => steady::steady(&arguments),
         Verb::Simulate(arguments) => simulate::simulate(&arguments),
         Verb::Report(arguments) => report::report(&arguments),

@@ -9,6 +9,8 @@ use super::{stopped, titled};
 use crate::affine::course::Course;
 use crate::messages::halt;
 use crate::output::motion::MotionFolder;
+use crate::output::pictures;
+use crate::output::render::Format;
 use crate::output::store::Kind;
 use crate::problem::SystemProblem;
 
@@ -37,6 +39,7 @@ pub(super) fn simulate(task: &Task, problem: &SystemProblem, text: &str) -> Resu
         let time = course.place().time;
         Ok(Some((time / section.duration, format!("t = {time:.4}"))))
     })?;
+    pictures::motion::draw(&store, problem, Format::Svg)?;
     let place = course.place();
     let mut words = format!(
         "{} switches by t = {}, where it is in the mode {}:",

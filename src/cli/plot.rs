@@ -1,6 +1,6 @@
 //! `brakewave plot`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
@@ -18,7 +18,7 @@ use crate::problem::{Any, Plot, SystemPlot, SystemProblem};
 
 #[derive(Debug, Args)]
 pub(crate) struct PlotArguments {
-    /// Result folder of an earlier run, map, curve, simulation, accuracy or steady
+    /// Result folder of an earlier run, map, curve, scan, simulation, accuracy or steady
     folder: PathBuf,
     /// Format of the pictures: svg, png, pdf or tex (pgfplots)
     #[arg(long, default_value = "svg", value_parser = format)]
@@ -38,6 +38,9 @@ pub(crate) struct PlotArguments {
     /// Part of the vertical axis
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     range_y: Option<(f64, f64)>,
+    /// Draw a scan with the branch of this run folder over it, scan_over.svg
+    #[arg(long, value_name = "RUN")]
+    over: Option<PathBuf>,
     /// Replace a view that was drawn before
     #[arg(long)]
     force: bool,
@@ -80,14 +83,39 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
     if !run && arguments.view() {
         return Err(Usage::NoView(folder.clone()).into());
     }
+    if arguments.over.is_some() && kind != Some(Kind::Scan) {
+        return Err(Usage::NoScan(folder.clone()).into());
+    }
     let mut problem = match kind {
-        Some(Kind::MapShard) => return Err(Usage::Unjoined(folder.clone()).into()),
+        Some(Kind::MapShard | Kind::ScanShard) => {
+            let verb = match kind {
+                Some(Kind::MapShard) => Kind::Map.name(),
+                _ => Kind::Scan.name(),
+            };
+            let folder = folder.clone();
+            return Err(Usage::Unjoined { folder, verb }.into());
+        }
         Some(Kind::Certificate) => return Err(Usage::NoPicture(folder.clone()).into()),
         _ => match origin::problem(folder)? {
             Some(Any::System(problem)) if run => {
                 return plot_orbits(arguments, &store?, *problem, format);
             }
-            Some(Any::System(_)) => return Err(Usage::Unpictured(folder.clone()).into()),
+            Some(Any::System(problem)) => {
+                let store = store?;
+                return match kind {
+                    Some(Kind::Scan) => {
+                        let over = arguments.over.as_deref();
+                        if let Some(run) = over {
+                            of_parameter(run, &problem)?;
+                        }
+                        list(&pictures::scan::draw(&store, &problem, over, format)?)
+                    }
+                    Some(Kind::Simulation) => {
+                        list(&pictures::motion::draw(&store, &problem, format)?)
+                    }
+                    _ => Err(Usage::Unpictured(folder.clone()).into()),
+                };
+            }
             known => known.and_then(Any::tube),
         },
     };
@@ -141,6 +169,27 @@ fn plot_orbits(
         problem.output.plots.push(SystemPlot::Diagram);
     }
     list(&pictures::orbits::draw(store, &problem, format)?)
+}
+
+/// Refuses a run that is no branch in the parameter of a scan.
+fn of_parameter(run: &Path, scan: &SystemProblem) -> Result<(), Failure> {
+    there(run)?;
+    let is_run = Store::visit(run)?.kind() == Some(Kind::Run);
+    let found = match origin::problem(run)? {
+        Some(Any::System(problem)) if is_run => problem.continuation,
+        _ => None,
+    };
+    let scanned = scan
+        .scan
+        .as_ref()
+        .map_or("", |scan| scan.parameter.as_str());
+    match found {
+        Some(branch) if branch.parameter == scanned => Ok(()),
+        _ => {
+            let (folder, parameter) = (run.to_owned(), scanned.to_owned());
+            Err(Usage::NoBranchIn { folder, parameter }.into())
+        }
+    }
 }
 
 /// Refuses to replace a view that was drawn before.

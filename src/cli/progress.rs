@@ -54,17 +54,28 @@ pub(crate) fn each<T: Sync, R: Send, C: FromParallelIterator<R>>(
     what: &str,
     work: impl Fn(&T) -> R + Sync,
 ) -> C {
-    let (progress, done, all) = (Progress::new(quiet), AtomicUsize::new(0), list.len());
+    tallied(quiet, list, (list.len(), what), |one, done| {
+        let outcome = work(one);
+        done();
+        outcome
+    })
+}
+
+/// The same where each of the list is more than one of what is counted: `work` says when one of `all` is done.
+pub(crate) fn tallied<T: Sync, R: Send, C: FromParallelIterator<R>>(
+    quiet: bool,
+    list: &[T],
+    (all, what): (usize, &str),
+    work: impl Fn(&T, &(dyn Fn() + Sync)) -> R + Sync,
+) -> C {
+    let (progress, done) = (Progress::new(quiet), AtomicUsize::new(0));
     let show = |done: usize| {
         let words = format!("{done} of {all} {what}");
         progress.show(done as f64 / all as f64, words);
     };
     show(0);
-    let outcomes = list.par_iter().map(|one| {
-        let outcome = work(one);
-        show(done.fetch_add(1, Ordering::Relaxed) + 1);
-        outcome
-    });
+    let one_more = || show(done.fetch_add(1, Ordering::Relaxed) + 1);
+    let outcomes = list.par_iter().map(|one| work(one, &one_more));
     outcomes.collect()
 }
 

@@ -68,9 +68,9 @@ impl Node {
         }
     }
 
-    /// A point with the null vector of the Jacobian of its system as tangent; `None` where that cannot be
-    /// evaluated.
-    pub(crate) fn on<S: System>(system: &S, point: Vector) -> Option<Node> {
+    /// A point of the zero set with the null vector of the Jacobian of its system as tangent, either way round;
+    /// `None` where that cannot be evaluated.
+    pub fn on<S: System>(system: &S, point: Vector) -> Option<Node> {
         let (matrix, residual) = newton::jacobian(system, &point).ok()?;
         let tangent = linalg::kernel(&matrix)?.null_vector;
         Some(Node {
@@ -80,7 +80,7 @@ impl Node {
     }
 
     /// The node seen the other way.
-    pub(crate) fn backwards(&self) -> Node {
+    pub fn backwards(&self) -> Node {
         Node {
             tangent: -&self.tangent,
             ..self.clone()

@@ -78,8 +78,8 @@ pub fn solve<S: System>(
     })
 }
 
-/// The node at arclength s of the step that sets out from a node.
-pub(crate) fn node_at<S: System>(system: &S, from: &Node, s: f64, tolerance: f64) -> Option<Node> {
+/// The node at arclength s of the step that sets out from a node; `None` where Newton's method finds none.
+pub fn node_at<S: System>(system: &S, from: &Node, s: f64, tolerance: f64) -> Option<Node> {
     let predicted = &from.point + &from.tangent * s;
     let mut plane = Plane {
         normal: &from.tangent,
@@ -91,8 +91,8 @@ pub(crate) fn node_at<S: System>(system: &S, from: &Node, s: f64, tolerance: f64
 
 /// The zero of a function along a step, from places s with values of different signs, and the value
 /// found. `size` is a value that is zero but for rounding; from a bracket as narrow as `width` one more
-/// value is taken.
-pub(crate) fn zero_along<S: System>(
+/// value is taken. `None` where no point is found on the way.
+pub fn zero_along<S: System>(
     system: &S,
     from: &Node,
     (low, high): ((f64, f64), (f64, f64)),

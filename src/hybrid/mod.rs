@@ -1,10 +1,12 @@
-//! A branch of periodic orbits of a user's system in one parameter: first orbit, points, labels and events.
+//! A branch of periodic orbits of a user's system in one parameter: first orbit, points, labels and events; and
+//! [`scan`], what motions settle on without following anything.
 
 mod begin;
 mod point;
 pub mod row;
 pub mod run;
 mod saved;
+pub mod scan;
 
 pub use begin::{Named, NoStart};
 pub use point::{Note, OrbitEvent, OrbitPoint};

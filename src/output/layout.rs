@@ -22,6 +22,9 @@ pub(crate) fn profile_file(label: usize) -> String {
 pub(crate) const MAP: &str = "map.csv";
 /// The problem of a map.
 pub(crate) const MAP_ORIGIN: &str = "map.ron";
+pub(crate) const SCAN: &str = "scan.csv";
+/// The problem of a scan.
+pub(crate) const SCAN_ORIGIN: &str = "scan.ron";
 pub(crate) const CURVE: &str = "curve.csv";
 /// Errors and run times of methods.
 pub(crate) const ACCURACY: &str = "accuracy.csv";
@@ -65,7 +68,7 @@ pub(crate) fn pictures(kind: Kind, problem: &Problem, format: Format) -> Vec<Str
         Kind::Run => problem.output.plots.iter().map(plot).collect(),
         Kind::Simulation => MOTION.map(str::to_owned).to_vec(),
         Kind::Map | Kind::Curve | Kind::Accuracy | Kind::Steady => vec![kind.name().to_owned()],
-        Kind::MapShard | Kind::Certificate => Vec::new(),
+        Kind::MapShard | Kind::Scan | Kind::ScanShard | Kind::Certificate => Vec::new(),
     };
     names.iter().map(|name| picture(name, format)).collect()
 }
@@ -76,6 +79,21 @@ pub(crate) fn pictures_of_orbits(problem: &SystemProblem, format: Format) -> Vec
     plots
         .map(|plot| picture(&orbit_plot(plot), format))
         .collect()
+}
+
+/// The picture of a scan, and that with a branch over it, without extension.
+pub(super) const SCANNED: [&str; 2] = ["scan", "scan_over"];
+/// Pictures of a motion of a system, without extension.
+pub(super) const OF_MOTION: [&str; 2] = ["time_series", "phase_plane"];
+
+/// Files of pictures that a folder of a system has besides those of a branch.
+pub(crate) fn pictures_of_system(kind: Kind, format: Format) -> Vec<String> {
+    let names = match kind {
+        Kind::Scan => &SCANNED[..1],
+        Kind::Simulation => &OF_MOTION,
+        _ => &[],
+    };
+    names.iter().map(|name| picture(name, format)).collect()
 }
 
 /// Name of a picture of a branch of orbits.

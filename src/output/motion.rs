@@ -3,9 +3,10 @@
 //! Rows are appended as they are found. A motion is computed again from its beginning where it was interrupted, and
 //! ends in the same files.
 
-use super::layout::{SECTION, SERIES, SWITCHES};
+use super::layout::{self, SECTION, SERIES, SWITCHES};
 use super::origin::Origin;
-use super::store::{Growing, Store, StoreError};
+use super::render::Format;
+use super::store::{Growing, Kind, Store, StoreError};
 use crate::affine::course::Seen;
 use crate::affine::motion::Place;
 use crate::affine::system::System;
@@ -39,7 +40,8 @@ impl<'a> MotionFolder<'a> {
         let forced = system.source.forcing.is_some();
         let mut names = vec![SERIES, SWITCHES, Origin::<SystemProblem>::FILE];
         names.extend(forced.then_some(SECTION));
-        store.begin(&names, Vec::new(), None)?;
+        let pictures = layout::pictures_of_system(Kind::Simulation, Format::Svg);
+        store.begin(&names, pictures, None)?;
         Origin::keep(store, problem)?;
         let states = &system.source.states;
         let of_states =

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::layout::MAP_ORIGIN;
+use super::layout::{MAP_ORIGIN, SCAN_ORIGIN};
 use super::run::RESTART;
 use super::simulation::SimulationCheckpoint;
 use super::store::{Checkpoint, Store, StoreError, VERSION, decode};
@@ -46,10 +46,11 @@ impl<P: Clone + Serialize> Origin<P> {
 /// When what is saved of it is damaged.
 pub(crate) fn problem(folder: &Path) -> Result<Option<Any>, StoreError> {
     // what else a checkpoint holds is for going on, and may be of an earlier version
-    let files = [
+    let files: [&str; 5] = [
         RESTART,
         SimulationCheckpoint::FILE,
         MAP_ORIGIN,
+        SCAN_ORIGIN,
         Origin::<Problem>::FILE,
     ];
     let file = files.into_iter().find(|name| folder.join(name).exists());

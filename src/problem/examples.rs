@@ -6,7 +6,7 @@ const OF_TUBES: &str = include_str!("examples.ron");
 const OF_SYSTEMS: &str = include_str!("examples_system.ron");
 
 /// Fields that hold a map: what stands in it has names of the user's own.
-const MAPS: [&str; 8] = [
+const MAPS: [&str; 9] = [
     "parameters",
     "define",
     "modes",
@@ -14,6 +14,7 @@ const MAPS: [&str; 8] = [
     "rates",
     "reset",
     "state",
+    "within",
     "numbers",
 ];
 

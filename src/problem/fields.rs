@@ -7,6 +7,7 @@ use super::error::{Flaw, excerpt};
 use super::leaf::{self, Leaf};
 use super::map::{MAX_GRID, MAX_MAP_POINTS};
 use super::outline::Outline;
+use super::scan::MAX_KEPT;
 use super::system::{MAX_PERIODS, MAX_SETTLE};
 use super::{MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, MAX_WORDS, is_text};
 use crate::flow::method::{MAX_DEGREE, MAX_INTERVALS};
@@ -23,7 +24,7 @@ const AROUND: Range = Range::from(MIN_SIMULATION_POINTS as f64).to(MAX_SIMULATIO
 
 /// Path, admitted values, and the rule in words, with `{}` for the values.
 #[rustfmt::skip] // one field a line
-const FIELDS: [(&str, Range, &str); 53] = [
+const FIELDS: [(&str, Range, &str); 55] = [
     ("tube.young", POSITIVE, "Young's modulus, in Pa, must be {}"),
     ("tube.density", POSITIVE, "the density, in kg/m³, must be {}"),
     ("tube.poisson", Range::above(-1.0).below(0.5), "Poisson's ratio must lie {}"),
@@ -64,6 +65,8 @@ const FIELDS: [(&str, Range, &str); 53] = [
     ("simulation.every", POSITIVE, "the time between samples must be {}"),
     ("simulation.snapshots", Range::upto(MAX_SNAPSHOTS as f64), "ask for {} snapshots"),
     ("simulation.samples", COUNT.to(MAX_SAMPLES as f64), "a motion has {} samples"),
+    ("scan.settle", Range::from(0.0).to(MAX_SETTLE), "the motion settles in {} periods"),
+    ("scan.keep", COUNT.to(MAX_KEPT as f64), "a value has {} samples"),
     ("simulation.growth.pairs", TWO.to(1000.0), "Arnoldi's method takes {} pairs of runs"),
     ("simulation.growth.amplitude", POSITIVE.to(0.1), "the difference of runs must be {}"),
     ("curve.index", COUNT, "`index: 1` is the first event of this type along the branch"),

@@ -16,6 +16,7 @@ mod leaf;
 mod map;
 mod outline;
 mod rules;
+mod scan;
 mod system;
 #[cfg(test)]
 mod tests;
@@ -37,6 +38,7 @@ pub use doubt::Doubt;
 pub use error::ProblemError;
 pub use expectation::Expectation;
 pub use map::{Map, MapAxis, MapPoints};
+pub use scan::{Scan, ScanValues, Section, Sweep};
 pub use system::{
     Beginning, Multipliers, Orbit, OrbitStart, SystemPlot, SystemProblem, SystemSimulation,
 };
@@ -473,8 +475,8 @@ pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
             );
             let at = outline.key_of("", section);
             let at = at.unwrap_or_else(|| outline.locate(section));
-            let help = "take a problem with `model` and `wave`; `run`, `check`, `steady` and `simulate` \
-                        take systems";
+            let help = "take a problem with `model` and `wave`; `run`, `check`, `steady`, `scan` and \
+                        `simulate` take systems";
             Err(Flaw::new(at, message, help))
         }
     })

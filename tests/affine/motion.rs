@@ -195,7 +195,7 @@ fn chattering_ends_at_its_limit() {
                         assert!(relative.abs() < 1e-14 / speed, "{speed:e} {relative:e}");
                     }
                 }
-                Ok(Step::Reached) => panic!("{bounces} bounces and no end"),
+                Ok(Step::Reached | Step::Section) => panic!("{bounces} bounces and no end"),
                 Err(halt) => break halt,
             }
         };
@@ -242,4 +242,74 @@ fn elastic_walls_keep_the_energy() {
     assert!((f64::from(switches) - 1000.0 / passage).abs() < 2.0);
     // each switch adds a few roundings
     assert!((x.hypot(v) - radius).abs() < 1e-16 * 8.0 * f64::from(switches));
+}
+
+/// A section is met once on every way up: in the open at the times of sin, at the wall before its impact, and not
+/// by a reset that leads across it; a zone that lies in it does not meet it.
+#[test]
+fn sections_are_met_from_below() {
+    let meets = |section: &str, wall: &str, periods: f64| {
+        let text = format!(
+            r#"(
+                states: ["x", "v"],
+                modes: {{
+                    "free": (
+                        rates: {{"x": "v", "v": "-x"}},
+                        until: [(zero: "{wall}", to: "held", reset: {{"v": "-v"}})],
+                    ),
+                    "held": (rates: {{"x": "v", "v": "-x"}}, until: [(zero: "{wall}", to: "free")]),
+                    "section": (rates: {{"x": "0", "v": "0"}}, until: [(zero: "{section}", to: "free")]),
+                }},
+            )"#
+        );
+        let system = system(&text);
+        let affine = at(&system, &[]);
+        let start = place(&system, "free", &[0.0, -1.0], 0.0);
+        let mut motion = Motion::new(&affine, start, 10.0).watching(2);
+        let end = periods * std::f64::consts::TAU;
+        let mut times = Vec::new();
+        loop {
+            match motion.step(end).unwrap() {
+                Step::Section => times.push(motion.place().clone()),
+                Step::Switched(_) => {}
+                Step::Reached => return times,
+            }
+        }
+    };
+    let pi = std::f64::consts::PI;
+    // x = −sin t rises through 0 at the odd multiples of π, and is greatest at 3π/2
+    for (section, wall, first) in [("x", "2 - x", pi), ("-v", "2 - x", 1.5 * pi)] {
+        let met = meets(section, wall, 10.2);
+        assert_eq!(met.len(), 10);
+        for (number, place) in met.iter().enumerate() {
+            let time = first + number as f64 * 2.0 * pi;
+            // a few roundings of each of the pieces, a radian long at most
+            assert!(
+                (place.time - time).abs() < 4e-16 * (1.0 + time) * 10.0,
+                "{place:?}"
+            );
+        }
+    }
+    // an elastic wall at 1/2 met by x = −sin t, v > 0, at 7π/6: from wall to wall it takes 2·(π − π/6 − π/2) + π
+    for section in ["x - 0.5", "3*x - 1.5", "2*x - v - v + v + v - 1"] {
+        let met = meets(section, "0.5 - x", 6.0);
+        let arc = 2.0 * pi - 2.0 * (pi / 3.0);
+        let count = ((12.0 * pi - 7.0 * pi / 6.0) / arc).floor() as usize + 1;
+        assert_eq!(met.len(), count, "{section}");
+        for (number, place) in met.iter().enumerate() {
+            let time = 7.0 * pi / 6.0 + number as f64 * arc;
+            assert!(
+                (place.time - time).abs() < 1e-13 * (1.0 + time),
+                "{place:?}"
+            );
+            // before the impact
+            assert!(
+                (place.state[1] - 0.75_f64.sqrt()).abs() < 1e-12,
+                "{place:?}"
+            );
+        }
+    }
+    // the reset leads across v = 0 downwards; upwards v comes at every least x, from π/2 on 4π/3 apart
+    assert_eq!(meets("v", "0.5 - x", 6.0).len(), 9);
+    assert!(meets("0*x", "0.5 - x", 6.0).is_empty());
 }

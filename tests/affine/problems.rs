@@ -30,7 +30,7 @@ fn next_entry(motion: &mut Motion, mode: usize) -> Place {
         match motion.step(until).unwrap() {
             Step::Switched(switching) if switching.to == mode => return motion.place().clone(),
             Step::Switched(_) => {}
-            Step::Reached => panic!("mode {mode} is not entered again"),
+            Step::Reached | Step::Section => panic!("mode {mode} is not entered again"),
         }
     }
 }

@@ -240,7 +240,7 @@ fn pipes_and_devices_are_refused_at_once() {
     assert!(made.expect("mkfifo runs").success());
     let began = Instant::now();
     for verb in [
-        "run", "check", "curve", "map", "steady", "simulate", "spectrum", "accuracy",
+        "run", "check", "curve", "map", "scan", "steady", "simulate", "spectrum", "accuracy",
     ] {
         for path in ["pipe", "/dev/zero", "/dev/null", "/dev/stdin"] {
             let mut command = bench.command(&[verb, path]);

@@ -17,5 +17,6 @@ mod plots;
 mod report;
 mod restart;
 mod resume;
+mod scan;
 mod stability;
 mod systems;

@@ -261,7 +261,7 @@ fn run(motion: &mut Motion, until: f64) -> Result<Switches, NoStart> {
     let mut switches = Vec::new();
     loop {
         match motion.step(until).map_err(NoStart::Halted)? {
-            Step::Reached => return Ok(switches),
+            Step::Reached | Step::Section => return Ok(switches),
             Step::Switched(switching) => switches.push((switching, motion.place().clone())),
         }
     }
@@ -389,7 +389,7 @@ fn free(
         let since = motion.place().time;
         match motion.step(since + longest).map_err(NoStart::Halted)? {
             Step::Switched(switching) => Ok((switching, motion.place().clone())),
-            Step::Reached => Err(NoStart::Rests { time: since }),
+            Step::Reached | Step::Section => Err(NoStart::Rests { time: since }),
         }
     };
     let (first, begin) = next()?;

@@ -96,7 +96,7 @@ mod tests {
     /// The reader for Python and the drawing of the tube have the colours of the pictures.
     #[test]
     fn regimes_have_one_colour_everywhere() {
-        let python = include_str!("../../../python/brakewave.py");
+        let python = include_str!("../../../python/brakewave/reader.py");
         let line = python.lines().find(|line| line.starts_with("COLOURS"));
         let drawing = include_str!("../../../docs/wave.svg");
         use Regime::{Contact, Reverse, Separation, Slip, Stick};

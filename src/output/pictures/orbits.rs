@@ -109,7 +109,7 @@ fn describe(
 }
 
 /// The parameters that stay as they are.
-fn constants(source: &Source, followed: &str) -> String {
+pub(super) fn constants(source: &Source, followed: &str) -> String {
     let others = source
         .parameters
         .0

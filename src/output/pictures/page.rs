@@ -11,7 +11,7 @@ use crate::model::Parameter;
 use crate::output::layout;
 use crate::output::render::{Extent, Format, Pattern, number, range};
 use crate::output::store::{Kind, StoreError};
-use crate::problem::{Plot, Problem, drawable_columns};
+use crate::problem::{Any, Plot, Problem, SystemPlot, SystemProblem, drawable_columns};
 use crate::table::Table;
 
 /// A branch as the page draws it.
@@ -76,9 +76,11 @@ pub(crate) fn drawn(folder: &Path, problem: &Problem) -> Result<Drawn, StoreErro
 }
 
 /// What a picture of a folder shows.
-pub(crate) fn description(picture: &str, kind: Option<Kind>, problem: Option<&Problem>) -> String {
-    let Some(problem) = problem else {
-        return picture.to_owned();
+pub(crate) fn description(picture: &str, kind: Option<Kind>, problem: Option<&Any>) -> String {
+    let problem = match problem {
+        Some(Any::Tube(problem)) => problem,
+        Some(Any::System(problem)) => return of_system(picture, kind, problem),
+        None => return picture.to_owned(),
     };
     let caption = |parameter: Parameter| quantity(parameter.column()).caption();
     let parameter = caption(problem.parameter());
@@ -132,6 +134,38 @@ pub(crate) fn description(picture: &str, kind: Option<Kind>, problem: Option<&Pr
                 .iter()
                 .find(|plot| is(&layout::plot(plot)));
             plot.map_or_else(|| "A view of the branch".to_owned(), of_run)
+        }
+    }
+}
+
+/// The same of a system of one's own.
+fn of_system(picture: &str, kind: Option<Kind>, problem: &SystemProblem) -> String {
+    let is = |name: &str| layout::picture(name, Format::Svg) == picture;
+    let states = &problem.system.source.states;
+    let scanned = problem.scan.as_ref().map_or("", |scan| &scan.parameter);
+    let branch = problem.continuation.as_ref();
+    let parameter = branch.map_or("", |branch| branch.parameter.as_str());
+    let first = states.first().map_or("", String::as_str);
+    match kind {
+        Some(Kind::Scan) if is(layout::SCANNED[0]) => {
+            format!("What motions settle on: samples of {first} against {scanned}")
+        }
+        Some(Kind::Scan) => format!("Samples of {first} against {scanned}, and a branch over them"),
+        Some(Kind::Simulation) if is(layout::OF_MOTION[0]) => "The states over time".to_owned(),
+        Some(Kind::Simulation) => "The first two states over each other".to_owned(),
+        _ => {
+            let plots = problem.output.plots.iter();
+            let plot = plots.into_iter().find(|plot| is(&layout::orbit_plot(plot)));
+            match plot {
+                Some(SystemPlot::Diagram) => {
+                    format!("Branch diagram: greatest {first} against {parameter}")
+                }
+                Some(SystemPlot::Column(name)) => format!("{name} against {parameter}"),
+                Some(SystemPlot::Phase(one, other)) => format!("{other} over {one} of some orbits"),
+                Some(SystemPlot::Time(state)) => format!("{state} over time of some orbits"),
+                Some(SystemPlot::Multipliers) => "Multipliers of an orbit".to_owned(),
+                None => "A view of the branch".to_owned(),
+            }
         }
     }
 }

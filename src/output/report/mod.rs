@@ -9,7 +9,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::layout::{
-    ACCURACY, BRANCH, CERTIFICATES, CURVE, EVENTS, MAP, SERIES, SPECTRUM, STEADY, profile_file,
+    ACCURACY, BRANCH, CERTIFICATES, CURVE, EVENTS, MAP, SCAN, SERIES, SPECTRUM, STEADY,
+    profile_file,
 };
 use super::origin;
 use super::pictures::{colours, page};
@@ -45,14 +46,17 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
     complete(store, problem.is_some())?;
     let title = problem.as_ref().and_then(|problem| problem.title());
     let title = title.map(str::to_owned);
-    let of_system = matches!(problem, Some(Any::System(_)));
-    let problem = problem.and_then(Any::tube);
+    let shown = |picture: &str| page::description(picture, store.kind(), problem.as_ref());
+    let tube = match &problem {
+        Some(Any::Tube(problem)) => Some(&**problem),
+        _ => None,
+    };
     let kind = store.kind().map_or("", Kind::name);
     let title = title.unwrap_or_else(|| format!("Results of {kind}"));
     let mut left = Vec::new();
     let mut data = String::new();
     let mut tables = String::new();
-    if let (true, Some(problem)) = (there(BRANCH), &problem) {
+    if let (true, Some(problem)) = (there(BRANCH), tube) {
         data = branch(folder, problem, &there, &mut left)?;
     }
     for name in &names {
@@ -61,17 +65,13 @@ pub(crate) fn page(store: &Store) -> Result<String, StoreError> {
             tables.push_str(&listed(name, &store::table(&folder.join(name))?));
         }
     }
-    // there are none of systems yet
-    let pictures = match of_system {
-        true => String::new(),
-        false => pictures(store, problem.as_ref(), &mut left)?,
-    };
+    let pictures = pictures(store, &shown, &mut left)?;
     let (origin, file) = match there(SOURCE) {
         true => (
             "Problem file, as it was written",
             store::read(&folder.join(SOURCE))?,
         ),
-        false => ("Problem, with all its settings", settings(problem.as_ref())),
+        false => ("Problem, with all its settings", settings(tube)),
     };
     let left = match left.is_empty() {
         true => String::new(),
@@ -114,12 +114,13 @@ fn complete(store: &Store, saved: bool) -> Result<(), StoreError> {
         Some(Kind::Run) if saved => (BRANCH, None),
         Some(Kind::Run) => return RunFolder::<Runner>::saved(store).map(|_| ()),
         Some(Kind::Map) => (MAP, Some("map")),
+        Some(Kind::Scan) => (SCAN, Some("scan")),
         Some(Kind::Curve) => (CURVE, Some("curve")),
         Some(Kind::Accuracy) => (ACCURACY, Some("accuracy")),
         Some(Kind::Simulation) => (SERIES, (!saved).then_some("simulate")),
         Some(Kind::Certificate) => (CERTIFICATES, None),
         Some(Kind::Steady) => (STEADY, None),
-        Some(Kind::MapShard) | None => return Ok(()),
+        Some(Kind::MapShard | Kind::ScanShard) | None => return Ok(()),
     };
     let path = store.path().join(table);
     let there = path.exists() && !store::table(&path)?.columns().all(str::is_empty);
@@ -317,7 +318,7 @@ fn digits(cell: &str) -> String {
 /// what is left out.
 fn pictures(
     store: &Store,
-    problem: Option<&Problem>,
+    shown: &dyn Fn(&str) -> String,
     left: &mut Vec<String>,
 ) -> Result<String, StoreError> {
     let folder = store.path();
@@ -337,7 +338,7 @@ fn pictures(
     let largest = largest.map_or(0, |(_, size)| size);
     let mut text = String::new();
     for (picture, name) in &found {
-        let shown = escaped(&page::description(name, store.kind(), problem));
+        let shown = escaped(&shown(name));
         let name = escaped(name);
         if picture.len() > largest {
             let (size, limit) = (picture.len().div_ceil(1000), PICTURES / 1000);

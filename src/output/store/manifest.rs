@@ -16,6 +16,10 @@ pub(crate) enum Kind {
     Map,
     /// Some rows of a map.
     MapShard,
+    /// What motions settle on.
+    Scan,
+    /// Some pieces of a scan.
+    ScanShard,
     /// A curve of an event.
     Curve,
     /// Errors and times of methods.
@@ -28,10 +32,12 @@ pub(crate) enum Kind {
 
 impl Kind {
     /// All of them, with their words in a manifest.
-    const NAMES: [(Kind, &str); 8] = [
+    const NAMES: [(Kind, &str); 10] = [
         (Kind::Run, "run"),
         (Kind::Map, "map"),
         (Kind::MapShard, "map-shard"),
+        (Kind::Scan, "scan"),
+        (Kind::ScanShard, "scan-shard"),
         (Kind::Curve, "curve"),
         (Kind::Accuracy, "accuracy"),
         (Kind::Simulation, "simulation"),

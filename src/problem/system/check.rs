@@ -5,7 +5,9 @@ use super::super::expectation::Expectation;
 use super::super::explanation::{known, unknown_field};
 use super::super::outline::{Outline, Subject};
 use super::super::rules::{Check, Checks, ORDER, lengths};
-use super::super::{Continuation, fields};
+use super::super::scan::{MAX_SCANNED, MAX_VALUES};
+use super::super::{Continuation, Scan, ScanValues, Section, Sweep, fields};
+use super::mistake::flaw_at;
 use super::{Beginning, OrbitStart, SystemPlot, SystemProblem, values};
 use crate::affine::system::{Mistake, Ordered, Source};
 use crate::orbit::EventType;
@@ -104,6 +106,9 @@ pub(super) fn check(problem: &SystemProblem, outline: &Outline) -> Check {
     {
         checks.start("simulation.start", start)?;
     }
+    if let Some(section) = &problem.scan {
+        checks.scan(section)?;
+    }
     checks.output()?;
     for (index, event) in problem.expect.iter().enumerate() {
         checks.expectation(&format!("expect.{index}"), event)?;
@@ -161,9 +166,11 @@ impl Checks<'_, SystemProblem> {
             return Ok(());
         }
         let simulation = self.problem.simulation.as_ref();
+        let scan = self.problem.scan.as_ref();
         let starts = [
             self.problem.orbit.start.beginning(),
             simulation.and_then(|section| section.start.clone()),
+            scan.and_then(|section| section.start.clone()),
         ];
         let begins = |name: &str| starts.iter().flatten().any(|start| start.mode == name);
         let mut alone = system.unentered_modes().into_iter();
@@ -267,16 +274,12 @@ impl Checks<'_, SystemProblem> {
         self.admit(&format!("{path}.phase"), start.phase, holds, rule)
     }
 
-    fn branch(&self, section: &Continuation<String>) -> Check {
-        let names: Vec<&str> = self.source().parameters.names().collect();
-        let column = section.parameter.as_str();
-        self.one_of("continuation.parameter", "parameter", column, &names)?;
-        let range = section.range;
-        self.admit("continuation.range", range, range.0 < range.1, ORDER)?;
-        let index = self.source().parameters.index(column).unwrap_or(0);
+    /// Refuses a range at an end of which the system makes no sense; returns the value of the parameter here.
+    fn ends(&self, path: &str, column: &str, ends: [f64; 2]) -> Result<f64, Flaw> {
         let mut values = values(&self.problem.system);
+        let index = self.source().parameters.index(column).unwrap_or(0);
         let here = values[index];
-        for (end, value) in [range.0, range.1].into_iter().enumerate() {
+        for (end, value) in ends.into_iter().enumerate() {
             values[index] = value;
             if let Err(error) = self.problem.system.at(&values, &[]) {
                 let message = format!(
@@ -287,9 +290,82 @@ impl Checks<'_, SystemProblem> {
                     Mistake::Frequency(_) => "choose a range in which it is positive".to_owned(),
                     _ => format!("choose a range in which `{}` has values", error.path),
                 };
-                return self.refuse(&format!("continuation.range.{end}"), message, help);
+                self.refuse(&format!("{path}.{end}"), message, help)?;
             }
         }
+        Ok(here)
+    }
+
+    fn scan(&self, section: &Scan) -> Check {
+        let names: Vec<&str> = self.source().parameters.names().collect();
+        self.one_of("scan.parameter", "parameter", &section.parameter, &names)?;
+        let ScanValues::Linear(low, high, count) = section.values;
+        self.admit("scan.values", section.values, low < high, ORDER)?;
+        let rule = format!("a scan has from 2 to {MAX_VALUES} values");
+        let holds = (2..=MAX_VALUES).contains(&count);
+        self.admit("scan.values.2", count, holds, &rule)?;
+        let rule = format!("take fewer values or samples, {MAX_SCANNED} samples in all at most");
+        let holds = count.saturating_mul(section.keep) <= MAX_SCANNED;
+        self.admit("scan.keep", section.keep, holds, &rule)?;
+        self.ends("scan.values", &section.parameter, [low, high])?;
+        if let (Section::Phase(_), None) = (&section.section, &self.source().forcing) {
+            let message = "there is no `forcing` whose phase a section could be";
+            let help = "write `section: Zero(\"..\")`: samples are taken where this expression rises to zero";
+            return self.refuse("scan.section", message, help);
+        }
+        let extended = section.system(&self.problem.system);
+        let sensible = extended.and_then(|(system, _)| system.at(&self.problem.values(), &[]));
+        if let Err(error) = sensible {
+            let path = "scan.section.0";
+            return Err(flaw_at(self.source(), self.outline, path, &error));
+        }
+        match &section.start {
+            Some(start) => self.start("scan.start", start)?,
+            None if self.problem.orbit.start.dir().is_some() => {
+                let message =
+                    "`orbit` begins at an earlier run: where the motions begin is not known";
+                let help =
+                    "add for example `start: (mode: \"free\", state: {\"x\": 0.0, \"v\": 0.0})`";
+                return self.refuse("scan", message, help);
+            }
+            None => {}
+        }
+        for (name, given) in [
+            ("seed", section.seed.is_some()),
+            ("within", section.within.is_some()),
+        ] {
+            let random = section.sweep == Sweep::Fresh;
+            if given && !random {
+                let message = format!("`{name}` is for motions that begin at random");
+                let help = "leave it out, or write `sweep: Fresh`";
+                return self.refuse(&format!("scan.{name}"), message, help);
+            }
+        }
+        let Some(Ordered(ranges)) = &section.within else {
+            return Ok(());
+        };
+        if section.seed.is_none() {
+            let message = "`within` is for motions that begin at random";
+            return self.refuse("scan.within", message, "add for example `seed: 1`");
+        }
+        let states: Vec<&str> = self.source().states.iter().map(String::as_str).collect();
+        for (index, (name, range)) in ranges.iter().enumerate() {
+            let path = format!("scan.within.{name}");
+            self.one_of(&path, "state", name, &states)?;
+            let twice = ranges[..index].iter().any(|(other, _)| other == name);
+            self.admit(&path, name, !twice, "keep one of the two")?;
+            self.admit(&path, range, range.0 < range.1, ORDER)?;
+        }
+        Ok(())
+    }
+
+    fn branch(&self, section: &Continuation<String>) -> Check {
+        let names: Vec<&str> = self.source().parameters.names().collect();
+        let column = section.parameter.as_str();
+        self.one_of("continuation.parameter", "parameter", column, &names)?;
+        let range = section.range;
+        self.admit("continuation.range", range, range.0 < range.1, ORDER)?;
+        let here = self.ends("continuation.range", column, [range.0, range.1])?;
         // an earlier run brings its own parameters
         if self.problem.orbit.start.dir().is_none() {
             self.beginning(section, column, here, || {

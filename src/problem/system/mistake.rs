@@ -11,6 +11,11 @@ use crate::affine::system::{BadName, Mistake, Source, SystemError};
 /// The place and the words of a mistake.
 pub(super) fn flaw(source: &Source, outline: &Outline, error: &SystemError) -> Flaw {
     let path = format!("system.{}", error.path);
+    flaw_at(source, outline, &path, error)
+}
+
+/// The same at another path.
+pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &SystemError) -> Flaw {
     let mut message = line(&error.mistake.to_string());
     let mut names = Vec::new();
     let help = match &error.mistake {
@@ -53,7 +58,7 @@ pub(super) fn flaw(source: &Source, outline: &Outline, error: &SystemError) -> F
     if let Some(near) = names.first() {
         message = format!("{message}; did you mean `{near}`?");
     }
-    Flaw::new(place(outline, &path, &error.mistake), message, help)
+    Flaw::new(place(outline, path, &error.mistake), message, help)
 }
 
 /// What an expression may have.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::Flaw;
 use super::outline::{Outline, Subject};
-use super::{Continuation, Expectation, Output, ProblemError, missing};
+use super::{Continuation, Expectation, Output, ProblemError, Scan, missing};
 use crate::affine::motion::Place;
 use crate::affine::system::{Ordered, Source, System};
 
@@ -43,6 +43,9 @@ pub struct SystemProblem<S = System> {
     /// The motion to simulate.
     #[serde(default)]
     pub simulation: Option<SystemSimulation>,
+    /// The parameter to scan.
+    #[serde(default)]
+    pub scan: Option<Scan>,
     /// Plots and tables to write.
     #[serde(default)]
     pub output: Output<SystemPlot>,
@@ -172,6 +175,7 @@ impl<S> SystemProblem<S> {
             continuation: self.continuation,
             stability: self.stability,
             simulation: self.simulation,
+            scan: self.scan,
             output: self.output,
             expect: self.expect,
         }
@@ -244,6 +248,15 @@ impl SystemProblem {
             let lack = "nothing to simulate";
             missing(Subject::System, "simulation", lack, text, name)
         })
+    }
+
+    /// The section `scan`; see [`SystemProblem::simulation`].
+    ///
+    /// # Errors
+    /// Where there is none.
+    pub fn scan(&self, text: &str, name: &str) -> Result<&Scan, ProblemError> {
+        let section = self.scan.as_ref();
+        section.ok_or_else(|| missing(Subject::System, "scan", "nothing to scan", text, name))
     }
 
     /// The section `continuation`; see [`SystemProblem::simulation`].

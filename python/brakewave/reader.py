@@ -1,7 +1,7 @@
 """Result folders of brakewave as tables of pandas, and pictures of them.
 
-One file without a build: put it beside your script, or its folder on PYTHONPATH. It needs pandas, and
-matplotlib for the pictures. docs/files.md of brakewave describes every column.
+It needs pandas, and matplotlib for the pictures. docs/files.md of brakewave describes every column, docs/systems.md
+those of systems of one's own.
 
     import brakewave
     run = brakewave.Folder("results/mode4_mismatch")
@@ -37,11 +37,11 @@ RARE = ["#332288", "#882255", "#999933", "#117733", "#cc6677", "#8c564b", "#465a
 
 _TEXT = (
     "type regimes regimes_before regimes_after regime switches stable why what start name method setting failure "
-    "direction full_direction lead_direction first lead_first proven parameter"
+    "direction full_direction lead_direction first lead_first proven parameter sweep from to"
 ).split()
 _WHOLE = (
     "point label leg unstable lead_sector sector newton row column passage mode points events_found "
-    "events_expected radial_order lead_family lead_hopf_family inequalities"
+    "events_expected radial_order lead_family lead_hopf_family inequalities sample"
 ).split()
 
 
@@ -53,7 +53,9 @@ def read(source):
     # read as text: whether read_csv rounds correctly depends on the version of pandas
     table = pandas.read_csv(source, dtype=str, keep_default_na=False)
     table = table.apply(_column)
-    return table.astype({name: "Int64" for name in table if name in _WHOLE})
+    # modes of a tube are numbers, those of a system names
+    whole = (name for name in table if name in _WHOLE and table[name].dtype == float)
+    return table.astype({name: "Int64" for name in whole})
 
 
 def _column(cells):
@@ -66,7 +68,7 @@ def _column(cells):
 
 
 class Folder:
-    """A result folder of `run`, `map`, `curve`, `simulate` or `accuracy`.
+    """A result folder of `run`, `map`, `curve`, `scan`, `simulate`, `steady` or `accuracy`.
 
     Nothing is kept: every access reads the file, so that a computation that is still going on can be looked at.
     """
@@ -78,7 +80,9 @@ class Folder:
             raise FileNotFoundError(f"{self.path} is no result folder of brakewave: it has no {manifest.name}")
         self.version, kind = manifest.read_text(encoding="utf-8").splitlines()[:2]
         self.kind = kind.split()[0]
-        """What the folder holds: run, map, curve, simulation, accuracy."""
+        """What the folder holds: run, map, curve, scan, simulation, steady, accuracy."""
+        self.said = ""
+        """What the program printed when it was called from here."""
 
     def table(self, name):
         """The table `name`.csv."""
@@ -91,12 +95,18 @@ class Folder:
     branch = property(lambda self: self.table("branch"))
     events = property(lambda self: self.table("events"))
     spectrum = property(lambda self: self.table("spectrum"))
+    multipliers = property(lambda self: self.table("multipliers"))
     # of a map, a curve, a comparison of methods, of proofs
     map = property(lambda self: self.table("map"))
     curve = property(lambda self: self.table("curve"))
     accuracy = property(lambda self: self.table("accuracy"))
     certificates = property(lambda self: self.table("certificates"))
-    # of a simulation
+    # of a scan, of what rests
+    scan = property(lambda self: self.table("scan"))
+    steady = property(lambda self: self.table("steady"))
+    # of a simulation; switches and section of that of a system
+    switches = property(lambda self: self.table("switches"))
+    section = property(lambda self: self.table("section"))
     series = property(lambda self: self.table("series"))
     measures = property(lambda self: self.table("measures"))
     growth = property(lambda self: self.table("growth"))
@@ -223,9 +233,18 @@ def inertia(xi):
     return ((w + 1) ** 2 * log(xi) - (w + 1) * w + w * (w + 2) / 4) / w**2
 
 
+def parameters(table):
+    """The columns of a table that are parameters: of a system those before the period, as the file has them."""
+    names = list(table)
+    if "period" in names:
+        first = names.index("regimes" if "regimes" in names else "type") + 1
+        return names[first : names.index("period")]
+    return [name for name in PARAMETERS if name in names]
+
+
 def varying(table):
     """The parameters that are not the same in all rows of a table."""
-    return [name for name in PARAMETERS if name in table and table[name].nunique() > 1]
+    return [name for name in parameters(table) if table[name].nunique() > 1]
 
 
 def _axes(axes):
@@ -240,11 +259,13 @@ MARKS = {"LP": "s", "PD": "D", "NS": "*", "SL": "P", "HB": "|", "BP": "v", "GR":
 """Marks of special points, as in the pictures of the program itself; those of LP, BP and EP are hollow."""
 
 
-def draw_branch(run, x=None, y="speed", axes=None):
+def draw_branch(run, x=None, y=None, axes=None):
     """A branch diagram: solid where stable, dashed where unstable, dotted where undecided or not asked for, and
-    a marker for every event. `x` is the parameter of the run unless given."""
+    a marker for every event. `x` is the parameter of the run unless given, `y` the speed of waves, or the greatest
+    value of the first state of orbits."""
     axes, table = _axes(axes), run.branch
-    x = x or (varying(table) or ["mismatch"])[0]
+    x = x or (varying(table) or parameters(table))[0]
+    y = y or ("speed" if "speed" in table else next(name for name in table if name.startswith("max_")))
     style = {"yes": "-", "no": "--"}
     # a piece ends where the leg or the answer changes; it goes on to the next point of its leg
     same = (table["leg"] == table["leg"].shift()) & (table["stable"] == table["stable"].shift())
@@ -262,6 +283,18 @@ def draw_branch(run, x=None, y="speed", axes=None):
         axes.plot(points[x], points[y], MARKS[kind], color="black", mfc=face, ms=5, label=kind)
     axes.set(xlabel=x, ylabel=y)
     axes.legend()
+    return axes
+
+
+def draw_scan(folder, y=None, axes=None):
+    """What motions settle on, a dot for every sample: `y` is the first state unless given."""
+    axes, table = _axes(axes), folder.scan
+    table = table[table["sample"].notna()]
+    y = y or list(table)[3]
+    for (sweep, samples), colour in zip(table.groupby("sweep", sort=False), ["#0072b2", "#d55e00"]):
+        axes.plot(samples["value"], samples[y], ".", ms=1, mew=0, color=colour, label=sweep)
+    axes.set(xlabel="parameter", ylabel=y)
+    axes.legend(markerscale=6)
     return axes
 
 

@@ -1,37 +1,89 @@
-//! The folder of a map: a file per finished row, at last one table.
+//! The folder of a table that is computed row by row, a map or a scan: a file per finished row, at last one table.
 //!
 //! `map.ron` holds the problem. `rows/` has a file for every row that is finished, put there by
 //! renaming, so that none is ever seen half written: a killed map has lost no finished row, and
 //! shards of a map on several machines are folders with some of its rows. The first line of a row
 //! says which row of which map it is, and carries a checksum. Once all rows are there they are joined
-//! in order to `map.csv`, which therefore does not depend on who computed them.
+//! in order to `map.csv`, which therefore does not depend on who computed them. A row of a scan is a piece of it.
 
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::layout::{self, MAP as TABLE, MAP_ORIGIN as ORIGIN};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::layout::{self, MAP, MAP_ORIGIN};
 use super::origin::Origin;
 use super::render::Format;
 use super::store::{
     Kind, Store, StoreError, VERSION, decode, encode, hash, io_error, numbered, read, refused,
     resumable,
 };
-use crate::map::{Cell, CellRow, Plane};
+use crate::map::{CellRow, Plane};
+use crate::problem::Problem;
 use crate::table::{self, number};
 
-/// The joined table as Parquet.
-pub(crate) const PARQUET: &str = "map.parquet";
 const ROWS: &str = "rows";
 
-/// Reads `map.ron` of a shard.
+/// A problem whose results are a table that is computed row by row.
+pub(crate) trait Rowed: Clone + PartialEq + Serialize + DeserializeOwned {
+    /// What the folder holds once all rows are joined.
+    const KIND: Kind;
+    /// What it holds where it has some of the rows.
+    const SHARD: Kind;
+    /// The file of the problem.
+    const ORIGIN: &'static str;
+    /// The joined table.
+    const TABLE: &'static str;
+    /// The joined table as Parquet.
+    const PARQUET: Option<&'static str> = None;
+
+    /// Number of rows.
+    fn rows(&self) -> usize;
+    /// Value of the first parameter where a row begins.
+    fn first(&self, row: usize) -> Option<f64>;
+    /// The header of the table.
+    fn header(&self) -> String;
+    /// Files of the pictures.
+    fn pictures(&self) -> Vec<String>;
+}
+
+impl Rowed for Problem {
+    const KIND: Kind = Kind::Map;
+    const SHARD: Kind = Kind::MapShard;
+    const ORIGIN: &'static str = MAP_ORIGIN;
+    const TABLE: &'static str = MAP;
+    #[cfg(feature = "parquet")]
+    const PARQUET: Option<&'static str> = Some("map.parquet");
+
+    fn rows(&self) -> usize {
+        self.map.as_ref().map_or(0, |map| Plane::new(map).rows())
+    }
+
+    fn first(&self, row: usize) -> Option<f64> {
+        let plane = Plane::new(self.map.as_ref()?);
+        let point = plane.row(row).first().copied()?;
+        Some(point[0])
+    }
+
+    fn header(&self) -> String {
+        table::header::<CellRow>()
+    }
+
+    fn pictures(&self) -> Vec<String> {
+        layout::pictures(Kind::Map, self, Format::Svg)
+    }
+}
+
+/// Reads the problem of a shard.
 ///
 /// # Errors
 /// When it is missing, damaged, or of another version.
-pub(crate) fn of_shard(folder: &Path) -> Result<Origin, StoreError> {
-    let path = folder.join(ORIGIN);
-    let found: Origin = decode(&path)?;
+pub(crate) fn of_shard<P: Rowed>(folder: &Path) -> Result<Origin<P>, StoreError> {
+    let path = folder.join(P::ORIGIN);
+    let found: Origin<P> = decode(&path)?;
     if found.version != VERSION {
         let reason = format!(
             "written by version {}, this is {VERSION}; join shards of one version by that version",
@@ -42,38 +94,29 @@ pub(crate) fn of_shard(folder: &Path) -> Result<Origin, StoreError> {
     Ok(found)
 }
 
-/// The folder of a map, or of a shard of it.
+/// The folder of such a table, or of a shard of it.
 #[derive(Debug)]
-pub(crate) struct MapFolder {
+pub(crate) struct RowsFolder<P> {
     store: Store,
-    origin: Origin,
+    origin: Origin<P>,
     /// Hash of the problem as it is kept: which map this is.
     identity: u64,
     begun: Mutex<bool>,
 }
 
-impl MapFolder {
-    /// The folder of a map in a store that was opened for it.
+impl<P: Rowed> RowsFolder<P> {
+    /// The folder of a table in a store that was opened for it.
     ///
     /// # Errors
     /// When the problem cannot be written down.
-    pub(crate) fn new(store: Store, origin: Origin) -> Result<MapFolder, StoreError> {
-        let text = encode(&store.path().join(ORIGIN), &origin)?;
-        Ok(MapFolder {
+    pub(crate) fn new(store: Store, origin: Origin<P>) -> Result<RowsFolder<P>, StoreError> {
+        let text = encode(&store.path().join(P::ORIGIN), &origin)?;
+        Ok(RowsFolder {
             begun: Mutex::new(false),
             identity: hash(text.as_bytes()),
             origin,
             store,
         })
-    }
-
-    /// Number of rows of the map; zero without a `map` section.
-    pub(crate) fn rows(&self) -> usize {
-        self.plane().map_or(0, |plane| plane.rows())
-    }
-
-    fn plane(&self) -> Option<Plane> {
-        self.origin.problem.map.as_ref().map(Plane::new)
     }
 
     /// Begins the folder or goes on with it, once: when there is something to write.
@@ -85,17 +128,18 @@ impl MapFolder {
         if *begun {
             return Ok(());
         }
-        let mut names = layout::pictures(Kind::Map, &self.origin.problem, Format::Svg);
-        names.extend(cfg!(feature = "parquet").then(|| PARQUET.to_owned()));
+        let mut names = self.origin.problem.pictures();
+        names.extend(P::PARQUET.map(str::to_owned));
         names.extend(rows.iter().map(|row| row_name(*row)));
         if self.store.resumes() {
             self.store.retain(|_| true)?;
-            self.store.claim([ORIGIN, TABLE])?;
+            self.store.claim([P::ORIGIN, P::TABLE])?;
             self.store.claim(names)?;
         } else {
-            self.store.begin(&[ORIGIN, TABLE], names, Some(ROWS))?;
+            self.store
+                .begin(&[P::ORIGIN, P::TABLE], names, Some(ROWS))?;
         }
-        self.store.save(ORIGIN, &self.origin)?;
+        self.store.save(P::ORIGIN, &self.origin)?;
         *begun = true;
         Ok(())
     }
@@ -121,10 +165,8 @@ impl MapFolder {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub(crate) fn write(&self, row: usize, cells: &[Cell]) -> Result<(), StoreError> {
-        let rows = cells.iter().map(CellRow::new);
-        let cells: String = rows.map(|row| table::line(&row)).collect();
-        let text = self.head(row, &cells) + &cells;
+    pub(crate) fn write(&self, row: usize, cells: &str) -> Result<(), StoreError> {
+        let text = self.head(row, cells) + cells;
         self.store.replace(&row_name(row), text.as_bytes())
     }
 
@@ -139,23 +181,35 @@ impl MapFolder {
     }
 
     fn place(&self, row: usize) -> String {
-        let first = self.plane().and_then(|plane| {
-            let point = plane.row(row).first().copied()?;
-            Some(number(point[0]))
-        });
         format!(
-            "# brakewave map {:016x}, row {row} of {}, first parameter {},",
+            "# brakewave {} {:016x}, row {row} of {}, first parameter {},",
+            P::KIND.name(),
             self.identity,
-            self.rows(),
-            first.unwrap_or_default()
+            self.origin.problem.rows(),
+            self.origin
+                .problem
+                .first(row)
+                .map(number)
+                .unwrap_or_default()
         )
+    }
+
+    /// The cells of a finished row.
+    ///
+    /// # Errors
+    /// When it is missing or damaged.
+    pub(crate) fn row(&self, row: usize) -> Result<String, StoreError> {
+        self.cells(row, &self.path().join(row_name(row)))
     }
 
     /// The cells of a row as they were written.
     fn cells(&self, row: usize, file: &Path) -> Result<String, StoreError> {
         let mut text = read(file)?;
         if !text.starts_with(&self.place(row)) {
-            return Err(resumable(file, format!("it is not row {row} of this map")));
+            return Err(resumable(
+                file,
+                format!("it is not row {row} of this {}", P::KIND.name()),
+            ));
         }
         let cells = text.split_off(text.find('\n').map_or(text.len(), |end| end + 1));
         if text != self.head(row, &cells) {
@@ -173,7 +227,7 @@ impl MapFolder {
     /// When a row is missing or damaged, when folders disagree, or when the system refuses.
     pub(crate) fn join(&self, from: &[PathBuf]) -> Result<(), StoreError> {
         let mut rows: BTreeMap<usize, PathBuf> = BTreeMap::new();
-        let all = self.rows();
+        let all = self.origin.problem.rows();
         for folder in from {
             for (row, file) in numbered(&folder.join(ROWS), ".csv")? {
                 let cells = self.cells(row, &file)?;
@@ -200,8 +254,8 @@ impl MapFolder {
             return Err(refused(self.path(), reason));
         }
         self.begin(&[])?;
-        self.store.write(TABLE, |path, out| {
-            out.write_all(table::header::<CellRow>().as_bytes())
+        self.store.write(P::TABLE, |path, out| {
+            out.write_all(self.origin.problem.header().as_bytes())
                 .map_err(io_error("write it", path))?;
             for (row, file) in &rows {
                 let cells = self.cells(*row, file)?;
@@ -223,8 +277,11 @@ impl MapFolder {
             "start" | "found" | "regimes" | "switches" | "stable" | "why" => Kind::Text,
             _ => Kind::Number,
         };
-        let table = self.path().join(TABLE);
-        self.store.write(PARQUET, |path, out| {
+        let table = self.path().join(P::TABLE);
+        let Some(file) = P::PARQUET else {
+            return Ok(());
+        };
+        self.store.write(file, |path, out| {
             convert(&table, out, kind)
                 .map_err(|error| io_error("write it", path)(std::io::Error::other(error)))
         })

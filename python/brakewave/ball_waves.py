@@ -1,0 +1,534 @@
+"""Waves of brakewave in balls of Arb (python-flint): their equations, zeros of them that are proven, inequalities.
+
+Written from the equations of docs/theory.md, apart from the program. check.py says what it is for.
+"""
+
+from collections import namedtuple
+from fractions import Fraction
+from itertools import product
+
+from flint import acb, acb_mat, arb, arb_mat, ctx, fmpq
+
+ctx.prec = 256
+POLYDISC = arb(2) ** -30
+"""Radius of the polydisc over which the equations are bounded: far below the scale on which they change."""
+STEP = arb(2) ** -110
+"""Step of differences: their error is of order STEP/POLYDISC², and roundings of 2^-256 are far below it."""
+CLOSE = arb(2) ** -170
+"""Newton's method ends with a step below this: far above rounding, far below the interval of any statement."""
+PARTS = (1, 2, 4)
+"""Into how many parts the ranges of the speed and the parameter are divided where uniqueness is shown."""
+DEPTH = 30
+"""Bisections of a zone after which a sign counts as not shown."""
+ORDER = 4
+"""Order of the Taylor polynomials by which signs are shown."""
+
+
+class Refused(Exception):
+    """A statement is false, or cannot be shown."""
+
+
+class NotCovered(Exception):
+    """A statement that is not treated."""
+
+
+def must(holds, reason):
+    """Refuses for a reason unless something holds."""
+    if not holds:
+        raise Refused(reason)
+
+
+# ---------------------------------------------------------------------------- numbers with derivatives, matrices
+class Dual:
+    """v + dε with ε² = 0."""
+
+    def __init__(self, v, d=0):
+        self.v, self.d = v, d
+
+    def __add__(self, other):
+        other = dual(other)
+        return Dual(self.v + other.v, self.d + other.d)
+
+    def __mul__(self, other):
+        other = dual(other)
+        return Dual(self.v * other.v, self.v * other.d + self.d * other.v)
+
+    def __truediv__(self, other):
+        other = dual(other)
+        value = self.v / other.v
+        return Dual(value, (self.d - value * other.d) / other.v)
+
+    __radd__, __rmul__ = __add__, __mul__
+    __neg__ = lambda self: Dual(-self.v, -self.d)
+    __sub__ = lambda self, other: self + -other
+    __rsub__ = lambda self, other: -self + other
+    __rtruediv__ = lambda self, other: dual(other) / self
+    log = lambda self: Dual(self.v.log(), self.d / self.v)
+
+    def sqrt(self):
+        root = self.v.sqrt()
+        return Dual(root, self.d / (2 * root))
+
+    def exp(self):
+        value = self.v.exp()
+        return Dual(value, value * self.d)
+
+
+def dual(number):
+    """A number as one with a derivative."""
+    return number if isinstance(number, Dual) else Dual(number)
+
+
+def exponential(rows, time=1):
+    """e^{At} of a square matrix, a list of rows of numbers or of numbers with derivatives."""
+    n, rows = len(rows), [[entry * time for entry in row] for row in rows]
+    if not any(isinstance(entry, Dual) for row in rows for entry in row):
+        return acb_mat(rows).exp().tolist()
+    rows = [[dual(entry) for entry in row] for row in rows]
+    top = [[entry.v for entry in row] + [entry.d for entry in row] for row in rows]
+    both = acb_mat(top + [[0] * n + row[:n] for row in top]).exp().tolist()
+    return [[Dual(row[j], row[j + n]) for j in range(n)] for row in both[:n]]
+
+
+def apply(rows, vector):
+    """A matrix times a vector; entries that are the integer 0 are left out."""
+    return [sum(a * x for a, x in zip(row, vector) if not (isinstance(a, int) and a == 0)) for row in rows]
+
+
+def tail(matrix, time, state, order):
+    """(x(t) − Σ_{j<order} (tA)ʲx(0)/j!)/t^order, which is analytic at t = 0 too: φ_order(tA)A^order x(0)."""
+    n, vector = len(matrix), state
+    for _ in range(order):
+        vector = apply(matrix, vector)
+    rows = [[entry * time for entry in row] + [x] + [0] * (order - 1) for row, x in zip(matrix, vector)]
+    rows += [[0] * n + [int(j == i + 1) for j in range(order)] for i in range(order)]
+    return [row[n + order - 1] for row in exponential(rows)[:n]]
+
+
+def contracts(bounds):
+    """Whether a matrix without negative entries is less than 1 in some weighted maximum norm; the power iteration
+    tends to the best of them."""
+    bounds, weight = arb_mat(bounds), arb_mat([[1]] * len(bounds))
+    for _ in range(60):
+        weight = (bounds * weight + weight).mid()
+        weight = (weight / sum(weight.entries())).mid()
+    return all(image < y for image, y in zip((bounds * weight).entries(), weight.entries()))
+
+
+# ------------------------------------------------------------------------------------------------ zeros, proven
+Zero = namedtuple("Zero", "middle radius")
+"""A zero: its middle in exact complex numbers, and a bound of the distance of every unknown from it."""
+
+
+def size(numbers):
+    """The largest modulus, from above; not a number where one is not."""
+    largest = arb(0)
+    for x in numbers:
+        largest = largest.max(abs(acb(x)).upper())
+    return largest
+
+
+def differences(equations, at):
+    """The Jacobian by differences of the step STEP."""
+    value = equations(at)
+    moved = (equations([x + STEP if i == j else x for i, x in enumerate(at)]) for j in range(len(at)))
+    return acb_mat([[(new - old) / STEP for new, old in zip(column, value)] for column in moved]).transpose()
+
+
+def prove_zero(equations, guess):
+    """The zero of an analytic map next to `guess`, by Newton's method and the theorem of Newton and Kantorovich.
+
+    The map takes complex numbers. Bounded by M over the polydisc |x − m| ≤ R it has, by Cauchy's estimate,
+    a second derivative of at most 16M/R² in |x − m| ≤ R/2, and differences of step h err by Mh/R²/(1 − h/R).
+    Its zero is regular.
+    """
+    middle = [acb(x) for x in guess]
+    times = lambda matrix, values: (matrix * acb_mat([[y] for y in values])).entries()
+    try:
+        inverse = differences(equations, middle).mid().inv().mid()
+        for _ in range(40):
+            steps = times(inverse, equations(middle))
+            middle = [(x - step).mid() for x, step in zip(middle, steps)]
+            if size(steps) < CLOSE:
+                break
+        slope = differences(equations, middle)
+        inverse = slope.mid().inv().mid()
+    except ZeroDivisionError:
+        raise Refused("the equations are singular next to the wave") from None
+    disc = acb(arb(0, POLYDISC), arb(0, POLYDISC))
+    bounds = [abs(acb(y)).upper() for y in equations([x + disc for x in middle])]
+    must(all(bound.is_finite() for bound in bounds), "the equations cannot be enclosed next to the wave")
+    error = STEP / POLYDISC**2 / (1 - STEP / POLYDISC)
+    contraction = curvature = arb(0)
+    for i, row in enumerate(inverse.tolist()):
+        spread = sum(abs(y) * bound for y, bound in zip(row, bounds))
+        defect = [sum(y * slope[k, j] for k, y in enumerate(row)) - int(i == j) for j in range(len(row))]
+        contraction = contraction.max(sum(abs(y) for y in defect) + len(row) * spread * error)
+        curvature = curvature.max(16 * spread / POLYDISC**2)
+    radius = 2 * size(times(inverse, equations(middle))) + arb(2) ** -240
+    # four times as far there is no other: a real map has a real zero, for its conjugate would be one too
+    proven = contraction + 4 * curvature * radius < arb(0.5) and 4 * radius < POLYDISC / 2
+    must(proven, "no zero of the equations is found next to the wave")
+    return Zero(middle, radius.upper())
+
+
+# ------------------------------------------------------------------------------------------------ the model
+Model = namedtuple("Model", "a b d g h friction static mismatch damping")
+NAMES = ["Nu", "Xi", "Gamma"]
+
+
+def decimal(text):
+    """A decimal as it was written."""
+    ratio = Fraction(text)
+    return acb(arb(fmpq(ratio.numerator, ratio.denominator)))
+
+
+def model(posed, parameter):
+    """The numbers of the model. `parameter` takes the place of the one that varies."""
+    written, varies = posed["written"], posed["parameter"]
+    if varies not in [*NAMES, "Friction", "Mismatch", "MassDamping"]:
+        raise NotCovered(f"branches in {varies}")
+    number = lambda name, text: parameter if name == varies else decimal(text)
+    origin = written["origin"]
+    if origin.name == "Given":
+        elastic = [decimal(text) for text in origin.value]
+    else:
+        nu, xi, gamma = (number(name, text) for name, text in zip(NAMES, origin.value))
+        square, ln = xi * xi, xi.log()
+        wall, fourth = square - 1, square * square
+        shear, lame = 1 / (2 * (1 + nu)), nu / ((1 + nu) * (1 - 2 * nu))
+        inner = (fourth * ln - square * wall + (fourth - 1) / 4) / (wall * wall)
+        outer = ((fourth - 1) / 2 - 2 * square * ln) / (wall * wall)
+        unit, stiff = gamma * inner, gamma * inner * (1 + nu) * wall
+        elastic = [
+            (lame + 2 * shear) * outer / unit,
+            shear * outer / unit,
+            (lame / 2 - shear * (outer + acb(0.5)) - (lame + 2 * shear) * outer) / unit,
+            (square + 1 / (1 - 2 * nu)) / stiff,
+            square / stiff,
+        ]
+    friction = number("Friction", written["friction"])
+    static = friction * decimal(written["ratio"] or "1")
+    others = number("Mismatch", written["mismatch"]), number("MassDamping", written["damping"])
+    return Model(*elastic, friction, static, *others)
+
+
+# ------------------------------------------------------------------------------------------------ the wave
+U, DU, V, W = range(4)
+"""Places in the state (U − δ, U̇, V, V̇, 1)."""
+SLIDING = ("Slip", "Reverse")
+ENTRIES = {
+    "Release": (["Stick"], ["Slip"]),
+    "Arrest": (SLIDING, ["Stick"]),
+    "Reversal": (SLIDING, SLIDING),
+    "TakeOff": (SLIDING, ["Separation"]),
+    "Landing": (["Separation"], SLIDING),
+    "ArrestedLanding": (["Separation"], [*SLIDING, "Stick"]),
+    "Touch": (["Separation"], ["Separation"]),
+}
+"""Which regimes a switch joins."""
+KNOWN_ZEROS = {W: {"Reversal": 1, "ArrestedLanding": 1}, U: {"TakeOff": 3, "Touch": 2}}
+"""Order of the zero that V̇ − 1 or U − δ has where a zone begins."""
+TOUCHES = ("Pressure", "Rate", "Gap")
+"""Margins with a minimum at a time of its own."""
+Parts = namedtuple("Parts", "m c zones matrices begins ends rises falls")
+"""Model, speed, (V, V̇, T) of the zones, and of every zone A, x at its beginning and end, and x′ there."""
+
+
+class Wave:
+    """The boundary-value problem of a wave. Its unknowns are those of the certificate: V less that of a steady
+    slip, V̇ and T of every zone, |c|/√a − 1, the parameter and what belongs to the event."""
+
+    def __init__(self, posed, near, condition):
+        self.posed, self.condition, self.static = posed, condition, posed["written"]["ratio"] is not None
+        self.zones = [(zone["regime"], zone["entry"]) for zone in near["signature"][0]]
+        self.count = len(self.zones)
+        must(self.count and len(near["zones"]) == self.count, "zones without a state")
+        for (before, _), (regime, entry) in zip(self.zones[-1:] + self.zones, self.zones):
+            if entry == "Section":
+                raise NotCovered("waves without switches")
+            must(entry in ENTRIES, f"there is no switch {entry}")
+            befores, afters = ENTRIES[entry]
+            fits = before in befores and regime in afters and (entry != "Reversal" or before != regime)
+            must(fits, f"{entry} does not lead from {before} to {regime}")
+        if posed["impact"] not in ("Frictionless", "Coulomb"):
+            raise NotCovered(f"impacts of {posed['impact']}")
+        self.coulomb = posed["impact"] == "Coulomb"
+        arrests = any(entry == "ArrestedLanding" for _, entry in self.zones)
+        must(self.coulomb or not arrests, "an impact without friction arrests")
+        self.kind = condition if isinstance(condition, str) else condition.name
+        margin = condition.value if self.kind == "Margin" else {}
+        self.watch, self.zone = margin.get("watch"), int(margin.get("zone", -1))
+        must(not self.watch or 0 <= self.zone < self.count, "a margin of no zone")
+        self.vanishing = self.zone if self.watch == "Duration" else None
+        # waves run in the direction of D
+        self.sign = 1 if model(posed, decimal(repr(float(near["parameter"])))).d.real > 0 else -1
+        self.guess = [acb(float(x)) for x in [*sum(near["zones"], ()), near["excess"], near["parameter"]]]
+        self.base = len(self.guess)
+        if self.watch in TOUCHES:
+            self.guess.append(acb(float(margin["time"])))
+        elif self.kind == "Crossing":
+            if not float(condition.value["omega"]):
+                raise NotCovered("an eigenvalue that crosses the axis at λ = 0")
+            self.guess.append(acb(float(condition.value["omega"])))
+        elif self.kind == "Fold":
+            # F_x v = 0 with the largest entry of v put to 1; next to a fold F_x is nearly singular
+            count = self.base - 1
+            slope = differences(lambda x: self.switches(x + self.guess[count:])[0], self.guess[:count])
+            null = (slope.mid().inv().mid() * acb_mat([[1]] * count)).mid().entries()
+            self.largest = max(range(count), key=lambda j: float(abs(null[j]).mid()))
+            self.guess += [(y / null[self.largest]).mid() for y in null]
+
+    def unpack(self, x):
+        """Model, c and (V, W, T) of the zones."""
+        m = model(self.posed, x[self.base - 1])
+        steady = m.friction * m.g * m.mismatch / m.h
+        zones = [(x[3 * i] + steady, x[3 * i + 1], x[3 * i + 2]) for i in range(self.count)]
+        return m, self.sign * (1 + x[self.base - 2]) * m.a.sqrt(), zones
+
+    @staticmethod
+    def matrix(m, c, regime):
+        """A of x′ = Ax for the state (U − δ, U̇, V, V̇, 1)."""
+        front, ma, mb = m.d / c, 1 - m.a / (c * c), 1 - m.b / (c * c)
+        still, rise = [0] * 5, [0, 0, 0, 1, 0]
+        if regime == "Stick":
+            return [still, still, rise, still, still]
+        if regime == "Separation":
+            gap = [-m.g / mb, -m.damping / mb, 0, -front / mb, -m.g * m.mismatch / mb]
+            return [[0, 1, 0, 0, 0], gap, rise, [0, front / ma, -m.h / ma, -m.damping / ma, 0], still]
+        drive = m.friction if regime == "Slip" else -m.friction
+        pull = [0, 0, -m.h / ma, (drive * front - m.damping) / ma, drive * m.g * m.mismatch / ma]
+        return [still, still, rise, pull, still]
+
+    def parts(self, x):
+        """What follows from the unknowns."""
+        m, c, zones = self.unpack(x)
+        matrices = [self.matrix(m, c, regime) for regime, _ in self.zones]
+        begins = [[0, 0, v, w, 1] for v, w, _ in zones]
+        ends = [apply(exponential(a, t), z) for a, z, (_, _, t) in zip(matrices, begins, zones)]
+        slopes = ([apply(a, z) for a, z in zip(matrices, states)] for states in (begins, ends))
+        return Parts(m, c, zones, matrices, begins, ends, *slopes)
+
+    @staticmethod
+    def impulse(m, c, speed):
+        """What a Coulomb impact can take from |1 − V̇|."""
+        return -m.friction * (1 - m.b / (c * c)) * speed / (1 - m.a / (c * c))
+
+    def equations(self, x):
+        """Switches, the period and what singles out the point: as many equations as unknowns."""
+        if self.kind == "Fold":
+            count = self.base - 1
+            both = self.switches([Dual(*pair) for pair in zip(x, x[self.base :])] + [Dual(x[count])])[0]
+            return [y.v for y in both] + [y.d for y in both] + [x[self.base + self.largest] - 1]
+        out, parts = self.switches(x)
+        if self.kind == "Value":
+            return out + [x[self.base - 1] - decimal(self.condition.value)]
+        return out + (self.margin if self.kind == "Margin" else self.crossing)(x, parts)
+
+    def switches(self, x):
+        """The equations of the switches and of the period, and the parts of the wave."""
+        m, c, zones, matrices, begins, ends, *_ = parts = self.parts(x)
+        front, out = m.d / c, []
+        for i, (regime, entry) in enumerate(self.zones):
+            end, (v, w, _) = ends[i - 1], zones[i]
+            place = W if entry in ("Arrest", "Reversal") else U
+            stop, order = end[place] - int(place == W), KNOWN_ZEROS[place].get(self.zones[i - 1][1], 0)
+            if (i - 1) % self.count == self.vanishing and order:
+                # a zone without length: the known zero of its last condition is divided out
+                stop = tail(matrices[i - 1], zones[i - 1][2], begins[i - 1], order)[place]
+            if entry == "Release":
+                moves = [w - 1, m.h * v + m.damping - m.static * (m.g * m.mismatch + front)]
+            elif entry == "TakeOff":
+                moves = [end[W] - w, m.g * m.mismatch + front * w]
+            elif entry in ("Landing", "Touch"):
+                # towards V̇ = 1
+                lags = regime == "Slip" or regime == "Separation" and self.guess[3 * i + 1].real < 1
+                jump = self.impulse(m, c, end[DU]) if self.coulomb else 0
+                moves = [end[W] + (jump if lags else -jump) - w, stop]
+            else:
+                moves = [w - 1, stop]
+            out += [end[V] - v, *moves]
+        return out + [sum(t for _, _, t in zones) * c * self.sign - 2 * arb.pi() / int(self.posed["mode"])], parts
+
+    def margin(self, x, parts):
+        """The margin that vanishes, and where it is a minimum its derivative."""
+        m, c, zones, matrices, begins, ends, *_ = parts
+        front, i, watch, (v, w, t) = m.d / c, self.zone, self.watch, zones[self.zone]
+        contact, force = m.g * m.mismatch + front, m.h * v + m.damping
+        if watch in TOUCHES:
+            state = apply(exponential(matrices[i], x[self.base]), begins[i])
+            if watch == "Gap":
+                return [state[U], state[DU]]
+            value = m.g * m.mismatch + front * state[W] if watch == "Pressure" else state[W] - 1
+            return [value, apply(matrices[i], state)[W]]
+        over = 1 - ends[i][W]
+        margins = {
+            "Duration": t,
+            "LandingPressure": contact + front * (w - 1),
+            "Tension": contact + front * (w - 1),
+            "LandingRate": w - 1,
+            "LowerForce": force + m.static * contact,
+            "UpperForce": force - m.static * contact,
+            "Impulse": self.impulse(m, c, ends[i][DU]) - (over if acb(dual(over).v).real.mid() > 0 else -over),
+        }
+        if watch not in margins:
+            raise NotCovered(f"the margin {watch}")
+        return [margins[watch]]
+
+    def enclosed(self, zero):
+        """The unknowns in real balls; what an equation gives outright is exact."""
+        must(all(abs(x.imag) <= zero.radius for x in zero.middle), "the zero of the equations is not real")
+        x = [acb(arb(y.real, zero.radius)) for y in zero.middle]
+        if self.vanishing is not None:
+            x[3 * self.vanishing + 2] = acb(0)
+        if self.kind == "Value":
+            x[self.base - 1] = decimal(self.condition.value)
+        return x
+
+    def unique(self, zero, distance):
+        """Whether the equations are injective where the parameter is within a distance, and the other unknowns
+        within the same share of their units, of the zero."""
+        middle = [y.real for y in zero.middle]
+        zones = [middle[3 * i : 3 * i + 3] for i in range(self.count)]
+        period, rate = sum(abs(t) for _, _, t in zones), size([1] + [w for _, w, _ in zones])
+        units = [unit for y, _, t in zones for unit in (abs(y).max(period), rate, abs(t).max(period))]
+        units += [arb(1), arb(float(self.posed["unit"]))] + [abs(y).max(arb(1)) for y in middle[self.base :]]
+        radii = [unit * (arb(float(distance)) / units[self.base - 1]) for unit in units]
+
+        def slope(at):
+            seeds = ([Dual(acb(x), radii[i] * int(i == j)) for i, x in enumerate(at)] for j in range(len(at)))
+            return acb_mat([[dual(y).d for y in self.equations(x)] for x in seeds]).transpose()
+
+        try:
+            inverse = slope(middle).mid().inv().mid()
+        except ZeroDivisionError:
+            return False
+        for parts in PARTS:
+            bounds = [[arb(0)] * len(radii) for _ in radii]
+            # over parts of the ranges of the speed and the parameter: less is lost to their repeated use
+            for both in product([arb(i, 1) / parts for i in range(1 - parts, parts, 2)], repeat=2):
+                shares = [arb(0, 1)] * (self.base - 2) + list(both) + [arb(0, 1)] * (len(radii) - self.base)
+                box = [y + radius * share for y, radius, share in zip(middle, radii, shares)]
+                defect = (inverse * slope(box)).tolist()
+                for i, j in product(range(len(radii)), repeat=2):
+                    bounds[i][j] = bounds[i][j].max(abs(defect[i][j] - int(i == j)).upper())
+            if contracts(bounds):
+                return True
+        return False
+
+
+# ------------------------------------------------------------------------------------------------ inequalities
+class Signs:
+    """The inequalities of a wave whose unknowns are enclosed."""
+
+    def __init__(self, wave, x):
+        real = lambda y: y.real if isinstance(y, acb) else y
+        m, c, zones, matrices, begins, *_ = wave.parts(x)
+        self.wave, self.m, self.c = wave, Model(*map(real, m)), real(c)
+        self.zones = [[real(y) for y in zone] for zone in zones]
+        self.matrices = [arb_mat([[real(y) for y in row] for row in rows]) for rows in matrices]
+        self.begins = [arb_mat([[real(y)] for y in begin]) for begin in begins]
+        self.touch = real(x[wave.base]) if wave.watch in TOUCHES else None
+
+    def state(self, zone, time):
+        """The state at a time after the beginning of a zone."""
+        return ((self.matrices[zone] * time).exp() * self.begins[zone]).entries()
+
+    def positive(self, zone, row, left, right, touched=False):
+        """Whether a row of the state is positive inside a zone, with zeros of known order at its ends and, where
+        it is touched, one of order 2 at the time of the touch."""
+        length = self.zones[zone][2]
+        if touched:
+            halves = (arb(0), self.touch, left, 2), (self.touch, length, 2, right)
+            return all(self.shown(zone, row, *half) for half in halves)
+        return self.shown(zone, row, arb(0), length, left, right)
+
+    def shown(self, zone, row, begin, end, left, right):
+        """Whether a row of the state is positive from begin to end, with zeros of known order there: on a piece at
+        such an end the derivative of that order has a sign, by its Taylor polynomial with the last term enclosed."""
+        rows = [arb_mat([row])]
+        for _ in range(max(left, right) + ORDER):
+            rows.append(rows[-1] * self.matrices[zone])
+        pieces = [(0, 0)]
+        while pieces:
+            place, depth = pieces.pop()
+            first, last = place == 0 and left, place + 1 == 1 << depth and right
+            if not (first and last):
+                order, sign = (first, 1) if first else (last, (-1) ** last) if last else (0, 1)
+                middle, low = (begin + (end - begin) * arb(2 * place + i) / (2 << depth) for i in (1, 0))
+                step = (middle - low) * arb(0, 1)
+                inside, over = (arb_mat([[y] for y in self.state(zone, t)]) for t in (middle, middle + step))
+                value, power = arb(0), arb(sign)
+                for k in range(ORDER + 1):
+                    value += (rows[order + k] * (inside if k < ORDER else over))[0, 0] * power
+                    power = power * step / (k + 1)
+                if value > 0:
+                    continue
+                if value < 0 or depth == DEPTH:
+                    return False
+            pieces += [(2 * place + 1, depth + 1), (2 * place, depth + 1)]
+        return True
+
+    def lands_still(self, zone):
+        """Whether a flight that begins and ends at P = 0 lands without speed.
+
+        Without damping U even, V odd about its middle is a symmetry. The odd U and even V of such a flight solve
+        the equations without forces and have U = V̇ = 0 at both ends: they vanish unless a determinant does.
+        """
+        wave, after = self.wave, (zone + 1) % self.wave.count
+        closes = wave.zones[after][1] == "Touch" and wave.vanishing == after and not wave.coulomb
+        free = wave.posed["parameter"] != "MassDamping" and not Fraction(wave.posed["written"]["damping"])
+        if not (closes and free and wave.zones[zone][1] == "TakeOff"):
+            return False
+        half = (self.matrices[zone] * (self.zones[zone][2] / 2)).exp()
+        return not (half[U, DU] * half[W, V] - half[U, V] * half[W, DU]).contains(0)
+
+    def all(self):
+        """(what, whether it is shown) of every inequality but the one that vanishes at the event."""
+        wave, m, c, none = self.wave, self.m, self.c, self.wave.vanishing
+        front, steady = m.d / c, m.g * m.mismatch
+        contact, pressure = steady + front, [0, 0, 0, front, steady]
+        event = lambda watch, i: wave.watch == watch and wave.zone == i % wave.count
+        yield "c² > a > b > 0", c * c > m.a and m.a > m.b and m.b > 0
+        yield "g > 0 and h > 0", m.g > 0 and m.h > 0
+        yield "the direction of D", front > 0
+        yield "f > 0", m.friction > 0 and Fraction(wave.posed["written"]["ratio"] or 1) >= 1
+        if self.touch is not None:
+            yield "the time of the touch", self.touch > 0 and self.touch < self.zones[wave.zone][2]
+        for i, (regime, entry) in enumerate(wave.zones):
+            before, after = (i - 1) % wave.count, (i + 1) % wave.count
+            (v, _, t), (came, via), (goes, switch) = self.zones[i], wave.zones[before], wave.zones[after]
+            force, limit = m.h * v + m.damping, m.static * contact
+            landed = self.state(before, self.zones[before][2])
+            if came == "Separation" and before != none and not self.lands_still(before):
+                yield "U̇ < 0 at landing", landed[DU] < 0
+            if entry == "ArrestedLanding" and not event("Impulse", before):
+                yield "the impulse that arrests", wave.impulse(m, c, landed[DU]) > abs(1 - landed[W])
+            if entry in KNOWN_ZEROS[W] and i != none and regime == "Reverse":
+                yield "Q < −fP where reverse slip begins", -force > limit
+            if entry in KNOWN_ZEROS[W] and i != none and regime == "Slip" and not event("UpperForce", i):
+                yield "Q > fP where slip begins", force > limit
+            if i == none:
+                continue
+            yield "a duration", t > 0
+            touched = lambda watch, zone=i: event(watch, zone)
+            if regime == "Stick":
+                yield "P > 0 in stick", contact > 0
+                if not (event("LowerForce", i) or before == none and via in KNOWN_ZEROS[W]):
+                    yield "Q > −fP in stick", force > -limit
+            elif regime == "Separation":
+                left, right = KNOWN_ZEROS[U][entry] + event("Tension", i), 3 if self.lands_still(i) else 1
+                yield "U > δ in separation", self.positive(i, [1, 0, 0, 0, 0], left, right, touched("Gap"))
+            else:
+                # with V̇ = 1 and Q = fP at an end V̈ vanishes there
+                left = {"Release": 1 if wave.static else 2, "Landing": int(event("LandingRate", i))}.get(entry, 1)
+                left += event("UpperForce", i) and not wave.static
+                right = int(switch in ("Arrest", "Reversal"))
+                right += switch == "Arrest" and after == none and regime == "Slip" and not wave.static
+                lag = [0, 0, 0, -1, 1] if regime == "Slip" else [0, 0, 0, 1, -1]
+                yield "the sign of 1 − V̇", self.positive(i, lag, left, right, touched("Rate"))
+                left, right = int(event("LandingPressure", i)), int(switch == "TakeOff")
+                right += goes == "Separation" and after == none
+                if before == none and came == "Separation":
+                    left = 1 if via == "Touch" else 2
+                yield "P > 0 in sliding", self.positive(i, pressure, left, right, touched("Pressure"))

@@ -1,0 +1,344 @@
+//! `brakewave map` and `brakewave scan`: tables that are computed row by row, and `merge` of both.
+
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use clap::{Args, Subcommand};
+
+use super::failure::{Exit, Failure, Usage};
+use super::options::{Task, Threads, cores, picture, read_any};
+use super::progress::{Progress, tallied};
+use super::{print, stopped};
+use crate::hybrid::scan::{Scanner, Settled};
+use crate::map::{self, Cell, CellRow};
+use crate::messages::AWAY;
+use crate::output::layout::SCAN;
+use crate::output::origin::Origin;
+use crate::output::pictures::{self, PlotError};
+use crate::output::render::Format;
+use crate::output::rows::{Rowed, RowsFolder, of_shard};
+use crate::output::scan::{last, lines};
+use crate::output::store::{self, Existing, SOURCE, Store};
+use crate::problem::{Any, Problem, SystemProblem, refuse_at};
+use crate::table;
+
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(crate) struct RowsArguments {
+    #[command(subcommand)]
+    verb: Option<RowsVerb>,
+    /// Its problem file has a section of the name of the verb
+    #[command(flatten)]
+    task: Option<Task>,
+    #[command(flatten)]
+    threads: Threads,
+    /// Compute only every Nth row of a map or sweep of a scan, from the Ith: I/N with 1 ≤ I ≤ N; `merge` joins the
+    /// shards
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Draw the picture here too: FILE.svg, .png, .pdf or .tex
+    #[arg(long, value_name = "FILE", conflicts_with = "shard")]
+    plot: Option<PathBuf>,
+}
+
+#[derive(Debug, Subcommand)]
+enum RowsVerb {
+    /// Join shards to one table, the same as that of what is computed at once
+    Merge(MergeArguments),
+}
+
+#[derive(Debug, Args)]
+struct MergeArguments {
+    /// Folders of the shards
+    #[arg(required = true)]
+    shards: Vec<PathBuf>,
+    /// Folder for the joined table
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Replace an earlier one
+    #[arg(long)]
+    force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+    /// Draw the picture here too: FILE.svg, .png, .pdf or .tex
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+}
+
+/// Which rows of a map, or sweeps of a scan: those with index ≡ i − 1 modulo n.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Shard {
+    number: usize,
+    of: usize,
+}
+
+impl FromStr for Shard {
+    type Err = Usage;
+
+    fn from_str(text: &str) -> Result<Shard, Usage> {
+        let numbers = text
+            .split_once('/')
+            .and_then(|(number, of)| Some((number.parse().ok()?, of.parse().ok()?)));
+        match numbers {
+            Some((number, of)) if 1 <= number && number <= of => Ok(Shard { number, of }),
+            _ => Err(Usage::Shard),
+        }
+    }
+}
+
+/// More threads than this are not started, nor more than there are rows: they would only wait.
+const MOST_THREADS: usize = 256;
+
+/// Computes the text of a row. What comes before it in its sweep is there where it is not the first.
+type Work<'a> = Box<dyn Fn(usize, Option<&str>) -> Result<String, Failure> + Sync + 'a>;
+
+/// A verb that computes a table row by row.
+pub(crate) trait Verb: Rowed + Sync {
+    /// Ending of the default folder.
+    const ENDING: &'static str;
+
+    /// The problem of a file, with its section.
+    fn read(task: &Task) -> Result<Self, Failure>;
+    /// What the results are computed from.
+    fn inputs(&self, task: &Task) -> Vec<PathBuf>;
+    /// Rows that are computed one after the other, each from the one before.
+    fn sweeps(&self) -> Vec<Range<usize>>;
+    /// What computes a row.
+    fn work(&self, quiet: bool) -> Result<Work<'_>, Failure>;
+    /// Draws the picture in the folder, and the one asked for besides.
+    fn draw(&self, store: &Store, picture: Option<(&Path, Format)>) -> Result<(), Failure>;
+    /// How the verb ends, after all rows were joined.
+    fn end(&self, folder: &RowsFolder<Self>) -> Result<Exit, Failure>;
+}
+
+pub(crate) fn rows<P: Verb>(arguments: &RowsArguments) -> Result<Exit, Failure> {
+    match (&arguments.verb, &arguments.task) {
+        (Some(RowsVerb::Merge(arguments)), _) => merge::<P>(arguments),
+        (None, Some(task)) => run::<P>(arguments, task),
+        (None, None) => Err(Usage::NoProblem.into()),
+    }
+}
+
+fn run<P: Verb>(arguments: &RowsArguments, task: &Task) -> Result<Exit, Failure> {
+    let problem = P::read(task)?;
+    let mut out = task.folder(P::ENDING);
+    let inputs = problem.inputs(task);
+    let picture = picture(arguments.plot.as_deref(), &inputs)?;
+    let shard = arguments.shard.unwrap_or(Shard { number: 1, of: 1 });
+    let mut kind = P::KIND;
+    if shard.of > 1 {
+        kind = P::SHARD;
+        if task.out.is_none() {
+            out.push(format!("shard-{}-of-{}", shard.number, shard.of));
+        }
+    }
+    let existing = Existing::of(task.resume, task.force);
+    let store = Store::open(&out, kind, &problem, existing, &inputs)?;
+    let folder = RowsFolder::new(store, Origin::of(&problem))?;
+    let finished = folder.finished()?;
+    let is_open = |row: &usize| finished.binary_search(row).is_err();
+    let sweeps = problem.sweeps().into_iter();
+    let sweeps = sweeps.skip(shard.number - 1).step_by(shard.of);
+    let sweeps: Vec<Range<usize>> = sweeps
+        .filter(|rows| rows.clone().any(|row| is_open(&row)))
+        .collect();
+    let rows: Vec<usize> = sweeps.iter().cloned().flatten().filter(is_open).collect();
+    let most = sweeps.len().min(MOST_THREADS);
+    arguments.threads.install(cores(), most, || {
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let work = problem.work(task.quiet)?;
+        let written: Result<(), Failure> =
+            tallied(task.quiet, &sweeps, (rows.len(), "rows"), |sweep, done| {
+                let mut before = None;
+                for row in sweep.clone() {
+                    if !is_open(&row) {
+                        before = None;
+                        continue;
+                    }
+                    if before.is_none() && row > sweep.start {
+                        before = Some(folder.row(row - 1)?);
+                    }
+                    let cells = work(row, before.as_deref())?;
+                    // the first row that is there replaces earlier results
+                    folder.begin(&rows)?;
+                    folder.write(row, &cells)?;
+                    before = Some(cells);
+                    done();
+                }
+                Ok::<(), Failure>(())
+            });
+        written
+    })?;
+    folder.begin(&rows)?;
+    let mut exit = Exit::Done;
+    let what = if shard.of > 1 {
+        "shard"
+    } else {
+        P::KIND.name()
+    };
+    if shard.of == 1 {
+        folder.join(std::slice::from_ref(&out))?;
+        problem.draw(folder.store(), picture)?;
+        exit = problem.end(&folder)?;
+    }
+    task.say("", what, &out)?;
+    Ok(exit)
+}
+
+fn merge<P: Verb>(arguments: &MergeArguments) -> Result<Exit, Failure> {
+    let picture = picture(arguments.plot.as_deref(), &[])?;
+    let (first, others) = arguments.shards.split_first().ok_or(Usage::NoProblem)?;
+    let origin = of_shard::<P>(first)?;
+    for shard in others {
+        if of_shard::<P>(shard)? != origin {
+            return Err(Usage::OtherShards(first.clone(), shard.clone()).into());
+        }
+    }
+    let canonical = |path: &PathBuf| fs::canonicalize(path).ok();
+    let out = canonical(&arguments.out);
+    let own = out.is_some() && arguments.shards.iter().any(|shard| canonical(shard) == out);
+    // a shard may be joined in its own folder, whose rows stay then
+    let existing = Existing::of(own, arguments.force);
+    let problem = origin.problem.clone();
+    // the problem file as it was written goes along
+    let source = (!own).then(|| first.join(SOURCE));
+    let inputs: Vec<PathBuf> = source.into_iter().collect();
+    let store = Store::open(&arguments.out, P::KIND, &problem, existing, &inputs)?;
+    let folder = RowsFolder::new(store, origin)?;
+    folder.join(&arguments.shards)?;
+    problem.draw(folder.store(), picture)?;
+    let exit = problem.end(&folder)?;
+    if !arguments.quiet {
+        let what = P::KIND.name();
+        print(&format!("{what} in {}\n", arguments.out.display()))?;
+    }
+    Ok(exit)
+}
+
+impl Verb for Problem {
+    const ENDING: &'static str = "_map";
+
+    fn read(task: &Task) -> Result<Problem, Failure> {
+        let (problem, text, name) = task.read()?;
+        problem.map(&text, &name)?;
+        Ok(problem)
+    }
+
+    fn inputs(&self, task: &Task) -> Vec<PathBuf> {
+        task.inputs(self)
+    }
+
+    fn sweeps(&self) -> Vec<Range<usize>> {
+        (0..self.rows()).map(|row| row..row + 1).collect()
+    }
+
+    fn work(&self, quiet: bool) -> Result<Work<'_>, Failure> {
+        let Some(section) = &self.map else {
+            return Err(Usage::NoProblem.into());
+        };
+        let progress = Progress::new(quiet);
+        let mut watch = |waves: usize| {
+            progress.show(
+                f64::NAN,
+                format!("{waves} waves on lines through the plane"),
+            );
+        };
+        let map = map::Rows::new(self, section, &mut watch)?;
+        Ok(Box::new(move |row, _| {
+            let cells: Vec<Cell> = map.row(row)?;
+            Ok(cells
+                .iter()
+                .map(|cell| table::line(&CellRow::new(cell)))
+                .collect())
+        }))
+    }
+
+    fn draw(&self, store: &Store, picture: Option<(&Path, Format)>) -> Result<(), Failure> {
+        pictures::draw(store, Some(self), Format::Svg)?;
+        if let (Some(file), Some(section)) = (picture, &self.map) {
+            let drawn = pictures::map::picture(store.path(), section);
+            pictures::save(file, self, drawn.map_err(PlotError::from)?)?;
+        }
+        Ok(())
+    }
+
+    fn end(&self, _: &RowsFolder<Problem>) -> Result<Exit, Failure> {
+        Ok(Exit::Done)
+    }
+}
+
+impl Verb for SystemProblem {
+    const ENDING: &'static str = "_scan";
+
+    fn read(task: &Task) -> Result<SystemProblem, Failure> {
+        let (problem, text) = read_any(&task.problem)?;
+        let name = task.problem.display().to_string();
+        match problem {
+            Any::System(problem) => {
+                problem.scan(&text, &name)?;
+                Ok(*problem)
+            }
+            Any::Tube(_) => {
+                let message = "this is a problem with waves of a tube, and `scan` is for systems of one's own";
+                let help = "take a problem with `system` and `orbit`; `brakewave new --for scan` prints one";
+                Err(refuse_at(&text, &name, "wave", message, help).into())
+            }
+        }
+    }
+
+    fn inputs(&self, task: &Task) -> Vec<PathBuf> {
+        let earlier = self.orbit.start.dir().cloned();
+        std::iter::once(task.problem.clone())
+            .chain(earlier)
+            .collect()
+    }
+
+    fn sweeps(&self) -> Vec<Range<usize>> {
+        self.scan.as_ref().map_or(Vec::new(), |scan| scan.sweeps())
+    }
+
+    fn work(&self, _: bool) -> Result<Work<'_>, Failure> {
+        let scanner = self.scan.as_ref().and_then(|scan| Scanner::new(self, scan));
+        let scanner = scanner.ok_or(Usage::NoBeginning)?;
+        Ok(Box::new(move |row, before| {
+            let before = before.and_then(|rows| last(self, &scanner, rows));
+            let settled: Vec<Settled> = scanner.piece(row, before);
+            Ok(lines(&scanner.system, &settled))
+        }))
+    }
+
+    fn draw(&self, store: &Store, picture: Option<(&Path, Format)>) -> Result<(), Failure> {
+        pictures::scan::draw(store, self, None, Format::Svg)?;
+        if let Some((path, format)) = picture {
+            let drawn = pictures::scan::picture(store.path(), self, None);
+            let bytes = drawn?.file(format)?;
+            fs::write(path, bytes).map_err(store::io_error("write it", path))?;
+        }
+        Ok(())
+    }
+
+    /// A motion that ends early is told; what there is of it is kept. One that stays away from the section is no failure.
+    fn end(&self, folder: &RowsFolder<SystemProblem>) -> Result<Exit, Failure> {
+        let table = store::table(&folder.path().join(SCAN))?;
+        let lacking = (0..table.len()).filter(|row| {
+            let why = table.text(*row, "why");
+            !why.is_empty() && !why.starts_with(AWAY)
+        });
+        let lacking: Vec<usize> = lacking.collect();
+        let Some(&first) = lacking.first() else {
+            return Ok(Exit::Done);
+        };
+        let name = self.scan.as_ref().map_or("", |scan| &scan.parameter);
+        let value: f64 = table.field(first, "value").unwrap_or(f64::NAN);
+        stopped(&format!(
+            "{} of the motions have fewer samples than asked for, the first at {name} = {value}: {}",
+            lacking.len(),
+            table.text(first, "why")
+        ))
+    }
+}

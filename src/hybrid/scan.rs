@@ -1,0 +1,251 @@
+//! What motions of a system settle on, value by value of a parameter, in pieces that are computed one by one.
+//!
+//! A motion of a sweep begins where the last sample of the value before was taken: what a row of a table tells of
+//! it is enough to go on.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use crate::affine::mode::AffineSystem;
+use crate::affine::motion::{Halt, Motion, Place, Step};
+use crate::affine::system::{System, SystemError};
+use crate::problem::{Scan, Section, Sweep, SystemProblem};
+
+/// Values of a piece: files of a thousand samples or so, and a loss of a second where it is interrupted.
+const VALUES: usize = 16;
+
+/// Random states that are tried before a mode is said to have none of the range.
+const TRIES: usize = 1000;
+
+/// What was seen of the motion at one value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settled {
+    /// The value.
+    pub value: f64,
+    /// `up`, `down` or `fresh`.
+    pub sweep: &'static str,
+    /// Where samples were taken, at times from the beginning.
+    pub samples: Vec<Place>,
+    /// Why there are not as many as asked for.
+    pub lacks: Option<Lack>,
+}
+
+/// Why a motion has fewer samples than asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Lack {
+    /// The system makes no sense at the value.
+    System(SystemError),
+    /// The motion does not go on.
+    Halted(Halt),
+    /// It does not come to the section for as long as it settles, or as many periods as there are samples.
+    Away {
+        /// How long that is.
+        time: f64,
+    },
+    /// No random state lies within the mode.
+    Outside,
+}
+
+/// A scan that is ready to be computed.
+#[derive(Clone, Debug)]
+pub struct Scanner<'a> {
+    scan: &'a Scan,
+    /// The system, with one more mode for the section.
+    pub system: System,
+    /// The mode whose first guard is the section.
+    section: Option<usize>,
+    values: Vec<f64>,
+    parameter: usize,
+    start: Place,
+}
+
+impl Scan {
+    /// Pieces of each sweep, by number: what must be computed one after the other.
+    pub fn sweeps(&self) -> Vec<Range<usize>> {
+        let pieces = self.values.count().div_ceil(VALUES);
+        match self.sweep {
+            Sweep::Up | Sweep::Down => vec![0..pieces],
+            Sweep::Both => vec![0..pieces, pieces..2 * pieces],
+            Sweep::Fresh => (0..pieces).map(|piece| piece..piece + 1).collect(),
+        }
+    }
+
+    /// The word of the sweep of a piece, and its values, each with its number from the least.
+    pub fn piece(&self, number: usize) -> (&'static str, Vec<(usize, f64)>) {
+        let count = self.values.count();
+        let pieces = count.div_ceil(VALUES);
+        let word = match (self.sweep, number < pieces) {
+            (Sweep::Fresh, _) => "fresh",
+            (Sweep::Down, _) | (Sweep::Both, false) => "down",
+            _ => "up",
+        };
+        let first = (number % pieces) * VALUES;
+        let places = (first..count.min(first + VALUES)).map(|place| match word {
+            "down" => count - 1 - place,
+            _ => place,
+        });
+        let valued = places.map(|place| (place, self.values.value(place)));
+        (word, valued.collect())
+    }
+}
+
+impl<'a> Scanner<'a> {
+    /// A scan of a problem that has passed every check; none where the problem does not say where motions begin.
+    pub fn new(problem: &SystemProblem, scan: &'a Scan) -> Option<Scanner<'a>> {
+        let (system, section) = scan.system(&problem.system).ok()?;
+        let start = scan.start.clone();
+        let start = start.or(problem.orbit.start.beginning())?;
+        Some(Scanner {
+            scan,
+            section,
+            values: problem.values(),
+            parameter: system.source.parameters.index(&scan.parameter)?,
+            start: start.place(&system)?,
+            system,
+        })
+    }
+
+    /// The values of a piece in their order. `before` is where the last sample of the piece before was taken, if
+    /// there is one in its sweep.
+    pub fn piece(&self, number: usize, before: Option<Place>) -> Vec<Settled> {
+        let (sweep, values) = self.scan.piece(number);
+        let mut last = before;
+        let settled = values.into_iter().map(|(number, value)| {
+            let mut settled = Settled {
+                value,
+                sweep,
+                samples: Vec::with_capacity(self.scan.keep),
+                lacks: None,
+            };
+            let mut values = self.values.clone();
+            values[self.parameter] = value;
+            let start = last.take().filter(|_| sweep != "fresh");
+            settled.lacks = match self.system.at(&values, &[]) {
+                Ok(system) => {
+                    let fresh = || match self.scan.seed {
+                        Some(seed) => self.random(&system, Stream(seed).apart(number as u64)),
+                        None => Ok(self.start.clone()),
+                    };
+                    let begun = start.map_or_else(fresh, Ok);
+                    let settled =
+                        begun.and_then(|start| self.settle(&system, start, &mut settled.samples));
+                    settled.err()
+                }
+                Err(error) => Some(Lack::System(error)),
+            };
+            last = settled
+                .samples
+                .last()
+                .cloned()
+                .map(|last| Place { time: 0.0, ..last });
+            settled
+        });
+        settled.collect()
+    }
+
+    /// Follows a motion and takes its samples.
+    fn settle(
+        &self,
+        system: &AffineSystem,
+        start: Place,
+        samples: &mut Vec<Place>,
+    ) -> Result<(), Lack> {
+        let omega = system.omega.value;
+        let unit = if omega > 0.0 { TAU / omega } else { 1.0 };
+        let Scan { settle, keep, .. } = *self.scan;
+        let begun = start.phase;
+        let mut motion = Motion::new(system, start, unit);
+        let Some(mode) = self.section else {
+            let phase = match self.scan.section {
+                Section::Phase(phase) => phase.rem_euclid(TAU),
+                Section::Zero(_) => 0.0,
+            };
+            let first = (phase - begun).rem_euclid(TAU) / omega;
+            for sample in 0..keep {
+                pass(&mut motion, first + (settle.ceil() + sample as f64) * unit)?;
+                let there = motion.place();
+                samples.push(Place {
+                    phase,
+                    ..there.clone()
+                });
+            }
+            return Ok(());
+        };
+        pass(&mut motion, settle * unit)?;
+        let mut motion = motion.watching(mode);
+        let time = settle.max(keep as f64) * unit;
+        while samples.len() < keep {
+            let since = samples.last().map_or(settle * unit, |last| last.time);
+            match motion.step(since + time).map_err(Lack::Halted)? {
+                Step::Switched(_) => {}
+                Step::Reached => return Err(Lack::Away { time }),
+                Step::Section => {
+                    let there = motion.place();
+                    let phase = there.phase.rem_euclid(TAU);
+                    samples.push(Place {
+                        phase,
+                        ..there.clone()
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The start with random states, at which no guard of its mode is negative.
+    fn random(&self, system: &AffineSystem, mut stream: Stream) -> Result<Place, Lack> {
+        let names = &self.system.source.states;
+        for _ in 0..TRIES {
+            let mut place = self.start.clone();
+            for (name, state) in names.iter().zip(&mut place.state) {
+                let (low, high) = match &self.scan.within {
+                    None => {
+                        let reach = state.abs().max(1.0);
+                        (*state - reach, *state + reach)
+                    }
+                    Some(within) => match within.index(name) {
+                        Some(index) => within.0[index].1,
+                        None => continue,
+                    },
+                };
+                *state = low + (high - low) * stream.next();
+            }
+            if Motion::new(system, place.clone(), 1.0).is_inside() {
+                return Ok(place);
+            }
+        }
+        Err(Lack::Outside)
+    }
+}
+
+/// Follows a motion through its switches to a time.
+fn pass(motion: &mut Motion, until: f64) -> Result<(), Lack> {
+    while motion.place().time < until {
+        motion.step(until).map_err(Lack::Halted)?;
+    }
+    Ok(())
+}
+
+/// Random numbers: Steele, Lea & Flood's SplitMix64, the same on every machine.
+struct Stream(u64);
+
+impl Stream {
+    /// One of many streams of the same seed.
+    fn apart(mut self, number: u64) -> Stream {
+        let mixed = self.bits();
+        Stream(mixed ^ Stream(number).bits())
+    }
+
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// A number from 0 to 1.
+    fn next(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 * 2.0_f64.powi(-53)
+    }
+}

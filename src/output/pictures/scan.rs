@@ -1,0 +1,136 @@
+//! What motions settle on over a parameter: a dot for every sample, and a branch over it.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use super::diagram::{self, View};
+use super::orbits::constants;
+use super::tables::{Tables, read};
+use super::{Named, PlotError, put};
+use crate::output::layout::{SCAN, SCANNED};
+use crate::output::render::{
+    Axis, BLACK, BLUE, Extent, Format, Key, Layer, Legend, Mark, Panel, Picture, Point, Shape,
+    VERMILLION, range,
+};
+use crate::output::store::{Store, StoreError, unfinished};
+use crate::problem::{Scan, Section, SystemProblem};
+
+/// Radius of a dot.
+const DOT: f64 = 0.6;
+/// Dots that are told apart over the height of the panel: more is a file without end.
+const LEVELS: f64 = 600.0;
+
+/// What an empty picture says.
+const NONE: &str = "no motion came to the section";
+
+/// Draws the picture of a folder, with the branch of a run over it where one is named.
+///
+/// # Errors
+/// When a table cannot be read, the branch has other columns, or a file cannot be written.
+pub(crate) fn draw(
+    store: &Store,
+    problem: &SystemProblem,
+    over: Option<&Path>,
+    format: Format,
+) -> Result<Vec<PathBuf>, PlotError> {
+    let picture = picture(store.path(), problem, over);
+    let name = SCANNED[usize::from(over.is_some())];
+    put(
+        store,
+        None,
+        format,
+        [(name.to_owned(), picture)] as [Named; 1],
+    )
+}
+
+/// The first state of every sample over the parameter, a colour for each sweep. Of a branch over it the greatest
+/// value of the state is shown, and the least as well where samples are taken at a phase, between the two.
+///
+/// # Errors
+/// As [`draw`].
+pub(crate) fn picture(
+    folder: &Path,
+    problem: &SystemProblem,
+    over: Option<&Path>,
+) -> Result<Picture, StoreError> {
+    let source = &problem.system.source;
+    let (Some(scan), Some(state)) = (&problem.scan, source.states.first()) else {
+        return Err(unfinished(folder, "scan", "there is no section `scan`"));
+    };
+    let path = folder.join(SCAN);
+    if !path.exists() {
+        return Err(unfinished(folder, "scan", "its pieces are not joined yet"));
+    }
+    let table = read(&path, &["value", "sweep", "sample", state])?;
+    let mut sweeps: BTreeMap<&str, Vec<Point>> = BTreeMap::new();
+    for row in 0..table.len() {
+        let point = (table.field(row, "value"), table.field(row, state));
+        if let (Some(x), Some(y)) = point {
+            sweeps
+                .entry(table.text(row, "sweep"))
+                .or_default()
+                .push((x, y));
+        }
+    }
+    let heights = sweeps.values().flatten().map(|point| point.1);
+    let (low, high) = range(heights).unwrap_or((0.0, 1.0));
+    // dots that fall on one another are one
+    let level = |y: f64| ((y - low) / (high - low).max(f64::MIN_POSITIVE) * LEVELS).round() as i64;
+    let mut layers = Vec::new();
+    let mut keys = Vec::new();
+    for (sweep, mut points) in sweeps {
+        let mut seen = BTreeSet::new();
+        points.retain(|(x, y)| seen.insert((x.to_bits(), level(*y))));
+        let (colour, words) = match sweep {
+            "up" => (BLUE, "from below"),
+            "down" => (VERMILLION, "from above"),
+            _ => (BLACK, "each begun anew"),
+        };
+        layers.push(Layer::Marks(points, Mark::new(Shape::Disc, DOT, colour)));
+        keys.push((Key::Mark(Mark::new(Shape::Disc, 2.5, colour)), words));
+    }
+    let mut legend = Legend::default().with("samples:", keys);
+    let nothing = layers.is_empty();
+    if let Some(run) = over {
+        let tables = Tables::read(run, &scan.parameter)?;
+        let least = matches!(scan.section, Section::Phase(_)).then(|| format!("min_{state}"));
+        for (number, column) in [Some(format!("max_{state}")), least]
+            .into_iter()
+            .flatten()
+            .enumerate()
+        {
+            let crate::problem::ScanValues::Linear(low, high, _) = scan.values;
+            let view = View {
+                range: (low, high),
+                logarithmic: Some(false),
+                ..View::whole(&column)
+            };
+            let branch = diagram::picture(&tables, &view)?;
+            let lines = branch.panels.into_iter().flat_map(|panel| panel.layers);
+            layers
+                .extend(lines.filter(|layer| matches!(layer, Layer::Line(..) | Layer::Marks(..))));
+            if number == 0 {
+                legend.groups.extend(branch.legend.groups);
+            }
+        }
+    }
+    let caption = match (over.is_some(), &scan.section) {
+        (true, Section::Phase(_)) => format!("{state}; branch: greatest and least {state}"),
+        (true, Section::Zero(_)) => format!("{state}; branch: greatest {state}"),
+        _ => state.clone(),
+    };
+    let x = Axis::new((scan.parameter.as_str(), ""), Extent::Data(0.02));
+    let y = Axis::new((caption.as_str(), ""), Extent::Data(0.04));
+    let panel = Panel::new(x, y, layers).unless(nothing, NONE);
+    let picture = Picture::new(vec![panel], legend).titled(problem.title.as_deref());
+    let subtitle = format!("{}; {}", taken(scan), constants(source, &scan.parameter));
+    Ok(picture.subtitled(&subtitle))
+}
+
+/// Where samples are taken, in words.
+fn taken(scan: &Scan) -> String {
+    match &scan.section {
+        Section::Phase(phase) => format!("at phase {phase}"),
+        Section::Zero(expression) => format!("where {expression} rises to 0"),
+    }
+}

@@ -1,0 +1,96 @@
+//! The table of a scan: a row for every sample, and one with a reason where there are fewer than asked for.
+
+use super::layout::{self, SCAN, SCAN_ORIGIN};
+use super::render::Format;
+use super::rows::Rowed;
+use super::store::Kind;
+use crate::affine::motion::Place;
+use crate::affine::system::System;
+use crate::hybrid::scan::{Scanner, Settled};
+use crate::messages::lack;
+use crate::problem::SystemProblem;
+use crate::table::{Table, line_of, number};
+
+impl Rowed for SystemProblem {
+    const KIND: Kind = Kind::Scan;
+    const SHARD: Kind = Kind::ScanShard;
+    const ORIGIN: &'static str = SCAN_ORIGIN;
+    const TABLE: &'static str = SCAN;
+
+    fn rows(&self) -> usize {
+        let scan = self.scan.as_ref();
+        scan.map_or(0, |scan| {
+            scan.sweeps().iter().map(|sweep| sweep.len()).sum()
+        })
+    }
+
+    fn first(&self, row: usize) -> Option<f64> {
+        let (_, values) = self.scan.as_ref()?.piece(row);
+        values.first().map(|(_, value)| *value)
+    }
+
+    fn header(&self) -> String {
+        let own = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+        let columns: [Vec<String>; 3] = [
+            own(&["value", "sweep", "sample"]),
+            self.system.source.states.clone(),
+            own(&["phase", "mode", "why"]),
+        ];
+        line_of(&columns.concat())
+    }
+
+    fn pictures(&self) -> Vec<String> {
+        layout::pictures_of_system(Kind::Scan, Format::Svg)
+    }
+}
+
+/// The rows of some values.
+pub(crate) fn lines(system: &System, settled: &[Settled]) -> String {
+    let mut text = String::new();
+    for one in settled {
+        let row = |sample: String, place: Option<&Place>, why: String| {
+            let states = 0..system.source.states.len();
+            let states = states.map(|state| place.map(|place| number(place.state[state])));
+            let mode = place.map(|place| system.mode_name(place.mode).to_owned());
+            let phase = place.map(|place| number(place.phase));
+            let cells = states.chain([phase, mode]).map(Option::unwrap_or_default);
+            let first = [number(one.value), one.sweep.to_owned(), sample];
+            line_of(
+                &first
+                    .into_iter()
+                    .chain(cells)
+                    .chain([why])
+                    .collect::<Vec<_>>(),
+            )
+        };
+        for (sample, place) in one.samples.iter().enumerate() {
+            text.push_str(&row(sample.to_string(), Some(place), String::new()));
+        }
+        if let Some(reason) = &one.lacks {
+            text.push_str(&row(String::new(), None, lack(system, reason)));
+        }
+    }
+    text
+}
+
+/// Where the last sample of the last value of a piece was taken, if it has one.
+pub(crate) fn last(problem: &SystemProblem, scanner: &Scanner, rows: &str) -> Option<Place> {
+    let text = problem.header() + rows;
+    let table = Table::parse(text.as_bytes()).ok()?;
+    let value = |row: usize| table.text(row, "value").to_owned();
+    let end = table.len().checked_sub(1)?;
+    let of_last = (0..table.len())
+        .rev()
+        .take_while(|row| value(*row) == value(end));
+    let row = of_last
+        .into_iter()
+        .find(|row| !table.text(*row, "sample").is_empty())?;
+    let states = problem.system.source.states.iter();
+    let state = states.map(|name| table.field(row, name));
+    Some(Place {
+        time: 0.0,
+        phase: table.field(row, "phase")?,
+        mode: scanner.system.mode(table.text(row, "mode"))?,
+        state: state.collect::<Option<_>>()?,
+    })
+}

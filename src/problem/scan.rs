@@ -1,0 +1,125 @@
+//! Brute force: what motions of a system settle on, for many values of a parameter.
+
+use serde::{Deserialize, Serialize};
+
+use super::system::Beginning;
+use crate::affine::system::{ModeSource, Ordered, SwitchSource, System, SystemError};
+
+/// Most values of the parameter.
+pub(crate) const MAX_VALUES: usize = 1_000_000;
+/// Most samples of a value.
+pub(crate) const MAX_KEPT: usize = 1_000_000;
+/// Most samples of a scan.
+pub(crate) const MAX_SCANNED: usize = 100_000_000;
+
+/// The section `scan` of a problem with a system.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scan {
+    /// The parameter.
+    pub parameter: String,
+    /// Its values.
+    pub values: ScanValues,
+    /// In which order, and where each motion begins.
+    #[serde(default)]
+    pub sweep: Sweep,
+    /// Periods of the forcing, or units of time without one, before samples are taken.
+    pub settle: f64,
+    /// Samples taken of each value.
+    pub keep: usize,
+    /// Where samples are taken; where the phase is zero unless given.
+    #[serde(default)]
+    pub section: Section,
+    /// Where the first motion begins; where that of `orbit` does unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<Beginning>,
+    /// With it motions of `Fresh` begin at random states, the same ones for the same number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// Ranges of the random states; those that are not named begin as `start` says. Without any of them all states
+    /// lie within max(1, |s|) of their start s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<Ordered<(f64, f64)>>,
+}
+
+/// Values of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ScanValues {
+    /// Equidistant ones: the least, the greatest, and how many, both ends among them.
+    Linear(f64, f64, usize),
+}
+
+/// Where the motion of a value begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Sweep {
+    /// Where that of the value below has come to.
+    #[default]
+    Up,
+    /// Where that of the value above has come to.
+    Down,
+    /// Both of these, one after the other.
+    Both,
+    /// At the start, or at random.
+    Fresh,
+}
+
+/// Where samples of a motion are taken.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Section {
+    /// At this phase of the forcing.
+    Phase(f64),
+    /// Where this expression comes to zero from below.
+    Zero(String),
+}
+
+impl Default for Section {
+    fn default() -> Self {
+        Section::Phase(0.0)
+    }
+}
+
+impl ScanValues {
+    /// How many they are.
+    pub fn count(self) -> usize {
+        let ScanValues::Linear(_, _, count) = self;
+        count
+    }
+
+    /// The value with this number from 0, from the least.
+    pub fn value(self, number: usize) -> f64 {
+        let ScanValues::Linear(low, high, count) = self;
+        let part = number as f64 / (count.max(2) - 1) as f64;
+        low * (1.0 - part) + high * part
+    }
+}
+
+impl Scan {
+    /// The system with one more mode, which nothing leads to and the first guard of which is the expression of the
+    /// section, and the number of that mode; without such an expression the system as it is.
+    ///
+    /// # Errors
+    /// What is wrong with the expression, at the path of that mode.
+    pub fn system(&self, system: &System) -> Result<(System, Option<usize>), SystemError> {
+        let Section::Zero(zero) = &self.section else {
+            return Ok((system.clone(), None));
+        };
+        let mut source = system.source.clone();
+        let mut name = "section".to_owned();
+        while system.mode(&name).is_some() {
+            name.push('_');
+        }
+        let rates = source.states.iter();
+        let rates = rates.map(|state| (state.clone(), "0".to_owned()));
+        let mode = ModeSource {
+            rates: Ordered(rates.collect()),
+            until: vec![SwitchSource {
+                zero: zero.clone(),
+                to: name.clone(),
+                ..SwitchSource::default()
+            }],
+        };
+        let number = source.modes.0.len();
+        source.modes.0.push((name, mode));
+        Ok((System::new(source)?, Some(number)))
+    }
+}
