@@ -160,7 +160,10 @@ fn modes(zones: &[Zone]) -> Vec<&str> {
 fn legend(zones: &[Zone], modes: &[&str], from: f64, grey: bool) -> Legend {
     let keys = modes.iter().zip(CATEGORIES.into_iter().cycle());
     let keys = keys.map(|(mode, colour)| (Key::Line(Pen::solid(colour, WIDTH)), *mode));
-    let late = zones.iter().skip(1).filter(|zone| zone.points[0][0] >= from);
+    let late = zones
+        .iter()
+        .skip(1)
+        .filter(|zone| zone.points[0][0] >= from);
     let shown = (1..=MARKED).contains(&late.count());
     let switches = shown.then_some((Key::Mark(SWITCH), "switch"));
     let earlier = grey.then_some((Key::Line(EARLIER), "earlier"));
@@ -185,7 +188,10 @@ fn time_series(zones: &[Zone], states: &[String]) -> Picture {
         let layers = layers(zones, &modes, f64::NEG_INFINITY, 0, index + 1);
         Panel::new(axis("time", 0.01), axis(state, 0.06), layers).high(height.max(0.45 * HEIGHT))
     });
-    Picture::new(panels.collect(), legend(zones, &modes, f64::NEG_INFINITY, false))
+    Picture::new(
+        panels.collect(),
+        legend(zones, &modes, f64::NEG_INFINITY, false),
+    )
 }
 
 fn phase_plane(zones: &[Zone], states: &[String]) -> Picture {
