@@ -182,7 +182,7 @@ fn time_series(zones: &[Zone], states: &[String]) -> Picture {
     let zones = &zones[zones.len().saturating_sub(MARKED + 1)..];
     let modes = modes(zones);
     let shown = states.iter().take(MOST).enumerate();
-    let height = HEIGHT / states.len().min(MOST).max(1) as f64;
+    let height = HEIGHT / states.len().clamp(1, MOST) as f64;
     let panels = shown.map(|(index, state)| {
         let axis = |name: &str, room| Axis::new((name, ""), Extent::Data(room));
         let layers = layers(zones, &modes, f64::NEG_INFINITY, 0, index + 1);
