@@ -292,9 +292,10 @@ def draw_scan(folder, y=None, axes=None):
     table = table[table["sample"].notna()]
     y = y or list(table)[3]
     for (sweep, samples), colour in zip(table.groupby("sweep", sort=False), ["#0072b2", "#d55e00"]):
-        axes.plot(samples["value"], samples[y], ".", ms=1, mew=0, color=colour, label=sweep)
+        axes.plot(samples["value"], samples[y], ".", ms=2.5, mew=0, color=colour, label=sweep)
     axes.set(xlabel="parameter", ylabel=y)
-    axes.legend(markerscale=6)
+    if len(table):
+        axes.legend(markerscale=3)
     return axes
 
 

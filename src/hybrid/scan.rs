@@ -161,6 +161,7 @@ impl<'a> Scanner<'a> {
                 Section::Zero(_) => 0.0,
             };
             let first = (phase - begun).rem_euclid(TAU) / omega;
+            settled(&mut motion, first, settle.ceil(), unit)?;
             for sample in 0..keep {
                 pass(&mut motion, first + (settle.ceil() + sample as f64) * unit)?;
                 let there = motion.place();
@@ -171,7 +172,7 @@ impl<'a> Scanner<'a> {
             }
             return Ok(());
         };
-        pass(&mut motion, settle * unit)?;
+        settled(&mut motion, 0.0, settle, unit)?;
         let mut motion = motion.watching(mode);
         let time = settle.max(keep as f64) * unit;
         while samples.len() < keep {
@@ -216,6 +217,15 @@ impl<'a> Scanner<'a> {
         }
         Err(Lack::Outside)
     }
+}
+
+/// Follows a motion until it has settled, period by period: a time that is a sum of many pieces is known no better
+/// than its last digit times their number.
+fn settled(motion: &mut Motion, first: f64, settle: f64, unit: f64) -> Result<(), Lack> {
+    for period in 0..settle as usize {
+        pass(motion, first + period as f64 * unit)?;
+    }
+    pass(motion, first + settle * unit)
 }
 
 /// Follows a motion through its switches to a time.

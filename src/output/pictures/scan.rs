@@ -16,9 +16,9 @@ use crate::output::store::{Store, StoreError, unfinished};
 use crate::problem::{Scan, Section, SystemProblem};
 
 /// Radius of a dot.
-const DOT: f64 = 0.6;
+const DOT: f64 = 0.7;
 /// Dots that are told apart over the height of the panel: more is a file without end.
-const LEVELS: f64 = 600.0;
+const LEVELS: f64 = 500.0;
 
 /// What an empty picture says.
 const NONE: &str = "no motion came to the section";
@@ -43,8 +43,8 @@ pub(crate) fn draw(
     )
 }
 
-/// The first state of every sample over the parameter, a colour for each sweep. Of a branch over it the greatest
-/// value of the state is shown, and the least as well where samples are taken at a phase, between the two.
+/// The first state of every sample over the parameter, a colour for each sweep. Of a branch over it the greatest and
+/// the least value of the state are shown: samples lie between the two, or on one of them.
 ///
 /// # Errors
 /// As [`draw`].
@@ -86,19 +86,15 @@ pub(crate) fn picture(
             "down" => (VERMILLION, "from above"),
             _ => (BLACK, "each begun anew"),
         };
-        layers.push(Layer::Marks(points, Mark::new(Shape::Disc, DOT, colour)));
+        layers.push(Layer::Marks(points, Mark::new(Shape::Dot, DOT, colour)));
         keys.push((Key::Mark(Mark::new(Shape::Disc, 2.5, colour)), words));
     }
     let mut legend = Legend::default().with("samples:", keys);
     let nothing = layers.is_empty();
     if let Some(run) = over {
         let tables = Tables::read(run, &scan.parameter)?;
-        let least = matches!(scan.section, Section::Phase(_)).then(|| format!("min_{state}"));
-        for (number, column) in [Some(format!("max_{state}")), least]
-            .into_iter()
-            .flatten()
-            .enumerate()
-        {
+        for (number, extremum) in ["max", "min"].into_iter().enumerate() {
+            let column = format!("{extremum}_{state}");
             let crate::problem::ScanValues::Linear(low, high, _) = scan.values;
             let view = View {
                 range: (low, high),
@@ -114,10 +110,9 @@ pub(crate) fn picture(
             }
         }
     }
-    let caption = match (over.is_some(), &scan.section) {
-        (true, Section::Phase(_)) => format!("{state}; branch: greatest and least {state}"),
-        (true, Section::Zero(_)) => format!("{state}; branch: greatest {state}"),
-        _ => state.clone(),
+    let caption = match over {
+        Some(_) => format!("{state}; branch: greatest and least {state}"),
+        None => state.clone(),
     };
     let x = Axis::new((scan.parameter.as_str(), ""), Extent::Data(0.02));
     let y = Axis::new((caption.as_str(), ""), Extent::Data(0.04));

@@ -144,6 +144,7 @@ impl Surface for Canvas<'_> {
         }
         let outline = outline(place, mark.shape, mark.size);
         match mark.shape {
+            Shape::Dot => self.polygon(&outline, colour),
             Shape::Disc | Shape::Square | Shape::Up | Shape::Diamond | Shape::Star => {
                 self.polygon(&outline, colour)?;
                 self.outline(&outline, Pen::solid(WHITE, 1.0))
@@ -222,6 +223,7 @@ fn outline((x, y): Place, shape: Shape, size: f64) -> Vec<Place> {
         (radius * sine, -radius * cosine)
     };
     let offsets = match shape {
+        Shape::Dot => (0..6).map(|i| turned(60.0 * f64::from(i), 1.0)).collect(),
         Shape::Disc | Shape::Circle => (0..24).map(|i| turned(15.0 * f64::from(i), 1.0)).collect(),
         Shape::Square | Shape::OpenSquare => {
             vec![(-0.88, -0.88), (0.88, -0.88), (0.88, 0.88), (-0.88, 0.88)]

@@ -13,6 +13,8 @@ pub(crate) struct Mark {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Shape {
     Disc,
+    /// One of many: without the white rim that sets others apart.
+    Dot,
     Circle,
     Square,
     OpenSquare,

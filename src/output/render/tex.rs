@@ -190,7 +190,7 @@ impl Sheet {
 
     fn look(&mut self, mark: Mark) -> String {
         let (name, filled) = match mark.shape {
-            Shape::Disc => ("*", true),
+            Shape::Disc | Shape::Dot => ("*", true),
             Shape::Circle => ("*", false),
             Shape::Square => ("square*", true),
             Shape::OpenSquare => ("square*", false),
