@@ -13,7 +13,7 @@ use crate::output::render::{
     VERMILLION, range,
 };
 use crate::output::store::{Store, StoreError, unfinished};
-use crate::problem::{Scan, Section, SystemProblem};
+use crate::problem::{Scan, ScanValues, Section, SystemProblem};
 
 /// Radius of a dot.
 const DOT: f64 = 0.7;
@@ -95,7 +95,7 @@ pub(crate) fn picture(
         let tables = Tables::read(run, &scan.parameter)?;
         for (number, extremum) in ["max", "min"].into_iter().enumerate() {
             let column = format!("{extremum}_{state}");
-            let crate::problem::ScanValues::Linear(low, high, _) = scan.values;
+            let ScanValues::Linear(low, high, _) = scan.values;
             let view = View {
                 range: (low, high),
                 logarithmic: Some(false),
