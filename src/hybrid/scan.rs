@@ -64,7 +64,7 @@ impl Scan {
     pub fn sweeps(&self) -> Vec<Range<usize>> {
         let pieces = self.values.count().div_ceil(VALUES);
         match self.sweep {
-            Sweep::Up | Sweep::Down => Vec::from([0..pieces]),
+            Sweep::Up | Sweep::Down => std::iter::once(0..pieces).collect(),
             Sweep::Both => vec![0..pieces, pieces..2 * pieces],
             Sweep::Fresh => (0..pieces).map(|piece| piece..piece + 1).collect(),
         }
