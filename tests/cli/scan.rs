@@ -57,8 +57,8 @@ fn samples_below_the_graze_have_a_closed_form() {
             )),
         );
         let table = Table::parse(scanned(&bench, "s", &[]).as_bytes());
-        assert_eq!(table.len(), 18);
-        for row in 0..table.len() {
+        assert_eq!(table.rows.len(), 18);
+        for row in 0..table.rows.len() {
             let number = |column| table.number(row, column);
             let expected = match (phase, section) {
                 (Some(phase), _) => {
@@ -101,7 +101,7 @@ fn samples_at_impacts_and_their_lack() {
             .text(0, "why")
             .contains("does not come to the section")
     );
-    assert_eq!(table.len(), 6);
+    assert_eq!(table.rows.len(), 6);
     for row in 1..6 {
         assert!((table.number(row, "x") - 1.0).abs() < 1e-13);
         assert!(table.number(row, "v") > 0.0);
@@ -161,7 +161,7 @@ fn random_starts_are_those_of_the_seed() {
     let first = scanned(&bench, "a", &[]);
     let table = Table::parse(first.as_bytes());
     let mut seen = Vec::new();
-    for row in (0..table.len()).step_by(2) {
+    for row in (0..table.rows.len()).step_by(2) {
         // with nothing to settle the first sample is the start
         let (x, v) = (table.number(row, "x"), table.number(row, "v"));
         assert!((0.5..1.0).contains(&x) && v == 0.0, "{x} {v}");
