@@ -15,9 +15,12 @@ use winnow::combinator::{
 use winnow::prelude::*;
 use winnow::token::{any, one_of, take_while};
 
-/// Longest expression in characters: what reads and evaluates it nests no deeper than that, so that the
-/// stack suffices.
+/// Longest expression in characters.
 const LONGEST: usize = 1000;
+
+/// Deepest nesting of brackets, signs and powers: what reads and evaluates it nests no deeper, so that the stack
+/// suffices.
+const DEEPEST: usize = 150;
 
 /// A function of one argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,6 +125,9 @@ pub enum Wrong {
     /// It is longer than can be read.
     #[error("the expression has {0} characters; at most {LONGEST} are read")]
     TooLong(usize),
+    /// It is nested more deeply than can be read.
+    #[error("the expression is nested {0} deep; at most {DEEPEST} levels are read")]
+    TooDeep(usize),
     /// Nothing, or something else, stands where a number, a name or an operator should.
     #[error("the expression makes no sense from here on")]
     Unreadable,
@@ -139,12 +145,9 @@ pub enum Wrong {
 /// Why an operation has no result in an algebra.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
 pub enum Obstacle {
-    /// Product or quotient of two factors that both depend on the states, or on state and phase.
-    #[error("not affine in the states: a product of things that change")]
-    Product,
-    /// A function of something that depends on the states.
-    #[error("not affine in the states: a function of something that changes")]
-    Function,
+    /// More products, quotients and functions of what changes within one another than are followed.
+    #[error("too many products, quotients and functions within one another")]
+    Deep,
     /// The phase outside `sin` and `cos`, or times something that is no whole number.
     #[error("the phase may stand in `sin` and `cos` only, times a whole number")]
     Phase,
@@ -189,8 +192,12 @@ impl Expression {
     /// What is wrong, with its place.
     pub fn read(text: &str) -> Result<Expression, Flaw> {
         let length = text.chars().count();
-        if length > LONGEST {
-            let wrong = Wrong::TooLong(length);
+        let depth = nesting(text);
+        let wrong = match length > LONGEST {
+            true => Some(Wrong::TooLong(length)),
+            false => (depth > DEEPEST).then_some(Wrong::TooDeep(depth)),
+        };
+        if let Some(wrong) = wrong {
             return Err(Flaw {
                 wrong,
                 span: 0..text.len(),
@@ -242,6 +249,29 @@ impl Expression {
         };
         value.map_err(here)
     }
+}
+
+/// How deeply brackets, and signs and powers of signs and powers, are nested.
+fn nesting(text: &str) -> usize {
+    // signs and powers that are open in every bracket
+    let mut open = vec![0];
+    let (mut deepest, mut after_operand) = (0, false);
+    for c in text.chars().filter(|c| !c.is_whitespace()) {
+        let level = open.len() - 1;
+        match c {
+            '(' => open.push(0),
+            ')' if level > 0 => {
+                open.pop();
+            }
+            '^' => open[level] += 1,
+            '+' | '-' if !after_operand => open[level] += 1,
+            '+' | '-' | '*' | '/' => open[level] = 0,
+            _ => {}
+        }
+        after_operand = !"(^+-*/".contains(c);
+        deepest = deepest.max(open.len() - 1 + open.iter().sum::<usize>());
+    }
+    deepest
 }
 
 /// A number, a call, a name or something in brackets.
@@ -382,12 +412,13 @@ mod tests {
             Wrong::TooLong(_)
         ));
         for deep in ["(", "-", "x^", "sin("] {
-            assert_eq!(
-                wrong(&deep.repeat(LONGEST / deep.len())).wrong,
-                Wrong::Unreadable
-            );
+            let wrong = |count: usize| wrong(&deep.repeat(count)).wrong;
+            assert_eq!(wrong(DEEPEST), Wrong::Unreadable);
+            assert_eq!(wrong(DEEPEST + 1), Wrong::TooDeep(DEEPEST + 1));
         }
-        let tower = format!("{}x{}", "(".repeat(499), ")".repeat(499));
+        let tower = format!("{}x{}", "(".repeat(DEEPEST), ")".repeat(DEEPEST));
         assert_eq!(value(&tower), Ok(3.0));
+        // what stands side by side is not nested
+        assert_eq!(value(&format!("0{}", "+(-x)^2-x^2".repeat(85))), Ok(0.0));
     }
 }

@@ -1,7 +1,8 @@
-//! The flow of a mode at fixed parameters, piece by piece: exact states, and every guard as a polynomial whose
-//! sign is proven over the whole piece.
+//! The flow of a mode at fixed parameters, piece by piece: exact states where it is linear, those of a series where it
+//! is not, and every guard as a polynomial whose sign is proven over the whole piece.
 
 use super::mode::AffineMode;
+use super::series::{Field, ORDER, Series};
 use crate::linalg::{Matrix, Vector, add_product};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS, REMAINDER};
 
@@ -22,9 +23,21 @@ const POLISHED: f64 = 1e-10;
 /// The flow of a mode.
 #[derive(Clone, Debug)]
 pub struct ModeFlow {
+    /// Guards as forms of z.
+    guards: Vec<Vector>,
+    field: Field,
+    /// Longest piece.
+    longest: f64,
+    /// Where the mode is linear.
+    exact: Option<Exact>,
+}
+
+/// exp(Mt) over pieces of one length.
+#[derive(Clone, Debug)]
+struct Exact {
     matrix: Matrix,
     /// Length of a piece.
-    pub length: f64,
+    length: f64,
     /// exp(M·length).
     step: Matrix,
     /// Scales d of z in which M is balanced: the norm of z is Σ|zᵢ|/dᵢ.
@@ -41,6 +54,17 @@ struct GuardSeries {
     size: f64,
 }
 
+/// A piece of a motion.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// z at its beginning.
+    pub z: Vector,
+    /// How long it is.
+    pub length: f64,
+    /// z over it, where the mode is not linear.
+    series: Option<Series>,
+}
+
 /// What a guard does at the beginning of a zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Onset {
@@ -52,9 +76,15 @@ pub(super) enum Onset {
     Zero,
 }
 
-impl ModeFlow {
-    /// The flow of a mode in pieces no longer than `longest`.
-    pub fn new(mode: &AffineMode, longest: f64) -> ModeFlow {
+impl Piece {
+    /// Whether it begins in numbers and has a length.
+    pub(super) fn is_defined(&self) -> bool {
+        self.length > 0.0 && self.z.iter().all(|x| x.is_finite())
+    }
+}
+
+impl Exact {
+    fn new(mode: &AffineMode, longest: f64) -> Exact {
         let matrix = mode.matrix.at.clone();
         let (scales, norm) = balance(&matrix);
         let length = if norm * longest > 1.0 {
@@ -63,7 +93,7 @@ impl ModeFlow {
             longest
         };
         let [step, _] = propagator(&matrix, &Matrix::zeros(0, 0), norm, length);
-        let mut flow = ModeFlow {
+        let mut flow = Exact {
             guards: Vec::new(),
             step,
             length,
@@ -76,8 +106,7 @@ impl ModeFlow {
         flow
     }
 
-    /// One more linear form of z whose sign is looked at, after those that are there.
-    pub(super) fn watch(&mut self, form: Vector) {
+    fn watch(&mut self, form: Vector) {
         let size = form.component_mul(&self.scales).amax();
         let mut coefficients = Matrix::zeros(form.len(), COEFFICIENTS);
         coefficients.set_column(0, &form);
@@ -90,13 +119,7 @@ impl ModeFlow {
         self.guards.push(GuardSeries { coefficients, size });
     }
 
-    /// z after a whole piece.
-    pub fn advance(&self, z: &Vector) -> Vector {
-        &self.step * z
-    }
-
-    /// z after a part of a piece, 0 ≤ `time` ≤ `length`.
-    pub fn within(&self, z: &Vector, time: f64) -> Vector {
+    fn within(&self, z: &Vector, time: f64) -> Vector {
         let (mut sum, mut term, mut next) = (z.clone(), z.clone(), z.clone());
         for k in 1..=TERMS {
             self.rate(time / f64::from(k), &term, &mut next);
@@ -113,18 +136,7 @@ impl ModeFlow {
         add_product(factor, matrix, rows, z.as_slice(), rate.as_mut_slice());
     }
 
-    /// z at a time ≥ 0 after the beginning.
-    pub(super) fn after(&self, z: &Vector, time: f64) -> Vector {
-        let (mut z, mut rest) = (z.clone(), time);
-        while rest > self.length {
-            z = self.advance(&z);
-            rest -= self.length;
-        }
-        self.within(&z, rest)
-    }
-
-    /// Every state over the beginning of a piece, as polynomials in time/`length`/`part`, and what they leave out.
-    pub(super) fn states(&self, z: &Vector, part: f64, states: usize) -> Vec<Bernstein> {
+    fn states(&self, z: &Vector, part: f64, states: usize) -> Vec<Bernstein> {
         let mut taylor = vec![[0.0; COEFFICIENTS]; states];
         let (mut term, mut next) = (z.clone(), z.clone());
         for k in 0..COEFFICIENTS {
@@ -144,8 +156,7 @@ impl ModeFlow {
             .collect()
     }
 
-    /// A guard over the beginning of a piece, as a polynomial in time/`length`/`part`.
-    pub(super) fn taylor(&self, guard: usize, z: &Vector, part: f64) -> ([f64; COEFFICIENTS], f64) {
+    fn taylor(&self, guard: usize, z: &Vector, part: f64) -> ([f64; COEFFICIENTS], f64) {
         let GuardSeries { coefficients, size } = &self.guards[guard];
         let mut power = 1.0;
         let taylor = std::array::from_fn(|k| {
@@ -158,10 +169,153 @@ impl ModeFlow {
         let error = 1.06 * REMAINDER * power + 2.0 * f64::EPSILON;
         (taylor, error * size * amplitude)
     }
+}
 
-    /// What a guard does just after a zone begins at z.
-    pub(super) fn onset(&self, guard: usize, z: &Vector) -> Onset {
-        let (taylor, remainder) = self.taylor(guard, z, 1.0);
+/// The coefficients of a form over the beginning of a piece of this length, what they leave out, and the rounding
+/// of what they are made of.
+fn polynomial(series: &Series, row: &Vector, length: f64) -> ([f64; COEFFICIENTS], f64) {
+    let mut power = 1.0;
+    let mut term = |k: usize| {
+        let coefficient = series.of(row, k) * power;
+        power *= length;
+        coefficient
+    };
+    let taylor = std::array::from_fn(&mut term);
+    // the terms left out fall geometrically, by less than a half
+    let rest: f64 = (COEFFICIENTS..=ORDER).map(|k| term(k).abs()).sum();
+    let terms = row.iter().enumerate().filter(|(_, c)| **c != 0.0);
+    let amplitude: f64 = terms.map(|(c, by)| (by * series.value(0, c)).abs()).sum();
+    let changes: f64 = taylor[1..].iter().map(|a: &f64| a.abs()).sum();
+    (
+        taylor,
+        2.0 * rest + 2.0 * f64::EPSILON * (amplitude + changes),
+    )
+}
+
+impl ModeFlow {
+    /// The flow of a mode in pieces no longer than `longest`.
+    pub fn new(mode: &AffineMode, longest: f64) -> ModeFlow {
+        ModeFlow {
+            guards: mode
+                .guards
+                .iter()
+                .map(|guard| guard.row.at.clone())
+                .collect(),
+            field: mode.field.clone(),
+            exact: mode.field.is_exact.then(|| Exact::new(mode, longest)),
+            longest,
+        }
+    }
+
+    /// One more linear form of z whose sign is looked at, after those that are there.
+    pub(super) fn watch(&mut self, form: Vector) {
+        self.field.watch(&form);
+        self.guards.push(form.clone());
+        if !self.field.is_exact {
+            self.exact = None;
+        } else if let Some(exact) = &mut self.exact {
+            exact.watch(form);
+        }
+    }
+
+    /// The piece that begins at z. Its length is no number where the rates have no value.
+    pub fn piece(&self, mut z: Vector) -> Piece {
+        let (length, series) = match &self.exact {
+            Some(exact) => (exact.length, None),
+            None => {
+                let series = self.field.series(&z, ORDER, false, true);
+                z = series.at(0.0);
+                (self.field.length(&series, self.longest, true), Some(series))
+            }
+        };
+        Piece { z, length, series }
+    }
+
+    /// z after a whole piece.
+    pub fn advance(&self, piece: &Piece) -> Vector {
+        match &self.exact {
+            Some(exact) => &exact.step * &piece.z,
+            None => self.within(piece, piece.length),
+        }
+    }
+
+    /// z after a part of a piece, 0 ≤ `time` ≤ its length.
+    pub fn within(&self, piece: &Piece, time: f64) -> Vector {
+        match (&self.exact, &piece.series) {
+            (Some(exact), _) => exact.within(&piece.z, time),
+            (None, Some(series)) => {
+                let mut z = series.at(time);
+                self.field.complete(&mut z);
+                z
+            }
+            (None, None) => piece.z.clone(),
+        }
+    }
+
+    /// z at a time ≥ 0 after the beginning.
+    pub(super) fn after(&self, z: &Vector, time: f64) -> Vector {
+        let (mut piece, mut rest) = (self.piece(z.clone()), time);
+        while rest > piece.length {
+            rest -= piece.length;
+            piece = self.piece(self.advance(&piece));
+        }
+        self.within(&piece, rest)
+    }
+
+    /// Value, rate and curvature of a form of which this mode has all components, at z.
+    pub(super) fn slopes(&self, row: &Vector, z: &Vector) -> [f64; 3] {
+        match &self.exact {
+            Some(Exact { matrix, .. }) => {
+                let through = |row: &Vector| {
+                    let mut through = Vector::zeros(row.len());
+                    let sum = through.as_mut_slice();
+                    add_product(1.0, row.as_slice(), 1, matrix.as_slice(), sum);
+                    through
+                };
+                let rate = through(row);
+                [row, &rate, &through(&rate)].map(|row| row.dot(z))
+            }
+            None => {
+                let series = self.field.series(z, 2, false, true);
+                [0, 1, 2].map(|k| (1.0 + f64::from(k == 2)) * series.of(row, k as usize))
+            }
+        }
+    }
+
+    /// Every state over the beginning of a piece, as polynomials in time/`length`/`part`, and what they leave out.
+    pub(super) fn states(&self, piece: &Piece, part: f64, states: usize) -> Vec<Bernstein> {
+        let Some(series) = &piece.series else {
+            let exact = self.exact.iter();
+            return exact
+                .flat_map(|exact| exact.states(&piece.z, part, states))
+                .collect();
+        };
+        let of = |state: usize| {
+            let mut row = Vector::zeros(piece.z.len());
+            row[state] = 1.0;
+            let (taylor, remainder) = polynomial(series, &row, part * piece.length);
+            Bernstein::from_taylor(&taylor, remainder)
+        };
+        (0..states).map(of).collect()
+    }
+
+    /// A guard over the beginning of a piece, as a polynomial in time/`length`/`part`.
+    pub(super) fn taylor(
+        &self,
+        guard: usize,
+        piece: &Piece,
+        part: f64,
+    ) -> ([f64; COEFFICIENTS], f64) {
+        match (&self.exact, &piece.series) {
+            (Some(exact), _) => exact.taylor(guard, &piece.z, part),
+            (None, Some(series)) => polynomial(series, &self.guards[guard], part * piece.length),
+            (None, None) => ([0.0; COEFFICIENTS], f64::INFINITY),
+        }
+    }
+
+    /// What a guard does just after a zone begins with a piece.
+    pub(super) fn onset(&self, guard: usize, piece: &Piece) -> Onset {
+        let (taylor, remainder) = self.taylor(guard, piece, 1.0);
         let noise = ON_GUARD
             * (remainder
                 + f64::EPSILON * taylor.iter().fold(0.0, |size: f64, a| size.max(a.abs())));
@@ -172,16 +326,16 @@ impl ModeFlow {
         }
     }
 
-    /// Time at which a guard first becomes negative within `part` of the piece that begins at z, where it has a
-    /// zero of this order: divided out, so that the shortest zone is told from none.
+    /// Time at which a guard first becomes negative within `part` of a piece, where it has a zero of this order at the
+    /// beginning: divided out, so that the shortest zone is told from none.
     pub(super) fn crossing(
         &self,
         guard: usize,
-        z: &Vector,
+        piece: &Piece,
         order: usize,
         part: f64,
     ) -> Option<f64> {
-        let (mut taylor, remainder) = self.taylor(guard, z, part);
+        let (mut taylor, remainder) = self.taylor(guard, piece, part);
         taylor[..order].fill(0.0);
         taylor.rotate_left(order);
         // most guards are far from zero most of the time
@@ -190,21 +344,27 @@ impl ModeFlow {
             return None;
         }
         let place = Bernstein::from_taylor(&taylor, remainder).first_crossing()?;
-        let time = place * part * self.length;
+        let time = place * part * piece.length;
         if order > 0 {
             return Some(time);
         }
         // one step of Newton's method on the guard itself takes away the rounding of the polynomial
-        let [value, slope] = {
-            let z = self.within(z, time);
-            let coefficients = &self.guards[guard].coefficients;
-            [
-                coefficients.column(0).dot(&z),
-                coefficients.column(1).dot(&z) / self.length,
-            ]
+        let z = self.within(piece, time);
+        let [value, slope] = match &self.exact {
+            Some(exact) => {
+                let coefficients = &exact.guards[guard].coefficients;
+                [
+                    coefficients.column(0).dot(&z),
+                    coefficients.column(1).dot(&z) / piece.length,
+                ]
+            }
+            None => {
+                let [value, slope, _] = self.slopes(&self.guards[guard], &z);
+                [value, slope]
+            }
         };
         let better = time - value / slope;
-        let close = (better - time).abs() <= POLISHED * self.length;
+        let close = (better - time).abs() <= POLISHED * piece.length;
         Some(if close { better.max(0.0) } else { time })
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names; [`form`] is
 //! what expressions of such a system are evaluated in, [`mode`] the linear flow that a mode is made into at
-//! given parameters, [`flow`] that flow with the signs of its guards, [`motion`] follows it through its switches,
+//! given parameters, [`series`] that of a mode whose rates are not affine, [`flow`] either with the signs of its
+//! guards, [`motion`] follows it through its switches,
 //! and [`course`] sees it at equal times; [`steady`] has the equilibria, [`orbit`] the periodic orbits.
 
 pub mod course;
@@ -12,5 +13,6 @@ pub mod form;
 pub mod mode;
 pub mod motion;
 pub mod orbit;
+pub mod series;
 pub mod steady;
 pub mod system;

@@ -1,8 +1,14 @@
 //! A system at given values of its parameters: every mode a linear flow ż = Mz of z = (x, 1, cos φ, sin φ,
 //! cos 2φ, …), with φ̇ = ω. Exact at resonance and for a singular matrix, where a particular solution is not.
+//!
+//! What is not affine adds components to z that are made of the others, so that rates, guards and resets are linear
+//! in z all the same; how these move is not, and [`super::series`] has it.
 
-use super::expression::{Expression, Flaw};
+use std::sync::Arc;
+
+use super::expression::{Algebra, Expression, Flaw, Obstacle, Operation};
 use super::form::{Dual, Form, VARYING};
+use super::series::{Field, Program, Terms};
 use super::system::{Mistake, Switch, System, SystemError};
 use crate::linalg::{Matrix, Vector, add_product};
 
@@ -38,7 +44,19 @@ impl Row {
         }
     }
 
-    /// cᵀM with derivatives.
+    fn add(&mut self, column: usize, value: Dual) {
+        self.at[column] += value.value;
+        for (by, derivative) in self.by.iter_mut().zip(value.by) {
+            by[column] += derivative;
+        }
+    }
+
+    /// Whether it depends on a component of z.
+    pub(super) fn has(&self, column: usize) -> bool {
+        self.at[column] != 0.0 || self.by.iter().any(|by| by[column] != 0.0)
+    }
+
+    /// cᵀM with derivatives: the rate of a form of states and phase.
     pub(super) fn through(&self, matrix: &MatrixBy) -> Row {
         let mut through = Row::zero(matrix.at.ncols());
         let add = |row: &Vector, matrix: &Matrix, sum: &mut Vector| {
@@ -125,6 +143,8 @@ pub struct AffineMode {
     pub guards: Vec<Guard>,
     /// What is zero all along in a sliding mode.
     pub surface: Option<Row>,
+    /// How the components of z move that are not those of states and phase.
+    pub field: Field,
 }
 
 /// A system at given parameters.
@@ -138,15 +158,19 @@ pub struct AffineSystem {
     pub omega: Dual,
     /// Modes of the file, then the sliding modes.
     pub modes: Vec<AffineMode>,
+    /// What z has beyond states and phase.
+    pub program: Arc<Program>,
 }
 
 impl AffineSystem {
-    /// The vector z of a state at a phase.
-    pub fn lift(&self, state: &[f64], phase: f64) -> Vector {
+    /// The vector z of a state at a phase, in a mode.
+    pub fn lift(&self, mode: usize, state: &[f64], phase: f64) -> Vector {
         let n = self.states;
-        Vector::from_fn(self.size(), |index, _| match index {
+        let base = self.size() - self.program.made();
+        let mut z = Vector::from_fn(self.size(), |index, _| match index {
             _ if index < n => state[index],
             _ if index == n => 1.0,
+            _ if index >= base => 0.0,
             _ => {
                 let angle = (index - n).div_ceil(2) as f64 * phase;
                 if (index - n) % 2 == 1 {
@@ -155,12 +179,14 @@ impl AffineSystem {
                     angle.sin()
                 }
             }
-        })
+        });
+        self.modes[mode].field.complete(&mut z);
+        z
     }
 
     /// Length of z.
     pub fn size(&self) -> usize {
-        self.states + 1 + 2 * self.harmonics
+        self.program.size()
     }
 }
 
@@ -207,7 +233,28 @@ impl System {
                 switches.collect::<Result<Vec<_>, _>>()?,
             ))
         });
-        let modes: Vec<(Vec<Form>, Vec<FormSwitch>)> = modes.collect::<Result<_, SystemError>>()?;
+        let modes: Vec<ModeForms> = modes.collect::<Result<_, SystemError>>()?;
+        let mut numerical = vec![None; self.sliding.len()];
+        loop {
+            match self.laid_out(&modes, omega, &numerical) {
+                // what has no affine field slides by one that is not
+                Err((error, Some(index))) if numerical[index].is_none() => {
+                    let [first, second] = self.sliding[index].map(|side| &modes[side]);
+                    let forms = SlidingForms::new(first, second, self.sliding[index], omega);
+                    numerical[index] = Some(forms.map_err(|_| error)?);
+                }
+                result => return result.map_err(|(error, _)| error),
+            }
+        }
+    }
+
+    /// The system with the terms of all forms as components of z; the index of the sliding mode that fails.
+    fn laid_out(
+        &self,
+        modes: &[ModeForms],
+        omega: Dual,
+        numerical: &[Option<SlidingForms>],
+    ) -> Result<AffineSystem, (SystemError, Option<usize>)> {
         let forms = modes.iter().flat_map(|(rates, switches)| {
             let switches = switches.iter().flat_map(|switch| {
                 let reset = switch.reset.iter().map(|(_, form)| form);
@@ -218,26 +265,103 @@ impl System {
             });
             rates.iter().chain(switches)
         });
-        let harmonics = forms.map(|form| form.harmonics.len()).max().unwrap_or(0);
+        let sliding = numerical.iter().flatten();
+        let sliding = sliding.flat_map(|forms| forms.rates.iter().chain(&forms.falls));
+        let forms: Vec<&Form> = forms.chain(sliding).collect();
+        let harmonics = forms.iter().map(|form| form.highest()).max().unwrap_or(0);
+        let mut terms = Terms::new(self.source.states.len(), harmonics);
+        forms.iter().for_each(|form| terms.add(form));
         let shape = Shape {
             states: self.source.states.len(),
             harmonics,
+            terms,
         };
-        let modes = modes.iter().map(|(rates, switches)| AffineMode {
-            matrix: shape.matrix(rates, omega),
-            guards: shape.guards(switches),
-            surface: None,
+        let program = Arc::new(shape.terms.program().clone());
+        let modes = modes.iter().map(|(rates, switches)| {
+            let matrix = shape.matrix(rates, omega);
+            AffineMode {
+                field: Field::default(),
+                guards: shape.guards(switches),
+                surface: None,
+                matrix,
+            }
         });
         let mut system = AffineSystem {
             states: shape.states,
             harmonics,
             omega,
             modes: modes.collect(),
+            program: program.clone(),
         };
         for (index, sides) in self.sliding.iter().enumerate() {
-            system.slide(self, self.modes.len() + index, *sides)?;
+            let own = self.modes.len() + index;
+            let sliding = numerical[index].as_ref().map(|forms| {
+                let falls = forms.falls.each_ref().map(|form| shape.row(form));
+                (shape.matrix(&forms.rates, omega), falls)
+            });
+            system.slide(self, own, *sides, sliding)?;
+        }
+        for mode in &mut system.modes {
+            let exits = || mode.guards.iter().flat_map(|guard| &guard.exits);
+            let conditions = exits().flat_map(|exit| exit.conditions.iter().cloned());
+            let reset = exits().flat_map(|exit| (0..shape.states).map(|row| exit.reset.row(row)));
+            let guards = mode.guards.iter().map(|guard| guard.row.clone());
+            let watched = guards
+                .chain(conditions)
+                .chain(reset)
+                .chain(mode.surface.clone());
+            mode.field = Field::new(&program, &mode.matrix, watched, TOLERANCE);
         }
         Ok(system)
+    }
+}
+
+/// Rates and switches of a mode as forms.
+type ModeForms<'a> = (Vec<Form>, Vec<FormSwitch<'a>>);
+
+/// Part of a component of z that the terms of degree 17 may have over a piece of a numerical flow: as much as in the
+/// exact one.
+const TOLERANCE: f64 = 1e-15;
+
+/// A sliding mode whose field is not affine.
+#[derive(Clone, Debug)]
+struct SlidingForms {
+    /// Filippov's field F₋ + λ(F₊ − F₋), λ = Lġ₋/(Lġ₋ − Lġ₊).
+    rates: Vec<Form>,
+    /// The rates of the guard of the first mode along both fields.
+    falls: [Form; 2],
+}
+
+impl SlidingForms {
+    fn new(
+        first: &ModeForms,
+        second: &ModeForms,
+        sides: [usize; 2],
+        omega: Dual,
+    ) -> Result<SlidingForms, Obstacle> {
+        let leads = |switch: &&FormSwitch| switch.switch.to == sides[1];
+        let guard = first
+            .1
+            .iter()
+            .find(leads)
+            .map(|switch| switch.guard.clone());
+        let guard = guard.unwrap_or_default();
+        let minus = |one: &Form, other: &Form| one.clone().operate(Operation::Minus, other.clone());
+        let falls = [guard.lie(&first.0, omega)?, guard.lie(&second.0, omega)?];
+        let difference = minus(&falls[0], &falls[1])?;
+        let share = falls[0].clone().operate(Operation::Over, difference)?;
+        let rates = first.0.iter().zip(&second.0).map(|(below, above)| {
+            let step = minus(above, below)?;
+            if step.is_zero() {
+                return Ok(below.clone());
+            }
+            let moved = share.clone().operate(Operation::Times, step)?;
+            below.clone().operate(Operation::Plus, moved)
+        });
+        Ok(SlidingForms {
+            rates: rates.collect::<Result<_, Obstacle>>()?,
+            falls,
+        })
     }
 }
 
@@ -331,22 +455,18 @@ impl<'a> Evaluation<'a> {
 struct Shape {
     states: usize,
     harmonics: usize,
+    terms: Terms,
 }
 
 impl Shape {
     fn size(&self) -> usize {
-        self.states + 1 + 2 * self.harmonics
+        self.terms.program().size()
     }
 
     fn row(&self, form: &Form) -> Row {
         let mut row = Row::zero(self.size());
-        let harmonics = form.harmonics.iter().flatten();
-        let after = [&form.constant].into_iter().chain(harmonics);
-        for (column, value) in form.states.iter().enumerate() {
-            row.set(column, *value);
-        }
-        for (column, value) in after.enumerate() {
-            row.set(self.states + column, *value);
+        for (column, value) in self.terms.coefficients(form) {
+            row.add(column, value);
         }
         row
     }
@@ -372,21 +492,19 @@ impl Shape {
 
     /// Guards in the order of the file, each with all its exits.
     fn guards(&self, switches: &[FormSwitch]) -> Vec<Guard> {
-        let mut guards: Vec<(&Form, Guard)> = Vec::new();
+        let mut guards: Vec<Guard> = Vec::new();
         for switch in switches {
             let exit = self.exit(switch);
-            match guards.iter_mut().find(|(form, _)| **form == switch.guard) {
-                Some((_, guard)) => guard.exits.push(exit),
-                None => guards.push((
-                    &switch.guard,
-                    Guard {
-                        row: self.row(&switch.guard),
-                        exits: vec![exit],
-                    },
-                )),
+            let row = self.row(&switch.guard);
+            match guards.iter_mut().find(|guard| guard.row == row) {
+                Some(guard) => guard.exits.push(exit),
+                None => guards.push(Guard {
+                    row,
+                    exits: vec![exit],
+                }),
             }
         }
-        guards.into_iter().map(|(_, guard)| guard).collect()
+        guards
     }
 
     fn exit(&self, switch: &FormSwitch) -> Exit {
@@ -413,39 +531,12 @@ impl Shape {
 const SAME: f64 = 1e-12;
 
 impl AffineSystem {
-    /// Puts the sliding mode with this index between two modes: Filippov's field F₋ − d (nᵀF₋)/(nᵀd) where
-    /// F₊ − F₋ keeps the direction d and n is the gradient of the guard of the first mode. It lasts while both
-    /// fields point at the surface, and each of the two modes crosses into the other where one does not.
-    fn slide(&mut self, system: &System, own: usize, sides: [usize; 2]) -> Result<(), SystemError> {
-        let names = sides.map(|side| system.mode_name(side).to_owned());
-        let path = format!("sliding.{}", system.mode_name(own));
-        let refuse = |mistake: fn(String, String) -> Mistake| {
-            let [one, other] = names.clone();
-            Err(SystemError::at(path.clone(), mistake(one, other)))
-        };
-        let guard_of = |from: usize, to: usize| {
-            let guards = &self.modes[from].guards;
-            let mut between = guards
-                .iter()
-                .enumerate()
-                .filter(|(_, guard)| guard.exits.iter().any(|exit| exit.to == to));
-            let first = between.next();
-            first
-                .filter(|_| between.next().is_none())
-                .map(|(index, _)| index)
-        };
-        let [first, second] = sides;
-        let (Some(leave_first), Some(leave_second)) =
-            (guard_of(first, second), guard_of(second, first))
-        else {
-            return refuse(Mistake::NoSurface);
-        };
-        let surface = self.modes[first].guards[leave_first].row.clone();
-        let opposite = &self.modes[second].guards[leave_second].row;
-        let size = surface.at.amax();
-        let meets = (&surface.at + &opposite.at).amax() <= SAME * size;
-        if !meets || size == 0.0 {
-            return refuse(Mistake::NoSurface);
+    /// The field of a sliding mode and the rates of its surface along both fields, where the difference of these keeps
+    /// its direction and the surface is flat.
+    fn sliding_field(&self, sides: [usize; 2], surface: &Row) -> Option<(MatrixBy, [Row; 2])> {
+        let base = self.size() - self.program.made();
+        if (base..self.size()).any(|column| surface.has(column)) {
+            return None;
         }
         let [below, above] = sides.map(|side| &self.modes[side].matrix);
         // ∂/∂t of the surface's form along both fields
@@ -472,7 +563,7 @@ impl AffineSystem {
             let ratio = row.at[pivot] / scale;
             let parallel = (&row.at - &reference * ratio).amax() <= SAME * scale.abs();
             if scale == 0.0 || !parallel {
-                return refuse(Mistake::SlidingNotAffine);
+                return None;
             }
             let by = [0, 1]
                 .map(|p| (row.by[p][pivot] - ratio * difference.by[p][(largest, pivot)]) / scale);
@@ -480,8 +571,8 @@ impl AffineSystem {
         }
         let normal = surface.at.rows(0, self.states);
         let across = normal.dot(&direction.at);
-        if across.abs() <= SAME * size * direction.at.amax() {
-            return refuse(Mistake::SlidingNotAffine);
+        if across.abs() <= SAME * surface.at.amax() * direction.at.amax() {
+            return None;
         }
         let across_by = [0, 1].map(|p| {
             surface.by[p].rows(0, self.states).dot(&direction.at) + normal.dot(&direction.by[p])
@@ -498,6 +589,55 @@ impl AffineSystem {
             };
             matrix.set_row(state, &row);
         }
+        Some((matrix, [toward, away]))
+    }
+
+    /// Puts the sliding mode with this index between two modes: Filippov's field F₋ − d (nᵀF₋)/(nᵀd) where
+    /// F₊ − F₋ keeps the direction d and n is the gradient of the guard of the first mode. It lasts while both
+    /// fields point at the surface, and each of the two modes crosses into the other where one does not. Where the
+    /// direction changes or the surface is curved `numerical` has the field, and the rates of the guard along both.
+    fn slide(
+        &mut self,
+        system: &System,
+        own: usize,
+        sides: [usize; 2],
+        numerical: Option<(MatrixBy, [Row; 2])>,
+    ) -> Result<(), (SystemError, Option<usize>)> {
+        let names = sides.map(|side| system.mode_name(side).to_owned());
+        let path = format!("sliding.{}", system.mode_name(own));
+        let index = own - system.modes.len();
+        let refuse = |mistake: fn(String, String) -> Mistake, index: Option<usize>| {
+            let [one, other] = names.clone();
+            Err((SystemError::at(path.clone(), mistake(one, other)), index))
+        };
+        let guard_of = |from: usize, to: usize| {
+            let guards = &self.modes[from].guards;
+            let mut between = guards
+                .iter()
+                .enumerate()
+                .filter(|(_, guard)| guard.exits.iter().any(|exit| exit.to == to));
+            let first = between.next();
+            first
+                .filter(|_| between.next().is_none())
+                .map(|(index, _)| index)
+        };
+        let [first, second] = sides;
+        let (Some(leave_first), Some(leave_second)) =
+            (guard_of(first, second), guard_of(second, first))
+        else {
+            return refuse(Mistake::NoSurface, None);
+        };
+        let surface = self.modes[first].guards[leave_first].row.clone();
+        let opposite = &self.modes[second].guards[leave_second].row;
+        let size = surface.at.amax();
+        let meets = (&surface.at + &opposite.at).amax() <= SAME * size;
+        if !meets || size == 0.0 {
+            return refuse(Mistake::NoSurface, None);
+        }
+        let field = numerical.or_else(|| self.sliding_field(sides, &surface));
+        let Some((matrix, [toward, away])) = field else {
+            return refuse(Mistake::NoSliding, Some(index));
+        };
         let stay = MatrixBy {
             at: Matrix::identity(self.states, self.size()),
             ..MatrixBy::zero(self.states, self.size())
@@ -531,6 +671,7 @@ impl AffineSystem {
             matrix,
             guards,
             surface: Some(surface),
+            field: Field::default(),
         });
         Ok(())
     }

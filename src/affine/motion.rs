@@ -89,8 +89,10 @@ pub enum Halt {
         /// Its time.
         time: f64,
     },
-    /// The state grows beyond all numbers.
-    #[error("the motion grows without bound by t = {time}")]
+    /// The state grows beyond all numbers, or comes to where an expression has no value.
+    #[error(
+        "by t = {time} the motion grows without bound, or comes to where its rates have no value"
+    )]
     Unbounded {
         /// Time of the last state that was finite.
         time: f64,
@@ -135,6 +137,8 @@ pub struct Motion<'a> {
     falling: Vec<f64>,
     /// How many of the last zones were short.
     short: usize,
+    /// Length of the piece it is in.
+    unit: f64,
     section: Option<Section>,
 }
 
@@ -161,6 +165,7 @@ impl<'a> Motion<'a> {
             falling: Vec::new(),
             short: 0,
             section: None,
+            unit: longest,
             place,
         }
     }
@@ -189,9 +194,10 @@ impl<'a> Motion<'a> {
         let Place {
             state, phase, mode, ..
         } = &self.place;
-        let z = self.system.lift(state, *phase);
+        let flow = &self.flows[*mode];
+        let piece = flow.piece(self.system.lift(*mode, state, *phase));
         let mut guards = 0..self.system.modes[*mode].guards.len();
-        guards.all(|guard| matches!(self.flows[*mode].onset(guard, &z), Onset::Positive(_)))
+        guards.all(|guard| matches!(flow.onset(guard, &piece), Onset::Positive(_)))
     }
 
     /// Where it is.
@@ -220,14 +226,18 @@ impl<'a> Motion<'a> {
             ..
         } = self.place;
         let flow = &self.flows[mode];
-        let mut z = self.system.lift(&self.place.state, phase);
+        let mut piece = flow.piece(self.system.lift(mode, &self.place.state, phase));
+        if !piece.is_defined() {
+            return Err(Halt::Unbounded { time: start });
+        }
+        self.unit = piece.length;
         let guards = 0..self.system.modes[mode].guards.len();
         let mut orders = vec![0; guards.len()];
         if self.fresh {
             for guard in guards.clone() {
-                match flow.onset(guard, &z) {
+                match flow.onset(guard, &piece) {
                     Onset::Positive(order) => orders[guard] = order,
-                    Onset::Negative => return self.switch(guard, start, &z).map(Some),
+                    Onset::Negative => return self.switch(guard, start, &piece.z).map(Some),
                     Onset::Zero => {
                         return Err(Halt::Undecided {
                             time: start,
@@ -244,13 +254,13 @@ impl<'a> Motion<'a> {
         if let Some(section) = &mut self.section {
             let mut order = 0;
             if self.fresh || section.there {
-                section.below = match flow.onset(count, &z) {
+                section.below = match flow.onset(count, &piece) {
                     Onset::Positive(_) => Some(true),
                     Onset::Negative => Some(false),
                     Onset::Zero => None,
                 };
                 let side = section.below.map(|below| count + usize::from(!below));
-                if let Some(Onset::Positive(zero)) = side.map(|side| flow.onset(side, &z)) {
+                if let Some(Onset::Positive(zero)) = side.map(|side| flow.onset(side, &piece)) {
                     order = zero;
                 }
                 section.there = false;
@@ -260,11 +270,17 @@ impl<'a> Motion<'a> {
         }
         let (mut time, mut begun) = (start, 0.0);
         while time < until {
+            self.unit = piece.length;
+            if !piece.is_defined() {
+                return Err(Halt::Unbounded {
+                    time: start + begun,
+                });
+            }
             let rest = until - time;
-            let part = (rest / flow.length).min(1.0);
+            let part = (rest / piece.length).min(1.0);
             let mut first: Option<(f64, usize)> = None;
             for guard in watched.into_iter().chain(guards.clone()) {
-                let crossing = flow.crossing(guard, &z, orders[guard], part);
+                let crossing = flow.crossing(guard, &piece, orders[guard], part);
                 // at one instant the file's order decides
                 if let Some(after) = crossing
                     && first.is_none_or(|(known, _)| after < known)
@@ -274,7 +290,7 @@ impl<'a> Motion<'a> {
                 orders[guard] = 0;
             }
             if let Some((after, guard)) = first {
-                let z = flow.within(&z, after);
+                let z = flow.within(&piece, after);
                 let now = start + begun + after;
                 let Some(section) = self.section.as_mut().filter(|section| {
                     // a switch in the section itself: which of the two comes first is rounding
@@ -291,17 +307,18 @@ impl<'a> Motion<'a> {
                 return Ok(risen.then_some(Step::Section));
             }
             if part < 1.0 {
-                z = flow.within(&z, rest);
+                piece.z = flow.within(&piece, rest);
                 time = until;
             } else {
-                z = flow.advance(&z);
-                begun += flow.length;
+                begun += piece.length;
                 time = start + begun;
-            }
-            if !z.iter().all(|x| x.is_finite()) {
-                return Err(Halt::Unbounded { time: start });
+                piece = flow.piece(flow.advance(&piece));
             }
         }
+        if !piece.z.iter().all(|x| x.is_finite()) {
+            return Err(Halt::Unbounded { time: start });
+        }
+        let z = piece.z;
         self.fresh = false;
         let phase = phase + self.system.omega.value * (until - start);
         self.come(until, phase, &z);
@@ -337,8 +354,7 @@ impl<'a> Motion<'a> {
         let (number, exit) = exit.ok_or(Halt::NoExit { time, mode, guard })?;
         let mut to = exit.to;
         let lasted = time - self.entered;
-        let length = self.flows[mode].length;
-        let is_short = lasted <= CHATTER * length;
+        let is_short = lasted <= CHATTER * self.unit;
         self.short = if is_short { self.short + 1 } else { 0 };
         if !is_short && self.falling.last().is_some_and(|before| lasted >= *before) {
             self.falling.clear();

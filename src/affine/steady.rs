@@ -5,14 +5,14 @@ use nalgebra::Complex;
 use super::mode::{AffineMode, AffineSystem};
 use crate::linalg::{Matrix, Vector};
 
-/// An equilibrium of a mode: Ax + b = 0; of a sliding mode, also on its surface.
+/// An equilibrium of a mode: f(x) = 0; of a sliding mode, also on its surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equilibrium {
     /// The mode.
     pub mode: usize,
     /// The state.
     pub state: Vec<f64>,
-    /// Eigenvalues of A, the fastest growing first; a sliding mode has one zero for the direction it takes away.
+    /// Eigenvalues of ∂f/∂x, the fastest growing first; a sliding mode has one zero for the direction it takes away.
     pub eigenvalues: Vec<Complex<f64>>,
     /// The guard that is negative there, the most negative one: the equilibrium is virtual. `None` where it is
     /// admissible.
@@ -28,37 +28,109 @@ pub enum NoEquilibrium {
     /// Its matrix is singular, to rounding.
     #[error("the matrix of the mode is singular: no equilibrium, or a family of them")]
     Singular,
+    /// Newton's method finds none.
+    #[error("no equilibrium is found from {STARTS} places up to {FARTHEST} away")]
+    NotFound,
 }
+
+/// Places from which equilibria of a mode that is not affine are looked for, and how far the farthest are.
+const STARTS: usize = 400;
+const FARTHEST: f64 = 10.0;
+
+/// Newton's steps from each of them.
+const STEPS: usize = 60;
+
+/// A step of this part of the state is rounding, and equilibria this close are one.
+const STILL: f64 = 1e-13;
+const SAME: f64 = 1e-8;
 
 /// Least singular value, in units of the largest, below which a matrix is singular to rounding.
 const SINGULAR: f64 = 1e-13;
 
 impl AffineSystem {
-    /// The equilibrium of a mode.
+    /// The equilibria of a mode: the one of an affine mode; of another all that Newton's method finds where no state
+    /// exceeds 10, in the order of the first state.
     ///
     /// # Errors
-    /// Why there is none, or more than one.
-    pub fn equilibrium(&self, mode: usize) -> Result<Equilibrium, NoEquilibrium> {
+    /// Why there is none, or a family of them.
+    pub fn equilibria(&self, mode: usize) -> Result<Vec<Equilibrium>, NoEquilibrium> {
+        let n = self.states;
+        let field = &self.modes[mode].field;
+        if field.is_forced(n) {
+            return Err(NoEquilibrium::Forced);
+        }
+        let zero = Vector::zeros(n);
+        if field.is_exact {
+            let (state, slopes) = self.newton_step(mode, &zero)?;
+            return Ok(vec![self.equilibrium(mode, &state, &slopes)]);
+        }
+        let (mut found, mut far): (Vec<Equilibrium>, Vec<Equilibrium>) = Default::default();
+        for start in 0..STARTS {
+            // places of the same share of every size: 0, then the golden sequence of every state
+            let size = FARTHEST.powf(2.0 * start as f64 / STARTS as f64 - 1.0);
+            let share = |state: usize| (start as f64 * ((state + 2) as f64).sqrt()).fract() - 0.5;
+            let mut state = Vector::from_fn(n, |state, _| 2.0 * size * share(state));
+            if start == 0 {
+                state.fill(0.0);
+            }
+            let mut slopes = None;
+            for _ in 0..STEPS {
+                let Ok((next, matrix)) = self.newton_step(mode, &state) else {
+                    break;
+                };
+                let step = (&next - &state).amax();
+                state = next;
+                if step <= STILL * state.amax().max(STILL) {
+                    slopes = Some(matrix);
+                    break;
+                }
+            }
+            let same = |one: &Equilibrium| {
+                let pairs = one.state.iter().zip(&state);
+                let off = pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+                off <= SAME * state.amax().max(1.0)
+            };
+            if let Some(slopes) = slopes.filter(|_| !found.iter().chain(&far).any(same)) {
+                let near = state.amax() <= FARTHEST;
+                let list = if near { &mut found } else { &mut far };
+                list.push(self.equilibrium(mode, &state, &slopes));
+            }
+        }
+        // a pendulum has infinitely many: those far away count where there is none nearby
+        if found.is_empty() {
+            found = far;
+        }
+        found.sort_by(|one, other| one.state[0].total_cmp(&other.state[0]));
+        Some(found)
+            .filter(|found| !found.is_empty())
+            .ok_or(NoEquilibrium::NotFound)
+    }
+
+    /// Where the rates of a mode are zero if they change as at a state, and their derivatives there.
+    fn newton_step(&self, mode: usize, state: &Vector) -> Result<(Vector, Matrix), NoEquilibrium> {
         let n = self.states;
         let AffineMode {
             matrix,
-            guards,
             surface,
+            field,
+            ..
         } = &self.modes[mode];
-        let forced = matrix.at.view((0, n + 1), (n, 2 * self.harmonics));
-        if forced.amax() > 0.0 {
-            return Err(NoEquilibrium::Forced);
-        }
-        let own = matrix.at.view((0, 0), (n, n)).into_owned();
+        let z = self.lift(mode, state.as_slice(), 0.0);
         // on a surface its own equation takes the place of the direction that sliding leaves out
-        let extra = surface.iter().map(|row| row.at.rows(0, n + 1).into_owned());
-        let extra: Vec<Vector> = extra.collect();
-        let equations = Matrix::from_fn(n + extra.len(), n + 1, |row, column| match row {
-            _ if row < n => matrix.at[(row, column)],
-            _ => extra[row - n][column],
-        });
-        let left = equations.columns(0, n).into_owned();
-        let right = -equations.column(n);
+        let extra = surface.iter().map(|row| row.at.transpose());
+        let rates = (0..n).map(|row| matrix.at.row(row).into_owned());
+        let rows: Vec<_> = rates.chain(extra).collect();
+        let equations = Matrix::from_rows(&rows);
+        let slopes = match field.is_exact {
+            true => Matrix::identity(z.len(), n),
+            false => field.series(&z, 0, true, true).derivatives(0.0).0,
+        };
+        let left = &equations * slopes.columns(0, n);
+        let right = &left * state - &equations * z;
+        let own = left.rows(0, n).into_owned();
+        if !left.iter().chain(&right).all(|x| x.is_finite()) {
+            return Err(NoEquilibrium::Singular);
+        }
         let decomposition = left.svd(true, true);
         let (largest, least) = (
             decomposition.singular_values.max(),
@@ -68,25 +140,29 @@ impl AffineSystem {
             return Err(NoEquilibrium::Singular);
         }
         let solved = decomposition.solve(&right, 0.0);
-        let state = solved.map_err(|_| NoEquilibrium::Singular)?;
+        Ok((solved.map_err(|_| NoEquilibrium::Singular)?, own))
+    }
+
+    fn equilibrium(&self, mode: usize, state: &Vector, slopes: &Matrix) -> Equilibrium {
         let state: Vec<f64> = state.iter().copied().collect();
-        let z = self.lift(&state, 0.0);
+        let z = self.lift(mode, &state, 0.0);
+        let guards = &self.modes[mode].guards;
         let values = guards.iter().map(|guard| guard.row.at.dot(&z)).enumerate();
         let worst = values.min_by(|one, other| one.1.total_cmp(&other.1));
         let mut eigenvalues: Vec<Complex<f64>> =
-            own.complex_eigenvalues().iter().copied().collect();
+            slopes.complex_eigenvalues().iter().copied().collect();
         eigenvalues.sort_by(|one, other| {
             let key = |value: &Complex<f64>| (-value.re, -value.im);
             let (one, other) = (key(one), key(other));
             one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1))
         });
-        Ok(Equilibrium {
+        Equilibrium {
             mode,
             state,
             eigenvalues,
             violated: worst
                 .filter(|(_, value)| *value < 0.0)
                 .map(|(guard, _)| guard),
-        })
+        }
     }
 }

@@ -172,11 +172,11 @@ pub enum Mistake {
         "the modes `{0}` and `{1}` do not meet in one surface: each needs one switch to the other, with the same `zero` but for the sign"
     )]
     NoSurface(String, String),
-    /// Two modes between which sliding has no exact flow.
+    /// Two modes between which nothing slides.
     #[error(
-        "sliding between `{0}` and `{1}` has no exact flow: the difference of their rates changes its direction, or does not cross the surface"
+        "sliding between `{0}` and `{1}` has no direction: the difference of their rates is zero, or has no value"
     )]
-    SlidingNotAffine(String, String),
+    NoSliding(String, String),
 }
 
 /// Why a name cannot be used.

@@ -307,7 +307,9 @@ fn point(
         own.map(|one| one.value.norm()).collect()
     };
     let sizes = multipliers.as_ref().map(own);
-    let outside = sizes.as_ref().filter(|sizes| !sizes.is_empty());
+    // at a graze there are none; where all are trivial nothing grows
+    let known = multipliers.as_ref().is_some_and(|all| !all.is_empty());
+    let outside = sizes.as_ref().filter(|_| known);
     let outside = outside.map(|sizes| sizes.iter().filter(|size| **size > 1.0).count());
     let critical = matches!(
         found.kind(),

@@ -52,51 +52,50 @@ pub(crate) fn equilibria(system: &System, at: &AffineSystem) -> String {
     let mut text = line_of(&header.concat());
     for mode in 0..at.modes.len() {
         let name = system.mode_name(mode).to_owned();
-        let cells = match at.equilibrium(mode) {
-            Ok(found) => {
-                let state = found.state.iter().copied().map(number);
-                // what a surface takes away is no eigenvalue of the motion in it
-                let sliding = usize::from(at.modes[mode].surface.is_some());
-                let mut values = found.eigenvalues;
-                let least = (0..values.len())
-                    .min_by(|one, other| values[*one].norm().total_cmp(&values[*other].norm()));
-                if let Some(least) = least.filter(|_| sliding == 1) {
-                    values.remove(least);
-                }
-                let parts = |part: fn(&Complex<f64>) -> f64| {
-                    let numbers = values.iter().map(|value| number(part(value)));
-                    numbers.collect::<Vec<_>>().join(" ")
-                };
-                let growth = values.iter().map(|value| value.re);
-                let growth = growth.fold(f64::NEG_INFINITY, f64::max);
-                let stable = match growth {
-                    growth if growth < 0.0 => "yes",
-                    growth if growth > 0.0 => "no",
-                    _ => "undecided",
-                };
-                let beyond = found.violated.map(|guard| {
-                    let exit = at.modes[mode].guards[guard].exits.last();
-                    let to = exit.map_or("", |exit| system.mode_name(exit.to));
-                    format!("it lies beyond the switch to {to}")
-                });
-                let kind = if beyond.is_some() {
-                    "virtual"
-                } else {
-                    "admissible"
-                };
-                let after = [stable.to_owned(), parts(|z| z.re), parts(|z| z.im)];
-                let before = [name, kind.to_owned()].into_iter();
-                let after = after.into_iter().chain([beyond.unwrap_or_default()]);
-                before.chain(state).chain(after).collect::<Vec<_>>()
+        let all = at.equilibria(mode);
+        for found in all.iter().flatten() {
+            let state = found.state.iter().copied().map(number);
+            // what a surface takes away is no eigenvalue of the motion in it
+            let sliding = usize::from(at.modes[mode].surface.is_some());
+            let mut values = found.eigenvalues.clone();
+            let least = (0..values.len())
+                .min_by(|one, other| values[*one].norm().total_cmp(&values[*other].norm()));
+            if let Some(least) = least.filter(|_| sliding == 1) {
+                values.remove(least);
             }
-            Err(reason) => {
-                let mut cells = vec![name, "none".to_owned()];
-                cells.resize(states.len() + 5, String::new());
-                cells.push(reason.to_string());
-                cells
-            }
-        };
-        text.push_str(&line_of(&cells));
+            let parts = |part: fn(&Complex<f64>) -> f64| {
+                let numbers = values.iter().map(|value| number(part(value)));
+                numbers.collect::<Vec<_>>().join(" ")
+            };
+            let growth = values.iter().map(|value| value.re);
+            let growth = growth.fold(f64::NEG_INFINITY, f64::max);
+            let stable = match growth {
+                growth if growth < 0.0 => "yes",
+                growth if growth > 0.0 => "no",
+                _ => "undecided",
+            };
+            let beyond = found.violated.map(|guard| {
+                let exit = at.modes[mode].guards[guard].exits.last();
+                let to = exit.map_or("", |exit| system.mode_name(exit.to));
+                format!("it lies beyond the switch to {to}")
+            });
+            let kind = if beyond.is_some() {
+                "virtual"
+            } else {
+                "admissible"
+            };
+            let after = [stable.to_owned(), parts(|z| z.re), parts(|z| z.im)];
+            let before = [name.clone(), kind.to_owned()].into_iter();
+            let after = after.into_iter().chain([beyond.unwrap_or_default()]);
+            let cells = before.chain(state).chain(after);
+            text.push_str(&line_of(&cells.collect::<Vec<_>>()));
+        }
+        if let Err(reason) = all {
+            let mut cells = vec![name, "none".to_owned()];
+            cells.resize(states.len() + 5, String::new());
+            cells.push(reason.to_string());
+            text.push_str(&line_of(&cells));
+        }
     }
     text
 }

@@ -67,7 +67,7 @@ fn start(reference: &Reference) -> (AffineOrbit, Vector) {
 }
 
 /// The events that a branch meets, in order: types, values and sequences.
-fn meets(seen: &[Seen], expected: &[(EventType, f64, &str)], allowed: f64) {
+pub fn meets(seen: &[Seen], expected: &[(EventType, f64, &str)], allowed: f64) {
     let list = |seen: &[Seen]| -> String {
         let lines = seen
             .iter()
@@ -153,7 +153,7 @@ fn through_the_doubling_to_the_inner_graze() {
 }
 
 /// The orbit on which a motion settles.
-fn settled(
+pub fn settled(
     text: &str,
     replaced: &[(&str, f64)],
     parameter: &str,

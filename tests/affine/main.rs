@@ -6,6 +6,7 @@
 mod branches;
 mod matrices;
 mod motion;
+mod nonlinear;
 mod orbits;
 mod problems;
 mod refusals;

@@ -18,7 +18,7 @@ fn equilibria_of_chua() {
         ("upper", 1.5, true),
         ("lower", -1.5, true),
     ] {
-        let found = affine.equilibrium(system.mode(mode).unwrap()).unwrap();
+        let found = &affine.equilibria(system.mode(mode).unwrap()).unwrap()[0];
         for (state, expected) in found.state.iter().zip([x, 0.0, -x]) {
             assert!(
                 (state - expected).abs() < 1e-13,
@@ -48,9 +48,9 @@ fn equilibria_of_chua() {
 fn a_virtual_equilibrium_and_one_in_sliding() {
     let system = system(RELAY);
     let affine = at(&system, &[("rho", 0.25)]);
-    let plus = affine.equilibrium(system.mode("plus").unwrap()).unwrap();
+    let plus = &affine.equilibria(system.mode("plus").unwrap()).unwrap()[0];
     assert!((plus.state[0] + 0.0625).abs() < 1e-14 && plus.violated == Some(0));
-    let slide = affine.equilibrium(system.mode("slide").unwrap()).unwrap();
+    let slide = &affine.equilibria(system.mode("slide").unwrap()).unwrap()[0];
     assert!(slide.state.iter().all(|x| x.abs() < 1e-14) && slide.violated.is_none());
     let sum: f64 = slide.eigenvalues.iter().map(|value| value.re).sum();
     assert!((sum - 0.5).abs() < 1e-14);
@@ -61,7 +61,7 @@ fn a_virtual_equilibrium_and_one_in_sliding() {
 #[test]
 fn what_is_forced_or_singular_does_not_rest() {
     let forced = system(IMPACT);
-    assert_eq!(at(&forced, &[]).equilibrium(0), Err(NoEquilibrium::Forced));
+    assert_eq!(at(&forced, &[]).equilibria(0), Err(NoEquilibrium::Forced));
     let free = system(r#"(states: ["x", "v"], modes: {"only": (rates: {"x": "v", "v": "-v"})})"#);
-    assert_eq!(at(&free, &[]).equilibrium(0), Err(NoEquilibrium::Singular));
+    assert_eq!(at(&free, &[]).equilibria(0), Err(NoEquilibrium::Singular));
 }

@@ -68,7 +68,7 @@ fn simulated(problem: &SystemProblem) -> usize {
     };
     for mode in 0..affine.modes.len() {
         // there may be none, which is data as well
-        let _ = affine.equilibrium(mode);
+        let _ = affine.equilibria(mode);
     }
     let Some(start) = problem
         .beginning()

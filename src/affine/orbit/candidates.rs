@@ -224,7 +224,9 @@ impl OrbitAt<'_> {
                     None => (from, opened.z.clone()),
                     Some(stage) => (
                         stage.mode,
-                        self.posed.system.lift(&stage.state, opened.phase),
+                        self.posed
+                            .system
+                            .lift(stage.mode, &stage.state, opened.phase),
                     ),
                 };
                 for stage in self.exits(mode, &z) {
@@ -277,7 +279,10 @@ impl OrbitAt<'_> {
         let mut only = first.clone();
         only.zone.way = None;
         let flow = self.posed.flow(only.zone.mode);
-        let z = self.posed.system.lift(&only.at.state, only.at.phase);
+        let z = self
+            .posed
+            .system
+            .lift(only.zone.mode, &only.at.state, only.at.phase);
         let time = (TAU - only.at.phase.rem_euclid(TAU)) / self.posed.system.omega.value;
         let z = flow.after(&z, time);
         only.at.state = z.rows(0, self.orbit.states()).iter().copied().collect();

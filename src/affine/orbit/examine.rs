@@ -4,7 +4,7 @@ use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
 use super::margin::{Margin, Watch};
 use super::multipliers::Multiplier;
 use super::passage::Passage;
-use crate::affine::flow::ModeFlow;
+use crate::affine::flow::{ModeFlow, Piece};
 use crate::linalg::Vector;
 use crate::orbit::Examined;
 use crate::orbit::sign::{Bernstein, Verdict};
@@ -48,66 +48,66 @@ const MOST_PIECES: f64 = 1e5;
 const AT_BEGINNING: f64 = 1e-12;
 
 /// A piece of a zone.
-struct Piece {
-    /// z at its beginning.
-    z: Vector,
-    /// Time of that after the entry of the zone.
+struct Part {
+    piece: Piece,
+    /// Time of its beginning after the entry of the zone.
     begun: f64,
-    /// Its length in units of the pieces of the flow.
+    /// How much of the piece it is.
     part: f64,
     is_first: bool,
     is_last: bool,
 }
 
-/// The pieces of a zone of positive length; the last two are of one length, so that none is tiny.
-fn pieces(flow: &ModeFlow, entry: Vector, duration: f64) -> Vec<Piece> {
-    let mut pieces = Vec::new();
-    let (mut z, mut begun) = (entry, 0.0);
+/// The parts of a zone of positive length; the last two are of one length, so that none is tiny. How many they would
+/// be where they are too many.
+fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec<Part>, f64> {
+    let mut parts = Vec::new();
+    let (mut piece, mut begun) = (flow.piece(entry), 0.0);
     loop {
-        let rest = (duration - begun) / flow.length;
+        let rest = (duration - begun) / piece.length;
+        let count = rest + parts.len() as f64;
+        if count.is_nan() || count > MOST_PIECES {
+            return Err(count);
+        }
         let part = match rest {
             _ if rest <= 1.0 => rest,
             _ if rest <= 2.0 => 0.5 * rest,
             _ => 1.0,
         };
-        let is_last = rest <= 1.0;
-        let time = part * flow.length;
+        let time = part * piece.length;
         let next = match part {
-            _ if is_last => Vector::zeros(0),
-            1.0 => flow.advance(&z),
-            _ => flow.within(&z, time),
+            _ if rest <= 1.0 => None,
+            1.0 => Some(flow.advance(&piece)),
+            _ => Some(flow.within(&piece, time)),
         };
-        pieces.push(Piece {
-            z: std::mem::replace(&mut z, next),
+        parts.push(Part {
+            piece,
             begun,
             part,
-            is_first: pieces.is_empty(),
-            is_last,
+            is_first: parts.is_empty(),
+            is_last: next.is_none(),
         });
-        if is_last {
-            return pieces;
-        }
+        let Some(next) = next else {
+            return Ok(parts);
+        };
+        piece = flow.piece(next);
         begun += time;
     }
 }
 
 impl OrbitAt<'_> {
-    fn pieces(&self, zone: usize) -> Result<Vec<Piece>, OrbitFailure> {
+    fn parts(&self, zone: usize) -> Result<Vec<Part>, OrbitFailure> {
         let duration = self.zones[zone].duration;
         if duration.is_nan() || duration <= 0.0 {
             return Ok(Vec::new());
         }
         let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
-        let count = duration / flow.length;
-        if count > MOST_PIECES {
-            return Err(OrbitFailure::Long {
-                mode: self.orbit.sequence.zone(zone).name.clone(),
-                duration,
-                pieces: count,
-                most: MOST_PIECES,
-            });
-        }
-        Ok(pieces(flow, self.entry(zone), duration))
+        parts(flow, self.entry(zone), duration).map_err(|count| OrbitFailure::Long {
+            mode: self.orbit.sequence.zone(zone).name.clone(),
+            duration,
+            pieces: count,
+            most: MOST_PIECES,
+        })
     }
 
     /// Margins and verdict.
@@ -163,7 +163,7 @@ impl OrbitAt<'_> {
         let way = self.orbit.sequence.zone(zone).way;
         let facts = &self.posed.facts[zone];
         let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
-        let pieces = self.pieces(zone)?;
+        let parts = self.parts(zone)?;
         let mut inside = Vec::new();
         for guard in 0..self.mode(zone).guards.len() {
             let Some(order) = facts.at_entry[guard] else {
@@ -171,19 +171,19 @@ impl OrbitAt<'_> {
             };
             let row = &self.mode(zone).guards[guard].row;
             // without switches the beginning is a place like any other: a minimum may lie there
-            let rate = || row.through(&self.mode(zone).matrix).at.dot(&passage.entry);
+            let rate = || flow.slopes(&row.at, &passage.entry)[1];
             let slow = AT_BEGINNING * self.orbit.size(row) / self.orbit.setting.scales.time;
             let mut falling = way.is_none() && rate() <= slow;
             let mut places = Vec::new();
-            for piece in &pieces {
-                let (mut taylor, remainder) = flow.taylor(guard, &piece.z, piece.part);
-                let at_start = if piece.is_first { order } else { 0 };
+            for part in &parts {
+                let (mut taylor, remainder) = flow.taylor(guard, &part.piece, part.part);
+                let at_start = if part.is_first { order } else { 0 };
                 taylor[..at_start].fill(0.0);
-                let at_end = facts.at_end[guard].filter(|_| piece.is_last && way.is_some());
+                let at_end = facts.at_end[guard].filter(|_| part.is_last && way.is_some());
                 let bernstein = Bernstein::from_taylor(&taylor, remainder);
                 judge(bernstein.verdict(at_start, at_end.unwrap_or(0)));
                 let minima = bernstein.minima(&mut falling).into_iter();
-                let time = |place: f64| piece.begun + place * piece.part * flow.length;
+                let time = |place: f64| part.begun + place * part.part * part.piece.length;
                 places.extend(minima.map(time));
             }
             // what follows from a margin at an end that is negative is no minimum of its own
@@ -193,9 +193,9 @@ impl OrbitAt<'_> {
             if way.is_some_and(|way| way.guard == guard) && !held(Watch::Speed) {
                 places.pop();
             }
-            let entry = &pieces.first().map(|piece| piece.z.clone());
+            let entry = parts.first().map(|part| &part.piece.z);
             let value = |time: &f64| {
-                let z = entry.as_ref().map(|z| flow.after(z, *time));
+                let z = entry.map(|z| flow.after(z, *time));
                 z.map_or(f64::INFINITY, |z| row.at.dot(&z))
             };
             let least = places
@@ -226,17 +226,17 @@ impl AffineOrbit {
         };
         for zone in 0..self.zones() {
             let flow = at.posed.flow(self.sequence.zone(zone).mode);
-            let (entry, pieces) = (at.entry(zone), at.pieces(zone)?);
-            let last = pieces.last();
-            let end = last.map(|last| flow.within(&last.z, last.part * flow.length));
+            let (entry, parts) = (at.entry(zone), at.parts(zone)?);
+            let last = parts.last();
+            let end = last.map(|last| flow.within(&last.piece, last.part * last.piece.length));
             let end = end.as_ref().unwrap_or(&entry);
             for state in 0..n {
                 visit(state, entry[state]);
                 visit(state, end[state]);
             }
             let mut courses = vec![(false, false); n];
-            for piece in pieces {
-                let polynomials = flow.states(&piece.z, piece.part, n).into_iter();
+            for part in parts {
+                let polynomials = flow.states(&part.piece, part.part, n).into_iter();
                 for (state, (polynomial, (falling, rising))) in
                     polynomials.zip(&mut courses).enumerate()
                 {

@@ -1,7 +1,8 @@
 //! Linear forms of z that are zero together, and which of them stay so along a flow and through a reset.
 
 use crate::affine::form::{Dual, VARYING};
-use crate::affine::mode::{Exit, MatrixBy, Row};
+use crate::affine::mode::{AffineMode, Exit, MatrixBy, Row};
+use crate::affine::series::Program;
 use crate::linalg::{Matrix, Vector};
 
 /// A form whose coefficients are smaller than this part of what they are made of is zero but for rounding.
@@ -27,6 +28,12 @@ impl Units<'_> {
         };
         let derivatives = row.by.iter().map(|by| self.parameter * largest(by));
         derivatives.fold(largest(&row.at), f64::max)
+    }
+
+    /// Sum of the terms of a form.
+    pub fn sum(&self, row: &Row) -> f64 {
+        let terms = row.at.iter().zip(self.z).map(|(c, unit)| (c * unit).abs());
+        terms.sum()
     }
 
     /// The component whose coefficient is largest, a state if any of them counts.
@@ -117,9 +124,19 @@ impl Forms {
         self.pivots.push(pivot);
     }
 
-    /// The forms r among these for which the whole of r, rM, rM², … is zero: they stay zero along the flow.
-    pub fn invariant(&self, matrix: &MatrixBy, units: &Units) -> Forms {
+    /// The forms r among these for which the whole of r, rM, rM², … is zero: they stay zero along the flow. Of forms of
+    /// what is made of other components none is known to.
+    pub fn invariant(&self, mode: &AffineMode, units: &Units) -> Forms {
+        let matrix = &mode.matrix;
         let mut kept = self.clone();
+        if !mode.field.is_exact {
+            let plain = |row: &&Row| (mode.field.base()..row.at.len()).all(|c| !row.has(c));
+            kept = Forms::default();
+            self.rows
+                .iter()
+                .filter(plain)
+                .for_each(|row| kept.insert(row, units));
+        }
         loop {
             let pairs = kept.rows.iter().map(|row| {
                 let through = row.through(matrix);
@@ -142,12 +159,15 @@ impl Forms {
     }
 
     /// The forms that are zero after the reset of an exit where these are before it.
-    pub fn after(&self, exit: &Exit, units: &Units) -> Forms {
+    pub fn after(&self, exit: &Exit, program: &Program, units: &Units) -> Forms {
         let states = units.states;
         let reset: Vec<usize> = (0..states).filter(|state| is_reset(exit, *state)).collect();
+        let made = program.size() - program.made()..program.size();
+        let made = made.filter(|component| program.depends(*component, &reset));
+        let changed: Vec<usize> = reset.iter().copied().chain(made).collect();
         let split = |row: Row| {
             let (mut own, mut rest) = (Row::zero(row.at.len()), row);
-            for state in &reset {
+            for state in &changed {
                 let value = entry(&rest, *state);
                 own.set(*state, value);
                 rest.set(*state, Dual::default());

@@ -122,6 +122,30 @@ impl PartialEq for AffineOrbit {
     }
 }
 
+/// Sizes of the components of z: those of states are given, cosines and sines have 1, and what is made of others
+/// that which it has where all states are as large as their units.
+fn sizes(system: &AffineSystem, states: &[f64]) -> Vector {
+    let base = system.size() - system.program.made();
+    let places = [1.0, -1.0].map(|sign| states.iter().map(|unit| sign * unit).collect());
+    let places: Vec<Vector> = (0..system.modes.len())
+        .flat_map(|mode| {
+            places
+                .each_ref()
+                .map(|place: &Vec<f64>| system.lift(mode, place, 0.0))
+        })
+        .collect();
+    let made = |index: usize| {
+        let sizes = places.iter().map(|z| z[index].abs());
+        let largest = sizes.filter(|size| size.is_finite()).fold(0.0, f64::max);
+        if largest > 0.0 { largest } else { 1.0 }
+    };
+    Vector::from_fn(system.size(), |index, _| match states.get(index) {
+        Some(unit) => *unit,
+        None if index < base => 1.0,
+        None => made(index),
+    })
+}
+
 /// A zone at a point, in physical units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ZonePoint {
@@ -163,9 +187,7 @@ impl AffineOrbit {
         let known = sequence.0.iter().all(|zone| known(zone).is_some());
         let fits = !sequence.is_empty() && setting.scales.states.len() == states;
         (known && fits).then(|| AffineOrbit {
-            sizes: Vector::from_fn(system.size(), |index, _| {
-                setting.scales.states.get(index).copied().unwrap_or(1.0)
-            }),
+            sizes: sizes(&system, &setting.scales.states),
             last: Last::default(),
             setting,
             sequence,
@@ -218,12 +240,7 @@ impl AffineOrbit {
 
     /// Size of a form: the sum of its terms for states of their units.
     pub(super) fn size(&self, row: &Row) -> f64 {
-        let terms = row
-            .at
-            .iter()
-            .zip(&self.sizes)
-            .map(|(c, unit)| (c * unit).abs());
-        terms.sum()
+        self.units().sum(row)
     }
 
     /// Value of the continuation parameter at a point.
@@ -231,8 +248,9 @@ impl AffineOrbit {
         point[point.len() - 1] * self.setting.scales.parameter
     }
 
-    /// The system at a value of the parameter.
-    pub(super) fn posed(&self, value: f64) -> Result<Arc<Posed>, OrbitFailure> {
+    /// The system at the parameter of a point.
+    fn posed(&self, point: &Vector) -> Result<Arc<Posed>, OrbitFailure> {
+        let value = self.parameter_at(point);
         let bits = value.to_bits();
         if let Ok(last) = self.last.lock()
             && let Some((known, posed)) = &*last
@@ -245,8 +263,9 @@ impl AffineOrbit {
         values[setting.parameter] = value;
         let system = setting.system.at(&values, &[setting.parameter]);
         let system = system.map_err(OrbitFailure::System)?;
+        let zones = self.unpack(point, system.omega.value);
         let posed = Arc::new(Posed {
-            facts: facts(&system, &self.sequence, &self.units()),
+            facts: facts(&system, &self.sequence, &self.units(), &zones),
             norms: vec![OnceLock::new(); system.modes.len()],
             flows: system.modes.iter().map(|_| OnceLock::new()).collect(),
             longest: setting.scales.time,
@@ -263,7 +282,7 @@ impl AffineOrbit {
     /// # Errors
     /// The system makes no sense there.
     pub fn at(&self, point: &Vector) -> Result<OrbitAt<'_>, OrbitFailure> {
-        let posed = self.posed(self.parameter_at(point))?;
+        let posed = self.posed(point)?;
         Ok(OrbitAt {
             zones: self.unpack(point, posed.system.omega.value),
             orbit: self,
@@ -349,7 +368,22 @@ impl OrbitAt<'_> {
     /// z at the entry of a zone.
     pub(super) fn entry(&self, zone: usize) -> Vector {
         let at = &self.zones[zone % self.zones.len()];
-        self.posed.system.lift(&at.state, at.phase)
+        let mode = self.orbit.sequence.zone(zone).mode;
+        self.posed.system.lift(mode, &at.state, at.phase)
+    }
+
+    /// The derivative of this order in time of a form, at the entry of a zone.
+    pub(super) fn at_entry(&self, zone: usize, row: &Row, order: usize) -> Jet {
+        let mode = self.mode(zone);
+        let entry = self.entry(zone);
+        if order == 0 && mode.field.is_exact {
+            return Jet::at_entry(row, &entry);
+        }
+        // none passes yet
+        let jets = Passage::new(mode, 0.0, entry, 0.0).derivatives_at_entry(row, order, 1);
+        jets.into_iter()
+            .next()
+            .unwrap_or_else(|| Jet::nothing(row.at.len()))
     }
 
     /// Adds the derivatives of a jet of a zone in the scaled unknowns, times a factor.

@@ -111,7 +111,7 @@ impl OrbitAt<'_> {
     fn is_zero_at_end(&self, zone: usize, row: &Row) -> bool {
         let units = self.orbit.units();
         let size = units.size(row);
-        self.posed.facts[zone].end.contain(row, size, &units)
+        self.posed.facts[zone].is_zero_at_end(row, size, &units)
     }
 
     /// A margin at the entry or the end of a zone; `None` where it can never be positive.
@@ -138,14 +138,14 @@ impl OrbitAt<'_> {
                 let row = &guards[guard].row;
                 let order = facts.at_entry[guard].unwrap_or(0);
                 let factor = time.powi(order as i32) / orbit.size(row);
-                let jet = Jet::at_entry(&passage.derivative(row, order), &passage.entry);
-                (jet, factor)
+                let mut jets = passage.derivatives_at_entry(row, order, 1);
+                (jets.pop()?, factor)
             }
             Watch::End(guard) => {
                 let row = &guards[guard].row;
                 let order = facts.at_end[guard].unwrap_or(0);
                 let factor = (-time).powi(order as i32) / orbit.size(row);
-                (passage.at_end(&passage.derivative(row, order)), factor)
+                (passage.derivative_at_end(row, order), factor)
             }
             Watch::Speed => {
                 let way = way?;
@@ -203,14 +203,13 @@ impl OrbitAt<'_> {
         const STEPS: usize = 8;
         /// Beyond this, in units of the period, the place moves the value by less than rounding.
         const NEAR: f64 = 1e-9;
-        let mode = self.mode(zone);
-        let rate = mode.guards[guard].row.through(&mode.matrix);
-        let curvature = rate.through(&mode.matrix);
+        let row = &self.mode(zone).guards[guard].row.at;
         let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
         let entry = self.entry(zone);
         for _ in 0..STEPS {
             let z = flow.after(&entry, time.max(0.0));
-            let step = rate.at.dot(&z) / curvature.at.dot(&z);
+            let [_, rate, curvature] = flow.slopes(row, &z);
+            let step = rate / curvature;
             if !step.is_finite() {
                 break;
             }

@@ -2,13 +2,14 @@
 //!
 //! [`signature`] is the sequence of zones, [`layout`] has the unknowns, [`residual`] the equations; [`passage`] is
 //! the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends whatever the
-//! parameter, as [`forms`] tell. [`margin`] measures the inequalities, [`examine`] decides them; [`candidates`] finds
+//! parameter, as [`forms`] tell, or [`generic`] points. [`margin`] measures the inequalities, [`examine`] decides them; [`candidates`] finds
 //! what lies beyond an event; [`multipliers`] has the stability; [`start`] finds the first orbit, [`switch`] that of the
 //! other branch at an event, and [`row`] has what results keep of one.
 
 pub mod candidates;
 pub mod examine;
 mod forms;
+mod generic;
 pub mod layout;
 pub mod margin;
 pub mod multipliers;

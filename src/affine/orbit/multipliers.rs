@@ -69,19 +69,19 @@ impl OrbitAt<'_> {
             };
         };
         let row = &self.mode(zone).guards[way.guard].row;
-        let guard = &row.at;
         let rate = passage.rate();
-        let fall = guard.dot(&rate);
+        let fall = row.at.dot(&rate);
         let next = zone + 1;
         // what the reset makes of the state: at a graze the entry of the next zone has lost the speed in rounding
         let mut entry = passage.end.clone();
         entry
             .rows_mut(0, n)
             .copy_from(&(&exit.reset.at * &passage.end));
+        self.mode(next).field.complete(&mut entry);
         let after = &self.mode(next).matrix.at * entry;
         let shift = after.rows(0, n) - &exit.reset.at * &rate;
-        let normal = guard.rows(0, n).into_owned();
-        let reset = states(&exit.reset.at);
+        let normal = passage.gradient(row).rows(0, n).into_owned();
+        let reset = passage.slopes(&exit.reset.at);
         let jump = &reset + &shift * normal.transpose() / fall;
         let inverse = || {
             let undone = Factors::new(reset.clone()).inverse()?;

@@ -2,6 +2,7 @@
 
 use crate::affine::flow::{TERMS, propagator};
 use crate::affine::mode::{AffineMode, Row};
+use crate::affine::series::{ORDER, Series};
 use crate::linalg::{Matrix, Vector};
 
 /// A number with its derivatives in z at the entry, in time, and in the parameter at a fixed z.
@@ -28,6 +29,16 @@ impl Jet {
         }
     }
 
+    /// Zero, where z has this length.
+    pub fn nothing(size: usize) -> Jet {
+        Jet {
+            value: 0.0,
+            by_z: Vector::zeros(size),
+            by_time: 0.0,
+            by_parameter: 0.0,
+        }
+    }
+
     /// The jet times a number.
     pub fn scaled(mut self, factor: f64) -> Jet {
         self.value *= factor;
@@ -45,6 +56,9 @@ impl Jet {
     }
 }
 
+/// Pieces of a series after which a passage is given up: it has come to where a rate has no value.
+const MOST_PIECES: usize = 100_000;
+
 /// A zone from its entry to a time.
 #[derive(Clone, Debug)]
 pub struct Passage<'a> {
@@ -55,31 +69,102 @@ pub struct Passage<'a> {
     pub entry: Vector,
     /// Time since.
     pub time: f64,
-    /// exp(Mt).
+    /// ∂z/∂z₀, z₀ at the entry: exp(Mt) where the mode is linear.
     pub flow: Matrix,
+    /// ∂z/∂p.
+    by_parameter: Vector,
     /// z at the time.
     pub end: Vector,
-    /// ∂z/∂p there.
-    by: Vector,
+    /// Where the mode is not linear.
+    numerical: Option<Numerical>,
+}
+
+/// Series of z at both ends.
+#[derive(Clone, Debug)]
+struct Numerical {
+    first: Series,
+    /// Time up to which it holds.
+    length: f64,
+    last: Series,
 }
 
 impl<'a> Passage<'a> {
     /// The passage from z through a mode whose matrix has this norm.
     pub fn new(mode: &'a AffineMode, norm: f64, entry: Vector, time: f64) -> Passage<'a> {
+        if !mode.field.is_exact {
+            return Passage::numerical(mode, entry, time);
+        }
         let [flow, by] = propagator(&mode.matrix.at, &mode.matrix.by[0], norm, time);
         Passage {
             end: &flow * &entry,
-            by: by * &entry,
-            mode,
+            by_parameter: by * &entry,
+            flow,
             norm,
+            mode,
             entry,
             time,
-            flow,
+            numerical: None,
         }
     }
 
-    /// exp(−Mt).
+    /// The passage through pieces of a series.
+    fn numerical(mode: &'a AffineMode, entry: Vector, time: f64) -> Passage<'a> {
+        let field = &mode.field;
+        let (size, base) = (entry.len(), field.base());
+        let forward = time >= 0.0;
+        let series = |z: &Vector| field.series(z, ORDER, true, forward);
+        let first = series(&entry);
+        let length = field.length(&first, time.abs(), forward);
+        let mut flow = Matrix::identity(base, base);
+        let mut by_parameter = Vector::zeros(base);
+        let (mut last, mut z, mut rest) = (first.clone(), entry.clone(), time.abs());
+        let mut pieces = 0;
+        while rest > 0.0 {
+            let part = field.length(&last, rest, forward);
+            // what is not finite gives a passage that is not
+            pieces += 1;
+            if part.is_nan() || part <= 0.0 || pieces > MOST_PIECES {
+                by_parameter.fill(f64::NAN);
+                flow.fill(f64::NAN);
+                break;
+            }
+            rest -= part;
+            let part = part.copysign(time);
+            let (along, by) = last.derivatives(part);
+            let along = along.rows(0, base);
+            flow = along * flow;
+            by_parameter = along * by_parameter + by.rows(0, base);
+            z = last.at(part);
+            last = series(&z);
+        }
+        if pieces > 0 {
+            z.copy_from_slice(last.at(0.0).as_slice());
+        }
+        // what is made of other components follows them
+        let (slopes, by) = last.derivatives(0.0);
+        let mut all = Matrix::zeros(size, size);
+        all.columns_mut(0, base).copy_from(&(&slopes * flow));
+        Passage {
+            flow: all,
+            by_parameter: slopes * by_parameter + by,
+            end: z,
+            norm: 0.0,
+            mode,
+            entry,
+            time,
+            numerical: Some(Numerical {
+                first,
+                length,
+                last,
+            }),
+        }
+    }
+
+    /// The flow back from the end to the entry.
     pub fn backward(&self) -> Matrix {
+        if self.numerical.is_some() {
+            return Passage::numerical(self.mode, self.end.clone(), -self.time).flow;
+        }
         let matrix = &self.mode.matrix.at;
         let [flow, _] = propagator(matrix, &Matrix::zeros(0, 0), self.norm, -self.time);
         flow
@@ -87,44 +172,111 @@ impl<'a> Passage<'a> {
 
     /// ż at the end.
     pub fn rate(&self) -> Vector {
-        &self.mode.matrix.at * &self.end
+        match &self.numerical {
+            Some(numerical) => Vector::from_fn(self.end.len(), |c, _| numerical.last.value(1, c)),
+            None => &self.mode.matrix.at * &self.end,
+        }
+    }
+
+    /// The gradient of a form at the end, in z there.
+    pub fn gradient(&self, row: &Row) -> Vector {
+        match &self.numerical {
+            Some(numerical) => numerical.last.jet(row, 0).1,
+            None => row.at.clone(),
+        }
+    }
+
+    /// The derivatives of the states after a reset in those at the end.
+    pub fn slopes(&self, reset: &Matrix) -> Matrix {
+        let states = reset.nrows();
+        match &self.numerical {
+            Some(numerical) => reset * numerical.last.derivatives(0.0).0.columns(0, states),
+            None => reset.columns(0, states).into_owned(),
+        }
     }
 
     /// A form at the end.
     pub fn at_end(&self, row: &Row) -> Jet {
-        Jet {
-            value: row.at.dot(&self.end),
-            by_z: self.flow.tr_mul(&row.at),
-            by_time: self.mode.matrix.at.tr_mul(&row.at).dot(&self.end),
-            by_parameter: row.by[0].dot(&self.end) + row.at.dot(&self.by),
-        }
+        self.derivative_at_end(row, 0)
     }
 
-    /// The derivative of this order of a form.
-    pub fn derivative(&self, row: &Row, order: usize) -> Row {
+    /// The derivative of this order of a form, at the end.
+    pub fn derivative_at_end(&self, row: &Row, order: usize) -> Jet {
+        let Some(Numerical { last, .. }) = &self.numerical else {
+            let row = self.derivative(row, order);
+            return Jet {
+                value: row.at.dot(&self.end),
+                by_z: self.flow.tr_mul(&row.at),
+                by_time: self.mode.matrix.at.tr_mul(&row.at).dot(&self.end),
+                by_parameter: row.by[0].dot(&self.end) + row.at.dot(&self.by_parameter),
+            };
+        };
+        let (value, gradient, by) = last.jet(row, order);
+        let jet = Jet {
+            value,
+            by_time: (order + 1) as f64 * last.of(&row.at, order + 1),
+            by_parameter: by + gradient.dot(&self.by_parameter),
+            by_z: self.flow.tr_mul(&gradient),
+        };
+        jet.scaled(factorial(order))
+    }
+
+    /// The derivatives of a form at the entry, from an order on: so many, or as many as are known.
+    pub fn derivatives_at_entry(&self, row: &Row, from: usize, count: usize) -> Vec<Jet> {
+        let orders = from..from + count;
+        if let Some(Numerical { first, .. }) = &self.numerical {
+            let of = |order: usize| {
+                let (value, by_z, by_parameter) = first.jet(row, order);
+                let jet = Jet {
+                    value,
+                    by_z,
+                    by_time: 0.0,
+                    by_parameter,
+                };
+                jet.scaled(factorial(order))
+            };
+            return orders.take_while(|order| *order <= ORDER).map(of).collect();
+        }
+        let mut derivative = self.derivative(row, from);
+        let of = |_| {
+            let jet = Jet::at_entry(&derivative, &self.entry);
+            derivative = derivative.through(&self.mode.matrix);
+            jet
+        };
+        orders.map(of).collect()
+    }
+
+    /// The derivative of this order of a form of a linear mode.
+    fn derivative(&self, row: &Row, order: usize) -> Row {
         (0..order).fold(row.clone(), |row, _| row.through(&self.mode.matrix))
+    }
+
+    /// Whether the time is so short that a series at the entry holds.
+    fn is_short(&self) -> bool {
+        match &self.numerical {
+            Some(numerical) => self.time.abs() <= numerical.length,
+            None => self.norm * self.time.abs() <= 1.0,
+        }
     }
 
     /// q(t) = c·z(t)/tᵐ and q̇(t), where c·z has a zero of order m at the entry: its first m Taylor coefficients
     /// are left out, whatever they are. Regular at t = 0.
     pub fn divided(&self, row: &Row, order: usize) -> [Jet; 2] {
-        if order > 0 && self.norm * self.time.abs() <= 1.0 {
+        if order > 0 && self.is_short() {
             return self.divided_series(row, order);
         }
         // P(t) = tᵐq(t) and Ṗ(t)
-        let mut forms = [row.clone(), row.through(&self.mode.matrix)].map(|row| self.at_end(&row));
-        let (mut taylor, mut power) = (row.clone(), 1.0);
-        let mut second = self.derivative(row, 2).at.dot(&self.end);
+        let mut forms = [0, 1].map(|k| self.derivative_at_end(row, k));
+        let mut second = forms[1].by_time;
         // tᵏ/k!, and the powers below
-        let mut before = [0.0, 0.0];
-        for k in 0..order {
-            let jet = Jet::at_entry(&taylor, &self.entry);
+        let (mut power, mut before) = (1.0, [0.0, 0.0]);
+        let taylor = self.derivatives_at_entry(row, 0, order);
+        for (k, jet) in taylor.into_iter().enumerate() {
             forms[0].add(-power, &jet);
             forms[1].add(-before[0], &jet);
             second -= before[1] * jet.value;
             before = [power, before[0]];
             power *= self.time / (k + 1) as f64;
-            taylor = taylor.through(&self.mode.matrix);
         }
         let [mut q, mut rate] = forms;
         let m = order as f64;
@@ -147,20 +299,13 @@ impl<'a> Passage<'a> {
 
     /// The same by the series, for short times.
     fn divided_series(&self, row: &Row, order: usize) -> [Jet; 2] {
-        let zero = || Jet {
-            value: 0.0,
-            by_z: Vector::zeros(self.entry.len()),
-            by_time: 0.0,
-            by_parameter: 0.0,
-        };
+        let zero = || Jet::nothing(self.entry.len());
         let (mut q, mut rate, mut second) = (zero(), zero(), 0.0);
-        let factorial: f64 = (1..=order).map(|k| k as f64).product();
-        let mut taylor = self.derivative(row, order);
         // tʲ/k!, j = k − m, and the two powers below with the factors of their derivatives
-        let mut weights = [factorial.recip(), 0.0, 0.0];
-        for j in 0..=TERMS {
-            let jet = Jet::at_entry(&taylor, &self.entry);
-            let next = f64::from(j + 1);
+        let mut weights = [factorial(order).recip(), 0.0, 0.0];
+        let taylor = self.derivatives_at_entry(row, order, TERMS as usize + 1);
+        for (j, jet) in taylor.into_iter().enumerate() {
+            let next = (j + 1) as f64;
             q.add(weights[0], &jet);
             rate.add(weights[1], &jet);
             second += weights[2] * jet.value;
@@ -170,10 +315,13 @@ impl<'a> Passage<'a> {
                 weights[0] * next / k,
                 weights[1] * next / k,
             ];
-            taylor = taylor.through(&self.mode.matrix);
         }
         q.by_time = rate.value;
         rate.by_time = second;
         [q, rate]
     }
+}
+
+fn factorial(k: usize) -> f64 {
+    (1..=k).map(|k| k as f64).product()
 }

@@ -63,8 +63,18 @@ impl System for AffineOrbit {
                 let row = first + state;
                 let pivot = facts.zero.pivots.iter().position(|pivot| *pivot == state);
                 let own = Row::unit(entry.len(), state);
-                if let Some(form) = pivot.map(|index| &facts.zero.rows[index]) {
-                    equations.add(row, next, &Jet::at_entry(form, &entry), unit.recip());
+                if let Some(generic) = &facts.generic {
+                    // the derivatives of the guard that are divided out are zero at the entry
+                    let order = generic.pivots.iter().position(|pivot| *pivot == state);
+                    let way = self.sequence.zone(next).way;
+                    if let Some((order, way)) = order.zip(way) {
+                        let guard = &at.mode(next).guards[way.guard].row;
+                        let factor = time.powi(order as i32) / self.size(guard);
+                        equations.add(row, next, &at.at_entry(next, guard, order), factor);
+                        continue;
+                    }
+                } else if let Some(form) = pivot.map(|index| &facts.zero.rows[index]) {
+                    equations.add(row, next, &at.at_entry(next, form, 0), unit.recip());
                     continue;
                 }
                 let arrives = exit.map_or_else(|| own.clone(), |exit| exit.reset.row(state));
@@ -85,7 +95,7 @@ impl System for AffineOrbit {
             } else {
                 let rate = mode.matrix.row(section(mode));
                 let factor = self.size(&rate).recip();
-                equations.add(row, zone, &Jet::at_entry(&rate, &passage.entry), factor);
+                equations.add(row, zone, &at.at_entry(zone, &rate, 0), factor);
             }
         }
         if self.is_forced() {

@@ -208,7 +208,7 @@ pub fn restart(wanted: &Wanted, saved: &SavedOrbit) -> Result<(AffineOrbit, Vect
 
 /// Whether a place is one where a zone begins at a switch: a guard of its own mode is zero.
 fn is_on_guard(system: &AffineSystem, place: &Place) -> bool {
-    let z = system.lift(&place.state, place.phase);
+    let z = system.lift(place.mode, &place.state, place.phase);
     let mut guards = system.modes[place.mode].guards.iter();
     guards.any(|guard| {
         let terms = guard.row.at.iter().zip(&z).map(|(c, z)| c * z);
@@ -276,7 +276,8 @@ fn distance(system: &AffineSystem, begin: &Place, here: &Place, switches: &Switc
     let mut sizes = vec![0.0_f64; begin.state.len()];
     let mut visit = |state: usize, x: f64| sizes[state] = sizes[state].max(x.abs());
     for place in places.chain([begin, here]) {
-        let rate = &system.modes[place.mode].matrix.at * system.lift(&place.state, place.phase);
+        let rate = &system.modes[place.mode].matrix.at
+            * system.lift(place.mode, &place.state, place.phase);
         for (state, x) in place.state.iter().enumerate() {
             visit(state, *x);
             visit(state, rate[state] * time / TAU);
@@ -386,8 +387,13 @@ fn free(
     longest: f64,
 ) -> Result<Course, NoStart> {
     let mut next = || {
+        /// A zone longer than this, and than the motion that settled, does not end.
+        const ENDLESS: f64 = 1000.0;
         let since = motion.place().time;
-        match motion.step(since + longest).map_err(NoStart::Halted)? {
+        match motion
+            .step(since + longest.max(ENDLESS))
+            .map_err(NoStart::Halted)?
+        {
             Step::Switched(switching) => Ok((switching, motion.place().clone())),
             Step::Reached | Step::Section => Err(NoStart::Rests { time: since }),
         }

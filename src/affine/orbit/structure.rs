@@ -4,8 +4,11 @@
 //! flow. From nothing round the cycle to a fixed point all of these facts are found.
 
 use super::forms::{Forms, Units};
+use super::generic::Points;
+use super::layout::ZonePoint;
 use super::signature::Sequence;
-use crate::affine::mode::{AffineMode, AffineSystem, Exit};
+use crate::affine::flow::ModeFlow;
+use crate::affine::mode::{AffineMode, AffineSystem, Exit, Row};
 
 /// What is known of a zone.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +24,27 @@ pub struct ZoneFacts {
     /// Order of the zero at the entry that is divided out of the equation of the guard that ends the zone:
     /// as `at_entry`, but a guard of the phase alone is not divided, since no equation sets the phase at an entry.
     pub divided: usize,
+    /// Where it is not the forms that tell: what does.
+    pub generic: Option<Generic>,
+}
+
+/// What generic points of a zone tell where its system is not linear.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Generic {
+    /// States of which the first derivatives of the guard, as many as are divided out, each have one.
+    pub pivots: Vec<usize>,
+    /// Points of its end.
+    pub end: Points,
+}
+
+impl ZoneFacts {
+    /// Whether a form is zero at the end by the structure.
+    pub fn is_zero_at_end(&self, row: &Row, size: f64, units: &Units) -> bool {
+        match &self.generic {
+            Some(generic) => generic.end.contain(row, size),
+            None => self.end.contain(row, size, units),
+        }
+    }
 }
 
 /// The exit that a zone takes; `None` also for one that is not in the system.
@@ -40,8 +64,14 @@ pub fn section(mode: &AffineMode) -> usize {
     (0..states).find(depends).unwrap_or(0)
 }
 
-/// The facts of every zone of a sequence that the system has.
-pub fn facts(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Vec<ZoneFacts> {
+/// The facts of every zone of a sequence that the system has; its zones next to these are looked at where that is not
+/// linear.
+pub fn facts(
+    system: &AffineSystem,
+    sequence: &Sequence,
+    units: &Units,
+    zones: &[ZonePoint],
+) -> Vec<ZoneFacts> {
     let count = sequence.len();
     let mode = |zone: usize| &system.modes[sequence.zone(zone).mode];
     let mut entries = vec![Forms::default(); count];
@@ -49,13 +79,18 @@ pub fn facts(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Vec<Z
     loop {
         let before: usize = entries.iter().map(Forms::len).sum();
         for zone in 0..count {
-            let mut end = entries[zone].invariant(&mode(zone).matrix, units);
+            let mut end = entries[zone].invariant(mode(zone), units);
             let Some(way) = sequence.zone(zone).way else {
                 continue;
             };
+            if !mode(zone).field.is_exact
+                && let Some(surface) = &mode(zone).surface
+            {
+                end.insert(surface, units);
+            }
             end.insert(&mode(zone).guards[way.guard].row, units);
             if let Some(exit) = exit_of(system, sequence, zone) {
-                entries[(zone + 1) % count] = end.after(exit, units);
+                entries[(zone + 1) % count] = end.after(exit, &system.program, units);
             }
             ends[zone] = end;
         }
@@ -65,6 +100,9 @@ pub fn facts(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Vec<Z
     }
     let of = |(index, (zero, end)): (usize, (Forms, Forms))| {
         let AffineMode { matrix, guards, .. } = mode(index);
+        if system.program.made() > 0 {
+            return generic(system, sequence, index, units, zones, (zero, end));
+        }
         let orders = |forms: &Forms| {
             let order = |guard| forms.order(guard, matrix, units);
             guards.iter().map(|guard| order(&guard.row)).collect()
@@ -88,8 +126,53 @@ pub fn facts(system: &AffineSystem, sequence: &Sequence, units: &Units) -> Vec<Z
             divided: divided.unwrap_or(0),
             zero,
             end,
+            generic: None,
         }
     };
     let pairs = entries.into_iter().zip(ends).enumerate();
     pairs.map(of).collect()
+}
+
+/// The facts of a zone by points next to it.
+fn generic(
+    system: &AffineSystem,
+    sequence: &Sequence,
+    zone: usize,
+    units: &Units,
+    zones: &[ZonePoint],
+    (zero, end): (Forms, Forms),
+) -> ZoneFacts {
+    let number = sequence.zone(zone).mode;
+    let mode = &system.modes[number];
+    let total: f64 = zones.iter().map(|zone| zone.duration.abs()).sum();
+    let at = &zones[zone];
+    let z = system.lift(number, &at.state, at.phase);
+    let z = ModeFlow::new(mode, total).after(&z, at.duration.max(0.0));
+    let phase = at.phase + system.omega.value * at.duration;
+    let last: Vec<f64> = z.rows(0, system.states).iter().copied().collect();
+    let points = |place, forms: &Forms| Points::new(system, number, place, forms, units);
+    let (first, last) = (
+        points((&at.state, at.phase), &zero),
+        points((&last, phase), &end),
+    );
+    let order = |points: &Points, row: &Row| points.order(system, row, units.sum(row), total);
+    let orders = |points: &Points| -> Vec<Option<usize>> {
+        let guards = mode.guards.iter();
+        guards.map(|guard| order(points, &guard.row)).collect()
+    };
+    let (at_entry, at_end) = (orders(&first), orders(&last));
+    let pivots = sequence.zone(zone).way.map(|way| {
+        let divided = at_entry[way.guard].unwrap_or(0);
+        first.pivots(system, &mode.guards[way.guard].row, divided, units)
+    });
+    let pivots = pivots.unwrap_or_default();
+    ZoneFacts {
+        zero,
+        end,
+        at_entry,
+        at_end,
+        // a guard of the phase alone has no state
+        divided: pivots.len(),
+        generic: Some(Generic { pivots, end: last }),
+    }
 }

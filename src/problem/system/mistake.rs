@@ -49,10 +49,8 @@ pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &Sy
         Mistake::NoSurface(..) => {
             "give each of the two one `zero` that leads to the other, as in `v` and `-v`".to_owned()
         }
-        Mistake::SlidingNotAffine(..) => {
-            "leave out this sliding mode, or let the rates of the two differ by multiples of one \
-             vector of numbers only"
-                .to_owned()
+        Mistake::NoSliding(..) => {
+            "leave out this sliding mode, or let the rates of the two differ".to_owned()
         }
     };
     if let Some(near) = names.first() {
@@ -65,7 +63,7 @@ pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &Sy
 fn about_expression(source: &Source, wrong: &Wrong) -> String {
     let functions = || list(Function::ALL.iter().map(|(name, _)| *name));
     match wrong {
-        Wrong::TooLong(_) => "name parts of it in `define`".to_owned(),
+        Wrong::TooLong(_) | Wrong::TooDeep(_) => "name parts of it in `define`".to_owned(),
         Wrong::Unreadable => format!(
             "an expression has numbers, names, `+ - * / ^`, brackets and the functions {}",
             functions()
@@ -85,10 +83,8 @@ fn about_expression(source: &Source, wrong: &Wrong) -> String {
             let near = known(name, &names);
             format!("write a function that there is{near}")
         }
-        Wrong::Obstacle(Obstacle::Product | Obstacle::Function) => {
-            "write a sum of states, each times numbers and parameters, and of cosines and sines of \
-             the phase: other flows are not computed yet"
-                .to_owned()
+        Wrong::Obstacle(Obstacle::Deep) => {
+            "write shorter expressions, or fewer abbreviations of abbreviations".to_owned()
         }
         Wrong::Obstacle(Obstacle::Phase) => {
             "write for example `cos(phase)` or `sin(2*phase)`; 16 times the phase is the most"

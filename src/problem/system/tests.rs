@@ -168,8 +168,7 @@ fn expressions_are_marked_where_they_are_wrong() {
     let cases = [
         // text, replacement, marked, message, help
         ["F - c*v - x", "F - c*vv - x", "vv", "`vv` is no state, parameter or abbreviation; did you mean `v`?", "`x`, `v`, `c`"],
-        ["F - c*v - x", "F - c*v*x", "c*v*x", "not affine in the states", "other flows are not computed yet"],
-        ["F - c*v - x", "F - tanh(v)", "tanh(v)", "a function of something that changes", "a sum of states"],
+        ["F - c*v - x", "F - phase*x", "phase*x", "the phase may stand in `sin` and `cos` only", "cos(phase)"],
         ["F - c*v - x", "F - (c*v - x", "\"", "makes no sense from here on", "brackets"],
         ["F - c*v - x", "F - c v", "v", "makes no sense from here on", "`+ - * / ^`"],
         ["F - c*v - x", "F - sine(c)", "sine(c)", "`sine` is no function", "did you mean `sin`?"],

@@ -1,0 +1,164 @@
+//! What is zero by the structure where modes are not linear: told by generic points.
+//!
+//! A function vanishes by the structure where some forms do if it vanishes at points that satisfy these and nothing
+//! else: places near the orbit, moved at random by a tenth of its size and then back onto the zeros of the forms.
+
+use std::f64::consts::TAU;
+
+use super::forms::{Forms, Units};
+use crate::affine::mode::{AffineSystem, Row};
+use crate::affine::series::ORDER;
+use crate::linalg::{Matrix, Vector};
+
+/// Points that are tried.
+const POINTS: usize = 3;
+/// How far they are moved, in units of the states and in turns.
+const MOVED: f64 = 0.1;
+/// Steps back onto the zeros at most.
+const STEPS: usize = 30;
+/// A form is zero at a point where it is no more than this part of its size: points are on their zeros to rounding.
+const ZERO: f64 = 1e-9;
+/// Highest order of a zero that is told from a function that is zero all along.
+const HIGHEST: usize = 8;
+
+/// Points of a mode at which some forms are zero.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Points {
+    mode: usize,
+    /// As vectors z.
+    all: Vec<Vector>,
+}
+
+/// Derivatives of a form in the states, in their units, and in the phase, of a jet in z.
+fn slopes(by_z: &Vector, z: &Vector, harmonics: usize, units: &Units) -> Vec<f64> {
+    let n = units.states;
+    let states = (0..n).map(|state| by_z[state] * units.z[state]);
+    let turn = (1..=harmonics).map(|h| {
+        let (cosine, sine) = (n + 2 * h - 1, n + 2 * h);
+        h as f64 * (by_z[sine] * z[cosine] - by_z[cosine] * z[sine])
+    });
+    states.chain([turn.sum()]).collect()
+}
+
+impl Points {
+    /// Points of a mode next to a state and a phase; none where rates have no value there.
+    pub fn new(
+        system: &AffineSystem,
+        mode: usize,
+        (state, phase): (&[f64], f64),
+        forms: &Forms,
+        units: &Units,
+    ) -> Points {
+        let shares = |point: usize, index: usize| {
+            // the golden sequence of every unknown
+            let share = ((point + 1) as f64 * ((index + 2) as f64).sqrt()).fract();
+            MOVED * (2.0 * share - 1.0)
+        };
+        let moved = (0..POINTS).filter_map(|point| {
+            let states = state.iter().enumerate();
+            let mut state: Vec<f64> = states
+                .map(|(index, x)| x + units.z[index] * shares(point, index))
+                .collect();
+            let mut phase = phase + TAU * shares(point, state.len());
+            let field = &system.modes[mode].field;
+            for _ in 0..STEPS {
+                let z = system.lift(mode, &state, phase);
+                let series = field.series(&z, 0, true, true);
+                let jets = forms.rows.iter().map(|row| series.jet(row, 0));
+                let (values, rows): (Vec<f64>, Vec<Vec<f64>>) = jets
+                    .map(|(value, by_z, _)| (value, slopes(&by_z, &z, system.harmonics, units)))
+                    .unzip();
+                let mut pairs = values.iter().zip(&rows);
+                let near = |(value, row): (&f64, &Vec<f64>)| {
+                    let size: f64 = row.iter().map(|by| by.abs()).sum();
+                    value.abs() <= 8.0 * f64::EPSILON * size
+                };
+                if pairs.all(near) {
+                    return Some(z);
+                }
+                let matrix =
+                    Matrix::from_fn(rows.len(), state.len() + 1, |row, column| rows[row][column]);
+                if !matrix.iter().chain(&values).all(|x| x.is_finite()) {
+                    return None;
+                }
+                let right = Vector::from_vec(values);
+                let least = 1e-10 * matrix.amax();
+                let step = matrix.svd(true, true).solve(&right, least).ok()?;
+                for (index, x) in state.iter_mut().enumerate() {
+                    *x -= units.z[index] * step[index];
+                }
+                phase -= step[state.len()];
+            }
+            // no more than rounding may be left
+            Some(system.lift(mode, &state, phase))
+        });
+        let finite = |z: &Vector| z.iter().all(|x| x.is_finite());
+        Points {
+            mode,
+            all: moved.filter(finite).collect(),
+        }
+    }
+
+    /// Whether a form of this size is zero at all of them.
+    pub fn contain(&self, row: &Row, size: f64) -> bool {
+        let zero = |z: &Vector| row.at.dot(z).abs() <= ZERO * size;
+        !self.all.is_empty() && self.all.iter().all(zero)
+    }
+
+    /// The least order of a derivative along the flow that is not zero at all of them; `None` where all are.
+    pub fn order(
+        &self,
+        system: &AffineSystem,
+        row: &Row,
+        size: f64,
+        longest: f64,
+    ) -> Option<usize> {
+        let field = &system.modes[self.mode].field;
+        let orders = self.all.iter().map(|z| {
+            let series = field.series(z, ORDER, false, true);
+            let length = field.length(&series, longest, true);
+            let moves = |k: &usize| {
+                let term = series.of(&row.at, *k) * length.powi(*k as i32);
+                term.is_nan() || term.abs() > ZERO * size
+            };
+            (0..=HIGHEST).find(moves)
+        });
+        let least = orders.flatten().min();
+        if self.all.is_empty() { Some(0) } else { least }
+    }
+
+    /// States of which the first derivatives of a form, so many, each have one of their own that they change with.
+    pub fn pivots(
+        &self,
+        system: &AffineSystem,
+        row: &Row,
+        count: usize,
+        units: &Units,
+    ) -> Vec<usize> {
+        let Some(z) = self.all.first() else {
+            return Vec::new();
+        };
+        let series = system.modes[self.mode].field.series(z, count, true, true);
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        let mut pivots = Vec::new();
+        for k in 0..count {
+            let (_, by_z, _) = series.jet(row, k);
+            let mut own = slopes(&by_z, z, system.harmonics, units);
+            own.truncate(units.states);
+            for (known, pivot) in rows.iter().zip(&pivots) {
+                let factor = own[*pivot] / known[*pivot];
+                own.iter_mut()
+                    .zip(known)
+                    .for_each(|(x, y)| *x -= factor * y);
+            }
+            let largest = (0..own.len()).max_by(|a, b| own[*a].abs().total_cmp(&own[*b].abs()));
+            let size = own.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+            let Some(pivot) = largest.filter(|_| size > 0.0) else {
+                break;
+            };
+            pivots.push(pivot);
+            rows.push(own);
+        }
+        pivots
+    }
+}

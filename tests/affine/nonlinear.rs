@@ -1,0 +1,176 @@
+//! Systems whose rates, guards and resets are not affine: functions in closed form, and branches of orbits against
+//! figures of an independent program in 38 digits.
+
+use std::f64::consts::TAU;
+
+use brakewave::EventType::{EP, GR, MX, PD};
+use brakewave::affine::motion::{Motion, Step};
+use brakewave::affine::steady::NoEquilibrium;
+
+use crate::branches::{follow, meets, settled};
+use crate::systems::{at, place, system};
+
+const PENDULUM: &str = r#"(
+    states: ["x", "v"],
+    parameters: {"c": 0.1, "A": 0.6, "w": 0.5, "d": 1.0, "e": 0.8},
+    forcing: "w",
+    modes: {"free": (
+        rates: {"x": "v", "v": "A*cos(phase) - c*v - sin(x)"},
+        until: [(zero: "d - x", to: "free", reset: {"v": "-e*v"})],
+    )},
+)"#;
+
+const BELT: &str = r#"(
+    states: ["x", "v"],
+    parameters: {"ze": 0.1, "ms": 1.0, "mk": 0.5, "vs": 0.5, "mst": 1.2, "vb": 0.9},
+    modes: {
+        "slip": (
+            rates: {"x": "v", "v": "mk + (ms - mk)*exp(-(vb - v)/vs) - 2*ze*v - x"},
+            until: [(zero: "vb - v", to: "stick", if: ["mst - x - 2*ze*vb"])],
+        ),
+        "stick": (
+            rates: {"x": "v", "v": "0"},
+            until: [(zero: "mst - x - 2*ze*vb", to: "slip")],
+        ),
+    },
+)"#;
+
+const WALKER: &str = r#"(
+    states: ["th", "thd", "ph", "phd"],
+    parameters: {"g": 0.009},
+    define: {"swing": "sin(th - g) + (thd^2 - cos(th - g))*sin(ph)"},
+    modes: {
+        "early": (
+            rates: {"th": "thd", "thd": "sin(th - g)", "ph": "phd", "phd": "swing"},
+            until: [(zero: "ph - 2*th", to: "late")],
+        ),
+        "late": (
+            rates: {"th": "thd", "thd": "sin(th - g)", "ph": "phd", "phd": "swing"},
+            until: [(zero: "2*th - ph", to: "early", reset: {
+                "th": "-th", "thd": "cos(2*th)*thd", "ph": "-2*th", "phd": "cos(2*th)*(1 - cos(2*th))*thd",
+            })],
+        ),
+    },
+)"#;
+
+/// t and the integral of a function of it, next to what it is.
+#[test]
+fn every_function_has_its_series() {
+    let t = 1.3_f64;
+    let cases: [(&str, f64); 12] = [
+        ("sin(2*t)", (1.0 - (2.0 * t).cos()) / 2.0),
+        ("cos(t)*sin(t)", t.sin().powi(2) / 2.0),
+        ("tan(t)", -t.cos().ln()),
+        ("tanh(t)", t.cosh().ln()),
+        ("exp(-t)", 1.0 - (-t).exp()),
+        ("ln(1 + t)", (1.0 + t) * (1.0 + t).ln() - t),
+        ("sqrt(1 + t)", ((1.0 + t).powf(1.5) - 1.0) / 1.5),
+        ("(1 + t)^p", ((1.0 + t).powf(1.3) - 1.0) / 1.3),
+        ("t^5", t.powi(6) / 6.0),
+        ("(1 + t)^-2", 1.0 - 1.0 / (1.0 + t)),
+        ("1/(1 + t^2)", t.atan()),
+        ("abs(t - 0.4)", (0.16 + 0.81) / 2.0),
+    ];
+    for (text, expected) in cases {
+        let file = format!(
+            r#"(states: ["t", "y"], parameters: {{"p": 0.3}},
+                modes: {{"only": (rates: {{"t": "1", "y": "{text}"}})}})"#
+        );
+        let system = system(&file);
+        let affine = at(&system, &[]);
+        let mut motion = Motion::new(&affine, place(&system, "only", &[0.0, 0.0], 0.0), 10.0);
+        assert_eq!(motion.step(t).unwrap(), Step::Reached);
+        // tan has its pole at 1.57; a piece adds rounding of 1e-16
+        let off = motion.place().state[1] - expected;
+        assert!(
+            off.abs() < 1e-14 * expected.abs().max(1.0),
+            "{text}: {off:e}"
+        );
+    }
+}
+
+/// The phase inside a function of the state, of which the derivative is known: d/dt sin(x + φ) = 0 where ẋ = −ω.
+#[test]
+fn the_phase_may_stand_beside_states() {
+    let system = system(
+        r#"(states: ["x", "y"], parameters: {"w": 2.0}, forcing: "w",
+            modes: {"only": (rates: {"x": "-w", "y": "cos(x + phase) + sin(2*phase - x)"})})"#,
+    );
+    let affine = at(&system, &[]);
+    let mut motion = Motion::new(&affine, place(&system, "only", &[0.5, 0.0], 0.25), 10.0);
+    motion.step(3.0).unwrap();
+    // 2φ − x = 0 + 6t: the first term is constant
+    let expected = 3.0 * 0.75_f64.cos() + (1.0 - (18.0_f64).cos()) / 6.0;
+    assert!((motion.place().state[1] - expected).abs() < 1e-13);
+}
+
+#[test]
+fn a_pendulum_at_a_wall_grazes_inside() {
+    let (orbit, point) = settled(
+        PENDULUM,
+        &[("w", 0.7), ("A", 0.637301088456668717)],
+        "A",
+        "free",
+        &[0.0, 0.0],
+        100.0,
+    );
+    let (seen, _) = follow(&orbit, &point, false, (0.2, 1.4), 500);
+    let expected = [
+        (PD, 0.489045417196253371, "free"),
+        (GR, 0.399375023774311944, "free > free"),
+        (EP, 0.2, "free"),
+    ];
+    meets(&seen, &expected, 1e-12);
+}
+
+#[test]
+fn a_belt_with_falling_friction_lets_go() {
+    let (orbit, point) = settled(BELT, &[], "vb", "slip", &[1.6, 0.0], 100.0);
+    let (seen, _) = follow(&orbit, &point, true, (0.3, 1.2), 500);
+    let end = 1.09190200570966893;
+    meets(
+        &seen,
+        &[(GR, end, "slip-stick"), (MX, end, "slip-stick")],
+        1e-12,
+    );
+}
+
+#[test]
+fn the_walker_doubles() {
+    let start = [0.2003109, -0.1998325, 0.4006218, -0.0158];
+    let (orbit, point) = settled(WALKER, &[], "g", "early", &start, 40.0);
+    let multipliers = orbit.multipliers(&point).unwrap();
+    let (re, im) = (-0.190099841065888, 0.557598776682068);
+    let own = multipliers.iter().filter(|one| !one.trivial);
+    for one in own {
+        // figures of 15 digits
+        let off = (one.value.re - re).hypot(one.value.im.abs() - im);
+        assert!(off < 1e-12, "{}", one.value);
+    }
+    let (seen, _) = follow(&orbit, &point, true, (0.001, 0.019), 500);
+    let expected = [
+        (PD, 0.0150884379411194636, "early-late"),
+        (EP, 0.019, "early-late"),
+    ];
+    meets(&seen, &expected, 1e-12);
+}
+
+/// x(1 − x) has two equilibria, cos x those of every half turn.
+#[test]
+fn all_equilibria_are_found() {
+    let found = |rate: &str| {
+        let file = format!(r#"(states: ["x"], modes: {{"only": (rates: {{"x": "{rate}"}})}})"#);
+        at(&system(&file), &[]).equilibria(0)
+    };
+    let places = |rate: &str| -> Vec<f64> {
+        let all = found(rate).unwrap();
+        all.iter().map(|one| one.state[0]).collect()
+    };
+    assert_eq!(places("x*(1 - x)"), [0.0, 1.0]);
+    let turns = places("cos(x)");
+    assert_eq!(turns.len(), 6);
+    for (index, x) in turns.iter().enumerate() {
+        assert!((x - (index as f64 - 2.5) * TAU / 2.0).abs() < 1e-14);
+    }
+    assert_eq!(found("1 + x^2"), Err(NoEquilibrium::NotFound));
+}
