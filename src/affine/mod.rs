@@ -13,6 +13,7 @@ pub mod form;
 pub mod mode;
 pub mod motion;
 pub mod orbit;
+pub mod rows;
 pub mod series;
 pub mod steady;
 pub mod system;

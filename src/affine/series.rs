@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::expression::Function;
 use super::form::{Dual, Form, Rule, Term, VARYING};
-use super::mode::{MatrixBy, Row};
+use super::rows::{MatrixBy, Row};
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS};
 

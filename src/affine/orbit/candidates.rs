@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, ZonePoint};
 use super::margin::{Margin, Watch};
 use super::signature::{Sequence, Way, Zone};
+use super::structure::section;
 use crate::affine::mode::Row;
 use crate::linalg::Vector;
 use crate::orbit::Candidate;
@@ -93,8 +94,10 @@ pub fn candidates(
         return Ok(Vec::new());
     };
     let same = first.zone.mode == last.zone.mode && at.agree(&opened.z, &first.at.state);
-    // without forcing what switches no more rests, or is one of a family that the parameter does not tell apart
-    let alone = opened.pieces.len() == 1 && !orbit.is_forced();
+    // without forcing what switches no more rests, or is one of a family that the parameter does not tell apart, where
+    // the mode is linear
+    let family = at.posed.system.modes[first.zone.mode].field.is_exact;
+    let alone = opened.pieces.len() == 1 && !orbit.is_forced() && family;
     if same && !opened.joined && !alone {
         add(at.merged(&opened.pieces));
     }
@@ -266,6 +269,34 @@ impl OrbitAt<'_> {
         stages
     }
 
+    /// The time until the rate of the state of the section is zero, for an orbit without switches and without forcing:
+    /// every state has two such places.
+    fn to_section(&self, mode: usize, z: &Vector, period: f64) -> f64 {
+        /// Places between which a change of sign is looked for, and halvings of its bracket.
+        const PLACES: usize = 64;
+        const HALVINGS: usize = 40;
+        let flow = self.posed.flow(mode);
+        let mode = &self.posed.system.modes[mode];
+        let rate = mode.matrix.row(section(mode)).at;
+        let value = |time: f64| rate.dot(&flow.after(z, time));
+        let place = |index: usize| period * index as f64 / PLACES as f64;
+        let signs: Vec<f64> = (0..=PLACES).map(|index| value(place(index))).collect();
+        let changes = |index: &usize| signs[*index] * signs[index + 1] <= 0.0;
+        let Some(index) = (0..PLACES).find(changes) else {
+            return 0.0;
+        };
+        let (mut low, mut high) = (place(index), place(index + 1));
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if value(middle) * signs[index] > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
     /// The cycle without a switch at the instant.
     fn merged(&self, pieces: &[Piece]) -> Vec<Piece> {
         let mut rest = pieces[1..].to_vec();
@@ -283,7 +314,12 @@ impl OrbitAt<'_> {
             .posed
             .system
             .lift(only.zone.mode, &only.at.state, only.at.phase);
-        let time = (TAU - only.at.phase.rem_euclid(TAU)) / self.posed.system.omega.value;
+        let omega = self.posed.system.omega.value;
+        let time = if omega > 0.0 {
+            (TAU - only.at.phase.rem_euclid(TAU)) / omega
+        } else {
+            self.to_section(only.zone.mode, &z, only.at.duration)
+        };
         let z = flow.after(&z, time);
         only.at.state = z.rows(0, self.orbit.states()).iter().copied().collect();
         only.at.phase = 0.0;

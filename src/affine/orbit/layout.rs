@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::forms::Units;
 use super::passage::{Jet, Passage};
 use super::signature::Sequence;
+pub use super::signature::ZonePoint;
 use super::structure::{ZoneFacts, facts};
 use crate::affine::flow::{ModeFlow, balance};
 use crate::affine::mode::{AffineSystem, Row};
@@ -144,17 +145,6 @@ fn sizes(system: &AffineSystem, states: &[f64]) -> Vector {
         None if index < base => 1.0,
         None => made(index),
     })
-}
-
-/// A zone at a point, in physical units.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ZonePoint {
-    /// States at its entry.
-    pub state: Vec<f64>,
-    /// Its duration.
-    pub duration: f64,
-    /// Phase of the forcing at its entry; zero without.
-    pub phase: f64,
 }
 
 /// An orbit at a point.

@@ -122,6 +122,8 @@ pub enum OrbitStop {
     Centre,
     /// The period grows without bound.
     Unbounded,
+    /// The orbit shrinks to an equilibrium.
+    Shrinks,
 }
 
 impl fmt::Display for OrbitStop {
@@ -136,6 +138,10 @@ impl fmt::Display for OrbitStop {
                 "beyond it nothing switches: a family of orbits at one value of the parameter"
             ),
             OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
+            OrbitStop::Shrinks => write!(
+                formatter,
+                "the orbit shrinks to an equilibrium: its Hopf point"
+            ),
         }
     }
 }
@@ -290,7 +296,13 @@ impl Orbit for AffineOrbit {
         Some(newton::rounding(matrix, &sizes, noise.as_ref())?[parameter])
     }
 
-    fn ends_at(&self, _: &Vector, margin: &Margin) -> Option<OrbitStop> {
+    fn ends_at(&self, point: &Vector, margin: &Margin) -> Option<OrbitStop> {
+        // beyond it a mode that is not linear has an orbit of its own
+        let at = self.at(point).ok()?;
+        let remains = margin.zone + usize::from(margin.watch == Watch::Duration);
+        if !at.mode(remains).field.is_exact {
+            return None;
+        }
         let left = self.zones() - usize::from(margin.watch == Watch::Duration);
         let last = left == 1 && matches!(margin.watch, Watch::Duration | Watch::Speed);
         (last && !self.is_forced()).then_some(OrbitStop::Centre)
@@ -313,7 +325,11 @@ impl Orbit for AffineOrbit {
 
     fn repeats(&self, node: &Node) -> Option<(Critical, OrbitStop)> {
         let times = self.traversals(&node.point);
-        (times > 1).then_some((Critical::PeriodDoubling, OrbitStop::Repeats { times }))
+        if times > 1 {
+            return Some((Critical::PeriodDoubling, OrbitStop::Repeats { times }));
+        }
+        self.is_point(&node.point)
+            .then_some((Critical::Branching, OrbitStop::Shrinks))
     }
 
     /// det(M − 1) vanishes at folds, as the parameter along the unit tangent does; their quotient does not.

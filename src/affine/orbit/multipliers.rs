@@ -329,6 +329,9 @@ impl Monodromy {
             .filter(|one| !one.trivial)
             .map(|one| one.value)
             .collect();
+        if values.is_empty() {
+            return vec![1.0; 3];
+        }
         let speeds: f64 = self.falls.iter().product();
         let shifted = |by: f64| {
             let product: Complex<f64> = values.iter().map(|value| value + by).product();

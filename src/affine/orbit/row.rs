@@ -154,6 +154,18 @@ impl AffineOrbit {
         })
     }
 
+    /// Whether an orbit without forcing and switches is a point but for a small part of its units.
+    pub fn is_point(&self, point: &Vector) -> bool {
+        let rests = !self.is_forced() && self.sequence.switches() == 0;
+        let extremes = Some(point).filter(|_| rests);
+        let extremes = extremes.and_then(|point| self.extremes(point).ok());
+        let units = &self.setting.scales.states;
+        extremes.is_some_and(|extremes| {
+            let mut pairs = extremes.iter().zip(units);
+            pairs.all(|((low, high), unit)| high - low <= REPEATED * unit)
+        })
+    }
+
     /// How many times a shorter orbit is traversed: 1 unless parts of the orbit are the same, states and durations.
     pub fn traversals(&self, point: &Vector) -> usize {
         let (count, width) = (self.zones(), self.width());

@@ -24,6 +24,17 @@ pub struct Zone {
     pub name: String,
 }
 
+/// A zone at a point, in physical units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ZonePoint {
+    /// States at its entry.
+    pub state: Vec<f64>,
+    /// Its duration.
+    pub duration: f64,
+    /// Phase of the forcing at its entry; zero without.
+    pub phase: f64,
+}
+
 /// A cycle of zones; not empty.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Sequence(pub Vec<Zone>);

@@ -5,8 +5,7 @@
 
 use super::forms::{Forms, Units};
 use super::generic::Points;
-use super::layout::ZonePoint;
-use super::signature::Sequence;
+use super::signature::{Sequence, ZonePoint};
 use crate::affine::flow::ModeFlow;
 use crate::affine::mode::{AffineMode, AffineSystem, Exit, Row};
 

@@ -1,0 +1,104 @@
+//! Linear forms of z and matrices, with their derivatives in the parameters that vary.
+
+use super::form::{Dual, VARYING};
+use crate::linalg::{Matrix, Vector, add_product};
+
+/// A linear form in z with its derivatives in the parameters that vary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Its coefficients.
+    pub at: Vector,
+    /// Their derivatives.
+    pub by: [Vector; VARYING],
+}
+
+impl Row {
+    pub(super) fn zero(size: usize) -> Row {
+        let zero = Vector::zeros(size);
+        Row {
+            by: [zero.clone(), zero.clone()],
+            at: zero,
+        }
+    }
+
+    /// The component of z with this index.
+    pub(super) fn unit(size: usize, index: usize) -> Row {
+        let mut row = Row::zero(size);
+        row.at[index] = 1.0;
+        row
+    }
+
+    pub(super) fn set(&mut self, column: usize, value: Dual) {
+        self.at[column] = value.value;
+        for (by, derivative) in self.by.iter_mut().zip(value.by) {
+            by[column] = derivative;
+        }
+    }
+
+    pub(super) fn add(&mut self, column: usize, value: Dual) {
+        self.at[column] += value.value;
+        for (by, derivative) in self.by.iter_mut().zip(value.by) {
+            by[column] += derivative;
+        }
+    }
+
+    /// Whether it depends on a component of z.
+    pub(super) fn has(&self, column: usize) -> bool {
+        self.at[column] != 0.0 || self.by.iter().any(|by| by[column] != 0.0)
+    }
+
+    /// cᵀM with derivatives: the rate of a form of states and phase.
+    pub(super) fn through(&self, matrix: &MatrixBy) -> Row {
+        let mut through = Row::zero(matrix.at.ncols());
+        let add = |row: &Vector, matrix: &Matrix, sum: &mut Vector| {
+            let (row, matrix) = (row.as_slice(), matrix.as_slice());
+            add_product(1.0, row, 1, matrix, sum.as_mut_slice());
+        };
+        add(&self.at, &matrix.at, &mut through.at);
+        for p in 0..VARYING {
+            add(&self.by[p], &matrix.at, &mut through.by[p]);
+            add(&self.at, &matrix.by[p], &mut through.by[p]);
+        }
+        through
+    }
+
+    pub(super) fn negative(&self) -> Row {
+        Row {
+            at: -&self.at,
+            by: self.by.each_ref().map(|by| -by),
+        }
+    }
+}
+
+/// A matrix with its derivatives in the parameters that vary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MatrixBy {
+    /// Its entries.
+    pub at: Matrix,
+    /// Their derivatives.
+    pub by: [Matrix; VARYING],
+}
+
+impl MatrixBy {
+    pub(super) fn zero(rows: usize, columns: usize) -> MatrixBy {
+        let zero = Matrix::zeros(rows, columns);
+        MatrixBy {
+            by: [zero.clone(), zero.clone()],
+            at: zero,
+        }
+    }
+
+    pub(super) fn set_row(&mut self, row: usize, values: &Row) {
+        self.at.set_row(row, &values.at.transpose());
+        for (by, values) in self.by.iter_mut().zip(&values.by) {
+            by.set_row(row, &values.transpose());
+        }
+    }
+
+    pub(super) fn row(&self, row: usize) -> Row {
+        Row {
+            at: self.at.row(row).transpose(),
+            by: self.by.each_ref().map(|by| by.row(row).transpose()),
+        }
+    }
+}
