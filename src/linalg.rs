@@ -77,6 +77,25 @@ pub fn kernel(matrix: &Matrix) -> Option<Kernel> {
     })
 }
 
+/// An orthonormal basis of the directions that a matrix shrinks below a part of its largest singular value,
+/// columns of at least as many dimensions as it has fewer rows than columns. `None` if the decomposition fails.
+pub fn null_space(matrix: &Matrix, part: f64) -> Option<Matrix> {
+    let (rows, columns) = matrix.shape();
+    if rows > columns || rows == 0 || !matrix.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let view = faer::MatRef::from_column_major_slice(matrix.as_slice(), rows, columns);
+    let decomposition = view.svd().ok()?;
+    let right = decomposition.V();
+    let values = decomposition.S().column_vector();
+    let rank = (0..rows)
+        .filter(|index| values[*index] > part * values[0])
+        .count();
+    Some(Matrix::from_fn(columns, columns - rank, |i, j| {
+        right[(i, rank + j)]
+    }))
+}
+
 /// The least singular value of a square matrix with its vectors.
 #[derive(Clone, Debug)]
 pub struct Least {

@@ -199,25 +199,27 @@ impl Display for OfWaves {
 
 impl Told for AffineOrbit {
     fn event(change: &orbit::special::Change<AffineOrbit>) -> String {
-        let mode = &change.before.zone(change.margin.zone).name;
+        let affine::Held { mode, guard, .. } = &change.held;
         match (change.margin.watch, change.kind) {
             (affine::Watch::Duration, EventType::GR) => {
                 format!("a zone of `{mode}` between two of one mode shrinks to nothing: grazing")
             }
             (affine::Watch::Duration, _) => format!("a zone of `{mode}` shrinks to nothing"),
             (affine::Watch::Inside(_), _) => {
-                format!("a guard of `{mode}` touches zero from inside: grazing")
+                format!("{guard} of `{mode}` touches zero from inside: grazing")
             }
             (affine::Watch::Speed | affine::Watch::Onset(_), EventType::GR) => {
-                format!("a guard of `{mode}` is met at no speed: grazing")
+                format!("{guard} of `{mode}` is met at no speed: grazing")
             }
             (_, EventType::SL) => {
-                format!("a condition at a switch of `{mode}` reaches zero: it leads elsewhere")
+                format!(
+                    "a condition where {guard} of `{mode}` is zero vanishes: the switch leads elsewhere"
+                )
             }
             (affine::Watch::End(_), _) => {
-                format!("a second guard of `{mode}` is zero at its end: two switches coalesce")
+                format!("{guard} of `{mode}` is zero at its end, too: two switches coalesce")
             }
-            _ => format!("a guard of `{mode}` reaches zero at a switch"),
+            _ => format!("{guard} of `{mode}` is zero as it begins or ends"),
         }
     }
 }

@@ -333,6 +333,23 @@ impl System {
         self.mode_names().nth(mode).unwrap_or_default()
     }
 
+    /// A guard of a mode as the file has it: its expression; in a sliding mode, the field it is held against.
+    pub fn guard_name(&self, mode: usize, guard: usize) -> String {
+        let modes = &self.source.modes.0;
+        if let Some((_, ModeSource { until, .. })) = modes.get(mode) {
+            let mut known: Vec<&str> = Vec::new();
+            for switch in until {
+                if !known.contains(&switch.zero.as_str()) {
+                    known.push(&switch.zero);
+                }
+            }
+            return format!("`{}`", known.get(guard).copied().unwrap_or_default());
+        }
+        let sides = self.source.sliding.0.get(mode - modes.len());
+        let side = sides.map(|(_, (first, second))| if guard == 0 { first } else { second });
+        format!("the push of `{}`", side.map_or("", String::as_str))
+    }
+
     /// Index of a mode by its name.
     pub fn mode(&self, name: &str) -> Option<usize> {
         self.mode_names().position(|known| known == name)

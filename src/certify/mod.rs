@@ -40,13 +40,13 @@ pub use system::{Condition, Near, Posed};
 
 use crate::branch::row::EigenvalueRow;
 use crate::branch::run::Item;
-use crate::branch::special::{Change, OfWaves, Special};
+use crate::branch::special::{OfWaves, Special};
 use crate::flow::method::Method;
 use crate::interval::{Decimal, Interval};
 use crate::linalg::Vector;
 use crate::model::Impact;
 use crate::model::signature::{Entry, switches};
-use crate::orbit::EventType;
+use crate::orbit::{EventType, Orbit};
 use crate::problem::{decimal_at, decimal_of};
 use crate::wave::Wave;
 use crate::wave::admissibility::{Margin, Watch};
@@ -448,7 +448,7 @@ fn check_kind(
                 beyond: Default::default(),
             };
             let after = beyond.map(|beyond| beyond.near.signature.clone());
-            Change::new(&near.signature, after, margin).kind
+            Wave::classify(&near.signature, after.as_ref(), &margin)
         }
     };
     if found == said {

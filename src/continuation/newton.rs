@@ -199,14 +199,18 @@ pub fn noise<S: System>(system: &S, matrix: &Matrix, point: &Vector) -> Option<V
 
 /// First-order bound of the error that rounding leaves in each unknown, for unknowns of these sizes:
 /// |J⁻¹| times the rounding of each equation, which is that of the unknowns it is formed from and,
-/// where asked for, thrice the largest noise seen.
+/// where asked for, thrice the largest noise seen. Of more equations than unknowns it is that of least squares.
 pub fn rounding(matrix: &Matrix, sizes: &Vector, noise: Option<&Vector>) -> Option<Vector> {
     /// Operations behind one residual, each of which may round.
     const OPERATIONS: f64 = 8.0;
-    let inverse = Factors::new(matrix.clone()).inverse()?;
     let n = sizes.len();
+    let inverse = if matrix.is_square() {
+        Factors::new(matrix.clone()).inverse()?
+    } else {
+        matrix.clone().pseudo_inverse(f64::EPSILON).ok()?
+    };
     let share = |unknown: usize, residual: &dyn Fn(usize) -> f64| -> f64 {
-        let rows = 0..n;
+        let rows = 0..matrix.nrows();
         rows.map(|row| inverse[(unknown, row)].abs() * residual(row))
             .sum()
     };

@@ -351,7 +351,7 @@ impl EventCurve {
         let mut at = AtZero { margin: *margin };
         let here = at.margin_at(&wave, &unknowns).unwrap_or(*margin);
         let after = successor(&wave, &unknowns, &here, tolerance);
-        Change::new(&wave.signature, after, here)
+        Change::new(&wave, after, here)
     }
 
     /// The same event of the wave beyond a change of regime, a step into it being admissible.

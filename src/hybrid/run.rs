@@ -7,6 +7,7 @@ use super::point::{Note, OrbitEvent, OrbitPoint};
 use super::row::MultiplierRow;
 use super::saved::LabelledOrbit;
 use crate::affine::orbit::{AffineOrbit, Multiplier, Scales};
+use crate::continuation::Node;
 use crate::linalg::Vector;
 use crate::orbit::follow::Found;
 use crate::orbit::legs::{self, Legs, Numbers, Run, Stretch};
@@ -24,6 +25,9 @@ const ON_CIRCLE: f64 = 1e-9;
 
 /// A multiplier larger than this is infinite but for rounding: at a graze, where the speed of an impact is zero.
 const INFINITE: f64 = 1e12;
+
+/// Arclength after which the zones beside an event are where they are from there on.
+const A_LITTLE: f64 = 1e-6;
 
 /// A row of the branch, with the orbit behind it.
 #[derive(Clone, Debug)]
@@ -218,8 +222,17 @@ impl Runner {
         let parameters = names
             .map(str::to_owned)
             .zip(point.parameters.iter().copied());
+        // a little way off: at the event itself a new zone may begin at the phase 0, or 2π
+        let beside = |orbit: &AffineOrbit, node: &Node, way: f64| {
+            let cycle = orbit.cycle(&(&node.point + &node.tangent * way));
+            Some(cycle.ok()?.names.join("-"))
+        };
+        let before = match special {
+            Special::Change(_) => beside(&found.orbit, &found.node, -A_LITTLE),
+            _ => None,
+        };
         let beyond = || match &found.entered {
-            Some((orbit, node)) => Some(orbit.cycle(&node.point).ok()?.names.join("-")),
+            Some((orbit, node)) => beside(orbit, node, A_LITTLE),
             None => special.after().map(|after| after.to_string()),
         };
         OrbitEvent {
@@ -228,7 +241,7 @@ impl Runner {
             parameters: parameters.collect(),
             period: point.period,
             leading: point.leading(),
-            regimes_before: point.regimes.clone(),
+            regimes_before: before.unwrap_or_else(|| point.regimes.clone()),
             regimes_after: beyond().unwrap_or_else(|| point.regimes.clone()),
             uncertainty: found.known_to(),
             what: special.to_string(),

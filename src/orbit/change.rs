@@ -5,7 +5,7 @@ use super::{AtZero, Candidate, Examined, Orbit, Verdict};
 use crate::continuation::Node;
 use crate::continuation::walk::{self, Refused};
 use crate::continuation::{arclength, newton};
-use crate::linalg::Vector;
+use crate::linalg::{self, Matrix, Vector};
 
 /// The branch beyond a change of regime.
 #[derive(Clone, Debug)]
@@ -80,6 +80,111 @@ pub fn beyond<O: Orbit>(
         }
     }
     search
+}
+
+/// Margins by the instant of the period at which each is looked at, in their order.
+pub fn instants<O: Orbit>(orbit: &O, point: &Vector, margins: &[O::Margin]) -> Vec<Vec<O::Margin>> {
+    /// Parts of a period closer than this are one instant: zones that vanish have no length, but for rounding.
+    const SAME: f64 = 1e-6;
+    let mut found: Vec<(f64, Vec<O::Margin>)> = Vec::new();
+    for margin in margins {
+        let instant = orbit.instant(point, margin);
+        let same = |(other, _): &&mut (f64, _)| {
+            let apart = (instant - *other).rem_euclid(1.0);
+            apart.min(1.0 - apart) <= SAME
+        };
+        match found.iter_mut().find(same) {
+            Some((_, group)) => {
+                if !group.iter().any(|known| O::is_same(known, margin)) {
+                    group.push(margin.clone());
+                }
+            }
+            None => found.push((instant, vec![margin.clone()])),
+        }
+    }
+    found.into_iter().map(|(_, group)| group).collect()
+}
+
+/// All changes of regime of one place at once.
+#[derive(Clone, Debug)]
+pub struct Together<O: Orbit> {
+    /// The margin of the first of them.
+    pub margin: O::Margin,
+    /// Signature after the first of them alone.
+    pub between: O::Signature,
+    /// What lies beyond all.
+    pub search: Search<O>,
+}
+
+/// Candidates kept of those that make some of several changes.
+const MOST_TOGETHER: usize = 64;
+
+/// Looks for the admissible continuation that makes a change at every instant at which margins vanish together, as
+/// they do in both halves of a symmetric orbit. `instants` are the margins of each.
+pub fn beyond_together<O: Orbit>(
+    orbit: &O,
+    point: &Vector,
+    instants: &[Vec<O::Margin>],
+    ds: f64,
+    tolerance: f64,
+) -> Option<Together<O>> {
+    let (first, rest) = instants.split_first()?;
+    let mut list = Vec::new();
+    for margin in first {
+        let candidates = orbit.candidates(point, margin).ok()?;
+        list.extend(
+            candidates
+                .into_iter()
+                .map(|one| (margin, one.orbit.signature().clone(), one)),
+        );
+    }
+    for margins in rest {
+        let mut longer: Vec<(&O::Margin, O::Signature, Candidate<O>)> = Vec::new();
+        for (margin, between, candidate) in list {
+            let solved = Node::on(&candidate.orbit, candidate.point.clone()).filter(solves);
+            let examination = solved.map(|node| candidate.orbit.examination(&node.point));
+            let Some(Ok(examination)) = examination else {
+                continue;
+            };
+            let zeros = examination.margins().iter().filter(|zero| {
+                let alike = |other| orbit.is_alike(other, &candidate.orbit, zero);
+                O::value(zero).abs() <= RESIDUAL_AT_EVENT && margins.iter().any(alike)
+            });
+            for zero in zeros {
+                let next = candidate.orbit.candidates(&candidate.point, zero).ok()?;
+                for one in next {
+                    let known = |(_, _, known): &(_, _, Candidate<O>)| {
+                        known.orbit == one.orbit && known.nascent == one.nascent
+                    };
+                    let back = orbit.is_rotation(one.orbit.signature());
+                    if !back && longer.len() < MOST_TOGETHER && !longer.iter().any(known) {
+                        longer.push((margin, between.clone(), one));
+                    }
+                }
+            }
+        }
+        list = longer;
+    }
+    let entered = list.into_iter().filter_map(|(margin, between, candidate)| {
+        let beyond = enter(&candidate, ds, tolerance).ok()?;
+        Some((margin, between, beyond))
+    });
+    let mut entered: Vec<_> = entered.collect();
+    // the longest first step, the first of several
+    entered.sort_by(|(.., one), (.., other)| other.ds.total_cmp(&one.ds));
+    let mut entered = entered.into_iter();
+    let (margin, between, beyond) = entered.next()?;
+    Some(Together {
+        margin: margin.clone(),
+        between,
+        search: Search {
+            beyond: Some(beyond),
+            refused: Vec::new(),
+            others: entered
+                .map(|(.., other)| other.orbit.signature().clone())
+                .collect(),
+        },
+    })
 }
 
 /// Two changes of regime at one place: within rounding neither of them comes first.
@@ -177,6 +282,9 @@ pub fn enter<O: Orbit>(
     let orbit = &candidate.orbit;
     let node = Node::on(orbit, candidate.point.clone());
     let mut node = node.filter(solves).ok_or(NotEntered::NoSolution)?;
+    if let Some(tangent) = alike(candidate) {
+        node.tangent = tangent;
+    }
     if growth(candidate, &node.tangent) < 0.0 {
         node.tangent.neg_mut();
     }
@@ -263,6 +371,31 @@ fn enter_along<O: Orbit>(
         }),
         None => refused,
     }
+}
+
+/// A direction that a matrix shrinks below this part of its norm is one of its null space, at an event that is known
+/// to 1e-13.
+const NULL: f64 = 1e-9;
+
+/// Where several zones open at once like square roots, each may do so by itself to first order. The branch is the one
+/// on which all of them do: the direction in which they grow alike. `None` where there is only one direction.
+fn alike<O: Orbit>(candidate: &Candidate<O>) -> Option<Vector> {
+    let Candidate {
+        orbit,
+        point,
+        nascent,
+    } = candidate;
+    if nascent.len() < 2 {
+        return None;
+    }
+    let (matrix, _) = newton::jacobian(orbit, point).ok()?;
+    let space = linalg::null_space(&matrix, NULL).filter(|space| space.ncols() > 1)?;
+    let growths = Matrix::from_fn(nascent.len(), space.ncols(), |row, column| {
+        space[(orbit.duration_index(nascent[row]), column)]
+    });
+    let ones = Vector::repeat(nascent.len(), 1.0);
+    let direction = space * (growths.pseudo_inverse(NULL).ok()? * ones);
+    (direction.norm() > 0.0).then(|| direction.normalize())
 }
 
 /// How much nascent zones grow along a direction, or else margins that are zero.

@@ -6,7 +6,7 @@ use crate::continuation::arclength::{self, Node};
 use crate::continuation::locate::{self, Least, Place, Target};
 use crate::continuation::newton::{self, Constraint, Plane};
 use crate::continuation::walk::{Segment, Within};
-use crate::linalg::Vector;
+use crate::linalg::{Matrix, Vector};
 
 /// What is located within a step.
 #[derive(Clone, Debug, PartialEq)]
@@ -214,12 +214,16 @@ pub(super) fn located<O: Orbit>(
     let changes = changes(orbit, step)?;
     // where a zone closes the parameter is stationary along the arc: that is the event itself
     let apart = |fold: &(Place, Located<O>)| {
-        let mut places = changes.iter().map(|(place, _)| place.s);
-        places.all(|s| (s - fold.0.s).abs() > step.at_once())
-            && (changes.is_empty() || !orbit.closes(&fold.0.node.point))
+        let value = |place: &Place| orbit.value_at(&place.node.point);
+        changes.iter().all(|(place, change)| {
+            let rounding = change.uncertainty + fold.1.uncertainty;
+            let same = (value(place) - value(&fold.0)).abs() <= rounding;
+            (place.s - fold.0.s).abs() > step.at_once()
+                && !(same && orbit.closes(&place.node.point))
+        }) && (changes.is_empty() || !orbit.closes(&fold.0.node.point))
     };
     let fold = fold.filter(&apart);
-    let crossings = crossings(orbit, step).ok_or(Refusal::NotFound)?;
+    let crossings = crossings(orbit, step, &changes).ok_or(Refusal::NotFound)?;
     let crossings: Vec<_> = crossings.into_iter().filter(apart).collect();
     let inexact = fold.iter().chain(&changes).chain(&crossings);
     for (place, Located { uncertainty, .. }) in inexact {
@@ -436,17 +440,48 @@ pub(super) fn holds<O: Orbit>(orbit: &O, place: &Place, examination: &O::Examina
     margins.all(|margin| O::value(margin) >= -rounding(orbit, place, margin))
 }
 
+/// Part of the way from an event, or to one, on which no change of stability is looked for: there multipliers are
+/// lost in rounding, and beyond it the orbit is none.
+const AT_EVENT: f64 = 1e-3;
+
 /// Where stability changes within a step: zeros of [`Examined::tests`]. `None` if one is not found.
-fn crossings<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Vec<(Place, Located<O>)>> {
+fn crossings<O: Orbit>(
+    orbit: &O,
+    step: &Step<O>,
+    changes: &[(Place, Located<O>)],
+) -> Option<Vec<(Place, Located<O>)>> {
     let tolerance = step.steps.tolerance;
-    let tests = step.before.tests().iter().zip(step.after.tests());
+    let tests = |examination: &O::Examination, node: &Node| -> Vec<f64> {
+        let tests = examination.tests().iter().enumerate();
+        let across = tests.map(|(index, value)| orbit.across_folds(index, *value, node));
+        across.collect()
+    };
+    let tests_at = |s: f64| {
+        let node = locate::node_at(orbit, step.from, s, tolerance)?;
+        Some(tests(&orbit.examination(&node.point).ok()?, &node))
+    };
+    if step.before.tests().is_empty() {
+        return Some(Vec::new());
+    }
+    let (mut low, mut high) = (
+        (0.0, tests(step.before, step.from)),
+        (step.ds, tests(step.after, step.to)),
+    );
+    let change = changes.iter().map(|(place, _)| place.s);
+    let change = change.fold(f64::INFINITY, f64::min);
+    let trimmed = AT_EVENT * change.min(step.ds);
+    let mut margins = step.before.margins().iter();
+    if margins.any(|margin| O::value(margin) <= AT_ZERO) {
+        low = (trimmed, tests_at(trimmed)?);
+    }
+    if change.is_finite() {
+        high = (change - trimmed, tests_at(change - trimmed)?);
+    }
     let mut located = Vec::new();
-    for (index, (&before, &after)) in tests.enumerate() {
-        let before = orbit.across_folds(index, before, step.from);
-        let after = orbit.across_folds(index, after, step.to);
+    for (index, (&before, &after)) in low.1.iter().zip(&high.1).enumerate() {
         let differ = before * after < 0.0;
         // nor where one of them is no number
-        if !differ {
+        if !differ || low.0 >= high.0 {
             continue;
         }
         let small = (0.0, 4.0 * f64::EPSILON * step.ds);
@@ -455,8 +490,12 @@ fn crossings<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Vec<(Place, Located<
             let value = examination.tests().get(index).copied()?;
             Some(orbit.across_folds(index, value, node))
         };
-        let ends = ((0.0, before), (step.ds, after));
+        let ends = ((low.0, before), (high.0, after));
         let (place, _) = locate::zero_along(orbit, step.from, ends, small, tolerance, value)?;
+        let node = &place.node;
+        if orbit.crossing(index, node).is_none() && orbit.repeats(node).is_none() {
+            continue;
+        }
         let mut plane = Plane {
             normal: &step.from.tangent,
             through: &place.node.point,
@@ -470,4 +509,103 @@ fn crossings<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Vec<(Place, Located<
         located.push((place, located_there));
     }
     Some(located)
+}
+
+/// Several margins vanish together where they and the equations do to this, relative to their rows: an event is
+/// known to about 1e-13.
+const TOGETHER: f64 = 1e-11;
+
+/// They do so within this many scaled units of where one of them vanishes.
+const BESIDE: f64 = 1e-5;
+
+/// The place where several margins vanish at once, by least squares of more equations than unknowns, and the error
+/// of the parameter there. `None` where they do not, to rounding.
+pub(super) fn together<O: Orbit>(
+    orbit: &O,
+    place: &Place,
+    margins: &[O::Margin],
+) -> Option<(Place, f64)> {
+    /// Iterations at most: near enough the method is quadratic.
+    const MOST: usize = 8;
+    let n = orbit.unknowns();
+    let mut margins: Vec<AtZero<O>> = margins
+        .iter()
+        .map(|margin| AtZero {
+            margin: margin.clone(),
+        })
+        .collect();
+    let rows = n - 1 + margins.len();
+    let mut point = place.node.point.clone();
+    for _ in 0..MOST {
+        let mut matrix = Matrix::zeros(rows, n);
+        let mut residual = Vector::zeros(n - 1);
+        orbit
+            .evaluate(&point, residual.as_mut_slice(), &mut matrix)
+            .ok()?;
+        let mut right = residual.resize_vertically(rows, 0.0);
+        let mut gradient = vec![0.0; n];
+        for (row, margin) in (n - 1..).zip(&mut margins) {
+            gradient.fill(0.0);
+            right[row] = margin.evaluate(orbit, &point, &mut gradient).ok()?;
+            for (column, by) in gradient.iter().enumerate() {
+                matrix[(row, column)] = *by;
+            }
+        }
+        let blur = matrix.clone().pseudo_inverse(f64::EPSILON).ok()? * &right;
+        if blur.amax() > TOGETHER {
+            point -= blur;
+            continue;
+        }
+        let relative = newton::relative_residual(&matrix, right.as_slice());
+        if relative > TOGETHER || (&point - &place.node.point).amax() > BESIDE {
+            return None;
+        }
+        let rounding = newton::rounding(&matrix, &point.abs(), None)?;
+        let node = Node {
+            residual: relative,
+            point,
+            ..place.node.clone()
+        };
+        let place = Place {
+            s: place.s,
+            node,
+            blur: blur.amax(),
+        };
+        return Some((place, (rounding[n - 1] + blur.amax()) * orbit.unit()));
+    }
+    None
+}
+
+/// An orbit that is traversed twice, at the place where the multiplier of the single one is −1, and the error of the
+/// parameter there: the branch of the single orbit passes it, while that of doubled ones turns back. `None` where it
+/// is not found.
+pub(super) fn doubling<O: Orbit>(orbit: &O, node: &Node, tolerance: f64) -> Option<(Vector, f64)> {
+    /// Arclengths to either side within which it is looked for.
+    const NEAR: [f64; 5] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
+    let (part, point) = orbit.part(&node.point)?;
+    let last = point.len() - 1;
+    let mut fixed = newton::Fixed {
+        index: last,
+        value: point[last],
+    };
+    let mut along = Vector::zeros(last + 1);
+    along[last] = 1.0;
+    let middle = Node::at(point, along.clone());
+    let middle = locate::solve(&part, &middle, &middle.point, &mut fixed, tolerance)?.node;
+    let test = |node: &Node| Some(*part.examination(&node.point).ok()?.tests().first()?);
+    let at = |s: f64| test(&locate::node_at(&part, &middle, s, tolerance)?);
+    NEAR.into_iter().find_map(|near| {
+        let ends = ((-near, at(-near)?), (near, at(near)?));
+        if ends.0.1 * ends.1.1 >= 0.0 {
+            return None;
+        }
+        let small = (0.0, 4.0 * f64::EPSILON * near);
+        let (place, _) = locate::zero_along(&part, &middle, ends, small, tolerance, test)?;
+        let mut plane = Plane {
+            normal: &middle.tangent,
+            through: &place.node.point,
+        };
+        let error = uncertainty(&part, &mut plane, &place) + small.1 * orbit.unit().abs();
+        Some((orbit.whole(&part, &place.node.point)?, error))
+    })
 }

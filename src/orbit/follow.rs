@@ -284,8 +284,20 @@ impl<O: Orbit> Curve for Track<O> {
     ) -> Result<Outcome<Track<O>>, Refusal<O>> {
         let Located { event, uncertainty } = &together[0];
         let orbit = self.orbit.as_ref();
-        let examination = orbit.examination(&place.node.point);
+        let mut examination = orbit.examination(&place.node.point);
+        let sharper = match (&examination, event) {
+            (Ok(examination), Event::Change(_)) => self.at_once(step, place, examination),
+            _ => None,
+        };
+        if let Some((place, _)) = &sharper {
+            examination = orbit.examination(&place.node.point);
+        }
         let examination = examination.map_err(Refusal::Flow)?;
+        let (place, uncertainty) = sharper
+            .as_ref()
+            .map_or((place, uncertainty), |(place, uncertainty)| {
+                (place, uncertainty)
+            });
         // nothing may have failed before: another event would have come first
         if !events::holds(orbit, place, &examination) {
             return Err(Refusal::Order);
@@ -375,22 +387,27 @@ impl<O: Orbit> Curve for Track<O> {
     }
 
     fn ends_at(&self, node: &Node) -> Option<Stop<O>> {
-        let (_, stop) = self.orbit.repeats(node)?;
-        Some(Stop::Own(stop))
+        let repeats = self.orbit.repeats(node).map(|(_, stop)| stop);
+        let stop = repeats.or_else(|| self.orbit.gives_out(node));
+        stop.map(Stop::Own)
     }
 
     fn last(&self, end: &Ending<O>, here: Found<O>) -> Option<Found<O>> {
-        let repeats = match end {
-            walk::End::Own(Stop::Own(_)) => self.orbit.repeats(&here.node),
+        let own = match end {
+            walk::End::Own(Stop::Own(stop)) => Some(stop),
             _ => None,
         };
+        let repeats = own.and_then(|_| self.orbit.repeats(&here.node));
+        let unit = self.orbit.unit();
+        let short = own.map_or(0.0, |stop| self.orbit.short_of(stop, &here.node));
         Some(match repeats {
-            Some((special, _)) => Found {
-                uncertainty: REPEATS * here.parameter.abs().max(self.orbit.unit()),
+            Some((special, _)) => self.sharpened(Found {
+                uncertainty: REPEATS * here.parameter.abs().max(unit),
                 special: Some(Special::Own(special)),
                 ..here
-            },
+            }),
             None => Found {
+                uncertainty: here.uncertainty + short * unit,
                 special: Some(failed(end)),
                 ..here
             },
@@ -410,12 +427,60 @@ impl<O: Orbit> Track<O> {
     /// The end of a branch where it would retrace itself: whatever test sees it there.
     fn repeated(&self, found: &Found<O>) -> Option<Outcome<Track<O>>> {
         let (special, stop) = self.orbit.repeats(&found.node)?;
-        let found = Found {
+        let found = self.sharpened(Found {
             special: Some(Special::Own(special)),
             ..found.clone()
-        };
+        });
         let end = walk::End::Own(Stop::Own(stop));
         Some(Outcome::Ended(vec![found], end))
+    }
+
+    /// An orbit traversed twice where the branch of the single one says that it doubles, which is known much better.
+    fn sharpened(&self, found: Found<O>) -> Found<O> {
+        let orbit = self.orbit.as_ref();
+        let tolerance = self.limits.steps.tolerance;
+        let sharper = events::doubling(orbit, &found.node, tolerance);
+        let Some((point, uncertainty)) = sharper else {
+            return found;
+        };
+        let Ok(examination) = orbit.examination(&point) else {
+            return found;
+        };
+        Found {
+            parameter: orbit.value_at(&point),
+            node: Node {
+                point,
+                ..found.node
+            },
+            examination,
+            uncertainty,
+            ..found
+        }
+    }
+
+    /// Where margins vanish at several instants of the period at once, and the error of the parameter there. Zones
+    /// that vanish together do so like square roots: each alone is located badly.
+    fn at_once(
+        &self,
+        step: &Segment<O::Examination>,
+        place: &Place,
+        examination: &O::Examination,
+    ) -> Option<(Place, f64)> {
+        /// The square root of rounding, at most, in units of a margin.
+        const NEARLY: f64 = 1e-6;
+        let orbit = self.orbit.as_ref();
+        let near = examination.margins().iter().filter(|margin| {
+            let beyond = find::<O>(step.after, margin);
+            O::value(margin).abs() <= NEARLY && beyond.is_some_and(|beyond| O::value(beyond) <= 0.0)
+        });
+        let mut near: Vec<O::Margin> = near.cloned().collect();
+        near.sort_by_key(O::precedence);
+        let instants = change::instants(orbit, &place.node.point, &near);
+        let first = instants.iter().filter_map(|margins| margins.first());
+        let first: Vec<O::Margin> = first.cloned().collect();
+        (first.len() > 1)
+            .then(|| events::together(orbit, place, &first))
+            .flatten()
     }
 
     /// A change of regime: the event, and the branch beyond it.
@@ -430,8 +495,15 @@ impl<O: Orbit> Track<O> {
         let search = |margin: &O::Margin| {
             change::beyond(self.orbit.as_ref(), point, margin, ds, step.steps.tolerance)
         };
-        let mut margin = margins[0].clone();
-        let mut search_there = search(&margin);
+        let instants = change::instants(self.orbit.as_ref(), point, margins);
+        let together = (instants.len() > 1).then(|| {
+            let tolerance = step.steps.tolerance;
+            change::beyond_together(self.orbit.as_ref(), point, &instants, ds, tolerance)
+        });
+        let (mut margin, mut search_there, between) = match together.flatten() {
+            Some(all) => (all.margin, all.search, Some(all.between)),
+            None => (margins[0].clone(), search(&margins[0]), None),
+        };
         for other in &margins[1..] {
             if search_there.beyond.is_some() {
                 break;
@@ -466,8 +538,12 @@ impl<O: Orbit> Track<O> {
             .map(|beyond| beyond.orbit.signature().clone());
         let mut change = Change {
             others,
-            ..Change::new(found.orbit.signature(), after, margin.clone())
+            ..Change::new(found.orbit.as_ref(), after, margin.clone())
         };
+        // of several changes at once the first says what they are
+        if let Some(between) = between {
+            change.kind = O::classify(&change.before, Some(&between), &margin);
+        }
         let Some(Beyond { orbit, node, ds }) = beyond else {
             let stop = change::ending(self.orbit.as_ref(), &found.node.point, &margin, refused);
             change.end = Some(stop.clone());
@@ -491,6 +567,16 @@ impl<O: Orbit> Track<O> {
                 return Outcome::Ended(passed, walk::End::Own(Stop::Flow(error)));
             }
         };
+        // an orbit of a part of the period: only where this one is none already
+        let repeats = orbit.repeats(&node);
+        let already = self.orbit.repeats(&found.node).is_some();
+        if let Some((_, stop)) = repeats.filter(|_| !already) {
+            change.end = Some(Stop::Own(stop.clone()));
+            found.special = Some(Special::Change(Box::new(change)));
+            found.entered = Some((Arc::new(orbit), node));
+            passed.push(found);
+            return Outcome::Ended(passed, walk::End::Own(Stop::Own(stop)));
+        }
         let drift = node.tangent[node.tangent.len() - 1];
         change.turned_back = drift * self.heading < 0.0 && !events::is_vertical(&orbit, &node);
         let orbit = Arc::new(orbit);
@@ -519,7 +605,7 @@ impl<O: Orbit> Track<O> {
     fn second(&self, first: &mut Found<O>, both: &Both<O>) -> Found<O> {
         let between = Arc::new(both.between.clone());
         let after = Some(between.signature().clone());
-        let change = Change::new(self.orbit.signature(), after, both.first.clone());
+        let change = Change::new(self.orbit.as_ref(), after, both.first.clone());
         first.special = Some(Special::Change(Box::new(change)));
         first.entered = Some((between.clone(), both.node.clone()));
         let examination = between.examination(&both.node.point);

@@ -192,9 +192,25 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
+    /// When in the period a margin is looked at: margins that vanish together at several instants are changes of
+    /// their own, which are all made at once.
+    fn instant(&self, _point: &Vector, _margin: &Self::Margin) -> f64 {
+        0.0
+    }
+
+    /// Why the branch ends at a node from which no step succeeds, if the system says so.
+    fn gives_out(&self, _node: &Node) -> Option<Self::Stop> {
+        None
+    }
+
     /// Why the branch does not go on from a node within a range of the parameter.
     fn exhausted(&self, _node: &Node, _range: (f64, f64)) -> Option<Self::Stop> {
         None
+    }
+
+    /// How far, in scaled units, the parameter is from where the branch would end for such a reason.
+    fn short_of(&self, _stop: &Self::Stop, _node: &Node) -> f64 {
+        0.0
     }
 
     /// Whether an end leaves nothing undone: it is no failure.
@@ -214,6 +230,17 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
     /// The function of [`Examined::tests`] of this place at a node, without the zero that it has at every fold.
     fn across_folds(&self, _test: usize, value: f64, _node: &Node) -> f64 {
         value
+    }
+
+    /// The orbit of half the period that an orbit is when traversed twice, and its scaled unknowns: where the branch
+    /// would retrace itself the first of its [`Examined::tests`] vanishes.
+    fn part(&self, _point: &Vector) -> Option<(Self, Vector)> {
+        None
+    }
+
+    /// That orbit traversed as often as this one: scaled unknowns of this one.
+    fn whole(&self, _part: &Self, _point: &Vector) -> Option<Vector> {
+        None
     }
 
     /// What the zero of a function of [`Examined::tests`] is at a node: none where it is no event.

@@ -64,6 +64,8 @@ pub struct Change<O: Orbit> {
     pub after: Option<O::Signature>,
     /// The margin that vanishes.
     pub margin: O::Margin,
+    /// What it measures.
+    pub held: O::Held,
     /// Further signatures that are admissible beyond it.
     pub others: Vec<O::Signature>,
     /// Whether the branch turns back in the parameter.
@@ -76,11 +78,13 @@ pub struct Change<O: Orbit> {
 
 impl<O: Orbit> Change<O> {
     /// A change of signature where this margin vanishes.
-    pub fn new(before: &O::Signature, after: Option<O::Signature>, margin: O::Margin) -> Change<O> {
+    pub fn new(orbit: &O, after: Option<O::Signature>, margin: O::Margin) -> Change<O> {
+        let before = orbit.signature();
         Change {
             kind: O::classify(before, after.as_ref(), &margin),
             before: before.clone(),
             after,
+            held: orbit.held(&margin),
             margin,
             others: Vec::new(),
             turned_back: false,

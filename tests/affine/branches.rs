@@ -10,7 +10,7 @@ use brakewave::linalg::Vector;
 use brakewave::orbit::follow::{Follower, Found, Limits};
 
 use crate::orbits::{Reference, impact, solved};
-use crate::systems::{BALL, FRICTION, RELAY, system, values};
+use crate::systems::{BALL, CHUA, FRICTION, RELAY, THERMOSTAT, system, values};
 
 /// An event: its type, the parameter, the sequences before and after.
 pub struct Seen {
@@ -89,7 +89,7 @@ pub fn meets(seen: &[Seen], expected: &[(EventType, f64, &str)], allowed: f64) {
     }
 }
 
-use EventType::{EP, GR, LP, PD, SL};
+use EventType::{BP, EP, GR, LP, PD, SL};
 
 #[test]
 fn down_to_the_fold_and_through_the_graze() {
@@ -178,17 +178,13 @@ pub fn settled(
     first(&wanted, &beginning, Search::Settles(settle)).unwrap()
 }
 
-/// Both halves of a symmetric orbit meet the onset of stick, or of sliding, at once: two events at one place.
+/// Both halves of a symmetric orbit meet the onset of stick, or of sliding, at once: one event.
 #[test]
 fn through_the_onset_of_stick_and_of_sliding() {
     let dry = settled(FRICTION, &[("w", 0.8)], "w", "forth", &[0.0, 0.1], 60.0);
     let (seen, all) = follow(&dry.0, &dry.1, false, (0.6, 1.0), 200);
     let onset = 0.7226791944381431415;
-    let expected = [
-        (SL, onset, ""),
-        (SL, onset, ""),
-        (EP, 0.6, "forth-stick-back-stick"),
-    ];
+    let expected = [(SL, onset, ""), (EP, 0.6, "forth-stick-back-stick")];
     meets(&seen, &expected, 1e-12);
     let last = all.last().unwrap();
     let multipliers = last.orbit.multipliers(&last.node.point).unwrap();
@@ -203,11 +199,7 @@ fn through_the_onset_of_stick_and_of_sliding() {
     );
     let (seen, _) = follow(&relay.0, &relay.1, false, (1.5, 3.0), 200);
     let onset = 2.0988410675607513346;
-    let expected = [
-        (SL, onset, ""),
-        (SL, onset, ""),
-        (EP, 1.5, "plus-slide-minus-slide"),
-    ];
+    let expected = [(SL, onset, ""), (EP, 1.5, "plus-slide-minus-slide")];
     meets(&seen, &expected, 1e-12);
 }
 
@@ -230,4 +222,80 @@ fn from_the_ball_to_its_saddle_and_through_grazes() {
         (LP, 1.574256307872913754, "flight-flight-flight"),
     ];
     meets(&seen[..expected.len()], &expected, 1e-12);
+}
+
+/// Both halves of a symmetric friction orbit touch at once, and zones open like square roots: one event there and
+/// one back, at one place.
+#[test]
+fn four_and_six_stops_there_and_back() {
+    let (two, four) = (
+        "forth-stick-back-stick",
+        "forth-stick-forth-stick-back-stick-back-stick",
+    );
+    let six = "forth-stick-forth-stick-forth-stick-back-stick-back-stick-back-stick";
+    let (first, second) = (0.14483869701668354458, 0.081510747892607914497);
+    let dry = settled(FRICTION, &[("w", 0.15)], "w", "forth", &[0.0, 0.1], 300.0);
+    let (seen, all) = follow(&dry.0, &dry.1, false, (0.0803, 0.2), 300);
+    let expected = [
+        (GR, first, ""),
+        (GR, second, &*format!("{four} > {six}")),
+        (EP, 0.0803, six),
+    ];
+    meets(&seen, &expected, 1e-11);
+    let last = all.last().unwrap();
+    let (seen, _) = follow(&last.orbit, &last.node.point, true, (0.08, 0.15), 300);
+    let expected = [
+        (GR, second, &*format!("{six} > {four}")),
+        (GR, first, &*format!("{four} > {two}")),
+        (EP, 0.15, two),
+    ];
+    meets(&seen, &expected, 1e-11);
+    // with little friction the slip touches v = 0 twice, and a short one vanishes after the turn
+    let small = [("w", 0.4), ("F", 0.1), ("z", 0.02)];
+    let dry = settled(FRICTION, &small, "w", "forth", &[0.0, 0.1], 300.0);
+    let (seen, _) = follow(&dry.0, &dry.1, false, (0.2, 0.5), 600);
+    let expected = [
+        (GR, 0.38295771764306100346, ""),
+        (SL, 0.35467657048289267737, ""),
+        (GR, 0.30627209010980353084, &*format!("{two} > {four}")),
+        (GR, 0.29479965736345052875, &*format!("{four} > {two}")),
+        (EP, 0.2, two),
+    ];
+    meets(&seen, &expected, 1e-11);
+}
+
+/// Where the equilibrium of `on` reaches its own threshold, Q = a·high/b, the period grows like a logarithm.
+#[test]
+fn a_period_without_bound_is_an_end() {
+    let thermostat = settled(THERMOSTAT, &[("Q", 1.2)], "Q", "on", &[1.0, 0.5], 100.0);
+    let (_, all) = follow(&thermostat.0, &thermostat.1, false, (1.0, 3.0), 2000);
+    let last = all.last().unwrap();
+    let what = last.special.as_ref().unwrap().to_string();
+    assert_eq!(what, "the period grows without bound");
+    let off = (last.parameter - 1.1).abs();
+    assert!(off < 1e-9 && off < 10.0 * last.uncertainty, "{off:e}");
+}
+
+/// A symmetric orbit loses its symmetry where the multiplier of its half passes −1: the branch passes 1 with no fold.
+#[test]
+fn symmetry_is_lost_at_a_branch_point() {
+    let system = system(CHUA);
+    let wanted = Wanted {
+        parameter: system.source.parameters.index("alpha").unwrap(),
+        values: values(&system, &[("alpha", 13.74)]),
+        width: 1.0,
+        periods: 1,
+        stability: true,
+        system,
+    };
+    let beginning = Beginning {
+        mode: wanted.system.mode("upper").unwrap(),
+        state: vec![1.0, 0.0937, -0.8123],
+        phase: 0.0,
+    };
+    let (orbit, point) = first(&wanted, &beginning, Search::Guess(2.0 * 2.3076)).unwrap();
+    let (down, _) = follow(&orbit, &point, false, (13.7, 14.0), 200);
+    meets(&down[..1], &[(BP, 13.728817274033318115, "")], 1e-12);
+    let (up, _) = follow(&orbit, &point, true, (13.7, 14.0), 200);
+    meets(&up[..1], &[(LP, 13.750880142522143392, "")], 1e-12);
 }

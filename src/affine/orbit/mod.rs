@@ -41,24 +41,26 @@ pub use signature::{Sequence, Way, Zone};
 pub struct Held {
     /// Name of the mode.
     pub mode: String,
+    /// The guard that it is about, or that ends the mode, as the file has it.
+    pub guard: String,
     /// What it measures.
     pub watch: Watch,
 }
 
 impl fmt::Display for Held {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mode = &self.mode;
-        match self.watch {
+        let Held { mode, guard, watch } = self;
+        match watch {
             Watch::Duration => write!(formatter, "the duration of a zone of `{mode}`"),
-            Watch::Onset(_) => write!(formatter, "a guard of `{mode}` just after its entry"),
-            Watch::Inside(_) => write!(formatter, "the least value of a guard within `{mode}`"),
-            Watch::End(_) => write!(formatter, "another guard of `{mode}` at its end"),
+            Watch::Onset(_) => write!(formatter, "{guard} just after the entry of `{mode}`"),
+            Watch::Inside(_) => write!(formatter, "the least value of {guard} within `{mode}`"),
+            Watch::End(_) => write!(formatter, "{guard} at the end of `{mode}`"),
             Watch::Speed => write!(
                 formatter,
-                "the speed at which the guard of `{mode}` falls to zero"
+                "the speed at which {guard} of `{mode}` falls to zero"
             ),
             Watch::Condition(_) | Watch::Before(_) => {
-                write!(formatter, "a condition at the end of `{mode}`")
+                write!(formatter, "a condition where {guard} of `{mode}` is zero")
             }
         }
     }
@@ -110,7 +112,7 @@ impl fmt::Display for Critical {
 }
 
 /// Ends of a branch for reasons of the system itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum OrbitStop {
     /// The orbit has become one of a part of its period, traversed several times.
     Repeats {
@@ -119,11 +121,22 @@ pub enum OrbitStop {
     },
     /// Without forcing: beyond it the orbit does not switch any more, and belongs to a family at one value of the
     /// parameter.
-    Centre,
+    Centre {
+        /// The mode that is left.
+        zone: Zone,
+    },
     /// The period grows without bound.
     Unbounded,
     /// The orbit shrinks to an equilibrium.
     Shrinks,
+    /// The durations of successive zones fall geometrically: switches accumulate, and beyond it infinitely many follow
+    /// one another in a finite time.
+    Accumulates {
+        /// How many zones in a row.
+        zones: usize,
+        /// Of one duration to that before.
+        ratio: f64,
+    },
 }
 
 impl fmt::Display for OrbitStop {
@@ -133,7 +146,7 @@ impl fmt::Display for OrbitStop {
                 formatter,
                 "the orbit is one of 1/{times} of its period, traversed {times} times"
             ),
-            OrbitStop::Centre => write!(
+            OrbitStop::Centre { .. } => write!(
                 formatter,
                 "beyond it nothing switches: a family of orbits at one value of the parameter"
             ),
@@ -142,17 +155,37 @@ impl fmt::Display for OrbitStop {
                 formatter,
                 "the orbit shrinks to an equilibrium: its Hopf point"
             ),
+            OrbitStop::Accumulates { zones, ratio } => write!(
+                formatter,
+                "switches accumulate: {zones} zones in a row last {ratio:.3} times the one before each, and infinitely \
+                 many follow in a finite time"
+            ),
         }
     }
 }
 
 /// The parameter is stationary, to rounding, where it changes by less than this along a unit tangent; if nothing but
 /// durations changes there, by this part at least, they grow without bound.
-const STATIONARY: f64 = 1e-8;
+const STATIONARY: f64 = 1e-11;
+/// The same where no step succeeds any more: a long stay beside a saddle has taken the digits.
+const NEARLY_STATIONARY: f64 = 1e-5;
 const GROWING: f64 = 0.9;
 
 /// A zone shorter than this, in units of the period, is about to close.
 const CLOSING: f64 = 1e-6;
+
+impl AffineOrbit {
+    /// Whether durations grow and the parameter changes by less than a part along the branch.
+    fn lengthens(&self, node: &Node, stationary: f64) -> Option<OrbitStop> {
+        let tangent = &node.tangent;
+        let along = tangent[tangent.len() - 1].abs();
+        let growth: f64 = (0..self.zones())
+            .map(|zone| tangent[self.duration_index(zone)])
+            .sum();
+        let free = !self.is_forced() && !self.opens(&node.point);
+        (free && along < stationary && growth > GROWING).then_some(OrbitStop::Unbounded)
+    }
+}
 
 impl Orbit for AffineOrbit {
     type Signature = Sequence;
@@ -232,8 +265,15 @@ impl Orbit for AffineOrbit {
     }
 
     fn held(&self, margin: &Margin) -> Held {
+        let zone = self.sequence.zone(margin.zone);
+        let guard = match margin.watch {
+            Watch::Onset(guard) | Watch::Inside(guard) | Watch::End(guard) => Some(guard),
+            _ => zone.way.map(|way| way.guard),
+        };
+        let name = |guard| self.setting.system.guard_name(zone.mode, guard);
         Held {
-            mode: self.sequence.zone(margin.zone).name.clone(),
+            mode: zone.name.clone(),
+            guard: guard.map_or_else(String::new, name),
             watch: margin.watch,
         }
     }
@@ -297,26 +337,70 @@ impl Orbit for AffineOrbit {
     }
 
     fn ends_at(&self, point: &Vector, margin: &Margin) -> Option<OrbitStop> {
+        let vanishes = usize::from(margin.watch == Watch::Duration);
+        let last =
+            self.zones() - vanishes == 1 && matches!(margin.watch, Watch::Duration | Watch::Speed);
         // beyond it a mode that is not linear has an orbit of its own
-        let at = self.at(point).ok()?;
-        let remains = margin.zone + usize::from(margin.watch == Watch::Duration);
-        if !at.mode(remains).field.is_exact {
-            return None;
-        }
-        let left = self.zones() - usize::from(margin.watch == Watch::Duration);
-        let last = left == 1 && matches!(margin.watch, Watch::Duration | Watch::Speed);
-        (last && !self.is_forced()).then_some(OrbitStop::Centre)
+        let remains = margin.zone + vanishes;
+        let linear = || {
+            let at = self.at(point).ok();
+            at.is_some_and(|at| at.mode(remains).field.is_exact)
+        };
+        let centre = (last && !self.is_forced() && linear()).then(|| OrbitStop::Centre {
+            zone: Zone {
+                way: None,
+                ..self.sequence.zone(remains).clone()
+            },
+        });
+        centre.or_else(|| self.accumulates(point))
+    }
+
+    fn instant(&self, point: &Vector, margin: &Margin) -> f64 {
+        let duration = |zone: usize| point[self.duration_index(zone % self.zones())];
+        let period: f64 = (0..self.zones()).map(duration).sum();
+        let begun: f64 = (0..margin.zone).map(duration).sum();
+        let within = match margin.watch {
+            Watch::Duration | Watch::Onset(_) => 0.0,
+            Watch::Inside(_) => margin.time / self.setting.scales.time,
+            Watch::End(_) | Watch::Speed | Watch::Condition(_) | Watch::Before(_) => {
+                duration(margin.zone)
+            }
+        };
+        (begun + within) / period
+    }
+
+    fn gives_out(&self, node: &Node) -> Option<OrbitStop> {
+        let accumulates = self.accumulates(&node.point);
+        accumulates.or_else(|| self.lengthens(node, NEARLY_STATIONARY))
+    }
+
+    fn part(&self, point: &Vector) -> Option<(AffineOrbit, Vector)> {
+        self.half(point)
+    }
+
+    fn whole(&self, part: &AffineOrbit, point: &Vector) -> Option<Vector> {
+        let zones = part.at(point).ok()?.zones;
+        Some(self.pack(&[zones.clone(), zones].concat(), part.parameter_at(point)))
     }
 
     fn exhausted(&self, node: &Node, _: (f64, f64)) -> Option<OrbitStop> {
-        let tangent = &node.tangent;
-        let along = tangent[tangent.len() - 1].abs();
-        let growth: f64 = (0..self.zones())
-            .map(|zone| tangent[self.duration_index(zone)])
-            .sum();
-        let unbounded =
-            !self.is_forced() && along < STATIONARY && growth > GROWING && !self.opens(&node.point);
-        unbounded.then_some(OrbitStop::Unbounded)
+        self.lengthens(node, STATIONARY)
+    }
+
+    /// Without bound: what the parameter changes by while the unknowns do by their units, since its slope decays in
+    /// the time that growth beside a saddle takes.
+    fn short_of(&self, stop: &OrbitStop, node: &Node) -> f64 {
+        match stop {
+            OrbitStop::Unbounded => node.tangent[node.tangent.len() - 1].abs(),
+            _ => 0.0,
+        }
+    }
+
+    fn left(stop: &OrbitStop) -> Option<Sequence> {
+        match stop {
+            OrbitStop::Centre { zone } => Some(Sequence(vec![zone.clone()])),
+            _ => None,
+        }
     }
 
     fn completes(_: &OrbitStop) -> bool {

@@ -2,10 +2,12 @@
 //! is found again.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::layout::{AffineOrbit, OrbitFailure, ZonePoint};
+use super::OrbitStop;
+use super::layout::{AffineOrbit, OrbitFailure, Setting, ZonePoint};
 use super::signature::{Sequence, Zone};
 use crate::linalg::Vector;
 
@@ -166,8 +168,74 @@ impl AffineOrbit {
         })
     }
 
+    /// The orbit of half the period that this one is when traversed twice, with its stability, and its unknowns.
+    pub(super) fn half(&self, point: &Vector) -> Option<(AffineOrbit, Vector)> {
+        let Setting {
+            periods, system, ..
+        } = self.setting.as_ref();
+        if self.traversals(point) != 2 {
+            return None;
+        }
+        let setting = Setting {
+            system: system.clone(),
+            values: self.setting.values.clone(),
+            scales: self.setting.scales.clone(),
+            periods: if self.is_forced() {
+                periods / 2
+            } else {
+                *periods
+            },
+            stability: true,
+            ..*self.setting
+        };
+        let count = self.zones() / 2;
+        let sequence = Sequence(self.sequence.0[..count].to_vec());
+        let half = AffineOrbit::new(Arc::new(setting), sequence)?;
+        let point = half.pack(
+            &self.at(point).ok()?.zones[..count],
+            self.parameter_at(point),
+        );
+        Some((half, point))
+    }
+
+    /// Zones of one mode in a row whose durations fall geometrically, down to next to nothing.
+    pub(super) fn accumulates(&self, point: &Vector) -> Option<OrbitStop> {
+        /// Zones that tell a ratio, which is one that repeats itself but for this part.
+        const LEAST: usize = 6;
+        const ALIKE: f64 = 0.2;
+        /// The last lasts less than this part of the period.
+        const NOTHING: f64 = 1e-6;
+        let count = self.zones();
+        if count <= LEAST {
+            return None;
+        }
+        let duration = |zone: usize| point[self.width() * (zone % count) + self.states()];
+        let period: f64 = (0..count).map(duration).sum();
+        let order = |one: &usize, other: &usize| duration(*one).total_cmp(&duration(*other));
+        let last = (0..count).min_by(order)?;
+        let before = |back: usize| (last + 2 * count - back) % count;
+        let ratio = |back: usize| duration(before(back)) / duration(before(back + 1));
+        // the last of all is the one that rounding decides
+        let settled = ratio(1);
+        let falls = |back: &usize| {
+            let alike = (ratio(*back) / settled - 1.0).abs() <= ALIKE;
+            alike && self.sequence.zone(before(*back)).mode == self.sequence.zone(last).mode
+        };
+        let zones = (1..count).take_while(falls).count();
+        let found = zones >= LEAST && settled < 1.0 && duration(last) <= NOTHING * period;
+        found.then_some(OrbitStop::Accumulates {
+            zones,
+            ratio: settled,
+        })
+    }
+
     /// How many times a shorter orbit is traversed: 1 unless parts of the orbit are the same, states and durations.
     pub fn traversals(&self, point: &Vector) -> usize {
+        self.traversals_within(point, REPEATED)
+    }
+
+    /// The same, of parts that differ by no more than this in their own units.
+    pub(super) fn traversals_within(&self, point: &Vector, most: f64) -> usize {
         let (count, width) = (self.zones(), self.width());
         let periods = self.setting.periods as usize;
         let fits = |times: &usize| {
@@ -181,7 +249,7 @@ impl AffineOrbit {
                 self.sequence.zone(zone) == self.sequence.zone(other)
                     && numbers.into_iter().all(|index| {
                         let off = point[width * zone + index] - point[width * other + index];
-                        off.abs() <= REPEATED
+                        off.abs() <= most
                     })
             };
             (0..count).all(alike)

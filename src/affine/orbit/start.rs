@@ -439,6 +439,8 @@ fn pose(
         halvings: 12,
         polish: 1,
     };
+    /// Parts of an orbit that differ by less, in its own units, are the same.
+    const SAME: f64 = 1e-9;
     let (orbit, guess) = scaled(wanted, parts, periods)?;
     let index = guess.len() - 1;
     let mut fixed = Fixed {
@@ -446,8 +448,17 @@ fn pose(
         value: guess[index],
     };
     let solution = newton::solve(&orbit, &mut fixed, &guess, &NEWTON).map_err(NoStart::Newton)?;
-    admitted(&orbit, &solution.point)?;
-    Ok((orbit, solution.point))
+    let point = solution.point;
+    let times = orbit.traversals_within(&point, SAME);
+    if times > 1 {
+        // the least period is meant: this one several times over would retrace its branch
+        let zones = orbit.at(&point).map_err(failed)?.zones;
+        let parts = orbit.sequence.0.iter().cloned().zip(zones);
+        let periods = periods / if orbit.is_forced() { times as u32 } else { 1 };
+        return pose(wanted, parts.take(orbit.zones() / times).collect(), periods);
+    }
+    admitted(&orbit, &point)?;
+    Ok((orbit, point))
 }
 
 /// Whether every inequality of an orbit holds.
