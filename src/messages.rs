@@ -6,9 +6,9 @@ use crate::affine::motion::Halt;
 use crate::affine::orbit::{self as affine, AffineOrbit};
 use crate::affine::system::System;
 use crate::branch::Reason;
-use crate::branch::special::{Change, Inadmissible, Note, OfWaves, Special, WaveMargin, WaveStop};
+use crate::branch::special::{Change, Inadmissible, Note, OfWaves, WaveMargin, WaveStop};
 use crate::continuation::walk::End;
-use crate::curve::{self, Gone, What};
+use crate::curve::{self, Gone, PointType, What};
 use crate::hybrid;
 use crate::hybrid::scan::Lack;
 use crate::map::Missing;
@@ -147,6 +147,9 @@ fn near_zero(f: &mut Formatter<'_>, column: &str, value: f64, what: &impl Displa
 
 /// Orbits whose changes of signature have sentences.
 pub(crate) trait Told: Orbit {
+    /// What its orbits are.
+    const NAME: &'static str;
+
     /// What happens at a change, without what comes of it.
     fn event(change: &orbit::special::Change<Self>) -> String;
 }
@@ -198,6 +201,8 @@ impl Display for OfWaves {
 }
 
 impl Told for AffineOrbit {
+    const NAME: &'static str = "orbit";
+
     fn event(change: &orbit::special::Change<AffineOrbit>) -> String {
         let affine::Held { mode, guard, .. } = &change.held;
         match (change.margin.watch, change.kind) {
@@ -236,6 +241,8 @@ impl Display for hybrid::Note {
 }
 
 impl Told for Wave {
+    const NAME: &'static str = "wave";
+
     fn event(change: &Change) -> String {
         let regime = change.before.zone(change.margin.zone).regime;
         let name = regime.name();
@@ -552,17 +559,19 @@ impl Display for Note {
     }
 }
 
-impl Display for What {
+impl<O: Told> Display for What<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             What::Begins => f.write_str("the event on the branch"),
-            What::Edge(parameter, value) => Special::Edge(*parameter, *value).fmt(f),
+            What::Edge(parameter, value) => {
+                orbit::special::Special::<O>::Edge(parameter.clone(), *value).fmt(f)
+            }
             What::Meeting {
                 second,
                 may_go_on,
                 next,
             } => {
-                let (event, kind) = (Wave::event(second), second.kind);
+                let (event, kind) = (O::event(second), second.kind);
                 write!(f, "another inequality fails: {event} ({kind})")?;
                 match next {
                     Some(next) => write!(f, "; the curve goes on in {next}"),
@@ -570,15 +579,30 @@ impl Display for What {
                     None => Ok(()),
                 }
             }
-            What::Fold => f.write_str("the wave has a fold here too"),
+            What::Fold => write!(f, "the {} has a fold here too", O::NAME),
             What::Cusp => f.write_str("cusp: two folds meet and vanish"),
             What::Close(close) => write!(
                 f,
                 "here, or since the point before, {close} comes so close to zero that rounding decides"
             ),
-            What::ZeroOmega => {
+            What::Other(PointType::BT) => {
                 f.write_str("ω → 0: the pair meets on the real axis, and with it a fold")
             }
+            What::Other(PointType::Resonance(order)) => match order {
+                1 => f.write_str("resonance 1:1: the pair meets at 1"),
+                2 => f.write_str("resonance 1:2: the pair meets at -1"),
+                _ => write!(
+                    f,
+                    "resonance 1:{order}: the pair is at the angle 2π/{order}"
+                ),
+            },
+            What::Other(PointType::Two(_, EventType::PD)) => {
+                f.write_str("a multiplier is -1 here too")
+            }
+            What::Other(PointType::Two(_, EventType::NS)) => {
+                f.write_str("a pair of multipliers has the product 1 here too")
+            }
+            What::Other(kind) => write!(f, "{kind}"),
         }
     }
 }
@@ -586,21 +610,18 @@ impl Display for What {
 impl Display for Gone {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Gone::Lower(regime) => write!(
+            Gone::Lower(zone) => write!(
                 f,
-                "another minimum inside the {} zone falls below zero first",
-                regime.name()
+                "another minimum inside the {zone} zone falls below zero first"
             ),
-            Gone::Left(regime) => write!(
+            Gone::Left(zone) => write!(
                 f,
-                "the minimum inside the {} zone reaches an end of the zone: no inequality fails there \
-                 any more",
-                regime.name()
+                "the minimum inside the {zone} zone reaches an end of the zone: no inequality fails there \
+                 any more"
             ),
-            Gone::Along(regime) => write!(
+            Gone::Along(zone) => write!(
                 f,
-                "an inequality of the {} zone that vanishes along with the event fails",
-                regime.name()
+                "an inequality of the {zone} zone that vanishes along with the event fails"
             ),
         }
     }
@@ -643,7 +664,7 @@ impl Display for curve::Name {
     }
 }
 
-impl Display for curve::Refusal {
+impl<P: curve::Plane> Display for curve::Refusal<P> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             curve::Refusal::Flow(error) => error.fmt(f),
@@ -654,7 +675,7 @@ impl Display for curve::Refusal {
     }
 }
 
-impl Display for curve::Reason {
+impl<P: curve::Plane> Display for curve::Reason<P> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             curve::Reason::There | curve::Reason::Unknown => Ok(()),
@@ -666,12 +687,11 @@ impl Display for curve::Reason {
             curve::Reason::Creeps {
                 steps,
                 longest,
-                beside: (regime, length),
+                beside: (zone, length),
             } => write!(
                 f,
                 "the last {steps} steps are all shorter than {longest:.0e}: Newton's method hardly \
-                 converges beside a {} zone of length {length:.1e}",
-                regime.name()
+                 converges beside a {zone} zone of length {length:.1e}"
             ),
             curve::Reason::NoStep { ds_min, reason } => {
                 write!(

@@ -1,22 +1,25 @@
 //! `brakewave curve`.
 
-use crate::orbit::legs::Run as _;
 use clap::Args;
+use serde::Serialize;
 
 use super::failure::{Exit, Failure};
-use super::options::{Task, format};
-use super::prepare::{Source, ready};
+use super::options::{Task, format, read_any};
+use super::prepare::{Source, named, ready, ready_system};
 use super::progress::{Progress, drive};
 use super::{summary, titled, warn};
 use crate::branch::run::Runner;
-use crate::curve::Run;
 use crate::curve::start::{self, NoCurve, Start};
+use crate::curve::{Curve, Orbits, Plane, Run};
+use crate::hybrid;
+use crate::orbit::EventType;
+use crate::orbit::legs;
 use crate::output::curve::CurveFolder;
-use crate::output::pictures;
+use crate::output::pictures::{self, PlotError};
 use crate::output::render::Format;
-use crate::output::store::Kind;
+use crate::output::store::{Kind, Store};
 use crate::output::waves::labelled;
-use crate::problem::{self, CurveEvent, Problem};
+use crate::problem::{self, Any, CurveEvent, Problem, SystemCurveEvent, SystemProblem};
 
 #[derive(Debug, Args)]
 pub(crate) struct CurveArguments {
@@ -31,43 +34,139 @@ pub(crate) struct CurveArguments {
 pub(crate) fn curve(arguments: &CurveArguments) -> Result<Exit, Failure> {
     let task = &arguments.task;
     let format = arguments.format.available()?;
-    let (problem, text, name) = task.read()?;
+    let (problem, text) = read_any(&task.problem)?;
+    match problem {
+        Any::Tube(problem) => of_tube(task, &problem, text, format),
+        Any::System(problem) => of_system(task, &problem, text, format),
+    }
+}
+
+fn of_tube(task: &Task, problem: &Problem, text: String, format: Format) -> Result<Exit, Failure> {
+    let name = task.problem.display().to_string();
     let section = problem.curve(&text, &name)?;
-    let out = task.folder("_curve");
-    let store = task.open(&out, Kind::Curve, &problem)?;
+    let store = task.open(&task.folder("_curve"), Kind::Curve, problem)?;
+    let begin = || start(task, problem, text, section);
+    let draw = |store: &Store, found: &Curve, ranges| {
+        let picture = (
+            Kind::Curve.name().to_owned(),
+            Ok(pictures::curve::picture(found, ranges)),
+        );
+        pictures::put(store, Some(problem), format, [picture]).map(|_| ())
+    };
+    let title = problem.title.as_deref();
+    follow(
+        task,
+        store,
+        (problem, title, format),
+        begin,
+        Run::curve,
+        &Failure::from,
+        draw,
+    )
+}
+
+fn of_system(
+    task: &Task,
+    problem: &SystemProblem,
+    text: String,
+    format: Format,
+) -> Result<Exit, Failure> {
+    let name = task.problem.display().to_string();
+    let section = problem.curve(&text, &name)?;
+    let source = Source::new(name, text.clone());
+    let store = task.open_system(&task.folder("_curve"), Kind::Curve, problem)?;
+    let refuse = |error: NoCurve<Orbits>| {
+        let (path, help) = match &error {
+            NoCurve::Run(reason) => reason.about(),
+            NoCurve::Outside { .. } => ("curve.range", "widen it"),
+            NoCurve::Kind { .. } => ("curve.event", "name a label of one of these types"),
+            NoCurve::NotFound { .. } => {
+                ("curve.event", "follow the branch further, or another way")
+            }
+            NoCurve::Singular(_) => ("curve.event", "begin with another event of the branch"),
+        };
+        let exit = match error {
+            NoCurve::Outside { .. } | NoCurve::Kind { .. } => Exit::BadInput,
+            _ => Exit::Numerical,
+        };
+        source.placed(path, error.to_string(), help, exit)
+    };
+    let begin = || {
+        if let SystemCurveEvent::Label { dir, label } = &section.event {
+            let named = named(problem, dir, *label, true, &source)?;
+            let kind = named.kind.unwrap_or(EventType::EP);
+            let begun = start::labelled_of_system(problem, &named.saved, kind, section);
+            return begun.map_err(&refuse);
+        }
+        let prepared = ready_system(problem.clone(), text, &task.problem)?;
+        let progress = Progress::new(task.quiet);
+        let mut watch = |branch: &hybrid::Runner| looking(&progress, branch);
+        let begun = |problem: &SystemProblem| prepared.start(problem);
+        start::find_of_system(problem, section, begun, &mut watch).map_err(&refuse)
+    };
+    let draw = |store: &Store, found: &Curve<Orbits>, ranges| {
+        let drawn = pictures::orbits::draw_curve(store, problem, found, ranges, format);
+        drawn.map(|_| ())
+    };
+    let title = problem.title.as_deref();
+    follow(
+        task,
+        store,
+        (problem, title, format),
+        begin,
+        Run::unnamed,
+        &refuse,
+        draw,
+    )
+}
+
+/// Says how far the branch is on which the event is looked for.
+fn looking(progress: &Progress, branch: &impl legs::Run) {
+    let points = branch.progress().points;
+    let words = format!("looking for the event: {points} points of the branch");
+    progress.show(f64::NAN, words);
+}
+
+/// Follows a curve to both ends into a folder.
+fn follow<P: Plane>(
+    task: &Task,
+    store: Store,
+    (problem, title, format): (&(impl Clone + Serialize), Option<&str>, Format),
+    begin: impl FnOnce() -> Result<Start<P>, Failure>,
+    finish: impl FnOnce(Run<P>) -> Curve<P>,
+    refuse: &dyn Fn(NoCurve<P>) -> Failure,
+    draw: impl Fn(&Store, &Curve<P>, [(f64, f64); 2]) -> Result<(), PlotError>,
+) -> Result<Exit, Failure> {
+    let singular = |reason| refuse(NoCurve::Singular(reason));
     let (mut run, mut folder) = match CurveFolder::interrupted(&store)? {
         Some(interrupted) => {
             let folder = CurveFolder::reopen(store, &interrupted)?;
             (interrupted.run, folder)
         }
         None => {
-            let start = start(task, &problem, text, section)?;
-            let run = Run::begin(&start.system, start.event, &start.point, start.limits)
-                .map_err(NoCurve::from)?;
-            let folder = CurveFolder::create(store, &run, &problem, format)?;
+            let start = begin()?;
+            let run = Run::begin(&start.system, start.event, &start.point, start.limits);
+            let run = run.map_err(singular)?;
+            let folder = CurveFolder::create(store, &run, problem, format)?;
             (run, folder)
         }
     };
     drive(task.quiet, || {
-        let Some(step) = run.step().map_err(NoCurve::from)? else {
+        let Some(step) = run.step().map_err(singular)? else {
             return Ok(None);
         };
         folder.write(&step)?;
         Ok(Some((f64::NAN, run.position())))
     })?;
     let ranges = run.head().limits.ranges;
-    let found = run.curve();
+    let found = finish(run);
     folder.finish(&found)?;
     // to read it back and name its regions again takes as long once more
-    let drawn = (
-        "curve".to_owned(),
-        Ok(pictures::curve::picture(&found, ranges)),
-    );
-    pictures::put(folder.store(), Some(&problem), format, [drawn])?;
+    draw(folder.store(), &found, ranges)?;
     task.say(
-        &titled(problem.title.as_deref(), &summary::curve(&found)),
+        &titled(title, &summary::curve(&found)),
         "curve",
-        &out,
+        &task.folder("_curve"),
     )?;
     if found.failed {
         for side in [0, 1] {
@@ -93,11 +192,7 @@ fn start(
     }
     let prepared = ready(problem.clone(), text, &task.problem)?;
     let progress = Progress::new(task.quiet);
-    let mut watch = |branch: &Runner| {
-        let points = branch.progress().points;
-        let words = format!("looking for the event: {points} points of the branch");
-        progress.show(f64::NAN, words);
-    };
+    let mut watch = |branch: &Runner| looking(&progress, branch);
     let begun = |problem: &Problem| prepared.start(task.quiet, problem);
     start::find(problem, section, begun, &mut watch).map_err(|error| match error {
         NoCurve::Run(error) => prepared.source.place(error),

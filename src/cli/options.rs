@@ -10,7 +10,7 @@ use super::{print, warn};
 use crate::model::Parameter;
 use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store, io_error};
-use crate::problem::{self, Any, CurveEvent, Problem, Start, SystemProblem};
+use crate::problem::{self, Any, CurveEvent, Problem, Start, SystemCurveEvent, SystemProblem};
 use crate::simulation::task::SimulationStart;
 
 /// A problem file, and the folder of its results.
@@ -85,6 +85,10 @@ impl Task {
         let existing = Existing::of(self.resume, self.force);
         let mut inputs = vec![self.problem.clone()];
         inputs.extend(problem.orbit.start.dir().cloned());
+        let event = problem.curve.as_ref().map(|curve| &curve.event);
+        if let Some(SystemCurveEvent::Label { dir, .. }) = event {
+            inputs.push(dir.clone());
+        }
         Ok(Store::open(folder, kind, problem, existing, &inputs)?)
     }
 

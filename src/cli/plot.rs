@@ -97,6 +97,9 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
         }
         Some(Kind::Certificate) => return Err(Usage::NoPicture(folder.clone()).into()),
         _ => match origin::problem(folder)? {
+            Some(Any::System(problem)) if kind == Some(Kind::Curve) => {
+                return list(&pictures::orbits::draw(&store?, &problem, format)?);
+            }
             Some(Any::System(problem)) if run => {
                 return plot_orbits(arguments, &store?, *problem, format);
             }

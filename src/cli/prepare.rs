@@ -8,11 +8,12 @@ use super::options::read;
 use super::progress::{Progress, drive};
 use crate::branch::SavedWave;
 use crate::branch::run::{RunError, Runner};
-use crate::hybrid::{self, Named};
+use crate::hybrid::{self, Named, NoStart};
 use crate::output::orbits::{Orbits, kind_of};
+use crate::output::origin;
 use crate::output::waves::Waves;
 use crate::problem::{
-    self, Continuation, OrbitStart, Problem, ProblemError, Start, SystemProblem, Toward,
+    self, Any, Continuation, OrbitStart, Problem, ProblemError, Start, SystemProblem, Toward,
 };
 
 /// A problem read and ready to run.
@@ -92,6 +93,11 @@ impl Source {
 
     fn refusal(&self, path: &str, message: String, help: &str) -> ProblemError {
         problem::refuse_at(&self.text, &self.name, path, message, help)
+    }
+
+    /// The same with an exit code of its own.
+    pub(crate) fn placed(&self, path: &str, message: String, help: &str, exit: Exit) -> Failure {
+        Failure::Placed(self.refusal(path, message, help), exit)
     }
 
     /// What ends a run before it begins, with the line it is about if there is one.
@@ -180,13 +186,16 @@ pub(crate) struct PreparedSystem {
 impl PreparedSystem {
     /// The beginning of the branch, or the line of the problem file that keeps it from beginning.
     pub(crate) fn begin(&self) -> Result<hybrid::Runner, Failure> {
-        let named = self.named.as_ref();
-        let begun = hybrid::Runner::begin(&self.problem, &self.continuation, named);
-        begun.map_err(|error| {
+        self.start(&self.problem).map_err(|error| {
             let (path, help) = error.about();
-            let place = self.source.refusal(path, error.to_string(), help);
-            Failure::Placed(place, Exit::Numerical)
+            self.source
+                .placed(path, error.to_string(), help, Exit::Numerical)
         })
+    }
+
+    /// The same for the problem with other settings.
+    pub(crate) fn start(&self, problem: &SystemProblem) -> Result<hybrid::Runner, NoStart> {
+        hybrid::Runner::begin(problem, &self.continuation, self.named.as_ref())
     }
 }
 
@@ -201,7 +210,8 @@ pub(crate) fn ready_system(
     let start = &problem.orbit.start;
     let named = match start {
         OrbitStart::Restart { dir, label } | OrbitStart::Switch { dir, label } => {
-            Some(named(&problem, dir, *label, &source)?)
+            let is_event = matches!(start, OrbitStart::Switch { .. });
+            Some(named(&problem, dir, *label, is_event, &source)?)
         }
         OrbitStart::Simulate { .. } | OrbitStart::Given { .. } => None,
     };
@@ -225,13 +235,21 @@ pub(crate) fn ready_system(
     })
 }
 
-/// The orbit of a run of the same system, and what it is there.
-fn named(
+/// The orbit of a run of the same system, and what it is there; where that counts its equations must be the same, too.
+pub(crate) fn named(
     problem: &SystemProblem,
     dir: &Path,
     label: usize,
+    is_event: bool,
     source: &Source,
 ) -> Result<Named, Failure> {
+    if let Ok(Some(Any::Tube(_))) = origin::problem(dir) {
+        let message = format!(
+            "{} holds waves of a tube, not orbits of a system",
+            dir.display()
+        );
+        return Err(source.refuse("orbit.start", message, "name another folder"));
+    }
     let earlier = Orbits::read(dir)?;
     let (own, others) = (&problem.system.source, &earlier.problem.system.source);
     let refuse = |what: &str| {
@@ -245,7 +263,7 @@ fn named(
         return Err(refuse("of a system with other parameters"));
     }
     // an event is one of its own equations only
-    if matches!(problem.orbit.start, OrbitStart::Switch { .. }) && !others.is_same(own) {
+    if is_event && !others.is_same(own) {
         return Err(refuse("of another system"));
     }
     let saved = earlier.labelled(dir, label)?.clone();

@@ -4,9 +4,10 @@ use std::fmt::Write;
 use std::io::{self, IsTerminal};
 use std::path::Path;
 
-use crate::curve::{Curve, Point};
+use crate::curve::{Curve, Plane, Point};
 use crate::model::{Damping, FrictionLaw, Landing, Model, Parameter, Sectors};
 use crate::orbit::EventType;
+use crate::orbit::Orbit as _;
 use crate::output::curve::words;
 use crate::output::layout::{BRANCH, EVENTS};
 use crate::output::store::{self, StoreError};
@@ -302,13 +303,14 @@ fn aligned(table: &Table, chosen: &[&str]) -> String {
 }
 
 /// The special points of a curve, a line each.
-pub(crate) fn curve(curve: &Curve) -> String {
+pub(crate) fn curve<P: Plane>(curve: &Curve<P>) -> String {
     let mut text = String::new();
-    let [first, second] = curve.parameters.map(|parameter| parameter.column());
+    let [first, second] = curve.parameters.each_ref().map(P::Orbit::column);
     let _ = writeln!(
         text,
-        "{} points; event, {first}, {second}, speed",
-        curve.points.len()
+        "{} points; event, {first}, {second}, {}",
+        curve.points.len(),
+        P::MEASURE
     );
     let last = curve.points.len().saturating_sub(1);
     for (index, point) in curve.points.iter().enumerate() {
@@ -326,10 +328,10 @@ pub(crate) fn curve(curve: &Curve) -> String {
         let _ = write!(
             text,
             "  {kind:<6} {one:.12}  {other:.12}  {:.12}",
-            point.speed
+            point.measure
         );
-        if let Some(omega) = point.omega {
-            let _ = write!(text, "  ω {omega:.12}");
+        if let Some(angular) = point.angular {
+            let _ = write!(text, "  {} {angular:.12}", P::SYMBOL);
         }
         let _ = writeln!(text, "  {}", words(curve, index));
     }

@@ -2,31 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::point::{Limits, Point, PointType};
-use super::system::{Condition, EventSystem};
-use crate::branch::EventType;
-use crate::branch::special::{Change, Close};
+use super::plane::{Condition, ExaminationOf, FailureOf, MarginOf, Plane, SignatureOf, Test};
+use super::point::{Limits, Point, PointType, What};
+use super::system::EventSystem;
+use super::tube::Tube;
 use crate::continuation::Node;
 use crate::continuation::locate::{self, Least, Place, Target};
 use crate::continuation::newton;
 use crate::continuation::walk::{self, Beginning, Curve, End, Outcome, Segment, Within};
-use crate::flow::FlowError;
 use crate::linalg::{self, Vector};
-use crate::model::Parameter;
-use crate::model::signature::{Regime, Signature};
 use crate::orbit::change::beyond;
-use crate::orbit::{Candidate, Orbit as _};
-use crate::stability::spectrum::symmetric;
-use crate::wave::Wave;
-use crate::wave::admissibility::{AtZero, Examination, Margin, Watch, examine};
-use crate::wave::successor::candidates;
+use crate::orbit::special::{Change, Close};
+use crate::orbit::{AtZero, Candidate, EventType, Examined, Orbit, find};
 
 /// A margin below this on the event's own account is the event itself, but for rounding.
 const OWN: f64 = 1e-8;
-
-/// ω in units of the frequency of the wave below which it counts as zero. Parameters are even in ω:
-/// the point found lies 1e-8 from the limit.
-const LEAST_OMEGA: f64 = 1e-4;
 
 /// F_x with a least singular value below this part of the largest is singular along the whole curve:
 /// a zone without length makes the parameters stationary.
@@ -42,93 +32,75 @@ const ROUNDED: f64 = 1e-12;
 /// Lengths of the first step tried into a candidate.
 const TRIES: usize = 8;
 
-/// First step into a wave beyond an event, as on a branch.
+/// First step into an orbit beyond an event, as on a branch.
 pub(super) const INTO: f64 = 1e-3;
 
-/// Waves of one signature at an event, as a curve in two parameters.
+/// Orbits of one signature at an event, as a curve in two parameters.
 #[derive(Clone, Debug)]
-pub(super) struct EventCurve {
-    pub system: EventSystem,
-    pub event: EventType,
-    pub limits: Limits,
+pub struct EventCurve<P: Plane> {
+    pub(super) system: EventSystem<P>,
+    pub(super) event: EventType,
+    pub(super) limits: Limits,
     /// Margins that vanish along the whole curve.
-    pub own: Vec<(Watch, usize)>,
+    pub(super) own: Vec<(P::Watch, usize)>,
     /// Whether det F_x tells a fold.
-    pub with_fold: bool,
+    pub(super) with_fold: bool,
 }
 
 /// Test functions at a point.
 #[derive(Clone, Debug)]
-pub(super) struct Tests {
-    examination: Examination,
+pub struct Tests<P: Plane> {
+    examination: ExaminationOf<P>,
     /// The slopes of its margins along the curve.
     slopes: Vec<f64>,
     /// det F_x where it tells a fold.
     fold: Option<f64>,
     /// The factor that vanishes at a cusp, with the left null vector behind it.
-    pub cusp: Option<(f64, Vector)>,
+    pub(super) cusp: Option<(f64, Vector)>,
+    /// Those of the plane.
+    others: Vec<Test>,
 }
 
 /// A point of a curve with the equations that it solves.
 #[derive(Clone, Debug)]
-pub(super) struct Solved {
-    pub point: Point,
-    pub system: EventSystem,
-    pub unknowns: Vector,
+pub struct Solved<P: Plane = Tube> {
+    pub(super) point: Point,
+    pub(super) system: EventSystem<P>,
+    pub(super) unknowns: Vector,
 }
 
 /// What is located within a step.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Event {
-    Edge(usize, f64),
-    Margin(Margin),
-    Fold,
-    Cusp,
-    ZeroOmega,
-}
-
-/// What happens at a point.
-#[derive(Clone, Debug, PartialEq)]
-pub enum What {
-    /// The curve begins: the event on the branch.
-    Begins,
+#[derive(Clone, Debug)]
+pub enum Event<P: Plane> {
     /// An edge of the range of a parameter.
-    Edge(Parameter, f64),
-    /// Another inequality fails.
-    Meeting {
-        /// The change of regime where it does.
-        second: Box<Change>,
-        /// Whether this event could go on beyond it.
-        may_go_on: bool,
-        /// The signature in which it does.
-        next: Option<Signature>,
-    },
-    /// The wave has a fold too.
+    Edge(usize, f64),
+    /// Another margin vanishes.
+    Margin(MarginOf<P>),
+    /// det F_x changes its sign.
     Fold,
-    /// Two folds meet and vanish.
+    /// The factor of a cusp does.
     Cusp,
-    /// ω → 0.
-    ZeroOmega,
-    /// Something comes so close to zero that rounding decides.
-    Close(Close),
+    /// Another test function, of this place, does.
+    Other(usize, Test),
 }
 
 /// Why an event is no event any more.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Gone {
-    /// Another minimum inside the zone is lower.
-    Lower(Regime),
+    /// Another minimum inside the zone of this name is lower.
+    Lower(String),
     /// The minimum leaves the zone through an end.
-    Left(Regime),
+    Left(String),
     /// Another inequality of the zone, which vanishes along with the event, fails.
-    Along(Regime),
+    Along(String),
 }
 
 /// Why an event refuses a step.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
-pub enum Refusal {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub enum Refusal<P: Plane = Tube> {
     /// Its test functions cannot be evaluated.
-    Flow(#[from] FlowError),
+    Flow(FailureOf<P>),
     /// A margin is negative from where it is first posed.
     Posed,
     /// A test function changes its sign and its zero is not found.
@@ -137,34 +109,36 @@ pub enum Refusal {
     Gone(Gone),
 }
 
+impl<P: Plane> std::error::Error for Refusal<P> {}
+
 /// Why an event ends for reasons of its own.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Stop {
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stop {
     /// At its last point, which says why.
     There,
     /// It is none any more.
     Gone(Gone),
 }
 
-type Stage<'a> = Segment<'a, Tests>;
+type Stage<'a, P> = Segment<'a, Tests<P>>;
 
-impl EventCurve {
+impl<P: Plane> EventCurve<P> {
     /// An event at a solution of its equations.
-    pub fn new(
-        system: EventSystem,
+    pub(super) fn new(
+        system: EventSystem<P>,
         event: EventType,
         point: &Vector,
         limits: Limits,
-    ) -> Result<EventCurve, FlowError> {
-        let (wave, unknowns) = system.wave(point, 0);
-        let examination = examine(&wave, &unknowns)?;
-        let vanish = examination.margins.iter();
+    ) -> Result<EventCurve<P>, FailureOf<P>> {
+        let (orbit, unknowns) = system.orbit(point, 0)?;
+        let examination = orbit.examination(&unknowns)?;
+        let vanish = examination.margins().iter();
         let own = vanish
-            .filter(|margin| margin.jet.value.abs() < OWN)
-            .map(|margin| (margin.watch, margin.zone))
+            .filter(|margin| P::Orbit::value(margin).abs() < OWN)
+            .map(P::key)
             .collect();
-        let (_, by) = system.wave_equations(point)?;
-        let square = by.columns(0, system.wave_unknowns()).clone_owned();
+        let (_, by) = system.orbit_equations(point)?;
+        let square = by.columns(0, system.orbit_unknowns()).clone_owned();
         let regular =
             linalg::least(&square).is_some_and(|least| least.value > SINGULAR * least.largest);
         Ok(EventCurve {
@@ -178,65 +152,74 @@ impl EventCurve {
 
     /// Test functions at a node; `left` orients the left null vector. Refused where the event is none
     /// any more.
-    pub fn tests(&self, node: &Node, left: Option<&Vector>) -> Result<Tests, Refusal> {
-        let (wave, unknowns) = self.system.wave(&node.point, 0);
-        let examination = examine(&wave, &unknowns)?;
-        for (watch, zone) in &self.own {
-            let regime = wave.signature.zone(*zone).regime;
-            let itself = match self.system.condition {
-                Condition::Margin(margin) => (margin.watch, margin.zone) == (*watch, *zone),
+    pub(super) fn tests(&self, node: &Node, left: Option<&Vector>) -> Result<Tests<P>, Refusal<P>> {
+        let at = self.system.orbit(&node.point, 0).map_err(Refusal::Flow)?;
+        let (orbit, unknowns) = &at;
+        let examination = orbit.examination(unknowns).map_err(Refusal::Flow)?;
+        for own in &self.own {
+            let zone = P::zone(orbit.signature(), own.1);
+            let itself = match &self.system.condition {
+                Condition::Margin(margin) => P::key(margin) == *own,
                 _ => false,
             };
-            return Err(Refusal::Gone(match examination.find(*watch, *zone) {
-                Some(margin) if margin.jet.value >= -OWN => continue,
-                Some(_) if itself => Gone::Lower(regime),
-                None if itself => Gone::Left(regime),
-                _ => Gone::Along(regime),
+            let mut margins = examination.margins().iter();
+            let margin = margins.find(|margin| P::key(margin) == *own);
+            return Err(Refusal::Gone(match margin.map(P::Orbit::value) {
+                Some(value) if value >= -OWN => continue,
+                Some(_) if itself => Gone::Lower(zone),
+                None if itself => Gone::Left(zone),
+                _ => Gone::Along(zone),
             }));
         }
+        let slopes = self.slopes(node, examination.margins());
         let mut tests = Tests {
-            slopes: self.slopes(node, &examination.margins)?,
-            examination,
+            slopes: slopes.map_err(Refusal::Flow)?,
             fold: None,
             cusp: None,
+            others: self.system.tests(&node.point, &at, &examination),
+            examination,
         };
         if self.with_fold {
-            tests.fold = Some(self.determinant(&node.point)?);
+            tests.fold = Some(self.determinant(&node.point).map_err(Refusal::Flow)?);
         } else if self.system.condition == Condition::Fold {
-            tests.cusp = self.cusp(node, left)?;
+            tests.cusp = self.cusp(node, left).map_err(Refusal::Flow)?;
         }
         Ok(tests)
     }
 
-    /// The slopes of margins along the curve: posed in p₁ the wave gives all but the part of p₂.
-    fn slopes(&self, node: &Node, margins: &[Margin]) -> Result<Vec<f64>, FlowError> {
-        let count = self.system.wave_unknowns();
+    /// The slopes of margins along the curve: posed in p₁ the orbit gives all but the part of p₂.
+    fn slopes(&self, node: &Node, margins: &[MarginOf<P>]) -> Result<Vec<f64>, FailureOf<P>> {
+        let count = self.system.orbit_unknowns();
         let parameters = node.tangent.len() - 2;
         let mut along = node.tangent.rows(0, count + 1).clone_owned();
         along[count] = node.tangent[parameters];
         let mut second = Vector::zeros(count + 1);
         second[count] = node.tangent[parameters + 1];
-        let (wave, _) = self.system.wave(&node.point, 0);
-        let (other, unknowns) = self.system.wave(&node.point, 1);
+        let (orbit, _) = self.system.orbit(&node.point, 0)?;
+        let (other, unknowns) = self.system.orbit(&node.point, 1)?;
         margins
             .iter()
             .map(|margin| {
-                let in_second = AtZero { margin: *margin }.margin_at(&other, &unknowns)?;
-                Ok(margin.slope(&wave, &along) + in_second.slope(&other, &second))
+                let in_second = other.margin_at(margin, &unknowns)?;
+                Ok(orbit.slope(margin, &along) + other.slope(&in_second, &second))
             })
             .collect()
     }
 
-    fn determinant(&self, point: &Vector) -> Result<f64, FlowError> {
-        let (_, by) = self.system.wave_equations(point)?;
-        let square = by.columns(0, self.system.wave_unknowns()).clone_owned();
+    fn determinant(&self, point: &Vector) -> Result<f64, FailureOf<P>> {
+        let (_, by) = self.system.orbit_equations(point)?;
+        let square = by.columns(0, self.system.orbit_unknowns()).clone_owned();
         Ok(square.determinant())
     }
 
     /// The factor that vanishes at a cusp, and the left null vector behind it.
-    fn cusp(&self, node: &Node, near: Option<&Vector>) -> Result<Option<(f64, Vector)>, FlowError> {
-        let count = self.system.wave_unknowns();
-        let (_, by) = self.system.wave_equations(&node.point)?;
+    fn cusp(
+        &self,
+        node: &Node,
+        near: Option<&Vector>,
+    ) -> Result<Option<(f64, Vector)>, FailureOf<P>> {
+        let count = self.system.orbit_unknowns();
+        let (_, by) = self.system.orbit_equations(&node.point)?;
         let square = by.columns(0, count).clone_owned();
         Ok(linalg::least(&square).map(|least| {
             let mut left = least.left;
@@ -251,7 +234,7 @@ impl EventCurve {
     }
 
     /// Edges of the ranges within a step.
-    fn edges(&self, step: &Stage) -> Option<Vec<(Place, Event)>> {
+    fn edges(&self, step: &Stage<P>) -> Option<Vec<(Place, Event<P>)>> {
         let first = step.to.point.len() - 2;
         let way = [&step.from.point, &step.to.point];
         let mut located = Vec::new();
@@ -265,7 +248,7 @@ impl EventCurve {
                 let places =
                     target.meetings(&self.system, step.from, &way, step.steps.tolerance)?;
                 let event = Event::Edge(index, value);
-                located.extend(places.into_iter().map(|place| (place, event)));
+                located.extend(places.into_iter().map(|place| (place, event.clone())));
             }
         }
         Some(located)
@@ -274,12 +257,12 @@ impl EventCurve {
     /// The zero of a function along a step from its values at both ends, or none where they have one sign.
     fn zero(
         &self,
-        step: &Stage,
+        step: &Stage<P>,
         before: f64,
         after: f64,
-        event: Event,
+        event: Event<P>,
         value: impl FnMut(&Node) -> Option<f64>,
-    ) -> Result<(Place, Event), Refusal> {
+    ) -> Result<(Place, Event<P>), Refusal<P>> {
         /// Relative width of the bracket, or value, at which the place is known to rounding.
         const EXACT: f64 = 1e-14;
         let size = before.abs().max(after.abs());
@@ -292,28 +275,30 @@ impl EventCurve {
     }
 
     /// Margins that vanish within a step.
-    fn margins(&self, step: &Stage) -> Result<Vec<(Place, Event)>, Refusal> {
+    fn margins(&self, step: &Stage<P>) -> Result<Vec<(Place, Event<P>)>, Refusal<P>> {
         let mut located = Vec::new();
-        for margin in &step.after.examination.margins {
-            let own = self.own.contains(&(margin.watch, margin.zone));
-            if own || margin.jet.value > 0.0 {
+        for margin in step.after.examination.margins() {
+            let value = P::Orbit::value(margin);
+            if self.own.contains(&P::key(margin)) || value > 0.0 {
                 continue;
             }
-            let before = step.before.examination.find(margin.watch, margin.zone);
-            let before = before.filter(|before| before.jet.value > 0.0);
-            let before = before.ok_or(Refusal::Posed)?.jet.value;
-            let mut at = AtZero { margin: *margin };
-            let event = Event::Margin(*margin);
-            located.push(self.zero(step, before, margin.jet.value, event, |node| {
-                let (wave, unknowns) = self.system.wave(&node.point, 0);
-                Some(at.margin_at(&wave, &unknowns).ok()?.jet.value)
+            let before = find::<P::Orbit>(&step.before.examination, margin);
+            let before = before.map(P::Orbit::value).filter(|before| *before > 0.0);
+            let before = before.ok_or(Refusal::Posed)?;
+            let mut at = AtZero {
+                margin: margin.clone(),
+            };
+            let event = Event::Margin(margin.clone());
+            located.push(self.zero(step, before, value, event, |node| {
+                let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
+                Some(P::Orbit::value(at.margin_at(&orbit, &unknowns).ok()?))
             })?);
         }
         Ok(located)
     }
 
     /// Smooth test functions that change their sign within a step.
-    fn signs(&self, step: &Stage) -> Result<Vec<(Place, Event)>, Refusal> {
+    fn signs(&self, step: &Stage<P>) -> Result<Vec<(Place, Event<P>)>, Refusal<P>> {
         let mut located = Vec::new();
         if let (Some(before), Some(after)) = (step.before.fold, step.after.fold)
             && before * after < 0.0
@@ -329,55 +314,64 @@ impl EventCurve {
                 Some(self.cusp(node, Some(left)).ok()??.0)
             })?);
         }
-        if let Condition::Hopf { sector } = self.system.condition {
-            let count = self.system.wave_unknowns();
-            let (wave, _) = self.system.wave(&step.to.point, 0);
-            let sign = step.from.point[count].signum();
-            let least = |node: &Node| sign * node.point[count] - LEAST_OMEGA;
-            let (before, after) = (least(step.from), least(step.to));
-            if symmetric(sector, wave.mode) && before > 0.0 && after <= 0.0 {
-                let zero = self.zero(step, before, after, Event::ZeroOmega, |node| {
-                    Some(least(node))
-                });
-                located.push(zero?);
+        let tests = step.before.others.iter().zip(&step.after.others);
+        for (index, (before, after)) in tests.enumerate() {
+            if before.value * after.value < 0.0 {
+                let event = Event::Other(index, *after);
+                located.push(self.zero(step, before.value, after.value, event, |node| {
+                    let at = self.system.orbit(&node.point, 0).ok()?;
+                    let examination = at.0.examination(&at.1).ok()?;
+                    let tests = self.system.tests(&node.point, &at, &examination);
+                    tests.get(index).map(|test| test.value)
+                })?);
             }
         }
         Ok(located)
     }
 
     /// The change of regime where another margin vanishes.
-    fn second(&self, point: &Vector, margin: &Margin, tolerance: f64) -> Change {
-        let (wave, unknowns) = self.system.wave(point, 0);
-        let mut at = AtZero { margin: *margin };
-        let here = at.margin_at(&wave, &unknowns).unwrap_or(*margin);
-        let after = successor(&wave, &unknowns, &here, tolerance);
-        Change::new(&wave, after, here)
+    fn second(
+        &self,
+        point: &Vector,
+        margin: &MarginOf<P>,
+        tolerance: f64,
+    ) -> Result<Change<P::Orbit>, FailureOf<P>> {
+        let (orbit, unknowns) = self.system.orbit(point, 0)?;
+        let here = orbit.margin_at(margin, &unknowns);
+        let here = here.unwrap_or_else(|_| margin.clone());
+        let after = successor(&orbit, &unknowns, &here, tolerance);
+        let after = after.map(|(orbit, _)| orbit.signature().clone());
+        Ok(Change::new(&orbit, after, here))
     }
 
-    /// The same event of the wave beyond a change of regime, a step into it being admissible.
-    fn enter(&self, step: &Stage, node: &Node, second: &Margin) -> Option<Beginning<EventCurve>> {
-        let Condition::Margin(first) = self.system.condition else {
+    /// The same event of the orbit beyond a change of regime, a step into it being admissible.
+    fn enter(
+        &self,
+        step: &Stage<P>,
+        node: &Node,
+        second: &MarginOf<P>,
+    ) -> Option<Beginning<EventCurve<P>>> {
+        let Condition::Margin(first) = &self.system.condition else {
             return None;
         };
-        let (wave, unknowns) = self.system.wave(&node.point, 0);
-        let regime = wave.signature.zone(first.zone).regime;
-        let here = AtZero { margin: *second }
-            .margin_at(&wave, &unknowns)
-            .ok()?;
-        for candidate in candidates(&wave, &unknowns, &here).ok()? {
-            let Ok(examination) = examine(&candidate.orbit, &candidate.point) else {
+        let first_key = P::key(first);
+        let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
+        let zone = P::zone(orbit.signature(), first_key.1);
+        let here = orbit.margin_at(second, &unknowns).ok()?;
+        for candidate in orbit.candidates(&unknowns, &here).ok()? {
+            let Ok(examination) = candidate.orbit.examination(&candidate.point) else {
                 continue;
             };
-            let vanish: Vec<Margin> = examination
-                .margins
-                .into_iter()
-                .filter(|margin| margin.jet.value.abs() < AT_SECOND)
+            let margins = examination.margins().iter();
+            let vanish: Vec<MarginOf<P>> = margins
+                .filter(|margin| P::Orbit::value(margin).abs() < AT_SECOND)
+                .cloned()
                 .collect();
-            let same = |margin: &&Margin| {
-                margin.watch == first.watch
-                    && candidate.orbit.signature.zone(margin.zone).regime == regime
-                    && !(margin.watch == Watch::Duration
-                        && candidate.nascent.contains(&margin.zone))
+            let same = |margin: &&MarginOf<P>| {
+                let key = P::key(margin);
+                key.0 == first_key.0
+                    && P::zone(candidate.orbit.signature(), key.1) == zone
+                    && !(is_duration::<P>(margin) && candidate.nascent.contains(&key.1))
             };
             for margin in vanish.iter().filter(same) {
                 let entered = self.enter_candidate(step, node, &candidate, margin, &vanish);
@@ -403,15 +397,15 @@ impl EventCurve {
     #[allow(clippy::type_complexity)] // taken apart at once by its one caller
     fn enter_candidate(
         &self,
-        step: &Stage,
+        step: &Stage<P>,
         node: &Node,
-        candidate: &Candidate<Wave>,
-        margin: &Margin,
-        vanish: &[Margin],
-    ) -> Option<(EventSystem, Node, f64, Vec<(Watch, usize)>)> {
-        let signature = candidate.orbit.signature.clone();
-        let system = self.system.of(signature, Condition::Margin(*margin));
-        let count = system.wave_unknowns();
+        candidate: &Candidate<P::Orbit>,
+        margin: &MarginOf<P>,
+        vanish: &[MarginOf<P>],
+    ) -> Option<(EventSystem<P>, Node, f64, Vec<(P::Watch, usize)>)> {
+        let signature = candidate.orbit.signature().clone();
+        let system = self.system.of(signature, Condition::Margin(margin.clone()));
+        let count = system.orbit_unknowns();
         let parameters = node.point.len() - 2;
         let point = Vector::from_fn(count + 2, |row, _| match row {
             row if row < count => candidate.point[row],
@@ -421,80 +415,100 @@ impl EventCurve {
         let (ds, tolerance) = (step.ds.min(step.steps.ds), step.steps.tolerance);
         let (node, ds, own) = walk::enter(&system, &from, ds, TRIES, tolerance, |_, to| {
             let own = vanishing(&system, &to.ok()?, vanish)?;
-            let nascent = |zone: &usize| own.contains(&(Watch::Duration, *zone));
+            let nascent = |margin: &MarginOf<P>| {
+                let key = P::key(margin);
+                is_duration::<P>(margin) && candidate.nascent.contains(&key.1) && own.contains(&key)
+            };
             // the event itself goes on, alone as before, and new zones do grow
-            let admitted = own.contains(&(margin.watch, margin.zone))
+            let admitted = own.contains(&P::key(margin))
                 && own.len() <= self.own.len()
-                && !candidate.nascent.iter().any(nascent);
+                && !vanish.iter().any(nascent);
             admitted.then_some(own)
         })?;
         Some((system, node, ds, own))
     }
 }
 
+/// Whether a margin is the duration of a zone, which says most about what comes next.
+fn is_duration<P: Plane>(margin: &MarginOf<P>) -> bool {
+    P::Orbit::precedence(margin) == 0
+}
+
 /// Which of the margins that vanish at the beginning of a step vanish at its end too; `None` where that
 /// is not admissible.
-fn vanishing(system: &EventSystem, to: &Node, vanish: &[Margin]) -> Option<Vec<(Watch, usize)>> {
-    let (wave, unknowns) = system.wave(&to.point, 0);
-    let examination = examine(&wave, &unknowns).ok()?;
+fn vanishing<P: Plane>(
+    system: &EventSystem<P>,
+    to: &Node,
+    vanish: &[MarginOf<P>],
+) -> Option<Vec<(P::Watch, usize)>> {
+    let (orbit, unknowns) = system.orbit(&to.point, 0).ok()?;
+    let examination = orbit.examination(&unknowns).ok()?;
     let mut along = Vec::new();
-    for margin in &examination.margins {
-        let began = vanish
-            .iter()
-            .any(|known| known.watch == margin.watch && known.zone == margin.zone);
-        if began && margin.jet.value.abs() < OWN {
-            along.push((margin.watch, margin.zone));
-        } else if margin.jet.value.is_nan() || margin.jet.value <= 0.0 {
+    for margin in examination.margins() {
+        let (key, value) = (P::key(margin), P::Orbit::value(margin));
+        let began = vanish.iter().any(|known| P::key(known) == key);
+        if began && value.abs() < OWN {
+            along.push(key);
+        } else if value.is_nan() || value <= 0.0 {
             return None;
         }
     }
     Some(along)
 }
 
-impl Curve for EventCurve {
-    type System = EventSystem;
-    type Name = Signature;
-    type Watched = Tests;
-    type Event = Event;
-    type Found = Solved;
-    type Refusal = Refusal;
+impl<P: Plane> Curve for EventCurve<P> {
+    type System = EventSystem<P>;
+    type Name = SignatureOf<P>;
+    type Watched = Tests<P>;
+    type Event = Event<P>;
+    type Found = Solved<P>;
+    type Refusal = Refusal<P>;
     type End = Stop;
-    type Close = Close;
+    type Close = Close<<P::Orbit as Orbit>::Held>;
 
     /// Beside the opening of a separation zone the landing jump of a perturbation is singular, and
     /// Newton's method converges slowly at any length of step.
     const CREEP: (usize, f64) = (200, 2e-4);
 
-    fn system(&self) -> &EventSystem {
+    fn system(&self) -> &EventSystem<P> {
         &self.system
     }
 
-    fn name(&self) -> &Signature {
+    fn name(&self) -> &SignatureOf<P> {
         self.system.signature()
     }
 
-    fn watch(&self, node: &Node, near: Option<&Tests>) -> Result<Tests, Refusal> {
+    fn watch(&self, node: &Node, near: Option<&Tests<P>>) -> Result<Tests<P>, Refusal<P>> {
         let cusp = near.and_then(|near| near.cusp.as_ref());
         self.tests(node, cusp.map(|(_, left)| left))
     }
 
     /// Whether a margin vanishes twice.
-    fn within(&self, step: &Stage, located: &[(Place, Event)]) -> Within<Close> {
-        let ends = |event: &Event| !matches!(event, Event::Fold | Event::Cusp);
+    fn within(
+        &self,
+        step: &Stage<P>,
+        located: &[(Place, Event<P>)],
+    ) -> Within<Close<<P::Orbit as Orbit>::Held>> {
+        let ends = |event: &Event<P>| match event {
+            Event::Fold | Event::Cusp => false,
+            Event::Other(_, test) => test.ends,
+            Event::Edge(..) | Event::Margin(_) => true,
+        };
         let end = located.iter().find(|(_, event)| ends(event));
         let end = end.map_or(f64::INFINITY, |(place, _)| place.s - step.at_once());
         let mut close = None;
         let mut pair = f64::INFINITY;
-        let after = &step.after.examination.margins;
-        for (index, margin) in step.before.examination.margins.iter().enumerate() {
-            let same = |other: &&Margin| (other.watch, other.zone) == (margin.watch, margin.zone);
-            let own = self.own.contains(&(margin.watch, margin.zone));
-            let Some(other) = after.iter().position(|other| same(&other)).filter(|_| !own) else {
+        let after = step.after.examination.margins();
+        let value = P::Orbit::value;
+        for (index, margin) in step.before.examination.margins().iter().enumerate() {
+            let same = |other: &MarginOf<P>| P::key(other) == P::key(margin);
+            let own = self.own.contains(&P::key(margin));
+            let Some(other) = after.iter().position(same).filter(|_| !own) else {
                 continue;
             };
             let ends = [
-                (margin.jet.value, step.before.slopes[index]),
-                (after[other].jet.value, step.after.slopes[other]),
+                (value(margin), step.before.slopes[index]),
+                (value(&after[other]), step.after.slopes[other]),
             ];
             // margins at zero belong to the point the step starts from
             if ends[0].0 <= OWN || ends[1].0 <= 0.0 {
@@ -502,22 +516,28 @@ impl Curve for EventCurve {
             }
             let tolerance = step.steps.tolerance;
             let least = locate::least(&self.system, step.from, step.ds, ends, tolerance, |node| {
-                let (wave, unknowns) = self.system.wave(&node.point, 0);
-                let examination = examine(&wave, &unknowns).ok()?;
-                let margin = examination.find(margin.watch, margin.zone)?;
-                Some((margin.jet.value, self.slopes(node, &[*margin]).ok()?[0]))
+                let (orbit, unknowns) = self.system.orbit(&node.point, 0).ok()?;
+                let examination = orbit.examination(&unknowns).ok()?;
+                let margin = examination.margins().iter().find(|other| same(other))?;
+                let slopes = self.slopes(node, std::slice::from_ref(margin)).ok()?;
+                Some((value(margin), slopes[0]))
             });
-            let (wave, _) = self.system.wave(&step.from.point, 0);
-            match least {
-                Least::Found(place, _) if place.s >= end => {}
-                Least::Found(place, value) if value < -ROUNDED => pair = pair.min(place.s),
-                Least::Found(place, value) if value <= ROUNDED => {
-                    close.get_or_insert((place.s, Close::Margin(wave.held(margin))));
+            let held = || {
+                let (orbit, _) = self.system.orbit(&step.from.point, 0).ok()?;
+                Some(Close::Margin(orbit.held(margin)))
+            };
+            let found = match least {
+                Least::Found(place, _) if place.s >= end => None,
+                Least::Found(place, value) if value < -ROUNDED => {
+                    pair = pair.min(place.s);
+                    None
                 }
-                Least::NotFound if step.ds < end => {
-                    close.get_or_insert((step.ds, Close::Margin(wave.held(margin))));
-                }
-                _ => {}
+                Least::Found(place, value) if value <= ROUNDED => Some(place.s),
+                Least::NotFound if step.ds < end => Some(step.ds),
+                _ => None,
+            };
+            if let Some((s, held)) = found.zip(held()) {
+                close.get_or_insert((s, held));
             }
         }
         match close {
@@ -527,14 +547,14 @@ impl Curve for EventCurve {
         }
     }
 
-    fn doubted(&self, mut found: Solved, close: Close) -> Solved {
+    fn doubted(&self, mut found: Solved<P>, close: Close<<P::Orbit as Orbit>::Held>) -> Solved<P> {
         if found.point.what.is_empty() {
-            found.point.what = What::Close(close).to_string();
+            found.point.what = P::say(&What::Close(close));
         }
         found
     }
 
-    fn locate(&self, step: &Stage) -> Result<Vec<(Place, Event)>, Refusal> {
+    fn locate(&self, step: &Stage<P>) -> Result<Vec<(Place, Event<P>)>, Refusal<P>> {
         let mut located = self.edges(step).ok_or(Refusal::NotLocated)?;
         located.extend(self.margins(step)?);
         located.extend(self.signs(step)?);
@@ -543,19 +563,23 @@ impl Curve for EventCurve {
 
     fn meet(
         &self,
-        step: &Stage,
+        step: &Stage<P>,
         place: &Place,
-        together: &[Event],
-    ) -> Result<Outcome<EventCurve>, Refusal> {
+        together: &[Event<P>],
+    ) -> Result<Outcome<EventCurve<P>>, Refusal<P>> {
         let mut solved = self.point(place.s, &place.node, step.after);
-        let mut say = |kind: PointType, what: &What| {
+        let mut say = |kind: PointType, what: &What<P::Orbit>| {
             solved.point.kind = Some(kind);
-            solved.point.what = what.to_string();
+            solved.point.what = P::say(what);
         };
         let there = End::Own(Stop::There);
-        Ok(match together[0] {
+        // where a pair meets at ±1 there is a fold or a doubling, too: the end goes first
+        let ends = |event: &&Event<P>| matches!(event, Event::Other(_, test) if test.ends);
+        let first = together.iter().find(ends).unwrap_or(&together[0]);
+        Ok(match first {
             Event::Edge(index, value) => {
-                let parameter = self.system.parameters()[index];
+                let (index, value) = (*index, *value);
+                let parameter = self.system.parameters()[index].clone();
                 say(PointType::One(EventType::EP), &What::Edge(parameter, value));
                 // exactly the value that was asked for
                 solved.point.parameters[index] = value;
@@ -563,13 +587,14 @@ impl Curve for EventCurve {
             }
             Event::Margin(_) => {
                 let margins = together.iter().filter_map(|event| match event {
-                    Event::Margin(margin) => Some(*margin),
+                    Event::Margin(margin) => Some(margin.clone()),
                     _ => None,
                 });
-                let mut margins: Vec<Margin> = margins.collect();
+                let mut margins: Vec<MarginOf<P>> = margins.collect();
                 // a zone without length says most about what comes next
-                margins.sort_by_key(|margin| margin.watch != Watch::Duration);
+                margins.sort_by_key(P::Orbit::precedence);
                 let second = self.second(&place.node.point, &margins[0], step.steps.tolerance);
+                let second = second.map_err(Refusal::Flow)?;
                 let mut entries = margins.iter();
                 let entry = entries.find_map(|margin| self.enter(step, &place.node, margin));
                 let kind = PointType::Two(self.event, second.kind);
@@ -592,9 +617,23 @@ impl Curve for EventCurve {
                 say(PointType::CP, &What::Cusp);
                 Outcome::Passed(solved)
             }
-            Event::ZeroOmega => {
-                say(PointType::BT, &What::ZeroOmega);
-                Outcome::Ended(vec![solved], there)
+            Event::Other(index, test) => {
+                // what it is, the place itself tells
+                let at = self.system.orbit(&place.node.point, 0);
+                let at = at.map_err(Refusal::Flow)?;
+                let examination = at.0.examination(&at.1).map_err(Refusal::Flow)?;
+                let tests = self.system.tests(&place.node.point, &at, &examination);
+                let kind = match tests.get(*index).unwrap_or(test).kind {
+                    Some(PointType::One(other)) => Some(PointType::Two(self.event, other)),
+                    kind => kind,
+                };
+                if let Some(kind) = kind {
+                    say(kind, &What::Other(kind));
+                }
+                match test.ends {
+                    true => Outcome::Ended(vec![solved], there),
+                    false => Outcome::Passed(solved),
+                }
             }
         })
     }
@@ -603,53 +642,61 @@ impl Curve for EventCurve {
         self.system.settle(&node.point);
     }
 
-    fn point(&self, _: f64, node: &Node, _: &Tests) -> Solved {
-        let (wave, unknowns) = self.system.wave(&node.point, 0);
-        let before = wave.signature.to_string();
-        let after = match self.system.condition {
-            Condition::Margin(margin) => {
-                let here = AtZero { margin }
-                    .margin_at(&wave, &unknowns)
-                    .unwrap_or(margin);
-                successor(&wave, &unknowns, &here, self.limits.steps.tolerance)
-                    .map_or_else(String::new, |after| after.to_string())
-            }
-            _ => before.clone(),
+    fn point(&self, _: f64, node: &Node, _: &Tests<P>) -> Solved<P> {
+        let mut point = Point {
+            parameters: self.system.values(&node.point),
+            measure: f64::NAN,
+            excess: None,
+            before: String::new(),
+            after: String::new(),
+            angular: self.system.angular(&node.point),
+            kind: None,
+            what: String::new(),
+            newton: node.newton,
+            residual: newton::jacobian(&self.system, &node.point)
+                .map_or(node.residual, |(_, residual)| residual),
         };
+        // the step has evaluated the same
+        if let Ok((orbit, unknowns)) = self.system.orbit(&node.point, 0) {
+            (point.measure, point.excess) = P::measure(&orbit, &unknowns);
+            point.before = P::name(&orbit, &unknowns);
+            point.after = match &self.system.condition {
+                Condition::Margin(margin) => {
+                    let here = orbit.margin_at(margin, &unknowns);
+                    let here = here.unwrap_or_else(|_| margin.clone());
+                    let tolerance = self.limits.steps.tolerance;
+                    successor(&orbit, &unknowns, &here, tolerance)
+                        .map_or_else(String::new, |(orbit, node)| P::name(&orbit, &node.point))
+                }
+                _ => point.before.clone(),
+            };
+        }
         Solved {
-            point: Point {
-                parameters: self.system.values(&node.point),
-                speed: wave.speed_at(&unknowns),
-                excess: wave.excess_at(&unknowns),
-                before,
-                after,
-                omega: self.system.omega(&node.point),
-                kind: None,
-                what: String::new(),
-                newton: node.newton,
-                residual: newton::jacobian(&self.system, &node.point)
-                    .map_or(node.residual, |(_, residual)| residual),
-            },
+            point,
             system: self.system.clone(),
             unknowns: node.point.clone(),
         }
     }
 
-    fn closing(&self, _: f64, _: &Node, reached: Solved) -> Solved {
+    fn closing(&self, _: f64, _: &Node, reached: Solved<P>) -> Solved<P> {
         reached
     }
 
-    fn ends_with(&self, refusal: &Refusal) -> Option<Stop> {
+    fn ends_with(&self, refusal: &Refusal<P>) -> Option<Stop> {
         match refusal {
-            Refusal::Gone(gone) => Some(Stop::Gone(*gone)),
+            Refusal::Gone(gone) => Some(Stop::Gone(gone.clone())),
             _ => None,
         }
     }
 }
 
-/// The signature beyond a change of regime.
-fn successor(wave: &Wave, point: &Vector, margin: &Margin, tolerance: f64) -> Option<Signature> {
-    beyond(wave, point, margin, INTO, tolerance)
-        .beyond
-        .map(|beyond| beyond.orbit.signature)
+/// The orbit beyond a change of regime, and the event in its unknowns.
+fn successor<O: Orbit>(
+    orbit: &O,
+    point: &Vector,
+    margin: &O::Margin,
+    tolerance: f64,
+) -> Option<(O, Node)> {
+    let beyond = beyond(orbit, point, margin, INTO, tolerance).beyond?;
+    Some((beyond.orbit, beyond.node))
 }

@@ -1,8 +1,9 @@
 //! Curves of events in two parameters.
 //!
 //! An event of a branch — a fold, a change of regime, a Hopf point — moves along a curve when a second
-//! parameter is let go. [`system`] poses it, the walker of [`crate::continuation`] follows it,
-//! and at every point all other inequalities of the wave are verified, as on a branch. On the way,
+//! parameter is let go. What orbits it belongs to, [`Plane`] says: waves of a [`Tube`], or [`Orbits`] of a user's
+//! system. [`system`] poses it, the walker of [`crate::continuation`] follows it,
+//! and at every point all other inequalities of the orbit are verified, as on a branch. On the way,
 //! points of codimension two are located:
 //!
 //! | type | point | test function |
@@ -11,6 +12,7 @@
 //! | `GR+LP`, `HB+LP`, … | the wave has a fold too | det F_x |
 //! | `CP` | cusp: the curve of folds turns round | (p₁′, p₂′) · (−wᵀF_{p₂}, wᵀF_{p₁}) |
 //! | `BT` | ω → 0 in sector 0 or k/2 | ω |
+//! | `R1`, `R2`, `R3`, `R4` | a pair of multipliers is e^(±2πi/n) | cosine of its angle |
 //!
 //! where wᵀF_x = 0 along the folds: from F_x x′ + F_p p′ = 0 it follows that wᵀF_p p′ = 0, so that p′ is
 //! a multiple of (−wᵀF_{p₂}, wᵀF_{p₁}), and the factor changes sign where the curve has its cusp.
@@ -21,16 +23,22 @@
 //! stationary at the opening of a zone, and its spectrum is not the continuation of the one before.
 
 mod follow;
+mod orbits;
+mod plane;
 mod point;
 mod regions;
 mod run;
 mod saved;
 pub mod start;
 pub mod system;
+mod tube;
 mod whole;
 
-pub use follow::{Gone, Refusal, What};
-pub use point::{Limits, Name, Point, PointType, Region};
+pub use follow::{Gone, Refusal};
+pub use orbits::Orbits;
+pub use plane::{Condition, NotEvaluated, ParameterOf, Plane, Test};
+pub use point::{Limits, Name, Point, PointType, Region, What};
 pub use run::{Run, Singular, follow};
 pub use saved::{End, Found, Head, Next, Reason, State, Step};
+pub use tube::{Hopf, Tube};
 pub use whole::Curve;

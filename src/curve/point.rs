@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::continuation::Steps;
 use crate::model::signature::Regimes;
-use crate::orbit::{EventType, UnknownType};
+use crate::orbit::special::{Change, Close};
+use crate::orbit::{EventType, Orbit, UnknownType};
+use crate::problem;
 
 /// How far to follow, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,6 +19,22 @@ pub struct Limits {
     pub steps: Steps,
     /// Largest number of points in either direction.
     pub most_points: usize,
+}
+
+impl Limits {
+    /// Those of a section of a problem.
+    pub fn of<P, E>(section: &problem::Curve<P, E>) -> Limits {
+        Limits {
+            ranges: [section.range.0, section.range.1],
+            steps: section.steps(),
+            most_points: section.max_points,
+        }
+    }
+
+    /// Widths of the ranges: the units of the parameters.
+    pub fn widths(&self) -> [f64; 2] {
+        self.ranges.map(|(low, high)| high - low)
+    }
 }
 
 /// Type of a point of a curve; written as tables have it.
@@ -31,6 +49,8 @@ pub enum PointType {
     CP,
     /// ω → 0.
     BT,
+    /// Resonance 1:n of a pair of multipliers at e^(2πi/n), n = 1, 2, 3 or 4.
+    Resonance(u8),
 }
 
 impl fmt::Display for PointType {
@@ -40,6 +60,7 @@ impl fmt::Display for PointType {
             PointType::Two(one, other) => write!(formatter, "{one}+{other}"),
             PointType::CP => formatter.write_str("CP"),
             PointType::BT => formatter.write_str("BT"),
+            PointType::Resonance(order) => write!(formatter, "R{order}"),
         }
     }
 }
@@ -57,6 +78,10 @@ impl TryFrom<String> for PointType {
         Ok(match (text.as_str(), text.split_once('+')) {
             ("CP", _) => PointType::CP,
             ("BT", _) => PointType::BT,
+            ("R1", _) => PointType::Resonance(1),
+            ("R2", _) => PointType::Resonance(2),
+            ("R3", _) => PointType::Resonance(3),
+            ("R4", _) => PointType::Resonance(4),
             (_, Some((one, other))) => PointType::Two(one.parse()?, other.parse()?),
             (one, None) => PointType::One(one.parse()?),
         })
@@ -68,14 +93,14 @@ impl TryFrom<String> for PointType {
 pub struct Point {
     /// Both parameters.
     pub parameters: [f64; 2],
-    /// Wave speed c, signed.
-    pub speed: f64,
+    /// Wave speed c, signed; the period of an orbit of a system.
+    pub measure: f64,
     /// Regimes before the event.
     pub before: String,
     /// Regimes after it; empty where no admissible wave was found to go on.
     pub after: String,
-    /// ω of a Hopf point.
-    pub omega: Option<f64>,
+    /// ω of a Hopf point; the angle of a pair of multipliers on the unit circle.
+    pub angular: Option<f64>,
     /// Type of a point of codimension two, of the start and of the ends.
     pub kind: Option<PointType>,
     /// What happens there, in words; empty at ordinary points.
@@ -84,8 +109,8 @@ pub struct Point {
     pub newton: usize,
     /// Largest residual relative to its row of the Jacobian.
     pub residual: f64,
-    /// Excess speed e = |c|/√a − 1.
-    pub excess: f64,
+    /// Excess speed e = |c|/√a − 1 of a wave.
+    pub excess: Option<f64>,
 }
 
 /// The name of a place beside the curve.
@@ -117,4 +142,30 @@ pub enum Name {
         /// Their regimes, each once.
         regimes: Vec<Regimes>,
     },
+}
+
+/// What happens at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum What<O: Orbit> {
+    /// The curve begins: the event on the branch.
+    Begins,
+    /// An edge of the range of a parameter.
+    Edge(O::Parameter, f64),
+    /// Another inequality fails.
+    Meeting {
+        /// The change of regime where it does.
+        second: Box<Change<O>>,
+        /// Whether this event could go on beyond it.
+        may_go_on: bool,
+        /// The signature in which it does.
+        next: Option<O::Signature>,
+    },
+    /// The orbit has a fold too.
+    Fold,
+    /// Two folds meet and vanish.
+    Cusp,
+    /// Another test function vanishes.
+    Other(PointType),
+    /// Something comes so close to zero that rounding decides.
+    Close(Close<O::Held>),
 }

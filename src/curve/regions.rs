@@ -20,8 +20,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Complex;
 
 use super::follow::{INTO, Solved};
+use super::plane::Condition;
 use super::point::{Limits, Name, PointType, Region};
-use super::system::{Condition, EventSystem};
+use super::system::EventSystem;
+use super::tube::{Hopf, Tube};
 use crate::branch::orbit::{Follower, Found};
 use crate::continuation::Node;
 use crate::continuation::arclength::advance;
@@ -30,13 +32,13 @@ use crate::continuation::walk;
 use crate::linalg::Vector;
 use crate::model::signature::{Regimes, Signature};
 use crate::orbit::EventType::{EP, LP, RV, ST, UZ};
+use crate::orbit::Orbit as _;
 use crate::orbit::change::beyond;
 use crate::orbit::follow;
 use crate::orbit::sign::Verdict;
 use crate::stability::characteristic::Characteristic;
 use crate::stability::track;
 use crate::wave::Wave;
-use crate::wave::admissibility::AtZero;
 
 /// Part of the whole length that a stretch needs for its regions to be named.
 const NAMED: f64 = 0.12;
@@ -84,7 +86,8 @@ pub(super) fn regions(points: &[Solved], limits: &Limits) -> Vec<Region> {
         }
     }
     found.sort_by_key(|(stretch, rank, order, _)| (*stretch, *rank, *order));
-    if points.first().map(|first| first.system.condition) == Some(Condition::Fold) {
+    let fold = |first: &Solved| first.system.condition == Condition::Fold;
+    if points.first().is_some_and(fold) {
         let next: BTreeSet<(usize, bool)> = found
             .iter()
             .filter(|(_, (beyond, _), _, _)| !beyond)
@@ -211,7 +214,7 @@ fn beside(
 
 /// The branch through an event along a line, as far as places on the line are concerned.
 struct Section {
-    condition: Condition,
+    condition: Condition<Tube>,
     /// For every place the regimes of the waves that pass, and Re λ of the pair that is followed.
     passages: BTreeMap<usize, Vec<(Regimes, Option<f64>)>>,
     /// Whether the whole of the branch has been seen.
@@ -233,15 +236,15 @@ impl Section {
             return None;
         }
         let mut section = Section {
-            condition: system.condition,
+            condition: system.condition.clone(),
             passages: BTreeMap::new(),
             complete: arms.len() == 2,
         };
         let mut steps = limits.steps;
         steps.ds_min = steps.ds_min.max(SHORTEST);
         let (mut low, mut high) = limits.ranges[axis];
-        match system.condition {
-            Condition::Hopf { .. } => {
+        match &system.condition {
+            Condition::Spectral(_) => {
                 steps.ds_max = steps.ds_max.min(SHORT);
                 steps.ds = steps.ds.min(SHORT);
             }
@@ -265,11 +268,11 @@ impl Section {
                 stop_at: targets.to_vec(),
                 steps,
             };
-            let mut pair = match system.condition {
-                Condition::Hopf { sector } => Some(Pair {
-                    sector,
-                    lambda: Complex::new(0.0, system.omega(at)?),
-                    most: LARGEST_MOVE * system.frequency(),
+            let mut pair = match &system.condition {
+                Condition::Spectral(Hopf { sector }) => Some(Pair {
+                    sector: *sector,
+                    lambda: Complex::new(0.0, system.angular(at)?),
+                    most: LARGEST_MOVE * system.plane.frequency(),
                 }),
                 _ => None,
             };
@@ -299,7 +302,7 @@ impl Section {
     /// The name of a place.
     fn name(&self, target: usize) -> Option<Name> {
         let waves = self.passages.get(&target).map_or(&[][..], Vec::as_slice);
-        if let Condition::Hopf { .. } = self.condition {
+        if let Condition::Spectral(_) = &self.condition {
             let (_, rate) = waves.first()?;
             return Some(Name::Pair {
                 grows: (*rate)? > 0.0,
@@ -308,7 +311,7 @@ impl Section {
         let mut regimes: Vec<Regimes> = waves.iter().map(|(regimes, _)| regimes.clone()).collect();
         regimes.sort_by_key(Regimes::to_string);
         regimes.dedup();
-        let count = match self.condition {
+        let count = match &self.condition {
             Condition::Fold if !self.complete => return None,
             Condition::Fold => Some(waves.len()),
             _ => None,
@@ -412,7 +415,9 @@ fn arms(
     axis: usize,
     tolerance: f64,
 ) -> Vec<(Wave, Vector, bool)> {
-    let (wave, own) = system.wave(point, axis);
+    let Ok((wave, own)) = system.orbit(point, axis) else {
+        return Vec::new();
+    };
     let last = own.len() - 1;
     let mut along = Vector::zeros(last + 1);
     along[last] = 1.0;
@@ -422,9 +427,9 @@ fn arms(
         (way != 0.0).then(|| (wave.clone(), to, way > 0.0))
     };
     let mut found = Vec::with_capacity(2);
-    match system.condition {
+    match &system.condition {
         Condition::Margin(margin) => {
-            let here = AtZero { margin }.margin_at(&wave, &own).unwrap_or(margin);
+            let here = wave.margin_at(margin, &own).unwrap_or(*margin);
             if let Some(mut node) = retangent(&wave, &own, &along, 0) {
                 if here.slope(&wave, &node.tangent) < 0.0 {
                     node.tangent.neg_mut();
@@ -443,7 +448,7 @@ fn arms(
                 found.extend(step(&wave, &node, INTO));
             }
         }
-        Condition::Hopf { .. } => {
+        Condition::Spectral(_) => {
             for up in [true, false] {
                 found.push((wave.clone(), own.clone(), up));
             }

@@ -1,28 +1,28 @@
 //! A curve of events from its beginning to both ends, step by step, and its state between two steps.
 
-use super::follow::{EventCurve, Refusal, Solved, Stop, What};
-use super::point::{Limits, Point, PointType, Region};
+use super::follow::{EventCurve, Refusal, Solved, Stop};
+use super::plane::{Condition, FailureOf, NotEvaluated, Plane};
+use super::point::{Limits, Point, PointType, Region, What};
 use super::regions;
 use super::saved::{End, Found, Head, Next, Reason, State, Step};
-use super::system::{Condition, EventSystem, NotEvaluated};
+use super::system::EventSystem;
+use super::tube::Tube;
 use super::whole::Curve;
 use crate::continuation::Node;
-use crate::continuation::newton::{self, Plane};
+use crate::continuation::newton;
 use crate::continuation::walk::{self, Walker};
-use crate::flow::FlowError;
 use crate::linalg::{self, Vector};
-use crate::model::Parameter;
-use crate::orbit::EventType;
+use crate::orbit::{EventType, Orbit};
 
 /// Why the curve of an event cannot be followed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Singular {
+pub enum Singular<P: Plane = Tube> {
     /// Its equations cannot be evaluated.
     #[error("{0}")]
-    NotEvaluated(#[from] NotEvaluated),
+    NotEvaluated(NotEvaluated<P>),
     /// Its test functions cannot be evaluated, or it is none.
     #[error("{0}")]
-    Refused(#[from] Refusal),
+    Refused(Refusal<P>),
     /// F_x has no null vector at a fold.
     #[error("the fold has no null vector")]
     NoNullVector,
@@ -34,7 +34,7 @@ pub enum Singular {
     NoTangent,
     /// Newton's method does not find it.
     #[error("the event of the branch is no solution: {0}")]
-    NoSolution(#[from] newton::Failure<NotEvaluated>),
+    NoSolution(newton::Failure<NotEvaluated<P>>),
     /// A saved event is not one of its equations.
     #[error("the event does not fit its equations")]
     UnfitEvent,
@@ -49,22 +49,23 @@ pub enum Singular {
     BeyondEnd,
 }
 
-impl From<FlowError> for Singular {
-    fn from(error: FlowError) -> Singular {
-        Singular::NotEvaluated(error.into())
+impl<P: Plane> Singular<P> {
+    /// The orbit cannot be evaluated.
+    pub(super) fn flow(failure: FailureOf<P>) -> Singular<P> {
+        Singular::NotEvaluated(NotEvaluated::Flow(failure))
     }
 }
 
 /// A curve being followed, from its event, first one way and then the other.
-pub struct Run {
-    head: Head,
+pub struct Run<P: Plane = Tube> {
+    head: Head<P>,
     /// Points on either side, away from the event.
-    halves: [Vec<Solved>; 2],
-    ends: Vec<End>,
-    walker: Walker<EventCurve>,
+    halves: [Vec<Solved<P>>; 2],
+    ends: Vec<End<P>>,
+    walker: Walker<EventCurve<P>>,
 }
 
-/// Follows an event both ways from a solution of its equations.
+/// Follows an event of waves both ways from a solution of its equations.
 ///
 /// # Errors
 /// When the start does not solve the equations, or has no tangent.
@@ -79,24 +80,24 @@ pub fn follow(
     Ok(run.curve())
 }
 
-impl Run {
+impl<P: Plane> Run<P> {
     /// Begins at a solution of the equations.
     ///
     /// # Errors
     /// When it is none, or has no tangent.
     pub fn begin(
-        system: &EventSystem,
+        system: &EventSystem<P>,
         event: EventType,
         start: &Vector,
         limits: Limits,
-    ) -> Result<Run, Singular> {
+    ) -> Result<Run<P>, Singular<P>> {
         let mut system = system.clone();
         let node = first_node(&system, start, limits.steps.tolerance)?;
         system.settle(&node.point);
         let walker = walker(&system, event, node.backwards(), limits)?;
         let mut point = walker.here().point;
         point.kind = Some(PointType::One(event));
-        point.what = What::Begins.to_string();
+        point.what = P::say(&What::Begins);
         // the values of the problem where polishing moved them by rounding only
         for (value, given) in point.parameters.iter_mut().zip(system.values(start)) {
             if (*value - given).abs() <= 1e-13 * given.abs().max(1e-3) {
@@ -123,7 +124,7 @@ impl Run {
     ///
     /// # Errors
     /// When they do not fit.
-    pub fn resume(head: Head, steps: Vec<Step>) -> Result<Run, Singular> {
+    pub fn resume(head: Head<P>, steps: Vec<Step<P>>) -> Result<Run<P>, Singular<P>> {
         let mut run = Run {
             walker: head.walker(0)?,
             head,
@@ -159,13 +160,14 @@ impl Run {
     }
 
     /// What the curve begins with.
-    pub fn head(&self) -> &Head {
+    pub fn head(&self) -> &Head<P> {
         &self.head
     }
 
     /// Where the curve is, in words.
     pub fn position(&self) -> String {
-        let [first, second] = self.head.system.parameters().map(Parameter::column);
+        let parameters = self.head.system.parameters();
+        let [first, second] = parameters.each_ref().map(<P::Orbit as Orbit>::column);
         let half = &self.halves[self.ends.len().min(1)];
         let point = half.last().map_or(&self.head.point, |solved| &solved.point);
         format!(
@@ -199,7 +201,7 @@ impl Run {
     ///
     /// # Errors
     /// When the curve does not begin the other way.
-    pub fn step(&mut self) -> Result<Option<Step>, Singular> {
+    pub fn step(&mut self) -> Result<Option<Step<P>>, Singular<P>> {
         if self.ended() {
             return Ok(None);
         }
@@ -213,7 +215,7 @@ impl Run {
         let found = found.into_iter().map(|solved| Found {
             point: solved.point,
             signature: solved.system.signature().clone(),
-            condition: solved.system.condition,
+            condition: solved.system.condition.clone(),
             unknowns: solved.unknowns.as_slice().to_vec(),
         });
         let found = found.collect();
@@ -228,36 +230,38 @@ impl Run {
         Ok(Some(Step { found, next }))
     }
 
-    fn reason(&self, end: walk::EndOf<EventCurve>) -> Reason {
+    fn reason(&self, end: walk::EndOf<EventCurve<P>>) -> Reason<P> {
         match end {
             walk::End::Edge | walk::End::Own(Stop::There) => Reason::There,
             walk::End::Own(Stop::Gone(gone)) => Reason::Gone(gone),
             walk::End::Closed => Reason::Closed,
             walk::End::MaxPoints { most } => Reason::MaxPoints { most },
             walk::End::NoStep { ds_min, reason } => Reason::NoStep { ds_min, reason },
-            walk::End::Creeps { steps, longest } => {
-                let (wave, point) = self
-                    .walker
-                    .curve()
-                    .system
-                    .wave(&self.walker.node().point, 0);
-                let lengths = (0..wave.zones()).map(|zone| (zone, wave.duration_at(&point, zone)));
-                let shortest = lengths.min_by(|one, other| one.1.total_cmp(&other.1));
-                let (zone, duration) = shortest.unwrap_or((0, f64::NAN));
-                Reason::Creeps {
-                    steps,
-                    longest,
-                    beside: (
-                        wave.signature.zone(zone).regime,
-                        duration * wave.speed_at(&point).abs(),
-                    ),
-                }
-            }
+            walk::End::Creeps { steps, longest } => Reason::Creeps {
+                steps,
+                longest,
+                beside: self.shortest(),
+            },
         }
     }
 
+    /// Name and length of the shortest zone where the curve is.
+    fn shortest(&self) -> (String, f64) {
+        let system = &self.walker.curve().system;
+        let signature = system.signature();
+        let at = system.orbit(&self.walker.node().point, 0).ok();
+        let length = |zone: usize| {
+            let at = at.as_ref();
+            at.map_or(f64::NAN, |(orbit, point)| P::length(orbit, point, zone))
+        };
+        let lengths = (0..P::zones(signature)).map(|zone| (zone, length(zone)));
+        let shortest = lengths.min_by(|one, other| one.1.total_cmp(&other.1));
+        let (zone, length) = shortest.unwrap_or((0, f64::NAN));
+        (P::zone(signature, zone), length)
+    }
+
     /// Ends one direction and turns to the other.
-    fn end(&mut self, end: End) -> Result<(), Singular> {
+    fn end(&mut self, end: End<P>) -> Result<(), Singular<P>> {
         if let (Some(last), Some(kind)) = (self.halves[self.ends.len()].last_mut(), end.kind) {
             last.point.kind.get_or_insert(PointType::One(kind));
         }
@@ -272,17 +276,12 @@ impl Run {
         Ok(())
     }
 
-    /// The curve from one end to the other, with what lies beside it.
-    pub fn curve(self) -> Curve {
-        self.with(regions::regions)
-    }
-
     /// The curve without what lies beside it, which takes longer to find than the curve itself.
-    pub fn unnamed(self) -> Curve {
+    pub fn unnamed(self) -> Curve<P> {
         self.with(|_, _| Vec::new())
     }
 
-    fn with(self, beside: impl FnOnce(&[Solved], &Limits) -> Vec<Region>) -> Curve {
+    fn with(self, beside: impl FnOnce(&[Solved<P>], &Limits) -> Vec<Region>) -> Curve<P> {
         let Run {
             head, halves, ends, ..
         } = self;
@@ -311,17 +310,24 @@ impl Run {
     }
 }
 
-impl Head {
+impl Run {
+    /// The curve from one end to the other, with what lies beside it.
+    pub fn curve(self) -> Curve {
+        self.with(regions::regions)
+    }
+}
+
+impl<P: Plane> Head<P> {
     /// Bloch sector of an HB.
     pub fn sector(&self) -> Option<usize> {
-        match self.system.condition {
-            Condition::Hopf { sector } => Some(sector),
+        match &self.system.condition {
+            Condition::Spectral(spectral) => P::sector(spectral),
             _ => None,
         }
     }
 
     /// A walker in the first direction (0) or the second (1).
-    fn walker(&self, half: usize) -> Result<Walker<EventCurve>, Singular> {
+    fn walker(&self, half: usize) -> Result<Walker<EventCurve<P>>, Singular<P>> {
         let node = Node {
             point: Vector::from_column_slice(&self.unknowns),
             tangent: Vector::from_column_slice(&self.tangent),
@@ -337,30 +343,31 @@ impl Head {
 }
 
 /// A walker from a node.
-fn walker(
-    system: &EventSystem,
+fn walker<P: Plane>(
+    system: &EventSystem<P>,
     event: EventType,
     node: Node,
     limits: Limits,
-) -> Result<Walker<EventCurve>, Singular> {
-    let curve = EventCurve::new(system.clone(), event, &node.point, limits)?;
-    Ok(Walker::begin(curve, node, limits.steps)?)
+) -> Result<Walker<EventCurve<P>>, Singular<P>> {
+    let curve = EventCurve::new(system.clone(), event, &node.point, limits);
+    let curve = curve.map_err(Singular::flow)?;
+    Walker::begin(curve, node, limits.steps).map_err(Singular::Refused)
 }
 
 /// A walker at a saved state.
-fn resumed(
-    walker: &Walker<EventCurve>,
-    head: &Head,
-    state: State,
-) -> Result<Walker<EventCurve>, Singular> {
+fn resumed<P: Plane>(
+    walker: &Walker<EventCurve<P>>,
+    head: &Head<P>,
+    state: State<P>,
+) -> Result<Walker<EventCurve<P>>, Singular<P>> {
     let system = head.system.of(state.signature, state.condition);
-    let zones = system.signature().len();
+    let zones = P::zones(system.signature());
     let left = state.left.map(Vector::from_vec);
     let node = Node::at(
         Vector::from_vec(state.unknowns),
         Vector::from_vec(state.tangent),
     );
-    let count = system.wave_unknowns();
+    let count = system.orbit_unknowns();
     let fits = system.fits(&node.point)
         && system.fits(&node.tangent)
         && left.as_ref().is_none_or(|left| left.len() == count)
@@ -375,7 +382,9 @@ fn resumed(
         ..walker.curve.clone()
     };
     Ok(Walker {
-        watched: curve.tests(&node, left.as_ref())?,
+        watched: curve
+            .tests(&node, left.as_ref())
+            .map_err(Singular::Refused)?,
         curve,
         node,
         ds: state.ds,
@@ -386,11 +395,11 @@ fn resumed(
 }
 
 /// The state of a walker.
-fn state(walker: &Walker<EventCurve>) -> State {
+fn state<P: Plane>(walker: &Walker<EventCurve<P>>) -> State<P> {
     let left = walker.watched.cusp.as_ref();
     State {
         signature: walker.curve.system.signature().clone(),
-        condition: walker.curve.system.condition,
+        condition: walker.curve.system.condition.clone(),
         unknowns: walker.node.point.as_slice().to_vec(),
         tangent: walker.node.tangent.as_slice().to_vec(),
         own: walker.curve.own.clone(),
@@ -403,14 +412,19 @@ fn state(walker: &Walker<EventCurve>) -> State {
 }
 
 /// The start with its unit tangent, the null vector of the Jacobian.
-fn first_node(system: &EventSystem, start: &Vector, tolerance: f64) -> Result<Node, Singular> {
+fn first_node<P: Plane>(
+    system: &EventSystem<P>,
+    start: &Vector,
+    tolerance: f64,
+) -> Result<Node, Singular<P>> {
     let tangent = |point: &Vector| {
-        let (matrix, residual) = newton::jacobian(system, point)?;
+        let evaluated = newton::jacobian(system, point);
+        let (matrix, residual) = evaluated.map_err(Singular::NotEvaluated)?;
         let kernel = linalg::kernel(&matrix).ok_or(Singular::NoTangent)?;
-        Ok::<_, Singular>((kernel.null_vector, residual))
+        Ok::<_, Singular<P>>((kernel.null_vector, residual))
     };
     let (normal, _) = tangent(start)?;
-    let mut plane = Plane {
+    let mut plane = newton::Plane {
         normal: &normal,
         through: start,
     };
@@ -420,7 +434,8 @@ fn first_node(system: &EventSystem, start: &Vector, tolerance: f64) -> Result<No
         halvings: 4,
         polish: 1,
     };
-    let solution = newton::solve(system, &mut plane, start, &settings)?;
+    let solution = newton::solve(system, &mut plane, start, &settings);
+    let solution = solution.map_err(Singular::NoSolution)?;
     let (mut null, residual) = tangent(&solution.point)?;
     // towards larger values of the first parameter, the second where that is stationary
     let count = null.len();

@@ -3,20 +3,21 @@
 use serde::{Deserialize, Serialize};
 
 use super::follow::{Gone, Refusal};
+use super::plane::{Condition, NotEvaluated, Plane, SignatureOf};
 use super::point::{Limits, Point};
-use super::system::{Condition, EventSystem, NotEvaluated};
+use super::system::EventSystem;
+use super::tube::Tube;
 use crate::continuation::walk::Refused;
-use crate::model::signature::{Regime, Signature};
 use crate::orbit::EventType;
-use crate::wave::admissibility::Watch;
 
 /// What a curve begins with: the same for all its steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Head {
+#[serde(bound = "")]
+pub struct Head<P: Plane = Tube> {
     /// Type of the event.
     pub event: EventType,
     /// Its equations.
-    pub system: EventSystem,
+    pub system: EventSystem<P>,
     /// How far to follow.
     #[serde(rename = "settings")]
     pub limits: Limits,
@@ -30,22 +31,24 @@ pub struct Head {
 
 /// A point with the equations that it solves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Found {
+#[serde(bound = "")]
+pub struct Found<P: Plane = Tube> {
     /// The point.
     pub point: Point,
-    pub(super) signature: Signature,
-    pub(super) condition: Condition,
+    pub(super) signature: SignatureOf<P>,
+    pub(super) condition: Condition<P>,
     pub(super) unknowns: Vec<f64>,
 }
 
 /// All that the next step depends on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    pub(super) signature: Signature,
-    pub(super) condition: Condition,
+#[serde(bound = "")]
+pub struct State<P: Plane = Tube> {
+    pub(super) signature: SignatureOf<P>,
+    pub(super) condition: Condition<P>,
     pub(super) unknowns: Vec<f64>,
     pub(super) tangent: Vec<f64>,
-    pub(super) own: Vec<(Watch, usize)>,
+    pub(super) own: Vec<(P::Watch, usize)>,
     pub(super) with_fold: bool,
     /// The left null vector behind the factor that vanishes at a cusp, for its sign.
     pub(super) left: Option<Vec<f64>>,
@@ -62,7 +65,8 @@ fn is_zero(count: &usize) -> bool {
 
 /// Why a curve ends in one direction.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub enum Reason {
+#[serde(bound = "")]
+pub enum Reason<P: Plane = Tube> {
     /// It has not ended yet, or an earlier version has said why in words.
     #[default]
     Unknown,
@@ -83,32 +87,33 @@ pub enum Reason {
         steps: usize,
         /// All are shorter than this.
         longest: f64,
-        /// Regime and length of the shortest zone.
-        beside: (Regime, f64),
+        /// Name and length of the shortest zone.
+        beside: (String, f64),
     },
     /// No step succeeds.
     NoStep {
         /// The shortest one.
         ds_min: f64,
         /// Why it was refused.
-        reason: Refused<NotEvaluated, Refusal>,
+        reason: Refused<NotEvaluated<P>, Refusal<P>>,
     },
 }
 
 /// The end of the curve in one direction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct End {
+#[serde(bound = "")]
+pub struct End<P: Plane = Tube> {
     /// Why; earlier versions kept words as `reason`.
     #[serde(rename = "why", default)]
-    pub reason: Reason,
+    pub reason: Reason<P>,
     /// Whether it is one of Newton's method or of `max_points` and not of the curve.
     pub failed: bool,
     /// Type of the last point unless it has one.
     pub(super) kind: Option<EventType>,
 }
 
-impl End {
-    pub(super) fn new(reason: Reason) -> End {
+impl<P: Plane> End<P> {
+    pub(super) fn new(reason: Reason<P>) -> End<P> {
         let kind = match reason {
             Reason::Unknown | Reason::There | Reason::Closed => None,
             Reason::Gone(_) => Some(EventType::EP),
@@ -124,18 +129,20 @@ impl End {
 
 /// A step in either direction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Step {
+#[serde(bound = "")]
+pub struct Step<P: Plane = Tube> {
     /// Points found, in order.
-    pub found: Vec<Found>,
+    pub found: Vec<Found<P>>,
     /// What comes next.
-    pub next: Next,
+    pub next: Next<P>,
 }
 
 /// What comes after a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Next {
+#[serde(bound = "")]
+pub enum Next<P: Plane = Tube> {
     /// The next step.
-    Going(Box<State>),
+    Going(Box<State<P>>),
     /// The end in this direction.
-    Ended(End),
+    Ended(End<P>),
 }

@@ -1,27 +1,31 @@
 //! The event that a curve begins with, found on a branch.
 
-use crate::branch::SavedWave;
-use crate::branch::run::{End, Item, RunError, Runner};
-use crate::continuation::Steps;
-use crate::continuation::newton;
-use crate::linalg::{self, Vector};
-use crate::model::Parameter;
-use crate::model::Sectors;
-use crate::orbit::EventType;
-use crate::orbit::legs::Run as _;
-use crate::problem::{self, Problem, StabilitySection};
-use crate::wave::Wave;
-use crate::wave::admissibility::{Margin, Watch, examine};
+use std::fmt::Display;
 
-use super::system::{Condition, EventSystem};
+use super::orbits::{Critical, Orbits};
+use super::plane::{Condition, MarginOf, Plane};
+use super::system::EventSystem;
+use super::tube::{Hopf, Tube};
 use super::{Limits, Singular};
+use crate::affine::orbit::AffineOrbit;
+use crate::affine::orbit::start::saved as posed;
+use crate::branch::SavedWave;
+use crate::branch::run::{Item, RunError, Runner};
+use crate::continuation::newton;
+use crate::hybrid::{self, LabelledOrbit};
+use crate::linalg::{self, Vector};
+use crate::model::{Parameter, Sectors};
+use crate::orbit::legs::{self, Run};
+use crate::orbit::{EventType, Examined, Orbit};
+use crate::problem::{self, Problem, StabilitySection, SystemCurve, SystemProblem};
+use crate::wave::Wave;
 
 /// Why there is no curve.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoCurve {
+pub enum NoCurve<P: Plane = Tube> {
     /// The branch does not begin.
     #[error("{0}")]
-    Run(#[from] RunError),
+    Run(P::NoBranch),
     /// The branch has no such event.
     #[error(
         "the branch has {found} events of the kind asked for, {wanted}, and not number {index}{end}"
@@ -37,7 +41,7 @@ pub enum NoCurve {
         end: String,
     },
     /// The label is no event that has a curve.
-    #[error("label {label} is of type {kind}; curves follow LP, GR, RV, CO, ST and HB")]
+    #[error("label {label} is of type {kind}; curves follow {}", list(P::FOLLOWED))]
     Kind {
         /// Label.
         label: usize,
@@ -51,7 +55,7 @@ pub enum NoCurve {
     )]
     Outside {
         /// Parameter.
-        name: &'static str,
+        name: String,
         /// Its value at the event.
         value: f64,
         /// Lower end.
@@ -61,16 +65,32 @@ pub enum NoCurve {
     },
     /// The equations of the event cannot be posed or solved.
     #[error("the curve cannot begin: {0}")]
-    Singular(#[from] Singular),
+    Singular(Singular<P>),
+}
+
+impl<P: Plane> From<Singular<P>> for NoCurve<P> {
+    fn from(reason: Singular<P>) -> NoCurve<P> {
+        NoCurve::Singular(reason)
+    }
+}
+
+/// Types in a sentence.
+fn list(kinds: &[EventType]) -> String {
+    let words: Vec<String> = kinds.iter().map(EventType::to_string).collect();
+    match words.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, before)) => format!("{} and {last}", before.join(", ")),
+        None => String::new(),
+    }
 }
 
 /// An event ready to be followed.
 #[derive(Clone, Debug)]
-pub struct Start {
+pub struct Start<P: Plane = Tube> {
     /// Its type.
     pub event: EventType,
     /// Its equations.
-    pub system: EventSystem,
+    pub system: EventSystem<P>,
     /// Their solution on the branch.
     pub point: Vector,
     /// How far to follow.
@@ -79,6 +99,41 @@ pub struct Start {
 
 /// A scaled margin below this vanishes at a located event.
 const VANISHED: f64 = 1e-9;
+
+/// Follows a branch to the event of this type and number, which `wanted` names. `watch` sees the branch after every
+/// step.
+fn event<P: Plane, R: Run<Orbit = P::Orbit>>(
+    mut branch: R,
+    (kind, index): (Option<EventType>, usize),
+    wanted: String,
+    of: impl Fn(&R::Item) -> Option<EventType>,
+    watch: &mut dyn FnMut(&R),
+) -> Result<R::Item, NoCurve<P>>
+where
+    crate::orbit::special::Failure<P::Orbit>: Display,
+{
+    let mut found = 0;
+    while branch.progress().end.is_none() {
+        watch(&branch);
+        for item in branch.step() {
+            if kind.is_some() && of(&item) == kind {
+                found += 1;
+                if found == index {
+                    return Ok(item);
+                }
+            }
+        }
+    }
+    Err(NoCurve::NotFound {
+        wanted,
+        index,
+        found,
+        end: match &branch.progress().end {
+            Some(legs::End::Failed(reason)) => format!("; it ended before its range: {reason}"),
+            _ => String::new(),
+        },
+    })
+}
 
 /// Follows the branch of a problem, which `begin` begins, to the event that its curve begins with. `watch`
 /// sees the branch after every step.
@@ -102,34 +157,87 @@ pub fn find(
         sectors: Sectors::Only(vec![curve.sector]),
         ..section
     };
-    let event = curve.event.kind();
-    plain.stability = (event == Some(EventType::HB)).then_some(of_sector);
-    let mut branch = begin(&plain)?;
-    let mut found = 0;
-    while branch.progress().end.is_none() {
-        watch(&branch);
-        for item in branch.step() {
-            if event.is_some() && item.point.kind == event {
-                found += 1;
-                if found == curve.index {
-                    return of_branch(&item, curve);
-                }
-            }
-        }
-    }
-    let mut wanted = event.map_or_else(String::new, |event| event.to_string());
-    if event == Some(EventType::HB) {
+    let kind = curve.event.kind();
+    plain.stability = (kind == Some(EventType::HB)).then_some(of_sector);
+    let branch = begin(&plain).map_err(NoCurve::Run)?;
+    let mut wanted = kind.map_or_else(String::new, |kind| kind.to_string());
+    if kind == Some(EventType::HB) {
         wanted.push_str(&format!(" of sector {}", curve.sector));
     }
-    Err(NoCurve::NotFound {
-        wanted,
-        index: curve.index,
-        found,
-        end: match &branch.progress().end {
-            Some(End::Failed(reason)) => format!("; it ended before its range: {reason}"),
-            _ => String::new(),
-        },
-    })
+    let of = |item: &Item| item.point.kind;
+    let item = event::<Tube, Runner>(branch, (kind, curve.index), wanted, of, watch)?;
+    of_branch(&item, curve)
+}
+
+/// Follows the branch of a problem with a system, which `begin` begins, to the event that its curve begins with.
+///
+/// # Errors
+/// As [`find`].
+pub fn find_of_system(
+    problem: &SystemProblem,
+    curve: &SystemCurve,
+    begin: impl FnOnce(&SystemProblem) -> Result<hybrid::Runner, hybrid::NoStart>,
+    watch: &mut dyn FnMut(&hybrid::Runner),
+) -> Result<Start<Orbits>, NoCurve<Orbits>> {
+    let mut plain = problem.clone();
+    plain.output.profiles = 0;
+    let kind = curve.event.kind();
+    let of_spectrum = kind.is_some_and(EventType::of_spectrum);
+    plain.stability = of_spectrum.then(problem::Multipliers::default);
+    let branch = begin(&plain).map_err(NoCurve::Run)?;
+    let wanted = kind.map_or_else(String::new, |kind| kind.to_string());
+    let of = |item: &hybrid::Item| item.point.kind;
+    let item = event::<Orbits, hybrid::Runner>(branch, (kind, curve.index), wanted, of, watch)?;
+    let (orbit, point) = item.orbit();
+    pose_orbit(
+        orbit,
+        point,
+        item.point.kind.unwrap_or(EventType::EP),
+        curve,
+    )
+}
+
+/// The event of a system that an earlier run labelled, with its saved orbit.
+///
+/// # Errors
+/// As [`labelled`].
+pub fn labelled_of_system(
+    problem: &SystemProblem,
+    saved: &LabelledOrbit,
+    kind: EventType,
+    curve: &SystemCurve,
+) -> Result<Start<Orbits>, NoCurve<Orbits>> {
+    let (label, first) = (saved.label, &curve.parameters.0);
+    if !Orbits::FOLLOWED.contains(&kind) {
+        return Err(NoCurve::Kind { label, kind });
+    }
+    let (low, high) = curve.range.0;
+    let none = |reason| NoCurve::Run(hybrid::NoStart::NoOrbit(reason));
+    let parameter = problem.system.source.parameters.index(first);
+    let parameter = parameter.ok_or(NoCurve::Run(hybrid::NoStart::Unknown))?;
+    let posed = posed(&problem.system, &saved.orbit, parameter, high - low);
+    let (orbit, point) = posed.map_err(none)?;
+    pose_orbit(&orbit, &point, kind, curve)
+}
+
+/// The equations of an event of a system.
+fn pose_orbit(
+    orbit: &AffineOrbit,
+    point: &Vector,
+    kind: EventType,
+    curve: &SystemCurve,
+) -> Result<Start<Orbits>, NoCurve<Orbits>> {
+    let limits = Limits::of(curve);
+    let parameters = &orbit.setting.system.source.parameters;
+    let index = |name: &String| parameters.index(name).unwrap_or(0);
+    let pair = [index(&curve.parameters.0), index(&curve.parameters.1)];
+    let plane = Orbits::new(orbit, point, pair, limits.widths());
+    let spectral = match kind {
+        EventType::PD => Some((Critical::PeriodDoubling, Vec::new())),
+        EventType::NS => Some((Critical::Torus, Vec::new())),
+        _ => None,
+    };
+    pose(plane, orbit, point, (kind, spectral), limits)
 }
 
 /// An event as a result folder tells it.
@@ -152,7 +260,7 @@ fn of_branch(item: &Item, curve: &problem::Curve) -> Result<Start, NoCurve> {
         sector: curve.sector,
         omega: event.and_then(|event| event.omega),
     };
-    pose(wave, point, labelled, curve)
+    pose_wave(wave, point, labelled, curve)
 }
 
 /// The event that an earlier run labelled, with its saved wave.
@@ -166,7 +274,7 @@ pub fn labelled(
     event: Labelled,
     curve: &problem::Curve,
 ) -> Result<Start, NoCurve> {
-    if !FOLLOWED.contains(&event.kind) {
+    if !Tube::FOLLOWED.contains(&event.kind) {
         return Err(NoCurve::Kind {
             label: saved.label,
             kind: event.kind,
@@ -180,92 +288,85 @@ pub fn labelled(
     };
     let value = saved.model.value(curve.parameters.0).unwrap_or(f64::NAN);
     let point = wave.pack(&saved.unknowns(), saved.excess, value);
-    pose(&wave, &point, event, curve)
+    pose_wave(&wave, &point, event, curve)
 }
 
-/// Events that have a curve.
-const FOLLOWED: [EventType; 6] = [
-    EventType::LP,
-    EventType::GR,
-    EventType::RV,
-    EventType::CO,
-    EventType::ST,
-    EventType::HB,
-];
-
-/// The equations of an event.
-fn pose(
+/// The equations of an event of waves.
+fn pose_wave(
     wave: &Wave,
     point: &Vector,
     event: Labelled,
     curve: &problem::Curve,
 ) -> Result<Start, NoCurve> {
+    let limits = Limits::of(curve);
     let parameters = [curve.parameters.0, curve.parameters.1];
     let material = wave.material || parameters.contains(&Parameter::StiffnessDamping);
     let layered;
     let (wave, point) = if material && !wave.material {
-        layered = wave.with_layers(point).map_err(Singular::from)?;
+        layered = wave.with_layers(point).map_err(Singular::flow)?;
         (&layered.0, &layered.1)
     } else {
         (wave, point)
     };
-    let ranges = [curve.range.0, curve.range.1];
-    let widths = ranges.map(|(low, high)| high - low);
-    let model = wave.model_at(point);
-    for (parameter, (low, high)) in parameters.into_iter().zip(ranges) {
-        let value = model.value(parameter).unwrap_or(f64::NAN);
+    let plane = Tube::new(wave, point, parameters, limits.widths());
+    let spectral = (event.kind == EventType::HB).then(|| {
+        let scaled = event.omega.unwrap_or(f64::NAN) / plane.frequency();
+        let sector = event.sector;
+        (Hopf { sector }, vec![scaled])
+    });
+    pose(plane, wave, point, (event.kind, spectral), limits)
+}
+
+/// What of the spectrum makes an event, and its further unknowns.
+type OfSpectrum<P> = Option<(<P as Plane>::Spectral, Vec<f64>)>;
+
+/// The equations of an event.
+fn pose<P: Plane>(
+    plane: P,
+    orbit: &P::Orbit,
+    point: &Vector,
+    (event, spectral): (EventType, OfSpectrum<P>),
+    limits: Limits,
+) -> Result<Start<P>, NoCurve<P>> {
+    let named = plane.parameters().into_iter().zip(plane.values());
+    for ((parameter, value), (low, high)) in named.zip(limits.ranges) {
         if !(value >= low && value <= high) {
             return Err(NoCurve::Outside {
-                name: parameter.column(),
+                name: P::Orbit::column(&parameter).to_owned(),
                 value,
                 low,
                 high,
             });
         }
     }
-    let posed = |condition| EventSystem::new(wave, point, parameters, widths, condition);
-    let (system, further) = match event.kind {
-        EventType::LP => {
-            let (matrix, _) = newton::jacobian(wave, point).map_err(Singular::from)?;
+    let (condition, further) = match (event, spectral) {
+        (_, Some((spectral, further))) => (Condition::Spectral(spectral), further),
+        (EventType::LP, None) => {
+            let (matrix, _) = newton::jacobian(orbit, point).map_err(Singular::flow)?;
             let count = matrix.nrows();
             let least = linalg::least(&matrix.columns(0, count).clone_owned())
                 .ok_or(Singular::NoNullVector)?;
-            (posed(Condition::Fold), least.right.as_slice().to_vec())
-        }
-        EventType::HB => {
-            let system = posed(Condition::Hopf {
-                sector: event.sector,
-            });
-            let scaled = event.omega.unwrap_or(f64::NAN) / system.frequency();
-            (system, vec![scaled])
+            (Condition::Fold, least.right.as_slice().to_vec())
         }
         _ => {
-            let examination = examine(wave, point).map_err(Singular::from)?;
-            let mut margins: Vec<Margin> = examination
-                .margins
-                .into_iter()
-                .filter(|margin| margin.jet.value.abs() < VANISHED)
+            let examination = orbit.examination(point).map_err(Singular::flow)?;
+            let mut margins: Vec<MarginOf<P>> = examination
+                .margins()
+                .iter()
+                .filter(|margin| P::Orbit::value(margin).abs() < VANISHED)
+                .cloned()
                 .collect();
             // a zone without length says most, as on the branch
-            margins.sort_by_key(|margin| margin.watch != Watch::Duration);
-            let margin = *margins.first().ok_or(Singular::NoMargin)?;
-            (posed(Condition::Margin(margin)), Vec::new())
+            margins.sort_by_key(P::Orbit::precedence);
+            let margin = margins.first().cloned().ok_or(Singular::NoMargin)?;
+            (Condition::Margin(margin), Vec::new())
         }
     };
-    let point = system.pack(point, &further);
+    let system = EventSystem::new(plane, orbit.signature().clone(), condition);
     Ok(Start {
-        event: event.kind,
+        event,
+        point: system.pack(point, &further),
         system,
-        point,
-        limits: Limits {
-            ranges,
-            steps: Steps {
-                ds: curve.ds,
-                ds_min: curve.ds_min,
-                ds_max: curve.ds_max,
-                tolerance: curve.tolerance,
-            },
-            most_points: curve.max_points,
-        },
+        limits,
     })
 }

@@ -1,208 +1,155 @@
 //! An event as a system of equations: the wave, and the condition that makes it special.
 //!
-//! With F(x, p₁, p₂) = 0 the equations of a wave in its entry states, durations and ln e,
+//! With F(x, p₁, p₂) = 0 the equations of an orbit, of a wave in its entry states, durations and ln e,
 //!
 //! | event | further unknowns | further equations |
 //! |---|---|---|
-//! | GR, RV, CO, ST | | m(x, p₁, p₂) = 0, the margin that vanishes |
+//! | GR, RV, CO, ST, SL | | m(x, p₁, p₂) = 0, the margin that vanishes |
 //! | LP | v | F_x v = 0, (v·v − 1)/2 = 0 |
 //! | HB | ω | Re F_j(iω) = Im F_j(iω) = 0 |
+//! | PD, NS | | det(M + 1) = 0; ∏(1 − μᵢμⱼ) = 0 over pairs |
 //!
-//! (Moore and Spence for the fold; F_j is the characteristic function of Bloch sector j.) A wave is
-//! posed in one parameter: posed in p₁ it gives all columns but the last, posed in p₂ the last.
+//! (Moore and Spence for the fold; F_j is the characteristic function of Bloch sector j, M the linearised motion
+//! over a period with the multipliers μ.) An orbit is posed in one parameter: posed in p₁ it gives all columns but
+//! the last, posed in p₂ the last.
 //!
-//! Derivatives of F and m are exact. Those of F_x v and of F_j in x, p₁, p₂ are central differences:
+//! Derivatives of F and m are exact. Those of F_x v, of F_j and of M in x, p₁, p₂ are central differences:
 //! they bend the way of Newton's iterates and not the equations, which are exact.
 
-use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
+use super::plane::{
+    Condition, ExaminationOf, FailureOf, NotEvaluated, ParameterOf, Plane, SignatureOf, Test,
+};
+use super::tube::Tube;
 use crate::continuation::newton::{Constraint, System};
-use crate::flow::FlowError;
-use crate::flow::method::Method;
 use crate::linalg::{Matrix, Vector};
-use crate::model::signature::Signature;
-use crate::model::{Model, Parameter};
-use crate::stability::characteristic::{Characteristic, NotLinearised};
-use crate::wave::admissibility::{AtZero, Margin};
-use crate::wave::width;
-use crate::wave::{Scales, Wave};
+use crate::orbit::AtZero;
 
 /// Step of central differences in scaled unknowns of order one: truncation and rounding both stay
 /// near 1e-10 of the derivative, far below what keeps Newton's convergence fast.
 const DIFFERENCE: f64 = 1e-5;
 
-/// What makes the wave special.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Condition {
-    /// A margin vanishes.
-    Margin(Margin),
-    /// Fold in either parameter.
-    Fold,
-    /// A pair ±iω in a Bloch sector.
-    Hopf {
-        /// Sector.
-        sector: usize,
-    },
-}
-
-/// Why the equations could not be evaluated.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
-pub enum NotEvaluated {
-    /// The flow overflows or the wave is subsonic.
-    #[error("{0}")]
-    Flow(#[from] FlowError),
-    /// There is no eigenfunction problem.
-    #[error("{0}")]
-    Linear(#[from] NotLinearised),
-}
-
-/// The equations of an event in two parameters. Unknowns: the wave's without its parameter, those of
+/// The equations of an event in two parameters. Unknowns: the orbit's without its parameter, those of
 /// the condition, both parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct EventSystem {
-    #[serde(with = "crate::model::saved")]
-    model: Model,
-    parameters: [Parameter; 2],
-    widths: [f64; 2],
-    mode: u32,
-    signature: Signature,
-    scales: Scales,
-    method: Method,
-    material: bool,
+#[serde(bound = "")]
+pub struct EventSystem<P: Plane = Tube> {
+    /// The orbits.
+    pub plane: P,
+    signature: SignatureOf<P>,
     /// The condition; the place of an interior margin follows the curve.
-    pub condition: Condition,
+    pub condition: Condition<P>,
 }
 
-impl EventSystem {
-    /// The event at a solved wave. `widths` are the units of the parameters.
-    pub fn new(
-        wave: &Wave,
-        point: &Vector,
-        parameters: [Parameter; 2],
-        widths: [f64; 2],
-        condition: Condition,
-    ) -> EventSystem {
+impl<P: Plane> EventSystem<P> {
+    /// The event of an orbit of this signature.
+    pub fn new(plane: P, signature: SignatureOf<P>, condition: Condition<P>) -> EventSystem<P> {
         EventSystem {
-            model: wave.model_at(point),
-            parameters,
-            widths,
-            mode: wave.mode,
-            signature: wave.signature.clone(),
-            scales: wave.scales,
-            method: wave.method,
-            material: wave.material || parameters.contains(&Parameter::StiffnessDamping),
+            plane,
+            signature,
             condition,
         }
     }
 
-    /// The same plane and model with another signature and condition.
-    pub fn of(&self, signature: Signature, condition: Condition) -> EventSystem {
+    /// The same plane with another signature and condition.
+    pub fn of(&self, signature: SignatureOf<P>, condition: Condition<P>) -> EventSystem<P> {
         EventSystem {
             signature,
             condition,
-            ..self.clone()
+            plane: self.plane.clone(),
         }
     }
 
-    /// Signature of the wave.
-    pub fn signature(&self) -> &Signature {
+    /// Signature of the orbit.
+    pub fn signature(&self) -> &SignatureOf<P> {
         &self.signature
     }
 
-    /// Number of unknowns of the wave, its parameter left out.
-    pub(crate) fn wave_unknowns(&self) -> usize {
-        width(self.material, &self.signature) * self.signature.len() + 1
+    /// Number of unknowns of the orbit, its parameter left out.
+    pub(crate) fn orbit_unknowns(&self) -> usize {
+        self.plane.unknowns(&self.signature)
     }
 
     /// Whether these can be unknowns of the event.
     pub fn fits(&self, point: &Vector) -> bool {
-        let zone = match self.condition {
-            Condition::Margin(margin) => margin.zone,
+        let zone = match &self.condition {
+            Condition::Margin(margin) => P::key(margin).1,
             _ => 0,
         };
-        zone < self.signature.len()
+        zone < P::zones(&self.signature)
             && point.len() == self.unknowns()
             && point.iter().all(|value| value.is_finite())
     }
 
     /// Both parameters at a point, in physical units.
     pub fn values(&self, point: &Vector) -> [f64; 2] {
-        let count = point.len();
-        [
-            point[count - 2] * self.widths[0],
-            point[count - 1] * self.widths[1],
-        ]
+        let (count, widths) = (point.len(), self.widths());
+        [point[count - 2] * widths[0], point[count - 1] * widths[1]]
     }
 
     /// The two parameters.
-    pub fn parameters(&self) -> [Parameter; 2] {
-        self.parameters
+    pub fn parameters(&self) -> [ParameterOf<P>; 2] {
+        self.plane.parameters()
     }
 
     /// Units of the parameters.
     pub fn widths(&self) -> [f64; 2] {
-        self.widths
+        self.plane.widths()
     }
 
-    /// Unit of ω: the frequency of the first wave.
-    pub fn frequency(&self) -> f64 {
-        std::f64::consts::TAU / self.scales.time
-    }
-
-    /// ω at a point of a Hopf curve.
-    pub fn omega(&self, point: &Vector) -> Option<f64> {
-        match self.condition {
-            Condition::Hopf { .. } => Some(point[self.wave_unknowns()] * self.frequency()),
-            _ => None,
+    /// Further unknowns of an event of the spectrum.
+    fn further<'a>(&self, point: &'a Vector) -> &'a [f64] {
+        let count = self.orbit_unknowns();
+        match &self.condition {
+            Condition::Spectral(spectral) => &point.as_slice()[count..count + P::further(spectral)],
+            _ => &[],
         }
     }
 
-    /// The wave posed in one of the two parameters, and its unknowns at a point.
-    pub fn wave(&self, point: &Vector, index: usize) -> (Wave, Vector) {
-        let [first, second] = self.values(point);
-        let model = self
-            .model
-            .with(self.parameters[0], first)
-            .with(self.parameters[1], second);
-        let scales = Scales {
-            parameter: self.widths[index],
-            ..self.scales
+    /// Frequency or angle of an event of the spectrum.
+    pub fn angular(&self, point: &Vector) -> Option<f64> {
+        let Condition::Spectral(spectral) = &self.condition else {
+            return None;
         };
-        let wave = Wave::new(
-            model,
-            self.parameters[index],
-            self.mode,
-            self.signature.clone(),
-            scales,
-        )
-        .with_method(self.method)
-        .with_material(self.material);
-        let mut own = point.rows(0, self.wave_unknowns() + 1).clone_owned();
-        own[self.wave_unknowns()] = point[point.len() - 2 + index];
-        (wave, own)
+        let (orbit, own) = self.orbit(point, 0).ok()?;
+        self.plane
+            .angular(spectral, &orbit, &own, self.further(point))
     }
 
-    /// Unknowns of the event from those of a wave; `further` are those of the condition.
-    pub fn pack(&self, wave: &Vector, further: &[f64]) -> Vector {
-        let count = self.wave_unknowns();
-        let mut point: Vec<f64> = wave.iter().take(count).copied().collect();
+    /// The orbit posed in one of the two parameters, and its unknowns at a point.
+    ///
+    /// # Errors
+    /// The system makes no sense there.
+    pub fn orbit(&self, point: &Vector, index: usize) -> Result<(P::Orbit, Vector), FailureOf<P>> {
+        let values = self.values(point);
+        let orbit = self.plane.orbit(&self.signature, values, index)?;
+        let count = self.orbit_unknowns();
+        let mut own = point.rows(0, count + 1).clone_owned();
+        own[count] = point[point.len() - 2 + index];
+        Ok((orbit, own))
+    }
+
+    /// Unknowns of the event from those of an orbit; `further` are those of the condition.
+    pub fn pack(&self, orbit: &Vector, further: &[f64]) -> Vector {
+        let count = self.orbit_unknowns();
+        let mut point: Vec<f64> = orbit.iter().take(count).copied().collect();
         point.extend(further);
-        for (parameter, width) in self.parameters.iter().zip(self.widths) {
-            point.push(self.model.value(*parameter).unwrap_or(f64::NAN) / width);
+        for (value, width) in self.plane.values().iter().zip(self.widths()) {
+            point.push(value / width);
         }
         Vector::from_vec(point)
     }
 
     /// F and its derivatives in x, p₁, p₂.
-    pub(crate) fn wave_equations(&self, point: &Vector) -> Result<(Vector, Matrix), FlowError> {
-        let count = self.wave_unknowns();
+    pub(crate) fn orbit_equations(&self, point: &Vector) -> Result<(Vector, Matrix), FailureOf<P>> {
+        let count = self.orbit_unknowns();
         let mut residual = Vector::zeros(count);
         let mut all = Matrix::zeros(count, count + 2);
         for index in 0..2 {
-            let (wave, own) = self.wave(point, index);
+            let (orbit, own) = self.orbit(point, index)?;
             let mut matrix = Matrix::zeros(count, count + 1);
-            wave.evaluate(&own, residual.as_mut_slice(), &mut matrix)?;
+            orbit.evaluate(&own, residual.as_mut_slice(), &mut matrix)?;
             if index == 0 {
                 all.columns_mut(0, count)
                     .copy_from(&matrix.columns(0, count));
@@ -213,46 +160,53 @@ impl EventSystem {
         Ok((residual, all))
     }
 
-    /// F_j(iω), in sector 0 divided by iω: there λ = 0 is an eigenvalue of every wave, translation.
-    pub fn characteristic(
+    /// The equations of an event of the spectrum.
+    fn spectral(
+        &self,
+        spectral: &P::Spectral,
+        point: &Vector,
+    ) -> Result<Vec<f64>, NotEvaluated<P>> {
+        let (orbit, own) = self.orbit(point, 0).map_err(NotEvaluated::Flow)?;
+        self.plane
+            .spectral(spectral, &orbit, &own, self.further(point))
+    }
+
+    /// Test functions of the plane at a point, from what an examination found there.
+    pub(super) fn tests(
         &self,
         point: &Vector,
-        sector: usize,
-    ) -> Result<Complex<f64>, NotEvaluated> {
-        let (wave, own) = self.wave(point, 0);
-        let characteristic = Characteristic::new(&wave, &own)?;
-        let scaled = point[self.wave_unknowns()];
-        let lambda = Complex::new(0.0, scaled * self.frequency());
-        let (value, _) = characteristic
-            .evaluate(lambda)
-            .sector(characteristic.multiplier(sector));
-        Ok(match sector {
-            0 => value / Complex::new(0.0, scaled),
-            _ => value,
-        })
+        (orbit, own): &(P::Orbit, Vector),
+        examination: &ExaminationOf<P>,
+    ) -> Vec<Test> {
+        let further = self.further(point);
+        self.plane
+            .tests(&self.condition, orbit, own, further, examination)
     }
 
     /// Follows the place of an interior margin to a new point of the curve.
     pub fn settle(&mut self, point: &Vector) {
-        if let Condition::Margin(margin) = self.condition {
-            let (wave, own) = self.wave(point, 0);
-            let mut at = AtZero { margin };
-            if let Ok(here) = at.margin_at(&wave, &own) {
-                self.condition = Condition::Margin(here);
+        if let Condition::Margin(margin) = &self.condition
+            && let Ok((orbit, own)) = self.orbit(point, 0)
+        {
+            let mut at = AtZero {
+                margin: margin.clone(),
+            };
+            if let Ok(here) = at.margin_at(&orbit, &own) {
+                self.condition = Condition::Margin(here.clone());
             }
         }
     }
 }
 
-impl System for EventSystem {
-    type Failure = NotEvaluated;
+impl<P: Plane> System for EventSystem<P> {
+    type Failure = NotEvaluated<P>;
 
     fn unknowns(&self) -> usize {
-        let count = self.wave_unknowns();
-        match self.condition {
+        let count = self.orbit_unknowns();
+        match &self.condition {
             Condition::Margin(_) => count + 2,
             Condition::Fold => 2 * count + 2,
-            Condition::Hopf { .. } => count + 3,
+            Condition::Spectral(spectral) => count + P::further(spectral) + 2,
         }
     }
 
@@ -261,10 +215,10 @@ impl System for EventSystem {
         point: &Vector,
         residual: &mut [f64],
         jacobian: &mut Matrix,
-    ) -> Result<(), NotEvaluated> {
-        let count = self.wave_unknowns();
+    ) -> Result<(), NotEvaluated<P>> {
+        let count = self.orbit_unknowns();
         let last = self.unknowns() - 2;
-        let (value, by) = self.wave_equations(point)?;
+        let (value, by) = self.orbit_equations(point).map_err(NotEvaluated::Flow)?;
         residual[..count].copy_from_slice(value.as_slice());
         jacobian
             .view_mut((0, 0), (count, count))
@@ -272,12 +226,16 @@ impl System for EventSystem {
         jacobian
             .view_mut((0, last), (count, 2))
             .copy_from(&by.columns(count, 2));
-        match self.condition {
+        match &self.condition {
             Condition::Margin(margin) => {
                 for index in 0..2 {
-                    let (wave, own) = self.wave(point, index);
+                    let (orbit, own) = self.orbit(point, index).map_err(NotEvaluated::Flow)?;
                     let mut gradient = vec![0.0; count + 1];
-                    residual[count] = AtZero { margin }.evaluate(&wave, &own, &mut gradient)?;
+                    let mut at = AtZero {
+                        margin: margin.clone(),
+                    };
+                    let value = at.evaluate(&orbit, &own, &mut gradient);
+                    residual[count] = value.map_err(NotEvaluated::Flow)?;
                     for (column, entry) in gradient.iter().take(count).enumerate() {
                         jacobian[(count, column)] = *entry;
                     }
@@ -295,7 +253,8 @@ impl System for EventSystem {
                     for index in 0..count {
                         there[index] += sign * DIFFERENCE * null[index];
                     }
-                    self.wave_equations(&there).map(|(_, by)| by)
+                    let equations = self.orbit_equations(&there).map_err(NotEvaluated::Flow);
+                    equations.map(|(_, by)| by)
                 };
                 let second = (moved(1.0)? - moved(-1.0)?) / (2.0 * DIFFERENCE);
                 jacobian
@@ -311,27 +270,26 @@ impl System for EventSystem {
                     jacobian[(2 * count, count + index)] = null[index];
                 }
             }
-            Condition::Hopf { sector } => {
-                let value = self.characteristic(point, sector)?;
-                residual[count] = value.re;
-                residual[count + 1] = value.im;
+            Condition::Spectral(spectral) => {
+                let value = self.spectral(spectral, point)?;
+                residual[count..].copy_from_slice(&value);
                 for column in 0..self.unknowns() {
                     let moved = |step: f64| {
                         let mut there = point.clone();
                         there[column] += step;
-                        self.characteristic(&there, sector)
+                        self.spectral(spectral, &there)
                     };
-                    // β has no values below zero: there the difference is one-sided
-                    let is_beta = column >= last
-                        && self.parameters[column - last] == Parameter::StiffnessDamping;
-                    let down = if is_beta && point[column] < DIFFERENCE {
+                    // some parameters have no values below zero: there the difference is one-sided
+                    let bounded = column >= last && self.plane.is_bounded(column - last);
+                    let down = if bounded && point[column] < DIFFERENCE {
                         0.0
                     } else {
                         DIFFERENCE
                     };
-                    let slope = (moved(DIFFERENCE)? - moved(-down)?) / (DIFFERENCE + down);
-                    jacobian[(count, column)] = slope.re;
-                    jacobian[(count + 1, column)] = slope.im;
+                    let ends = moved(DIFFERENCE)?.into_iter().zip(moved(-down)?);
+                    for (row, (above, below)) in ends.enumerate() {
+                        jacobian[(count + row, column)] = (above - below) / (DIFFERENCE + down);
+                    }
                 }
             }
         }

@@ -1,32 +1,36 @@
 //! The curve of an event from one end to the other.
 
+use super::plane::{ParameterOf, Plane};
 use super::point::{Point, Region};
 use super::saved::Reason;
-use crate::model::Parameter;
+use super::tube::Tube;
 use crate::orbit::EventType;
 
 /// The curve of an event.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
+pub struct Curve<P: Plane = Tube> {
     /// Type of the event.
     pub event: EventType,
     /// Bloch sector of an HB.
     pub sector: Option<usize>,
     /// The two parameters.
-    pub parameters: [Parameter; 2],
+    pub parameters: [ParameterOf<P>; 2],
     /// Points from one end to the other.
     pub points: Vec<Point>,
     /// Index of the event on the branch.
     pub start: usize,
     /// Why the curve ends at its first and at its last point.
-    pub ends: [Reason; 2],
+    pub ends: [Reason<P>; 2],
     /// Whether an end is one of Newton's method and not of the curve.
     pub failed: bool,
     /// Names of places beside it.
     pub regions: Vec<Region>,
 }
 
-impl Curve {
+impl<P: Plane> Curve<P>
+where
+    Reason<P>: std::fmt::Display,
+{
     /// Why the curve ends, in words, at its first point (0) or at its last one (1).
     pub fn end(&self, side: usize) -> String {
         let point = match side {

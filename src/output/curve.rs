@@ -13,8 +13,8 @@ use super::layout::{self, CURVE as TABLE};
 use super::origin::Origin;
 use super::render::Format;
 use super::store::{Growing, Kind, Store, StoreError, damaged, encode, hash, unfinished};
-use crate::curve::{Curve, Head, Point, PointType, Reason, Run, Step};
-use crate::model::Parameter;
+use crate::curve::{Curve, Head, ParameterOf, Plane, Point, PointType, Reason, Run, Step};
+use crate::orbit::Orbit;
 use crate::problem::Problem;
 use crate::table;
 
@@ -27,7 +27,7 @@ pub(crate) struct CurveFolder {
     table: Growing,
     steps: Growing,
     rows: usize,
-    sector: Option<usize>,
+    sector: Option<Option<usize>>,
 }
 
 /// What is wrong with a line of the steps.
@@ -50,9 +50,9 @@ fn value<T: DeserializeOwned>(line: &str) -> Result<T, Flaw> {
 }
 
 /// A curve to go on with.
-pub(crate) struct Interrupted {
+pub(crate) struct Interrupted<P: Plane> {
     /// The curve after its last step.
-    pub run: Run,
+    pub run: Run<P>,
     length: usize,
 }
 
@@ -61,7 +61,9 @@ impl CurveFolder {
     ///
     /// # Errors
     /// When that is damaged.
-    pub(crate) fn interrupted(store: &Store) -> Result<Option<Interrupted>, StoreError> {
+    pub(crate) fn interrupted<P: Plane>(
+        store: &Store,
+    ) -> Result<Option<Interrupted<P>>, StoreError> {
         // a curve killed before it began has no points
         let path = store.path().join(STEPS);
         if !(store.resumes() && path.exists()) {
@@ -81,7 +83,7 @@ impl CurveFolder {
     ///
     /// # Errors
     /// When they are damaged, or there is none.
-    pub(crate) fn saved(store: &Store) -> Result<Run, StoreError> {
+    pub(crate) fn saved<P: Plane>(store: &Store) -> Result<Run<P>, StoreError> {
         let saved = match store.path().join(STEPS).exists() {
             true => CurveFolder::steps(store)?,
             false => None,
@@ -90,7 +92,7 @@ impl CurveFolder {
         saved.map(|saved| saved.run).ok_or_else(nothing)
     }
 
-    fn steps(store: &Store) -> Result<Option<Interrupted>, StoreError> {
+    fn steps<P: Plane>(store: &Store) -> Result<Option<Interrupted<P>>, StoreError> {
         let path = store.path().join(STEPS);
         let bytes = store.lines(STEPS, None)?;
         let text = std::str::from_utf8(&bytes).map_err(|_| damaged(&path, "it is no text"))?;
@@ -99,11 +101,11 @@ impl CurveFolder {
         let Some(first) = lines.next() else {
             return Ok(None);
         };
-        let head: Head = value(first).map_err(|flaw| wrong(1, flaw))?;
+        let head: Head<P> = value(first).map_err(|flaw| wrong(1, flaw))?;
         let steps = lines
             .zip(2..)
             .map(|(line, number)| value(line).map_err(|flaw| wrong(number, flaw)))
-            .collect::<Result<Vec<Step>, StoreError>>()?;
+            .collect::<Result<Vec<Step<P>>, StoreError>>()?;
         let run = Run::resume(head, steps).map_err(|reason| damaged(&path, reason.to_string()))?;
         let length = bytes.len();
         Ok(Some(Interrupted { run, length }))
@@ -113,13 +115,13 @@ impl CurveFolder {
     ///
     /// # Errors
     /// When a file cannot be written, like all that follow.
-    pub(crate) fn create(
+    pub(crate) fn create<P: Plane>(
         store: Store,
-        run: &Run,
-        problem: &Problem,
+        run: &Run<P>,
+        problem: &(impl Clone + Serialize),
         format: Format,
     ) -> Result<CurveFolder, StoreError> {
-        let pictures = layout::pictures(Kind::Curve, problem, format);
+        let pictures = vec![layout::picture(Kind::Curve.name(), format)];
         store.begin(&[Origin::<Problem>::FILE, STEPS, TABLE], pictures, None)?;
         Origin::keep(&store, problem)?;
         let steps = store.create(STEPS, b"")?;
@@ -129,21 +131,28 @@ impl CurveFolder {
     }
 
     /// Goes on with a curve.
-    pub(crate) fn reopen(
+    pub(crate) fn reopen<P: Plane>(
         store: Store,
-        interrupted: &Interrupted,
+        interrupted: &Interrupted<P>,
     ) -> Result<CurveFolder, StoreError> {
         let steps = store.cut(STEPS, interrupted.length)?;
         CurveFolder::tabulate(store, &interrupted.run, steps)
     }
 
     /// The table of the points so far.
-    fn tabulate(store: Store, run: &Run, steps: Growing) -> Result<CurveFolder, StoreError> {
+    fn tabulate<P: Plane>(
+        store: Store,
+        run: &Run<P>,
+        steps: Growing,
+    ) -> Result<CurveFolder, StoreError> {
         let mut folder = CurveFolder {
-            table: store.create(TABLE, header(run.head().system.parameters()).as_bytes())?,
+            table: store.create(
+                TABLE,
+                header::<P>(&run.head().system.parameters()).as_bytes(),
+            )?,
             steps,
             rows: 0,
-            sector: run.head().sector(),
+            sector: P::HAS_SECTORS.then(|| run.head().sector()),
             store,
         };
         for point in run.so_far() {
@@ -160,7 +169,7 @@ impl CurveFolder {
     }
 
     /// Appends what a step found.
-    pub(crate) fn write(&mut self, step: &Step) -> Result<(), StoreError> {
+    pub(crate) fn write<P: Plane>(&mut self, step: &Step<P>) -> Result<(), StoreError> {
         for found in &step.found {
             self.append(&found.point)?;
         }
@@ -178,7 +187,7 @@ impl CurveFolder {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub(crate) fn finish(&self, curve: &Curve) -> Result<(), StoreError> {
+    pub(crate) fn finish<P: Plane>(&self, curve: &Curve<P>) -> Result<(), StoreError> {
         self.store.replace(TABLE, table(curve).as_bytes())
     }
 
@@ -195,41 +204,54 @@ struct Row<'a> {
     kind: Option<PointType>,
     first: f64,
     second: f64,
-    speed: f64,
+    measure: f64,
     regimes_before: &'a str,
     regimes_after: &'a str,
-    sector: Option<usize>,
-    omega: Option<f64>,
+    /// Of waves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sector: Option<Option<usize>>,
+    angular: Option<f64>,
     newton: usize,
     residual: f64,
     what: &'a str,
 }
 
-fn header(parameters: [Parameter; 2]) -> String {
-    let [first, second] = parameters.map(|parameter| parameter.column());
-    let mut columns = table::columns(&Row::default());
+fn header<P: Plane>([first, second]: &[ParameterOf<P>; 2]) -> String {
+    let row = Row {
+        sector: P::HAS_SECTORS.then_some(None),
+        ..Row::default()
+    };
+    let mut columns = table::columns(&row);
     for column in &mut columns {
-        match column.as_str() {
-            "first" => *column = first.to_owned(),
-            "second" => *column = second.to_owned(),
-            _ => {}
-        }
+        let name = match column.as_str() {
+            "first" => P::Orbit::column(first),
+            "second" => P::Orbit::column(second),
+            "measure" => P::MEASURE,
+            "angular" => P::ANGULAR,
+            _ => continue,
+        };
+        *column = name.to_owned();
     }
     table::line_of(&columns)
 }
 
 impl<'a> Row<'a> {
-    fn new(index: usize, point: &'a Point, sector: Option<usize>, what: &'a str) -> Row<'a> {
+    fn new(
+        index: usize,
+        point: &'a Point,
+        sector: Option<Option<usize>>,
+        what: &'a str,
+    ) -> Row<'a> {
         Row {
             point: index + 1,
             kind: point.kind,
             first: point.parameters[0],
             second: point.parameters[1],
-            speed: point.speed,
+            measure: point.measure,
             regimes_before: &point.before,
             regimes_after: &point.after,
             sector,
-            omega: point.omega,
+            angular: point.angular,
             newton: point.newton,
             residual: point.residual,
             what,
@@ -238,22 +260,23 @@ impl<'a> Row<'a> {
 }
 
 /// The curve as CSV, from one end to the other.
-pub(crate) fn table(curve: &Curve) -> String {
-    let mut text = header(curve.parameters);
+pub(crate) fn table<P: Plane>(curve: &Curve<P>) -> String {
+    let mut text = header::<P>(&curve.parameters);
+    let sector = P::HAS_SECTORS.then_some(curve.sector);
     for (index, point) in curve.points.iter().enumerate() {
         let what = words(curve, index);
-        text.push_str(&table::line(&Row::new(index, point, curve.sector, &what)));
+        text.push_str(&table::line(&Row::new(index, point, sector, &what)));
     }
     text
 }
 
 /// What happens at a point; the reason of an end stands at the first and at the last one.
-pub(crate) fn words(curve: &Curve, index: usize) -> String {
+pub(crate) fn words<P: Plane>(curve: &Curve<P>, index: usize) -> String {
     let last = curve.points.len() - 1;
     let ends = [0, last].into_iter().zip(&curve.ends);
     let ends = ends
         .filter(|(place, end)| *place == index && !matches!(end, Reason::There | Reason::Unknown));
-    let mut ends: Vec<&Reason> = ends.map(|(_, end)| end).collect();
+    let mut ends: Vec<&Reason<P>> = ends.map(|(_, end)| end).collect();
     ends.dedup();
     let what = Some(curve.points[index].what.clone()).filter(|what| !what.is_empty());
     let words = what

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE};
+use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE, Steps};
 use crate::model::Parameter;
 use crate::orbit::EventType;
 
@@ -37,6 +37,46 @@ pub enum CurveEvent {
     },
 }
 
+/// The same for orbits of a system.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum SystemCurveEvent {
+    /// Fold.
+    LP,
+    /// A multiplier is −1.
+    PD,
+    /// A pair of multipliers is on the unit circle.
+    NS,
+    /// A guard is touched from inside.
+    GR,
+    /// Two switches coalesce.
+    CO,
+    /// A condition reaches zero.
+    SL,
+    /// An event of an earlier run, whatever its type.
+    Label {
+        /// Result folder.
+        dir: PathBuf,
+        /// Label in it.
+        label: usize,
+    },
+}
+
+impl SystemCurveEvent {
+    /// Its type; that of a label is known to the result folder.
+    pub fn kind(&self) -> Option<EventType> {
+        match self {
+            SystemCurveEvent::LP => Some(EventType::LP),
+            SystemCurveEvent::PD => Some(EventType::PD),
+            SystemCurveEvent::NS => Some(EventType::NS),
+            SystemCurveEvent::GR => Some(EventType::GR),
+            SystemCurveEvent::CO => Some(EventType::CO),
+            SystemCurveEvent::SL => Some(EventType::SL),
+            SystemCurveEvent::Label { .. } => None,
+        }
+    }
+}
+
 impl CurveEvent {
     /// Its type; that of a label is known to the result folder.
     pub fn kind(&self) -> Option<EventType> {
@@ -55,9 +95,9 @@ impl CurveEvent {
 /// The curve along which an event of the branch of `continuation` moves in two parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Curve {
-    /// LP, GR, RV, CO, ST or HB, or a label of a result folder.
-    pub event: CurveEvent,
+pub struct Curve<P = Parameter, E = CurveEvent> {
+    /// LP, GR, RV, CO, ST or HB, or a label of a result folder; of a system LP, PD, NS, GR, CO or SL.
+    pub event: E,
     /// Which of its type along the branch, from 1.
     #[serde(default = "one")]
     pub index: usize,
@@ -65,7 +105,7 @@ pub struct Curve {
     #[serde(default)]
     pub sector: usize,
     /// The two parameters, different.
-    pub parameters: (Parameter, Parameter),
+    pub parameters: (P, P),
     /// Lower and upper end of each.
     pub range: ((f64, f64), (f64, f64)),
     /// First step, in dimensionless scaled arclength.
@@ -83,6 +123,21 @@ pub struct Curve {
     /// Size of the last Newton correction at which a point is accepted.
     #[serde(default = "tolerance")]
     pub tolerance: f64,
+}
+
+/// The same for orbits of a system, with the names of two of its parameters.
+pub type SystemCurve = Curve<String, SystemCurveEvent>;
+
+impl<P, E> Curve<P, E> {
+    /// First step, shortest and longest one, and tolerance.
+    pub fn steps(&self) -> Steps {
+        Steps {
+            ds: self.ds,
+            ds_min: self.ds_min,
+            ds_max: self.ds_max,
+            tolerance: self.tolerance,
+        }
+    }
 }
 
 fn one() -> usize {

@@ -33,7 +33,7 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use continuation::DEFAULT_MAX_POINTS;
 pub use continuation::{Continuation, StopAfter, Toward};
-pub use curve::{Curve, CurveEvent};
+pub use curve::{Curve, CurveEvent, SystemCurve, SystemCurveEvent};
 pub use doubt::Doubt;
 pub use error::ProblemError;
 pub use expectation::Expectation;
@@ -494,13 +494,12 @@ pub fn parse_any(text: &str, name: &str) -> Result<Any, ProblemError> {
 }
 
 /// Sections of a tube that stand where a system has another one, and those that a system does not have.
-const OF_TUBES: [(&str, Option<&str>); 7] = [
+const OF_TUBES: [(&str, Option<&str>); 6] = [
     ("model", Some("system")),
     ("tube", Some("system")),
     ("wave", Some("orbit")),
     ("method", None),
     ("map", None),
-    ("curve", None),
     ("certify", None),
 ];
 

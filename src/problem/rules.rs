@@ -73,6 +73,18 @@ impl<P> Checks<'_, P> {
         self.refuse(path, message, "list each once")
     }
 
+    /// Refuses the number of an event along the branch where a label names the event of a curve.
+    pub fn label_without_index(&self, is_label: bool) -> Check {
+        if !(is_label && self.outline.has("curve.index")) {
+            return Ok(());
+        }
+        self.refuse(
+            "curve.index",
+            "`curve.index` is given beside a label",
+            "leave it out: the label names one event",
+        )
+    }
+
     /// Refuses steps [ds, ds_min, ds_max] that are out of order.
     pub fn steps(&self, section: &str, [ds, ds_min, ds_max]: [f64; 3]) -> Check {
         let [ds, ds_min, ds_max] = [("ds", ds), ("ds_min", ds_min), ("ds_max", ds_max)];

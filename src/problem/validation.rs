@@ -259,13 +259,7 @@ impl Checks<'_, Problem> {
                 "leave it out, or follow an HB",
             );
         }
-        if self.outline.has("curve.index") && section.event.kind().is_none() {
-            return self.refuse(
-                "curve.index",
-                "`curve.index` is given beside a label",
-                "leave it out: the label names one event",
-            );
-        }
+        self.label_without_index(section.event.kind().is_none())?;
         let (first, second) = section.parameters;
         for (side, parameter, range) in [(0, first, section.range.0), (1, second, section.range.1)]
         {

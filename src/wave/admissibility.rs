@@ -37,15 +37,6 @@ pub struct Examination {
     pub tangential: (f64, f64),
 }
 
-impl Examination {
-    /// The margin of the same kind in the same zone, if there is one.
-    pub(crate) fn find(&self, watch: Watch, zone: usize) -> Option<&Margin> {
-        self.margins
-            .iter()
-            .find(|margin| margin.watch == watch && margin.zone == zone)
-    }
-}
-
 /// Collects what the pieces of one zone show.
 struct Collector<'a> {
     at: &'a WaveAt<'a>,

@@ -210,7 +210,8 @@ fn a_loss_of_symmetry() {
         let (low, high) = item.point.extremes[0];
         (low + high).abs()
     };
-    assert!(skew(loss) < 1e-9, "{:e}", skew(loss));
+    // along the null vector the place is the zero of a cubic: known to the cube root of rounding
+    assert!(skew(loss) < 1e-5, "{:e}", skew(loss));
     let other = collect(switched(&problem, &along, loss).unwrap(), 30);
     let skews: Vec<f64> = other.iter().take(20).map(skew).collect();
     assert!(skews.windows(2).all(|pair| pair[1] > pair[0]), "{skews:?}");

@@ -202,7 +202,7 @@ fn a_motion_that_ends_says_why() {
 fn verbs_for_tubes_say_so() {
     let bench = Bench::new();
     bench.put("chua.ron", system("chua"));
-    for verb in ["map", "curve", "certify", "accuracy"] {
+    for verb in ["map", "certify", "accuracy"] {
         let outcome = bench.run(&[verb, "chua.ron"]).expect(2);
         let place = outcome
             .stderr
@@ -333,5 +333,166 @@ fn branches_of_orbits_are_resumed_and_restarted() {
         let [first, second] =
             [&one, &again].map(|table| table.number(table.only("type", kind), "A"));
         assert!((first - second).abs() < 1e-13, "{kind}: {first} {second}");
+    }
+}
+
+const BALL_START: &str =
+    "start: Given(mode: \"flight\", state: {\"y\": 0.0, \"v\": 2.0944}, phase: 0.01414)";
+
+/// The other branch at a doubling: resumed and restarted as any run, and refused in words.
+#[test]
+fn the_other_branch_at_a_doubling() {
+    let bench = Bench::new();
+    let text = changed(
+        &system("bouncing_ball"),
+        "range: (1.0, 1.6), toward: Both",
+        "range: (1.0, 1.6), toward: Up",
+    );
+    bench.put("ball.ron", &text);
+    bench
+        .run(&["run", "ball.ron", "--out", "one", "--quiet"])
+        .expect(0);
+    let events = Table::read(&bench.path("one/events.csv"));
+    let doubling = events.only("type", "PD");
+    let label = events.text(doubling, "label").to_owned();
+    let start = |text: &str, start: &str| changed(text, BALL_START, start);
+    let switch = |dir: &str, label: &str| format!("start: Switch(dir: \"{dir}\", label: {label})");
+    bench.put("two.ron", start(&text, &switch("one", &label)));
+    for (out, option) in [
+        ("two", "--quiet"),
+        ("three", "--quiet"),
+        ("two", "--resume"),
+    ] {
+        bench
+            .run(&["run", "two.ron", "--out", out, option])
+            .expect(0);
+    }
+    let same = [snapshot(&bench.path("two")), snapshot(&bench.path("three"))];
+    assert_same(&same[0], &same[1], "the same run");
+    let branch = Table::read(&bench.path("two/branch.csv"));
+    let first = events.number(doubling, "G");
+    for row in 0..branch.rows.len() {
+        assert_eq!(branch.text(row, "regimes"), "flight-flight");
+        assert!((branch.number(row, "period") - 2.0 * TAU).abs() < 1e-12);
+        assert!(branch.number(row, "G") > first);
+    }
+    let restart = "start: Restart(dir: \"two\", label: 2)";
+    let down = changed(&start(&text, restart), "toward: Up", "toward: Down");
+    bench.put("back.ron", down);
+    bench
+        .run(&["run", "back.ron", "--out", "back", "--quiet"])
+        .expect(0);
+    // back at the doubling
+    let back = Table::read(&bench.path("back/events.csv"));
+    let end = back.number(back.only("type", "PD"), "G");
+    assert!((end - first).abs() < 1e-6, "{end} {first}");
+    let other = changed(&text, "-e*v", "-0.9*e*v");
+    bench.put("tube.ron", problem("mode4_friction.ron"));
+    bench
+        .run(&["run", "tube.ron", "--out", "tube", "--quiet"])
+        .expect(0);
+    for (text, dir, label, message) in [
+        (&text, "one", "99", "no label 99; labels run from 1 to"),
+        (
+            &text,
+            "one",
+            "1",
+            "label 1 is of type EP: another branch begins at PD and BP only",
+        ),
+        (&other, "one", &*label, "one holds orbits of another system"),
+        (
+            &text,
+            "tube",
+            "1",
+            "tube holds waves of a tube, not orbits of a system",
+        ),
+        (&text, "none", "1", "none/branch.ron: cannot read it"),
+    ] {
+        bench.put("wrong.ron", start(text, &switch(dir, label)));
+        let outcome = bench.run(&["run", "wrong.ron", "--out", "wrong"]);
+        assert_ne!(outcome.code, Some(0), "{message}");
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
+    }
+}
+
+/// A curve of doublings by the command line: its table, its picture, the same bytes again, one from a label.
+#[test]
+fn a_curve_of_an_event_of_a_system() {
+    let bench = Bench::new();
+    let text = changed(
+        &system("ball_curve"),
+        "range: ((0.5, 2.5), (0.2, 0.9))",
+        "range: ((1.3, 1.7), (0.4, 0.6))",
+    );
+    bench.put("ball.ron", &text);
+    let outcome = bench.run(&["curve", "ball.ron", "--out", "one"]).expect(0);
+    assert!(
+        outcome.stdout.contains("event, G, e, period"),
+        "{}",
+        outcome.stdout
+    );
+    let header = "point,type,G,e,period,regimes_before,regimes_after,angle,newton,residual,what";
+    let table = std::fs::read_to_string(bench.path("one/curve.csv")).unwrap();
+    assert_eq!(table.lines().next(), Some(header));
+    let curve = Table::read(&bench.path("one/curve.csv"));
+    for row in 0..curve.rows.len() {
+        let [g, e] = ["G", "e"].map(|name| curve.number(row, name));
+        let fold = 0.5 * TAU * (1.0 - e) / (1.0 + e);
+        let expected = fold.hypot(2.0 * (1.0 + e * e) / (1.0 + e).powi(2));
+        assert!((g / expected - 1.0).abs() < 1e-10, "{g} {expected}");
+    }
+    for (out, option) in [("two", "--quiet"), ("one", "--resume")] {
+        bench
+            .run(&["curve", "ball.ron", "--out", out, option])
+            .expect(0);
+    }
+    bench.run(&["plot", "two"]).expect(0);
+    let [one, two] = ["one", "two"].map(|name| snapshot(&bench.path(name)));
+    assert_same(&one, &two, "the same curve");
+    assert!(bench.path("one/curve.svg").exists());
+    bench.run(&["report", "one"]).expect(0);
+    // from a label, in the other order of the parameters
+    bench
+        .run(&["run", "ball.ron", "--out", "run", "--quiet"])
+        .expect(0);
+    let events = Table::read(&bench.path("run/events.csv"));
+    let label = events.text(events.only("type", "PD"), "label").to_owned();
+    let named = format!("event: Label(dir: \"run\", label: {label}), parameters: (\"e\", \"G\")");
+    let labelled = changed(&text, "event: PD, parameters: (\"G\", \"e\")", &named);
+    let labelled = changed(
+        &labelled,
+        "((1.3, 1.7), (0.4, 0.6))",
+        "((0.4, 0.6), (1.3, 1.7))",
+    );
+    bench.put("labelled.ron", &labelled);
+    bench
+        .run(&["curve", "labelled.ron", "--out", "labelled", "--quiet"])
+        .expect(0);
+    let other = Table::read(&bench.path("labelled/curve.csv"));
+    let ends = |table: &Table, name: &str| {
+        let last = table.rows.len() - 1;
+        let [one, other] = [0, last].map(|row| table.number(row, name));
+        (one.min(other), one.max(other))
+    };
+    let [first, second] = [&curve, &other].map(|table| ends(table, "e"));
+    assert!((first.0 - second.0).abs() < 1e-10 && (first.1 - second.1).abs() < 1e-10);
+    for (from, to, message) in [
+        (
+            "curve: (event: PD",
+            "curve: (event: NS",
+            "0 events of the kind asked for, NS",
+        ),
+        (
+            "(1.3, 1.7)",
+            "(1.3, 1.4)",
+            "outside the range from 1.3 to 1.4",
+        ),
+        ("(\"G\", \"e\")", "(\"G\", \"G\")", "must be different"),
+        ("(\"G\", \"e\")", "(\"G\", \"f\")", "`f` is no parameter"),
+    ] {
+        bench.put("wrong.ron", changed(&text, from, to));
+        let outcome = bench.run(&["curve", "wrong.ron", "--out", "wrong"]);
+        assert_ne!(outcome.code, Some(0), "{message}");
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
     }
 }

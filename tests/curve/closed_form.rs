@@ -33,7 +33,7 @@ fn closed(model: &Model, point: &Point) -> SlipStick {
         .into_iter()
         .map(|which| slip_stick(model, 4, which).unwrap())
         .min_by(|one, other| {
-            let off = |wave: &SlipStick| (wave.speed - point.speed).abs();
+            let off = |wave: &SlipStick| (wave.speed - point.measure).abs();
             off(one).total_cmp(&off(other))
         })
         .unwrap()
@@ -66,9 +66,9 @@ fn take_off_of_slip_stick() {
         let parameters = model.constants();
         let coefficients = parameters.coefficients;
         let [mismatch, friction] = point.parameters;
-        let zeta = shape(&parameters, point.excess);
+        let zeta = shape(&parameters, point.excess.unwrap());
         let rate = -(zeta * PI / (1.0 - zeta * zeta).sqrt()).exp();
-        let expected = -coefficients.coupling / (point.speed * coefficients.g) * rate;
+        let expected = -coefficients.coupling / (point.measure * coefficients.g) * rate;
         own = own.max((mismatch / expected - 1.0).abs());
         if fold - friction > 1e-6 {
             let wave = closed(&model, point);
@@ -157,7 +157,7 @@ fn folds_of_undamped_waves_share_their_shape() {
             let parameters = model.constants();
             let coefficients = parameters.coefficients;
             let size = parameters.friction * coefficients.coupling.abs() / coefficients.h;
-            shapes.push((shape(&parameters, point.excess), size));
+            shapes.push((shape(&parameters, point.excess.unwrap()), size));
             if index % OFTEN == 0 {
                 let expected = fold_in_friction(&model, 4).unwrap();
                 fold = fold.max((point.parameters[0] / expected - 1.0).abs());
@@ -211,7 +211,7 @@ fn folds_of_damped_waves_do_not() {
     let shapes: Vec<f64> = curve
         .points
         .iter()
-        .map(|point| shape(&at(&base, &curve, point).constants(), point.excess))
+        .map(|point| shape(&at(&base, &curve, point).constants(), point.excess.unwrap()))
         .collect();
     let (low, high) = shapes
         .iter()

@@ -19,7 +19,7 @@ fn a_pair_of_sector_0_on_its_axis() {
     assert_eq!(curve.sector, Some(0));
     let first = &curve.points[curve.start];
     assert!((first.parameters[0] - 0.071_075_493_844_074).abs() < 1e-11);
-    assert!((first.omega.unwrap() - 2.574_979_462_664).abs() < 1e-9);
+    assert!((first.angular.unwrap() - 2.574_979_462_664).abs() < 1e-9);
     let residual = curve
         .points
         .iter()
@@ -59,7 +59,7 @@ fn a_pair_of_sector_0_on_its_axis() {
             for event in branch.step().into_iter().filter_map(|item| item.event) {
                 if event.kind == EventType::HB {
                     let off = (event.model.mismatch / mismatch - 1.0).abs();
-                    let turn = (event.omega.unwrap() - point.omega.unwrap()).abs();
+                    let turn = (event.omega.unwrap() - point.angular.unwrap()).abs();
                     best = best.min(off.max(turn));
                 }
             }

@@ -9,6 +9,7 @@ mod hopf;
 mod meeting;
 mod regions;
 mod resume;
+mod systems;
 
 use brakewave::branch::run::Runner;
 use brakewave::curve::start::{NoCurve, Start, find};

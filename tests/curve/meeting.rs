@@ -38,7 +38,7 @@ fn take_off_and_reverse_slip() {
         for (one, other) in point.parameters.iter().zip(points[0].parameters) {
             worst = worst.max((one / other - 1.0).abs());
         }
-        worst = worst.max((point.speed / points[0].speed - 1.0).abs());
+        worst = worst.max((point.measure / points[0].measure - 1.0).abs());
     }
     observed("the point where three curves meet", worst);
     assert!(worst < 1e-10);

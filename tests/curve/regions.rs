@@ -251,7 +251,7 @@ fn pairs_grow_and_decay_where_it_is_written() {
                 };
                 way(one).total_cmp(&way(other))
             });
-            let omega = near.unwrap().omega.unwrap();
+            let omega = near.unwrap().angular.unwrap();
             let there = problem(
                 4,
                 "Fast",

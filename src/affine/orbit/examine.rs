@@ -126,7 +126,7 @@ impl OrbitAt<'_> {
             examination.tests = vec![0.0; 3];
             if let Some(monodromy) = self.monodromy(&passages) {
                 examination.multipliers = monodromy.multipliers();
-                examination.tests = monodromy.tests(&examination.multipliers);
+                examination.tests = monodromy.tests(&examination.multipliers).to_vec();
             }
         }
         Ok(examination)

@@ -50,6 +50,9 @@ pub enum OrbitFailure {
     /// The system makes no sense at this value of the parameter.
     #[error("{0}")]
     System(SystemError),
+    /// The system has other zones there.
+    #[error("the system does not have these zones there, or makes no sense")]
+    NoZones,
     /// The flow leaves the range of numbers.
     #[error("the motion of the mode `{mode}` leaves the range of numbers within {duration}")]
     Overflow {

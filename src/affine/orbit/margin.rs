@@ -27,7 +27,7 @@ pub enum Watch {
 }
 
 /// A margin: positive while the sequence holds. Scaled to order one.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Margin {
     /// What it measures.
     pub watch: Watch,
@@ -38,6 +38,7 @@ pub struct Margin {
     /// Its value.
     pub value: f64,
     /// Its derivatives in the scaled unknowns.
+    #[serde(skip)]
     pub gradient: Vec<f64>,
 }
 

@@ -323,7 +323,7 @@ impl Monodromy {
     /// At a graze one multiplier is infinite. The determinants have a simple pole there, which the speeds of the
     /// guards divide out; the product is not looked at. Entries of M are so large then that its determinant is lost
     /// in rounding: the multipliers are not.
-    pub fn tests(&self, multipliers: &[Multiplier]) -> Vec<f64> {
+    pub fn tests(&self, multipliers: &[Multiplier]) -> [f64; 3] {
         let values: Vec<Complex<f64>> = multipliers
             .iter()
             .filter(|one| !one.trivial)
@@ -350,29 +350,48 @@ impl Monodromy {
             if grazes { 0.0 } else { torus() },
         ];
         let finite = |test: f64| if test.is_finite() { test } else { 0.0 };
-        tests.map(finite).to_vec()
+        tests.map(finite)
     }
 
-    /// Argument of the pair of multipliers whose product is nearest to 1, between 0 and π; `None` where they are
-    /// real: a saddle whose multipliers are μ and 1/μ.
-    pub fn angle_on_circle(&self) -> Option<f64> {
+    /// The pair of multipliers whose product is nearest to 1.
+    fn nearest_pair(&self) -> Option<[Complex<f64>; 2]> {
         let values = eigenvalues(&self.matrix);
         let pairs = (0..values.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
         let far = |&(i, j): &(usize, usize)| (1.0 - values[i] * values[j]).norm();
         let nearest = pairs.min_by(|one, other| far(one).total_cmp(&far(other)));
-        let (i, _) = nearest?;
-        (values[i].im != 0.0).then(|| values[i].arg().abs())
+        nearest.map(|(i, j)| [values[i], values[j]])
+    }
+
+    /// Argument of that pair, between 0 and π; `None` where they are real: a saddle whose multipliers are μ and
+    /// 1/μ.
+    pub fn angle_on_circle(&self) -> Option<f64> {
+        let [one, _] = self.nearest_pair()?;
+        (one.im != 0.0).then(|| one.arg().abs())
+    }
+
+    /// Half the sum of that pair: the cosine of its angle where it is on the unit circle.
+    pub fn cosine(&self) -> Option<f64> {
+        let [one, other] = self.nearest_pair()?;
+        Some(0.5 * (one.re + other.re))
     }
 }
 
 impl AffineOrbit {
+    /// The linearised motion over a period; `None` where it is infinite, at a graze.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated there.
+    pub fn monodromy(&self, point: &Vector) -> Result<Option<Monodromy>, OrbitFailure> {
+        let at = self.at(point)?;
+        Ok(at.monodromy(&at.passages()?))
+    }
+
     /// All Floquet multipliers at a point, the largest first; none at a graze, where they have no limit.
     ///
     /// # Errors
     /// The flow cannot be evaluated there.
     pub fn multipliers(&self, point: &Vector) -> Result<Vec<Multiplier>, OrbitFailure> {
-        let at = self.at(point)?;
-        let monodromy = at.monodromy(&at.passages()?);
+        let monodromy = self.monodromy(point)?;
         Ok(monodromy.map_or_else(Vec::new, |monodromy| monodromy.multipliers()))
     }
 }

@@ -206,6 +206,28 @@ pub fn restart(wanted: &Wanted, saved: &SavedOrbit) -> Result<(AffineOrbit, Vect
     )
 }
 
+/// The orbit that was saved as it is: at an event its equations may be singular.
+///
+/// # Errors
+/// The system does not have its zones.
+pub fn saved(
+    system: &System,
+    saved: &SavedOrbit,
+    parameter: usize,
+    width: f64,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    let wanted = Wanted {
+        system: system.clone(),
+        values: saved.values.clone(),
+        parameter,
+        width,
+        periods: saved.periods,
+        stability: false,
+    };
+    let parts = saved.parts().ok_or(NoStart::NoZones)?;
+    scaled(&wanted, parts, saved.periods)
+}
+
 /// Whether a place is one where a zone begins at a switch: a guard of its own mode is zero.
 fn is_on_guard(system: &AffineSystem, place: &Place) -> bool {
     let z = system.lift(place.mode, &place.state, place.phase);

@@ -1,9 +1,9 @@
 //! The curve of an event in the plane of its parameters, with the regions on either side named.
 
 use super::names::{event, quantity, short_signature};
-use crate::curve::{self, Curve, PointType, Region};
+use crate::curve::{self, Curve, Plane, PointType, Region};
 use crate::model::signature::Regimes;
-use crate::orbit::EventType;
+use crate::orbit::{EventType, Orbit};
 use crate::output::render::{
     Axis, BLACK, BLUE, Extent, Key, Layer, Legend, Mark, Name, Panel, Pen, Picture, Point, Shape,
     VERMILLION,
@@ -22,9 +22,9 @@ const SHAPES: [Shape; 5] = [
 ];
 
 /// The picture of a curve over these ranges of its parameters.
-pub(crate) fn picture(curve: &Curve, ranges: [(f64, f64); 2]) -> Picture {
+pub(crate) fn picture<P: Plane>(curve: &Curve<P>, ranges: [(f64, f64); 2]) -> Picture {
     let [x, y] = [0, 1].map(|index: usize| {
-        let quantity = quantity(curve.parameters[index].column());
+        let quantity = quantity(P::Orbit::column(&curve.parameters[index]));
         Axis::new(quantity, Extent::Fixed(ranges[index].0, ranges[index].1))
     });
     let plane = |point: &curve::Point| (point.parameters[0], point.parameters[1]);

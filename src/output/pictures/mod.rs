@@ -34,6 +34,7 @@ use super::layout::{self, STEADY};
 use super::render::{Format, Picture, RenderError};
 use super::store::{self, Kind, Store, StoreError, unfinished};
 use super::waves::separates;
+use crate::curve::Tube;
 use crate::model::{Landing, Parameter};
 use crate::problem::{Plot, Problem, Start};
 pub(crate) use diagram::{NoView, View};
@@ -72,7 +73,7 @@ pub(crate) fn draw(
     let folder = store.path();
     let picture = match (store.kind(), problem) {
         (Some(Kind::Map), Some(Problem { map: Some(map), .. })) => map::picture(folder, map),
-        (Some(Kind::Curve), _) => CurveFolder::saved(store).map(|saved| {
+        (Some(Kind::Curve), _) => CurveFolder::saved::<Tube>(store).map(|saved| {
             let ranges = saved.head().limits.ranges;
             curve::picture(&saved.curve(), ranges)
         }),

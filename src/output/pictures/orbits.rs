@@ -7,11 +7,13 @@ use super::profile::evenly;
 use super::tables::{self, Tables, column, read, read_if_there};
 use super::{Named, PlotError, multipliers, put};
 use crate::affine::system::Source;
+use crate::curve::{self, Curve};
+use crate::output::curve::CurveFolder;
 use crate::output::layout::{self, MULTIPLIERS, profile_file};
 use crate::output::render::{
     Axis, CATEGORIES, Extent, Format, Key, Layer, Legend, Panel, Pen, Picture, Point, number,
 };
-use crate::output::store::{Store, StoreError};
+use crate::output::store::{Kind, Store, StoreError};
 use crate::problem::{SystemPlot, SystemProblem};
 use crate::table::Table;
 
@@ -40,6 +42,11 @@ pub(crate) fn draw(
     problem: &SystemProblem,
     format: Format,
 ) -> Result<Vec<PathBuf>, PlotError> {
+    if store.kind() == Some(Kind::Curve) {
+        let run = CurveFolder::saved::<curve::Orbits>(store)?;
+        let ranges = run.head().limits.ranges;
+        return draw_curve(store, problem, &run.unnamed(), ranges, format);
+    }
     let Some(section) = &problem.continuation else {
         return Ok(Vec::new());
     };
@@ -80,6 +87,23 @@ pub(crate) fn draw_view(
     let subtitle = constants(&problem.system.source, parameter);
     let drawn = drawn.titled(problem.title.as_deref()).subtitled(&subtitle);
     put(store, None, format, [(layout::VIEW.to_owned(), Ok(drawn))])
+}
+
+/// Draws the curve of an event.
+///
+/// # Errors
+/// As [`draw`].
+pub(crate) fn draw_curve(
+    store: &Store,
+    problem: &SystemProblem,
+    curve: &Curve<curve::Orbits>,
+    ranges: [(f64, f64); 2],
+    format: Format,
+) -> Result<Vec<PathBuf>, PlotError> {
+    let drawn = super::curve::picture(curve, ranges);
+    let drawn = drawn.titled(problem.title.as_deref());
+    let name = Kind::Curve.name().to_owned();
+    put(store, None, format, [(name, Ok(drawn))])
 }
 
 fn describe(

@@ -6,7 +6,7 @@ use super::super::explanation::{known, unknown_field};
 use super::super::outline::{Outline, Subject};
 use super::super::rules::{Check, Checks, ORDER, lengths};
 use super::super::scan::{MAX_SCANNED, MAX_VALUES};
-use super::super::{Continuation, Scan, ScanValues, Section, Sweep, fields};
+use super::super::{Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, fields};
 use super::mistake::flaw_at;
 use super::{Beginning, OrbitStart, SystemPlot, SystemProblem, values};
 use crate::affine::system::{Mistake, Ordered, Source};
@@ -100,6 +100,9 @@ pub(super) fn check(problem: &SystemProblem, outline: &Outline) -> Check {
     checks.used()?;
     if let Some(section) = &problem.continuation {
         checks.branch(section)?;
+    }
+    if let Some(section) = &problem.curve {
+        checks.curve(section)?;
     }
     if let Some(section) = &problem.simulation
         && let Some(start) = &section.start
@@ -381,6 +384,36 @@ impl Checks<'_, SystemProblem> {
             self.once(&path, index, &events)?;
         }
         Ok(())
+    }
+
+    fn curve(&self, section: &SystemCurve) -> Check {
+        let Curve {
+            parameters, range, ..
+        } = section;
+        let names: Vec<&str> = self.source().parameters.names().collect();
+        for (side, name, range) in [(0, &parameters.0, range.0), (1, &parameters.1, range.1)] {
+            self.one_of(
+                &format!("curve.parameters.{side}"),
+                "parameter",
+                name,
+                &names,
+            )?;
+            self.admit(
+                &format!("curve.range.{side}"),
+                range,
+                range.0 < range.1,
+                ORDER,
+            )?;
+        }
+        let (first, second) = parameters;
+        let rule = "the two parameters of a curve must be different";
+        self.admit("curve.parameters.1", second, first != second, rule)?;
+        if self.outline.has("curve.sector") {
+            let message = "`curve.sector` is for waves of a tube, and this is a system";
+            return self.refuse("curve.sector", message, "leave it out");
+        }
+        self.label_without_index(section.event.kind().is_none())?;
+        self.steps("curve", [section.ds, section.ds_min, section.ds_max])
     }
 
     /// Refuses events that orbits do not have, or whose multipliers are not computed.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::Flaw;
 use super::outline::{Outline, Subject};
-use super::{Continuation, Expectation, Output, ProblemError, Scan, missing};
+use super::{Continuation, Expectation, Output, ProblemError, Scan, SystemCurve, missing};
 use crate::affine::motion::Place;
 use crate::affine::system::{Ordered, Source, System};
 
@@ -40,6 +40,9 @@ pub struct SystemProblem<S = System> {
     /// Whether multipliers are computed, and PD, NS and BP looked for.
     #[serde(default)]
     pub stability: Option<Multipliers>,
+    /// The event to follow in two parameters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<SystemCurve>,
     /// The motion to simulate.
     #[serde(default)]
     pub simulation: Option<SystemSimulation>,
@@ -174,6 +177,7 @@ impl<S> SystemProblem<S> {
             orbit: self.orbit,
             continuation: self.continuation,
             stability: self.stability,
+            curve: self.curve,
             simulation: self.simulation,
             scan: self.scan,
             output: self.output,
@@ -273,6 +277,16 @@ impl SystemProblem {
             let lack = "no branch to follow";
             missing(Subject::System, "continuation", lack, text, name)
         })
+    }
+
+    /// The section `curve`; see [`SystemProblem::simulation`].
+    ///
+    /// # Errors
+    /// Where there is none.
+    pub fn curve(&self, text: &str, name: &str) -> Result<&SystemCurve, ProblemError> {
+        let section = self.curve.as_ref();
+        let lack = "no event to follow";
+        section.ok_or_else(|| missing(Subject::System, "curve", lack, text, name))
     }
 
     /// Index of the parameter of the branch.

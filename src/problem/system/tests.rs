@@ -367,6 +367,7 @@ fn every_field_has_an_example_that_is_right() {
         ("orbit.start", "(orbit: (start: Restart(@)))"),
         ("orbit.start", "(orbit: (start: Switch(@)))"),
         ("continuation", "(continuation: (@), orbit: ())"),
+        ("curve", "(curve: (@), orbit: ())"),
         ("simulation", "(simulation: (@), orbit: ())"),
         ("simulation.start", "(simulation: (start: (@)), orbit: ())"),
         ("output", "(output: (@), orbit: ())"),

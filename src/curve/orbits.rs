@@ -1,0 +1,267 @@
+//! Orbits of a user's system over a plane of two parameters.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::plane::{Condition, NotEvaluated, Plane, Test};
+use super::point::{PointType, What};
+use crate::affine::orbit::multipliers::Monodromy;
+use crate::affine::orbit::{
+    AffineOrbit, Examination, Margin, OrbitFailure, Scales, Sequence, Setting, Watch,
+};
+use crate::affine::system::System;
+use crate::linalg::Vector;
+use crate::orbit::{EventType, Orbit};
+
+/// All that an orbit needs beside its sequence.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Orbits {
+    system: System,
+    values: Vec<f64>,
+    parameters: [usize; 2],
+    widths: [f64; 2],
+    periods: u32,
+    scales: Scales,
+}
+
+/// An event of the multipliers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Critical {
+    /// One is −1.
+    PeriodDoubling,
+    /// A pair has the product 1.
+    Torus,
+}
+
+/// Why the multipliers do not tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
+pub enum NoMultipliers {
+    /// They are infinite.
+    #[error("the multipliers have no limit: a guard is met at no speed")]
+    Infinite,
+}
+
+impl Orbits {
+    /// Those of a solved orbit; `widths` are the units of the parameters.
+    pub fn new(
+        orbit: &AffineOrbit,
+        point: &Vector,
+        parameters: [usize; 2],
+        widths: [f64; 2],
+    ) -> Orbits {
+        let Setting {
+            system,
+            values,
+            parameter,
+            periods,
+            scales,
+            ..
+        } = (*orbit.setting).clone();
+        let mut values = values;
+        values[parameter] = orbit.value_at(point);
+        Orbits {
+            system,
+            values,
+            parameters,
+            widths,
+            periods,
+            scales,
+        }
+    }
+}
+
+/// Half the sum of a pair that is within this of ±2 is that of two multipliers ±1: the place is known to 1e-12.
+const MET: f64 = 1e-6;
+
+/// The linearised motion over a period.
+fn monodromy(orbit: &AffineOrbit, point: &Vector) -> Option<Monodromy> {
+    orbit.monodromy(point).ok()?
+}
+
+impl Plane for Orbits {
+    type Orbit = AffineOrbit;
+    type Watch = Watch;
+    type Spectral = Critical;
+    type NotLinearised = NoMultipliers;
+    type NoBranch = crate::hybrid::NoStart;
+
+    const MEASURE: &'static str = "period";
+    const ANGULAR: &'static str = "angle";
+    const SYMBOL: &'static str = "angle";
+    const HAS_SECTORS: bool = false;
+    const FOLLOWED: &'static [EventType] = &[
+        EventType::LP,
+        EventType::PD,
+        EventType::NS,
+        EventType::GR,
+        EventType::CO,
+        EventType::SL,
+    ];
+
+    fn parameters(&self) -> [String; 2] {
+        let name = |index| self.system.source.parameters.names().nth(index);
+        self.parameters
+            .map(|index| name(index).unwrap_or_default().to_owned())
+    }
+
+    fn widths(&self) -> [f64; 2] {
+        self.widths
+    }
+
+    fn values(&self) -> [f64; 2] {
+        self.parameters.map(|index| self.values[index])
+    }
+
+    fn unknowns(&self, sequence: &Sequence) -> usize {
+        let forced = usize::from(self.system.source.forcing.is_some());
+        (self.scales.states.len() + 1) * sequence.len() + forced
+    }
+
+    fn zones(sequence: &Sequence) -> usize {
+        sequence.len()
+    }
+
+    fn orbit(
+        &self,
+        sequence: &Sequence,
+        values: [f64; 2],
+        index: usize,
+    ) -> Result<AffineOrbit, OrbitFailure> {
+        let mut all = self.values.clone();
+        for (parameter, value) in self.parameters.into_iter().zip(values) {
+            all[parameter] = value;
+        }
+        let setting = Setting {
+            system: self.system.clone(),
+            values: all,
+            parameter: self.parameters[index],
+            periods: self.periods,
+            // what is asked of the multipliers is asked for below
+            stability: false,
+            scales: Scales {
+                parameter: self.widths[index],
+                ..self.scales.clone()
+            },
+        };
+        AffineOrbit::new(Arc::new(setting), sequence.clone()).ok_or(OrbitFailure::NoZones)
+    }
+
+    fn key(margin: &Margin) -> (Watch, usize) {
+        (margin.watch, margin.zone)
+    }
+
+    fn zone(sequence: &Sequence, zone: usize) -> String {
+        format!("`{}`", sequence.zone(zone).name)
+    }
+
+    fn length(orbit: &AffineOrbit, point: &Vector, zone: usize) -> f64 {
+        let at = orbit.at(point).ok();
+        at.map_or(f64::NAN, |at| at.zones[zone].duration)
+    }
+
+    fn name(orbit: &AffineOrbit, point: &Vector) -> String {
+        let cycle = orbit.cycle(point);
+        cycle.map_or_else(
+            |_| orbit.sequence.to_string(),
+            |cycle| cycle.names.join("-"),
+        )
+    }
+
+    fn measure(orbit: &AffineOrbit, point: &Vector) -> (f64, Option<f64>) {
+        let cycle = orbit.cycle(point);
+        (cycle.map_or(f64::NAN, |cycle| cycle.period), None)
+    }
+
+    fn spectral(
+        &self,
+        spectral: &Critical,
+        orbit: &AffineOrbit,
+        point: &Vector,
+        _: &[f64],
+    ) -> Result<Vec<f64>, NotEvaluated<Orbits>> {
+        let monodromy = orbit.monodromy(point).map_err(NotEvaluated::Flow)?;
+        let infinite = NotEvaluated::Linear(NoMultipliers::Infinite);
+        let monodromy = monodromy.ok_or(infinite)?;
+        let [doubling, _, torus] = monodromy.tests(&monodromy.multipliers());
+        Ok(vec![match spectral {
+            Critical::PeriodDoubling => doubling,
+            Critical::Torus => torus,
+        }])
+    }
+
+    fn angular(
+        &self,
+        spectral: &Critical,
+        orbit: &AffineOrbit,
+        point: &Vector,
+        _: &[f64],
+    ) -> Option<f64> {
+        match spectral {
+            Critical::PeriodDoubling => None,
+            Critical::Torus => monodromy(orbit, point)?.angle_on_circle(),
+        }
+    }
+
+    /// A multiplier −1 beside the event, a pair with the product 1, and of a pair that is followed the cosine of its
+    /// angle: it passes ±1 where the pair meets, and beyond that the multipliers are real.
+    fn tests(
+        &self,
+        condition: &Condition<Orbits>,
+        orbit: &AffineOrbit,
+        point: &Vector,
+        _: &[f64],
+        _: &Examination,
+    ) -> Vec<Test> {
+        let Some(monodromy) = monodromy(orbit, point) else {
+            return Vec::new();
+        };
+        let [doubling, _, torus] = monodromy.tests(&monodromy.multipliers());
+        let passed = |kind, value| Test {
+            kind,
+            value,
+            ends: false,
+        };
+        let cosine = monodromy.cosine().unwrap_or(f64::NAN);
+        let doubling = passed(Some(PointType::One(EventType::PD)), doubling);
+        // beside a multiplier ±1 the pair may be that one and another; two real ones μ and 1/μ are no event
+        let pair = |order: u8, both: f64| {
+            let is_met = (cosine - both).abs() <= MET;
+            let turns = monodromy.angle_on_circle().is_some();
+            let kind = if is_met {
+                Some(PointType::Resonance(order))
+            } else {
+                turns.then_some(PointType::One(EventType::NS))
+            };
+            passed(kind, torus)
+        };
+        match condition {
+            Condition::Spectral(Critical::Torus) => {
+                let met = |order, value| Test {
+                    kind: Some(PointType::Resonance(order)),
+                    value,
+                    ends: true,
+                };
+                let resonance = |order, value| passed(Some(PointType::Resonance(order)), value);
+                vec![
+                    met(1, 1.0 - cosine),
+                    met(2, 1.0 + cosine),
+                    resonance(3, cosine + 0.5),
+                    resonance(4, cosine),
+                    // without the pair itself
+                    Test {
+                        value: doubling.value / (2.0 + 2.0 * cosine),
+                        ..doubling
+                    },
+                ]
+            }
+            Condition::Spectral(Critical::PeriodDoubling) => vec![pair(2, -1.0)],
+            Condition::Fold => vec![doubling, pair(1, 1.0)],
+            Condition::Margin(_) => vec![doubling, pair(1, f64::NAN)],
+        }
+    }
+
+    fn say(what: &What<AffineOrbit>) -> String {
+        what.to_string()
+    }
+}

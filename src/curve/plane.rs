@@ -1,0 +1,172 @@
+//! What a curve of an event needs to know of the orbits it belongs to.
+
+use serde::{Deserialize, Serialize};
+
+use super::point::{PointType, What};
+use crate::continuation::newton::System;
+use crate::linalg::Vector;
+use crate::orbit::{Data, EventType, Orbit};
+
+/// Margins of the orbits of a plane.
+pub type MarginOf<P> = <<P as Plane>::Orbit as Orbit>::Margin;
+/// Their signatures.
+pub type SignatureOf<P> = <<P as Plane>::Orbit as Orbit>::Signature;
+/// Their parameters.
+pub type ParameterOf<P> = <<P as Plane>::Orbit as Orbit>::Parameter;
+/// Why their equations cannot be evaluated.
+pub type FailureOf<P> = <<P as Plane>::Orbit as System>::Failure;
+/// What an examination of them finds.
+pub type ExaminationOf<P> = <<P as Plane>::Orbit as Orbit>::Examination;
+
+/// A test function of a curve, and what its zero is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Test {
+    /// Type of the point where it vanishes, as seen from here; none where it is none.
+    pub kind: Option<PointType>,
+    /// Its value.
+    pub value: f64,
+    /// Whether the curve ends there.
+    pub ends: bool,
+}
+
+/// What makes the orbit special.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub enum Condition<P: Plane> {
+    /// A margin vanishes.
+    Margin(MarginOf<P>),
+    /// Fold in either parameter.
+    Fold,
+    /// An event of the spectrum.
+    Spectral(P::Spectral),
+}
+
+/// Why the equations could not be evaluated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+#[serde(bound = "")]
+pub enum NotEvaluated<P: Plane> {
+    /// The flow overflows, the wave is subsonic, or the system makes no sense there.
+    #[error("{0}")]
+    Flow(FailureOf<P>),
+    /// There is no eigenfunction problem.
+    #[error("{0}")]
+    Linear(P::NotLinearised),
+}
+
+/// Orbits over a plane of two parameters: all that their equations need beside the signature.
+pub trait Plane: Data {
+    /// The orbits, posed in one of the two parameters.
+    type Orbit: Orbit<Margin: Data>;
+    /// What a margin measures.
+    type Watch: Data + Copy;
+    /// An event of the spectrum.
+    type Spectral: Data;
+    /// Why it cannot be evaluated.
+    type NotLinearised: Data + std::error::Error;
+
+    /// Why a branch with the event does not begin.
+    type NoBranch: Clone + std::fmt::Debug + PartialEq + std::error::Error;
+
+    /// Events that have a curve.
+    const FOLLOWED: &'static [EventType];
+    /// Name of the column of [`super::Point::measure`].
+    const MEASURE: &'static str;
+    /// Name of the column of [`super::Point::angular`].
+    const ANGULAR: &'static str;
+
+    /// Its symbol.
+    const SYMBOL: &'static str;
+    /// Whether events of the spectrum have a Bloch sector.
+    const HAS_SECTORS: bool;
+
+    /// The two parameters.
+    fn parameters(&self) -> [ParameterOf<Self>; 2];
+
+    /// Their units.
+    fn widths(&self) -> [f64; 2];
+
+    /// Their values where the curve begins.
+    fn values(&self) -> [f64; 2];
+
+    /// Whether a parameter has no values below zero.
+    fn is_bounded(&self, _index: usize) -> bool {
+        false
+    }
+
+    /// Number of unknowns of an orbit, its parameter left out.
+    fn unknowns(&self, signature: &SignatureOf<Self>) -> usize;
+
+    /// Number of zones.
+    fn zones(signature: &SignatureOf<Self>) -> usize;
+
+    /// The orbits of a signature at values of the parameters, posed in one of them.
+    ///
+    /// # Errors
+    /// The system makes no sense there.
+    fn orbit(
+        &self,
+        signature: &SignatureOf<Self>,
+        values: [f64; 2],
+        index: usize,
+    ) -> Result<Self::Orbit, FailureOf<Self>>;
+
+    /// What a margin measures, and in which zone.
+    fn key(margin: &MarginOf<Self>) -> (Self::Watch, usize);
+
+    /// Name of a zone.
+    fn zone(signature: &SignatureOf<Self>, zone: usize) -> String;
+
+    /// Length of a zone.
+    fn length(orbit: &Self::Orbit, point: &Vector, zone: usize) -> f64;
+
+    /// Name of an orbit.
+    fn name(orbit: &Self::Orbit, point: &Vector) -> String;
+
+    /// What every point tells of its orbit: the speed of a wave, the period of an orbit; and the excess speed.
+    fn measure(orbit: &Self::Orbit, point: &Vector) -> (f64, Option<f64>);
+
+    /// Number of further unknowns of an event of the spectrum; it has one equation more.
+    fn further(_spectral: &Self::Spectral) -> usize {
+        0
+    }
+
+    /// Its equations.
+    ///
+    /// # Errors
+    /// They cannot be evaluated.
+    fn spectral(
+        &self,
+        spectral: &Self::Spectral,
+        orbit: &Self::Orbit,
+        point: &Vector,
+        further: &[f64],
+    ) -> Result<Vec<f64>, NotEvaluated<Self>>;
+
+    /// Its frequency or angle.
+    fn angular(
+        &self,
+        spectral: &Self::Spectral,
+        orbit: &Self::Orbit,
+        point: &Vector,
+        further: &[f64],
+    ) -> Option<f64>;
+
+    /// Bloch sector of an event of the spectrum.
+    fn sector(_spectral: &Self::Spectral) -> Option<usize> {
+        None
+    }
+
+    /// Test functions beside the margins and the fold, in a fixed order. One whose value is not finite is not
+    /// looked at.
+    fn tests(
+        &self,
+        condition: &Condition<Self>,
+        orbit: &Self::Orbit,
+        point: &Vector,
+        further: &[f64],
+        examination: &ExaminationOf<Self>,
+    ) -> Vec<Test>;
+
+    /// A sentence of what happens.
+    fn say(what: &What<Self::Orbit>) -> String;
+}

@@ -1,0 +1,336 @@
+//! Events of orbits of systems in two parameters against closed forms and figures of an independent program.
+
+use std::f64::consts::TAU;
+
+use brakewave::EventType;
+use brakewave::curve::start::{NoCurve, Start, find_of_system};
+use brakewave::curve::{Curve, Orbits, Point, PointType, Run};
+use brakewave::hybrid::Runner;
+use brakewave::problem::{Any, SystemProblem, parse_any};
+
+use crate::observed;
+
+const BALL: &str = include_str!("../../problems/bouncing_ball.ron");
+const IMPACT: &str = include_str!("../../problems/impact_oscillator.ron");
+
+/// A problem file with other lines for its start, its branch and its curve.
+fn problem(
+    text: &str,
+    values: &[(&str, &str)],
+    start: &str,
+    branch: &str,
+    curve: &str,
+) -> SystemProblem {
+    let mut text = text.to_owned();
+    for (from, to) in values {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    let lines = text.lines().map(|line| match line.trim_start() {
+        line if line.starts_with("orbit:") => format!("orbit: ({start}),"),
+        line if line.starts_with("continuation:") => {
+            format!("continuation: ({branch}), curve: ({curve}),")
+        }
+        _ => line.to_owned(),
+    });
+    let text: Vec<String> = lines.collect();
+    let text = text.join("\n");
+    let (head, _) = text
+        .split_once("    expect:")
+        .expect("expectations come last");
+    let Any::System(problem) = parse_any(&format!("{head})"), "test").unwrap() else {
+        panic!("a system");
+    };
+    *problem
+}
+
+fn start(problem: &SystemProblem) -> Result<Start<Orbits>, NoCurve<Orbits>> {
+    let (Some(continuation), Some(curve)) = (&problem.continuation, &problem.curve) else {
+        panic!("the problem has no curve");
+    };
+    let begin = |problem: &SystemProblem| Runner::begin(problem, continuation, None);
+    find_of_system(problem, curve, begin, &mut |_| ())
+}
+
+fn curve(problem: &SystemProblem) -> Curve<Orbits> {
+    let start = start(problem).unwrap();
+    let mut run = Run::begin(&start.system, start.event, &start.point, start.limits).unwrap();
+    while run.step().unwrap().is_some() {}
+    run.unnamed()
+}
+
+/// Points of a type of codimension two.
+fn of(curve: &Curve<Orbits>, kind: PointType) -> Vec<&Point> {
+    let points = curve.points.iter();
+    points.filter(|point| point.kind == Some(kind)).collect()
+}
+
+const BALL_START: &str =
+    "start: Given(mode: \"flight\", state: {\"y\": 0.0, \"v\": 2.0944}, phase: 0.01414)";
+
+/// One bounce in a period of the table: fold at G = π(1 − e)/(1 + e) = q, doubling at G² = q² + (2(1 + e²)/(1 + e)²)².
+#[test]
+fn fold_and_doubling_of_the_ball() {
+    let (mut worst, mut residual) = ([0.0_f64; 2], 0.0_f64);
+    for (index, event) in ["LP", "PD"].into_iter().enumerate() {
+        let problem = problem(
+            BALL,
+            &[],
+            BALL_START,
+            "parameter: \"G\", range: (1.0, 1.6), toward: Both",
+            &format!("event: {event}, parameters: (\"G\", \"e\"), range: ((0.2, 2.5), (0.2, 0.8))"),
+        );
+        let curve = curve(&problem);
+        assert!(curve.points.len() > 20, "{}", curve.points.len());
+        for point in &curve.points {
+            let [g, e] = point.parameters;
+            let fold = 0.5 * TAU * (1.0 - e) / (1.0 + e);
+            let expected = match event {
+                "LP" => fold,
+                _ => fold.hypot(2.0 * (1.0 + e * e) / (1.0 + e).powi(2)),
+            };
+            worst[index] = worst[index].max((g / expected - 1.0).abs());
+            residual = residual.max(point.residual);
+        }
+        let ends = [curve.points.first(), curve.points.last()];
+        for end in ends.into_iter().flatten() {
+            assert_eq!(
+                end.kind,
+                Some(PointType::One(EventType::EP)),
+                "{}",
+                end.what
+            );
+        }
+    }
+    observed("folds of the ball in (G, e)", worst[0]);
+    observed("doublings of the ball in (G, e)", worst[1]);
+    assert!(
+        worst[0].max(worst[1]) < 1e-10 && residual < 1e-12,
+        "{worst:?} {residual:e}"
+    );
+}
+
+/// The single-impact orbit of x″ + cx′ + x = A cos wt with a stop at 1: with N = (1 − E)⁻¹ of the free flight over a
+/// period, A²|G|² = (1 − Vy)² + V²q², y = −(1 + e)N₁₂, q = (1 + (1 + e)(N₂₂ − 1))/w.
+struct Single {
+    gain: f64,
+    y: f64,
+    q: f64,
+}
+
+impl Single {
+    fn new(c: f64, w: f64, e: f64) -> Single {
+        let (decay, omega) = (0.5 * c, (1.0 - 0.25 * c * c).sqrt());
+        let time = TAU / w;
+        let (sine, cosine) = (omega * time).sin_cos();
+        let size = (-decay * time).exp();
+        let flight = [
+            [size * (cosine + decay / omega * sine), size * sine / omega],
+            [-size * sine / omega, size * (cosine - decay / omega * sine)],
+        ];
+        let [[a, b], [c0, d]] = [
+            [1.0 - flight[0][0], -flight[0][1]],
+            [-flight[1][0], 1.0 - flight[1][1]],
+        ];
+        let determinant = a * d - b * c0;
+        let (n12, n22) = (-b / determinant, a / determinant);
+        Single {
+            gain: (1.0 - w * w).hypot(c * w).recip(),
+            y: -(1.0 + e) * n12,
+            q: (1.0 + (1.0 + e) * (n22 - 1.0)) / w,
+        }
+    }
+
+    /// dA/dV = 0.
+    fn fold(&self) -> f64 {
+        self.q.abs() / self.y.hypot(self.q) / self.gain
+    }
+
+    /// V = 0.
+    fn graze(&self) -> f64 {
+        self.gain.recip()
+    }
+}
+
+const SETTLES: &str =
+    "start: Simulate(mode: \"free\", state: {\"x\": 0.0, \"v\": 0.0}, settle: 400)";
+
+/// Fold, doubling and graze of the impact oscillator in (A, w) meet in one point, w = √(4 − c²), A = 1/|G|.
+#[test]
+fn fold_doubling_and_graze_meet() {
+    let (w, a) = (1.997_498_435_543_818, 2.996_664_812_754_339_4);
+    let at = |w: &str, force: &str| {
+        vec![
+            ("\"w\": 1.0".to_owned(), format!("\"w\": {w}")),
+            ("\"A\": 1.0".to_owned(), format!("\"A\": {force}")),
+        ]
+    };
+    let along = |frequency: &str, force: &str, event: &str, range: &str| {
+        let values = at(frequency, force);
+        let values: Vec<(&str, &str)> = values
+            .iter()
+            .map(|(one, other)| (&**one, &**other))
+            .collect();
+        let problem = problem(
+            IMPACT,
+            &values,
+            SETTLES,
+            &format!("parameter: \"A\", range: (0.5, {force}), toward: Down"),
+            &format!("event: {event}, parameters: (\"A\", \"w\"), range: {range}"),
+        );
+        curve(&problem)
+    };
+    let met = |curve: &Curve<Orbits>, kind: PointType| {
+        let points = of(curve, kind);
+        assert_eq!(
+            points.len(),
+            1,
+            "{kind}: {:?} {:?}",
+            curve.end(0),
+            curve.end(1)
+        );
+        let off = points[0].parameters;
+        (off[0] / a - 1.0).abs().max((off[1] / w - 1.0).abs())
+    };
+    use EventType::{GR, LP, PD};
+    let folds = along("1.8", "5.0", "LP", "((0.5, 6.0), (1.797748591989436, 2.3))");
+    let mut worst = 0.0_f64;
+    for point in &folds.points {
+        let [force, w] = point.parameters;
+        worst = worst.max((force / Single::new(0.1, w, 0.8).fold() - 1.0).abs());
+    }
+    let meets = met(&folds, PointType::Two(LP, GR));
+    observed("folds of the impact oscillator in (A, w)", worst);
+    observed("their meeting with the graze", meets);
+    assert!(worst < 1e-9 && meets < 1e-6, "{worst:e} {meets:e}");
+    let edge = |curve: &Curve<Orbits>| {
+        let ends = [curve.points.first(), curve.points.last()];
+        let mut ends = ends.into_iter().flatten();
+        let end = ends.find(|end| end.kind == Some(PointType::One(EventType::EP)));
+        end.expect("an end at the edge").parameters
+    };
+    assert!((edge(&folds)[0] / 1.241_128_668_207_79 - 1.0).abs() < 1e-9);
+    let doublings = along("2.1", "8.0", "PD", "((0.5, 6.0), (1.8, 2.197248279098199))");
+    let meets = met(&doublings, PointType::Two(PD, GR));
+    let off = (edge(&doublings)[0] / 4.243_917_390_471_991 - 1.0).abs();
+    observed("doublings of the impact oscillator at w = 2.197…", off);
+    observed("their meeting with the graze", meets);
+    assert!(off < 1e-9 && meets < 1e-6, "{off:e} {meets:e}");
+    let grazes = along("2.1", "8.0", "GR", "((0.5, 6.0), (1.8, 2.3))");
+    let mut worst = 0.0_f64;
+    for point in &grazes.points {
+        let [force, w] = point.parameters;
+        worst = worst.max((force / Single::new(0.1, w, 0.8).graze() - 1.0).abs());
+    }
+    let meets = met(&grazes, PointType::Two(GR, LP));
+    observed("grazes of the impact oscillator in (A, w)", worst);
+    observed("their meeting with the fold", meets);
+    assert!(worst < 1e-12 && meets < 1e-9, "{worst:e} {meets:e}");
+}
+
+/// With negative damping the product of both multipliers, e² exp(−cT), is 1 at c = 2 ln e/T: on that line lie the
+/// Neimark-Sacker points, between resonances 1:1, where the fold is, and 1:2; 1:4 and 1:3 on the way.
+#[test]
+fn a_torus_between_its_resonances() {
+    let problem = problem(
+        IMPACT,
+        &[],
+        SETTLES,
+        "parameter: \"c\", range: (-0.2, 0.1), toward: Down",
+        "event: NS, parameters: (\"A\", \"c\"), range: ((0.01, 4.0), (-0.2, 0.1))",
+    );
+    let curve = curve(&problem);
+    let expected = 2.0 * 0.8_f64.ln() / TAU;
+    let off = |point: &Point| (point.parameters[1] / expected - 1.0).abs();
+    let worst = curve.points.iter().map(off).fold(0.0, f64::max);
+    observed(
+        "Neimark-Sacker points of the impact oscillator in (A, c)",
+        worst,
+    );
+    assert!(worst < 1e-10, "{worst:e}");
+    let at = |order: u8| {
+        let points = of(&curve, PointType::Resonance(order));
+        assert_eq!(
+            points.len(),
+            1,
+            "1:{order}: {} {}",
+            curve.end(0),
+            curve.end(1)
+        );
+        points[0]
+    };
+    for order in [3, 4] {
+        let found = at(order).angular.unwrap();
+        assert!(
+            (found - TAU / f64::from(order)).abs() < 1e-9,
+            "1:{order} at {found}"
+        );
+    }
+    // the fold lies at 1:1
+    let [force, c] = at(1).parameters;
+    let fold = Single::new(c, 1.0, 0.8).fold();
+    observed("resonance 1:1 and the fold", (force / fold - 1.0).abs());
+    assert!((force / fold - 1.0).abs() < 1e-9, "{force} {fold}");
+    let meet = at(2);
+    assert!(meet.what.contains("1:2"), "{}", meet.what);
+}
+
+/// A curve resumed after its steps takes the same steps.
+#[test]
+fn curves_of_systems_are_resumed() {
+    let problem = problem(
+        BALL,
+        &[],
+        BALL_START,
+        "parameter: \"G\", range: (1.0, 1.6), toward: Both",
+        "event: PD, parameters: (\"G\", \"e\"), range: ((1.2, 1.8), (0.4, 0.6))",
+    );
+    let start = start(&problem).unwrap();
+    let begin = || Run::begin(&start.system, start.event, &start.point, start.limits);
+    let mut run = begin().unwrap();
+    let head = ron::from_str(&ron::to_string(run.head()).unwrap()).unwrap();
+    let mut steps = Vec::new();
+    while let Some(step) = run.step().unwrap() {
+        steps.push(ron::to_string(&step).unwrap());
+    }
+    let points = |run: Run<Orbits>| run.unnamed().points;
+    let whole = points(run);
+    for count in [0, 3, steps.len() / 2 + 2, steps.len()] {
+        let saved = steps[..count]
+            .iter()
+            .map(|step| ron::from_str(step).unwrap());
+        let mut run = Run::resume(Clone::clone(&head), saved.collect()).unwrap();
+        while run.step().unwrap().is_some() {}
+        assert_eq!(points(run), whole, "{count}");
+    }
+}
+
+/// What cannot be followed says why.
+#[test]
+fn events_that_have_no_curve() {
+    let with = |curve: &str| {
+        problem(
+            BALL,
+            &[],
+            BALL_START,
+            "parameter: \"G\", range: (1.0, 1.6), toward: Both",
+            curve,
+        )
+    };
+    for (curve, message) in [
+        (
+            "event: NS, parameters: (\"G\", \"e\"), range: ((0.2, 2.5), (0.2, 0.8))",
+            "the branch has 0 events of the kind asked for, NS",
+        ),
+        (
+            "event: PD, parameters: (\"G\", \"e\"), range: ((0.2, 1.5), (0.2, 0.8))",
+            "outside the range from 0.2 to 1.5",
+        ),
+    ] {
+        let refused = start(&with(curve)).err().map(|error| error.to_string());
+        assert!(
+            refused.as_ref().is_some_and(|text| text.contains(message)),
+            "{refused:?}"
+        );
+    }
+}
