@@ -330,7 +330,7 @@ impl Monodromy {
             .map(|one| one.value)
             .collect();
         if values.is_empty() {
-            return vec![1.0; 3];
+            return [1.0; 3];
         }
         let speeds: f64 = self.falls.iter().product();
         let shifted = |by: f64| {
