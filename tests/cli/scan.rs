@@ -223,7 +223,7 @@ fn bad_scans_are_told_with_their_place() {
         ("keep: 4", "keep: 0", "`scan.keep` is 0"),
         ("settle: 30", "settle: -1", "`scan.settle`"),
         ("Phase(0.0)", "Zero(\"x - dd\")", "did you mean `d`"),
-        ("Phase(0.0)", "Zero(\"x*v\")", "x*v"),
+        ("Phase(0.0)", "Zero(\"x -\")", "makes no sense"),
         ("sweep: Both", "sweep: Bth", "Both"),
         ("settle: 30", "settle: 30, seed: 3", "sweep: Fresh"),
         (
