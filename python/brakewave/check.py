@@ -18,6 +18,7 @@ from pathlib import Path
 try:
     from flint import arb, ctx
 
+    from .ball_orbits import OrbitPoint
     from .ball_spectrum import Perturbed
     from .ball_waves import NotCovered, Refused, Signs, must, prove_zero
 except ImportError as error:
@@ -32,7 +33,7 @@ Tagged = namedtuple("Tagged", "name value")
 BLANK = r"\s*(?:(?://[^\n]*|/\*.*?\*/)\s*)*"
 TOKEN = re.compile(
     BLANK + r'(?:(?P<string>"(?:[^"\\]|\\.)*")|(?P<number>[-+]?(?:\d|\.\d)[\d._]*(?:[eE][-+]?\d+)?)'
-    r"|(?P<name>[A-Za-z_]\w*)|(?P<mark>[()\[\]:,])|(?P<end>\Z))",
+    r"|(?P<name>[A-Za-z_]\w*)|(?P<mark>[()\[\]{}:,])|(?P<end>\Z))",
     re.S,
 )
 
@@ -73,6 +74,18 @@ def read_ron(text):
             raise ValueError("a field is there twice, or has no name")
         return dict(zip(names, items)) if names else items if close == "]" else tuple(items)
 
+    def table():
+        found = {}
+        while tokens[-1][1] != "}":
+            name = value()
+            if tokens.pop()[1] != ":" or name in found:
+                raise ValueError(f"no map at {name!r}")
+            found[name] = value()
+            if tokens[-1][1] == ",":
+                tokens.pop()
+        tokens.pop()
+        return found
+
     def value():
         kind, token = tokens.pop()
         if kind == "string":
@@ -81,6 +94,8 @@ def read_ron(text):
             return Number(token.replace("_", ""))
         if token in ("(", "["):
             return sequence(")" if token == "(" else "]")
+        if token == "{":
+            return table()
         if kind != "name":
             raise ValueError(f"found {token!r}, not a value")
         if tokens[-1][1] != "(":
@@ -335,7 +350,10 @@ def main(folder):
                     print(f"{name} row of certificates.csv: refused: it is not proven in the certificate")
                     refused += 1
                 continue
-            for what, statement in Point(point, source, rows and rows[index]).statements():
+            row, proof = rows and rows[index], point["outcome"].value
+            of_system = "system" in proof["posed"]
+            known = OrbitPoint(point, source, row, (between, inside)) if of_system else Point(point, source, row)
+            for what, statement in known.statements():
                 try:
                     statement()
                     outcome = "proven again"
@@ -345,7 +363,7 @@ def main(folder):
                     outcome = f"refused: {reason}"
                     refused += 1
                 print(f"{name} {what}: {outcome}", flush=True)
-                if what.startswith("wave") and outcome != "proven again":
+                if what.startswith(("wave", "orbit")) and outcome != "proven again":
                     break
     except (OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         print(f"{name}: cannot be read: {error!r}", file=sys.stderr)

@@ -103,7 +103,8 @@ pub enum Operation {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Node {
-    Number(f64),
+    /// The double next to it, and its text.
+    Number(Box<(f64, String)>),
     Name(String),
     Negative(Box<Expression>),
     Binary(Operation, Box<[Expression; 2]>),
@@ -169,6 +170,10 @@ pub struct Flaw {
 pub trait Algebra: Clone {
     /// A number.
     fn number(value: f64) -> Self;
+    /// A decimal as it is written, and the double next to it.
+    fn decimal(value: f64, _text: &str) -> Self {
+        Self::number(value)
+    }
     /// −self.
     fn negative(self) -> Self;
     /// An operation on two elements.
@@ -232,7 +237,7 @@ impl Expression {
             span: self.span.clone(),
         };
         let value = match &self.node {
-            Node::Number(value) => Ok(A::number(*value)),
+            Node::Number(number) => Ok(A::decimal(number.0, &number.1)),
             Node::Name(name) => meaning(name).ok_or_else(|| Wrong::Unknown(name.clone())),
             Node::Negative(one) => Ok(one.evaluate(meaning)?.negative()),
             Node::Binary(operation, both) => {
@@ -274,11 +279,22 @@ fn nesting(text: &str) -> usize {
     deepest
 }
 
-/// A number, a call, a name or something in brackets.
-fn operand(text: &mut Text) -> ModalResult<Expression> {
+/// A number. On its own, so that nested brackets take less of the stack.
+#[inline(never)]
+fn number(text: &mut Text) -> ModalResult<Node> {
     let exponent = (one_of(['e', 'E']), opt(one_of(['+', '-'])), digit1);
     let digits = alt(((digit1, opt(('.', digit0))).void(), ('.', digit1).void()));
-    let number = (digits, opt(exponent)).take().parse_to().map(Node::Number);
+    let number = (digits, opt(exponent)).take();
+    number
+        .verify_map(|text: &str| {
+            let value = text.parse().ok()?;
+            Some(Node::Number(Box::new((value, text.to_owned()))))
+        })
+        .parse_next(text)
+}
+
+/// A number, a call, a name or something in brackets.
+fn operand(text: &mut Text) -> ModalResult<Expression> {
     let first = |c: char| c.is_alphabetic() || c == '_';
     let more = |c: char| c.is_alphanumeric() || c == '_';
     let name = (one_of(first), take_while(0.., more)).take();

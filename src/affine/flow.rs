@@ -432,7 +432,7 @@ pub(super) fn propagator(matrix: &Matrix, by: &Matrix, norm: f64, time: f64) -> 
 ///
 /// Osborne's method: rows and columns of one index get the same size. Units as different as volts and seconds
 /// would otherwise make pieces a hundred times too short.
-pub(super) fn balance(matrix: &Matrix) -> (Vector, f64) {
+pub(crate) fn balance(matrix: &Matrix) -> (Vector, f64) {
     let size = matrix.nrows();
     let mut scales = Vector::repeat(size, 1.0);
     let diagonal = matrix.diagonal().abs();

@@ -207,7 +207,7 @@ pub struct SystemError {
 }
 
 impl SystemError {
-    pub(super) fn at(path: impl Into<String>, mistake: Mistake) -> SystemError {
+    pub(crate) fn at(path: impl Into<String>, mistake: Mistake) -> SystemError {
         SystemError {
             path: path.into(),
             mistake,
@@ -233,7 +233,7 @@ impl SystemError {
 
 /// A way for a mode to end, its expressions read.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Switch {
+pub(crate) struct Switch {
     pub zero: Expression,
     pub to: usize,
     pub reset: Vec<(usize, Expression)>,
@@ -243,7 +243,7 @@ pub(super) struct Switch {
 
 /// A mode, its expressions read: the rates in the order of the states.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Mode {
+pub(crate) struct Mode {
     pub rates: Vec<Expression>,
     pub switches: Vec<Switch>,
 }
@@ -254,11 +254,11 @@ pub(super) struct Mode {
 pub struct System {
     /// As it is written.
     pub source: Source,
-    pub(super) forcing: Option<Expression>,
-    pub(super) define: Vec<Expression>,
-    pub(super) modes: Vec<Mode>,
+    pub(crate) forcing: Option<Expression>,
+    pub(crate) define: Vec<Expression>,
+    pub(crate) modes: Vec<Mode>,
     /// Indices of the modes on the two sides of each sliding mode.
-    pub(super) sliding: Vec<[usize; 2]>,
+    pub(crate) sliding: Vec<[usize; 2]>,
 }
 
 impl TryFrom<Source> for System {

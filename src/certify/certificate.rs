@@ -9,21 +9,31 @@ use super::perturbation::Eigenvalue;
 use super::system::{Condition, Near, Posed};
 use crate::interval::Interval;
 use crate::model::Parameter;
-use crate::orbit::EventType;
+use crate::orbit::{Data, EventType};
+
+/// A statement of a kind of orbits, and what it takes to check it.
+pub trait Provable: Data {
+    /// Name of the continuation parameter.
+    type Parameter: Data;
+}
+
+impl Provable for Proof {
+    type Parameter = Parameter;
+}
 
 /// All that was proven of a branch, and what proves it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Certificate {
+#[serde(deny_unknown_fields, bound = "")]
+pub struct Certificate<P: Provable = Proof> {
     /// Version of the program.
     pub version: String,
     /// The special points in their order.
-    pub points: Vec<Point>,
+    pub points: Vec<Point<P>>,
 }
 
-impl Certificate {
+impl<P: Provable> Certificate<P> {
     /// The certificate of a branch.
-    pub fn new(points: Vec<Point>) -> Certificate {
+    pub fn new(points: Vec<Point<P>>) -> Certificate<P> {
         Certificate {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             points,
@@ -33,19 +43,19 @@ impl Certificate {
 
 /// A special point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Point {
+#[serde(deny_unknown_fields, bound = "")]
+pub struct Point<P: Provable = Proof> {
     /// Label of the event.
     pub label: usize,
     /// Its type.
     pub kind: EventType,
     /// Continuation parameter.
-    pub parameter: Parameter,
+    pub parameter: P::Parameter,
     /// Leg of the branch.
     #[serde(default)]
     pub leg: usize,
     /// What was found.
-    pub outcome: Outcome,
+    pub outcome: Outcome<P>,
     /// Whether the branch from the point before has no other special point but crossings of eigenvalues, where
     /// that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -64,13 +74,13 @@ pub enum Stretch {
     Open(String),
 }
 
-impl Point {
+impl<P: Provable> Point<P> {
     /// Whether it is proven.
     pub fn is_proven(&self) -> bool {
         matches!(self.outcome, Outcome::Proven(_))
     }
 
-    pub(super) fn proof(&self) -> Option<&Proof> {
+    pub(super) fn proof(&self) -> Option<&P> {
         match &self.outcome {
             Outcome::Proven(proof) => Some(proof),
             Outcome::Open(_) => None,
@@ -89,9 +99,10 @@ pub enum Counted {
 
 /// Whether a point is proven.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Outcome {
+#[serde(bound = "")]
+pub enum Outcome<P: Provable = Proof> {
     /// It is.
-    Proven(Box<Proof>),
+    Proven(Box<P>),
     /// It is not, for this reason.
     Open(String),
 }
@@ -143,12 +154,18 @@ pub struct Statement {
     pub inequalities: usize,
 }
 
+impl From<Open> for Refused {
+    fn from(reason: Open) -> Refused {
+        Refused::NoProof(reason.to_string())
+    }
+}
+
 /// Why a stored proof does not hold.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refused {
-    /// The proof fails.
+    /// The proof fails, for this reason.
     #[error("it is no proof: {0}")]
-    Open(#[from] Open),
+    NoProof(String),
     /// What it says is not what is proven.
     #[error("{0} is said otherwise than what is proven")]
     Statement(&'static str),

@@ -98,37 +98,37 @@ impl<N: Positive> Function<'_, N> {
 
     /// Whether it is positive over [0, `length`], forwards or backwards.
     fn is_positive(&self, length: N, sign: f64) -> bool {
-        self.bisect(length, sign, |time| self.at(time, sign))
+        bisect(length, sign, |time| self.at(time, sign))
     }
 
     /// Whether it is positive over a zone at whose end it vanishes, since f(t)/tᵐ falls all along.
     fn falls(&self, length: N) -> bool {
-        self.bisect(length, 1.0, |time| {
+        bisect(length, 1.0, |time| {
             -(self.factor
                 * self
                     .series
                     .slope(self.component, N::constant(time), self.order))
         })
     }
+}
 
-    /// Whether a function of times is positive over [0, `length`], forwards or backwards.
-    fn bisect(&self, length: N, sign: f64, of: impl Fn(Interval) -> N) -> bool {
-        let mut open = vec![(0.0, length.value().high, 0)];
-        while let Some((from, to, depth)) = open.pop() {
-            let time = Interval::new(from, to) * Interval::point(sign);
-            if of(time).is_positive() {
-                continue;
-            }
-            let middle = 0.5 * (from + to);
-            let there = of(Interval::point(middle * sign));
-            if depth == DEEPEST || !there.is_positive() {
-                return false;
-            }
-            open.push((from, middle, depth + 1));
-            open.push((middle, to, depth + 1));
+/// Whether a function of times is positive over [0, `length`], forwards or backwards.
+pub(super) fn bisect<N: Positive>(length: N, sign: f64, of: impl Fn(Interval) -> N) -> bool {
+    let mut open = vec![(0.0, length.value().high, 0)];
+    while let Some((from, to, depth)) = open.pop() {
+        let time = Interval::new(from, to) * Interval::point(sign);
+        if of(time).is_positive() {
+            continue;
         }
-        true
+        let middle = 0.5 * (from + to);
+        let there = of(Interval::point(middle * sign));
+        if depth == DEEPEST || !there.is_positive() {
+            return false;
+        }
+        open.push((from, middle, depth + 1));
+        open.push((middle, to, depth + 1));
     }
+    true
 }
 
 /// A zone being looked at.

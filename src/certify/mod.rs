@@ -10,6 +10,7 @@
 //! 4. What is said of parameter, speed and lengths follows from the enclosure of that zero.
 //!
 //! Beyond that there are arcs between two points ([`arc`]), and the number of eigenvalues that grow ([`count`]).
+//! [`orbit`] does the same for orbits of a user's system.
 //!
 //! A [`Certificate`] has what is needed to do steps 2 to 4 again without continuation.
 
@@ -24,12 +25,15 @@ mod frame;
 mod inequality;
 mod krawczyk;
 mod open;
+pub mod orbit;
 mod perturbation;
 mod propagator;
 mod system;
 mod tail;
 
-pub use certificate::{Certificate, Counted, Outcome, Point, Proof, Refused, Statement, Stretch};
+pub use certificate::{
+    Certificate, Counted, Outcome, Point, Proof, Provable, Refused, Statement, Stretch,
+};
 pub use change::Beyond;
 pub use count::{Growth, Leading, Uncounted, Verdict};
 pub use frame::{Origin, Written};
@@ -377,18 +381,8 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
     }
     check_kind(point.kind, near, condition, beyond.as_ref())?;
     let proven = statement(posed, near, condition, Some(said.unique))?;
-    // without the room that both have; a statement that says less is as true, but is not what was written
-    let same = |said: Interval, proven: Interval| {
-        let room = 0.0625 * proven.width();
-        let inner = Interval::new(proven.low + room, proven.high - room);
-        inner.within(said) && said.width() <= 2.0 * proven.width()
-    };
-    if !same(said.parameter, proven.parameter) {
-        return Err(Refused::Statement("the parameter"));
-    }
-    if !same(said.speed, proven.speed) {
-        return Err(Refused::Statement("the speed"));
-    }
+    compared("the parameter", said.parameter, proven.parameter)?;
+    compared("the speed", said.speed, proven.speed)?;
     let mut lengths = said.lengths.iter().zip(&proven.lengths);
     if said.lengths.len() != proven.lengths.len() || !lengths.all(|(a, b)| same(*a, *b)) {
         return Err(Refused::Statement("a length"));
@@ -397,9 +391,7 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
     if said.omega.is_some() != proven.omega.is_some() || both.is_some_and(|(a, b)| !same(a, b)) {
         return Err(Refused::Statement("ω"));
     }
-    if said.unique > proven.unique * (1.0 + 1e-9) || said.unique < 0.0 || said.unique.is_nan() {
-        return Err(Refused::Statement("the distance of uniqueness"));
-    }
+    compared_unique(said.unique, proven.unique)?;
     if said.inequalities != proven.inequalities {
         return Err(Refused::Statement("the number of inequalities"));
     }
@@ -420,6 +412,28 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
         return Err(Refused::Statement("what grows"));
     }
     Ok(())
+}
+
+/// Whether an interval is as stated, without the room that both have; a statement that says less is as true, but is
+/// not what was written.
+fn same(said: Interval, proven: Interval) -> bool {
+    let room = 0.0625 * proven.width();
+    let inner = Interval::new(proven.low + room, proven.high - room);
+    inner.within(said) && said.width() <= 2.0 * proven.width()
+}
+
+fn compared(what: &'static str, said: Interval, proven: Interval) -> Result<(), Refused> {
+    match same(said, proven) {
+        true => Ok(()),
+        false => Err(Refused::Statement(what)),
+    }
+}
+
+fn compared_unique(said: f64, proven: f64) -> Result<(), Refused> {
+    match said >= 0.0 && said <= proven * (1.0 + 1e-9) {
+        true => Ok(()),
+        false => Err(Refused::Statement("the distance of uniqueness")),
+    }
 }
 
 /// Whether the type of an event follows from what vanishes there.

@@ -1,20 +1,21 @@
 //! `brakewave certify`.
 
-use crate::orbit::legs::Run as _;
+use crate::orbit::legs::Run;
 use std::path::Path;
 
 use clap::Args;
 
-use super::failure::{Exit, Failure};
-use super::options::Task;
-use super::prepare::{early_end, follow, prepare};
+use super::failure::{Exit, Failure, Usage};
+use super::options::{Task, read_any};
+use super::prepare::{Prepared, PreparedSystem, early_end, follow, ready, ready_system};
 use super::progress::each;
 use super::{print, stopped};
 use crate::branch::run::Item;
-use crate::certify::{self, Certificate, Counted, Outcome, Point, Stretch};
-use crate::output::certify::{CertificateFolder, read, sentence};
+use crate::certify::{self, Certificate, Counted, Outcome, Point, Refused, Stretch, orbit};
+use crate::hybrid;
+use crate::output::certify::{CertificateFolder, Certified, Read, read};
 use crate::output::store::Kind;
-use crate::problem::StabilitySection;
+use crate::problem::{Any, StabilitySection};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("resume", |one| one.help("Compute what was interrupted once more, from its beginning")))]
@@ -38,17 +39,20 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
     if arguments.verify {
         return verify(&task.problem, task.quiet);
     }
-    let prepared = prepare(&task.problem)?;
+    let (problem, text) = read_any(&task.problem)?;
+    match problem {
+        Any::Tube(problem) => waves(arguments, ready(*problem, text, &task.problem)?),
+        Any::System(problem) => orbits(arguments, ready_system(*problem, text, &task.problem)?),
+    }
+}
+
+fn waves(arguments: &CertifyArguments, prepared: Prepared) -> Result<Exit, Failure> {
+    let task = &arguments.task;
     let out = task.folder("_certify");
     let store = task.open(&out, Kind::Certificate, &prepared.problem)?;
     let mut branch = prepared.begin(task.quiet)?;
-    let mut folder = CertificateFolder::create(store)?;
-    let mut special: Vec<Item> = Vec::new();
-    follow(task.quiet, &mut branch, |items, branch| {
-        special.extend(items.into_iter().filter(|item| item.event.is_some()));
-        let (points, events) = (branch.progress().points, special.len());
-        Ok(format!("{points} points, {events} to prove"))
-    })?;
+    let folder = CertificateFolder::create::<certify::Proof>(store)?;
+    let special = located(task.quiet, &mut branch, |item: &Item| item.event.is_some())?;
     let quiet = task.quiet;
     let proofs: Vec<_> = each(quiet, &special, "points", |item| {
         certify::certify(item, prepared.source.text())
@@ -71,19 +75,64 @@ pub(crate) fn certify(arguments: &CertifyArguments) -> Result<Exit, Failure> {
             point.growth = count;
         }
     }
+    finish(task, &out, folder, points, &branch)
+}
+
+fn orbits(arguments: &CertifyArguments, prepared: PreparedSystem) -> Result<Exit, Failure> {
+    let task = &arguments.task;
+    if arguments.arcs || arguments.spectrum {
+        return Err(Usage::OfWaves.into());
+    }
+    let out = task.folder("_certify");
+    let store = task.open_system(&out, Kind::Certificate, &prepared.problem)?;
+    let mut branch = prepared.begin()?;
+    let folder = CertificateFolder::create::<orbit::Proof>(store)?;
+    let special = located(task.quiet, &mut branch, |item: &hybrid::Item| {
+        item.event.is_some()
+    })?;
+    let proofs: Vec<_> = each(task.quiet, &special, "points", |item| {
+        orbit::certify(item, prepared.source.text())
+    });
+    let points: Vec<Point<orbit::Proof>> = proofs.into_iter().flatten().collect();
+    finish(task, &out, folder, points, &branch)
+}
+
+/// Follows a branch, and keeps its special points.
+fn located<R: Run>(
+    quiet: bool,
+    branch: &mut R,
+    is_special: impl Fn(&R::Item) -> bool,
+) -> Result<Vec<R::Item>, Failure> {
+    let mut special = Vec::new();
+    follow(quiet, branch, |items, branch| {
+        special.extend(items.into_iter().filter(&is_special));
+        let (points, events) = (branch.progress().points, special.len());
+        Ok(format!("{points} points, {events} to prove"))
+    })?;
+    Ok(special)
+}
+
+/// Writes what is proven, and says it.
+fn finish<P: Certified>(
+    task: &Task,
+    out: &Path,
+    mut folder: CertificateFolder,
+    points: Vec<Point<P>>,
+    branch: &impl Run,
+) -> Result<Exit, Failure> {
     for point in &points {
         folder.write(point)?;
     }
-    let report: String = points.iter().map(sentence).collect();
-    let complete = |point: &Point| {
+    let report: String = points.iter().map(P::sentence).collect();
+    let complete = |point: &Point<P>| {
         point.is_proven()
             && !matches!(point.arc, Some(Stretch::Open(_)))
             && !matches!(point.growth, Some(Counted::Open(_)))
     };
     let all = points.iter().all(complete);
     folder.finish(&Certificate::new(points))?;
-    task.say(&report, "certificate", &out)?;
-    if let Some(why) = early_end(&branch) {
+    task.say(&report, "certificate", out)?;
+    if let Some(why) = early_end(branch) {
         return stopped(&why);
     }
     Ok(if all { Exit::Done } else { Exit::Unmet })
@@ -95,7 +144,26 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
         true => read(&path.join(CertificateFolder::FILE))?,
         false => read(path)?,
     };
-    let points = &certificate.points;
+    match certificate {
+        Read::Waves(certificate) => told(&certificate.points, quiet, verdict),
+        Read::Orbits(certificate) => told(&certificate.points, quiet, |point, _| {
+            match &point.outcome {
+                Outcome::Proven(proof) => said(orbit::verify(point, proof)),
+                Outcome::Open(reason) => format!("not proven: {reason}"),
+            }
+        }),
+    }
+}
+
+/// Says of every stored point whether it holds.
+fn told<P: Certified + Sync>(
+    points: &[Point<P>],
+    quiet: bool,
+    verdict: impl Fn(&Point<P>, Option<&Point<P>>) -> String + Sync,
+) -> Result<Exit, Failure>
+where
+    Point<P>: Sync,
+{
     let indices: Vec<usize> = (0..points.len()).collect();
     let verdicts: Vec<String> = each(quiet, &indices, "points", |&index| {
         let before = index.checked_sub(1).map(|before| &points[before]);
@@ -111,6 +179,13 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
     Ok(if all { Exit::Done } else { Exit::Unmet })
 }
 
+fn said(verified: Result<(), Refused>) -> String {
+    verified.map_or_else(
+        |refused| format!("refused: {refused}"),
+        |()| VERIFIED.to_owned(),
+    )
+}
+
 /// What is said of a proof that holds.
 const VERIFIED: &str = "verified";
 
@@ -121,7 +196,7 @@ fn verdict(point: &Point, before: Option<&Point>) -> String {
         Outcome::Open(reason) => return format!("not proven: {reason}"),
     };
     match (refused, &point.arc) {
-        (Err(refused), _) => format!("refused: {refused}"),
+        (Err(refused), _) => said(Err(refused)),
         (Ok(()), Some(Stretch::Open(reason))) => format!("before it not proven: {reason}"),
         (Ok(()), arc)
             if arc.is_some() && before.and_then(|before| point.stretch(before)) != *arc =>

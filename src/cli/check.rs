@@ -10,9 +10,9 @@ use super::junit::{self, Suite, Verdict};
 use super::options::{read_any, spare, write};
 use super::prepare::{early_end, follow, ready, ready_system};
 use super::{print, warn};
-use crate::certify::{Point, certify};
+use crate::certify::{Point, certify, orbit};
 use crate::orbit::legs::Run;
-use crate::output::certify::sentence;
+use crate::output::certify::Certified;
 use crate::output::store::Offers;
 use crate::problem::compare::{Compared, Comparison, Occurrence, compare};
 use crate::problem::{Any, Problem, SystemProblem};
@@ -132,11 +132,17 @@ fn check_system(path: &Path, problem: SystemProblem, text: String) -> Result<Out
     }
     let prepared = ready_system(problem, text, path)?;
     let mut branch = prepared.begin()?;
-    let events = events(&file, &mut branch, |item| item.event)?;
+    let mut certified = Vec::new();
+    let events = events(&file, &mut branch, |item| {
+        if prepared.problem.certify {
+            certified.extend(orbit::certify(&item, prepared.source.text()));
+        }
+        item.event
+    })?;
     let compared = compare(&prepared.problem.expect, &events);
-    let compared = compared.iter();
     let column = &prepared.continuation.parameter;
-    let found = compared.map(|one| found(one, column)).collect();
+    let compared = compared.iter().map(|one| found(one, column));
+    let found = compared.chain(certified.iter().map(proven)).collect();
     Ok(Outcome::of(file, found, &branch))
 }
 
@@ -183,9 +189,9 @@ impl Outcome {
 }
 
 /// A special point to be proven, in words.
-fn proven(point: &Point) -> Found {
+fn proven<P: Certified>(point: &Point<P>) -> Found {
     let met = point.is_proven();
-    let line = sentence(point).trim_end().to_owned();
+    let line = P::sentence(point).trim_end().to_owned();
     Found {
         title: format!("{} at label {}", point.kind, point.label),
         lines: if met {

@@ -180,7 +180,7 @@ pub(crate) struct PreparedSystem {
     pub problem: SystemProblem,
     pub continuation: Continuation<String>,
     named: Option<Named>,
-    source: Source,
+    pub source: Source,
 }
 
 impl PreparedSystem {

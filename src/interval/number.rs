@@ -86,6 +86,12 @@ pub struct Gradient<N, const D: usize> {
     pub by: [N; D],
 }
 
+impl<N: Number, const D: usize> Default for Gradient<N, D> {
+    fn default() -> Self {
+        Gradient::double(0.0)
+    }
+}
+
 impl<N: Number, const D: usize> Gradient<N, D> {
     /// A quantity itself.
     pub fn variable(value: N, index: usize) -> Self {

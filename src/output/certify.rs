@@ -6,13 +6,102 @@ use serde::Serialize;
 
 use super::layout::CERTIFICATES as TABLE;
 use super::store::{Growing, Store, StoreError, damaged, decode};
-use crate::certify::{Certificate, Counted, Eigenvalue, Growth, Outcome, Point, Stretch, Verdict};
+use crate::certify::{
+    Certificate, Counted, Eigenvalue, Growth, Outcome, Point, Proof, Provable, Stretch, Verdict,
+    orbit,
+};
 use crate::interval::Interval;
 use crate::table;
 
-/// A row of the table.
+/// What is proven of a kind of orbits, as a table and in words.
+pub(crate) trait Certified: Provable {
+    /// A row of the table.
+    type Row: Serialize + Default;
+
+    /// The row of a point.
+    fn row(point: &Point<Self>) -> Self::Row;
+
+    /// What is proven of a point, in lines.
+    fn sentence(point: &Point<Self>) -> String;
+}
+
+/// A row of the table of an orbit of a system.
 #[derive(Clone, Debug, Default, Serialize)]
-struct Row {
+pub(crate) struct OrbitRow {
+    label: usize,
+    r#type: String,
+    parameter: String,
+    low: Option<f64>,
+    high: Option<f64>,
+    period_low: Option<f64>,
+    period_high: Option<f64>,
+    unique: Option<f64>,
+    inequalities: Option<usize>,
+    proven: &'static str,
+    why: String,
+    outside: Option<usize>,
+    angle_low: Option<f64>,
+    angle_high: Option<f64>,
+}
+
+impl Certified for orbit::Proof {
+    type Row = OrbitRow;
+
+    fn row(point: &Point<orbit::Proof>) -> OrbitRow {
+        let (said, why) = match &point.outcome {
+            Outcome::Proven(proof) => (Some(&proof.statement), None),
+            Outcome::Open(reason) => (None, Some(reason.clone())),
+        };
+        let value = said.map(|said| enclosing(said.parameter));
+        let period = said.map(|said| enclosing(said.period));
+        let angle = said.and_then(|said| said.angle).map(enclosing);
+        OrbitRow {
+            label: point.label,
+            r#type: point.kind.to_string(),
+            parameter: point.parameter.clone(),
+            low: value.map(|value| value.low),
+            high: value.map(|value| value.high),
+            period_low: period.map(|period| period.low),
+            period_high: period.map(|period| period.high),
+            unique: said.map(|said| said.unique),
+            inequalities: said.map(|said| said.inequalities),
+            proven: if said.is_some() { "yes" } else { "no" },
+            why: why.unwrap_or_default(),
+            outside: said.and_then(|said| said.outside),
+            angle_low: angle.map(|angle| angle.low),
+            angle_high: angle.map(|angle| angle.high),
+        }
+    }
+
+    fn sentence(point: &Point<orbit::Proof>) -> String {
+        let kind = point.kind;
+        let said = match &point.outcome {
+            Outcome::Proven(proof) => &proof.statement,
+            Outcome::Open(reason) => return format!("{kind}: not proven; {reason}\n"),
+        };
+        let angle = said
+            .angle
+            .map(|angle| format!("; angle in {}", written(angle)));
+        let outside = said.outside.map(|outside| match outside {
+            0 => "; stable".to_owned(),
+            _ => format!("; {outside} multipliers outside the unit circle"),
+        });
+        format!(
+            "{kind}: proven; {} in {}, unique within {:.0e}; period in {}{}{}; {} inequalities proven\n",
+            point.parameter,
+            written(said.parameter),
+            said.unique,
+            written(said.period),
+            angle.unwrap_or_default(),
+            outside.unwrap_or_default(),
+            said.inequalities,
+        )
+    }
+}
+
+/// A row of the table of a wave.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct Row {
     label: usize,
     r#type: String,
     parameter: &'static str,
@@ -33,8 +122,10 @@ struct Row {
     stable_why: String,
 }
 
-impl Row {
-    fn new(point: &Point) -> Row {
+impl Certified for Proof {
+    type Row = Row;
+
+    fn row(point: &Point) -> Row {
         let (proof, why) = match &point.outcome {
             Outcome::Proven(proof) => (Some(proof), None),
             Outcome::Open(reason) => (None, Some(reason)),
@@ -81,6 +172,64 @@ impl Row {
             stable,
             stable_why,
         }
+    }
+
+    /// Further lines are for its eigenvalues and for the branch before it.
+    fn sentence(point: &Point) -> String {
+        let symbol = point.parameter.symbol();
+        let mut lines = match &point.arc {
+            None => String::new(),
+            Some(Stretch::Proven(pieces)) => {
+                format!("  no other event but HB and BP before it: proven in {pieces} pieces\n")
+            }
+            Some(Stretch::Open(reason)) => {
+                format!("  no other event before it: not proven; {reason}\n")
+            }
+        };
+        match &point.outcome {
+            Outcome::Proven(proof) => {
+                let said = &proof.statement;
+                let omega = said.omega.map(|omega| format!("; ω in {}", written(omega)));
+                lines.push_str(&format!(
+                    "{}: proven; {symbol} in {}, unique within {:.0e}; c in {}{}; {} inequalities proven\n",
+                    point.kind,
+                    written(said.parameter),
+                    said.unique,
+                    written(said.speed),
+                    omega.unwrap_or_default(),
+                    said.inequalities
+                ));
+                for eigenvalue in &proof.eigenvalues {
+                    let Eigenvalue {
+                        sector,
+                        growth,
+                        omega,
+                        ..
+                    } = eigenvalue;
+                    let unstable = if growth.is_positive() {
+                        ": the wave is unstable"
+                    } else {
+                        ""
+                    };
+                    lines.push_str(&format!(
+                        "  eigenvalue in sector {sector}: Re λ in {}, Im λ in {}{unstable}\n",
+                        written(*growth),
+                        written(*omega),
+                    ));
+                }
+            }
+            Outcome::Open(reason) => {
+                lines.push_str(&format!("{}: not proven; {reason}\n", point.kind))
+            }
+        }
+        match &point.growth {
+            Some(Counted::Proven(growth)) => lines.push_str(&growing(growth)),
+            Some(Counted::Open(reason)) => {
+                lines.push_str(&format!("  growing eigenvalues not counted; {reason}\n"));
+            }
+            None => {}
+        }
+        lines
     }
 }
 
@@ -136,62 +285,6 @@ fn growing(growth: &Growth) -> String {
     )
 }
 
-/// What is proven of a point, in a line; further lines for its eigenvalues and for the branch before it.
-pub(crate) fn sentence(point: &Point) -> String {
-    let symbol = point.parameter.symbol();
-    let mut lines = match &point.arc {
-        None => String::new(),
-        Some(Stretch::Proven(pieces)) => {
-            format!("  no other event but HB and BP before it: proven in {pieces} pieces\n")
-        }
-        Some(Stretch::Open(reason)) => {
-            format!("  no other event before it: not proven; {reason}\n")
-        }
-    };
-    match &point.outcome {
-        Outcome::Proven(proof) => {
-            let said = &proof.statement;
-            let omega = said.omega.map(|omega| format!("; ω in {}", written(omega)));
-            lines.push_str(&format!(
-                "{}: proven; {symbol} in {}, unique within {:.0e}; c in {}{}; {} inequalities proven\n",
-                point.kind,
-                written(said.parameter),
-                said.unique,
-                written(said.speed),
-                omega.unwrap_or_default(),
-                said.inequalities
-            ));
-            for eigenvalue in &proof.eigenvalues {
-                let Eigenvalue {
-                    sector,
-                    growth,
-                    omega,
-                    ..
-                } = eigenvalue;
-                let unstable = if growth.is_positive() {
-                    ": the wave is unstable"
-                } else {
-                    ""
-                };
-                lines.push_str(&format!(
-                    "  eigenvalue in sector {sector}: Re λ in {}, Im λ in {}{unstable}\n",
-                    written(*growth),
-                    written(*omega),
-                ));
-            }
-        }
-        Outcome::Open(reason) => lines.push_str(&format!("{}: not proven; {reason}\n", point.kind)),
-    }
-    match &point.growth {
-        Some(Counted::Proven(growth)) => lines.push_str(&growing(growth)),
-        Some(Counted::Open(reason)) => {
-            lines.push_str(&format!("  growing eigenvalues not counted; {reason}\n"));
-        }
-        None => {}
-    }
-    lines
-}
-
 #[derive(Debug)]
 pub(crate) struct CertificateFolder {
     store: Store,
@@ -205,17 +298,20 @@ impl CertificateFolder {
     ///
     /// # Errors
     /// When a file cannot be written, like all that follow.
-    pub(crate) fn create(store: Store) -> Result<CertificateFolder, StoreError> {
+    pub(crate) fn create<P: Certified>(store: Store) -> Result<CertificateFolder, StoreError> {
         store.begin(&[TABLE, Self::FILE], Vec::new(), None)?;
-        let table = store.table(TABLE, &table::header::<Row>(), None)?;
+        let table = store.table(TABLE, &table::header::<P::Row>(), None)?;
         Ok(CertificateFolder { store, table })
     }
 
-    pub(crate) fn write(&mut self, point: &Point) -> Result<(), StoreError> {
-        self.table.row(&Row::new(point))
+    pub(crate) fn write<P: Certified>(&mut self, point: &Point<P>) -> Result<(), StoreError> {
+        self.table.row(&P::row(point))
     }
 
-    pub(crate) fn finish(&self, certificate: &Certificate) -> Result<(), StoreError> {
+    pub(crate) fn finish<P: Certified>(
+        &self,
+        certificate: &Certificate<P>,
+    ) -> Result<(), StoreError> {
         let path = self.store.path().join(Self::FILE);
         let text = ron::ser::to_string_pretty(
             certificate as &dyn erased_serde::Serialize,
@@ -226,10 +322,20 @@ impl CertificateFolder {
     }
 }
 
+/// A certificate of either kind.
+pub(crate) enum Read {
+    Waves(Certificate),
+    Orbits(Certificate<orbit::Proof>),
+}
+
 /// Reads a certificate.
 ///
 /// # Errors
 /// When it cannot be read, or is none.
-pub(crate) fn read(path: &Path) -> Result<Certificate, StoreError> {
-    decode(path)
+pub(crate) fn read(path: &Path) -> Result<Read, StoreError> {
+    // that of waves says what is wrong with one of neither kind
+    match decode(path) {
+        Ok(certificate) => Ok(Read::Orbits(certificate)),
+        Err(_) => Ok(Read::Waves(decode(path)?)),
+    }
 }

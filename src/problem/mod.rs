@@ -494,13 +494,12 @@ pub fn parse_any(text: &str, name: &str) -> Result<Any, ProblemError> {
 }
 
 /// Sections of a tube that stand where a system has another one, and those that a system does not have.
-const OF_TUBES: [(&str, Option<&str>); 6] = [
+const OF_TUBES: [(&str, Option<&str>); 5] = [
     ("model", Some("system")),
     ("tube", Some("system")),
     ("wave", Some("orbit")),
     ("method", None),
     ("map", None),
-    ("certify", None),
 ];
 
 /// Refuses sections of a tube in a problem with a system.

@@ -5,4 +5,5 @@ mod arcs;
 mod command;
 mod count;
 mod laws;
+mod orbits;
 mod waves;

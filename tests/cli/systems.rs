@@ -202,7 +202,7 @@ fn a_motion_that_ends_says_why() {
 fn verbs_for_tubes_say_so() {
     let bench = Bench::new();
     bench.put("chua.ron", system("chua"));
-    for verb in ["map", "certify", "accuracy"] {
+    for verb in ["map", "accuracy"] {
         let outcome = bench.run(&[verb, "chua.ron"]).expect(2);
         let place = outcome
             .stderr

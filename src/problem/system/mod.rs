@@ -55,6 +55,9 @@ pub struct SystemProblem<S = System> {
     /// Events that a check compares with.
     #[serde(default)]
     pub expect: Vec<Expectation>,
+    /// Whether a check proves the special points of the branch.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub certify: bool,
 }
 
 /// The section `stability` of a problem with a system: nothing is to be chosen yet.
@@ -182,6 +185,7 @@ impl<S> SystemProblem<S> {
             scan: self.scan,
             output: self.output,
             expect: self.expect,
+            certify: self.certify,
         }
     }
 

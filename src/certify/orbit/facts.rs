@@ -1,0 +1,163 @@
+//! What is zero at the entries and ends of the stretches of an orbit, and what vanishes at its event.
+
+use super::Open;
+use super::enclosure::Enclosure;
+use super::flow::Flow;
+use super::modes::Modes;
+use super::system::{Condition, End, Near, OrbitSystem, Stretch, times};
+use super::zeros::{Facts, Source, Vanishing, Zeros};
+use crate::affine::orbit::Watch;
+use crate::interval::Interval;
+
+impl OrbitSystem<'_> {
+    /// What is zero at the entries and ends, with what vanishes at an event.
+    pub fn known(&self, vanishing: &[Vanishing]) -> Vec<Facts> {
+        let count = self.stretches.len();
+        let states = self.exact.states;
+        let mut facts = vec![Facts::default(); count];
+        let event = |facts: &mut Zeros, stretch: usize, at_end: bool| {
+            let mut here = vanishing.iter();
+            let here = here.find(|one| one.stretch == stretch && one.at_end == at_end);
+            let mode = &self.exact.modes[self.stretches[stretch].mode];
+            if let Some(row) = here.and_then(|one| one.source.row(mode)) {
+                facts.insert(&row, states);
+            }
+        };
+        for (index, facts) in facts.iter_mut().enumerate() {
+            event(&mut facts.entry, index, false);
+        }
+        loop {
+            let before: usize = facts.iter().map(|facts| facts.entry.len()).sum();
+            for index in 0..count {
+                let Stretch { mode, end, .. } = self.stretches[index];
+                let mode = &self.exact.modes[mode];
+                let mut zero = facts[index].entry.along(mode, states);
+                let next = (index + 1) % count;
+                match end {
+                    End::Exit { guard, exit } => {
+                        zero.insert(&mode.guards[guard].row, states);
+                        event(&mut zero, index, true);
+                        facts[next].entry = zero.after(&mode.guards[guard].exits[exit].reset);
+                    }
+                    End::Touch { guard } => {
+                        zero.insert(&mode.derivative(&mode.guards[guard].row, 1), states);
+                        event(&mut zero, index, true);
+                        facts[next].entry = zero.clone();
+                    }
+                    End::Never => facts[next].entry = Zeros::default(),
+                }
+                event(&mut facts[next].entry, next, false);
+                facts[index].end = zero;
+            }
+            if facts.iter().map(|facts| facts.entry.len()).sum::<usize>() <= before {
+                return facts;
+            }
+        }
+    }
+
+    /// One thing more vanishes.
+    pub fn vanish(&mut self, vanishing: Vanishing) {
+        self.vanishing.push(vanishing);
+        self.facts = self.known(&self.vanishing);
+    }
+
+    /// What vanishes at the event.
+    pub fn event(&self, near: &Near, modes: &Modes<Enclosure>) -> Result<Option<Vanishing>, Open> {
+        let Condition::Margin { watch, zone, .. } = self.condition else {
+            return Ok(None);
+        };
+        let mut at = self.stretches.iter().enumerate();
+        let at = at.find(|(_, stretch)| stretch.zone == *zone);
+        let Some((stretch, Stretch { mode, end, .. })) = at else {
+            return Err(Open::Sequence);
+        };
+        let known = &self.exact.modes[*mode];
+        let order = |guard: usize, zeros: &Zeros| {
+            let row = &known.guards.get(guard).ok_or(Open::Sequence)?.row;
+            zeros.order(row, known).ok_or(Open::Sequence)
+        };
+        let facts = &self.facts[stretch];
+        let taken = match end {
+            End::Exit { guard, .. } => Ok(*guard),
+            _ => Err(Open::Sequence),
+        };
+        let (at_end, source) = match *watch {
+            // the guard is stationary at the end of the first part by another equation
+            Watch::Inside(guard) => (true, Source::Guard { guard, order: 0 }),
+            Watch::Onset(guard) => {
+                let order = order(guard, &facts.entry)?;
+                (false, Source::Guard { guard, order })
+            }
+            Watch::End(guard) => {
+                let order = order(guard, &facts.end)?;
+                (true, Source::Guard { guard, order })
+            }
+            Watch::Speed => {
+                let guard = taken?;
+                (true, Source::Guard { guard, order: 1 })
+            }
+            Watch::Condition(index) => {
+                let (guard, exit) = match end {
+                    End::Exit { guard, exit } => (*guard, *exit),
+                    _ => return Err(Open::Sequence),
+                };
+                (true, Source::Condition { guard, exit, index })
+            }
+            Watch::Before(exit) => {
+                let guard = taken?;
+                let exits = &known.guards[guard].exits;
+                let conditions = &exits.get(exit).ok_or(Open::Sequence)?.conditions;
+                let z = self.end_of(near, modes, *zone)?;
+                let value = |index: usize| {
+                    let source = Source::Condition { guard, exit, index };
+                    let row = source.row(&modes.modes[*mode])?;
+                    let terms = row.iter().zip(&z).map(|(c, z)| (c.value.middle(), *z));
+                    let size: f64 = terms.clone().map(|(c, z)| (c * z).abs()).sum();
+                    Some(terms.map(|(c, z)| c * z).sum::<f64>() / size.max(f64::MIN_POSITIVE))
+                };
+                let open = (0..conditions.len()).filter(|one| !facts.end.have(&conditions[*one]));
+                // the condition that fails most is the last to hold
+                let index = open.min_by(|one, other| {
+                    let both = [one, other].map(|index| value(*index).unwrap_or(f64::NAN));
+                    both[0].total_cmp(&both[1])
+                });
+                let index = index.ok_or(Open::Sequence)?;
+                (true, Source::Condition { guard, exit, index })
+            }
+            Watch::Duration => return Err(Open::Duration),
+        };
+        let vanishing = Vanishing {
+            stretch,
+            at_end,
+            source,
+        };
+        match source.row(known) {
+            Some(_) => Ok(Some(vanishing)),
+            None => Err(Open::Sequence),
+        }
+    }
+
+    /// z at the end of a zone in doubles.
+    fn end_of(&self, near: &Near, modes: &Modes<Enclosure>, zone: usize) -> Result<Vec<f64>, Open> {
+        let at = &near.zones[zone];
+        let y: Vec<Interval> = at
+            .state
+            .iter()
+            .chain([&at.phase])
+            .copied()
+            .map(Interval::point)
+            .collect();
+        let mut z: Vec<f64> = self.lift(&y).iter().map(|z| z.middle()).collect();
+        let mode = near.sequence.zone(zone).mode;
+        let flow = Flow::new(&modes.modes[mode].matrix);
+        let time = Interval::point(at.duration);
+        let halvings = flow.parts(time);
+        let part = flow.part(time, halvings);
+        let step = (0..halvings).fold(part, |part, _| part.doubled());
+        z = times(&step, &z);
+        z.iter()
+            .all(|z| z.is_finite())
+            .then_some(z)
+            .ok_or(Open::NotEnclosed)
+    }
+}

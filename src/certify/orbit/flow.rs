@@ -1,0 +1,250 @@
+//! exp(Mt) of a mode, and forms of z along it, by power series with remainders.
+//!
+//! In scales D in which M is balanced, with θ = ‖D⁻¹MD‖t ≤ 1 in the norm of column sums,
+//!
+//! ```text
+//! Σ_{k>K} ‖(Mt)ᵏ‖/k! ≤ θ^{K+1}/(K + 1)!/(1 − θ/(K + 2)),
+//! Σ_{k>K} ‖∂(Mt)ᵏ/∂p‖/k! ≤ t‖∂M/∂p‖ θᴷ/K!/(1 − θ/(K + 1)).
+//! ```
+
+use super::enclosure::Enclosure;
+use super::modes::Row;
+use crate::affine::flow::balance;
+use crate::interval::Interval;
+use crate::linalg::{Matrix, Vector};
+
+/// Degree K of the polynomials: 1/(K + 1)! = 4e-23.
+pub const DEGREE: usize = 22;
+
+/// A matrix of intervals, row by row.
+pub type Rows = Vec<Vec<Interval>>;
+
+/// The flow of a mode.
+#[derive(Clone, Debug)]
+pub struct Flow {
+    /// M.
+    pub matrix: Rows,
+    /// ∂M/∂p.
+    pub by: Rows,
+    /// D.
+    scales: Vector,
+    /// ‖D⁻¹MD‖ and that of ∂M/∂p, from above.
+    pub norm: f64,
+    norm_by: f64,
+}
+
+/// exp(Mt) and its derivative in p.
+#[derive(Clone, Debug)]
+pub struct Exponential {
+    pub at: Rows,
+    pub by: Rows,
+}
+
+/// AB.
+pub fn product(one: &Rows, other: &Rows) -> Rows {
+    let width = other.first().map_or(0, Vec::len);
+    let row = |row: &Vec<Interval>| {
+        let mut sum = vec![Interval::ZERO; width];
+        let terms = row.iter().zip(other);
+        for (a, row) in terms.filter(|(a, _)| **a != Interval::ZERO) {
+            for (sum, b) in sum.iter_mut().zip(row) {
+                *sum = *sum + *a * *b;
+            }
+        }
+        sum
+    };
+    one.iter().map(row).collect()
+}
+
+/// A + B.
+pub fn sum(one: &Rows, other: &Rows) -> Rows {
+    let rows = one.iter().zip(other);
+    rows.map(|(one, other)| one.iter().zip(other).map(|(a, b)| *a + *b).collect())
+        .collect()
+}
+
+fn scaled(rows: &mut Rows, factor: Interval) {
+    for entry in rows.iter_mut().flatten() {
+        *entry = *entry * factor;
+    }
+}
+
+/// I.
+pub fn identity(size: usize) -> Rows {
+    let row = |i: usize| (0..size).map(move |j| Interval::point(f64::from(u8::from(i == j))));
+    (0..size).map(|i| row(i).collect()).collect()
+}
+
+/// θⁿ/n!/(1 − θ/(n + 1)): what a series leaves out from the power n on.
+fn tail(theta: f64, n: usize) -> Interval {
+    let theta = Interval::point(theta);
+    let power = (1..=n).fold(Interval::ONE, |power, k| {
+        power * theta / Interval::point(k as f64)
+    });
+    let rest = Interval::ONE - theta / Interval::point((n + 1) as f64);
+    match rest.is_positive() {
+        true => power / rest,
+        false => Interval::ENTIRE,
+    }
+}
+
+impl Flow {
+    pub fn new(matrix: &[Row<Enclosure>]) -> Flow {
+        let rows = |part: fn(&Enclosure) -> Interval| -> Rows {
+            let row = |row: &Row<Enclosure>| row.iter().map(part).collect();
+            matrix.iter().map(row).collect()
+        };
+        let (at, by) = (rows(|entry| entry.value), rows(|entry| entry.by[0]));
+        let size = at.len();
+        let (scales, _) = balance(&Matrix::from_fn(size, size, |i, j| at[i][j].middle()));
+        let norm = |rows: &Rows| {
+            let column = |j: usize| {
+                let terms = (0..size).map(|i| {
+                    let ratio = Interval::point(scales[j]) / Interval::point(scales[i]);
+                    Interval::point(rows[i][j].magnitude()) * ratio
+                });
+                terms.fold(Interval::ZERO, |sum, term| sum + term).high
+            };
+            (0..size).map(column).fold(0.0, f64::max)
+        };
+        Flow {
+            norm: norm(&at),
+            norm_by: norm(&by),
+            matrix: at,
+            by,
+            scales,
+        }
+    }
+
+    /// Parts of a time, a power of two, in which θ is at most 1.
+    pub fn parts(&self, time: Interval) -> u32 {
+        let theta = self.norm * time.magnitude();
+        match theta > 1.0 {
+            true => (theta.log2().ceil() as u32).min(30),
+            false => 0,
+        }
+    }
+
+    /// exp(Mt) over 1/2ⁿ of a time ≥ 0.
+    pub fn part(&self, time: Interval, halvings: u32) -> Exponential {
+        let size = self.matrix.len();
+        let time = time * Interval::point(f64::from(halvings).exp2().recip());
+        let (mut at, mut by) = (identity(size), vec![vec![Interval::ZERO; size]; size]);
+        let (mut term, mut term_by) = (at.clone(), by.clone());
+        for k in 1..=DEGREE {
+            let factor = time / Interval::point(k as f64);
+            term_by = sum(&product(&term_by, &self.matrix), &product(&term, &self.by));
+            term = product(&term, &self.matrix);
+            scaled(&mut term, factor);
+            scaled(&mut term_by, factor);
+            at = sum(&at, &term);
+            by = sum(&by, &term_by);
+        }
+        let length = time.magnitude();
+        let theta = (Interval::point(self.norm) * Interval::point(length)).high;
+        let rest = tail(theta, DEGREE + 1).high;
+        let rest_by = tail(theta, DEGREE) * Interval::point(length) * Interval::point(self.norm_by);
+        for i in 0..size {
+            for j in 0..size {
+                let ratio = Interval::point(self.scales[i]) / Interval::point(self.scales[j]);
+                for (entry, rest) in [(&mut at[i][j], rest), (&mut by[i][j], rest_by.high)] {
+                    // what no path joins stays zero
+                    let bound = (Interval::point(rest) * ratio).high;
+                    *entry = *entry + Interval::new(-bound, bound);
+                }
+            }
+        }
+        Exponential { at, by }
+    }
+
+    /// A form along the flow.
+    pub fn along(&self, row: &[Interval]) -> Along {
+        let mut rows = vec![row.to_vec()];
+        for k in 1..=DEGREE {
+            let mut next = product(&vec![rows[k - 1].clone()], &self.matrix);
+            scaled(&mut next, Interval::ONE / Interval::point(k as f64));
+            rows.append(&mut next);
+        }
+        let sizes = row.iter().zip(&self.scales);
+        let size = sizes.map(|(g, d)| (Interval::point(g.magnitude()) * Interval::point(*d)).high);
+        Along {
+            rows,
+            size: size.fold(0.0, f64::max),
+        }
+    }
+
+    /// The polynomial of a form from z on, for times up to `length` in modulus.
+    pub fn polynomial(&self, along: &Along, z: &[Interval], length: f64) -> Polynomial {
+        let terms = z.iter().zip(&self.scales);
+        let amplitude = terms.fold(Interval::ZERO, |sum, (z, d)| {
+            sum + Interval::point(z.magnitude()) / Interval::point(*d)
+        });
+        Polynomial {
+            coefficients: along.rows.iter().map(|row| dot(row, z)).collect(),
+            theta: (Interval::point(self.norm) * Interval::point(length)).high,
+            length,
+            size: (amplitude * Interval::point(along.size)).high,
+        }
+    }
+}
+
+impl Exponential {
+    /// exp(2Mt).
+    pub fn doubled(&self) -> Exponential {
+        let Exponential { at, by } = self;
+        Exponential {
+            by: sum(&product(at, by), &product(by, at)),
+            at: product(at, at),
+        }
+    }
+}
+
+/// Σ aᵢbᵢ.
+pub fn dot(one: &[Interval], other: &[Interval]) -> Interval {
+    let terms = one.iter().zip(other);
+    terms.fold(Interval::ZERO, |sum, (a, b)| sum + *a * *b)
+}
+
+/// gMᵏ/k!.
+#[derive(Clone, Debug)]
+pub struct Along {
+    rows: Rows,
+    size: f64,
+}
+
+/// A form over a piece of a zone: Σ cₖtᵏ, and a bound of what is left out.
+#[derive(Clone, Debug)]
+pub struct Polynomial {
+    coefficients: Vec<Interval>,
+    length: f64,
+    theta: f64,
+    size: f64,
+}
+
+impl Polynomial {
+    /// Σ_{k≥m} cₖtᵏ⁻ᵐ and its derivative in t, over times up to the length in modulus.
+    fn at(&self, time: Interval, m: usize) -> (Interval, Interval) {
+        let terms = self.coefficients.iter().skip(m).rev();
+        let (value, slope) = terms.fold((Interval::ZERO, Interval::ZERO), |(value, slope), c| {
+            (value * time + *c, slope * time + value)
+        });
+        // |cₖ|tᵏ ≤ size·θᵏ/k! and (k − m)|cₖ|tᵏ ≤ size·θ·θᵏ⁻¹/(k − 1)!
+        let length = Interval::point(self.length);
+        let power = (0..m).fold(Interval::point(self.size), |power, _| power / length);
+        let rest = (power * tail(self.theta, DEGREE + 1)).high;
+        let theta = Interval::point(self.theta);
+        let rest_slope = (power * theta / length * tail(self.theta, DEGREE)).high;
+        (
+            value + Interval::new(-rest, rest),
+            slope + Interval::new(-rest_slope, rest_slope),
+        )
+    }
+
+    /// f(t)/tᵐ over times, whose sign is that of f where those are not negative, or m is even.
+    pub fn over(&self, time: Interval, m: usize) -> Interval {
+        let middle = Interval::point(time.middle());
+        let (value, _) = self.at(middle, m);
+        let (_, slope) = self.at(time, m);
+        value + slope * (time - middle)
+    }
+}

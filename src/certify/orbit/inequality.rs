@@ -1,0 +1,220 @@
+//! The inequalities of an orbit, over whole zones.
+//!
+//! A guard is a power series from either end of a piece of a stretch. Over half a piece from a known zero of order m
+//! it is tᵐg(t), and g > 0 is proven by subdivision; elsewhere m = 0.
+
+use super::enclosure::Enclosure;
+use super::flow::{Rows, dot, product};
+use super::modes::{Modes, Row};
+use super::open::Unproven;
+use super::system::{End, OrbitSystem, Passing, Stretch};
+use super::zeros::{Source, Vanishing};
+use crate::certify::inequality::bisect;
+use crate::interval::Interval;
+
+fn values(row: &Row<Enclosure>) -> Vec<Interval> {
+    row.iter().map(|entry| entry.value).collect()
+}
+
+/// A matrix times z.
+fn applied(rows: &Rows, z: &[Interval]) -> Vec<Interval> {
+    rows.iter().map(|row| dot(row, z)).collect()
+}
+
+impl OrbitSystem<'_> {
+    /// Proves the inequalities of the orbit over intervals of its unknowns, but for what vanishes at the event;
+    /// returns how many there are.
+    pub fn inequalities(
+        &self,
+        modes: &Modes<Enclosure>,
+        passings: &[Passing],
+        x: &[Interval],
+    ) -> Result<usize, Unproven> {
+        let mut proven = 0;
+        let mut hold = |holds: bool, otherwise: Unproven| {
+            proven += usize::from(holds);
+            if holds { Ok(()) } else { Err(otherwise) }
+        };
+        for (index, passing) in passings.iter().enumerate() {
+            let Stretch { zone, mode, end } = self.stretches[index];
+            let known = &self.exact.modes[mode];
+            let facts = &self.facts[index];
+            let duration = x[self.duration(index)];
+            hold(duration.is_positive(), Unproven::Duration(zone))?;
+            let pieces = self.pieces(passing, index, x);
+            for (guard, formula) in known.guards.iter().enumerate() {
+                // what is zero all along holds by the equations
+                let Some(at_start) = facts.entry.order(&formula.row, known) else {
+                    continue;
+                };
+                let at_end = facts.end.order(&formula.row, known).unwrap_or(0);
+                let row = values(&modes.modes[mode].guards[guard].row);
+                let positive = self.is_positive(passing, &row, &pieces, [at_start, at_end]);
+                hold(positive, Unproven::Guard(zone, guard))?;
+            }
+            let End::Exit { guard, exit } = end else {
+                continue;
+            };
+            let z = self.lift(&x[self.place(index, true)..][..self.width()]);
+            let exits = &modes.modes[mode].guards[guard].exits;
+            let at = |exit: usize, condition: usize| {
+                dot(&values(&exits[exit].conditions[condition]), &z)
+            };
+            let zero = |exit: usize, condition: usize| {
+                facts
+                    .end
+                    .have(&known.guards[guard].exits[exit].conditions[condition])
+            };
+            for condition in 0..exits[exit].conditions.len() {
+                if !zero(exit, condition) {
+                    let holds = at(exit, condition).is_positive();
+                    hold(holds, Unproven::Condition(zone, condition))?;
+                }
+            }
+            for (before, other) in exits.iter().enumerate().take(exit) {
+                let about = |one: &Vanishing| {
+                    let earlier =
+                        matches!(one.source, Source::Condition { exit, .. } if exit == before);
+                    one.stretch == index && one.at_end && earlier
+                };
+                if self.vanishing.iter().any(about) {
+                    continue;
+                }
+                let conditions = 0..other.conditions.len();
+                let mut failing = conditions
+                    .filter(|condition| !zero(before, *condition))
+                    .map(|condition| at(before, condition));
+                let fails = failing.any(|value| value.is_negative());
+                hold(fails, Unproven::Before(zone, before))?;
+            }
+        }
+        Ok(proven)
+    }
+
+    /// z at the ends of the pieces of a stretch, from its entry to its end.
+    fn pieces(&self, passing: &Passing, index: usize, x: &[Interval]) -> Vec<Vec<Interval>> {
+        let at = |step: usize| self.lift(&x[self.node(index, step)..][..self.width()]);
+        let parts = 1_usize << passing.halvings;
+        let mut pieces = vec![at(0)];
+        for step in 0..self.steps[index] {
+            let mut z = at(step);
+            for _ in 1..parts {
+                z = applied(&passing.part.at, &z);
+                pieces.push(z.clone());
+            }
+            pieces.push(at(step + 1));
+        }
+        pieces
+    }
+
+    /// Whether a form is positive within a stretch, with zeros of these orders at its entry and its end.
+    fn is_positive(
+        &self,
+        passing: &Passing,
+        row: &[Interval],
+        pieces: &[Vec<Interval>],
+        [at_start, at_end]: [usize; 2],
+    ) -> bool {
+        let parts = Interval::point(f64::from(passing.halvings).exp2());
+        let length = (passing.time / parts).high;
+        let along = passing.flow.along(row);
+        let last = pieces.len() - 2;
+        let half = |z: &[Interval], order: usize, sign: f64, time: f64| {
+            let polynomial = passing.flow.polynomial(&along, z, time);
+            let odd = sign < 0.0 && order % 2 == 1;
+            bisect(Interval::point(time), sign, |time| {
+                let value = polynomial.over(time, order);
+                if odd { -value } else { value }
+            })
+        };
+        pieces.windows(2).enumerate().all(|(index, ends)| {
+            let start = if index == 0 { at_start } else { 0 };
+            let end = if index == last { at_end } else { 0 };
+            if (start, end) == (0, 0) {
+                return half(&ends[0], 0, 1.0, length);
+            }
+            // a little more than half, which rounding must not leave out
+            let middle = (Interval::point(length) * Interval::point(0.5))
+                .high
+                .next_up();
+            half(&ends[0], start, 1.0, middle) && half(&ends[1], end, -1.0, middle)
+        })
+    }
+
+    /// The linearised return to the first entry, at equal time with a forcing: y there a period later.
+    pub fn monodromy(
+        &self,
+        modes: &Modes<Enclosure>,
+        passings: &[Passing],
+        x: &[Interval],
+    ) -> Option<Rows> {
+        let (states, width) = (modes.states, self.width());
+        let mut monodromy = super::flow::identity(width);
+        for (index, passing) in passings.iter().enumerate() {
+            let Stretch { mode, end, .. } = self.stretches[index];
+            for step in 0..self.steps[index] {
+                let z = self.lift(&x[self.node(index, step)..][..width]);
+                monodromy = product(&self.linear(&passing.whole.at[..states], &z), &monodromy);
+            }
+            let z = self.lift(&x[self.place(index, true)..][..width]);
+            let End::Exit { guard, exit } = end else {
+                continue;
+            };
+            let guard = &modes.modes[mode].guards[guard];
+            let of = |row: &Row<Enclosure>| self.linear(&[values(row)], &z);
+            let normal = of(&guard.row).remove(0);
+            let mut rate = applied(&passing.flow.matrix[..states].to_vec(), &z);
+            if self.is_forced() {
+                rate.push(modes.omega.value);
+            }
+            let fall = dot(&normal, &rate);
+            if fall.contains(0.0) {
+                return None;
+            }
+            // perturbations on the guard: I − ẏgᵀ/ġ
+            let onto: Rows = (0..width)
+                .map(|i| {
+                    let shift = rate[i] / fall;
+                    let unit = |j: usize| Interval::point(f64::from(u8::from(i == j)));
+                    (0..width).map(|j| unit(j) - shift * normal[j]).collect()
+                })
+                .collect();
+            let reset: Vec<Vec<Interval>> = guard.exits[exit].reset.iter().map(values).collect();
+            let jump = self.linear(&reset, &z);
+            monodromy = product(&product(&jump, &onto), &monodromy);
+        }
+        if let Some(Stretch {
+            end: End::Never, ..
+        }) = self.stretches.last()
+        {
+            // the phase and the period are fixed
+            monodromy.truncate(states);
+            for row in &mut monodromy {
+                row.truncate(states);
+            }
+        }
+        Some(monodromy)
+    }
+
+    /// Forms as derivatives in y: the phase comes last, and stays.
+    fn linear(&self, forms: &[Vec<Interval>], z: &[Interval]) -> Rows {
+        let states = self.exact.states;
+        let turned = self.turned(z);
+        let mut rows: Rows = forms
+            .iter()
+            .map(|form| {
+                let mut row = form[..states].to_vec();
+                if self.is_forced() {
+                    row.push(dot(form, &turned));
+                }
+                row
+            })
+            .collect();
+        if self.is_forced() && forms.len() == states {
+            let mut last = vec![Interval::ZERO; states];
+            last.push(Interval::ONE);
+            rows.push(last);
+        }
+        rows
+    }
+}

@@ -1,0 +1,424 @@
+//! Special points of a branch of orbits of a user's system, proven.
+//!
+//! 1. The numbers of the system are the decimals that were written ([`enclosure`]); what is zero at entries and ends
+//!    whatever they are follows from formulas ([`exact`], [`zeros`]), or from symmetry ([`symmetry`]).
+//! 2. The equations of the orbit and the condition of the event, in intervals with the exact flow and its remainder
+//!    ([`flow`], [`system`], [`equations`], [`extended`]), have exactly one zero in a box, and it is regular.
+//! 3. Every inequality of the sequence holds over whole zones ([`inequality`]).
+//! 4. Parameter and period follow from the enclosure of that zero, and at values of the parameter how many
+//!    multipliers are outside the unit circle ([`multipliers`]).
+
+mod critical;
+mod enclosure;
+mod equations;
+mod exact;
+mod extended;
+mod facts;
+mod flow;
+mod form;
+mod inequality;
+mod modes;
+mod multipliers;
+mod open;
+mod symmetry;
+mod system;
+mod zeros;
+
+use serde::{Deserialize, Serialize};
+
+pub use open::Open;
+pub use system::{Condition, Near, Posed};
+
+use super::certificate::{Outcome, Point, Provable, Refused};
+use super::{krawczyk, wider};
+use crate::affine::orbit::candidates::candidates;
+use crate::affine::orbit::{AffineOrbit, Critical, Margin, Sequence, Watch};
+use crate::hybrid::Item;
+use crate::interval::{Decimal, Interval};
+use crate::linalg::Vector;
+use crate::orbit::special::{Change, Special};
+use crate::orbit::{EventType, Examined, Orbit};
+use crate::problem::{decimal_at, decimal_of};
+use system::OrbitSystem;
+
+/// A margin of order one that is smaller than this at an event may vanish there; whether it does is proven.
+const VANISHES: f64 = 1e-6;
+
+/// A change of the sequence as the continuation has found it: its type follows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Changed {
+    /// What vanishes in the sequence before.
+    pub watch: Watch,
+    /// Zone of that.
+    pub zone: usize,
+    /// The sequence before.
+    pub before: Sequence,
+    /// The sequence beyond, if one was found.
+    pub after: Option<Sequence>,
+}
+
+/// What is proven of a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Statement {
+    /// The continuation parameter lies in here.
+    pub parameter: Interval,
+    /// The period.
+    pub period: Interval,
+    /// No other such orbit has its parameter within this distance and all its other unknowns within the same share
+    /// of their units.
+    pub unique: f64,
+    /// Angle of a pair of multipliers on the unit circle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angle: Option<Interval>,
+    /// Inequalities proven.
+    pub inequalities: usize,
+    /// Multipliers outside the unit circle, at values of the parameter where that is decided.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outside: Option<usize>,
+}
+
+/// A statement, and what it takes to check it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Proof {
+    /// The system and its equations.
+    pub posed: Posed,
+    /// What singles out the point.
+    pub condition: Condition,
+    /// The change of the sequence, at one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub changed: Option<Changed>,
+    /// The orbit in doubles.
+    pub near: Near,
+    /// What is proven.
+    pub statement: Statement,
+}
+
+impl Provable for Proof {
+    type Parameter = String;
+}
+
+/// Proves a special point of a branch; `None` for points without an event, and for failures. `text` is that of the
+/// problem file, whose decimals are taken as they are written.
+pub fn certify(item: &Item, text: &str) -> Option<Point<Proof>> {
+    let (event, special) = (item.event.as_ref()?, item.special.as_ref()?);
+    if event.kind == EventType::MX {
+        return None;
+    }
+    let (orbit, _) = item.orbit();
+    Some(Point {
+        label: event.label,
+        kind: event.kind,
+        parameter: orbit.parameter(),
+        leg: item.point.leg,
+        arc: None,
+        growth: None,
+        outcome: match prepared(item, special, text) {
+            Ok(proof) => Outcome::Proven(Box::new(proof)),
+            Err(reason) => Outcome::Open(reason.to_string()),
+        },
+    })
+}
+
+fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<Proof, Open> {
+    let (orbit, point) = item.orbit();
+    let setting = &orbit.setting;
+    let at = setting.parameter;
+    let names = setting.system.source.parameters.names();
+    // a parameter that a restart has changed is the decimal of its double
+    let written = |(name, value): (&str, &f64)| {
+        let there = decimal_at(text, &format!("system.parameters.{name}"));
+        let there = there.filter(|decimal| decimal.nearest() == *value);
+        there.unwrap_or_else(|| Decimal::of(*value))
+    };
+    let mut posed = Posed {
+        system: setting.system.clone(),
+        values: names.zip(&setting.values).map(written).collect(),
+        parameter: at,
+        periods: setting.periods,
+        units: setting.scales.clone(),
+    };
+    let value = item.point.parameters.get(at).copied().unwrap_or(f64::NAN);
+    let mut near = near(orbit, point)?;
+    let condition = match special {
+        Special::User(..) | Special::Edge(..) => {
+            Condition::Value(decimal_of(text, "continuation", value))
+        }
+        Special::Start | Special::Closed => {
+            let name = orbit.parameter();
+            Condition::Value(decimal_of(
+                text,
+                &format!("system.parameters.{name}"),
+                value,
+            ))
+        }
+        Special::Fold(_) => Condition::Fold,
+        Special::Own(Critical::PeriodDoubling) => {
+            // an orbit that is traversed several times is one of a part of its period
+            let times = orbit.traversals(point).max(1);
+            near.sequence.0.truncate(near.zones.len() / times);
+            near.zones.truncate(near.zones.len() / times);
+            posed.periods /= u32::try_from(times).unwrap_or(1);
+            Condition::Doubling
+        }
+        Special::Own(Critical::Torus { angle }) => Condition::Torus { angle: *angle },
+        Special::Own(Critical::Branching) => return Err(Open::Branching),
+        Special::Change(change) => return changed(posed, orbit, point, change),
+        Special::Failed(_) => return Err(Open::Sequence),
+    };
+    prove(posed, near, condition, None)
+}
+
+fn near(orbit: &AffineOrbit, point: &Vector) -> Result<Near, Open> {
+    let at = orbit.at(point).map_err(|_| Open::NotEnclosed)?;
+    Ok(Near {
+        sequence: orbit.sequence.clone(),
+        zones: at.zones,
+        parameter: orbit.parameter_at(point),
+    })
+}
+
+/// Proves a change of the sequence: in the sequence before or, where a zone of that has no duration, in one without
+/// it, where another margin vanishes. At a graze several do, all for one reason: they are tried in turn.
+fn changed(
+    posed: Posed,
+    orbit: &AffineOrbit,
+    point: &Vector,
+    change: &Change<AffineOrbit>,
+) -> Result<Proof, Open> {
+    let (before, after) = (&change.before, &change.after);
+    // where several things happen at once, what was entered before has no duration yet
+    let tiny = VANISHES * orbit.setting.scales.time;
+    let zones = near(orbit, point)?.zones;
+    let closed = match change.margin.watch {
+        Watch::Duration => Some(change.margin.zone),
+        Watch::Inside(_) | Watch::Speed => None,
+        _ => zones.iter().position(|zone| zone.duration < tiny),
+    };
+    let closes = closed.is_some();
+    let mut list = vec![(orbit.clone(), point.clone())];
+    if let Some(zone) = closed {
+        let margin = Margin {
+            watch: Watch::Duration,
+            zone,
+            ..change.margin.clone()
+        };
+        let found = candidates(orbit, point, &margin).map_err(|_| Open::Duration)?;
+        list = found
+            .into_iter()
+            .filter(|candidate| candidate.nascent.is_empty())
+            .map(|candidate| (candidate.orbit, candidate.point))
+            .collect();
+        // that of the branch beyond first
+        list.sort_by_key(|(orbit, _)| Some(&orbit.sequence) != after.as_ref());
+    }
+    let mut reason = None;
+    for (orbit, point) in list {
+        let Ok(examination) = orbit.examination(&point) else {
+            continue;
+        };
+        let mut margins: Vec<&Margin> = match closes {
+            true => Vec::new(),
+            false => vec![&change.margin],
+        };
+        let alike = |one: &&Margin| {
+            let kind = AffineOrbit::classify(before, after.as_ref(), one);
+            one.value.abs() <= VANISHES
+                && one.watch != Watch::Duration
+                && (closes || !AffineOrbit::is_same(one, &change.margin) && kind == change.kind)
+        };
+        margins.extend(examination.margins().iter().filter(alike));
+        for vanishing in margins {
+            let seen = if closes { &change.margin } else { vanishing };
+            let changed = Changed {
+                watch: seen.watch,
+                zone: seen.zone,
+                before: before.clone(),
+                after: after.clone(),
+            };
+            let condition = Condition::Margin {
+                watch: vanishing.watch,
+                zone: vanishing.zone,
+                time: vanishing.time,
+            };
+            let near = near(&orbit, &point)?;
+            match prove(posed.clone(), near, condition, Some(changed)) {
+                Ok(proof) => return Ok(proof),
+                Err(other) => reason = reason.or(Some(other)),
+            }
+        }
+    }
+    Err(reason.unwrap_or(Open::Duration))
+}
+
+/// Proves the point next to an orbit in doubles.
+///
+/// # Errors
+/// It is not covered, or not proven.
+pub fn prove(
+    posed: Posed,
+    near: Near,
+    condition: Condition,
+    changed: Option<Changed>,
+) -> Result<Proof, Open> {
+    let (system, guess) = OrbitSystem::new(&posed, &near, &condition)?;
+    let equations = |x: &[Interval]| system.evaluate(x);
+    let found = krawczyk::refined(&equations, &guess).ok_or(Open::NotEnclosed)?;
+    let (near, condition) = system.near(&near, &found);
+    // from what is stored, as a check does it
+    let statement = statement(&posed, &near, &condition, None)?;
+    Ok(Proof {
+        posed,
+        condition,
+        changed,
+        near,
+        statement,
+    })
+}
+
+/// What is proven of the point next to an orbit. The distance of uniqueness is looked for, or that of a stored
+/// statement, which is 0 where it does not hold.
+fn statement(
+    posed: &Posed,
+    near: &Near,
+    condition: &Condition,
+    stored: Option<f64>,
+) -> Result<Statement, Open> {
+    /// The orbit in doubles is known to this share of its units, or it is not that of the point.
+    const KNOWN: f64 = 1e-7;
+    let (mut system, middle) = OrbitSystem::new(posed, near, condition)?;
+    let units = system.units(&middle);
+    let equations = |x: &[Interval]| system.evaluate(x);
+    let zero = krawczyk::enclosed(&equations, &middle, &units).ok_or(Open::NotIsolated)?;
+    let mut numbers = middle.iter().zip(&zero.at).zip(&units);
+    if numbers.any(|((m, x), unit)| !Interval::around(*m, KNOWN * unit).contains(x.middle())) {
+        return Err(Open::NotIsolated);
+    }
+    let parameter = system.parameter();
+    let modes = system.enclosed(zero.at[parameter])?;
+    let passings = system.passings(&modes, &zero.at);
+    let mirrored = match system.inequalities(&modes, &passings, &zero.at) {
+        Ok(inequalities) => Ok(inequalities),
+        Err(reason) => Err((system.mirrored(&middle, &zero.at), reason)),
+    };
+    let inequalities = match mirrored {
+        Ok(inequalities) => inequalities,
+        Err((None, reason)) => return Err(reason.into()),
+        Err((Some(vanishing), _)) => {
+            system.vanish(vanishing);
+            system.inequalities(&modes, &passings, &zero.at)?
+        }
+    };
+    let equations = |x: &[Interval]| system.evaluate(x);
+    let unit = units[parameter];
+    let unique = match stored {
+        None => zero.unique(&equations, &middle, &units) * unit,
+        Some(stored) if zero.is_unique(&equations, &middle, &units, stored / unit) => stored,
+        Some(_) => 0.0,
+    };
+    let durations = (0..system.stretches.len()).map(|index| zero.at[system.duration(index)]);
+    let period = durations.fold(Interval::ZERO, |sum, duration| sum + duration);
+    let monodromy = match condition {
+        Condition::Value(_) => system.monodromy(&modes, &passings, &zero.at),
+        _ => None,
+    };
+    Ok(Statement {
+        parameter: match condition {
+            Condition::Value(value) => value.interval(),
+            _ => wider(zero.at[parameter]),
+        },
+        period: wider(period),
+        unique,
+        angle: match condition {
+            Condition::Torus { .. } => zero.at.last().copied().map(wider),
+            _ => None,
+        },
+        inequalities,
+        outside: monodromy.and_then(|monodromy| multipliers::outside(&monodromy)),
+    })
+}
+
+/// Proves a stored statement again, without continuation.
+///
+/// # Errors
+/// The proof fails, or it proves something else.
+pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
+    let Proof {
+        posed,
+        condition,
+        changed,
+        near,
+        statement: said,
+    } = proof;
+    let mut names = posed.system.source.parameters.names();
+    if names.nth(posed.parameter) != Some(&point.parameter) {
+        return Err(Refused::Statement("the parameter"));
+    }
+    check_kind(point.kind, near, condition, changed.as_ref())?;
+    let open = |open: Open| Refused::NoProof(open.to_string());
+    let proven = statement(posed, near, condition, Some(said.unique)).map_err(open)?;
+    super::compared("the parameter", said.parameter, proven.parameter)?;
+    super::compared("the period", said.period, proven.period)?;
+    match (said.angle, proven.angle) {
+        (Some(said), Some(proven)) => super::compared("the angle", said, proven)?,
+        (None, None) => {}
+        _ => return Err(Refused::Statement("the angle")),
+    }
+    super::compared_unique(said.unique, proven.unique)?;
+    if said.inequalities != proven.inequalities {
+        return Err(Refused::Statement("the number of inequalities"));
+    }
+    if said.outside != proven.outside {
+        return Err(Refused::Statement(
+            "the number of multipliers outside the unit circle",
+        ));
+    }
+    Ok(())
+}
+
+/// Whether the type of an event follows from what vanishes there.
+fn check_kind(
+    said: EventType,
+    near: &Near,
+    condition: &Condition,
+    changed: Option<&Changed>,
+) -> Result<(), Refused> {
+    let found = match (condition, changed) {
+        // of a value the certificate does not say who asked for it
+        (Condition::Value(_), None) if said == EventType::EP => EventType::EP,
+        (Condition::Value(_), None) => EventType::UZ,
+        (Condition::Fold, None) => EventType::LP,
+        (Condition::Doubling, None) => EventType::PD,
+        (Condition::Torus { .. }, None) => EventType::NS,
+        (Condition::Margin { watch, zone, .. }, Some(changed)) => {
+            let Changed {
+                watch: seen,
+                zone: there,
+                before,
+                after,
+            } = changed;
+            // what vanishes in the sequence before, or in one that does without its zone of no duration
+            let same = near.sequence == *before && (watch, zone) == (seen, there);
+            let cut = matches!(seen, Watch::Inside(_) | Watch::Speed);
+            let shorter = !cut && near.sequence.len() < before.len();
+            if !(same || shorter) {
+                return Err(Refused::Statement("the change of the sequence"));
+            }
+            let margin = Margin {
+                watch: *seen,
+                zone: *there,
+                time: 0.0,
+                value: 0.0,
+                gradient: Vec::new(),
+            };
+            AffineOrbit::classify(before, after.as_ref(), &margin)
+        }
+        _ => return Err(Refused::Statement("the change of the sequence")),
+    };
+    match found == said {
+        true => Ok(()),
+        false => Err(Refused::Kind { said, found }),
+    }
+}

@@ -1,0 +1,339 @@
+//! A system as linear flows of z = (x, 1, cos φ, sin φ, …), with coefficients of any kind.
+
+use super::Open;
+use super::exact::Exact;
+use super::form::{Coefficient, Form, FormMode, FormSwitch, FormSystem, forms};
+use crate::affine::expression::Operation;
+use crate::affine::system::System;
+
+/// A linear form of z.
+pub type Row<C> = Vec<C>;
+
+/// A way for a mode to end.
+#[derive(Clone, Debug)]
+pub struct Exit<C> {
+    pub to: usize,
+    /// New states as forms of z.
+    pub reset: Vec<Row<C>>,
+    /// What is not negative where it is taken.
+    pub conditions: Vec<Row<C>>,
+}
+
+/// What is positive in a mode, and where it leads when it is zero no more.
+#[derive(Clone, Debug)]
+pub struct Guard<C> {
+    pub row: Row<C>,
+    pub exits: Vec<Exit<C>>,
+}
+
+/// A mode: ż = Mz.
+#[derive(Clone, Debug)]
+pub struct Mode<C> {
+    pub matrix: Vec<Row<C>>,
+    pub guards: Vec<Guard<C>>,
+    /// What is zero all along in a sliding mode.
+    pub surface: Option<Row<C>>,
+}
+
+/// Modes of the file, then the sliding ones.
+#[derive(Clone, Debug)]
+pub struct Modes<C> {
+    pub states: usize,
+    pub harmonics: usize,
+    pub omega: C,
+    pub modes: Vec<Mode<C>>,
+}
+
+/// The direction that F₊ − F₋ keeps.
+#[derive(Clone, Copy, Debug)]
+enum Direction {
+    /// That of one state.
+    State(usize),
+    /// F₊ − F₋ itself, which depends on neither states nor phase.
+    Constant,
+}
+
+/// What is known of a system whatever its parameters.
+#[derive(Clone, Debug)]
+pub struct Structure {
+    /// Of every switch of a mode, the guard that it belongs to.
+    guards: Vec<Vec<usize>>,
+    slides: Vec<Direction>,
+}
+
+/// a + weight·b.
+pub fn added<C: Coefficient>(one: &[C], other: &[C], weight: &C) -> Row<C> {
+    let both = one.iter().zip(other);
+    both.map(|(a, b)| match *b == C::default() {
+        true => a.clone(),
+        false => a.clone().sum(1.0, weight.clone().times(b.clone()), 1.0),
+    })
+    .collect()
+}
+
+/// −a.
+pub fn negative<C: Coefficient>(row: &[C]) -> Row<C> {
+    row.iter().cloned().map(C::negative).collect()
+}
+
+/// Σ aᵢMᵢ: ȧ along a flow, or what a form is after a reset.
+pub fn through<C: Coefficient>(row: &[C], matrix: &[Row<C>]) -> Row<C> {
+    let size = matrix.first().map_or(0, Vec::len);
+    let terms = row.iter().zip(matrix).filter(|(a, _)| **a != C::default());
+    terms.fold(vec![C::default(); size], |sum, (a, row)| {
+        added(&sum, row, a)
+    })
+}
+
+/// A number over another.
+fn over<C: Coefficient>(one: C, other: C) -> Result<C, Open> {
+    one.operate(Operation::Over, other)
+        .map_err(|_| Open::Numbers)
+}
+
+impl<C: Coefficient> Mode<C> {
+    /// The derivative of this order of a form.
+    pub fn derivative(&self, row: &[C], order: usize) -> Row<C> {
+        (0..order).fold(row.to_vec(), |row, _| through(&row, &self.matrix))
+    }
+
+    /// The one guard that leads to a mode, or to the other by sliding.
+    fn guard_to(&self, to: usize) -> Option<usize> {
+        let leads = |guard: &Guard<C>| guard.exits.iter().any(|exit| exit.to == to);
+        let mut found = (0..self.guards.len()).filter(|index| leads(&self.guards[*index]));
+        let first = found.next();
+        first.filter(|_| found.next().is_none())
+    }
+}
+
+impl<C: Coefficient> Modes<C> {
+    fn of(
+        forms: &FormSystem<'_, C>,
+        system: &System,
+        structure: &Structure,
+    ) -> Result<Modes<C>, Open> {
+        let states = system.source.states.len();
+        let mut modes = Modes {
+            states,
+            harmonics: forms.harmonics,
+            omega: forms.omega.clone(),
+            modes: Vec::new(),
+        };
+        for (mode, guards) in forms.modes.iter().zip(&structure.guards) {
+            let mode = modes.mode(mode, guards);
+            modes.modes.push(mode);
+        }
+        for (sides, direction) in system.sliding.iter().zip(&structure.slides) {
+            modes.slide(*sides, *direction)?;
+        }
+        Ok(modes)
+    }
+
+    /// Length of z.
+    pub fn size(&self) -> usize {
+        self.states + 1 + 2 * self.harmonics
+    }
+
+    fn row(&self, form: &Form<C>) -> Row<C> {
+        let mut row = vec![C::default(); self.size()];
+        row[..form.states.len()].clone_from_slice(&form.states);
+        let harmonics = form.harmonics.iter().flatten();
+        let after = [&form.constant].into_iter().chain(harmonics);
+        for (place, value) in row[self.states..].iter_mut().zip(after) {
+            *place = value.clone();
+        }
+        row
+    }
+
+    fn unit(&self, index: usize) -> Row<C> {
+        let mut row = vec![C::default(); self.size()];
+        row[index] = C::number(1.0);
+        row
+    }
+
+    fn mode(&self, mode: &FormMode<'_, C>, guards: &[usize]) -> Mode<C> {
+        let size = self.size();
+        let mut matrix: Vec<Row<C>> = mode.rates.iter().map(|rate| self.row(rate)).collect();
+        matrix.resize(size, vec![C::default(); size]);
+        for h in 1..=self.harmonics {
+            let cosine = self.states + 2 * h - 1;
+            let turn = C::default().sum(1.0, self.omega.clone(), h as f64);
+            matrix[cosine][cosine + 1] = turn.clone().negative();
+            matrix[cosine + 1][cosine] = turn;
+        }
+        let mut found: Vec<Guard<C>> = Vec::new();
+        for (switch, guard) in mode.switches.iter().zip(guards) {
+            let exit = self.exit(switch);
+            match found.get_mut(*guard) {
+                Some(guard) => guard.exits.push(exit),
+                None => found.push(Guard {
+                    row: self.row(&switch.guard),
+                    exits: vec![exit],
+                }),
+            }
+        }
+        Mode {
+            matrix,
+            guards: found,
+            surface: None,
+        }
+    }
+
+    fn exit(&self, switch: &FormSwitch<'_, C>) -> Exit<C> {
+        let mut reset: Vec<Row<C>> = (0..self.states).map(|state| self.unit(state)).collect();
+        for (state, form) in &switch.reset {
+            reset[*state] = self.row(form);
+        }
+        Exit {
+            to: switch.switch.to,
+            reset,
+            conditions: switch
+                .conditions
+                .iter()
+                .map(|form| self.row(form))
+                .collect(),
+        }
+    }
+
+    /// Puts a sliding mode between two: Filippov's field F₋ − d (nᵀF₋)/(nᵀd), where n is the gradient of the guard
+    /// of the first mode. It lasts while both fields point at the surface.
+    fn slide(&mut self, sides: [usize; 2], direction: Direction) -> Result<(), Open> {
+        let own = self.modes.len();
+        let [first, second] = sides.map(|side| &self.modes[side]);
+        let leave = [first.guard_to(sides[1]), second.guard_to(sides[0])];
+        let [Some(leave_first), Some(leave_second)] = leave else {
+            return Err(Open::Sliding);
+        };
+        let surface = first.guards[leave_first].row.clone();
+        let [toward, away] = [first, second].map(|mode| through(&surface, &mode.matrix));
+        let along: Vec<C> = (0..self.states)
+            .map(|state| match direction {
+                Direction::State(only) => C::number(f64::from(u8::from(state == only))),
+                Direction::Constant => {
+                    let [below, above] =
+                        [first, second].map(|mode| mode.matrix[state][self.states].clone());
+                    above.sum(1.0, below, -1.0)
+                }
+            })
+            .collect();
+        let terms = surface.iter().zip(&along);
+        let across = terms.fold(C::default(), |sum, (n, d)| {
+            sum.sum(1.0, n.clone().times(d.clone()), 1.0)
+        });
+        let mut matrix = first.matrix.clone();
+        for (row, d) in matrix.iter_mut().zip(along) {
+            if d != C::default() {
+                *row = added(row, &toward, &over(d, across.clone())?.negative());
+            }
+        }
+        let stay: Vec<Row<C>> = (0..self.states).map(|state| self.unit(state)).collect();
+        let exit = |to: usize, conditions: Vec<Row<C>>| Exit {
+            to,
+            reset: stay.clone(),
+            conditions,
+        };
+        let guard = |row: &Row<C>, to: usize| Guard {
+            row: row.clone(),
+            exits: vec![exit(to, Vec::new())],
+        };
+        let ends = negative(&toward);
+        let guards = vec![guard(&ends, sides[0]), guard(&away, sides[1])];
+        // at the surface: the sliding mode where the other field points back, the other mode where not
+        let [slide_first, slide_second] = [away, ends].map(|held| exit(own, vec![held]));
+        self.modes[sides[0]].guards[leave_first]
+            .exits
+            .insert(0, slide_first);
+        self.modes[sides[1]].guards[leave_second]
+            .exits
+            .insert(0, slide_second);
+        self.modes.push(Mode {
+            matrix,
+            guards,
+            surface: Some(surface),
+        });
+        Ok(())
+    }
+}
+
+impl Structure {
+    /// What is known of a system whatever its parameters, and its modes as formulas.
+    ///
+    /// # Errors
+    /// Two modes between which sliding is not covered.
+    pub fn of(system: &System) -> Result<(Structure, Modes<Exact>), Open> {
+        let names: Vec<&str> = system.source.parameters.names().collect();
+        let named = |index: usize| Exact::named(names[index].to_owned());
+        let found = forms(system, &named, Exact::named("pi".to_owned()));
+        let forms = found.map_err(|error| Open::System(error.path))?;
+        let of_mode = |mode: &FormMode<'_, Exact>| {
+            let mut known: Vec<&Form<Exact>> = Vec::new();
+            let mut guards = Vec::new();
+            for switch in &mode.switches {
+                let place = known.iter().position(|form| **form == switch.guard);
+                guards.push(place.unwrap_or(known.len()));
+                if place.is_none() {
+                    known.push(&switch.guard);
+                }
+            }
+            guards
+        };
+        let mut structure = Structure {
+            guards: forms.modes.iter().map(of_mode).collect(),
+            slides: Vec::new(),
+        };
+        for [first, second] in &system.sliding {
+            let modes = Modes::of(&forms, system, &structure)?;
+            let direction = modes.direction(*first, *second)?;
+            structure.slides.push(direction);
+        }
+        let modes = Modes::of(&forms, system, &structure)?;
+        Ok((structure, modes))
+    }
+
+    /// The modes with other coefficients of the parameters.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn modes<C: Coefficient>(
+        &self,
+        system: &System,
+        parameter: &dyn Fn(usize) -> C,
+        pi: C,
+    ) -> Result<Modes<C>, Open> {
+        let found = forms(system, parameter, pi);
+        let forms = found.map_err(|error| Open::System(error.path))?;
+        Modes::of(&forms, system, self)
+    }
+}
+
+impl Modes<Exact> {
+    fn direction(&self, first: usize, second: usize) -> Result<Direction, Open> {
+        let [below, above] = [first, second].map(|side| &self.modes[side]);
+        let guards = below.guard_to(second).zip(above.guard_to(first));
+        let (one, other) = guards.ok_or(Open::Sliding)?;
+        let both = below.guards[one].row.iter().zip(&above.guards[other].row);
+        let mut sums = both.map(|(a, b)| a.clone().sum(1.0, b.clone(), 1.0));
+        if !sums.all(|sum| sum.is_zero()) {
+            return Err(Open::Sliding);
+        }
+        let minus = <Exact as crate::affine::expression::Algebra>::number(-1.0);
+        let difference: Vec<Row<Exact>> = (0..self.states)
+            .map(|state| added(&above.matrix[state], &below.matrix[state], &minus))
+            .collect();
+        let moves = |row: &Row<Exact>| row.iter().any(|entry| !entry.is_zero());
+        let mut moving = (0..self.states).filter(|state| moves(&difference[*state]));
+        match (moving.next(), moving.next()) {
+            (Some(only), None) => return Ok(Direction::State(only)),
+            (None, _) => return Err(Open::Sliding),
+            _ => {}
+        }
+        let constant = |row: &Row<Exact>| {
+            let mut entries = row.iter().enumerate();
+            entries.all(|(column, entry)| column == self.states || entry.is_zero())
+        };
+        match difference.iter().all(constant) {
+            true => Ok(Direction::Constant),
+            false => Err(Open::Sliding),
+        }
+    }
+}

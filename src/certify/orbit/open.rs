@@ -1,0 +1,62 @@
+//! Why an orbit is not proven: what is not covered, and what is undecided.
+
+/// Which inequality is not proven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unproven {
+    /// The duration of a zone.
+    #[error("that zone {0} has a duration")]
+    Duration(usize),
+    /// A guard within a zone.
+    #[error("that guard {1} of zone {0} is positive within it")]
+    Guard(usize, usize),
+    /// A condition of the exit taken.
+    #[error("condition {1} at the end of zone {0}")]
+    Condition(usize, usize),
+    /// A condition of an exit before the one taken.
+    #[error("that exit {1} is not taken at the end of zone {0}")]
+    Before(usize, usize),
+}
+
+/// Why an orbit is not proven.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Open {
+    /// Expressions that have no affine form in intervals.
+    #[error(
+        "not covered: {0} is not affine in the states, or a function of parameters that cannot be enclosed"
+    )]
+    System(String),
+    /// A division by what may be zero, or numbers that are not finite.
+    #[error("undecided: the numbers of the system cannot be enclosed")]
+    Numbers,
+    /// Modes whose sliding field is not affine by its formulas.
+    #[error(
+        "not covered: sliding where the rates of the two modes differ in several states that move"
+    )]
+    Sliding,
+    /// No forcing and no switches.
+    #[error("not covered: an orbit without forcing and without switches")]
+    Centre,
+    /// A multiplier 1 that is no fold.
+    #[error("not covered: a branch point")]
+    Branching,
+    /// Zones that do not follow from one another.
+    #[error("not covered: a sequence of zones that is not one of the system")]
+    Sequence,
+    /// A zone of no duration that no other sequence does without.
+    #[error(
+        "not covered: a zone of no duration, without which the orbit has no sequence that is proven"
+    )]
+    Duration,
+    /// Too long an orbit.
+    #[error("not covered: an orbit so long that its equations have more than 1000 unknowns")]
+    Long,
+    /// Numbers that are not finite.
+    #[error("undecided: the equations cannot be enclosed")]
+    NotEnclosed,
+    /// Krawczyk's operator does not map a box into itself.
+    #[error("undecided: no box is known to have exactly one solution")]
+    NotIsolated,
+    /// An inequality.
+    #[error("undecided: {0} is not proven")]
+    Inequality(#[from] Unproven),
+}

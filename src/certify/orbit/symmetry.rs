@@ -1,0 +1,136 @@
+//! Symmetric orbits: −x half a period later, with the phase half a turn on.
+//!
+//! What vanishes at an event vanishes in both halves then, which no interval can tell. A system has the symmetry where
+//! its formulas do, and an orbit where it is the only one next to its image.
+
+use super::Open;
+use super::exact::Exact;
+use super::modes::Row;
+use super::system::{End, OrbitSystem};
+use super::zeros::{Source, Vanishing};
+use crate::affine::expression::Algebra;
+use crate::certify::krawczyk;
+use crate::interval::{Interval, PI};
+
+impl OrbitSystem<'_> {
+    /// Whether a component of z changes its sign half a period later.
+    fn turns_over(&self, column: usize) -> bool {
+        let states = self.exact.states;
+        // cos h(φ + π) = (−1)ʰ cos hφ
+        column < states || column > states && (column - states).div_ceil(2) % 2 == 1
+    }
+
+    /// A form half a period later.
+    fn image(&self, row: &[Exact]) -> Row<Exact> {
+        let entries = row.iter().cloned().enumerate();
+        let turned = |(column, entry): (usize, Exact)| match self.turns_over(column) {
+            true => entry.negative(),
+            false => entry,
+        };
+        entries.map(turned).collect()
+    }
+
+    /// Rows of states half a period later.
+    fn images(&self, rows: &[Row<Exact>]) -> Vec<Row<Exact>> {
+        let turned = |(index, row): (usize, &Row<Exact>)| match self.turns_over(index) {
+            true => super::modes::negative(&self.image(row)),
+            false => self.image(row),
+        };
+        rows.iter().enumerate().map(turned).collect()
+    }
+
+    /// Whether the equations have the symmetry.
+    fn is_symmetric(&self) -> bool {
+        let count = self.stretches.len();
+        let even = count.is_multiple_of(2) && (!self.is_forced() || self.posed.periods % 2 == 1);
+        even && (0..count).all(|index| {
+            let other = (index + count / 2) % count;
+            let [one, two] = [index, other].map(|index| self.stretches[index]);
+            let [mode, image] = [one, two].map(|one| &self.exact.modes[one.mode]);
+            let ends = match (one.end, two.end) {
+                (
+                    End::Exit { guard, exit },
+                    End::Exit {
+                        guard: to,
+                        exit: by,
+                    },
+                ) => {
+                    let [one, two] = [&mode.guards[guard], &image.guards[to]];
+                    self.image(&one.row) == two.row
+                        && self.images(&one.exits[exit].reset) == two.exits[by].reset
+                }
+                _ => false,
+            };
+            let matrix = self.images(&mode.matrix);
+            ends && self.steps[index] == self.steps[other] && matrix == image.matrix
+        })
+    }
+
+    /// What vanishes in the other half, where the orbit in these intervals is symmetric.
+    pub fn mirrored(&self, middle: &[f64], x: &[Interval]) -> Option<Vanishing> {
+        let event = *self.vanishing.first()?;
+        if !self.is_symmetric() {
+            return None;
+        }
+        let count = self.stretches.len();
+        let other = (event.stretch + count / 2) % count;
+        let [mode, image] =
+            [event.stretch, other].map(|index| &self.exact.modes[self.stretches[index].mode]);
+        let row = self.image(&event.source.row(mode)?);
+        let order = match event.source {
+            Source::Guard { order, .. } => Some(order),
+            Source::Condition { .. } => None,
+        };
+        let guards = (0..image.guards.len())
+            .filter_map(|guard| order.map(|order| Source::Guard { guard, order }));
+        let conditions = image.guards.iter().enumerate().flat_map(|(guard, known)| {
+            let exits = known.exits.iter().enumerate();
+            exits.flat_map(move |(exit, known)| {
+                (0..known.conditions.len()).map(move |index| Source::Condition {
+                    guard,
+                    exit,
+                    index,
+                })
+            })
+        });
+        let mut sources = guards.chain(conditions.filter(|_| order.is_none()));
+        let source = sources.find(|source| source.row(image).as_ref() == Some(&row))?;
+        // for every value of the parameter there is one orbit only in a box that has this one and its image
+        let mut fixed = OrbitSystem::new(self.posed, self.near, self.condition)
+            .ok()?
+            .0;
+        fixed.fixed = Some(x[self.parameter()]);
+        let equations = |x: &[Interval]| fixed.evaluate(x);
+        let both: Vec<Interval> = self.half_later(x).ok()?;
+        let both: Vec<Interval> = both.iter().zip(x).map(|(a, b)| a.hull(*b)).collect();
+        let alone = krawczyk::is_only_zero(&equations, middle, &both);
+        alone.then_some(Vanishing {
+            stretch: other,
+            source,
+            ..event
+        })
+    }
+
+    /// The image of an orbit.
+    fn half_later(&self, x: &[Interval]) -> Result<Vec<Interval>, Open> {
+        let count = self.stretches.len();
+        let half = PI * Interval::point(f64::from(self.posed.periods));
+        let mut image = x.to_vec();
+        for index in 0..count {
+            let from = (index + count / 2) % count;
+            // the first half is the image of the second, before whose end a period has passed
+            let shift = if index < count / 2 { -half } else { half };
+            for step in 0..=self.steps[index] {
+                let (to, at) = (self.node(index, step), self.node(from, step));
+                for state in 0..self.exact.states {
+                    image[to + state] = -x[at + state];
+                }
+                if self.is_forced() {
+                    image[to + self.exact.states] = x[at + self.exact.states] + shift;
+                }
+            }
+            image[self.duration(index)] = x[self.duration(from)];
+        }
+        Ok(image)
+    }
+}

@@ -1,0 +1,512 @@
+//! The equations of an orbit at an event: as many as unknowns, so that a regular zero is isolated.
+//!
+//! An orbit is a cycle of *stretches*: its zones, of which one is cut in two where a guard touches zero inside.
+//! Unknowns are, for each stretch, y = (x, φ) at its entry, at its end and between its steps, and its
+//! duration; and the parameter. Every step is a flow, y at an entry is what the switch makes of y at the end
+//! before, less a turn for every period of the forcing where the cycle closes, and a stretch ends where its guard
+//! is zero, or stationary where it is cut. One more equation singles out the event.
+
+use serde::{Deserialize, Serialize};
+
+use super::Open;
+use super::critical::Critical;
+use super::enclosure::Enclosure;
+use super::exact::Exact;
+use super::flow::{Exponential, Flow};
+use super::modes::{Modes, Structure};
+use super::zeros::{Facts, Vanishing};
+use crate::affine::orbit::layout::Scales;
+use crate::affine::orbit::{Sequence, Watch, ZonePoint};
+use crate::affine::system::System;
+use crate::interval::{Decimal, Interval, Number, PI};
+
+/// What is asked.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Posed {
+    /// The system as it is written; of the values of its parameters those below count.
+    pub system: System,
+    /// Values of the parameters in order, as they are written.
+    pub values: Vec<Decimal>,
+    /// Index of the continuation parameter.
+    pub parameter: usize,
+    /// Periods of the forcing in an orbit.
+    pub periods: u32,
+    /// Units in which uniqueness is measured.
+    pub units: Scales,
+}
+
+/// An orbit in doubles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Near {
+    /// The zones.
+    pub sequence: Sequence,
+    /// States, phases and durations.
+    pub zones: Vec<ZonePoint>,
+    /// The continuation parameter.
+    pub parameter: f64,
+}
+
+/// What singles out a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Condition {
+    /// The parameter has this value.
+    Value(Decimal),
+    /// The parameter is stationary.
+    Fold,
+    /// A multiplier is −1.
+    Doubling,
+    /// A pair of multipliers is on the unit circle.
+    Torus {
+        /// Its angle in doubles.
+        angle: f64,
+    },
+    /// A margin vanishes.
+    Margin {
+        /// What it measures.
+        watch: Watch,
+        /// Zone.
+        zone: usize,
+        /// Time after the entry at which a guard is least, for those inside; else 0.
+        time: f64,
+    },
+}
+
+/// How a stretch ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// Its guard is zero, and this exit is taken.
+    Exit { guard: usize, exit: usize },
+    /// A guard is stationary.
+    Touch { guard: usize },
+    /// With the period.
+    Never,
+}
+
+/// A zone, or a part of one.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch {
+    pub zone: usize,
+    pub mode: usize,
+    pub end: End,
+}
+
+/// The equations of a point.
+pub struct OrbitSystem<'a> {
+    pub posed: &'a Posed,
+    pub near: &'a Near,
+    pub condition: &'a Condition,
+    pub structure: Structure,
+    pub exact: Modes<Exact>,
+    pub stretches: Vec<Stretch>,
+    /// Steps of every stretch.
+    pub steps: Vec<usize>,
+    /// What vanishes at the event: what its equation says, and what follows by symmetry.
+    pub vanishing: Vec<Vanishing>,
+    /// A value of the parameter in the place of the event.
+    pub fixed: Option<Interval>,
+    pub facts: Vec<Facts>,
+    pub critical: Option<Critical>,
+}
+
+/// A step spans no more than this of the time scale of its mode.
+const LONGEST: f64 = 4.0;
+/// More unknowns of an orbit than this are not covered: a pair on the unit circle has three times as many, in dense
+/// matrices, which takes a minute.
+const MOST_UNKNOWNS: f64 = 1000.0;
+
+/// A stretch in intervals.
+pub struct Passing {
+    pub flow: Flow,
+    /// Duration of a step.
+    pub time: Interval,
+    /// A step, and 1/2ⁿ of it.
+    pub whole: Exponential,
+    pub part: Exponential,
+    pub halvings: u32,
+}
+
+impl<'a> OrbitSystem<'a> {
+    /// The equations, and their unknowns in doubles.
+    pub fn new(
+        posed: &'a Posed,
+        near: &'a Near,
+        condition: &'a Condition,
+    ) -> Result<(OrbitSystem<'a>, Vec<f64>), Open> {
+        let (structure, exact) = Structure::of(&posed.system)?;
+        let states = exact.states;
+        let zones = &near.zones;
+        let known = zones.iter().flat_map(|zone| {
+            let rest = [zone.duration, zone.phase];
+            zone.state.iter().copied().chain(rest)
+        });
+        let units = &posed.units;
+        let positive = units.states.iter().chain([&units.time, &units.parameter]);
+        let fits = !zones.is_empty()
+            && zones.len() == near.sequence.len()
+            && zones
+                .iter()
+                .all(|zone| zone.state.len() == states && zone.duration > 0.0)
+            && known.chain([near.parameter]).all(f64::is_finite)
+            && posed.values.len() == posed.system.source.parameters.0.len()
+            && posed.parameter < posed.values.len()
+            && units.states.len() == states
+            && positive
+                .into_iter()
+                .all(|unit| unit.is_finite() && *unit > 0.0);
+        if !fits {
+            return Err(Open::Sequence);
+        }
+        let mut system = OrbitSystem {
+            stretches: stretches(near, condition)?,
+            posed,
+            near,
+            condition,
+            structure,
+            exact,
+            steps: Vec::new(),
+            vanishing: Vec::new(),
+            fixed: None,
+            facts: Vec::new(),
+            critical: None,
+        };
+        if !system.is_in_order() {
+            return Err(Open::Sequence);
+        }
+        if !system.is_forced() && system.stretches[0].end == End::Never {
+            return Err(Open::Centre);
+        }
+        let modes = system.enclosed(Interval::point(near.parameter))?;
+        system.facts = system.known(&[]);
+        if let Some(vanishing) = system.event(near, &modes)? {
+            system.vanish(vanishing);
+        }
+        let mut guess = system.guess(near, &modes, condition)?;
+        if let Condition::Fold | Condition::Doubling | Condition::Torus { .. } = condition {
+            let critical = system.direction(&guess).ok_or(Open::NotEnclosed)?;
+            guess.extend(critical.guess());
+            system.critical = Some(critical);
+        }
+        Ok((system, guess))
+    }
+
+    /// Whether every stretch leads to the next.
+    fn is_in_order(&self) -> bool {
+        let count = self.stretches.len();
+        (0..count).all(|index| {
+            let Stretch { mode, end, .. } = self.stretches[index];
+            let next = self.stretches[(index + 1) % count].mode;
+            let Some(known) = self.exact.modes.get(mode) else {
+                return false;
+            };
+            match end {
+                End::Exit { guard, exit } => {
+                    let exit = known
+                        .guards
+                        .get(guard)
+                        .and_then(|guard| guard.exits.get(exit));
+                    exit.is_some_and(|exit| exit.to == next)
+                }
+                End::Touch { guard } => guard < known.guards.len() && next == mode,
+                End::Never => next == mode && index + 1 == count,
+            }
+        })
+    }
+
+    /// The modes over an interval of the parameter.
+    pub fn enclosed(&self, parameter: Interval) -> Result<Modes<Enclosure>, Open> {
+        let of = |index: usize| match index == self.posed.parameter {
+            true => Enclosure::variable(parameter, 0),
+            false => Enclosure::constant(self.posed.values[index].interval()),
+        };
+        let modes = self
+            .structure
+            .modes(&self.posed.system, &of, Enclosure::constant(PI))?;
+        let forced = self.is_forced();
+        match !forced || modes.omega.value.is_positive() {
+            true => Ok(modes),
+            false => Err(Open::Numbers),
+        }
+    }
+
+    /// The flows over intervals of the unknowns.
+    pub fn passings(&self, modes: &Modes<Enclosure>, x: &[Interval]) -> Vec<Passing> {
+        (0..self.stretches.len())
+            .map(|index| {
+                let flow = Flow::new(&modes.modes[self.stretches[index].mode].matrix);
+                let steps = Interval::point(self.steps[index] as f64);
+                let time = x[self.duration(index)] / steps;
+                let halvings = flow.parts(time);
+                let part = flow.part(time, halvings);
+                let whole = (0..halvings).fold(part.clone(), |part, _| part.doubled());
+                Passing {
+                    flow,
+                    time,
+                    whole,
+                    part,
+                    halvings,
+                }
+            })
+            .collect()
+    }
+
+    pub fn is_forced(&self) -> bool {
+        self.posed.system.source.forcing.is_some()
+    }
+
+    /// States, and the phase where there is a forcing.
+    pub fn width(&self) -> usize {
+        self.exact.states + usize::from(self.is_forced())
+    }
+
+    fn first(&self, stretch: usize) -> usize {
+        let steps = self.steps[..stretch].iter();
+        steps.map(|steps| (steps + 1) * self.width() + 1).sum()
+    }
+
+    /// Where y at the beginning of a step stands; at the end of the stretch after the last.
+    pub fn node(&self, stretch: usize, step: usize) -> usize {
+        self.first(stretch) + step * self.width()
+    }
+
+    /// Where the duration of a stretch stands.
+    pub fn duration(&self, stretch: usize) -> usize {
+        self.node(stretch, self.steps[stretch] + 1)
+    }
+
+    /// Where the parameter stands: behind all else that an orbit needs.
+    pub fn parameter(&self) -> usize {
+        self.first(self.stretches.len())
+    }
+
+    /// The end of a stretch, or its entry.
+    pub fn place(&self, stretch: usize, at_end: bool) -> usize {
+        self.node(stretch, if at_end { self.steps[stretch] } else { 0 })
+    }
+
+    /// z from y.
+    pub fn lift<N: Number>(&self, y: &[N]) -> Vec<N> {
+        let mut z = y[..self.exact.states].to_vec();
+        z.push(N::double(1.0));
+        for h in 1..=self.exact.harmonics {
+            let angle = y[self.exact.states].scaled(Interval::point(h as f64));
+            let (cosine, sine) = angle.circular();
+            z.extend([cosine, sine]);
+        }
+        z
+    }
+
+    /// ∂z/∂φ.
+    pub fn turned<N: Number>(&self, z: &[N]) -> Vec<N> {
+        let mut turned = vec![N::double(0.0); z.len()];
+        for h in 1..=self.exact.harmonics {
+            let (cosine, sine) = (self.exact.states + 2 * h - 1, self.exact.states + 2 * h);
+            turned[cosine] = -z[sine].scaled(Interval::point(h as f64));
+            turned[sine] = z[cosine].scaled(Interval::point(h as f64));
+        }
+        turned
+    }
+
+    /// The unknowns in doubles, and the numbers of steps.
+    fn guess(
+        &mut self,
+        near: &Near,
+        modes: &Modes<Enclosure>,
+        condition: &Condition,
+    ) -> Result<Vec<f64>, Open> {
+        let mut guess = Vec::new();
+        let mut carried: Option<(Vec<f64>, f64)> = None;
+        for stretch in &self.stretches {
+            let zone = &near.zones[stretch.zone];
+            let time = match condition {
+                Condition::Margin {
+                    watch: Watch::Inside(_),
+                    zone: cut,
+                    time,
+                } if *cut == stretch.zone => {
+                    // the part before the touch comes first
+                    if carried.is_none() {
+                        *time
+                    } else {
+                        zone.duration - time
+                    }
+                }
+                _ => zone.duration,
+            };
+            if time.is_nan() || time <= 0.0 {
+                return Err(Open::Sequence);
+            }
+            let flow = Flow::new(&modes.modes[stretch.mode].matrix);
+            let steps = (flow.norm * time / LONGEST).ceil().max(1.0);
+            let before: usize = self.steps.iter().sum();
+            if (steps + before as f64) * self.width() as f64 > MOST_UNKNOWNS {
+                return Err(Open::Long);
+            }
+            let (mut state, mut phase) = match carried.take() {
+                Some(end) => end,
+                None => (zone.state.clone(), zone.phase),
+            };
+            let step = time / steps;
+            let halvings = flow.parts(Interval::point(step));
+            let part = flow.part(Interval::point(step), halvings);
+            let whole = (0..halvings).fold(part, |part, _| part.doubled());
+            self.steps.push(steps as usize);
+            let forced = self.is_forced();
+            for node in 0..=steps as usize {
+                guess.extend(&state);
+                if forced {
+                    guess.push(phase);
+                }
+                if node < steps as usize {
+                    let y: Vec<Interval> = state
+                        .iter()
+                        .chain([&phase])
+                        .copied()
+                        .map(Interval::point)
+                        .collect();
+                    let z: Vec<f64> = self.lift(&y).iter().map(|z| z.middle()).collect();
+                    state = times(&whole, &z);
+                    state.truncate(self.exact.states);
+                    phase += modes.omega.value.middle() * step;
+                }
+            }
+            guess.push(time);
+            if let End::Touch { .. } = stretch.end {
+                carried = Some((state, phase));
+            }
+        }
+        guess.push(near.parameter);
+        match guess.iter().all(|x| x.is_finite()) {
+            true => Ok(guess),
+            false => Err(Open::NotEnclosed),
+        }
+    }
+
+    /// Units of the unknowns.
+    pub fn units(&self, guess: &[f64]) -> Vec<f64> {
+        let Scales {
+            states,
+            time,
+            parameter,
+        } = &self.posed.units;
+        let mut units = Vec::with_capacity(guess.len());
+        for steps in &self.steps {
+            for _ in 0..=*steps {
+                units.extend(states);
+                if self.is_forced() {
+                    units.push(1.0);
+                }
+            }
+            units.push(*time);
+        }
+        units.push(*parameter);
+        let orbit = units.len() - 1;
+        let Some(critical) = &self.critical else {
+            return units;
+        };
+        for direction in 0..critical.directions() {
+            let from = critical.first(direction);
+            let of = |index: usize| guess[from + index].abs() / units[index];
+            let size = (0..orbit).map(of).fold(0.0, f64::max);
+            let own: Vec<f64> = units[..orbit].iter().map(|unit| unit * size).collect();
+            units.extend(own);
+        }
+        units.resize(guess.len(), 1.0);
+        units
+    }
+
+    /// An orbit in doubles from the unknowns, and the condition with its own.
+    pub fn near(&self, near: &Near, guess: &[f64]) -> (Near, Condition) {
+        let states = self.exact.states;
+        let mut condition = self.condition.clone();
+        let zone = |zone: usize, at: &ZonePoint| {
+            let parts = self.stretches.iter().enumerate();
+            let parts: Vec<usize> = parts
+                .filter(|(_, stretch)| stretch.zone == zone)
+                .map(|(index, _)| index)
+                .collect();
+            let Some(first) = parts.first().map(|first| self.node(*first, 0)) else {
+                return at.clone();
+            };
+            ZonePoint {
+                state: guess[first..first + states].to_vec(),
+                duration: parts.iter().map(|part| guess[self.duration(*part)]).sum(),
+                phase: if self.is_forced() {
+                    guess[first + states]
+                } else {
+                    0.0
+                },
+            }
+        };
+        let zones = near.zones.iter().enumerate();
+        match (&mut condition, &self.critical) {
+            (
+                Condition::Margin {
+                    watch: Watch::Inside(_),
+                    zone,
+                    time,
+                },
+                _,
+            ) => {
+                let mut parts = self.stretches.iter().enumerate();
+                let first = parts.find(|(_, stretch)| stretch.zone == *zone);
+                if let Some((first, _)) = first {
+                    *time = guess[self.duration(first)];
+                }
+            }
+            (Condition::Torus { angle }, Some(_)) => {
+                *angle = guess.last().copied().unwrap_or(*angle);
+            }
+            _ => {}
+        }
+        let near = Near {
+            sequence: near.sequence.clone(),
+            zones: zones.map(|(index, at)| zone(index, at)).collect(),
+            parameter: guess[self.parameter()],
+        };
+        (near, condition)
+    }
+
+    /// Turns of the phase in a cycle.
+    pub fn turns(&self) -> Interval {
+        PI * Interval::point(2.0 * f64::from(self.posed.periods))
+    }
+}
+
+/// A step of z in doubles.
+pub fn times(step: &Exponential, z: &[f64]) -> Vec<f64> {
+    let row = |row: &Vec<Interval>| row.iter().zip(z).map(|(e, z)| e.middle() * z).sum();
+    step.at.iter().map(row).collect()
+}
+
+/// The zones of an orbit, one of them cut where the condition says so.
+fn stretches(near: &Near, condition: &Condition) -> Result<Vec<Stretch>, Open> {
+    let mut stretches = Vec::new();
+    for (zone, at) in near.sequence.0.iter().enumerate() {
+        let end = match at.way {
+            Some(way) => End::Exit {
+                guard: way.guard,
+                exit: way.exit,
+            },
+            None if near.sequence.len() == 1 => End::Never,
+            None => return Err(Open::Sequence),
+        };
+        let mode = at.mode;
+        if let Condition::Margin {
+            watch: Watch::Inside(guard),
+            zone: cut,
+            time,
+        } = condition
+            && *cut == zone
+        {
+            if !(*time > 0.0 && *time < near.zones.get(zone).map_or(0.0, |at| at.duration)) {
+                return Err(Open::Sequence);
+            }
+            let end = End::Touch { guard: *guard };
+            stretches.push(Stretch { zone, mode, end });
+        }
+        stretches.push(Stretch { zone, mode, end });
+    }
+    Ok(stretches)
+}

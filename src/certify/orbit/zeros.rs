@@ -1,0 +1,180 @@
+//! What is zero at the entries and ends of stretches by the equations themselves, whatever the parameters.
+//!
+//! A stretch ends where a form is zero, and what is zero there may stay so through a reset and along the next
+//! flow. From nothing round the cycle to a fixed point these facts are found; each of them is an identity of
+//! formulas. More may be zero than is found: then less is proven.
+
+use super::exact::Exact;
+use super::form::Coefficient;
+use super::modes::{Mode, Row, added, negative, through};
+
+/// Forms that are zero together.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Zeros {
+    /// Forms with a factor 1 at a state of their own, which no other has.
+    solved: Vec<(usize, Row<Exact>)>,
+    /// Forms that are solved for no state.
+    others: Vec<Row<Exact>>,
+}
+
+fn is_zero(row: &Row<Exact>) -> bool {
+    row.iter().all(Exact::is_zero)
+}
+
+impl Zeros {
+    /// How many are known.
+    pub fn len(&self) -> usize {
+        self.solved.len() + self.others.len()
+    }
+
+    fn rows(&self) -> impl Iterator<Item = &Row<Exact>> {
+        self.solved.iter().map(|(_, row)| row).chain(&self.others)
+    }
+
+    /// A form without what is zero.
+    fn rest(&self, row: &[Exact]) -> Row<Exact> {
+        let solved = self.solved.iter();
+        solved.fold(row.to_vec(), |row, (state, zero)| {
+            let factor = negative(&row[*state..=*state]);
+            match factor[0].is_zero() {
+                true => row,
+                false => added(&row, zero, &factor[0]),
+            }
+        })
+    }
+
+    /// Whether a form is known to be zero.
+    pub fn have(&self, row: &[Exact]) -> bool {
+        let rest = self.rest(row);
+        is_zero(&rest) || self.others.contains(&rest) || self.others.contains(&negative(&rest))
+    }
+
+    /// Adds a form that is zero.
+    pub fn insert(&mut self, row: &[Exact], states: usize) {
+        if self.have(row) {
+            return;
+        }
+        let rest = self.rest(row);
+        let unit = |state: &usize| matches!(rest[*state].number(), Some(1 | -1));
+        match (0..states).find(unit) {
+            None => self.others.push(rest),
+            Some(state) => {
+                let sign = rest[state].number();
+                let own = if sign == Some(-1) {
+                    negative(&rest)
+                } else {
+                    rest
+                };
+                for (_, zero) in &mut self.solved {
+                    let factor = negative(&zero[state..=state]);
+                    *zero = added(zero, &own, &factor[0]);
+                }
+                self.solved.push((state, own));
+                for other in std::mem::take(&mut self.others) {
+                    self.insert(&other, states);
+                }
+            }
+        }
+    }
+
+    /// Those that stay zero along a mode.
+    pub fn along(&self, mode: &Mode<Exact>, states: usize) -> Zeros {
+        let mut kept = self.clone();
+        loop {
+            let mut next = Zeros::default();
+            let surface = |row: &Row<Exact>| {
+                let known = mode.surface.as_ref();
+                known.is_some_and(|known| known == row || *known == negative(row))
+            };
+            for row in kept.rows() {
+                if surface(row) || kept.have(&through(row, &mode.matrix)) {
+                    next.insert(row, states);
+                }
+            }
+            if next.len() == kept.len() {
+                return kept;
+            }
+            kept = next;
+        }
+    }
+
+    /// Those that are zero after a reset: of the forms themselves, and of new states less what they are set to.
+    pub fn after(&self, reset: &[Row<Exact>]) -> Zeros {
+        let states = reset.len();
+        let Some(size) = reset.first().map(Vec::len) else {
+            return Zeros::default();
+        };
+        let unit = |index: usize| {
+            let mut row = vec![Exact::default(); size];
+            row[index] = <Exact as crate::affine::expression::Algebra>::number(1.0);
+            row
+        };
+        // z after the reset in terms of z before
+        let whole: Vec<Row<Exact>> = (0..size)
+            .map(|index| reset.get(index).cloned().unwrap_or_else(|| unit(index)))
+            .collect();
+        let minus = <Exact as crate::affine::expression::Algebra>::number(-1.0);
+        let set = (0..states).map(|state| added(&unit(state), &reset[state], &minus));
+        let mut after = Zeros::default();
+        for row in self.rows().cloned().chain(set) {
+            if self.have(&through(&row, &whole)) {
+                after.insert(&row, states);
+            }
+        }
+        after
+    }
+
+    /// The least k for which the derivative of order k of a form is not known to be zero; `None` if there is none.
+    pub fn order(&self, row: &[Exact], mode: &Mode<Exact>) -> Option<usize> {
+        let mut row = row.to_vec();
+        for order in 0..=row.len() {
+            if !self.have(&row) {
+                return Some(order);
+            }
+            row = through(&row, &mode.matrix);
+        }
+        None
+    }
+}
+
+/// Where a form comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The derivative of this order of a guard.
+    Guard { guard: usize, order: usize },
+    /// A condition of an exit.
+    Condition {
+        guard: usize,
+        exit: usize,
+        index: usize,
+    },
+}
+
+impl Source {
+    /// The form.
+    pub fn row<C: Coefficient>(self, mode: &Mode<C>) -> Option<Row<C>> {
+        Some(match self {
+            Source::Guard { guard, order } => mode.derivative(&mode.guards.get(guard)?.row, order),
+            Source::Condition { guard, exit, index } => {
+                let exit = mode.guards.get(guard)?.exits.get(exit)?;
+                exit.conditions.get(index)?.clone()
+            }
+        })
+    }
+}
+
+/// A form that is zero at an event.
+#[derive(Clone, Copy, Debug)]
+pub struct Vanishing {
+    pub stretch: usize,
+    /// Whether at its end, or at its entry.
+    pub at_end: bool,
+    pub source: Source,
+}
+
+/// Forms that are zero at the entry and at the end of a stretch.
+#[derive(Clone, Debug, Default)]
+pub struct Facts {
+    pub entry: Zeros,
+    pub end: Zeros,
+}

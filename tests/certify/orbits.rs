@@ -1,0 +1,231 @@
+//! Certificates of orbits of systems, against figures of other origin and closed forms.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+fn brakewave(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_brakewave"));
+    command.args(arguments).output().unwrap()
+}
+
+/// A row of `certificates.csv` by its columns.
+type Row = std::collections::HashMap<String, String>;
+
+/// Certifies a problem into a folder.
+fn certified(text: &str, folder: &Path) -> (Option<i32>, Vec<Row>) {
+    let (file, out) = (folder.join("problem.ron"), folder.join("out"));
+    fs::write(&file, text).unwrap();
+    let run = brakewave(&[
+        "certify",
+        file.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    let table = out.join("certificates.csv");
+    let mut reader = csv::Reader::from_path(table).unwrap_or_else(|_| panic!("{run:?}"));
+    let rows = reader.deserialize().map(Result::unwrap).collect();
+    (run.status.code(), rows)
+}
+
+/// That an interval of a row has a number of 20 digits, and is no wider than so many units of its last place.
+fn encloses(row: &Row, columns: [&str; 2], value: f64, widest: f64) {
+    let [low, high] = columns.map(|column| row[column].parse::<f64>().unwrap());
+    assert!(low <= value && value <= high, "{row:?}: {value}");
+    assert!(high - low <= widest * value.abs(), "{row:?}: {value}");
+}
+
+const VALUE: [&str; 2] = ["low", "high"];
+
+fn oscillator(values: &str, rest: &str) -> String {
+    format!(
+        r#"(
+    system: (
+        states: ["x", "v"],
+        parameters: {{{values}}},
+        forcing: "w",
+        modes: {{"free": (
+            rates: {{"x": "v", "v": "A*cos(phase) - c*v - x"}},
+            until: [(zero: "d - x", to: "free", reset: {{"v": "-e*v"}})],
+        )}},
+    ),
+    {rest}
+    stability: (),
+)"#
+    )
+}
+
+/// Fold and graze of the COCO demo `impact`: the fold with 20 digits, the graze at the amplitude of resonance.
+#[test]
+fn fold_and_graze_of_an_impact_oscillator() {
+    let folder = TempDir::new().unwrap();
+    let text = oscillator(
+        r#""c": 0.1, "A": 0.12, "w": 1.0, "d": 1.0, "e": 0.8"#,
+        r#"orbit: (start: Given(mode: "free", state: {"x": 1.0, "v": -0.08}, phase: 1.03)),
+    continuation: (parameter: "A", range: (0.05, 0.12), toward: Down),"#,
+    );
+    let (code, rows) = certified(&text, folder.path());
+    let types: Vec<&str> = rows.iter().map(|row| &*row["type"]).collect();
+    assert_eq!(types, ["EP", "LP", "GR", "EP"]);
+    assert_eq!(code, Some(0), "{rows:?}");
+    encloses(&rows[1], VALUE, 0.099_970_753_628_313_27, 1e-12);
+    encloses(&rows[2], VALUE, 0.1, 1e-12);
+    for row in &rows {
+        let period = std::f64::consts::TAU;
+        encloses(row, ["period_low", "period_high"], period, 1e-12);
+    }
+    // beyond the graze a linear oscillator with damping, whose orbit is stable
+    assert_eq!(rows[3]["outside"], "0");
+
+    // as it is written it holds; otherwise it does not
+    let out = folder.path().join("out");
+    let (folder, file) = (out.to_str().unwrap(), out.join("certificate.ron"));
+    let verified = brakewave(&["certify", "--verify", folder]);
+    assert_eq!(verified.status.code(), Some(0), "{verified:?}");
+    let honest = fs::read_to_string(&file).unwrap();
+    for (old, new) in [
+        ("kind: GR", "kind: CO"),
+        ("kind: LP", "kind: PD"),
+        ("condition: Fold", "condition: Doubling"),
+        ("\"d - x\"", "\"d + x\""),
+        ("low: 0.0999707536", "low: 0.0999707537"),
+        ("outside: Some(0)", "outside: Some(1)"),
+    ] {
+        assert!(honest.contains(old), "{old}");
+        fs::write(&file, honest.replace(old, new)).unwrap();
+        let refused = brakewave(&["certify", "--verify", folder]);
+        assert_eq!(refused.status.code(), Some(1), "{old}: {refused:?}");
+        let told = String::from_utf8_lossy(&refused.stdout).into_owned();
+        assert!(told.contains("refused"), "{old}: {told}");
+    }
+}
+
+/// Period doubling and inner graze with 20 digits.
+#[test]
+fn doubling_and_inner_graze() {
+    let folder = TempDir::new().unwrap();
+    let text = oscillator(
+        r#""c": 0.1, "A": 0.6, "w": 0.8, "d": 1.0, "e": 0.8"#,
+        r#"orbit: (start: Given(mode: "free", state: {"x": 1.0, "v": -0.5}, phase: 0.0)),
+    continuation: (parameter: "A", range: (0.5, 2.1), toward: Both, stop_after: [(event: GR, count: 1)]),"#,
+    );
+    let (_, rows) = certified(&text, folder.path());
+    let found = |kind: &str| rows.iter().find(|row| row["type"] == kind).unwrap();
+    encloses(found("PD"), VALUE, 0.518_209_866_597_872_6, 1e-11);
+    encloses(found("GR"), VALUE, 2.090_283_359_201_795_1, 1e-11);
+    assert_eq!(found("PD")["proven"], "yes");
+    assert_eq!(found("GR")["proven"], "yes");
+}
+
+/// Without damping the free oscillator has multipliers e^{±iT}: the pair crosses at c = 0, T = 2π/w.
+#[test]
+fn a_pair_on_the_circle() {
+    let folder = TempDir::new().unwrap();
+    let text = oscillator(
+        r#""c": 0.1, "A": 0.5, "w": 1.7, "d": 10.0, "e": 0.8"#,
+        r#"orbit: (start: Given(mode: "free", state: {"x": -0.3, "v": 0.0}, phase: 0.0)),
+    continuation: (parameter: "c", range: (-0.1, 0.1), toward: Down),"#,
+    );
+    let (code, rows) = certified(&text, folder.path());
+    assert_eq!(code, Some(0), "{rows:?}");
+    let pair = rows.iter().find(|row| row["type"] == "NS").unwrap();
+    let [low, high] = VALUE.map(|column| pair[column].parse::<f64>().unwrap());
+    assert!(low <= 0.0 && high >= 0.0 && high - low < 1e-12, "{pair:?}");
+    let angle = std::f64::consts::TAU * (1.0 - 1.0 / 1.7);
+    encloses(pair, ["angle_low", "angle_high"], angle, 1e-12);
+    let outside: Vec<&str> = rows.iter().map(|row| &*row["outside"]).collect();
+    assert_eq!(outside, ["0", "", "2"]);
+}
+
+/// Stick between two bounds, a Filippov sliding mode: closed form of the period of a belt without damping.
+#[test]
+fn stick_and_sliding_modes() {
+    let folder = TempDir::new().unwrap();
+    let text = r#"(
+    system: (
+        states: ["x", "v"],
+        parameters: {"z": 0.0, "s": 1.5, "k": 1.0, "u": 1.0},
+        modes: {
+            "slip": (rates: {"x": "v", "v": "k - x - 2*z*v"}, until: [(zero: "u - v", to: "stick")]),
+            "stick": (rates: {"x": "u", "v": "0"}, until: [(zero: "s - x - 2*z*u", to: "slip")]),
+        },
+    ),
+    orbit: (start: Given(mode: "slip", state: {"x": 1.5, "v": 1.0}, period: 6.3)),
+    continuation: (parameter: "z", range: (0.0, 0.01), toward: Up),
+    stability: (),
+)"#;
+    let (code, rows) = certified(text, folder.path());
+    assert_eq!(code, Some(0), "{rows:?}");
+    // 2π − 2 arctan(D/u) in slip and 2D/u in stick, with D = s − k
+    let period = std::f64::consts::TAU - 2.0 * 0.5_f64.atan() + 1.0;
+    encloses(&rows[0], ["period_low", "period_high"], period, 1e-12);
+    // the stick leaves nothing of a perturbation but the shift in time
+    assert!(rows.iter().all(|row| row["outside"] == "0"), "{rows:?}");
+}
+
+/// Onset of stick between dry friction's two slips, a Filippov sliding mode: it happens in both halves of the symmetric orbit
+/// at once, by the symmetry of the formulas. Closed form of the frequency with 19 digits.
+#[test]
+fn stick_sets_in_in_both_halves() {
+    let folder = TempDir::new().unwrap();
+    let text = r#"(
+    system: (
+        states: ["x", "v"],
+        parameters: {"w": 0.8, "F": 0.6666666666666666, "z": 0.05},
+        forcing: "w",
+        define: {"rest": "cos(phase) - 2*z*v - x"},
+        modes: {
+            "forth": (rates: {"x": "v", "v": "rest - F"}, until: [(zero: "v", to: "back")]),
+            "back": (rates: {"x": "v", "v": "rest + F"}, until: [(zero: "-v", to: "forth")]),
+        },
+        sliding: {"stick": ("forth", "back")},
+    ),
+    orbit: (start: Given(mode: "forth", state: {"x": -1.4305683932561448, "v": 0.0}, phase: -2.1458443767657066)),
+    continuation: (parameter: "w", range: (0.7, 0.8), toward: Down, stop_at: [0.71]),
+    stability: (),
+)"#;
+    let (code, rows) = certified(text, folder.path());
+    assert_eq!(code, Some(0), "{rows:?}");
+    let onset: Vec<&Row> = rows.iter().filter(|row| row["type"] == "SL").collect();
+    assert!(!onset.is_empty(), "{rows:?}");
+    for row in onset {
+        encloses(row, VALUE, 0.722_679_194_438_143_1, 1e-11);
+    }
+    // it is stable with and without stick
+    let outside: Vec<&str> = rows.iter().map(|row| &*row["outside"]).collect();
+    assert!(
+        outside
+            .iter()
+            .all(|count| count.is_empty() || *count == "0"),
+        "{outside:?}"
+    );
+    let out = folder.path().join("out");
+    let verified = brakewave(&["certify", "--verify", out.to_str().unwrap()]);
+    assert_eq!(verified.status.code(), Some(0), "{verified:?}");
+}
+
+/// The converter of `problems/buck_converter.ron`: its orbit of two periods doubles again, and later a zone shrinks to nothing
+/// at the tip of the ramp, where another switch takes over. Both with 20 digits.
+#[test]
+fn a_zone_that_closes() {
+    let folder = TempDir::new().unwrap();
+    let problem = concat!(env!("CARGO_MANIFEST_DIR"), "/problems/buck_converter.ron");
+    let problem = fs::read_to_string(problem).unwrap();
+    let (system, _) = problem.split_once("    orbit:").unwrap();
+    let system = system.replace("\"E\": 22.0", "\"E\": 30.0");
+    let text = format!(
+        r#"{system}    orbit: (start: Simulate(mode: "off", state: {{"v": 12.0, "i": 0.6, "ramp": 3.8}}, settle: 0.2)),
+    continuation: (parameter: "E", range: (29.0, 37.0), toward: Up),
+    stability: (),
+)"#
+    );
+    let (code, rows) = certified(&text, folder.path());
+    assert_eq!(code, Some(0), "{rows:?}");
+    let types: Vec<&str> = rows.iter().map(|row| &*row["type"]).collect();
+    assert_eq!(types, ["EP", "PD", "CO", "EP"]);
+    encloses(&rows[1], VALUE, 31.117_902_006_770_976, 1e-11);
+    encloses(&rows[2], VALUE, 36.353_237_064_076_766, 1e-11);
+    assert_eq!((&*rows[0]["outside"], &*rows[3]["outside"]), ("0", "1"));
+}
