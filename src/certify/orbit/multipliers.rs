@@ -1,7 +1,7 @@
 //! How many multipliers are outside the unit circle.
 //!
-//! With approximate eigenvectors V of the linearised return M and W next to their inverse, λ is a multiplier where
-//! A − λB is singular, A = WMV, B = WV. Where on the whole circle |λ| = 1 every
+//! With approximate eigenvectors V of the linearised return M (or others, where these are parallel) and W next to their
+//! inverse, λ is a multiplier where A − λB is singular, A = WMV, B = WV. Where on the whole circle |λ| = 1 every
 //! ||aᵢᵢ| − |bᵢᵢ|| > Σ_{j≠i} |aᵢⱼ| + |bᵢⱼ|, no multiplier is on the circle, nor for any t ≤ 1 in t times what is off
 //! the diagonal (S. Gershgorin 1931): so many are outside as rows have |aᵢᵢ| > |bᵢᵢ|.
 
@@ -10,8 +10,9 @@ use nalgebra::{Complex, DMatrix, Schur};
 use super::flow::{Rows, product, sum};
 use crate::interval::Interval;
 
-/// Eigenvectors that are parallel to rounding are told apart by this change of the matrix, relative to its size.
-const APART: f64 = 1e-9;
+/// Where eigenvectors are parallel, the vectors of the Schur form in their place, each shorter than the one before by
+/// one of these ratios, which makes what is above the diagonal small.
+const SHORTER: [f64; 3] = [0.1, 1e-2, 1e-3];
 /// Sweeps of the iteration for a Schur form.
 const SWEEPS: usize = 10_000;
 
@@ -36,6 +37,19 @@ fn eigenvectors(matrix: &Complexes) -> Option<(Complexes, Complexes)> {
     let inverse = vectors.clone().try_inverse()?;
     let finite = |matrix: &Complexes| matrix.iter().all(|x| x.re.is_finite() && x.im.is_finite());
     (finite(&vectors) && finite(&inverse)).then_some((vectors, inverse))
+}
+
+/// Vectors of the Schur form in columns, each shorter than the one before, and the inverse of that matrix.
+fn schur_vectors(matrix: &Complexes, ratio: f64) -> Option<(Complexes, Complexes)> {
+    let schur = Schur::try_new(matrix.clone(), f64::EPSILON, SWEEPS)?;
+    let (mut vectors, _) = schur.unpack();
+    let mut inverse = vectors.adjoint();
+    for index in 0..matrix.nrows() {
+        let length = ratio.powi(index as i32);
+        vectors.column_mut(index).scale_mut(length);
+        inverse.row_mut(index).unscale_mut(length);
+    }
+    Some((vectors, inverse))
 }
 
 fn part(matrix: &Complexes, of: impl Fn(&Complex<f64>) -> f64) -> Rows {
@@ -97,17 +111,15 @@ fn count(matrix: &Rows, (vectors, inverse): &(Complexes, Complexes)) -> Option<u
 /// proven.
 pub fn outside(matrix: &Rows) -> Option<usize> {
     let size = matrix.len();
-    let middle = |apart: f64| {
-        Complexes::from_fn(size, size, |i, j| {
-            let shift = if i == j { apart * (i + 1) as f64 } else { 0.0 };
-            Complex::new(matrix[i][j].middle() + shift, 0.0)
-        })
+    let middle = Complexes::from_fn(size, size, |i, j| Complex::new(matrix[i][j].middle(), 0.0));
+    let counted = |vectors| count(matrix, &vectors);
+    let scaled = || {
+        let mut vectors = SHORTER
+            .into_iter()
+            .map(|ratio| schur_vectors(&middle, ratio));
+        vectors.find_map(|vectors| counted(vectors?))
     };
-    let scale = middle(0.0).norm();
-    [0.0, APART * scale.max(1.0)].into_iter().find_map(|apart| {
-        let vectors = eigenvectors(&middle(apart))?;
-        count(matrix, &vectors)
-    })
+    eigenvectors(&middle).and_then(counted).or_else(scaled)
 }
 
 #[cfg(test)]
