@@ -225,8 +225,9 @@ pub(super) fn located<O: Orbit>(
     let fold = fold.filter(&apart);
     let crossings = crossings(orbit, step, &changes).ok_or(Refusal::NotFound)?;
     let crossings: Vec<_> = crossings.into_iter().filter(apart).collect();
-    let inexact = fold.iter().chain(&changes).chain(&crossings);
-    for (place, Located { uncertainty, .. }) in inexact {
+    // where branches cross the equations are singular: changes of stability are told with any error, since shorter
+    // steps only come nearer
+    for (place, Located { uncertainty, .. }) in fold.iter().chain(&changes) {
         let value = orbit.value_at(&place.node.point);
         let unit = orbit.unit().abs().max(value.abs());
         let most = UNCERTAIN.max(MOST_UNCERTAIN * step.steps.tolerance) * unit;

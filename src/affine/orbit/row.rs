@@ -201,10 +201,11 @@ impl AffineOrbit {
     /// Zones of one mode in a row whose durations fall geometrically, down to next to nothing.
     pub(super) fn accumulates(&self, point: &Vector) -> Option<OrbitStop> {
         /// Zones that tell a ratio, which is one that repeats itself but for this part.
-        const LEAST: usize = 6;
+        const LEAST: usize = 8;
         const ALIKE: f64 = 0.2;
-        /// The last lasts less than this part of the period.
-        const NOTHING: f64 = 1e-6;
+        /// The last lasts less than this part of the period: what a flight of that length rises by is its square,
+        /// and how fast that falls at its end is rounding.
+        const NOTHING: f64 = 1e-4;
         let count = self.zones();
         if count <= LEAST {
             return None;
