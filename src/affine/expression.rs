@@ -149,6 +149,9 @@ pub enum Obstacle {
     /// More products, quotients and functions of what changes within one another than are followed.
     #[error("too many products, quotients and functions within one another")]
     Deep,
+    /// Products, quotients and functions of what depends on the states, where only affine forms serve.
+    #[error("not affine in the states")]
+    NotAffine,
     /// The phase outside `sin` and `cos`, or times something that is no whole number.
     #[error("the phase may stand in `sin` and `cos` only, times a whole number")]
     Phase,

@@ -9,6 +9,28 @@ use super::expression::{Algebra, Function, Obstacle, Operation};
 /// How many parameters may vary at once: two along a curve of events.
 pub const VARYING: usize = 2;
 
+/// What the coefficients of a form are: numbers that depend on parameters only.
+pub trait Coefficient: Algebra + Default + PartialEq {
+    /// Whether forms with such coefficients may have terms that are not affine.
+    const TERMS: bool;
+    /// Combination of both with weights that are doubles.
+    fn sum(self, weight: f64, other: Self, other_weight: f64) -> Self;
+    /// Product.
+    fn times(self, other: Self) -> Self;
+    /// The number that it is, whatever the parameters.
+    fn fixed(&self) -> Option<f64>;
+    /// Itself, unless it is no finite number.
+    ///
+    /// # Errors
+    /// Where it is not.
+    fn finite(self) -> Result<Self, Obstacle>;
+
+    /// The whole number that it is, whatever the parameters.
+    fn whole(&self) -> Option<f64> {
+        self.fixed().filter(|number| number.fract() == 0.0)
+    }
+}
+
 /// A number with its derivatives in the parameters that vary.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dual {
@@ -36,21 +58,6 @@ impl Dual {
         Dual { value, by }
     }
 
-    /// Combination of both with these weights.
-    pub(super) fn sum(self, weight: f64, other: Dual, other_weight: f64) -> Dual {
-        Dual {
-            value: weight * self.value + other_weight * other.value,
-            by: [0, 1].map(|p| weight * self.by[p] + other_weight * other.by[p]),
-        }
-    }
-
-    pub(super) fn times(self, other: Dual) -> Dual {
-        Dual {
-            value: self.value * other.value,
-            by: [0, 1].map(|p| self.by[p] * other.value + self.value * other.by[p]),
-        }
-    }
-
     fn power(self, exponent: Dual) -> Dual {
         let (x, n) = (self.value, exponent.value);
         if exponent.by == [0.0; VARYING] {
@@ -62,6 +69,28 @@ impl Dual {
             value,
             by: [0, 1].map(|p| value * (n * self.by[p] / x + x.ln() * exponent.by[p])),
         }
+    }
+}
+
+impl Coefficient for Dual {
+    const TERMS: bool = true;
+
+    fn sum(self, weight: f64, other: Dual, other_weight: f64) -> Dual {
+        Dual {
+            value: weight * self.value + other_weight * other.value,
+            by: [0, 1].map(|p| weight * self.by[p] + other_weight * other.by[p]),
+        }
+    }
+
+    fn times(self, other: Dual) -> Dual {
+        Dual {
+            value: self.value * other.value,
+            by: [0, 1].map(|p| self.by[p] * other.value + self.value * other.by[p]),
+        }
+    }
+
+    fn fixed(&self) -> Option<f64> {
+        (self.by == [0.0; VARYING]).then_some(self.value)
     }
 
     fn finite(self) -> Result<Dual, Obstacle> {
@@ -121,12 +150,12 @@ pub enum Rule {
 }
 
 /// A term that is not affine in the states.
-#[derive(Debug)]
-pub struct Term {
+#[derive(Debug, PartialEq)]
+pub struct Term<C = Dual> {
     /// How it is made.
     pub rule: Rule,
     /// Of what: b is zero where the rule has one operand.
-    pub operands: [Form; 2],
+    pub operands: [Form<C>; 2],
     /// How many such terms are nested in it.
     depth: usize,
     /// Highest multiple of the phase in it.
@@ -137,25 +166,25 @@ pub struct Term {
 /// have derivatives in the parameters; and a combination of terms that are not affine.
 ///
 /// What it depends on is told by the expression and not by values: 0·x depends on x.
-#[derive(Clone, Debug, Default)]
-pub struct Form {
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Form<C = Dual> {
     /// aᵢ, up to the last state that occurs.
-    pub states: Vec<Dual>,
+    pub states: Vec<C>,
     /// a.
-    pub constant: Dual,
+    pub constant: C,
     /// (cₕ, sₕ) for h = 1, 2, …
-    pub harmonics: Vec<[Dual; 2]>,
+    pub harmonics: Vec<[C; 2]>,
     /// Terms that are not affine, with their coefficients.
-    pub beyond: Vec<(Dual, Arc<Term>)>,
+    pub beyond: Vec<(C, Arc<Term<C>>)>,
     /// The whole number of times that it has the phase itself, on the way into `sin` and `cos`.
     phase: Option<f64>,
 }
 
-impl Form {
+impl<C: Coefficient> Form<C> {
     /// The state with this index.
-    pub(crate) fn state(index: usize) -> Form {
-        let mut states = vec![Dual::default(); index + 1];
-        states[index] = Dual::number(1.0);
+    pub(crate) fn state(index: usize) -> Form<C> {
+        let mut states = vec![C::default(); index + 1];
+        states[index] = C::number(1.0);
         Form {
             states,
             ..Form::default()
@@ -163,7 +192,7 @@ impl Form {
     }
 
     /// The phase φ.
-    pub(crate) fn phase() -> Form {
+    pub(crate) fn phase() -> Form<C> {
         Form {
             phase: Some(1.0),
             ..Form::default()
@@ -171,7 +200,7 @@ impl Form {
     }
 
     /// A number that depends on parameters only.
-    pub(crate) fn constant(constant: Dual) -> Form {
+    pub(crate) fn constant(constant: C) -> Form<C> {
         Form {
             constant,
             ..Form::default()
@@ -188,7 +217,10 @@ impl Form {
     }
 
     /// A term of its own made of forms.
-    fn term(rule: Rule, operands: [Form; 2]) -> Result<Form, Obstacle> {
+    fn term(rule: Rule, operands: [Form<C>; 2]) -> Result<Form<C>, Obstacle> {
+        if !C::TERMS {
+            return Err(Obstacle::NotAffine);
+        }
         if operands.iter().any(|form| form.phase.is_some()) {
             return Err(Obstacle::Phase);
         }
@@ -204,32 +236,31 @@ impl Form {
             depth,
         };
         Ok(Form {
-            beyond: vec![(Dual::number(1.0), Arc::new(term))],
+            beyond: vec![(C::number(1.0), Arc::new(term))],
             ..Form::default()
         })
     }
 
     /// Highest multiple of the phase that occurs.
-    pub(super) fn highest(&self) -> usize {
+    pub(crate) fn highest(&self) -> usize {
         let inner = self.beyond.iter().map(|(_, term)| term.highest);
         inner.fold(self.harmonics.len(), usize::max)
     }
 
-    fn function(self, function: Function) -> Result<Form, Obstacle> {
+    fn function(self, function: Function) -> Result<Form<C>, Obstacle> {
         Form::term(Rule::Function(function), [self, Form::default()])
     }
 
     /// A power of something that changes.
-    fn power(self, exponent: Form) -> Result<Form, Obstacle> {
-        let number = exponent.constant;
-        if !exponent.is_constant() || number.by != [0.0; VARYING] {
+    fn power(self, exponent: Form<C>) -> Result<Form<C>, Obstacle> {
+        let fixed = exponent.constant.fixed().filter(|_| exponent.is_constant());
+        let Some(r) = fixed else {
             // aᵇ = exp(b ln a)
             let logarithm = self.apply(Function::Ln)?;
             return exponent
                 .operate(Operation::Times, logarithm)?
                 .apply(Function::Exp);
-        }
-        let r = number.value;
+        };
         if r.fract() != 0.0 || r.abs() > PRODUCTS {
             return Form::term(Rule::Power(r), [self, Form::default()]);
         }
@@ -251,26 +282,29 @@ impl Form {
     }
 
     /// Its rate of change where the states change at these rates and the phase at ω.
-    pub(super) fn lie(&self, rates: &[Form], omega: Dual) -> Result<Form, Obstacle> {
+    pub(super) fn lie(&self, rates: &[Form<C>], omega: C) -> Result<Form<C>, Obstacle> {
         self.lie_of(rates, omega, &mut HashMap::new())
     }
 
     /// The same; `known` has the rates of terms that have been met.
     fn lie_of(
         &self,
-        rates: &[Form],
-        omega: Dual,
-        known: &mut HashMap<*const Term, Form>,
-    ) -> Result<Form, Obstacle> {
+        rates: &[Form<C>],
+        omega: C,
+        known: &mut HashMap<*const Term<C>, Form<C>>,
+    ) -> Result<Form<C>, Obstacle> {
         let mut sum = Form::default();
         for (coefficient, rate) in self.states.iter().zip(rates) {
-            if *coefficient != Dual::default() {
-                sum = sum.sum(rate.clone().scaled(*coefficient)?, 1.0)?;
+            if *coefficient != C::default() {
+                sum = sum.sum(rate.clone().scaled(coefficient.clone())?, 1.0)?;
             }
         }
-        let turn = |(h, [c, s]): (usize, &[Dual; 2])| {
-            let speed = omega.times(Dual::number((h + 1) as f64));
-            [s.times(speed), c.times(speed).negative()]
+        let turn = |(h, [c, s]): (usize, &[C; 2])| {
+            let speed = omega.clone().times(C::number((h + 1) as f64));
+            [
+                s.clone().times(speed.clone()),
+                c.clone().times(speed).negative(),
+            ]
         };
         let harmonics = self.harmonics.iter().enumerate().map(turn).collect();
         sum = sum.sum(
@@ -282,28 +316,28 @@ impl Form {
         )?;
         for (coefficient, term) in &self.beyond {
             if let Some(rate) = known.get(&Arc::as_ptr(term)) {
-                sum = sum.sum(rate.clone().scaled(*coefficient)?, 1.0)?;
+                sum = sum.sum(rate.clone().scaled(coefficient.clone())?, 1.0)?;
                 continue;
             }
             let [a, b] = &term.operands;
             let own = Form {
-                beyond: vec![(Dual::number(1.0), term.clone())],
+                beyond: vec![(C::number(1.0), term.clone())],
                 ..Form::default()
             };
-            let times = |one: Form, other: Form| one.operate(Operation::Times, other);
-            let over = |one: Form, other: Form| one.operate(Operation::Over, other);
+            let times = |one: Form<C>, other: Form<C>| one.operate(Operation::Times, other);
+            let over = |one: Form<C>, other: Form<C>| one.operate(Operation::Over, other);
             let [a_rate, b_rate] = [
-                a.lie_of(rates, omega, known)?,
-                b.lie_of(rates, omega, known)?,
+                a.lie_of(rates, omega.clone(), known)?,
+                b.lie_of(rates, omega.clone(), known)?,
             ];
-            let square = |form: &Form| times(form.clone(), form.clone());
+            let square = |form: &Form<C>| times(form.clone(), form.clone());
             let rate = match term.rule {
                 Rule::Product => times(a_rate, b.clone())?.sum(times(a.clone(), b_rate)?, 1.0)?,
                 Rule::Quotient => {
                     let moved = times(own, b_rate)?;
                     over(a_rate.sum(moved, -1.0)?, b.clone())?
                 }
-                Rule::Power(r) => times(a_rate, over(own, a.clone())?.scaled(Dual::number(r))?)?,
+                Rule::Power(r) => times(a_rate, over(own, a.clone())?.scaled(C::number(r))?)?,
                 Rule::Function(function) => {
                     let one = || Form::number(1.0);
                     let slope = match function {
@@ -320,7 +354,7 @@ impl Form {
                 }
             };
             known.insert(Arc::as_ptr(term), rate.clone());
-            sum = sum.sum(rate.scaled(*coefficient)?, 1.0)?;
+            sum = sum.sum(rate.scaled(coefficient.clone())?, 1.0)?;
         }
         Ok(sum)
     }
@@ -329,46 +363,40 @@ impl Form {
     pub(super) fn is_zero(&self) -> bool {
         let harmonics = self.harmonics.iter().flatten();
         let mut all = self.states.iter().chain([&self.constant]).chain(harmonics);
-        all.all(|one| *one == Dual::default()) && self.beyond.is_empty()
+        all.all(|one| *one == C::default()) && self.beyond.is_empty()
     }
 
     /// Every coefficient through a function that keeps zero.
-    fn map(mut self, change: impl Fn(Dual) -> Dual) -> Form {
-        self.states
-            .iter_mut()
-            .for_each(|term| *term = change(*term));
-        self.constant = change(self.constant);
+    fn map(mut self, change: impl Fn(C) -> C) -> Form<C> {
         let harmonics = self.harmonics.iter_mut().flatten();
-        harmonics.for_each(|term| *term = change(*term));
-        self.beyond
-            .iter_mut()
-            .for_each(|(term, _)| *term = change(*term));
+        let beyond = self.beyond.iter_mut().map(|(term, _)| term);
+        let terms = self.states.iter_mut().chain([&mut self.constant]);
+        for term in terms.chain(harmonics).chain(beyond) {
+            *term = change(std::mem::take(term));
+        }
         self
     }
 
-    fn scaled(self, factor: Dual) -> Result<Form, Obstacle> {
-        if self.phase.is_some() {
-            let whole = factor.value.fract() == 0.0 && factor.by == [0.0; VARYING];
-            if !whole {
-                return Err(Obstacle::Phase);
-            }
-        }
-        let phase = self.phase.map(|phase| phase * factor.value);
-        let scaled = self.map(|term| term.times(factor));
+    fn scaled(self, factor: C) -> Result<Form<C>, Obstacle> {
+        let times = |phase: f64| Ok(phase * factor.whole().ok_or(Obstacle::Phase)?);
+        let phase = self.phase.map(times).transpose()?;
+        let scaled = self.map(|term| term.times(factor.clone()));
         Form { phase, ..scaled }.finite()
     }
 
-    fn sum(mut self, other: Form, sign: f64) -> Result<Form, Obstacle> {
+    fn sum(mut self, other: Form<C>, sign: f64) -> Result<Form<C>, Obstacle> {
         let states = self.states.len().max(other.states.len());
-        self.states.resize(states, Dual::default());
+        self.states.resize(states, C::default());
         for (term, more) in self.states.iter_mut().zip(other.states) {
-            *term = term.sum(1.0, more, sign);
+            *term = std::mem::take(term).sum(1.0, more, sign);
         }
         self.constant = self.constant.sum(1.0, other.constant, sign);
         let harmonics = self.harmonics.len().max(other.harmonics.len());
         self.harmonics.resize(harmonics, Default::default());
         for (pair, more) in self.harmonics.iter_mut().zip(other.harmonics) {
-            *pair = [0, 1].map(|part| pair[part].sum(1.0, more[part], sign));
+            for (term, more) in pair.iter_mut().zip(more) {
+                *term = std::mem::take(term).sum(1.0, more, sign);
+            }
         }
         for (term, more) in other.beyond {
             match self
@@ -376,13 +404,11 @@ impl Form {
                 .iter_mut()
                 .find(|(_, known)| Arc::ptr_eq(known, &more))
             {
-                Some((known, _)) => *known = known.sum(1.0, term, sign),
-                None => self
-                    .beyond
-                    .push((term.sum(sign, Dual::default(), 0.0), more)),
+                Some((known, _)) => *known = std::mem::take(known).sum(1.0, term, sign),
+                None => self.beyond.push((term.sum(sign, C::default(), 0.0), more)),
             }
         }
-        self.beyond.retain(|(term, _)| *term != Dual::default());
+        self.beyond.retain(|(term, _)| *term != C::default());
         self.phase = match (self.phase, other.phase) {
             (None, None) => None,
             (one, other) => Some(one.unwrap_or(0.0) + sign * other.unwrap_or(0.0)),
@@ -391,9 +417,9 @@ impl Form {
     }
 
     /// Product of two forms in cosines and sines: cos m cos n = (cos(m − n) + cos(m + n))/2, and so on.
-    fn periodic_product(&self, other: &Form) -> Result<Form, Obstacle> {
-        let terms = |form: &Form| {
-            let mut terms = vec![[form.constant, Dual::default()]];
+    fn periodic_product(&self, other: &Form<C>) -> Result<Form<C>, Obstacle> {
+        let terms = |form: &Form<C>| {
+            let mut terms = vec![[form.constant.clone(), C::default()]];
             terms.extend_from_slice(&form.harmonics);
             terms
         };
@@ -402,22 +428,23 @@ impl Form {
         if highest > HIGHEST {
             return Err(Obstacle::Phase);
         }
-        let mut product = vec![[Dual::default(); 2]; highest + 1];
+        let mut product: Vec<[C; 2]> = vec![Default::default(); highest + 1];
         for (m, [c1, s1]) in one.iter().enumerate() {
             for (n, [c2, s2]) in other.iter().enumerate() {
-                let (cc, ss) = (c1.times(*c2), s1.times(*s2));
-                let (cs, sc) = (c1.times(*s2), s1.times(*c2));
-                let mut add = |h: usize, cosine: Dual, sine: Dual| {
-                    let [c, s] = product[h];
+                let of = |one: &C, other: &C| one.clone().times(other.clone());
+                let (cc, ss, cs, sc) = (of(c1, c2), of(s1, s2), of(c1, s2), of(s1, c2));
+                let mut add = |h: usize, cosine: C, sine: C| {
+                    let [c, s] = std::mem::take(&mut product[h]);
                     product[h] = [c.sum(1.0, cosine, 1.0), s.sum(1.0, sine, 1.0)];
                 };
-                add(m + n, cc.sum(0.5, ss, -0.5), cs.sum(0.5, sc, 0.5));
+                let sum = cc.clone().sum(0.5, ss.clone(), -0.5);
+                add(m + n, sum, cs.clone().sum(0.5, sc.clone(), 0.5));
                 let sign = if m >= n { 0.5 } else { -0.5 };
                 add(m.abs_diff(n), cc.sum(0.5, ss, 0.5), sc.sum(sign, cs, -sign));
             }
         }
-        let constant = product[0][0];
         let harmonics = product.split_off(1);
+        let [constant, _] = product.pop().unwrap_or_default();
         let product = Form {
             constant,
             harmonics,
@@ -427,7 +454,7 @@ impl Form {
     }
 
     /// cos or sin of mφ + q.
-    fn wave(self, function: Function) -> Result<Form, Obstacle> {
+    fn wave(self, function: Function) -> Result<Form<C>, Obstacle> {
         let m = self.phase.unwrap_or(0.0);
         let multiple = m.abs();
         if !self.states.is_empty() || !self.harmonics.is_empty() || !self.beyond.is_empty() {
@@ -456,7 +483,7 @@ impl Form {
         if multiple > HIGHEST as f64 {
             return Err(Obstacle::Phase);
         }
-        let cosine = self.constant.apply(Function::Cos)?;
+        let cosine = self.constant.clone().apply(Function::Cos)?;
         let sine = self.constant.apply(Function::Sin)?;
         // cos(mφ + q) = cos q cos mφ − sin q sin mφ, sin(mφ + q) = sin q cos mφ + cos q sin mφ
         let [c, s] = match function {
@@ -467,7 +494,7 @@ impl Form {
         if multiple == 0.0 {
             return Ok(Form::constant(c));
         }
-        let mut harmonics = vec![[Dual::default(); 2]; multiple as usize];
+        let mut harmonics: Vec<[C; 2]> = vec![Default::default(); multiple as usize];
         if let Some(last) = harmonics.last_mut() {
             *last = [c, s];
         }
@@ -477,7 +504,7 @@ impl Form {
         })
     }
 
-    fn finite(self) -> Result<Form, Obstacle> {
+    fn finite(self) -> Result<Form<C>, Obstacle> {
         let harmonics = self.harmonics.iter().flatten();
         let beyond = self.beyond.iter().map(|(term, _)| term);
         let constant = std::iter::once(&self.constant);
@@ -487,7 +514,7 @@ impl Form {
             .chain(constant)
             .chain(harmonics)
             .chain(beyond);
-        let finite = terms.all(|term| term.finite().is_ok());
+        let finite = terms.all(|term| (*term).clone().finite().is_ok());
         finite.then_some(self).ok_or(Obstacle::NotFinite)
     }
 
@@ -495,7 +522,7 @@ impl Form {
     ///
     /// # Errors
     /// Where it does not.
-    pub(crate) fn settled(self) -> Result<Form, Obstacle> {
+    pub(crate) fn settled(self) -> Result<Form<C>, Obstacle> {
         match self.phase {
             Some(_) => Err(Obstacle::Phase),
             None => Ok(self),
@@ -503,18 +530,22 @@ impl Form {
     }
 }
 
-impl Algebra for Form {
-    fn number(value: f64) -> Form {
-        Form::constant(Dual::number(value))
+impl<C: Coefficient> Algebra for Form<C> {
+    fn number(value: f64) -> Form<C> {
+        Form::constant(C::number(value))
     }
 
-    fn negative(self) -> Form {
+    fn decimal(value: f64, text: &str) -> Form<C> {
+        Form::constant(C::decimal(value, text))
+    }
+
+    fn negative(self) -> Form<C> {
         let phase = self.phase.map(|phase| -phase);
-        let negative = self.map(Dual::negative);
+        let negative = self.map(C::negative);
         Form { phase, ..negative }
     }
 
-    fn operate(self, operation: Operation, other: Form) -> Result<Form, Obstacle> {
+    fn operate(self, operation: Operation, other: Form<C>) -> Result<Form<C>, Obstacle> {
         match operation {
             Operation::Plus => self.sum(other, 1.0),
             Operation::Minus => self.sum(other, -1.0),
@@ -528,7 +559,7 @@ impl Algebra for Form {
                 self.periodic_product(&other)
             }
             Operation::Over if other.is_constant() => {
-                let inverse = Dual::number(1.0).operate(Operation::Over, other.constant)?;
+                let inverse = C::number(1.0).operate(Operation::Over, other.constant)?;
                 self.scaled(inverse)
             }
             Operation::Power if self.is_constant() && other.is_constant() => {
@@ -536,17 +567,12 @@ impl Algebra for Form {
                 Ok(Form::constant(power))
             }
             Operation::Power if self.is_periodic() && other.is_constant() => {
-                let exponent = other.constant;
                 let highest = (HIGHEST / self.harmonics.len().max(1)) as f64;
-                let whole = exponent.by == [0.0; VARYING]
-                    && exponent.value.fract() == 0.0
-                    && (0.0..=highest).contains(&exponent.value);
-                if !whole {
+                let whole = other.constant.whole();
+                let Some(whole) = whole.filter(|n| (0.0..=highest).contains(n)) else {
                     return self.power(other);
-                }
-                let factors = 0..exponent.value as usize;
-                factors
-                    .into_iter()
+                };
+                (0..whole as usize)
                     .try_fold(Form::number(1.0), |power, _| power.periodic_product(&self))
             }
             Operation::Times => Form::term(Rule::Product, [self, other]),
@@ -555,7 +581,7 @@ impl Algebra for Form {
         }
     }
 
-    fn apply(self, function: Function) -> Result<Form, Obstacle> {
+    fn apply(self, function: Function) -> Result<Form<C>, Obstacle> {
         match function {
             Function::Cos | Function::Sin => self.wave(function),
             _ if self.is_constant() => Ok(Form::constant(self.constant.apply(function)?)),

@@ -1,12 +1,13 @@
 //! Hybrid systems that a user writes down.
 //!
 //! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names; [`form`] is
-//! what expressions of such a system are evaluated in, [`mode`] the linear flow that a mode is made into at
+//! what expressions of such a system are evaluated in, [`evaluation`] does that, [`mode`] the linear flow that a mode is made into at
 //! given parameters, [`series`] that of a mode whose rates are not affine, [`flow`] either with the signs of its
 //! guards, [`motion`] follows it through its switches,
 //! and [`course`] sees it at equal times; [`steady`] has the equilibria, [`orbit`] the periodic orbits.
 
 pub mod course;
+pub(crate) mod evaluation;
 pub mod expression;
 pub mod flow;
 pub mod form;

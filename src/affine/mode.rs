@@ -4,13 +4,15 @@
 //! What is not affine adds components to z that are made of the others, so that rates, guards and resets are linear
 //! in z all the same; how these move is not, and [`super::series`] has it.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::expression::{Algebra, Expression, Flaw, Obstacle, Operation};
+use super::evaluation::{Evaluation, FormMode, FormSwitch};
+use super::expression::{Algebra, Obstacle, Operation};
 use super::form::{Dual, Form};
 pub use super::rows::{MatrixBy, Row};
 use super::series::{Field, Program, Terms};
-use super::system::{Mistake, Switch, System, SystemError};
+use super::system::{Mistake, System, SystemError};
 use crate::linalg::{Matrix, Vector};
 
 /// A way for a mode to end.
@@ -91,14 +93,6 @@ impl AffineSystem {
     }
 }
 
-/// A switch with its expressions as forms.
-struct FormSwitch<'a> {
-    switch: &'a Switch,
-    guard: Form,
-    reset: Vec<(usize, Form)>,
-    conditions: Vec<Form>,
-}
-
 impl System {
     /// The system at these values of its parameters, with derivatives in those of the indices `varying`.
     ///
@@ -106,35 +100,17 @@ impl System {
     /// An expression that is not affine in the states or has no finite value, with its place; two modes that
     /// cannot slide.
     pub fn at(&self, values: &[f64], varying: &[usize]) -> Result<AffineSystem, SystemError> {
-        let evaluation = Evaluation::new(self, values, varying)?;
-        let omega = match &self.forcing {
-            None => Dual::default(),
-            Some(expression) => {
-                let omega = evaluation.form(&|| "forcing".into(), expression)?.constant;
-                if omega.value <= 0.0 {
-                    let mistake = Mistake::Frequency(omega.value);
-                    return Err(SystemError::at("forcing", mistake));
-                }
-                omega
-            }
+        let parameter = |index: usize| {
+            let varies = varying.iter().position(|varying| *varying == index);
+            Dual::parameter(values[index], varies)
         };
-        let names = self.source.modes.names();
-        let modes = names.zip(&self.modes).map(|(name, mode)| {
-            let path = || format!("modes.{name}");
-            let rates = self.source.states.iter().zip(&mode.rates);
-            let rates = rates.map(|(state, rate)| {
-                evaluation.form(&|| format!("{}.rates.{state}", path()), rate)
-            });
-            let switches = mode.switches.iter().enumerate();
-            let switches = switches.map(|(index, switch)| {
-                evaluation.switch(&|| format!("{}.until.{index}", path()), switch)
-            });
-            Ok((
-                rates.collect::<Result<Vec<_>, _>>()?,
-                switches.collect::<Result<Vec<_>, _>>()?,
-            ))
-        });
-        let modes: Vec<ModeForms> = modes.collect::<Result<_, SystemError>>()?;
+        let evaluation = Evaluation::new(self, &parameter, Dual::number(PI))?;
+        let omega = evaluation.frequency()?;
+        if self.forcing.is_some() && omega.value <= 0.0 {
+            let mistake = Mistake::Frequency(omega.value);
+            return Err(SystemError::at("forcing", mistake));
+        }
+        let modes = evaluation.modes()?;
         let mut numerical = vec![None; self.sliding.len()];
         loop {
             match self.laid_out(&modes, omega, &numerical) {
@@ -152,20 +128,11 @@ impl System {
     /// The system with the terms of all forms as components of z; the index of the sliding mode that fails.
     fn laid_out(
         &self,
-        modes: &[ModeForms],
+        modes: &[FormMode],
         omega: Dual,
         numerical: &[Option<SlidingForms>],
     ) -> Result<AffineSystem, (SystemError, Option<usize>)> {
-        let forms = modes.iter().flat_map(|(rates, switches)| {
-            let switches = switches.iter().flat_map(|switch| {
-                let reset = switch.reset.iter().map(|(_, form)| form);
-                [&switch.guard]
-                    .into_iter()
-                    .chain(reset)
-                    .chain(&switch.conditions)
-            });
-            rates.iter().chain(switches)
-        });
+        let forms = modes.iter().flat_map(FormMode::forms);
         let sliding = numerical.iter().flatten();
         let sliding = sliding.flat_map(|forms| forms.rates.iter().chain(&forms.falls));
         let forms: Vec<&Form> = forms.chain(sliding).collect();
@@ -178,11 +145,11 @@ impl System {
             terms,
         };
         let program = Arc::new(shape.terms.program().clone());
-        let modes = modes.iter().map(|(rates, switches)| {
-            let matrix = shape.matrix(rates, omega);
+        let modes = modes.iter().map(|mode| {
+            let matrix = shape.matrix(&mode.rates, omega);
             AffineMode {
                 field: Field::default(),
-                guards: shape.guards(switches),
+                guards: shape.guards(&mode.switches),
                 surface: None,
                 matrix,
             }
@@ -217,9 +184,6 @@ impl System {
     }
 }
 
-/// Rates and switches of a mode as forms.
-type ModeForms<'a> = (Vec<Form>, Vec<FormSwitch<'a>>);
-
 /// Part of a component of z that the terms of degree 17 may have over a piece of a numerical flow: as much as in the
 /// exact one.
 const TOLERANCE: f64 = 1e-15;
@@ -235,23 +199,26 @@ struct SlidingForms {
 
 impl SlidingForms {
     fn new(
-        first: &ModeForms,
-        second: &ModeForms,
+        first: &FormMode,
+        second: &FormMode,
         sides: [usize; 2],
         omega: Dual,
     ) -> Result<SlidingForms, Obstacle> {
         let leads = |switch: &&FormSwitch| switch.switch.to == sides[1];
         let guard = first
-            .1
+            .switches
             .iter()
             .find(leads)
             .map(|switch| switch.guard.clone());
         let guard = guard.unwrap_or_default();
         let minus = |one: &Form, other: &Form| one.clone().operate(Operation::Minus, other.clone());
-        let falls = [guard.lie(&first.0, omega)?, guard.lie(&second.0, omega)?];
+        let falls = [
+            guard.lie(&first.rates, omega)?,
+            guard.lie(&second.rates, omega)?,
+        ];
         let difference = minus(&falls[0], &falls[1])?;
         let share = falls[0].clone().operate(Operation::Over, difference)?;
-        let rates = first.0.iter().zip(&second.0).map(|(below, above)| {
+        let rates = first.rates.iter().zip(&second.rates).map(|(below, above)| {
             let step = minus(above, below)?;
             if step.is_zero() {
                 return Ok(below.clone());
@@ -262,92 +229,6 @@ impl SlidingForms {
         Ok(SlidingForms {
             rates: rates.collect::<Result<_, Obstacle>>()?,
             falls,
-        })
-    }
-}
-
-/// Where an expression stands: told only if it is wrong.
-type Path<'a> = &'a dyn Fn() -> String;
-
-/// What the names of a system stand for.
-struct Evaluation<'a> {
-    system: &'a System,
-    values: &'a [f64],
-    varying: &'a [usize],
-    abbreviations: Vec<Form>,
-}
-
-impl<'a> Evaluation<'a> {
-    fn new(
-        system: &'a System,
-        values: &'a [f64],
-        varying: &'a [usize],
-    ) -> Result<Evaluation<'a>, SystemError> {
-        let mut evaluation = Evaluation {
-            system,
-            values,
-            varying,
-            abbreviations: Vec::new(),
-        };
-        let names = system.source.define.names();
-        for (name, expression) in names.zip(&system.define) {
-            // an abbreviation may stand for the phase: only its use tells whether that makes sense
-            let form = evaluation.evaluate(&|| format!("define.{name}"), expression)?;
-            evaluation.abbreviations.push(form);
-        }
-        Ok(evaluation)
-    }
-
-    fn meaning(&self, name: &str) -> Option<Form> {
-        let source = &self.system.source;
-        if let Some(state) = source.states.iter().position(|state| state == name) {
-            return Some(Form::state(state));
-        }
-        if let Some(index) = source.parameters.index(name) {
-            let varies = self.varying.iter().position(|varying| *varying == index);
-            let value = Dual::parameter(self.values[index], varies);
-            return Some(Form::constant(value));
-        }
-        if let Some(index) = source.define.index(name) {
-            return self.abbreviations.get(index).cloned();
-        }
-        match name {
-            "pi" => Some(Form::constant(Dual::parameter(std::f64::consts::PI, None))),
-            "phase" => Some(Form::phase()),
-            _ => None,
-        }
-    }
-
-    fn evaluate(&self, path: Path, expression: &Expression) -> Result<Form, SystemError> {
-        let form = expression.evaluate(&|name| self.meaning(name));
-        form.map_err(|flaw| SystemError::at(path(), Mistake::Expression(flaw)))
-    }
-
-    fn form(&self, path: Path, expression: &Expression) -> Result<Form, SystemError> {
-        let form = self.evaluate(path, expression)?;
-        form.settled().map_err(|obstacle| {
-            let flaw = Flaw {
-                wrong: obstacle.into(),
-                span: expression.span.clone(),
-            };
-            SystemError::at(path(), Mistake::Expression(flaw))
-        })
-    }
-
-    fn switch<'b>(&self, path: Path, switch: &'b Switch) -> Result<FormSwitch<'b>, SystemError> {
-        let names = &self.system.source.states;
-        let reset = switch.reset.iter().map(|(state, expression)| {
-            let path = || format!("{}.reset.{}", path(), names[*state]);
-            Ok((*state, self.form(&path, expression)?))
-        });
-        let conditions = switch.conditions.iter().enumerate();
-        let conditions = conditions
-            .map(|(index, expression)| self.form(&|| format!("{}.if.{index}", path()), expression));
-        Ok(FormSwitch {
-            switch,
-            guard: self.form(&|| format!("{}.zero", path()), &switch.zero)?,
-            reset: reset.collect::<Result<_, SystemError>>()?,
-            conditions: conditions.collect::<Result<_, _>>()?,
         })
     }
 }

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::expression::Function;
-use super::form::{Dual, Form, Rule, Term, VARYING};
+use super::form::{Coefficient, Dual, Form, Rule, Term, VARYING};
 use super::rows::{MatrixBy, Row};
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS};

@@ -1,7 +1,7 @@
 //! Coefficients of a system as intervals, with derivatives in the continuation parameter.
 
-use super::form::Coefficient;
 use crate::affine::expression::{Algebra, Function, Obstacle, Operation};
+use crate::affine::form::Coefficient;
 use crate::interval::{Decimal, Gradient, Interval, Number};
 
 /// A number that depends on the parameter, and its derivative in it.
@@ -70,7 +70,7 @@ impl Algebra for Enclosure {
             Function::Sqrt => self.sqrt(),
             Function::Abs if x.low >= 0.0 => self,
             Function::Abs if x.high <= 0.0 => -self,
-            Function::Abs => return Err(Obstacle::Deep),
+            Function::Abs => return Err(Obstacle::NotAffine),
             Function::Tanh => {
                 let twice = (x + x).exp();
                 let tangent = one - Interval::point(2.0) / (twice + one);
@@ -82,6 +82,8 @@ impl Algebra for Enclosure {
 }
 
 impl Coefficient for Enclosure {
+    const TERMS: bool = false;
+
     fn sum(self, weight: f64, other: Enclosure, other_weight: f64) -> Enclosure {
         self.scaled(Interval::point(weight)) + other.scaled(Interval::point(other_weight))
     }
@@ -90,10 +92,9 @@ impl Coefficient for Enclosure {
         self * other
     }
 
-    fn whole(&self) -> Option<f64> {
+    fn fixed(&self) -> Option<f64> {
         let Interval { low, high } = self.value;
-        let whole = low == high && low.fract() == 0.0 && self.by[0] == Interval::ZERO;
-        whole.then_some(low)
+        (low == high && self.by[0] == Interval::ZERO).then_some(low)
     }
 
     fn finite(self) -> Result<Enclosure, Obstacle> {

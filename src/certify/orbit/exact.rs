@@ -6,8 +6,8 @@
 
 use std::collections::BTreeMap;
 
-use super::form::Coefficient;
 use crate::affine::expression::{Algebra, Function, Obstacle, Operation};
+use crate::affine::form::Coefficient;
 
 /// Terms up to this are multiplied out; a larger product is one name.
 const MOST_TERMS: usize = 256;
@@ -135,6 +135,8 @@ impl Algebra for Exact {
 }
 
 impl Coefficient for Exact {
+    const TERMS: bool = false;
+
     fn sum(self, weight: f64, other: Exact, other_weight: f64) -> Exact {
         let weighted = |x: Exact, weight: f64| match weight {
             1.0 => x,
@@ -153,7 +155,7 @@ impl Coefficient for Exact {
         product.unwrap_or_else(|| Exact::named(format!("({}*{})", self.text(), other.text())))
     }
 
-    fn whole(&self) -> Option<f64> {
+    fn fixed(&self) -> Option<f64> {
         self.number().map(|number| number as f64)
     }
 

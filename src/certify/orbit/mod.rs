@@ -15,7 +15,6 @@ mod exact;
 mod extended;
 mod facts;
 mod flow;
-mod form;
 mod inequality;
 mod modes;
 mod multipliers;

@@ -2,9 +2,10 @@
 
 use super::Open;
 use super::exact::Exact;
-use super::form::{Coefficient, Form, FormMode, FormSwitch, FormSystem, forms};
+use crate::affine::evaluation::{Evaluation, FormMode, FormSwitch};
 use crate::affine::expression::Operation;
-use crate::affine::system::System;
+use crate::affine::form::{Coefficient, Form};
+use crate::affine::system::{System, SystemError};
 
 /// A linear form of z.
 pub type Row<C> = Vec<C>;
@@ -106,20 +107,34 @@ impl<C: Coefficient> Mode<C> {
     }
 }
 
+/// The frequency of the forcing and the modes of a system as forms, with these coefficients.
+fn evaluated<'a, C: Coefficient>(
+    system: &'a System,
+    parameter: &dyn Fn(usize) -> C,
+    pi: C,
+) -> Result<(C, Vec<FormMode<'a, C>>), Open> {
+    let forms = || {
+        let evaluation = Evaluation::new(system, parameter, pi)?;
+        Ok((evaluation.frequency()?, evaluation.modes()?))
+    };
+    forms().map_err(|error: SystemError| Open::System(error.path))
+}
+
 impl<C: Coefficient> Modes<C> {
     fn of(
-        forms: &FormSystem<'_, C>,
+        (omega, forms): &(C, Vec<FormMode<'_, C>>),
         system: &System,
         structure: &Structure,
     ) -> Result<Modes<C>, Open> {
         let states = system.source.states.len();
+        let harmonics = forms.iter().flat_map(FormMode::forms).map(Form::highest);
         let mut modes = Modes {
             states,
-            harmonics: forms.harmonics,
-            omega: forms.omega.clone(),
+            harmonics: harmonics.max().unwrap_or(0),
+            omega: omega.clone(),
             modes: Vec::new(),
         };
-        for (mode, guards) in forms.modes.iter().zip(&structure.guards) {
+        for (mode, guards) in forms.iter().zip(&structure.guards) {
             let mode = modes.mode(mode, guards);
             modes.modes.push(mode);
         }
@@ -263,8 +278,7 @@ impl Structure {
     pub fn of(system: &System) -> Result<(Structure, Modes<Exact>), Open> {
         let names: Vec<&str> = system.source.parameters.names().collect();
         let named = |index: usize| Exact::named(names[index].to_owned());
-        let found = forms(system, &named, Exact::named("pi".to_owned()));
-        let forms = found.map_err(|error| Open::System(error.path))?;
+        let forms = evaluated(system, &named, Exact::named("pi".to_owned()))?;
         let of_mode = |mode: &FormMode<'_, Exact>| {
             let mut known: Vec<&Form<Exact>> = Vec::new();
             let mut guards = Vec::new();
@@ -278,7 +292,7 @@ impl Structure {
             guards
         };
         let mut structure = Structure {
-            guards: forms.modes.iter().map(of_mode).collect(),
+            guards: forms.1.iter().map(of_mode).collect(),
             slides: Vec::new(),
         };
         for [first, second] in &system.sliding {
@@ -300,9 +314,7 @@ impl Structure {
         parameter: &dyn Fn(usize) -> C,
         pi: C,
     ) -> Result<Modes<C>, Open> {
-        let found = forms(system, parameter, pi);
-        let forms = found.map_err(|error| Open::System(error.path))?;
-        Modes::of(&forms, system, self)
+        Modes::of(&evaluated(system, parameter, pi)?, system, self)
     }
 }
 

@@ -5,8 +5,8 @@
 //! formulas. More may be zero than is found: then less is proven.
 
 use super::exact::Exact;
-use super::form::Coefficient;
 use super::modes::{Mode, Row, added, negative, through};
+use crate::affine::form::Coefficient;
 
 /// Forms that are zero together.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -86,6 +86,9 @@ fn about_expression(source: &Source, wrong: &Wrong) -> String {
         Wrong::Obstacle(Obstacle::Deep) => {
             "write shorter expressions, or fewer abbreviations of abbreviations".to_owned()
         }
+        Wrong::Obstacle(Obstacle::NotAffine) => {
+            "write a sum of states times coefficients of the parameters".to_owned()
+        }
         Wrong::Obstacle(Obstacle::Phase) => {
             "write for example `cos(phase)` or `sin(2*phase)`; 16 times the phase is the most"
                 .to_owned()

@@ -1,0 +1,158 @@
+//! The expressions of a system as forms, with coefficients of any kind.
+
+use super::expression::{Expression, Flaw};
+use super::form::{Coefficient, Dual, Form};
+use super::system::{Mistake, Switch, System, SystemError};
+
+/// A switch with its expressions as forms.
+pub struct FormSwitch<'a, C = Dual> {
+    pub switch: &'a Switch,
+    pub guard: Form<C>,
+    pub reset: Vec<(usize, Form<C>)>,
+    pub conditions: Vec<Form<C>>,
+}
+
+/// A mode with its expressions as forms.
+pub struct FormMode<'a, C = Dual> {
+    /// Rates in the order of the states.
+    pub rates: Vec<Form<C>>,
+    /// Switches in the order of the file.
+    pub switches: Vec<FormSwitch<'a, C>>,
+}
+
+impl<'a, C> FormMode<'a, C> {
+    /// All forms of it.
+    pub fn forms(&self) -> impl Iterator<Item = &Form<C>> {
+        let switches = self.switches.iter().flat_map(|switch| {
+            let reset = switch.reset.iter().map(|(_, form)| form);
+            [&switch.guard]
+                .into_iter()
+                .chain(reset)
+                .chain(&switch.conditions)
+        });
+        self.rates.iter().chain(switches)
+    }
+}
+
+/// Where an expression stands: told only if it is wrong.
+type Path<'a> = &'a dyn Fn() -> String;
+
+/// What the names of a system stand for.
+pub struct Evaluation<'a, 'p, C> {
+    system: &'a System,
+    parameter: &'p dyn Fn(usize) -> C,
+    pi: C,
+    abbreviations: Vec<Form<C>>,
+}
+
+impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
+    /// Where parameters, by their index, and π are these coefficients.
+    ///
+    /// # Errors
+    /// An abbreviation that has no finite value, with its place.
+    pub fn new(
+        system: &'a System,
+        parameter: &'p dyn Fn(usize) -> C,
+        pi: C,
+    ) -> Result<Evaluation<'a, 'p, C>, SystemError> {
+        let mut evaluation = Evaluation {
+            system,
+            parameter,
+            pi,
+            abbreviations: Vec::new(),
+        };
+        let names = system.source.define.names();
+        for (name, expression) in names.zip(&system.define) {
+            // an abbreviation may stand for the phase: only its use tells whether that makes sense
+            let form = evaluation.evaluate(&|| format!("define.{name}"), expression)?;
+            evaluation.abbreviations.push(form);
+        }
+        Ok(evaluation)
+    }
+
+    /// The angular frequency of the forcing; zero without.
+    ///
+    /// # Errors
+    /// It has no finite value.
+    pub fn frequency(&self) -> Result<C, SystemError> {
+        let forcing = self.system.forcing.as_ref();
+        let form = forcing.map(|expression| self.form(&|| "forcing".into(), expression));
+        Ok(form
+            .transpose()?
+            .map_or_else(C::default, |form| form.constant))
+    }
+
+    /// The modes of the file.
+    ///
+    /// # Errors
+    /// An expression that has no finite value, or no form, with its place.
+    pub fn modes(&self) -> Result<Vec<FormMode<'a, C>>, SystemError> {
+        let names = self.system.source.modes.names();
+        let modes = names.zip(&self.system.modes).map(|(name, mode)| {
+            let path = || format!("modes.{name}");
+            let rates = self.system.source.states.iter().zip(&mode.rates);
+            let rates =
+                rates.map(|(state, rate)| self.form(&|| format!("{}.rates.{state}", path()), rate));
+            let switches = mode.switches.iter().enumerate();
+            let switches = switches.map(|(index, switch)| {
+                self.switch(&|| format!("{}.until.{index}", path()), switch)
+            });
+            Ok(FormMode {
+                rates: rates.collect::<Result<_, _>>()?,
+                switches: switches.collect::<Result<_, _>>()?,
+            })
+        });
+        modes.collect()
+    }
+
+    fn meaning(&self, name: &str) -> Option<Form<C>> {
+        let source = &self.system.source;
+        if let Some(state) = source.states.iter().position(|state| state == name) {
+            return Some(Form::state(state));
+        }
+        if let Some(index) = source.parameters.index(name) {
+            return Some(Form::constant((self.parameter)(index)));
+        }
+        if let Some(index) = source.define.index(name) {
+            return self.abbreviations.get(index).cloned();
+        }
+        match name {
+            "pi" => Some(Form::constant(self.pi.clone())),
+            "phase" => Some(Form::phase()),
+            _ => None,
+        }
+    }
+
+    fn evaluate(&self, path: Path, expression: &Expression) -> Result<Form<C>, SystemError> {
+        let form = expression.evaluate(&|name| self.meaning(name));
+        form.map_err(|flaw| SystemError::at(path(), Mistake::Expression(flaw)))
+    }
+
+    fn form(&self, path: Path, expression: &Expression) -> Result<Form<C>, SystemError> {
+        let form = self.evaluate(path, expression)?;
+        form.settled().map_err(|obstacle| {
+            let flaw = Flaw {
+                wrong: obstacle.into(),
+                span: expression.span.clone(),
+            };
+            SystemError::at(path(), Mistake::Expression(flaw))
+        })
+    }
+
+    fn switch<'b>(&self, path: Path, switch: &'b Switch) -> Result<FormSwitch<'b, C>, SystemError> {
+        let names = &self.system.source.states;
+        let reset = switch.reset.iter().map(|(state, expression)| {
+            let path = || format!("{}.reset.{}", path(), names[*state]);
+            Ok((*state, self.form(&path, expression)?))
+        });
+        let conditions = switch.conditions.iter().enumerate();
+        let conditions = conditions
+            .map(|(index, expression)| self.form(&|| format!("{}.if.{index}", path()), expression));
+        Ok(FormSwitch {
+            switch,
+            guard: self.form(&|| format!("{}.zero", path()), &switch.zero)?,
+            reset: reset.collect::<Result<_, SystemError>>()?,
+            conditions: conditions.collect::<Result<_, _>>()?,
+        })
+    }
+}
