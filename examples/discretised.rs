@@ -10,8 +10,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use brakewave::discretised::{SemiDiscreteWave, Settings, solve};
-use brakewave::model::Model;
-use brakewave::model::coefficients::Geometry;
+use brakewave::tube::model::Model;
+use brakewave::tube::model::coefficients::Geometry;
 use faer::c64;
 use plotters::coord::Shift;
 use plotters::prelude::*;

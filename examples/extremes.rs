@@ -10,12 +10,12 @@ use brakewave::branch::conditioning::conditioning;
 use brakewave::branch::first_wave::first_wave;
 use brakewave::continuation::newton::{self, Fixed, System};
 use brakewave::continuation::{Node, Steps};
-use brakewave::flow::method::Method;
 use brakewave::linalg::Vector;
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{FrictionLaw, Model, Parameter};
-use brakewave::wave::start::{self, Which, fold_in_friction, least_mismatch, slip_stick};
-use brakewave::wave::{Wave, precise};
+use brakewave::tube::flow::method::Method;
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{FrictionLaw, Model, Parameter};
+use brakewave::tube::wave::start::{self, Which, fold_in_friction, least_mismatch, slip_stick};
+use brakewave::tube::wave::{Wave, precise};
 
 const STEPS: Steps = Steps {
     ds: 0.005,

@@ -12,12 +12,12 @@ use std::path::Path;
 
 use brakewave::branch::run::Runner;
 use brakewave::discretised::{Settings, solve};
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Damping, Impact, Model};
 use brakewave::output::run::Restart;
 use brakewave::simulation::growth::{self, Listing, Request};
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Setup};
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Damping, Impact, Model};
 use faer::c64;
 
 const MODEL: Model = Model {

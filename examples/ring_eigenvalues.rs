@@ -11,11 +11,11 @@
 use std::path::Path;
 
 use brakewave::branch::run::Runner;
-use brakewave::model::Impact;
 use brakewave::output::run::Restart;
 use brakewave::simulation::growth::{self, INSTANTS, Listing, Request};
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Setup};
+use brakewave::tube::model::Impact;
 
 /// Mismatch, sectors, amplitude of the perturbation, and up to which frequency eigenvalues are listed.
 /// Where nothing lifts off the step is smooth in the state; landings need some averaging.

@@ -10,10 +10,10 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Constants, Impact};
 use brakewave::simulation::annulus::{self, Annulus};
 use brakewave::simulation::ring::{self, Law, Order, Ring};
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Constants, Impact};
 use rayon::prelude::*;
 
 const GEOMETRY: Geometry = Geometry {

@@ -3,10 +3,10 @@
 //!
 //! `cargo run --release --example steady`
 
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Damping, FrictionLaw};
-use brakewave::steady::radial::Radial;
-use brakewave::steady::{Settings, mode};
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Damping, FrictionLaw};
+use brakewave::tube::steady::radial::Radial;
+use brakewave::tube::steady::{Settings, mode};
 
 const RATIOS: [f64; 6] = [1.02, 1.1, 1.25, 1.5, 2.0, 3.0];
 const POISSON: [f64; 6] = [0.0, 0.15, 0.3, 0.4, 0.45, 0.49];

@@ -9,12 +9,12 @@ use brakewave::branch::first_wave::first_wave;
 use brakewave::branch::orbit::Follower;
 use brakewave::continuation::Steps;
 use brakewave::discretised;
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Model, Parameter};
 use brakewave::orbit::follow::Limits;
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::stability::spectrum::{Request, spectrum};
-use brakewave::wave::start::{Which, slip_stick};
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Model, Parameter};
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::stability::spectrum::{Request, spectrum};
+use brakewave::tube::wave::start::{Which, slip_stick};
 
 const MODE: u32 = 4;
 

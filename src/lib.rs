@@ -25,32 +25,25 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Data flows one way, and what stands further left imports nothing from further right:
+//! Data flows one way, and what stands further right is imported by nothing further left:
 //!
 //! ```text
-//! linalg ─► continuation ─► orbit ─┐   ┌─► affine ─► problem      interval ─► problem, certify
-//! model ───────────────────────────┴─► flow ─► wave ─► stability ─► problem ─► branch, hybrid ─► certify, curve, map,
-//!   │                          └──► steady                  ▲           │       discretised, accuracy
-//!   └─► simulation ─────────────────────────────────────────┘           └───────► output ─► cli
-//!                                                              table ─────────────┘
+//! linalg ─► continuation ─► orbit ─┬─► tube ───┬─► problem ─┬─► branch ─┬─► certify, curve, map, discretised, accuracy
+//!                                  └─► affine ─┘      ▲     └─► hybrid ─┘           │
+//! tube::model ─► simulation ──────────────────────────┤                             └─► output ─► cli
+//! interval ───────────────────────────────────────────┘                      table ──────┘
 //! ```
 //!
-//! - [`model`] has the parameters, the laws of friction and impact, the coefficients, the regimes and the
-//!   table of switches between them;
-//! - [`flow`] is the exact flow of one regime with its derivatives, and signs over whole zones;
-//! - [`affine`] has hybrid systems that a user writes down: expressions, exact flows of affine modes, motions,
-//!   equilibria;
-//! - [`continuation`] follows zero curves of any system and knows nothing of waves; [`linalg`] serves it;
-//! - [`wave`] poses a wave as a boundary-value problem for one signature, has its closed form, examines
-//!   it, and finds candidates for its successor;
-//! - [`stability`] has all eigenvalues of a wave from its eigenfunction problem, and the verdict;
-//! - [`steady`] has the stability of steady sliding, where the waves come from;
-//! - [`simulation`] moves a ring or the whole tube in time, with the model and none of the above, so that
+//! - [`linalg`] has what is asked of matrices; [`continuation`] follows zero curves of any system of equations;
+//! - [`orbit`] follows a branch of periodic orbits of any hybrid system, change by change, event by event;
+//! - [`tube`] is the tube on its shaft as such a system: model, flows, waves, stability, steady sliding;
+//! - [`affine`] has hybrid systems that a user writes down: expressions, flows, motions, equilibria, orbits.
+//!   It and the tube never import each other;
+//! - [`simulation`] moves a ring or the whole tube in time, with the model and nothing else of the tube, so that
 //!   agreement is evidence;
 //! - [`problem`] reads and checks problem files;
-//! - [`orbit`] follows a branch of periodic orbits of any hybrid system, change by change, event by event;
 //! - [`branch`] follows waves in one parameter: first wave, changes of regime, points and labels;
-//! - [`hybrid`] follows orbits of a user's system in one parameter;
+//! - [`hybrid`] does so with orbits of a user's system, and lays motions side by side in a scan;
 //! - [`interval`] is arithmetic that rounds outwards, [`certify`] proves in it the special points that a
 //!   branch has located;
 //! - [`curve`] follows one event in two parameters, [`map`] lays branches through a plane of them;
@@ -74,27 +67,23 @@ pub mod cli;
 pub mod continuation;
 pub mod curve;
 pub mod discretised;
-pub mod flow;
 pub mod hybrid;
 pub mod interval;
 pub mod linalg;
 pub mod map;
 mod messages;
-pub mod model;
 pub mod orbit;
 #[cfg(feature = "cli")]
 pub mod output;
 pub mod problem;
 pub mod simulation;
-pub mod stability;
-pub mod steady;
 // results and messages need what nothing else does
 #[cfg_attr(not(feature = "cli"), allow(dead_code))]
 mod table;
-pub mod wave;
+pub mod tube;
 
 pub use branch::{Branch, BranchPoint, Event, EventType};
-pub use model::{Model, Parameter};
 pub use problem::Problem;
-pub use stability::spectrum::Spectrum;
-pub use wave::Wave;
+pub use tube::model::{Model, Parameter};
+pub use tube::stability::spectrum::Spectrum;
+pub use tube::wave::Wave;

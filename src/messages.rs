@@ -12,13 +12,13 @@ use crate::curve::{self, Gone, PointType, What};
 use crate::hybrid;
 use crate::hybrid::scan::Lack;
 use crate::map::Missing;
-use crate::model::signature::Regime;
-use crate::model::{Impact, Landing};
 use crate::orbit::{self, EventType, Orbit};
 use crate::problem::{Doubt, Rotation};
-use crate::stability::track::Remark;
-use crate::wave::Wave;
-use crate::wave::admissibility::Watch;
+use crate::tube::model::signature::Regime;
+use crate::tube::model::{Impact, Landing};
+use crate::tube::stability::track::Remark;
+use crate::tube::wave::Wave;
+use crate::tube::wave::admissibility::Watch;
 
 /// What is left of a wave where D = 0.
 const D_ZERO: &str = "D = 0: nothing drives a wave here; what is left is steady sliding with a linear wave \

@@ -9,16 +9,16 @@ use nalgebra::Complex;
 
 use crate::branch::run::{End, RunError, Runner};
 use crate::discretised;
-use crate::flow::method::Method;
 use crate::linalg::Vector;
-use crate::model::FrictionLaw;
-use crate::model::signature::{Regime, Signature};
 use crate::orbit::EventType;
 use crate::problem::{Continuation, Problem};
-use crate::stability::characteristic::Characteristic;
-use crate::stability::spectrum::{Request, spectrum};
-use crate::wave::start::{self, SlipStick};
-use crate::wave::{Wave, precise, profile};
+use crate::tube::flow::method::Method;
+use crate::tube::model::FrictionLaw;
+use crate::tube::model::signature::{Regime, Signature};
+use crate::tube::stability::characteristic::Characteristic;
+use crate::tube::stability::spectrum::{Request, spectrum};
+use crate::tube::wave::start::{self, SlipStick};
+use crate::tube::wave::{Wave, precise, profile};
 
 /// A wave at a value of the parameter that every method meets exactly.
 struct Compared {

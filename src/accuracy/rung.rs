@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::flow::method::Method;
-use crate::model::FrictionLaw;
+use crate::tube::flow::method::Method;
+use crate::tube::model::FrictionLaw;
 
 /// One rung of the ladder of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]

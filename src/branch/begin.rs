@@ -5,13 +5,13 @@ use super::saved::SavedWave;
 use super::slip_stick::polish;
 use super::wanted::{NoStart, Wanted};
 use crate::continuation::newton;
-use crate::flow::method::Method;
 use crate::linalg::Vector;
-use crate::model::{FrictionLaw, Model, Parameter};
 use crate::problem::{Continuation, Problem, Start};
-use crate::wave::Wave;
-use crate::wave::hopf::{Family, NoHopf, family};
-use crate::wave::start::{NoWave, Which};
+use crate::tube::flow::method::Method;
+use crate::tube::model::{FrictionLaw, Model, Parameter};
+use crate::tube::wave::Wave;
+use crate::tube::wave::hopf::{Family, NoHopf, family};
+use crate::tube::wave::start::{NoWave, Which};
 
 /// Why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

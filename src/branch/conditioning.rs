@@ -12,10 +12,10 @@
 
 use crate::continuation::Node;
 use crate::continuation::newton::System;
-use crate::flow::FlowError;
-use crate::flow::method::{MAX_INTERVALS, Method};
 use crate::linalg::{Factors, Matrix, Vector, kernel};
-use crate::wave::Wave;
+use crate::tube::flow::FlowError;
+use crate::tube::flow::method::{MAX_INTERVALS, Method};
+use crate::tube::wave::Wave;
 
 /// Condition number and expected error of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]

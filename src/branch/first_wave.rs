@@ -13,11 +13,11 @@ use crate::orbit::follow::Limits;
 use crate::orbit::sign::Verdict;
 
 use crate::linalg::Vector;
-use crate::model::{FrictionLaw, Model, Parameter};
-use crate::wave::admissibility::examine;
-use crate::wave::hopf::{Family, NoHopf, family};
-use crate::wave::start::{self, Which};
-use crate::wave::{Scales, Wave};
+use crate::tube::model::{FrictionLaw, Model, Parameter};
+use crate::tube::wave::admissibility::examine;
+use crate::tube::wave::hopf::{Family, NoHopf, family};
+use crate::tube::wave::start::{self, Which};
+use crate::tube::wave::{Scales, Wave};
 
 /// The wave of the model, as a boundary-value problem in `parameter` and its solution: the
 /// slip-stick wave in closed form or, at a mismatch where that is not admissible any more, the

@@ -7,12 +7,12 @@ use super::row::EigenvalueRow;
 use super::saved::SavedWave;
 use super::special::{OfWaves, Special};
 use super::{BranchPoint, Event, LeadingEigenvalue, ProfileSample, Reason, Stability};
-use crate::flow::FlowError;
 use crate::linalg::Vector;
-use crate::model::Model;
-use crate::stability::characteristic::Characteristic;
-use crate::stability::spectrum::Spectrum;
-use crate::wave::{Wave, profile};
+use crate::tube::flow::FlowError;
+use crate::tube::model::Model;
+use crate::tube::stability::characteristic::Characteristic;
+use crate::tube::stability::spectrum::Spectrum;
+use crate::tube::wave::{Wave, profile};
 
 /// A row of the branch, with the wave behind it.
 #[derive(Clone, Debug)]

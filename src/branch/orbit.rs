@@ -4,18 +4,18 @@ use super::EventType;
 use super::special::{Inadmissible, OfWaves, WaveMargin, WaveStop};
 use crate::continuation::Node;
 use crate::continuation::newton::System;
-use crate::flow::FlowError;
 use crate::linalg::{Matrix, Vector};
-use crate::model::Parameter;
-use crate::model::signature::{Entry, Regime, Signature, Zone};
 use crate::orbit::events::AT_ZERO;
 use crate::orbit::sign::Verdict;
 use crate::orbit::{Candidate, Examined, Orbit};
 use crate::orbit::{change, follow};
-use crate::stability::track::Remark;
-use crate::wave::Wave;
-use crate::wave::admissibility::{AtZero, Examination, Margin, Watch, examine};
-use crate::wave::successor::candidates;
+use crate::tube::flow::FlowError;
+use crate::tube::model::Parameter;
+use crate::tube::model::signature::{Entry, Regime, Signature, Zone};
+use crate::tube::stability::track::Remark;
+use crate::tube::wave::Wave;
+use crate::tube::wave::admissibility::{AtZero, Examination, Margin, Watch, examine};
+use crate::tube::wave::successor::candidates;
 
 /// A point of a branch of waves.
 pub type Found = follow::Found<Wave>;

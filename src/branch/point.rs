@@ -3,12 +3,12 @@
 //! The continuation produces these values, the exporters and the plots read them; neither side
 //! knows the other.
 
-use crate::model::{Model, Parameter};
 pub use crate::orbit::EventType;
 pub use crate::orbit::Stability;
 use crate::problem::compare::Occurrence;
-pub use crate::stability::verdict::Reason;
-pub use crate::wave::profile::ProfileSample;
+use crate::tube::model::{Model, Parameter};
+pub use crate::tube::stability::verdict::Reason;
+pub use crate::tube::wave::profile::ProfileSample;
 
 /// The leading eigenvalue of a wave, the translation mode left out.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,13 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use super::saved::finite;
 use super::special::ResumeMismatch;
-use crate::flow::method::Method;
-use crate::model::Model;
 use crate::orbit::legs;
 use crate::problem::{Continuation, Problem};
-use crate::stability::spectrum::Spectrum;
-use crate::stability::track::ALLOWANCE;
-use crate::wave::{Scales, Wave};
+use crate::tube::flow::method::Method;
+use crate::tube::model::Model;
+use crate::tube::stability::spectrum::Spectrum;
+use crate::tube::stability::track::ALLOWANCE;
+use crate::tube::wave::{Scales, Wave};
 
 /// The state of a run of waves between two steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

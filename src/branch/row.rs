@@ -3,8 +3,8 @@
 use serde::{Serialize, Serializer};
 
 use super::{BranchPoint, Event, EventType, Stability};
-use crate::model::{Model, Parameter};
-use crate::stability::spectrum::Eigenvalue;
+use crate::tube::model::{Model, Parameter};
+use crate::tube::stability::spectrum::Eigenvalue;
 
 /// The parameters of a model, each in its column: the later ones, or those before them.
 #[derive(Clone, Copy, Debug, Default)]

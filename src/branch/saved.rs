@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::flow::Slide;
 use crate::linalg::Vector;
-use crate::model::signature::Signature;
-use crate::model::{Model, Parameter};
-use crate::wave::{Scales, Wave};
+use crate::tube::flow::Slide;
+use crate::tube::model::signature::Signature;
+use crate::tube::model::{Model, Parameter};
+use crate::tube::wave::{Scales, Wave};
 
 /// A wave in physical numbers: what a restart needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,7 +14,7 @@ pub struct SavedWave {
     /// Label.
     pub label: usize,
     /// Value of the continuation parameter and of all others.
-    #[serde(with = "crate::model::saved")]
+    #[serde(with = "crate::tube::model::saved")]
     pub model: Model,
     /// Signature.
     pub signature: Signature,

@@ -2,12 +2,12 @@
 
 use super::wanted::{NoStart, Wanted};
 use crate::continuation::newton::{self, Fixed, System};
-use crate::flow::{FlowError, Slide};
 use crate::linalg::Vector;
-use crate::model::signature::{Entry, Regime, Signature, Zone};
-use crate::model::{FrictionLaw, Model, Parameter};
-use crate::wave::Wave;
-use crate::wave::start;
+use crate::tube::flow::{FlowError, Slide};
+use crate::tube::model::signature::{Entry, Regime, Signature, Zone};
+use crate::tube::model::{FrictionLaw, Model, Parameter};
+use crate::tube::wave::Wave;
+use crate::tube::wave::start;
 
 /// Steps in which the friction law is turned from Coulomb's into the one asked for.
 const LAW_STEPS: usize = 8;

@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 
 use super::Reason;
 use super::conditioning::Conditioning;
-use crate::model::Parameter;
-use crate::model::signature::Regime;
 use crate::orbit::sign::Verdict;
 use crate::orbit::special as engine;
-use crate::stability::track::Remark;
-use crate::wave::Wave;
-use crate::wave::admissibility::{Examination, Watch};
+use crate::tube::model::Parameter;
+use crate::tube::model::signature::Regime;
+use crate::tube::stability::track::Remark;
+use crate::tube::wave::Wave;
+use crate::tube::wave::admissibility::{Examination, Watch};
 
 /// What makes a wave special for reasons of the tube.
 #[derive(Clone, Debug, PartialEq)]
@@ -182,8 +182,8 @@ mod tests {
     use super::*;
     use crate::continuation::newton;
     use crate::continuation::walk::{End, Refused};
-    use crate::flow::{FlowError, Unsolved};
-    use crate::model::signature::Signature;
+    use crate::tube::flow::{FlowError, Unsolved};
+    use crate::tube::model::signature::Signature;
 
     /// Why a branch ended is the same after it was saved, whatever it is.
     #[test]

@@ -4,11 +4,11 @@ use super::orbit::NotEntered;
 use super::special::ResumeMismatch;
 use super::special::{Ending, Inadmissible, NoFollower};
 use crate::continuation::{arclength, newton};
-use crate::flow::FlowError;
-use crate::model::{Model, Parameter};
-use crate::wave::Scales;
-use crate::wave::hopf::NoHopf;
-use crate::wave::start::{NoWave, Which};
+use crate::tube::flow::FlowError;
+use crate::tube::model::{Model, Parameter};
+use crate::tube::wave::Scales;
+use crate::tube::wave::hopf::NoHopf;
+use crate::tube::wave::start::{NoWave, Which};
 
 /// Most steps of a search for a first wave. At the default step lengths a branch takes a hundred
 /// through its parameter and up to three hundred more through its changes of regime.

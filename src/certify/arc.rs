@@ -27,7 +27,7 @@ use super::system::{Condition, Near, Posed, System};
 use super::{Proof, enclosed, units};
 use crate::interval::{Gradient, Interval};
 use crate::linalg::{Matrix, kernel};
-use crate::wave::admissibility::Watch;
+use crate::tube::wave::admissibility::Watch;
 
 /// Why an arc is not proven.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

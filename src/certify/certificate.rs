@@ -8,8 +8,8 @@ use super::open::Open;
 use super::perturbation::Eigenvalue;
 use super::system::{Condition, Near, Posed};
 use crate::interval::Interval;
-use crate::model::Parameter;
 use crate::orbit::{Data, EventType};
+use crate::tube::model::Parameter;
 
 /// A statement of a kind of orbits, and what it takes to check it.
 pub trait Provable: Data {

@@ -23,11 +23,11 @@ use super::{Open, Posed, enclosed, krawczyk, system};
 use crate::branch::special::Change;
 use crate::interval::Interval;
 use crate::linalg::Vector;
-use crate::model::Impact;
-use crate::model::signature::{Entry, Regime, Signature};
-use crate::wave::Wave;
-use crate::wave::admissibility::{Margin, Watch, examine};
-use crate::wave::successor::candidates;
+use crate::tube::model::Impact;
+use crate::tube::model::signature::{Entry, Regime, Signature};
+use crate::tube::wave::Wave;
+use crate::tube::wave::admissibility::{Margin, Watch, examine};
+use crate::tube::wave::successor::candidates;
 
 /// The wave of an event in the signature beyond it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -26,7 +26,7 @@ use super::propagator::{
 };
 use super::system::{Condition, System};
 use crate::interval::{Interval, Number, PI, TaylorModel};
-use crate::model::signature::{Entry, Regime};
+use crate::tube::model::signature::{Entry, Regime};
 
 type C64 = nalgebra::Complex<f64>;
 type Model = Complex<TaylorModel>;

@@ -4,9 +4,9 @@ use super::flow::{Flow, GAP, GAP_RATE, W, Y};
 use super::frame::Frame;
 use super::system::{Columns, Condition, EXCESS, PARAMETER, SLOTS, System, TIME};
 use crate::interval::{Gradient, Interval, Number, PI};
-use crate::model::Impact;
-use crate::model::signature::{Entry, Regime};
-use crate::wave::admissibility::Watch;
+use crate::tube::model::Impact;
+use crate::tube::model::signature::{Entry, Regime};
+use crate::tube::wave::admissibility::Watch;
 
 type First = Gradient<Interval, SLOTS>;
 

@@ -1,13 +1,13 @@
 //! The numbers of the equations, enclosed, with derivatives in the speed and in the parameter.
 //!
 //! The numbers of a problem are decimals, and the coefficients a, b, D, g, h follow from ν, ξ, γ by the
-//! formulas of [`crate::model::coefficients`], written once for every kind of [`Number`]: the derivative in
+//! formulas of [`crate::tube::model::coefficients`], written once for every kind of [`Number`]: the derivative in
 //! ν, ξ or γ comes with them.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interval::{Decimal, Interval, Number};
-use crate::model::{FrictionLaw, Model, Parameter, Source};
+use crate::tube::model::{FrictionLaw, Model, Parameter, Source};
 
 /// Where a, b, D, g, h come from, as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,7 +74,7 @@ impl Written {
     }
 }
 
-/// Below this y the integrals are summed as series, as in [`crate::model::coefficients`].
+/// Below this y the integrals are summed as series, as in [`crate::tube::model::coefficients`].
 const SERIES_LIMIT: f64 = 0.5;
 /// Terms of the series; those left out fall like y² ≤ ¼ from one to the next.
 const SERIES_TERMS: i32 = 32;
@@ -141,7 +141,7 @@ fn coefficients<N: Number>([nu, xi, gamma]: [N; 3]) -> [N; 5] {
     ]
 }
 
-/// The numbers of the equations in a frame that moves with c, see [`crate::flow::Quantities`].
+/// The numbers of the equations in a frame that moves with c, see [`crate::tube::flow::Quantities`].
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<N> {
     pub ma: N,

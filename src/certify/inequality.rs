@@ -8,9 +8,9 @@ use super::flow::{Flow, GAP, GAP_RATE, Series, W, Y};
 use super::frame::Frame;
 use super::system::{Condition, Near, System};
 use crate::interval::{Gradient, Interval, Number};
-use crate::model::Impact;
-use crate::model::signature::{Entry, Regime};
-use crate::wave::admissibility::Watch;
+use crate::tube::model::Impact;
+use crate::tube::model::signature::{Entry, Regime};
+use crate::tube::wave::admissibility::Watch;
 
 /// Which inequality is not proven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! Eigenvalues of a wave: the equations of an eigenfunction.
 //!
-//! The eigenfunction problem is that of [`crate::stability::characteristic`]. With ζ = e^{−λs}η and
+//! The eigenfunction problem is that of [`crate::tube::stability::characteristic`]. With ζ = e^{−λs}η and
 //! υ = e^{−λs}u the condition of a Bloch sector, e^{−λT}η(T) = e^{2πij/k}η(0), has no exponential:
 //! ζ(T) = e^{2πij/k}ζ(0). In every zone x = (ζ, e^{−λs}η′, υ, e^{−λs}u′) obeys ẋ = (A − λ)x; its propagator
 //! e^{(A − λ)T} is a power series for T/2ⁿ, squared n times. Unknowns besides the wave are λ and x at the
@@ -24,7 +24,7 @@ use super::propagator::{
 use super::system::{Condition, EXCESS, PARAMETER, SLOTS, System, TIME};
 use crate::interval::{Gradient, Interval, Number, PI};
 use crate::linalg::{Matrix, least};
-use crate::model::signature::Entry;
+use crate::tube::model::signature::Entry;
 
 /// Slots of λ, beyond those of a step.
 const GROWTH: usize = SLOTS;
@@ -425,7 +425,7 @@ impl System<'_> {
     }
 
     /// What the switch at the end of a zone does to a perturbation; see the table of
-    /// [`crate::stability::characteristic`].
+    /// [`crate::tube::stability::characteristic`].
     pub(super) fn jump<N: Number>(
         &self,
         frame: &Frame<N>,

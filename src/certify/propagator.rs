@@ -3,7 +3,7 @@
 use super::flow::{DEGREE, geometric};
 use super::frame::Frame;
 use crate::interval::{Gradient, Interval, Number};
-use crate::model::signature::Regime;
+use crate::tube::model::signature::Regime;
 
 /// Squarings of a propagator at most: 2¹² radians.
 const SQUARINGS: f64 = 12.0;

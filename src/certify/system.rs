@@ -3,7 +3,7 @@
 //! Unknowns are, for each zone, (Y, W) at its entry and its duration T, and the states at the ends of the
 //! steps into which it is cut; u of the excess speed e = e₀(1 + u); the continuation parameter; and the
 //! time of a minimum inside a zone where that is what vanishes. The equations of the wave are those of
-//! [`crate::wave`]. One more condition singles out the event. Where all of them have a regular zero, the
+//! [`crate::tube::wave`]. One more condition singles out the event. Where all of them have a regular zero, the
 //! margin that vanishes does so with a slope along the branch: it changes its sign.
 //!
 //! A fold is a regular zero of F(x, p) = 0, F_x v = 0, ⟨ℓ, v⟩ = 1 (Moore and Spence 1980): regular
@@ -13,13 +13,13 @@ use serde::{Deserialize, Serialize};
 
 use super::flow::Flow;
 use super::frame::{Frame, Origin, Written};
-use crate::flow::Slide;
 use crate::interval::{Decimal, Interval, Number};
 use crate::linalg::Vector;
-use crate::model::signature::{Entry, Regime, Signature};
-use crate::model::{Impact, Parameter};
-use crate::wave::Wave;
-use crate::wave::admissibility::{Margin, Watch};
+use crate::tube::flow::Slide;
+use crate::tube::model::signature::{Entry, Regime, Signature};
+use crate::tube::model::{Impact, Parameter};
+use crate::tube::wave::Wave;
+use crate::tube::wave::admissibility::{Margin, Watch};
 
 /// What singles out a point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

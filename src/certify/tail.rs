@@ -1,7 +1,7 @@
 //! A region without eigenvalues: |λ| ≥ Λ with Re λ ≥ ρ.
 //!
 //! In a zone, η and u are waves that run both ways. With p₁ + p₂ = η, x₁p₁ + x₂p₂ = wη′, w = 1/λ, and likewise of
-//! u (see [`crate::stability::asymptotic`] for x), the eigenfunction problem of a zone is, with e^{−λs} taken out,
+//! u (see [`crate::tube::stability::asymptotic`] for x), the eigenfunction problem of a zone is, with e^{−λs} taken out,
 //!
 //! ```text
 //! p′ = (λ(X − 1) + B + wZ)p,   X diagonal,  B and Z without λ.
@@ -16,13 +16,13 @@
 //! For |w| ≤ W = 1/Λ and Re λ ≥ ρ, every entry of e^{…s} is at most that of exp((ρ(X − 1) + Y + W|E|)s) in modulus,
 //! since x < 1. The factors of a period, the switches with theirs, multiply up to a matrix of bounds. Where its
 //! spectral radius is less than 1 there is no eigenvalue, in any sector. As Λ → ∞ the bound becomes that of
-//! [`crate::stability::asymptotic::HighFrequency`].
+//! [`crate::tube::stability::asymptotic::HighFrequency`].
 
 use super::frame::Frame;
 use super::propagator::{Complex, ETA, ETA_RATE, Perturbation, dimension, unit};
 use super::system::System;
 use crate::interval::Interval;
-use crate::model::signature::{Entry, Regime};
+use crate::tube::model::signature::{Entry, Regime};
 
 type Rows = Vec<Vec<Interval>>;
 

@@ -7,15 +7,15 @@ use std::process::ExitCode;
 use crate::branch::run::RunError;
 use crate::curve::start::NoCurve;
 use crate::discretised;
-use crate::model::Parameter;
 use crate::output::pictures::PlotError;
 use crate::output::render::RenderError;
 use crate::output::store::{Offers, StoreError};
 use crate::problem::ProblemError;
 use crate::simulation::course::NoCourse;
 use crate::simulation::profile::ProfileError;
-use crate::steady::radial;
-use crate::wave::hopf::NoHopf;
+use crate::tube::model::Parameter;
+use crate::tube::steady::radial;
+use crate::tube::wave::hopf::NoHopf;
 
 /// How a verb has ended; the number is the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

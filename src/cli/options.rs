@@ -7,11 +7,11 @@ use clap::Args;
 
 use super::failure::{Failure, Usage};
 use super::{print, warn};
-use crate::model::Parameter;
 use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store, io_error};
 use crate::problem::{self, Any, CurveEvent, Problem, Start, SystemCurveEvent, SystemProblem};
 use crate::simulation::task::SimulationStart;
+use crate::tube::model::Parameter;
 
 /// A problem file, and the folder of its results.
 #[derive(Debug, Args)]

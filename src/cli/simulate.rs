@@ -13,7 +13,6 @@ use super::prepare::ready;
 use super::progress::{Progress, drive};
 use super::{stopped, titled, warn};
 use crate::branch::run::RunError;
-use crate::model::{Model, Parameter};
 use crate::output::layout::{END, GROWTH, MEASURES, START, profile_file};
 use crate::output::pictures;
 use crate::output::render::Format;
@@ -23,6 +22,7 @@ use crate::output::store::{Checkpoint, Kind, Store, VERSION, damaged};
 use crate::output::waves::Waves;
 use crate::problem::{self, Any, Continuation, Problem, Start};
 use crate::simulation::course::{Course, NoCourse, Piece};
+use crate::tube::model::{Model, Parameter};
 
 use crate::simulation::measure::{Measure, Sample};
 use crate::simulation::motion::Motion;

@@ -16,14 +16,14 @@ use crate::branch::passage::Passage;
 use crate::branch::row::{EigenfunctionRow, EigenvalueRow, WaveEigenvalueRow};
 use crate::branch::run::{End, Item, answer};
 use crate::discretised;
-use crate::model::{FrictionLaw, Parameter};
 use crate::orbit::Stability;
 use crate::output::pictures;
 use crate::problem::{Problem, StabilitySection};
-use crate::stability::characteristic::Characteristic;
-use crate::stability::eigenfunction::eigenfunction;
-use crate::stability::spectrum::{Request, spectrum as compute};
 use crate::table;
+use crate::tube::model::{FrictionLaw, Parameter};
+use crate::tube::stability::characteristic::Characteristic;
+use crate::tube::stability::eigenfunction::eigenfunction;
+use crate::tube::stability::spectrum::{Request, spectrum as compute};
 
 #[derive(Debug, Args)]
 pub(crate) struct SpectrumArguments {

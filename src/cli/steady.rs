@@ -13,9 +13,9 @@ use crate::output::steady::{AFTER_STATES, BEFORE_STATES};
 use crate::output::store::{Existing, Kind, Store};
 use crate::output::{self, pictures};
 use crate::problem::{Any, MAX_MODE, Problem, SystemProblem};
-use crate::steady::row::ModeRow;
-use crate::steady::{self, Mode, Settings, first_to_grow};
 use crate::table::{self, Table};
+use crate::tube::steady::row::ModeRow;
+use crate::tube::steady::{self, Mode, Settings, first_to_grow};
 
 /// Most families and radial functions that can be asked for.
 const MOST_FAMILIES: u16 = 64;

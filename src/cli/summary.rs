@@ -5,7 +5,6 @@ use std::io::{self, IsTerminal};
 use std::path::Path;
 
 use crate::curve::{Curve, Plane, Point};
-use crate::model::{Damping, FrictionLaw, Landing, Model, Parameter, Sectors};
 use crate::orbit::EventType;
 use crate::orbit::Orbit as _;
 use crate::output::curve::words;
@@ -14,7 +13,8 @@ use crate::output::store::{self, StoreError};
 use crate::output::waves::separates;
 use crate::problem::{Problem, Start};
 use crate::table::Table;
-use crate::wave::start::{Onset, Which, onset, slip_stick};
+use crate::tube::model::{Damping, FrictionLaw, Landing, Model, Parameter, Sectors};
+use crate::tube::wave::start::{Onset, Which, onset, slip_stick};
 
 /// A number for a table: 12 significant digits, in a width of 18.
 fn figure(value: f64) -> String {

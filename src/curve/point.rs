@@ -5,10 +5,10 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::continuation::Steps;
-use crate::model::signature::Regimes;
 use crate::orbit::special::{Change, Close};
 use crate::orbit::{EventType, Orbit, UnknownType};
 use crate::problem;
+use crate::tube::model::signature::Regimes;
 
 /// How far to follow, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

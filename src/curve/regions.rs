@@ -30,15 +30,15 @@ use crate::continuation::arclength::advance;
 use crate::continuation::locate::retangent;
 use crate::continuation::walk;
 use crate::linalg::Vector;
-use crate::model::signature::{Regimes, Signature};
 use crate::orbit::EventType::{EP, LP, RV, ST, UZ};
 use crate::orbit::Orbit as _;
 use crate::orbit::change::beyond;
 use crate::orbit::follow;
 use crate::orbit::sign::Verdict;
-use crate::stability::characteristic::Characteristic;
-use crate::stability::track;
-use crate::wave::Wave;
+use crate::tube::model::signature::{Regimes, Signature};
+use crate::tube::stability::characteristic::Characteristic;
+use crate::tube::stability::track;
+use crate::tube::wave::Wave;
 
 /// Part of the whole length that a stretch needs for its regions to be named.
 const NAMED: f64 = 0.12;

@@ -14,11 +14,11 @@ use crate::branch::run::{Item, RunError, Runner};
 use crate::continuation::newton;
 use crate::hybrid::{self, LabelledOrbit};
 use crate::linalg::{self, Vector};
-use crate::model::{Parameter, Sectors};
 use crate::orbit::legs::{self, Run};
 use crate::orbit::{EventType, Examined, Orbit};
 use crate::problem::{self, Problem, StabilitySection, SystemCurve, SystemProblem};
-use crate::wave::Wave;
+use crate::tube::model::{Parameter, Sectors};
+use crate::tube::wave::Wave;
 
 /// Why there is no curve.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize};
 use super::plane::{Condition, NotEvaluated, Plane, Test};
 use super::point::{PointType, What};
 use crate::branch::run::RunError;
-use crate::flow::FlowError;
-use crate::flow::method::Method;
 use crate::linalg::Vector;
-use crate::model::signature::Signature;
-use crate::model::{Model, Parameter};
 use crate::orbit::EventType;
-use crate::stability::characteristic::{Characteristic, NotLinearised};
-use crate::stability::spectrum::symmetric;
-use crate::wave::admissibility::{Examination, Margin, Watch};
-use crate::wave::{Scales, Wave, width};
+use crate::tube::flow::FlowError;
+use crate::tube::flow::method::Method;
+use crate::tube::model::signature::Signature;
+use crate::tube::model::{Model, Parameter};
+use crate::tube::stability::characteristic::{Characteristic, NotLinearised};
+use crate::tube::stability::spectrum::symmetric;
+use crate::tube::wave::admissibility::{Examination, Margin, Watch};
+use crate::tube::wave::{Scales, Wave, width};
 
 /// ω in units of the frequency of the wave below which it counts as zero. Parameters are even in ω:
 /// the point found lies 1e-8 from the limit.
@@ -24,7 +24,7 @@ const LEAST_OMEGA: f64 = 1e-4;
 /// All that a wave needs beside its signature.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tube {
-    #[serde(with = "crate::model::saved")]
+    #[serde(with = "crate::tube::model::saved")]
     model: Model,
     parameters: [Parameter; 2],
     widths: [f64; 2],

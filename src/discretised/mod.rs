@@ -85,8 +85,8 @@ pub use ring::Failure;
 pub use wave::{FIRST_EPSILON, SemiDiscreteWave, solve, solve_from};
 
 use crate::branch::wanted::NoStart;
-use crate::flow::FlowError;
-use crate::wave::start::Which;
+use crate::tube::flow::FlowError;
+use crate::tube::wave::start::Which;
 
 /// What to compute.
 #[derive(Clone, Copy, Debug, PartialEq)]

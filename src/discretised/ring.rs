@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::chain::{Block, Factors, Nodes, Stages};
-use crate::model::{FrictionLaw, Model};
+use crate::tube::model::{FrictionLaw, Model};
 
 /// Number of spacings beyond which nothing is felt within T without material damping (see the text of
 /// the module).

@@ -5,8 +5,8 @@ use faer::{Mat, c64};
 use super::band::{Band, Fan};
 use super::ring::Values;
 use super::*;
-use crate::model::coefficients::Geometry;
-use crate::model::{Damping, Model, Source};
+use crate::tube::model::coefficients::Geometry;
+use crate::tube::model::{Damping, Model, Source};
 
 fn model(mismatch: f64) -> Model {
     Model::tube(

@@ -10,13 +10,13 @@ use super::ring::{CLOSE, Equations, Failure, Linear, MOST_ITERATIONS, TOO_LARGE,
 use super::{Error, Settings};
 use crate::branch::first_wave::first_wave;
 use crate::continuation;
-use crate::flow::FlowError;
 use crate::linalg::Vector;
-use crate::model::signature::Regime;
-use crate::model::{Model, Parameter};
-use crate::stability::spectrum::{Request, symmetric};
-use crate::wave::Wave;
-use crate::wave::profile::{self, switches};
+use crate::tube::flow::FlowError;
+use crate::tube::model::signature::Regime;
+use crate::tube::model::{Model, Parameter};
+use crate::tube::stability::spectrum::{Request, symmetric};
+use crate::tube::wave::Wave;
+use crate::tube::wave::profile::{self, switches};
 
 /// ε at which a wave is first sought, unless a larger one is asked for.
 pub const FIRST_EPSILON: f64 = 0.2;

@@ -6,7 +6,7 @@ use crate::branch::BranchPoint;
 use crate::branch::row::{WaveRow, why};
 use crate::branch::special::Failure;
 use crate::branch::wanted::NoStart;
-use crate::model::Model;
+use crate::tube::model::Model;
 
 /// A wave that exists at a point of the plane, or the statement that none was found there.
 #[derive(Clone, Debug, PartialEq)]

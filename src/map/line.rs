@@ -7,10 +7,10 @@ use super::cell::Missing;
 use crate::branch::run::{Item, RunError, Runner, answer};
 use crate::branch::special::{Failure, Special};
 use crate::branch::{BranchPoint, EventType, SavedWave};
-use crate::model::Parameter;
 use crate::problem::{Continuation, MapAxis, Output, Problem, Start, Toward};
-use crate::stability::characteristic::Characteristic;
-use crate::stability::spectrum::{Request, Spectrum, spectrum};
+use crate::tube::model::Parameter;
+use crate::tube::stability::characteristic::Characteristic;
+use crate::tube::stability::spectrum::{Request, Spectrum, spectrum};
 
 /// Points after which either way of a branch within a row is given up: round folds it passes the range a few
 /// times, at the default step lengths a hundred points each.

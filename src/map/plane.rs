@@ -94,8 +94,8 @@ fn quasi_random(index: usize) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Parameter;
     use crate::problem::Start;
+    use crate::tube::model::Parameter;
 
     fn plane(points: MapPoints) -> Plane {
         let axis = |parameter, range| MapAxis { parameter, range };

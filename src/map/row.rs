@@ -9,7 +9,7 @@ use super::line::{Hit, Line, Met};
 use super::plane::Plane;
 use crate::branch::run::RunError;
 use crate::problem::{Map, Problem, Start, Toward};
-use crate::stability::spectrum::Request;
+use crate::tube::stability::spectrum::Request;
 
 /// The rows of a map, any of which can be computed by itself.
 pub struct Rows<'a> {

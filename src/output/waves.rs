@@ -12,12 +12,12 @@ use crate::branch::SavedWave;
 use crate::branch::row::{BranchRow, EventRow, SpectrumRow};
 use crate::branch::run::{Item, Progress, Runner};
 use crate::curve::start::Labelled;
-use crate::model::signature::Regime;
 use crate::orbit::EventType;
 use crate::orbit::legs;
 use crate::problem::{Problem, Start};
 use crate::table::{self, Table};
-use crate::wave::Wave;
+use crate::tube::model::signature::Regime;
+use crate::tube::wave::Wave;
 
 /// Content of `branch.ron` of a branch of waves.
 pub(crate) type Waves = Restart<Runner>;

@@ -6,9 +6,9 @@ use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE, Steps};
-use crate::model::{FrictionLaw, Parameter};
 use crate::orbit::EventType;
 use crate::orbit::legs::Plan;
+use crate::tube::model::{FrictionLaw, Parameter};
 
 /// Largest number of points of a leg where none is given.
 pub(crate) const DEFAULT_MAX_POINTS: usize = 100_000;

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE, Steps};
-use crate::model::Parameter;
 use crate::orbit::EventType;
+use crate::tube::model::Parameter;
 
 /// Largest number of points of a curve where none is given.
 pub(crate) const DEFAULT_CURVE_POINTS: usize = 10_000;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{Problem, Rotation};
-use crate::model::Parameter;
+use crate::tube::model::Parameter;
 
 /// Interference d/R from which on linear elasticity, the theory of small strains, describes no tube: 20 %,
 /// whichever way the quotient was rounded.

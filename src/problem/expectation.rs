@@ -6,8 +6,8 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor}
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use crate::affine::system::Ordered;
-use crate::model::Parameter;
 use crate::orbit::EventType;
+use crate::tube::model::Parameter;
 
 /// Most expectations of a problem.
 pub(crate) const MAX_EXPECTATIONS: usize = 1000;

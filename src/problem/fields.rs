@@ -10,12 +10,12 @@ use super::outline::Outline;
 use super::scan::MAX_KEPT;
 use super::system::{MAX_PERIODS, MAX_SETTLE};
 use super::{MAX_MODE, MAX_PROFILES, MAX_TOLERANCE, MAX_WORDS, is_text};
-use crate::flow::method::{MAX_DEGREE, MAX_INTERVALS};
-use crate::model::Parameter;
-use crate::model::range::Range;
 use crate::simulation::task::{
     MAX_COURANT, MAX_SAMPLES, MAX_SIMULATION_POINTS, MAX_SNAPSHOTS, MIN_SIMULATION_POINTS,
 };
+use crate::tube::flow::method::{MAX_DEGREE, MAX_INTERVALS};
+use crate::tube::model::Parameter;
+use crate::tube::model::range::Range;
 
 const POSITIVE: Range = Range::above(0.0);
 const COUNT: Range = Range::from(1.0);

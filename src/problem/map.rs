@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Start;
-use crate::model::Parameter;
+use crate::tube::model::Parameter;
 
 /// Most rows or columns of a grid.
 pub(crate) const MAX_GRID: usize = 100_000;

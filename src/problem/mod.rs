@@ -44,11 +44,11 @@ pub use system::{
 };
 pub use tube::{Rotation, Tube};
 
-use crate::flow::method::Method;
 use crate::interval::Decimal;
-use crate::model::{Model, Parameter, Sectors};
 use crate::simulation::task::Simulation;
-use crate::stability::spectrum::Request;
+use crate::tube::flow::method::Method;
+use crate::tube::model::{Model, Parameter, Sectors};
+use crate::tube::stability::spectrum::Request;
 use error::Flaw;
 use outline::{Outline, Subject};
 use tube::place_of;

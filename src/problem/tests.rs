@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use super::continuation::{DEFAULT_MAX_POINTS, DEFAULT_MAX_POINTS_INTEGRATED};
 use super::*;
 use crate::continuation::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE};
-use crate::model::{Damping, FrictionLaw, Impact, Parameter};
 use crate::orbit::EventType;
 use crate::simulation::task::{DEFAULT_COURANT, SimulationStart};
+use crate::tube::model::{Damping, FrictionLaw, Impact, Parameter};
 
 /// Every field of the format, each on a line of its own or nearly so.
 const FULL: &str = r#"// Каждое поле — every field, with "quotes" and ( in a comment

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use super::outline::Outline;
-use crate::model::{Damping, FrictionLaw, Impact, Model, Source};
+use crate::tube::model::{Damping, FrictionLaw, Impact, Model, Source};
 
 /// The section `tube`, which stands in the place of `model`. Friction, damping and impact are those of a
 /// model, in its units.
@@ -107,7 +107,7 @@ mod tests {
     use super::super::tests::refused;
     use super::super::{Problem, ProblemError, parse};
     use super::*;
-    use crate::model::Parameter;
+    use crate::tube::model::Parameter;
 
     const TUBE: &str = "(
     tube: (young: 2e9, density: 2000, poisson: 0.3, inner: 0.2, outer: 0.3, oversize: 1e-4, rotation: Rpm(300), friction: 0.5),

@@ -7,13 +7,13 @@ use super::{
     Continuation, Curve, CurveEvent, Expectation, Map, MapPoints, Plot, Problem, Start, Toward,
     drawable_columns,
 };
-use crate::flow::method::Method;
-use crate::model::{FrictionLaw, Impact, Parameter, Sectors, Source};
 use crate::orbit::EventType;
 use crate::simulation::task::{
     Body, Circle, Growth, MAX_SAMPLES, MAX_SIMULATION_POINTS, MIN_GROWTH_POINTS, Perturbation,
     Simulation, SimulationStart,
 };
+use crate::tube::flow::method::Method;
+use crate::tube::model::{FrictionLaw, Impact, Parameter, Sectors, Source};
 
 /// Refuses the first values of the problem that make no sense together.
 pub(super) fn check(problem: &Problem, outline: &Outline) -> Check {

@@ -7,9 +7,9 @@ use super::examples::example;
 use super::expectation::of_waves;
 use super::outline::{Outline, Subject};
 use super::{Continuation, Curve, Expectation, Map, Output, Problem, StabilitySection, Tube, Wave};
-use crate::flow::method::Method;
-use crate::model::Model;
 use crate::simulation::task::Simulation;
+use crate::tube::flow::method::Method;
+use crate::tube::model::Model;
 
 /// The sections of a problem file.
 #[derive(Debug, Serialize, Deserialize)]

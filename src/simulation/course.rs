@@ -5,7 +5,7 @@ use super::motion::{Motion, MotionError, Saved};
 use super::perturbations::{Perturbations, Refused, perturbations};
 use super::profile::Profile;
 use super::task::{Circle, Simulation, SimulationStart};
-use crate::model::{Constants, Model};
+use crate::tube::model::{Constants, Model};
 
 /// Parts of a simulation at whose ends its state is worth saving.
 const PARTS: usize = 50;

@@ -24,7 +24,7 @@ use std::f64::consts::TAU;
 use super::profile::Profile;
 use super::ring::kernel::Nodes;
 use super::ring::{Ring, Setup, SetupError};
-use crate::model::Constants;
+use crate::tube::model::Constants;
 
 /// What to compute.
 #[derive(Clone, Copy, Debug, PartialEq)]

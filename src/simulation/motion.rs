@@ -11,8 +11,8 @@ use super::line::{Line, Regime};
 use super::profile::Profile;
 use super::ring::kernel::Nodes;
 use super::ring::{self, Law, Ring};
-use crate::model::{Constants, Model};
 use crate::simulation::task::{Body, Circle, Simulation};
+use crate::tube::model::{Constants, Model};
 
 /// A body in motion.
 #[derive(Clone, Debug)]

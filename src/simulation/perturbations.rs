@@ -8,7 +8,7 @@ use super::motion::{Motion, MotionError, angle};
 use super::profile::Profile;
 use super::ring::Setup;
 use super::task::{Body, Circle, Simulation};
-use crate::model::{Constants, Model, Sectors};
+use crate::tube::model::{Constants, Model, Sectors};
 
 /// Eigenvalues listed per sector, as those of `spectrum` are. |Im λ| below `real` is rounding of a
 /// logarithm over the time of a pair.

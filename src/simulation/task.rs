@@ -9,7 +9,7 @@ use serde::de::{EnumAccess, MapAccess, VariantAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::ring::{Law, Order};
-use crate::model::Sectors;
+use crate::tube::model::Sectors;
 
 /// Fewest points of a ring, or of the contact line of an annulus, per wavelength simulated.
 pub(crate) const MIN_SIMULATION_POINTS: usize = 16;

@@ -2,10 +2,10 @@
 
 use brakewave::certify::{self, Condition, Outcome, Point, Proof, Stretch};
 use brakewave::interval::{Decimal, Interval};
-use brakewave::model::Parameter;
 use brakewave::orbit::EventType;
-use brakewave::wave::admissibility::Watch;
-use brakewave::wave::start::Which;
+use brakewave::tube::model::Parameter;
+use brakewave::tube::wave::admissibility::Watch;
+use brakewave::tube::wave::start::Which;
 
 use super::waves::{has, mismatch_of_pressure, points, points_of, proof, slip_stick_at};
 

@@ -9,8 +9,8 @@ use brakewave::interval::{Decimal, Interval};
 use brakewave::orbit::EventType;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem;
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::stability::spectrum::{Request, spectrum};
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::stability::spectrum::{Request, spectrum};
 use nalgebra::Complex;
 
 use super::waves::proof;

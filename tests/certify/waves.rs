@@ -5,14 +5,14 @@ use brakewave::certify::{
     self, Condition, Near, Open, Outcome, Point, Posed, Proof, Refused, Unproven, Written,
 };
 use brakewave::interval::{Decimal, Interval};
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::signature::{Entry, Regime, Signature};
-use brakewave::model::{FrictionLaw, Impact, Model, Parameter, Sectors};
 use brakewave::orbit::EventType;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{self, StabilitySection};
-use brakewave::wave::admissibility::Watch;
-use brakewave::wave::start::{Which, slip_stick};
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::signature::{Entry, Regime, Signature};
+use brakewave::tube::model::{FrictionLaw, Impact, Model, Parameter, Sectors};
+use brakewave::tube::wave::admissibility::Watch;
+use brakewave::tube::wave::start::{Which, slip_stick};
 
 /// The special points of a problem file, with its text changed before it is read; stability left out.
 pub(crate) fn points_of(name: &str, changes: &[(&str, &str)]) -> Vec<Point> {

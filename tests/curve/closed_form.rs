@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use brakewave::curve::{Curve, Point};
-use brakewave::model::{Constants, Model, Parameter};
 use brakewave::problem::parse;
-use brakewave::wave::start::{SlipStick, Which, fold_in_friction, slip_stick};
+use brakewave::tube::model::{Constants, Model, Parameter};
+use brakewave::tube::wave::start::{SlipStick, Which, fold_in_friction, slip_stick};
 
 use crate::{observed, tube, unnamed};
 

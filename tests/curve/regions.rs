@@ -5,8 +5,8 @@ use brakewave::branch::run::Runner;
 use brakewave::curve::{Curve, Region};
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::{Problem, parse};
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::stability::spectrum::{Request, spectrum};
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::stability::spectrum::{Request, spectrum};
 
 use crate::curve;
 
@@ -163,7 +163,7 @@ fn stick_is_gone_beyond_the_hopf_point() {
         "continuation: (parameter: MassDamping, range: (0.0, 0.4), toward: Up), \
          curve: (event: ST, parameters: (MassDamping, Friction), range: ((0.0, 0.6), (0.1, 1.0)))",
     ));
-    let c = brakewave::model::coefficients::Geometry {
+    let c = brakewave::tube::model::coefficients::Geometry {
         nu: 0.3,
         xi: 1.5,
         gamma: 1.0,

@@ -2,9 +2,9 @@
 
 use brakewave::branch::{BranchPoint, Stability};
 use brakewave::map::{Cell, CellPoint, Missing, Plane, Rows};
-use brakewave::model::{Model, Parameter};
 use brakewave::problem::{self, Map, Problem};
-use brakewave::wave::start::{Which, least_mismatch, slip_stick};
+use brakewave::tube::model::{Model, Parameter};
+use brakewave::tube::wave::start::{Which, least_mismatch, slip_stick};
 
 use crate::problem;
 

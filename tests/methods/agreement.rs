@@ -4,10 +4,10 @@
 //! 10³ together here; collocation with forty intervals of degree four by h⁸ of them.
 
 use brakewave::discretised;
-use brakewave::flow::method::Method;
-use brakewave::model::FrictionLaw;
-use brakewave::wave::precise;
-use brakewave::wave::start::{Which, slip_stick};
+use brakewave::tube::flow::method::Method;
+use brakewave::tube::model::FrictionLaw;
+use brakewave::tube::wave::precise;
+use brakewave::tube::wave::start::{Which, slip_stick};
 
 use crate::observed;
 use crate::waves::{by_method, difference, fast, tube};
@@ -67,7 +67,7 @@ fn the_exact_flow_against_higher_precision() {
             let precise = precise::slip_stick(&model, 4, &closed).expect("more digits");
             let (wave, point) = brakewave::branch::first_wave::first_wave(
                 &model,
-                brakewave::model::Parameter::Mismatch,
+                brakewave::tube::model::Parameter::Mismatch,
                 4,
                 which,
                 1.0,

@@ -1,10 +1,10 @@
 //! Friction laws beyond Coulomb's.
 
-use brakewave::flow::method::Method;
-use brakewave::model::FrictionLaw;
 use brakewave::orbit::sign::Verdict;
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::wave::admissibility::examine;
+use brakewave::tube::flow::method::Method;
+use brakewave::tube::model::FrictionLaw;
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::wave::admissibility::examine;
 use nalgebra::Complex;
 
 use crate::observed;

@@ -1,10 +1,10 @@
 //! Observed orders of convergence.
 
-use brakewave::flow::numeric::collocation::Mesh;
-use brakewave::flow::numeric::shooting::Steps;
-use brakewave::flow::numeric::{Integrator, NumericalContact};
-use brakewave::model::FrictionLaw;
-use brakewave::model::signature::Regime;
+use brakewave::tube::flow::numeric::collocation::Mesh;
+use brakewave::tube::flow::numeric::shooting::Steps;
+use brakewave::tube::flow::numeric::{Integrator, NumericalContact};
+use brakewave::tube::model::FrictionLaw;
+use brakewave::tube::model::signature::Regime;
 
 use crate::observed;
 use crate::waves::{fast, tube};

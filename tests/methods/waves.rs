@@ -3,12 +3,12 @@
 use brakewave::branch::first_wave::first_wave;
 use brakewave::branch::polish;
 use brakewave::continuation::Steps;
-use brakewave::flow::method::Method;
 use brakewave::linalg::Vector;
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{FrictionLaw, Model, Parameter};
-use brakewave::wave::Wave;
-use brakewave::wave::start::Which;
+use brakewave::tube::flow::method::Method;
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{FrictionLaw, Model, Parameter};
+use brakewave::tube::wave::Wave;
+use brakewave::tube::wave::start::Which;
 
 /// Steps of the default problem.
 pub const STEPS: Steps = Steps {

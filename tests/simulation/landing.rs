@@ -6,10 +6,10 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use brakewave::model::{Constants, Impact};
 use brakewave::simulation::growth::{self, Eigenvalue, Request, SETTLING, place};
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Order, Ring, Setup, courant_step};
+use brakewave::tube::model::{Constants, Impact};
 use tempfile::TempDir;
 
 use crate::laws::rough;

@@ -3,9 +3,9 @@
 
 use std::f64::consts::TAU;
 
-use brakewave::model::{Constants, Impact};
 use brakewave::simulation::ring::kernel::Nodes;
 use brakewave::simulation::ring::{Law, Order, Ring, Setup, courant_step};
+use brakewave::tube::model::{Constants, Impact};
 
 use crate::{parameters, scramble, setup};
 

@@ -15,11 +15,11 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::OnceLock;
 
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Constants, Impact};
 use brakewave::simulation::growth::Eigenvalue;
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Law, Order, Ring, Setup};
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Constants, Impact};
 use tempfile::TempDir;
 
 /// The tube of all tests here.

@@ -6,8 +6,6 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use brakewave::model::Constants;
-use brakewave::model::coefficients::Geometry;
 use brakewave::simulation::esprit::exponentials;
 use brakewave::simulation::growth::{self, Eigenvalue, GrowthError, Request, place};
 use brakewave::simulation::motion::steady_growth;
@@ -15,6 +13,8 @@ use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{
     LARGEST_PART, Order, Ring, Setup, SetupError, courant_step, stable_step,
 };
+use brakewave::tube::model::Constants;
+use brakewave::tube::model::coefficients::Geometry;
 use tempfile::TempDir;
 
 use crate::{GEOMETRY, compare_grids, results, scramble, setup, wave_at};

@@ -2,9 +2,9 @@
 //! once they are used up no more is taken.
 
 use brakewave::continuation::Node;
-use brakewave::stability::spectrum::Spectrum;
-use brakewave::stability::track::Tracker;
-use brakewave::wave::start::Which;
+use brakewave::tube::stability::spectrum::Spectrum;
+use brakewave::tube::stability::track::Tracker;
+use brakewave::tube::wave::start::Which;
 
 use crate::waves::{STEPS, mode4, request, wave};
 

@@ -3,9 +3,9 @@
 //! Here the whole edge of the box is sampled evenly, 20 000 points on each side, without symmetry
 //! and without derivatives.
 
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::stability::spectrum::{Request, spectrum};
-use brakewave::wave::start::Which;
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::stability::spectrum::{Request, spectrum};
+use brakewave::tube::wave::start::Which;
 
 use crate::observed;
 use crate::waves::{C64, linearised, mode4};

@@ -1,8 +1,8 @@
 //! The equations are real: sectors j and k − j are conjugate.
 
-use brakewave::model::Model;
-use brakewave::stability::spectrum::{Request, spectrum};
-use brakewave::wave::start::Which;
+use brakewave::tube::model::Model;
+use brakewave::tube::stability::spectrum::{Request, spectrum};
+use brakewave::tube::wave::start::Which;
 
 use crate::observed;
 use crate::waves::{C64, linearised, mode4, tube};

@@ -10,8 +10,8 @@ use brakewave::branch::run::Item;
 use brakewave::branch::special::{OfWaves, Special};
 use brakewave::branch::{Event, EventType};
 use brakewave::problem::Expectation;
-use brakewave::stability::spectrum::Spectrum;
-use brakewave::stability::track::Remark;
+use brakewave::tube::stability::spectrum::Spectrum;
+use brakewave::tube::stability::track::Remark;
 
 use crate::observed;
 use crate::waves::{Rows, follow, problem};
@@ -93,7 +93,7 @@ fn announced(item: &Item, mode: usize) -> i64 {
 
 /// Unstable eigenvalues on the full circle whose frequency is near the edge of the window.
 fn near_edge(spectrum: &Spectrum) -> i64 {
-    let near = |sector: &&brakewave::stability::spectrum::Sector| -> i64 {
+    let near = |sector: &&brakewave::tube::stability::spectrum::Sector| -> i64 {
         let count = sector
             .eigenvalues
             .iter()

@@ -4,9 +4,9 @@
 //! slower factors. A fourth-order difference of step h then errs by about (hτ_max)⁴/30 of τ_max·|t|, and
 //! rounding by ε(1 + |λ|τ_max)/(hτ_max) of it.
 
-use brakewave::stability::asymptotic::HighFrequency;
-use brakewave::stability::characteristic::{Characteristic, Scaled};
-use brakewave::wave::start::Which;
+use brakewave::tube::stability::asymptotic::HighFrequency;
+use brakewave::tube::stability::characteristic::{Characteristic, Scaled};
+use brakewave::tube::wave::start::Which;
 
 use crate::observed;
 use crate::waves::{C64, damped, follow, linearised, mode4, problem, tube};

@@ -1,9 +1,9 @@
 //! Eigenfunctions satisfy the equations, close over the wavelength, and follow Bloch's rule.
 
-use brakewave::model::Model;
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::stability::eigenfunction::{Eigenfunction, eigenfunction};
-use brakewave::wave::start::Which;
+use brakewave::tube::model::Model;
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::stability::eigenfunction::{Eigenfunction, eigenfunction};
+use brakewave::tube::wave::start::Which;
 
 use crate::observed;
 use crate::waves::{C64, mode4, tube, wave, window, with_coulomb_impact};

@@ -2,10 +2,10 @@
 
 use brakewave::branch::Stability;
 use brakewave::linalg::Vector;
-use brakewave::model::{Model, Parameter};
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::wave::Wave;
-use brakewave::wave::start::{Which, fold_in_friction, least_mismatch, slip_stick};
+use brakewave::tube::model::{Model, Parameter};
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::wave::Wave;
+use brakewave::tube::wave::start::{Which, fold_in_friction, least_mismatch, slip_stick};
 
 use crate::observed;
 use crate::waves::{C64, damped, tube, wave, window};

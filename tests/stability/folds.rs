@@ -7,8 +7,8 @@
 use brakewave::branch::EventType;
 use brakewave::branch::run::Item;
 use brakewave::problem;
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::stability::spectrum::{Request, spectrum};
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::stability::spectrum::{Request, spectrum};
 
 use crate::observed;
 use crate::waves::{C64, Rows, follow};

@@ -7,11 +7,11 @@
 //! A e^{y₁T₁ − ρ(T − qT₁/(1+q))} + B e^{y₂T₁ − ρ(T + qT₁/(1−q))} = 1.
 //! ```
 
-use brakewave::model::Model;
-use brakewave::stability::asymptotic::HighFrequency;
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::stability::spectrum::{Request, spectrum};
-use brakewave::wave::start::Which;
+use brakewave::tube::model::Model;
+use brakewave::tube::stability::asymptotic::HighFrequency;
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::stability::spectrum::{Request, spectrum};
+use brakewave::tube::wave::start::Which;
 
 use crate::observed;
 use crate::waves::{damped, linearised, mode4, tube, wave, with_coulomb_impact};

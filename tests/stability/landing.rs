@@ -3,11 +3,11 @@
 
 use brakewave::branch::{Stability, polish};
 use brakewave::linalg::Vector;
-use brakewave::model::signature::Regime;
-use brakewave::model::{Impact, Parameter};
 use brakewave::problem;
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::wave::{Scales, Wave};
+use brakewave::tube::model::signature::Regime;
+use brakewave::tube::model::{Impact, Parameter};
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::wave::{Scales, Wave};
 use nalgebra::{DMatrix, DVector};
 
 use crate::material::{eigenfunction_defects, leading};

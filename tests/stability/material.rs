@@ -5,13 +5,13 @@
 use brakewave::branch::run::Item;
 use brakewave::branch::{EventType, Stability};
 use brakewave::linalg::Vector;
-use brakewave::model::{Damping, Model};
 use brakewave::problem;
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::stability::eigenfunction::eigenfunction;
-use brakewave::stability::spectrum::{Eigenvalue, Spectrum};
-use brakewave::wave::Wave;
-use brakewave::wave::start::Which;
+use brakewave::tube::model::{Damping, Model};
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::stability::eigenfunction::eigenfunction;
+use brakewave::tube::stability::spectrum::{Eigenvalue, Spectrum};
+use brakewave::tube::wave::Wave;
+use brakewave::tube::wave::start::Which;
 use nalgebra::{DMatrix, DVector};
 
 use crate::chebyshev::differentiation;

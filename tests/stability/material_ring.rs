@@ -2,8 +2,8 @@
 //! eigenfunction problem of third order.
 
 use brakewave::discretised::{SemiDiscreteWave, Settings, solve};
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Damping, Model};
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Damping, Model};
 use faer::c64;
 
 use crate::observed;

@@ -3,8 +3,8 @@
 //!
 //! In sectors 0 and 2 conjugate pairs are listed by the member with Im λ ≥ 0.
 
-use brakewave::model::Model;
-use brakewave::wave::start::Which;
+use brakewave::tube::model::Model;
+use brakewave::tube::wave::start::Which;
 
 use crate::observed;
 use crate::waves::{C64, damped, linearised, mode4, tube, window};

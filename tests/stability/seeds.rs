@@ -1,7 +1,7 @@
 //! The spectrum does not depend on the neighbour whose eigenvalues served as starts.
 
-use brakewave::stability::spectrum::{Sector, Spectrum, spectrum};
-use brakewave::wave::start::Which;
+use brakewave::tube::stability::spectrum::{Sector, Spectrum, spectrum};
+use brakewave::tube::wave::start::Which;
 
 use crate::observed;
 use crate::waves::{damped, linearised, mode4, request, tube, window};

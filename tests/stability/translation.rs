@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use brakewave::branch::EventType;
-use brakewave::stability::characteristic::{Characteristic, NotLinearised};
+use brakewave::tube::stability::characteristic::{Characteristic, NotLinearised};
 
 use crate::observed;
 use crate::waves::{C64, follow, problem, problems};

@@ -2,15 +2,15 @@
 
 use brakewave::branch::{Stability, polish};
 use brakewave::discretised::{SemiDiscreteWave, Settings, solve_from};
-use brakewave::flow::method::Method;
 use brakewave::linalg::Vector;
-use brakewave::model::{FrictionLaw, Model};
-use brakewave::stability::asymptotic::HighFrequency;
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::stability::eigenfunction::eigenfunction;
-use brakewave::wave::Wave;
+use brakewave::tube::flow::method::Method;
+use brakewave::tube::model::{FrictionLaw, Model};
+use brakewave::tube::stability::asymptotic::HighFrequency;
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::stability::eigenfunction::eigenfunction;
+use brakewave::tube::wave::Wave;
 
-use brakewave::wave::start::Which;
+use brakewave::tube::wave::start::Which;
 
 use crate::observed;
 use crate::waves::{C64, tube, wave, window};
@@ -188,7 +188,7 @@ fn errors_contain_those_of_the_wave() {
         for (one, other) in fine.sectors.iter().zip(&found.sectors) {
             for exact in one.eigenvalues.iter().filter(|one| one.re > -0.3) {
                 let all = other.eigenvalues.iter();
-                let error = |known: &&brakewave::stability::spectrum::Eigenvalue| {
+                let error = |known: &&brakewave::tube::stability::spectrum::Eigenvalue| {
                     (known.value() - exact.value()).norm()
                 };
                 let near = all

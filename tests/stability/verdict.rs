@@ -1,7 +1,7 @@
 //! A wave is called stable only when that is proven.
 
 use brakewave::branch::{Reason, Stability};
-use brakewave::wave::start::Which;
+use brakewave::tube::wave::start::Which;
 
 use crate::waves::{C64, damped, follow, linearised, mode4, window};
 

@@ -10,10 +10,10 @@ use std::collections::BTreeMap;
 
 use brakewave::continuation::newton::System;
 use brakewave::linalg::{Matrix, Vector};
-use brakewave::model::Impact;
 use brakewave::problem;
-use brakewave::stability::characteristic::Characteristic;
-use brakewave::wave::Wave;
+use brakewave::tube::model::Impact;
+use brakewave::tube::stability::characteristic::Characteristic;
+use brakewave::tube::wave::Wave;
 use nalgebra::{DMatrix, DVector};
 
 use crate::observed;

@@ -3,8 +3,8 @@
 //! u = φ′ + ikψ/r, v = ikφ/r − ψ′ with φ, ψ combinations of J_k, Y_k of pr and qr, p² = γκ/C and
 //! q² = γκ/μ, solve div σ = −γκ(u, v). Four boundary conditions make a determinant.
 
-use brakewave::model::coefficients::Geometry;
-use brakewave::steady::radial::Radial;
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::steady::radial::Radial;
 use faer::{Mat, c64};
 
 use crate::{observed, tube};

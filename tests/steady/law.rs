@@ -1,11 +1,11 @@
 //! Friction that depends on the velocity: its slope at steady sliding against computations that differentiate the
 //! law by themselves.
 
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Damping, FrictionLaw};
-use brakewave::steady::growth::stiffness_at;
-use brakewave::steady::radial::Radial;
-use brakewave::steady::{Mode, Settings, Sliding, mode};
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Damping, FrictionLaw};
+use brakewave::tube::steady::growth::stiffness_at;
+use brakewave::tube::steady::radial::Radial;
+use brakewave::tube::steady::{Mode, Settings, Sliding, mode};
 use faer::{Mat, c64};
 
 use crate::bessel::{LARGEST_ARGUMENT, determinant, root};

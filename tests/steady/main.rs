@@ -7,8 +7,8 @@ mod law;
 mod radial;
 mod reduced;
 
-use brakewave::model::Damping;
-use brakewave::model::coefficients::Geometry;
+use brakewave::tube::model::Damping;
+use brakewave::tube::model::coefficients::Geometry;
 
 /// Shows the worst error of a claim.
 fn observed(claim: &str, error: f64) {

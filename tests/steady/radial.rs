@@ -1,10 +1,10 @@
 //! The radial problem against itself: orders, symmetries, limits, its Hopf points.
 
-use brakewave::model::{Damping, FrictionLaw};
-use brakewave::steady::growth::Wave;
-use brakewave::steady::radial::Radial;
-use brakewave::steady::reduced::Reduced;
-use brakewave::steady::{Settings, Sliding, mode};
+use brakewave::tube::model::{Damping, FrictionLaw};
+use brakewave::tube::steady::growth::Wave;
+use brakewave::tube::steady::radial::Radial;
+use brakewave::tube::steady::reduced::Reduced;
+use brakewave::tube::steady::{Settings, Sliding, mode};
 
 use crate::{damping, observed, tube};
 
@@ -138,7 +138,7 @@ fn thin_tubes_are_sheared() {
 #[test]
 fn time_scales_out() {
     let s = 1.7;
-    let slow = brakewave::model::coefficients::Geometry {
+    let slow = brakewave::tube::model::coefficients::Geometry {
         gamma: s * s,
         ..tube(0.3, 1.5)
     };

@@ -1,8 +1,8 @@
 //! The reduced model: closed form against a companion matrix, and its limits.
 
-use brakewave::model::Damping;
-use brakewave::steady::growth::{Wave, eigenvalues};
-use brakewave::steady::reduced::Reduced;
+use brakewave::tube::model::Damping;
+use brakewave::tube::steady::growth::{Wave, eigenvalues};
+use brakewave::tube::steady::reduced::Reduced;
 use faer::{Mat, c64};
 
 use crate::{damping, observed, tube};

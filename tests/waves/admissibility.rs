@@ -11,9 +11,9 @@ use brakewave::branch::{EventType, ProfileSample};
 use brakewave::continuation::newton::System;
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::orbit::sign::Verdict;
-use brakewave::wave::Wave;
-use brakewave::wave::admissibility::{Watch, examine};
-use brakewave::wave::profile::sample;
+use brakewave::tube::wave::Wave;
+use brakewave::tube::wave::admissibility::{Watch, examine};
+use brakewave::tube::wave::profile::sample;
 
 use crate::branches::{
     Case, Run, fast_in_friction, fast_in_mismatch, slow_in_mismatch, with_coulomb_impact,
@@ -192,9 +192,9 @@ fn planted_violations_are_refused() {
 /// missed by more than V can move between two samples of V̇ of different signs.
 #[test]
 fn extremes_of_separated_waves_are_those_of_dense_samples() {
-    use brakewave::model::coefficients::Geometry;
-    use brakewave::model::{Damping, Model, Parameter};
-    use brakewave::wave::start::Which;
+    use brakewave::tube::model::coefficients::Geometry;
+    use brakewave::tube::model::{Damping, Model, Parameter};
+    use brakewave::tube::wave::start::Which;
     let slow = Case {
         model: Model::tube(
             Geometry {

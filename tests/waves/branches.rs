@@ -7,14 +7,14 @@ use brakewave::branch::first_wave::first_wave;
 use brakewave::branch::orbit::{Follower, Found};
 use brakewave::branch::special::{Ending, Special};
 use brakewave::continuation;
-use brakewave::flow::SlidingFlow;
-use brakewave::flow::contact::ContactFlow;
 use brakewave::linalg::Vector;
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Damping, Impact, Model, Parameter};
 use brakewave::orbit::follow::Limits;
-use brakewave::wave::Wave;
-use brakewave::wave::start::Which;
+use brakewave::tube::flow::SlidingFlow;
+use brakewave::tube::flow::contact::ContactFlow;
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Damping, Impact, Model, Parameter};
+use brakewave::tube::wave::Wave;
+use brakewave::tube::wave::start::Which;
 
 /// Steps of the default problem.
 pub const STEPS: continuation::Steps = continuation::Steps {

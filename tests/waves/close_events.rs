@@ -3,10 +3,10 @@
 use brakewave::branch::EventType::{GR, LP, RV, UZ};
 use brakewave::branch::special::{Close, WaveMargin};
 use brakewave::continuation::walk::End;
-use brakewave::model::signature::Regime;
-use brakewave::model::{Model, Parameter};
-use brakewave::wave::admissibility::Watch;
-use brakewave::wave::start::{Which, least_mismatch, slip_stick};
+use brakewave::tube::model::signature::Regime;
+use brakewave::tube::model::{Model, Parameter};
+use brakewave::tube::wave::admissibility::Watch;
+use brakewave::tube::wave::start::{Which, least_mismatch, slip_stick};
 
 use crate::branches::{Case, Run, fast_in_mismatch, regimes, tube};
 use crate::down_and_up::{back, same};

@@ -15,8 +15,8 @@ use std::f64::consts::{PI, TAU};
 
 use brakewave::branch::EventType;
 use brakewave::branch::first_wave::first_wave;
-use brakewave::model::{Damping, Model, Parameter};
-use brakewave::wave::start::{Which, least_mismatch, slip_stick};
+use brakewave::tube::model::{Damping, Model, Parameter};
+use brakewave::tube::wave::start::{Which, least_mismatch, slip_stick};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 

@@ -6,10 +6,10 @@ use brakewave::branch::first_wave::first_wave;
 use brakewave::continuation::locate::retangent;
 use brakewave::continuation::newton::System;
 use brakewave::linalg::Vector;
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Model, Parameter};
-use brakewave::wave::precise;
-use brakewave::wave::start::{Which, fold_in_friction, least_mismatch, slip_stick};
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Model, Parameter};
+use brakewave::tube::wave::precise;
+use brakewave::tube::wave::start::{Which, fold_in_friction, least_mismatch, slip_stick};
 
 use crate::branches::STEPS;
 use crate::observed;

@@ -1,7 +1,7 @@
 //! Mass damping shrinks the stick zone to nothing at the Hopf point of steady sliding.
 
 use brakewave::branch::EventType;
-use brakewave::model::Parameter;
+use brakewave::tube::model::Parameter;
 
 use crate::branches::{Case, fast_in_mismatch, lengths, speed};
 use crate::observed;

@@ -6,8 +6,8 @@ use brakewave::continuation::Steps;
 use brakewave::continuation::walk::End;
 use brakewave::orbit::follow::Limits;
 
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Damping, Impact, Model};
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Damping, Impact, Model};
 
 use crate::branches::{
     Case, Run, STEPS, fast_in_friction, fast_in_mismatch, regimes, slow_in_mismatch, to_the_end,

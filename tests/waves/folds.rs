@@ -3,9 +3,9 @@
 
 use brakewave::branch::EventType;
 use brakewave::continuation::Steps;
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Model, Parameter};
-use brakewave::wave::start::Which;
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Model, Parameter};
+use brakewave::tube::wave::start::Which;
 
 use crate::branches::{Case, STEPS, fast_in_mismatch, slow_in_mismatch};
 use crate::observed;

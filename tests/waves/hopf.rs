@@ -4,10 +4,10 @@ use brakewave::branch::EventType;
 use brakewave::branch::run::{End, Runner};
 use brakewave::continuation::newton::{System, relative_residual};
 use brakewave::linalg::Matrix;
-use brakewave::model::Parameter;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::parse;
-use brakewave::wave::hopf::{NoHopf, family};
+use brakewave::tube::model::Parameter;
+use brakewave::tube::wave::hopf::{NoHopf, family};
 
 use crate::branches::mode4;
 use crate::observed;

@@ -3,12 +3,12 @@
 use brakewave::branch::EventType::{CO, GR, RV};
 use brakewave::branch::special::Stop;
 use brakewave::continuation::walk::End;
-use brakewave::wave::profile::sample;
+use brakewave::tube::wave::profile::sample;
 
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::signature::Entry;
-use brakewave::model::{Impact, Model, Parameter};
-use brakewave::wave::start::{Which, fold_in_friction};
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::signature::Entry;
+use brakewave::tube::model::{Impact, Model, Parameter};
+use brakewave::tube::wave::start::{Which, fold_in_friction};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 
@@ -165,8 +165,9 @@ fn random_branches_never_want_a_signature() {
             prop_assume!(fold < 10.0);
             let model = model.with(Parameter::Friction, share * fold);
             let which = if slow { Which::Slow } else { Which::Fast };
-            let closed = brakewave::wave::start::slip_stick(&model, mode, which).expect("a wave");
-            let least = brakewave::wave::start::least_mismatch(&model, &closed);
+            let closed =
+                brakewave::tube::wave::start::slip_stick(&model, mode, which).expect("a wave");
+            let least = brakewave::tube::wave::start::least_mismatch(&model, &closed);
             let case = Case {
                 model: model.with(Parameter::Mismatch, 1.2 * least),
                 mode,

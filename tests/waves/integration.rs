@@ -13,7 +13,7 @@
 //! The classical Runge–Kutta method with 20000 steps per period; within the step in which a
 //! condition is passed, bisection on the length of the step.
 
-use brakewave::wave::profile::switches;
+use brakewave::tube::wave::profile::switches;
 
 use crate::branches::{fast_in_mismatch, speed};
 use crate::observed;

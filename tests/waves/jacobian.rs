@@ -10,11 +10,11 @@ use std::collections::BTreeSet;
 
 use brakewave::continuation::newton::System;
 use brakewave::linalg::{Matrix, Vector};
-use brakewave::model::signature::Regime;
-use brakewave::model::{Damping, Model, Parameter};
-use brakewave::wave::Scales;
-use brakewave::wave::Wave;
-use brakewave::wave::start::Which;
+use brakewave::tube::model::signature::Regime;
+use brakewave::tube::model::{Damping, Model, Parameter};
+use brakewave::tube::wave::Scales;
+use brakewave::tube::wave::Wave;
+use brakewave::tube::wave::start::Which;
 
 use crate::branches::{
     Case, STEPS, fast_in_mismatch, slow_in_mismatch, specimens, with_coulomb_impact,

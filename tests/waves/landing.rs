@@ -8,13 +8,13 @@ use brakewave::branch::polish;
 use brakewave::branch::special::{OfWaves, Special};
 use brakewave::continuation::walk::End;
 use brakewave::linalg::Vector;
-use brakewave::model::signature::{Entry, Regime};
-use brakewave::model::{Damping, Impact, Model, Parameter};
 use brakewave::orbit::follow::Limits;
-use brakewave::wave::admissibility::{Watch, examine};
-use brakewave::wave::profile::sample;
-use brakewave::wave::start::Which;
-use brakewave::wave::{Scales, Wave};
+use brakewave::tube::model::signature::{Entry, Regime};
+use brakewave::tube::model::{Damping, Impact, Model, Parameter};
+use brakewave::tube::wave::admissibility::{Watch, examine};
+use brakewave::tube::wave::profile::sample;
+use brakewave::tube::wave::start::Which;
+use brakewave::tube::wave::{Scales, Wave};
 
 use crate::branches::{
     Case, Run, STEPS, mode4, regimes, speed, to_the_end, tube, with_coulomb_impact,

@@ -4,11 +4,11 @@
 use brakewave::branch::EventType::{self, GR, RV, ST};
 use brakewave::branch::orbit::{Follower, Found};
 use brakewave::linalg::Vector;
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Damping, Model, Parameter, Source, signature::Regime};
 use brakewave::orbit::follow::Limits;
-use brakewave::wave::Wave;
-use brakewave::wave::profile::sample;
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Damping, Model, Parameter, Source, signature::Regime};
+use brakewave::tube::wave::Wave;
+use brakewave::tube::wave::profile::sample;
 use nalgebra::{DMatrix, DVector};
 
 use crate::branches::{

@@ -12,8 +12,8 @@
 use brakewave::branch::EventType;
 use brakewave::branch::polish;
 use brakewave::linalg::Vector;
-use brakewave::model::signature::Regime;
-use brakewave::wave::Wave;
+use brakewave::tube::model::signature::Regime;
+use brakewave::tube::wave::Wave;
 
 use crate::branches::{exact, fast_in_mismatch, regimes};
 use crate::observed;
@@ -100,9 +100,9 @@ fn separation_opens_like_a_square_root() {
 /// it. There V̇ − 1 in the zone is far below rounding, and the unknowns are known to 1e-10 only.
 #[test]
 fn a_reverse_zone_closes_at_the_stiff_end() {
-    use brakewave::model::coefficients::Geometry;
-    use brakewave::model::{Model, Parameter};
-    use brakewave::wave::start::Which;
+    use brakewave::tube::model::coefficients::Geometry;
+    use brakewave::tube::model::{Model, Parameter};
+    use brakewave::tube::wave::start::Which;
 
     use crate::branches::Case;
 

@@ -6,9 +6,9 @@ use brakewave::branch::EventType::{self, CO, GR, LP, RV, ST};
 use brakewave::branch::first_wave::first_wave;
 use brakewave::branch::orbit::Found;
 use brakewave::linalg::Vector;
-use brakewave::model::{Model, Parameter};
-use brakewave::wave::Wave;
-use brakewave::wave::start::Which;
+use brakewave::tube::model::{Model, Parameter};
+use brakewave::tube::wave::Wave;
+use brakewave::tube::wave::start::Which;
 
 use crate::branches::{
     Case, STEPS, fast_in_friction, fast_in_mismatch, lengths, regimes, slow_in_mismatch, speed,

@@ -2,9 +2,9 @@
 
 use brakewave::branch::first_wave::first_wave;
 use brakewave::branch::wanted::NoStart;
-use brakewave::model::coefficients::Coefficients;
-use brakewave::model::{Model, Parameter, Source};
-use brakewave::wave::start::{NoWave, Which, slip_stick};
+use brakewave::tube::model::coefficients::Coefficients;
+use brakewave::tube::model::{Model, Parameter, Source};
+use brakewave::tube::wave::start::{NoWave, Which, slip_stick};
 
 use crate::branches::{STEPS, mode4};
 use crate::observed;

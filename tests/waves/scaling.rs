@@ -3,8 +3,8 @@
 //! (α, β) → (α/s, sβ) as well.
 
 use brakewave::continuation::walk::End;
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{Damping, Model, Parameter, Source};
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{Damping, Model, Parameter, Source};
 
 use crate::branches::{
     Case, Run, fast_in_mismatch, lengths, regimes, speed, tube, with_material_damping,

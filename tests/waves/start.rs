@@ -1,8 +1,8 @@
 //! A branch may begin at a mismatch where its wave is not slip-stick any more.
 
 use brakewave::branch::first_wave::first_wave;
-use brakewave::model::Parameter;
-use brakewave::wave::start::Which;
+use brakewave::tube::model::Parameter;
+use brakewave::tube::wave::start::Which;
 
 use crate::branches::{STEPS, fast_in_mismatch, lengths, mode4, speed};
 use crate::observed;

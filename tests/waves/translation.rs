@@ -18,10 +18,10 @@
 //!   those, −V̈/T for m = 1 and −V⃛/T for m = 2, and −U⃛/(2T) after take-off, all at the entry.
 
 use brakewave::continuation::newton::System;
-use brakewave::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet};
 use brakewave::linalg::Matrix;
-use brakewave::model::signature::{Entry, Regime};
-use brakewave::wave::Wave;
+use brakewave::tube::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet};
+use brakewave::tube::model::signature::{Entry, Regime};
+use brakewave::tube::wave::Wave;
 
 use crate::branches::{
     Case, STEPS, exact, fast_in_friction, fast_in_mismatch, slow_in_mismatch, specimens,
@@ -167,7 +167,7 @@ fn sizes(jet: &Jet, entry: &[f64; 2], duration: f64) -> f64 {
 
 /// Whether the switching function of a zone is evaluated by its power series: below one radian,
 /// the norm of the flow times the duration.
-fn is_series(flows: &brakewave::wave::Flows, regime: Regime, duration: f64) -> bool {
+fn is_series(flows: &brakewave::tube::wave::Flows, regime: Regime, duration: f64) -> bool {
     let norm = if regime == Regime::Separation {
         flows.separation().norm()
     } else {

@@ -7,9 +7,9 @@
 use brakewave::branch::EventType::{self, MX, ST};
 use brakewave::branch::special::{Stop, WaveStop};
 use brakewave::continuation::walk::End;
-use brakewave::model::coefficients::Geometry;
-use brakewave::model::{FrictionLaw, Model, Parameter};
-use brakewave::wave::start::Which;
+use brakewave::tube::model::coefficients::Geometry;
+use brakewave::tube::model::{FrictionLaw, Model, Parameter};
+use brakewave::tube::wave::start::Which;
 
 use crate::branches::{Case, Run, fast_in_mismatch, lengths, speed};
 use crate::observed;

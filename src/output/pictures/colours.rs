@@ -6,10 +6,10 @@
 
 use plotters::style::RGBColor;
 
-use crate::model::signature::Regime;
 use crate::output::render::{
     BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, WHITE, hexadecimal, mix,
 };
+use crate::tube::model::signature::Regime;
 
 /// Colours of sequences beyond the commonest ones: indigo, wine, olive, forest, rose, brown, slate.
 const RARE: [RGBColor; 7] = [

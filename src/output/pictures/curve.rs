@@ -2,12 +2,12 @@
 
 use super::names::{event, quantity, short_signature};
 use crate::curve::{self, Curve, Plane, PointType, Region};
-use crate::model::signature::Regimes;
 use crate::orbit::{EventType, Orbit};
 use crate::output::render::{
     Axis, BLACK, BLUE, Extent, Key, Layer, Legend, Mark, Name, Panel, Pen, Picture, Point, Shape,
     VERMILLION,
 };
+use crate::tube::model::signature::Regimes;
 
 /// Size of the marks of special points.
 const MARK: f64 = 4.6;

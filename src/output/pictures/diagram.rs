@@ -8,12 +8,12 @@ use plotters::style::RGBColor;
 
 use super::names::{event, event_mark, quantity, short_signature, signature_colour};
 use super::tables::{Tables, column, kind, number};
-use crate::model::Parameter;
 use crate::orbit::EventType;
 use crate::orbit::Stability;
 use crate::output::store::StoreError;
 use crate::problem::{Plot, Problem};
 use crate::table::Table;
+use crate::tube::model::Parameter;
 
 /// Most signatures in the legend.
 const MOST_NAMED: usize = 9;

@@ -7,11 +7,11 @@
 use super::colours;
 use super::names::{ANGLE, LENGTH, occurring, regime_name};
 use super::profile::{NONE, Profile, Profiles, Sample, Shown};
-use crate::model::signature::Regime;
 use crate::output::render::{
     Axis, BLACK, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
     Tick, WHITE, drawable, mix, number,
 };
+use crate::tube::model::signature::Regime;
 
 /// Height of the largest gap in distances between base lines.
 const PEAK: f64 = 1.25;

@@ -260,8 +260,8 @@ fn read(path: &Path, map: &Map) -> Result<(Vec<Wave>, Vec<Blank>), StoreError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Parameter::{Friction, Mismatch};
     use crate::problem::Start;
+    use crate::tube::model::Parameter::{Friction, Mismatch};
 
     /// White has a legend entry, and only cells that were not reached are hatched.
     #[test]

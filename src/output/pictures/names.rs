@@ -3,11 +3,11 @@
 use plotters::style::RGBColor;
 
 use super::colours;
-use crate::model::Parameter;
-use crate::model::signature::Regime;
 use crate::orbit::EventType;
 use crate::output::render::{BLACK, GREY, Key, Mark, Quantity, Shape, number};
 use crate::problem::Problem;
+use crate::tube::model::Parameter;
+use crate::tube::model::signature::Regime;
 
 /// The quantity in a column of `branch.csv`.
 pub(super) fn quantity(column: &str) -> Quantity {

@@ -7,12 +7,12 @@ use super::diagram::{parameter_axis, pattern_between, same_leg};
 use super::names::quantity;
 use super::simulation;
 use super::tables::{Tables, column, kind};
-use crate::model::Parameter;
 use crate::output::layout;
 use crate::output::render::{Extent, Format, Pattern, number, range};
 use crate::output::store::{Kind, StoreError};
 use crate::problem::{Any, Plot, Problem, SystemPlot, SystemProblem, drawable_columns};
 use crate::table::Table;
+use crate::tube::model::Parameter;
 
 /// A branch as the page draws it.
 pub(crate) struct Drawn {

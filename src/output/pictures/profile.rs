@@ -10,9 +10,9 @@ use plotters::style::RGBColor;
 
 use super::diagram::parameter_axis;
 use super::tables::{Tables, number as cell, read_if_there};
-use crate::model::signature::Regime;
 use crate::output::layout::PROFILES;
 use crate::output::store::{self, StoreError};
+use crate::tube::model::signature::Regime;
 
 /// Most profiles shown in one picture.
 const MOST: usize = 9;

@@ -12,7 +12,6 @@ use super::names::{ANGLE, LENGTH, Named, STRESS, TIME, VELOCITY, zone_keys};
 use super::profile::evenly;
 use super::tables::{column, needed, number, read, read_if_there};
 use super::waves::{STICK, plane};
-use crate::model::signature;
 use crate::output::layout::{END, MEASURES, REGIMES, SERIES, START, snapshot_file};
 use crate::output::simulation::columns;
 use crate::output::store::StoreError;
@@ -21,6 +20,7 @@ use crate::problem::Problem;
 use crate::simulation::line::Regime;
 use crate::simulation::task::Body;
 use crate::table::Table;
+use crate::tube::model::signature;
 
 /// Most rows of a picture of regimes.
 const ROWS: usize = 220;

@@ -2,13 +2,13 @@
 
 use super::names::{Named, RATE, parameters};
 use super::tables::column;
-use crate::model::Parameter;
 use crate::output::render::{
     Axis, BLUE, Extent, GREEN, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point,
     Shape, VERMILLION,
 };
 use crate::problem::Problem;
 use crate::table::Table;
+use crate::tube::model::Parameter;
 
 /// Height of each of two panels.
 const HALF_HEIGHT: f64 = 210.0;

@@ -4,13 +4,13 @@ use super::colours;
 use super::diagram::{NONE, joined, one_way, parameter_axis, same_leg, signature_between};
 use super::names::{ANGLE, occurring, regime_name, sequence, zone_keys};
 use super::tables::{Tables, list, number};
-use crate::model::signature::Regime;
 use crate::output::render::number::significant;
 use crate::output::render::{
     Axis, BLACK, Extent, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point, Shape,
 };
 use crate::output::store::StoreError;
 use crate::table::Table;
+use crate::tube::model::signature::Regime;
 
 /// Most zones of a wave; more are no wave but a spoiled file.
 const MOST: usize = 64;

@@ -13,7 +13,7 @@
 //! each circle: a node is coupled to its eight neighbours and itself by blocks of 2 × 2 that depend
 //! on its radius only. Masses are lumped: a node has the share ∫N r dr dφ.
 
-use crate::model::coefficients::{Geometry, lame};
+use crate::tube::model::coefficients::{Geometry, lame};
 
 /// Coupling of a node to its neighbourhood: `[dr][dφ][row][column]`, offsets −1, 0, 1 stored from 0,
 /// rows and columns u, v.

@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 
 use super::ring::friction::{Coulomb, Friction};
 use super::ring::with_diffusion;
-use crate::model::coefficients::{Geometry, lame};
+use crate::tube::model::coefficients::{Geometry, lame};
 use element::{Circles, circles};
 use rest::{alike, steady};
 

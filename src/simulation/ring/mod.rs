@@ -30,7 +30,7 @@ pub mod kernel;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::model::{Constants, Impact};
+use crate::tube::model::{Constants, Impact};
 use friction::{Coulomb, Friction, Smoothed};
 use kernel::{MOST_REACH, Nodes, STATE, StepConstants, step};
 

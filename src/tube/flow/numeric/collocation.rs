@@ -1,0 +1,550 @@
+//! A zone by Gauss–Legendre collocation on a mesh that follows the solution.
+//!
+//! On an interval of length h the solution is a polynomial of degree m that satisfies the equations
+//! at the m Gauss points c_i; its slopes there, K_i = F(x₀ + h Σ_j a_ij K_j), are the unknowns. The
+//! linear systems are block bidiagonal along the mesh: each interval is condensed to the map from
+//! its left to its right end, with the derivatives carried along. At mesh points the error is O(h^{2m})
+//! (de Boor and Swartz 1973). The mesh equidistributes |x⁽ᵐ⁾|^{1/m}, which the leading coefficients
+//! of the slopes on the mesh before it estimate.
+
+use std::sync::OnceLock;
+
+use super::equations::Field;
+use crate::tube::flow::jet::{Dual, Jet};
+use crate::tube::flow::method::MAX_DEGREE;
+use crate::tube::flow::{FlowError, Unsolved};
+
+/// Gauss points on \[0, 1\] with the integrals of their Lagrange polynomials.
+#[derive(Clone, Debug)]
+struct Gauss {
+    /// a_ij = ∫₀^{c_i} ℓ_j.
+    a: Vec<Vec<f64>>,
+    /// b_j = ∫₀¹ ℓ_j.
+    b: Vec<f64>,
+    /// Coefficients of the leading divided difference, Σ_j d_j K_j = K⁽ᵐ⁻¹⁾/(m − 1)!.
+    leading: Vec<f64>,
+    nodes: Vec<f64>,
+    /// Coefficients of ℓ_j in powers of x.
+    polynomials: Vec<Vec<f64>>,
+}
+
+impl Gauss {
+    fn new(m: usize) -> Gauss {
+        // roots of the Legendre polynomial of degree m on [−1, 1] by Newton's method
+        let legendre = |x: f64| {
+            let (mut before, mut value) = (1.0, x);
+            for n in 1..m {
+                let n = n as f64;
+                (before, value) = (
+                    value,
+                    ((2.0 * n + 1.0) * x * value - n * before) / (n + 1.0),
+                );
+            }
+            (value, m as f64 * (x * value - before) / (x * x - 1.0))
+        };
+        let nodes: Vec<f64> = (0..m)
+            .map(|index| {
+                let turn = (index as f64 + 0.75) / (m as f64 + 0.5);
+                let mut x = -(std::f64::consts::PI * turn).cos();
+                for _ in 0..8 {
+                    let (value, slope) = legendre(x);
+                    x -= value / slope;
+                }
+                0.5 * (1.0 + x)
+            })
+            .collect();
+        // ℓ_j in powers of x, integrated
+        let lagrange = |j: usize| {
+            let mut coefficients = vec![1.0];
+            for (other, node) in nodes.iter().enumerate() {
+                if other == j {
+                    continue;
+                }
+                let scale = 1.0 / (nodes[j] - node);
+                let mut next = vec![0.0; coefficients.len() + 1];
+                for (power, value) in coefficients.iter().enumerate() {
+                    next[power + 1] += value * scale;
+                    next[power] -= value * node * scale;
+                }
+                coefficients = next;
+            }
+            coefficients
+        };
+        let polynomials: Vec<Vec<f64>> = (0..m).map(lagrange).collect();
+        let integral = |j: usize, to: f64| {
+            let sum = polynomials[j].iter().enumerate().rev();
+            to * sum.fold(0.0, |sum, (power, value)| {
+                sum * to + value / (power as f64 + 1.0)
+            })
+        };
+        Gauss {
+            a: nodes
+                .iter()
+                .map(|node| (0..m).map(|j| integral(j, *node)).collect())
+                .collect(),
+            b: (0..m).map(|j| integral(j, 1.0)).collect(),
+            leading: polynomials.iter().map(|values| values[m - 1]).collect(),
+            nodes,
+            polynomials,
+        }
+    }
+
+    /// ℓ_j at x.
+    fn lagrange(&self, j: usize, x: f64) -> f64 {
+        let powers = self.polynomials[j].iter().rev();
+        powers.fold(0.0, |sum, power| sum * x + power)
+    }
+
+    fn of_degree(m: usize) -> &'static Gauss {
+        static TABLES: OnceLock<Vec<Gauss>> = OnceLock::new();
+        let tables = TABLES.get_or_init(|| (1..=MAX_DEGREE).map(Gauss::new).collect());
+        &tables[m.clamp(1, MAX_DEGREE) - 1]
+    }
+}
+
+/// A mesh and the degree of the polynomials.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mesh {
+    /// Number of mesh intervals in a zone.
+    pub intervals: usize,
+    /// Collocation points in an interval.
+    pub degree: usize,
+    /// How often the mesh is moved, from an equidistant one: a fixed number, so that the end of a
+    /// zone remains a smooth function of its beginning.
+    pub passes: usize,
+}
+
+/// Newton iterations for the slopes of one interval.
+const MOST_ITERATIONS: usize = 60;
+
+/// A correction is halved down to this fraction of itself to make the residual fall.
+const SHORTEST_CORRECTION: f64 = 1e-3;
+
+/// Last correction of the slopes, relative to the largest: rounding of a small linear system. Where only
+/// a mesh is wanted it is that of the second constant, whose square is the error left.
+const CORRECTION: f64 = 1e-13;
+const MESH_CORRECTION: f64 = 1e-6;
+
+/// Slopes carried on from the interval before are taken for a first guess where their equations hold to
+/// this, relative to the slopes; elsewhere the slope at the left end is.
+const CARRIED: f64 = 0.1;
+
+/// LU factors of the linear system of one interval, in storage used again for every other one.
+struct Local {
+    /// Column by column: L below the diagonal, whose own diagonal is one, U above it, and in its place the
+    /// inverse of that of U.
+    entries: Vec<f64>,
+    pivots: Vec<usize>,
+}
+
+/// x − factor·y, in place.
+fn subtract(x: &mut [f64], factor: f64, y: &[f64]) {
+    x.iter_mut().zip(y).for_each(|(x, y)| *x -= factor * y);
+}
+
+/// Calls a function for matrices of a size with that size as a constant, so that its loops are unrolled:
+/// sizes are D·m, for D = 2 or 4 equations and m ≤ [`MAX_DEGREE`] Gauss points.
+macro_rules! of_size {
+    ($size:expr, $N:ident => $call:expr, $otherwise:expr) => {
+        of_size!($size, $N => $call, $otherwise, 2 4 6 8 10 12 14 16 20 24 28)
+    };
+    ($size:expr, $N:ident => $call:expr, $otherwise:expr, $($known:literal)*) => {
+        match $size {
+            $($known => {
+                const $N: usize = $known;
+                $call
+            })*
+            _ => $otherwise,
+        }
+    };
+}
+
+impl Local {
+    fn new(size: usize) -> Local {
+        Local {
+            entries: vec![0.0; size * size],
+            pivots: vec![0; size],
+        }
+    }
+
+    /// Factorises in place, with partial pivoting. False when the matrix is singular.
+    fn factorise(&mut self) -> bool {
+        let n = self.pivots.len();
+        let entries = &mut self.entries;
+        of_size!(n, N => factorise(entries.as_chunks_mut::<N>().0, &mut self.pivots), false)
+    }
+
+    fn solve(&self, right: &mut [f64]) {
+        let n = self.pivots.len();
+        of_size!(n, N => solve(self.entries.as_chunks::<N>().0, &self.pivots, right), ())
+    }
+}
+
+fn factorise<const N: usize>(columns: &mut [[f64; N]], pivots: &mut [usize]) -> bool {
+    for k in 0..N {
+        let diagonal = &columns[k];
+        let larger = |one: usize, other: usize| {
+            let larger = diagonal[other].abs() > diagonal[one].abs();
+            if larger { other } else { one }
+        };
+        let pivot = (k + 1..N).fold(k, larger);
+        if diagonal[pivot] == 0.0 {
+            return false;
+        }
+        pivots[k] = pivot;
+        columns.iter_mut().for_each(|column| column.swap(k, pivot));
+        let (known, rest) = columns.split_at_mut(k + 1);
+        let column = &mut known[k];
+        let inverse = 1.0 / column[k];
+        column[k] = inverse;
+        column[k + 1..]
+            .iter_mut()
+            .for_each(|entry| *entry *= inverse);
+        // zeros above the diagonal let the whole column be subtracted at once
+        let mut below = *column;
+        below[..=k].fill(0.0);
+        for other in rest {
+            let factor = other[k];
+            subtract(other, factor, &below);
+        }
+    }
+    true
+}
+
+fn solve<const N: usize>(columns: &[[f64; N]], pivots: &[usize], right: &mut [f64]) {
+    for (row, pivot) in pivots.iter().enumerate() {
+        right.swap(row, *pivot);
+    }
+    for (k, column) in columns.iter().enumerate() {
+        let factor = right[k];
+        subtract(&mut right[k + 1..], factor, &column[k + 1..]);
+    }
+    for (k, column) in columns.iter().enumerate().rev() {
+        right[k] *= column[k];
+        let factor = right[k];
+        subtract(&mut right[..k], factor, &column[..k]);
+    }
+}
+
+/// The solution on the intervals of a mesh, one after the other.
+struct Solver<'a, const D: usize, F> {
+    frozen: &'a F,
+    gauss: &'a Gauss,
+    /// x at the right end of the interval solved last.
+    end: [f64; D],
+    /// Slopes at its Gauss points.
+    slopes: Vec<[f64; D]>,
+    /// Its length; zero before the first.
+    length: f64,
+    /// Of the linear system of the last Newton iteration.
+    local: Local,
+    trial: Vec<[f64; D]>,
+    /// Rates at the Gauss points with their derivatives in x, and the residuals of the equations.
+    rates: Vec<[Dual<D>; D]>,
+    right: Vec<f64>,
+    step: Vec<f64>,
+}
+
+fn largest(numbers: &[f64]) -> f64 {
+    let numbers = numbers.iter();
+    numbers.fold(0.0, |size: f64, number| size.max(number.abs()))
+}
+
+fn square(numbers: &[f64]) -> f64 {
+    numbers.iter().map(|number| number * number).sum()
+}
+
+impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
+    fn new(frozen: &'a F, gauss: &'a Gauss) -> Self {
+        let m = gauss.b.len();
+        Solver {
+            frozen,
+            gauss,
+            end: [0.0; D],
+            slopes: vec![[0.0; D]; m],
+            length: 0.0,
+            local: Local::new(m * D),
+            trial: vec![[0.0; D]; m],
+            rates: vec![[Dual::constant(0.0); D]; m],
+            right: vec![0.0; m * D],
+            step: vec![0.0; m * D],
+        }
+    }
+
+    /// x at Gauss point `i`, from the slopes at all of them.
+    fn stage(&self, from: &[f64; D], h: f64, slopes: &[[f64; D]], i: usize) -> [f64; D] {
+        std::array::from_fn(|row| {
+            let pairs = self.gauss.a[i].iter().zip(slopes);
+            from[row] + h * pairs.map(|(a, slope)| a * slope[row]).sum::<f64>()
+        })
+    }
+
+    /// Rates and residuals at the trial slopes.
+    fn evaluate(&mut self, from: &[f64; D], h: f64) {
+        for i in 0..self.trial.len() {
+            let at = self.stage(from, h, &self.trial, i);
+            let rate = self.frozen.rate(&std::array::from_fn(|row| {
+                let mut x = Dual::constant(at[row]);
+                x.by[row] = 1.0;
+                x
+            }));
+            let right = self.right[i * D..].iter_mut();
+            for ((right, rate), slope) in right.zip(&rate).zip(&self.trial[i]) {
+                *right = rate.value - slope;
+            }
+            self.rates[i] = rate;
+        }
+    }
+
+    /// Solves the next interval, of length h; `enough` is the last correction.
+    fn interval(&mut self, h: f64, enough: f64) -> Result<(), Unsolved> {
+        let from = self.end;
+        if !self.carry_on(&from, h) {
+            let first = self.frozen.rate(&from.map(Dual::constant));
+            self.trial.fill(first.map(|rate| rate.value));
+            self.evaluate(&from, h);
+        }
+        self.correct(&from, h, enough)
+    }
+
+    /// Takes the polynomial of the interval before, carried on into one of length h, for a guess.
+    fn carry_on(&mut self, from: &[f64; D], h: f64) -> bool {
+        let gauss = self.gauss;
+        if self.length == 0.0 {
+            return false;
+        }
+        for (trial, node) in self.trial.iter_mut().zip(&gauss.nodes) {
+            let x = 1.0 + node * h / self.length;
+            *trial = [0.0; D];
+            for (j, slope) in self.slopes.iter().enumerate() {
+                subtract(trial, -gauss.lagrange(j, x), slope);
+            }
+        }
+        self.evaluate(from, h);
+        square(&self.right) <= CARRIED * CARRIED * square(self.trial.as_flattened())
+    }
+
+    /// Newton's method for the slopes, from those tried.
+    fn correct(&mut self, from: &[f64; D], h: f64, enough: f64) -> Result<(), Unsolved> {
+        let gauss = self.gauss;
+        let n = self.right.len();
+        self.slopes.copy_from_slice(&self.trial);
+        self.length = h;
+        let mut before = f64::INFINITY;
+        for _ in 0..MOST_ITERATIONS {
+            let columns = self.local.entries.chunks_exact_mut(n);
+            for (index, column) in columns.enumerate() {
+                let (j, by) = (index / D, index % D);
+                let rows = column.chunks_exact_mut(D).zip(&self.rates);
+                for ((rows, rates), a) in rows.zip(&gauss.a) {
+                    for (entry, rate) in rows.iter_mut().zip(rates) {
+                        *entry = -h * a[j] * rate.by[by];
+                    }
+                }
+                column[index] += 1.0;
+            }
+            if !self.local.factorise() {
+                return Err(Unsolved::Singular);
+            }
+            self.step.copy_from_slice(&self.right);
+            self.local.solve(&mut self.step);
+            // the full correction is what convergence is measured by
+            let correction = largest(&self.step);
+            if !correction.is_finite() || self.step.iter().any(|step| step.is_nan()) {
+                return Err(Unsolved::Diverges);
+            }
+            let corrected =
+                |trial: &mut [[f64; D]], slopes: &[[f64; D]], factor: f64, step: &[f64]| {
+                    let slopes = slopes.as_flattened().iter().zip(step);
+                    for (trial, (slope, step)) in trial.as_flattened_mut().iter_mut().zip(slopes) {
+                        *trial = slope + factor * step;
+                    }
+                };
+            corrected(&mut self.trial, &self.slopes, 1.0, &self.step);
+            let size = largest(self.trial.as_flattened()).max(f64::MIN_POSITIVE);
+            // at rounding, or no longer shrinking next to it
+            let rounded = correction >= 0.5 * before && correction <= 1e3 * CORRECTION * size;
+            if correction <= enough * size || rounded {
+                self.slopes.copy_from_slice(&self.trial);
+                self.end = std::array::from_fn(|row| {
+                    let pairs = gauss.b.iter().zip(&self.slopes);
+                    from[row] + h * pairs.map(|(b, slope)| b * slope[row]).sum::<f64>()
+                });
+                return Ok(());
+            }
+            let residual = square(&self.right);
+            let mut factor = 1.0;
+            loop {
+                self.evaluate(from, h);
+                // friction that changes within ε of V̇ = 1 needs damping; at rounding nothing falls
+                if square(&self.right) < residual || factor < SHORTEST_CORRECTION {
+                    break;
+                }
+                factor *= 0.5;
+                corrected(&mut self.trial, &self.slopes, factor, &self.step);
+            }
+            self.slopes.copy_from_slice(&self.trial);
+            before = correction;
+        }
+        Err(Unsolved::NotConverged)
+    }
+
+    /// Carries the derivatives of the start and of the zone's unknowns over the interval solved last:
+    /// K_i′ − h Σ a_ij J_i K_j′ = J_i x₀′ + ∂F/∂(zone).
+    fn derivatives(&mut self, field: &impl Field<D, Jet>, start: &[Jet; D]) -> [Jet; D] {
+        let h = self.length;
+        let from = start.map(|jet| jet.value);
+        let mut end: [Jet; D] = std::array::from_fn(|row| Jet {
+            value: self.end[row],
+            by: start[row].by,
+        });
+        let rates: Vec<[Jet; D]> = (0..self.slopes.len())
+            .map(|i| {
+                let at = self.stage(&from, h, &self.slopes, i);
+                field.rate(&std::array::from_fn(|row| Jet {
+                    value: at[row],
+                    by: start[row].by,
+                }))
+            })
+            .collect();
+        for index in 0..5 {
+            let entries = self.step.iter_mut().zip(rates.as_flattened());
+            entries.for_each(|(entry, rate)| *entry = rate.by[index]);
+            self.local.solve(&mut self.step);
+            for (row, jet) in end.iter_mut().enumerate() {
+                let slopes = self.step.chunks_exact(D).map(|slopes| slopes[row]);
+                let pairs = self.gauss.b.iter().zip(slopes);
+                jet.by[index] += h * pairs.map(|(b, slope)| b * slope).sum::<f64>();
+            }
+        }
+        end
+    }
+}
+
+/// The mesh that equidistributes |x⁽ᵐ⁾|^{1/m}, as the solution on the mesh `points` shows it.
+fn adapted<const D: usize>(
+    frozen: &impl Field<D, Dual<D>>,
+    points: &[f64],
+    gauss: &Gauss,
+) -> Result<Vec<f64>, Unsolved> {
+    let count = points.len() - 1;
+    let m = gauss.b.len();
+    let mut solver = Solver::new(frozen, gauss);
+    let mut derivative: Vec<[f64; D]> = Vec::with_capacity(count);
+    let mut largest = [0.0_f64; D];
+    for pair in points.windows(2) {
+        let h = pair[1] - pair[0];
+        solver.interval(h, MESH_CORRECTION)?;
+        let scale = h.powi(1 - m as i32);
+        derivative.push(std::array::from_fn(|row| {
+            let sum: f64 = (solver.slopes.iter().zip(&gauss.leading))
+                .map(|(slope, factor)| factor * slope[row])
+                .sum();
+            sum.abs() * scale
+        }));
+        for (largest, value) in largest.iter_mut().zip(&solver.end) {
+            *largest = largest.max(value.abs());
+        }
+    }
+    let density: Vec<f64> = derivative
+        .iter()
+        .map(|values| {
+            let size = values
+                .iter()
+                .zip(&largest)
+                .map(|(value, largest)| value / largest.max(f64::MIN_POSITIVE))
+                .fold(0.0, f64::max);
+            size.powf(1.0 / m as f64)
+        })
+        .collect();
+    let width = |index: usize| points[index + 1] - points[index];
+    let mean: f64 = (0..count).map(|index| density[index] * width(index)).sum();
+    // neighbours and a floor smooth the density: the mesh then moves little from wave to wave
+    let mass: Vec<f64> = (0..count)
+        .map(|index| {
+            let left = density[index.saturating_sub(1)];
+            let right = density[(index + 1).min(count - 1)];
+            let smooth = 0.25 * (left + 2.0 * density[index] + right) + 0.5 * mean;
+            (smooth + f64::MIN_POSITIVE) * width(index)
+        })
+        .collect();
+    let total: f64 = mass.iter().sum();
+    let mut moved = Vec::with_capacity(count + 1);
+    moved.push(0.0);
+    let (mut index, mut passed) = (0, 0.0);
+    for number in 1..count {
+        let wanted = total * number as f64 / count as f64;
+        while passed + mass[index] < wanted && index + 1 < count {
+            passed += mass[index];
+            index += 1;
+        }
+        moved.push(points[index] + width(index) * (wanted - passed) / mass[index]);
+    }
+    moved.push(1.0);
+    Ok(moved)
+}
+
+/// x(1) of dx/dτ = F(x), x(0) = 0, with all derivatives of `field`; `frozen` is the same field
+/// without derivatives.
+pub(crate) fn jets<const D: usize>(
+    field: &impl Field<D, Jet>,
+    frozen: &impl Field<D, Dual<D>>,
+    mesh: Mesh,
+    duration: f64,
+) -> Result<[Jet; D], FlowError> {
+    let solve = || {
+        let gauss = Gauss::of_degree(mesh.degree);
+        let mut x = [Jet::default(); D];
+        let mut solver = Solver::new(frozen, gauss);
+        for pair in mesh_points(frozen, mesh, gauss)?.windows(2) {
+            solver.interval(pair[1] - pair[0], CORRECTION)?;
+            x = solver.derivatives(field, &x);
+        }
+        Ok(x)
+    };
+    solve().map_err(|reason| FlowError::Integration { duration, reason })
+}
+
+fn mesh_points<const D: usize>(
+    frozen: &impl Field<D, Dual<D>>,
+    mesh: Mesh,
+    gauss: &Gauss,
+) -> Result<Vec<f64>, Unsolved> {
+    let count = mesh.intervals.max(1);
+    let mut points: Vec<f64> = (0..=count)
+        .map(|index| index as f64 / count as f64)
+        .collect();
+    for _ in 0..mesh.passes {
+        points = adapted(frozen, &points, gauss)?;
+    }
+    Ok(points)
+}
+
+/// The solution at the mesh points, with their τ.
+pub(crate) fn at_mesh_points<const D: usize>(
+    frozen: &impl Field<D, Dual<D>>,
+    mesh: Mesh,
+    duration: f64,
+) -> Result<Vec<(f64, [f64; D])>, FlowError> {
+    let solve = || {
+        let gauss = Gauss::of_degree(mesh.degree);
+        let mut solver = Solver::new(frozen, gauss);
+        let mut solution = vec![(0.0, solver.end)];
+        for pair in mesh_points(frozen, mesh, gauss)?.windows(2) {
+            solver.interval(pair[1] - pair[0], CORRECTION)?;
+            solution.push((pair[1], solver.end));
+        }
+        Ok(solution)
+    };
+    solve().map_err(|reason| FlowError::Integration { duration, reason })
+}
+
+/// x(1) without derivatives.
+pub(crate) fn values<const D: usize>(
+    frozen: &impl Field<D, Dual<D>>,
+    mesh: Mesh,
+    duration: f64,
+) -> Result<[f64; D], FlowError> {
+    let solution = at_mesh_points(frozen, mesh, duration)?;
+    Ok(solution.last().map_or([0.0; D], |(_, x)| *x))
+}

@@ -1,0 +1,107 @@
+//! Friction that depends on the velocity along a zone, as perturbations see it: F = fκS and E = f·dS/dV̇·P as power
+//! series in time, and the coefficients of the equation that [`super::sliding`] solves with them.
+
+use crate::tube::flow::numeric::series::{Piece, Series, at};
+
+/// Friction along a zone.
+#[derive(Clone, Debug)]
+pub(super) struct Course {
+    /// In the order of time, without gaps.
+    pub(super) segments: Vec<Segment>,
+    /// Mean of F over the zone.
+    pub(super) force: f64,
+    /// Mean of E over the zone.
+    pub(super) drag: f64,
+    /// Largest |E|/m_a: what is fast against it sees the mean.
+    pub(super) steepest: f64,
+}
+
+/// A part of a zone over which Δ is a power series in (time − start)/duration.
+#[derive(Clone, Debug)]
+pub(super) struct Segment {
+    pub(super) piece: Piece,
+    /// Δ less ãλ²/m_a²: the coefficient of λ, and what does not depend on λ.
+    pub(super) linear: Series,
+    pub(super) constant: Series,
+    /// Bounds of these two: the sums of |term|.
+    pub(super) sizes: [f64; 2],
+}
+
+/// ∫ of a series from 0 to `to`.
+fn integral(series: &Series, to: f64) -> f64 {
+    let terms = series.iter().enumerate().rev();
+    let sum = terms.fold(0.0, |sum, (n, term)| sum * to + term / (n as f64 + 1.0));
+    sum * to
+}
+
+impl Course {
+    /// From the pieces of a zone, with ã, m_a, h and α.
+    pub(super) fn new(pieces: Vec<Piece>, [a, ma, h, alpha]: [f64; 4]) -> Course {
+        let mean = |of: fn(&Piece) -> &Series| -> f64 {
+            let duration: f64 = pieces.iter().map(|piece| piece.duration).sum();
+            let sum: f64 = pieces
+                .iter()
+                .map(|piece| integral(of(piece), 1.0) * piece.duration)
+                .sum();
+            if duration > 0.0 { sum / duration } else { 0.0 }
+        };
+        let (force, drag) = (mean(|piece| &piece.force), mean(|piece| &piece.drag));
+        let largest = |piece: &Piece| piece.drag[0].abs().max(at(&piece.drag, 1.0).abs());
+        let steepest = pieces.iter().map(largest).fold(0.0, f64::max) / ma;
+        let segments = pieces
+            .into_iter()
+            .map(|piece| {
+                let (force, drag) = (&piece.force, &piece.drag);
+                // α − F − E
+                let mut resistance: Series = std::array::from_fn(|n| -force[n] - drag[n]);
+                resistance[0] += alpha;
+                let mut linear: Series = std::array::from_fn(|n| -force[n] - a * drag[n]);
+                linear[0] += a * alpha;
+                let mut constant: Series = std::array::from_fn(|n| {
+                    let square: f64 = (0..=n).map(|k| resistance[k] * resistance[n - k]).sum();
+                    let next = resistance.get(n + 1).copied().unwrap_or(0.0);
+                    0.25 * square + 0.5 * ma * (n as f64 + 1.0) * next / piece.duration
+                });
+                constant[0] -= ma * h;
+                let over = |series: Series| series.map(|term| term / (ma * ma));
+                let (linear, constant) = (over(linear), over(constant));
+                let size = |series: &Series| series.iter().map(|term| term.abs()).sum();
+                Segment {
+                    sizes: [size(&linear), size(&constant)],
+                    piece,
+                    linear,
+                    constant,
+                }
+            })
+            .collect();
+        Course {
+            segments,
+            force,
+            drag,
+            steepest,
+        }
+    }
+
+    /// F and E at a time.
+    pub(super) fn at(&self, time: f64) -> [f64; 2] {
+        let index = self
+            .segments
+            .partition_point(|segment| segment.piece.start <= time)
+            .saturating_sub(1);
+        self.segments.get(index).map_or([0.0; 2], |segment| {
+            let piece = &segment.piece;
+            let x = (time - piece.start) / piece.duration;
+            [&piece.force, &piece.drag].map(|series| at(series, x))
+        })
+    }
+
+    /// ∫(F + E) up to a time.
+    pub(super) fn pushed(&self, time: f64) -> f64 {
+        let parts = self.segments.iter().map(|segment| {
+            let piece = &segment.piece;
+            let share = ((time - piece.start) / piece.duration).clamp(0.0, 1.0);
+            (integral(&piece.force, share) + integral(&piece.drag, share)) * piece.duration
+        });
+        parts.sum()
+    }
+}
