@@ -132,7 +132,7 @@ pub fn finest() -> String {
     let text = problem("mode4_mismatch.ron");
     let text = changed(&text, "range: (0.0003, 0.2)", "range: (0.0003, 0.21)");
     // both legs have a start and an end; the count of them has to survive a kill
-    let steps = "toward: Both, ds_max: 2e-4, stop_after: [(event: EP, count: 4)]";
+    let steps = "toward: Both, ds_max: 5e-4, stop_after: [(event: EP, count: 4)]";
     let text = changed(&text, "toward: Down", steps);
     // the switches of so many points would make a picture of megabytes
     let text = changed(&text, "Column(\"switches\"), ", "");

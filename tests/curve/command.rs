@@ -187,7 +187,7 @@ fn a_killed_curve_resumes_to_the_same_bytes() {
     let file = path("p.ron");
     fs::write(
         &file,
-        text.replace("parameters: (", "ds_max: 0.01, parameters: ("),
+        text.replace("parameters: (", "ds_max: 0.02, parameters: ("),
     )
     .unwrap();
     let file = file.to_str().unwrap();

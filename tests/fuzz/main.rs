@@ -23,7 +23,7 @@ mod systems;
 mod watch;
 
 /// Inputs of one run of all targets together, unless `BRAKEWAVE_FUZZ_INPUTS` says otherwise.
-const INPUTS: usize = 80;
+const INPUTS: usize = 40;
 
 /// A number from the environment.
 fn setting(name: &str, default: usize) -> usize {

@@ -8,7 +8,7 @@ fn small() -> String {
     problem(
         "map: (first: (parameter: Friction, range: (0.2, 1.05)), \
          second: (parameter: Mismatch, range: (0.03, 0.2)), \
-         points: Grid(rows: 9, columns: 11), starts: [Fast, Slow])",
+         points: Grid(rows: 9, columns: 7), starts: [Fast, Slow])",
     )
 }
 
