@@ -28,6 +28,16 @@ impl<T> Default for Ordered<T> {
     }
 }
 
+impl<T: Into<U>, U, const N: usize> From<[(&str, T); N]> for Ordered<U> {
+    fn from(entries: [(&str, T); N]) -> Ordered<U> {
+        Ordered(
+            entries
+                .map(|(name, value)| (name.to_owned(), value.into()))
+                .into(),
+        )
+    }
+}
+
 impl<T> Ordered<T> {
     /// The index of a name.
     pub fn index(&self, name: &str) -> Option<usize> {
@@ -321,6 +331,12 @@ impl System {
             sliding,
             source,
         })
+    }
+
+    /// Values of the parameters, in the order of the file.
+    pub fn values(&self) -> Vec<f64> {
+        let parameters = self.source.parameters.0.iter();
+        parameters.map(|(_, value)| *value).collect()
     }
 
     /// Names of the modes of the file, then of the sliding ones.

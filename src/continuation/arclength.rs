@@ -31,6 +31,17 @@ pub struct Steps {
     pub tolerance: f64,
 }
 
+impl Default for Steps {
+    fn default() -> Steps {
+        Steps {
+            ds: DEFAULT_DS,
+            ds_min: DEFAULT_DS_MIN,
+            ds_max: DEFAULT_DS_MAX,
+            tolerance: DEFAULT_TOLERANCE,
+        }
+    }
+}
+
 /// A step turns the tangent by at most this angle (radians), or it is repeated shorter: events
 /// are watched at its ends only, and a function that turns less cannot hide a pair of them from
 /// the interpolation that looks for it.
@@ -185,29 +196,66 @@ pub fn advance<S: System>(
     })
 }
 
+/// A zero curve step by step: where each step sets out and where it comes to, as long as there are steps.
+/// [`Walker`](super::walk::Walker) does more: it also meets what happens on the way.
+pub struct Path<'a, S> {
+    system: &'a S,
+    node: Node,
+    steps: Steps,
+}
+
+impl<'a, S: System> Path<'a, S> {
+    /// From a point of the zero set, toward greater values of the parameter or toward smaller ones; `None` where
+    /// the system cannot be evaluated or its Jacobian has no full rank.
+    pub fn from(system: &'a S, point: Vector, up: bool, steps: Steps) -> Option<Path<'a, S>> {
+        let node = Node::on(system, point)?;
+        let is_up = node.tangent[node.tangent.len() - 1] > 0.0;
+        let node = if is_up == up { node } else { node.backwards() };
+        Some(Path {
+            system,
+            node,
+            steps,
+        })
+    }
+}
+
+impl<S: System> Iterator for Path<'_, S> {
+    type Item = [Node; 2];
+
+    fn next(&mut self) -> Option<[Node; 2]> {
+        let Steps { ds_min, ds_max, .. } = self.steps;
+        let mut ds = self.steps.ds.clamp(ds_min, ds_max);
+        loop {
+            match advance(self.system, &self.node, ds, self.steps.tolerance) {
+                Ok(step) => {
+                    self.steps.ds = step.next;
+                    let from = std::mem::replace(&mut self.node, step.node);
+                    return Some([from, self.node.clone()]);
+                }
+                Err(_) if ds <= ds_min => return None,
+                Err(_) => ds = (0.5 * ds).max(ds_min),
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::continuation::circle::Circle;
-    use crate::continuation::newton::Fixed;
 
     /// Round both folds and back to the start; every point lies on the circle to rounding.
     #[test]
     fn follows_a_circle_round_its_folds() {
-        let along = Vector::from_vec(vec![0.0, 1.0]);
-        let guess = Vector::from_vec(vec![1.0, 0.0]);
-        let mut fixed = Fixed {
-            index: 1,
-            value: 0.0,
+        let steps = Steps {
+            ds: 0.05,
+            ds_max: 0.1,
+            ..Steps::default()
         };
-        let settings = newton::Settings::default();
-        let (mut node, _) = correct(&Circle, &mut fixed, &guess, &along, &settings).unwrap();
-        let mut ds: f64 = 0.05;
+        let begin = Vector::from_vec(vec![1.0, 0.0]);
+        let path = Path::from(&Circle, begin, true, steps).unwrap();
         let (mut turned, mut last) = (0.0, 0.0_f64);
-        for _ in 0..1000 {
-            let step = advance(&Circle, &node, ds, 1e-10).unwrap();
-            node = step.node;
-            ds = step.next.min(0.1);
+        for [_, node] in path.take(1000) {
             assert!((node.point.norm() - 1.0).abs() < 4.0 * f64::EPSILON);
             let angle = node.point[1].atan2(node.point[0]);
             turned += (angle - last).rem_euclid(std::f64::consts::TAU);

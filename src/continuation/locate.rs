@@ -119,6 +119,33 @@ pub fn zero_along<S: System>(
     Some((Place { s, node, blur: 0.0 }, here))
 }
 
+/// Slope of the parameter along the arc at which a fold counts as found. The parameter is
+/// quadratic there, so its error is of order 1e-26; speed and zone lengths are linear, with an
+/// error near 1e-13.
+pub(crate) const FOLD_SLOPE: f64 = 1e-13;
+
+/// The fold between two places s of a step with slopes of the parameter of different signs, and the slope found:
+/// the zero of the last component of the tangent.
+pub fn fold<S: System>(
+    system: &S,
+    from: &Node,
+    (low, high): ((f64, f64), (f64, f64)),
+    tolerance: f64,
+) -> Option<(Place, f64)> {
+    let small = (FOLD_SLOPE, 4.0 * f64::EPSILON * high.0);
+    let slope = |node: &Node| node.tangent.iter().last().copied();
+    zero_along(system, from, (low, high), small, tolerance, slope)
+}
+
+/// The fold within a step, where the parameter turns back between its ends.
+pub fn turning<S: System>(system: &S, [from, to]: &[Node; 2], tolerance: f64) -> Option<Place> {
+    let last = from.tangent.len() - 1;
+    let length = from.tangent.dot(&(&to.point - &from.point));
+    let (low, high) = ((0.0, from.tangent[last]), (length, to.tangent[last]));
+    let fold = (low.1 * high.1 < 0.0).then(|| fold(system, from, (low, high), tolerance));
+    fold.flatten().map(|(place, _)| place)
+}
+
 /// A function that is positive at both ends of a step: its value and its slope along the curve at either end.
 pub(crate) type Ends = [(f64, f64); 2];
 

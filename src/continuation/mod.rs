@@ -16,4 +16,6 @@ pub mod newton;
 pub mod walk;
 pub mod zero;
 
-pub use arclength::{DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE, Node, Steps};
+pub use arclength::{
+    DEFAULT_DS, DEFAULT_DS_MAX, DEFAULT_DS_MIN, DEFAULT_TOLERANCE, Node, Path, Steps,
+};

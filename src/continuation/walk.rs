@@ -311,6 +311,19 @@ impl<C: Curve> Walker<C> {
         }
     }
 
+    /// The points of the curve in their order, to its end.
+    pub fn points(mut self) -> impl Iterator<Item = C::Found> {
+        let mut ended = false;
+        let steps = std::iter::from_fn(move || {
+            (!ended).then(|| {
+                let (found, end) = self.step();
+                ended = end.is_some();
+                found
+            })
+        });
+        steps.flatten()
+    }
+
     /// One step of length `ds`, or as far as to the least value between two zeros. Refused where a function
     /// seems to vanish twice and the step may be `shorter`.
     #[allow(clippy::type_complexity)] // points and end, as of `step`

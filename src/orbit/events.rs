@@ -41,11 +41,6 @@ const VERTICAL: f64 = 1e-7;
 /// Parts of a step after which the direction of the parameter is looked for.
 const NEAR: [f64; 3] = [1e-3, 1e-2, 1e-1];
 
-/// Slope of the parameter along the arc at which a fold counts as found. The parameter is
-/// quadratic there, so its error is of order 1e-26; speed and zone lengths are linear, with an
-/// error near 1e-13.
-const FOLD_SLOPE: f64 = 1e-13;
-
 /// Part of a step over which the slope of a tangent is taken as a difference.
 const DIFFERENCE: f64 = 1e-4;
 
@@ -155,7 +150,7 @@ pub(super) fn within<O: Orbit>(
         let rounding = |place: &Place| blur(orbit, step, &at.margin, place);
         take(least, Close::Margin(orbit.held(before)), &rounding);
     }
-    take(folds(orbit, step), Close::Fold, &|_| FOLD_SLOPE);
+    take(folds(orbit, step), Close::Fold, &|_| locate::FOLD_SLOPE);
     if pair.is_finite() {
         return Within::Pair(pair);
     }
@@ -265,10 +260,7 @@ fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, Located<O>
     if low.1 * high.1 >= 0.0 {
         return Some(None);
     }
-    let slope_at = |node: &Node| Some(node.tangent[last]);
-    let small = (FOLD_SLOPE, 4.0 * f64::EPSILON * step.ds);
-    let (place, slope) =
-        locate::zero_along(orbit, step.from, (low, high), small, tolerance, slope_at)?;
+    let (place, slope) = locate::fold(orbit, step.from, (low, high), tolerance)?;
     let mut plane = Plane {
         normal: &step.from.tangent,
         through: &place.node.point,

@@ -28,6 +28,15 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// A range without user points, with the steps that are taken where none are given.
+    pub fn within(range: (f64, f64)) -> Limits {
+        Limits {
+            range,
+            stop_at: Vec::new(),
+            steps: Steps::default(),
+        }
+    }
+
     /// With every user point once, in order: a step then looks at those within it only.
     fn ordered(mut self) -> Limits {
         self.stop_at.sort_by(f64::total_cmp);

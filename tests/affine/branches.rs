@@ -37,27 +37,20 @@ pub fn follow(
             tolerance: 1e-10,
         },
     };
-    let mut follower = Follower::new(orbit.clone(), point, up, limits).unwrap();
-    let (mut seen, mut all) = (Vec::new(), Vec::new());
-    loop {
-        let (found, end) = follower.step();
-        for one in found {
-            if let Some(special) = &one.special {
-                seen.push(Seen {
-                    kind: special.kind(),
-                    value: one.parameter,
-                    what: match special.after() {
-                        Some(after) => format!("{} > {after}", one.orbit.sequence),
-                        None => one.orbit.sequence.to_string(),
-                    },
-                });
-            }
-            all.push(one);
-        }
-        if end.is_some() || all.len() > most {
-            return (seen, all);
-        }
-    }
+    let follower = Follower::new(orbit.clone(), point, up, limits).unwrap();
+    let all: Vec<_> = follower.points().take(most).collect();
+    let special = all
+        .iter()
+        .filter_map(|one| one.special.as_ref().map(|special| (one, special)));
+    let seen = special.map(|(one, special)| Seen {
+        kind: special.kind(),
+        value: one.parameter,
+        what: match special.after() {
+            Some(after) => format!("{} > {after}", one.orbit.sequence),
+            None => one.orbit.sequence.to_string(),
+        },
+    });
+    (seen.collect(), all)
 }
 
 fn start(reference: &Reference) -> (AffineOrbit, Vector) {
@@ -163,12 +156,9 @@ pub fn settled(
 ) -> (AffineOrbit, Vector) {
     let system = system(text);
     let wanted = Wanted {
-        parameter: system.source.parameters.index(parameter).unwrap(),
         values: values(&system, replaced),
-        width: 1.0,
         periods: 4,
-        stability: true,
-        system,
+        ..Wanted::new(system, parameter, (0.0, 1.0)).unwrap()
     };
     let beginning = Beginning {
         mode: wanted.system.mode(mode).unwrap(),
@@ -281,12 +271,8 @@ fn a_period_without_bound_is_an_end() {
 fn symmetry_is_lost_at_a_branch_point() {
     let system = system(CHUA);
     let wanted = Wanted {
-        parameter: system.source.parameters.index("alpha").unwrap(),
         values: values(&system, &[("alpha", 13.74)]),
-        width: 1.0,
-        periods: 1,
-        stability: true,
-        system,
+        ..Wanted::new(system, "alpha", (0.0, 1.0)).unwrap()
     };
     let beginning = Beginning {
         mode: wanted.system.mode("upper").unwrap(),

@@ -12,12 +12,9 @@ fn wanted(text: &str, replaced: &[(&str, f64)], parameter: &str, periods: u32) -
     let system = system(text);
     let values = values(&system, replaced);
     Wanted {
-        parameter: system.source.parameters.index(parameter).unwrap(),
-        width: 1.0,
         periods,
-        stability: true,
         values,
-        system,
+        ..Wanted::new(system, parameter, (0.0, 1.0)).unwrap()
     }
 }
 

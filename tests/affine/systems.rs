@@ -54,7 +54,7 @@ pub fn system(text: &str) -> System {
 /// Values of the parameters, some of them replaced.
 pub fn values(system: &System, replaced: &[(&str, f64)]) -> Vec<f64> {
     let parameters = &system.source.parameters;
-    let mut values: Vec<f64> = parameters.0.iter().map(|(_, value)| *value).collect();
+    let mut values = system.values();
     for (name, value) in replaced {
         values[parameters.index(name).unwrap()] = *value;
     }

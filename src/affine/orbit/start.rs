@@ -55,6 +55,21 @@ pub struct Wanted {
     pub stability: bool,
 }
 
+impl Wanted {
+    /// An orbit of one period of a system at its own values, to be followed in a parameter through a range with its
+    /// stability; `None` where the system has no such parameter.
+    pub fn new(system: System, parameter: &str, (low, high): (f64, f64)) -> Option<Wanted> {
+        Some(Wanted {
+            values: system.values(),
+            parameter: system.source.parameters.index(parameter)?,
+            width: high - low,
+            periods: 1,
+            stability: true,
+            system,
+        })
+    }
+}
+
 /// Why there is no first orbit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoStart {

@@ -8,7 +8,7 @@ use super::super::rules::{Check, Checks, ORDER, lengths};
 use super::super::scan::{MAX_SCANNED, MAX_VALUES};
 use super::super::{Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, fields};
 use super::mistake::flaw_at;
-use super::{Beginning, OrbitStart, SystemPlot, SystemProblem, values};
+use super::{Beginning, OrbitStart, SystemPlot, SystemProblem};
 use crate::affine::system::{Mistake, Ordered, Source};
 use crate::orbit::EventType;
 
@@ -279,7 +279,7 @@ impl Checks<'_, SystemProblem> {
 
     /// Refuses a range at an end of which the system makes no sense; returns the value of the parameter here.
     fn ends(&self, path: &str, column: &str, ends: [f64; 2]) -> Result<f64, Flaw> {
-        let mut values = values(&self.problem.system);
+        let mut values = self.problem.values();
         let index = self.source().parameters.index(column).unwrap_or(0);
         let here = values[index];
         for (end, value) in ends.into_iter().enumerate() {

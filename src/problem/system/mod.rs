@@ -243,7 +243,7 @@ impl Beginning {
 impl SystemProblem {
     /// Values of the parameters, in the order of the file.
     pub fn values(&self) -> Vec<f64> {
-        values(&self.system)
+        self.system.values()
     }
 
     /// The section `simulation`, or an error that says how to write one.
@@ -325,15 +325,9 @@ impl SystemProblem {
         let source = written.system.clone();
         let flawed = |error| mistake::flaw(&written.system, outline, &error);
         let system = System::new(source).map_err(flawed)?;
-        system.at(&values(&system), &[]).map_err(flawed)?;
+        system.at(&system.values(), &[]).map_err(flawed)?;
         let problem = written.with(system);
         check::check(&problem, outline)?;
         Ok(problem)
     }
-}
-
-/// Values of the parameters of a system, in the order of the file.
-fn values(system: &System) -> Vec<f64> {
-    let parameters = system.source.parameters.0.iter();
-    parameters.map(|(_, value)| *value).collect()
 }
