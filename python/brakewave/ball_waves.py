@@ -73,6 +73,9 @@ class Dual:
         value = self.v.exp()
         return Dual(value, value * self.d)
 
+    cos = lambda self: Dual(self.v.cos(), -self.d * self.v.sin())
+    sin = lambda self: Dual(self.v.sin(), self.d * self.v.cos())
+
 
 def dual(number):
     """A number as one with a derivative."""
@@ -170,6 +173,31 @@ def prove_zero(equations, guess):
     proven = contraction + 4 * curvature * radius < arb(0.5) and 4 * radius < POLYDISC / 2
     must(proven, "no zero of the equations is found next to the wave")
     return Zero(middle, radius.upper())
+
+
+def injective(equations, middle, radii, divided):
+    """Whether equations have at most one zero within these radii of a middle: their Jacobian over the box, times an
+    inverse, is 1 but for less than 1. The ranges of some unknowns are divided: less is lost to their repeated use."""
+
+    def slope(at):
+        seeds = ([Dual(acb(x), radii[i] * int(i == j)) for i, x in enumerate(at)] for j in range(len(at)))
+        return acb_mat([[dual(y).d for y in equations(x)] for x in seeds]).transpose()
+
+    try:
+        inverse = slope(middle).mid().inv().mid()
+    except ZeroDivisionError:
+        return False
+    for parts in PARTS:
+        bounds = [[arb(0)] * len(radii) for _ in radii]
+        for ranges in product([arb(i, 1) / parts for i in range(1 - parts, parts, 2)], repeat=len(divided)):
+            shares = dict(zip(divided, ranges))
+            box = [y + radius * shares.get(i, arb(0, 1)) for i, (y, radius) in enumerate(zip(middle, radii))]
+            defect = (inverse * slope(box)).tolist()
+            for i, j in product(range(len(radii)), repeat=2):
+                bounds[i][j] = bounds[i][j].max(abs(defect[i][j] - int(i == j)).upper())
+        if contracts(bounds):
+            return True
+    return False
 
 
 # ------------------------------------------------------------------------------------------------ the model
@@ -394,27 +422,7 @@ class Wave:
         units = [unit for y, _, t in zones for unit in (abs(y).max(period), rate, abs(t).max(period))]
         units += [arb(1), arb(float(self.posed["unit"]))] + [abs(y).max(arb(1)) for y in middle[self.base :]]
         radii = [unit * (arb(float(distance)) / units[self.base - 1]) for unit in units]
-
-        def slope(at):
-            seeds = ([Dual(acb(x), radii[i] * int(i == j)) for i, x in enumerate(at)] for j in range(len(at)))
-            return acb_mat([[dual(y).d for y in self.equations(x)] for x in seeds]).transpose()
-
-        try:
-            inverse = slope(middle).mid().inv().mid()
-        except ZeroDivisionError:
-            return False
-        for parts in PARTS:
-            bounds = [[arb(0)] * len(radii) for _ in radii]
-            # over parts of the ranges of the speed and the parameter: less is lost to their repeated use
-            for both in product([arb(i, 1) / parts for i in range(1 - parts, parts, 2)], repeat=2):
-                shares = [arb(0, 1)] * (self.base - 2) + list(both) + [arb(0, 1)] * (len(radii) - self.base)
-                box = [y + radius * share for y, radius, share in zip(middle, radii, shares)]
-                defect = (inverse * slope(box)).tolist()
-                for i, j in product(range(len(radii)), repeat=2):
-                    bounds[i][j] = bounds[i][j].max(abs(defect[i][j] - int(i == j)).upper())
-            if contracts(bounds):
-                return True
-        return False
+        return injective(self.equations, middle, radii, [self.base - 2, self.base - 1])
 
 
 # ------------------------------------------------------------------------------------------------ inequalities

@@ -343,15 +343,16 @@ def main(folder):
         if labels != sorted(set(labels)) or listed != list(map(str, labels)):
             print("labels: refused: they do not ascend as those of the table do")
             refused += 1
-        for index, point in enumerate(points):
+        by_label = None if rows is None else {int(row["label"]): row for row in rows}
+        for point in points:
             name = f"{int(point['label']):4} {point['kind']}"
+            row = by_label and by_label.get(int(point["label"]))
             if point["outcome"].name != "Proven":
-                if rows is not None and rows[index]["proven"] != "no":
+                if row is not None and row["proven"] != "no":
                     print(f"{name} row of certificates.csv: refused: it is not proven in the certificate")
                     refused += 1
                 continue
-            row, proof = rows and rows[index], point["outcome"].value
-            of_system = "system" in proof["posed"]
+            of_system = "system" in point["outcome"].value["posed"]
             known = OrbitPoint(point, source, row, (between, inside)) if of_system else Point(point, source, row)
             for what, statement in known.statements():
                 try:
