@@ -178,15 +178,12 @@ impl System {
                 .chain(conditions)
                 .chain(reset)
                 .chain(mode.surface.clone());
-            mode.field = Field::new(&program, &mode.matrix, watched, TOLERANCE);
+            mode.field = Field::new(&program, &mode.matrix, watched, self.flow_tolerance());
+            mode.field.is_exact &= !self.integrated;
         }
         Ok(system)
     }
 }
-
-/// Part of a component of z that the terms of degree 17 may have over a piece of a numerical flow: as much as in the
-/// exact one.
-const TOLERANCE: f64 = 1e-15;
 
 /// A sliding mode whose field is not affine.
 #[derive(Clone, Debug)]

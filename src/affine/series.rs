@@ -238,7 +238,7 @@ impl Field {
             *needed |= form[self.program.base + index] != 0.0;
         }
         self.program.complete(&mut self.needed);
-        self.is_exact = !self.needed.contains(&true);
+        self.is_exact &= !self.needed.contains(&true);
     }
 
     /// Whether the rates of the first components, so many, depend on the phase.

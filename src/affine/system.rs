@@ -15,6 +15,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::expression::{Expression, Flaw, Function, Wrong};
 
+/// Part of a component by which the terms of degree 17 may change it over a step of an integrated flow, where none is
+/// given: as much as in an exact one.
+pub const DEFAULT_FLOW_TOLERANCE: f64 = 1e-15;
+
 /// Most states.
 pub const MAX_STATES: usize = 50;
 
@@ -100,13 +104,17 @@ pub struct Source {
     /// Sliding modes by name, each with the two modes that meet in its surface.
     #[serde(default, skip_serializing_if = "is_empty")]
     pub sliding: Ordered<(String, String)>,
+    /// Tolerance of the steps in which modes without an exact flow are integrated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flow_tolerance: Option<f64>,
 }
 
 impl Source {
-    /// Whether both are one system, but for the values of its parameters.
+    /// Whether both are one system, but for the values of its parameters and the accuracy of its flow.
     pub fn is_same(&self, other: &Source) -> bool {
         let bare = |source: &Source| Source {
             parameters: Ordered::default(),
+            flow_tolerance: None,
             ..source.clone()
         };
         self.parameters.names().eq(other.parameters.names()) && bare(self) == bare(other)
@@ -269,6 +277,8 @@ pub struct System {
     pub(crate) modes: Vec<Mode>,
     /// Indices of the modes on the two sides of each sliding mode.
     pub(crate) sliding: Vec<[usize; 2]>,
+    /// Whether modes that have an exact flow are integrated like the others.
+    pub(crate) integrated: bool,
 }
 
 impl TryFrom<Source> for System {
@@ -329,8 +339,21 @@ impl System {
             define,
             modes,
             sliding,
+            integrated: false,
             source,
         })
+    }
+
+    /// The same system with every mode integrated, also those that have an exact flow: to compare the two.
+    pub fn integrated(mut self, tolerance: f64) -> System {
+        self.source.flow_tolerance = Some(tolerance);
+        self.integrated = true;
+        self
+    }
+
+    /// Tolerance of the steps of an integrated flow.
+    pub fn flow_tolerance(&self) -> f64 {
+        self.source.flow_tolerance.unwrap_or(DEFAULT_FLOW_TOLERANCE)
     }
 
     /// Values of the parameters, in the order of the file.

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use super::failure::{Exit, Failure, Usage};
 use super::options::Task;
 use super::progress::drive;
+use super::summary::flows;
 use super::{stopped, titled};
 use crate::affine::course::Course;
 use crate::messages::halt;
@@ -52,6 +53,7 @@ pub(super) fn simulate(task: &Task, problem: &SystemProblem, text: &str) -> Resu
         let _ = write!(words, " {name} = {value:.6}");
     }
     words.push('\n');
+    words.push_str(&flows(system, &affine));
     task.say(&titled(problem.title.as_deref(), &words), "results", &out)?;
     match stop {
         None => Ok(Exit::Done),

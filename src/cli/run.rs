@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 
-use super::failure::{Exit, Failure};
+use super::failure::{Exit, Failure, Usage};
 use super::options::{Task, Threads, read_any};
 use super::prepare::{early_end, follow, ready, ready_system};
 use super::{stopped, summary, titled, warn};
@@ -89,7 +89,10 @@ fn orbits(arguments: &RunArguments, problem: SystemProblem, text: String) -> Res
         Ok(pictures::orbits::draw(store, problem, Format::Svg)?)
     })?;
     if !task.quiet {
-        let text = summary::orbits(&out, &prepared.continuation.parameter)?;
+        let mut text = summary::orbits(&out, &prepared.continuation.parameter)?;
+        let system = &problem.system;
+        let at = system.at(&problem.values(), &[]).map_err(Usage::NoSystem)?;
+        text.push_str(&summary::flows(system, &at));
         followed.say(task, &out, titled(problem.title.as_deref(), &text))?;
     }
     followed.end(followed.branch.notes())

@@ -4,6 +4,8 @@ use std::fmt::Write;
 use std::io::{self, IsTerminal};
 use std::path::Path;
 
+use crate::affine::mode::AffineSystem;
+use crate::affine::system::System;
 use crate::curve::{Curve, Plane, Point};
 use crate::orbit::EventType;
 use crate::orbit::Orbit as _;
@@ -114,6 +116,29 @@ fn listed(points: &Table, events: &Table, shown: &Shown) -> String {
         let _ = writeln!(report, "; {}", events.text(row, "what"));
     }
     report
+}
+
+/// Which modes of a system have an exact flow, and which are integrated.
+pub(crate) fn flows(system: &System, at: &AffineSystem) -> String {
+    let names = |exact: bool| {
+        let modes = at.modes.iter().enumerate();
+        let modes = modes.filter(|(_, mode)| mode.field.is_exact == exact);
+        let names = modes.map(|(mode, _)| format!("`{}`", system.mode_name(mode)));
+        names.collect::<Vec<_>>().join(", ")
+    };
+    let parts = [
+        (names(true), "exact".to_owned()),
+        (
+            names(false),
+            format!(
+                "integrated with the tolerance {:e}",
+                system.flow_tolerance()
+            ),
+        ),
+    ];
+    let parts = parts.iter().filter(|(names, _)| !names.is_empty());
+    let parts = parts.map(|(names, how)| format!("{names} {how}"));
+    format!("flows: {}\n", parts.collect::<Vec<_>>().join("; "))
 }
 
 /// A branch of orbits in a folder.

@@ -24,7 +24,7 @@ const AROUND: Range = Range::from(MIN_SIMULATION_POINTS as f64).to(MAX_SIMULATIO
 
 /// Path, admitted values, and the rule in words, with `{}` for the values.
 #[rustfmt::skip] // one field a line
-const FIELDS: [(&str, Range, &str); 55] = [
+const FIELDS: [(&str, Range, &str); 56] = [
     ("tube.young", POSITIVE, "Young's modulus, in Pa, must be {}"),
     ("tube.density", POSITIVE, "the density, in kg/m³, must be {}"),
     ("tube.poisson", Range::above(-1.0).below(0.5), "Poisson's ratio must lie {}"),
@@ -38,6 +38,7 @@ const FIELDS: [(&str, Range, &str); 55] = [
     ("model.friction_law.ratio", COUNT, "static by kinetic friction is {}"),
     ("model.friction_law.velocity", POSITIVE, "the velocity over which friction falls must be {}"),
     ("wave.mode", COUNT.to(MAX_MODE as f64), "waves around the circumference: {}"),
+    ("system.flow_tolerance", Range::from(1e-16).to(MAX_TOLERANCE), "the tolerance is {}"),
     ("orbit.periods", COUNT.to(MAX_PERIODS as f64), "an orbit takes {} periods of the forcing"),
     ("orbit.start.settle", Range::from(0.0).to(MAX_SETTLE), "the motion settles in {} periods"),
     ("orbit.start.period", POSITIVE, "the period must be {}"),

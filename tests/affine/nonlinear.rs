@@ -6,9 +6,10 @@ use std::f64::consts::TAU;
 use brakewave::EventType::{EP, GR, MX, PD};
 use brakewave::affine::motion::{Motion, Step};
 use brakewave::affine::steady::NoEquilibrium;
+use brakewave::affine::system::System;
 
 use crate::branches::{follow, meets, settled};
-use crate::systems::{at, place, system};
+use crate::systems::{IMPACT, at, place, system};
 
 const PENDULUM: &str = r#"(
     states: ["x", "v"],
@@ -102,6 +103,35 @@ fn the_phase_may_stand_beside_states() {
     // 2φ − x = 0 + 6t: the first term is constant
     let expected = 3.0 * 0.75_f64.cos() + (1.0 - (18.0_f64).cos()) / 6.0;
     assert!((motion.place().state[1] - expected).abs() < 1e-13);
+}
+
+/// A step leaves out its tolerance of each component and a time of 40 has less than a hundred of them, in which the
+/// oscillator and its impacts contract.
+#[test]
+fn an_integrated_flow_comes_to_the_exact_one() {
+    let ends = |system: &System| {
+        let affine = at(system, &[]);
+        let mut motion = Motion::new(&affine, place(system, "free", &[0.5, 0.25], 0.3), 1.0);
+        let mut switches = 0;
+        while let Step::Switched(_) = motion.step(40.0).unwrap() {
+            switches += 1;
+        }
+        (switches, motion.place().state.clone())
+    };
+    let system = system(IMPACT);
+    let (switches, exact) = ends(&system);
+    assert!(switches > 2);
+    let tolerances = [1e-5, 1e-8, 1e-11, 1e-15];
+    let errors = tolerances.map(|tolerance| {
+        let (also, state) = ends(&system.clone().integrated(tolerance));
+        assert_eq!(also, switches);
+        let off = state.iter().zip(&exact).map(|(one, other)| one - other);
+        off.fold(0.0_f64, |most, off| most.max(off.abs()))
+    });
+    for (error, tolerance) in errors.iter().zip(tolerances) {
+        assert!(*error < 100.0 * tolerance, "{errors:?}");
+    }
+    assert!(errors[0] > errors[1] && errors[1] > errors[2], "{errors:?}");
 }
 
 #[test]

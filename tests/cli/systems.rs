@@ -129,6 +129,21 @@ fn a_motion_is_written_with_its_switches() {
     bench.run(&["plot", "out"]).expect(0);
     assert_same(&snapshot(&bench.path("out")), &before, "plot");
     bench.run(&["report", "out"]).expect(0);
+    // it says how each mode moves
+    let says = |text: String, flows: &str| {
+        bench.put("p.ron", text);
+        let said = bench
+            .run(&["simulate", "p.ron", "--force"])
+            .expect(0)
+            .stdout;
+        assert!(said.contains(flows), "{said}");
+    };
+    says(system("belt"), "flows: `slip`, `stick` exact\n");
+    let tolerance = "system: (\n        flow_tolerance: 1e-9,";
+    says(
+        changed(&system("pendulum_wall"), "system: (", tolerance),
+        "flows: `free` integrated with the tolerance 1e-9\n",
+    );
 }
 
 /// An impact takes the speed v to −ev at x = d, and the section repeats on a periodic orbit.
@@ -229,7 +244,9 @@ fn a_branch_of_orbits_is_followed_through_its_graze() {
     let bench = Bench::new();
     bench.put("impact.ron", system("impact_oscillator"));
     let outcome = bench.run(&["run", "impact.ron", "--out", "out"]).expect(0);
-    assert!(outcome.stdout.contains("fold in A"), "{}", outcome.stdout);
+    for said in ["fold in A", "flows: `free` exact\n"] {
+        assert!(outcome.stdout.contains(said), "{}", outcome.stdout);
+    }
     let events = Table::read(&bench.path("out/events.csv"));
     let fold = events.only("type", "LP");
     let known = 0.099_970_753_628_313_27;

@@ -28,6 +28,7 @@ const FULL: &str = r##"// an oscillator that hits a stop
             "back": (rates: {"x": "v", "v": "rest + f"}, until: [(zero: "-v", to: "forth")]),
         },
         sliding: {"stick": ("forth", "back")},
+        flow_tolerance: 1e-13,
     ),
     orbit: (start: Simulate(mode: "free", state: {"x": 0.5, "v": 0.25}, phase: 0.1, settle: 200), periods: 2),
     continuation: (
@@ -96,6 +97,7 @@ fn every_field_is_read() {
     let problem = system(FULL);
     assert_eq!(problem.values(), [0.1, 2.0, 1.5, 1.0, 0.8, 0.2]);
     assert_eq!(problem.parameter(), Some(1));
+    assert_eq!(problem.system.flow_tolerance(), 1e-13);
     let place = problem.beginning().unwrap().place(&problem.system).unwrap();
     assert_eq!(
         (place.mode, place.state, place.phase),
@@ -129,6 +131,7 @@ fn the_template_is_right() {
         "max_points",
         "tolerance",
         "stop_after",
+        "flow_tolerance",
         "samples",
         "start",
     ];
@@ -138,6 +141,8 @@ fn the_template_is_right() {
         used.unwrap_or(line)
     });
     let all = system(&lines.collect::<Vec<_>>().join("\n"));
+    let tolerances = [&all, &problem].map(|problem| problem.system.flow_tolerance());
+    assert_eq!(tolerances[0], tolerances[1]);
     let (all, usual) = (all.continuation.unwrap(), problem.continuation.unwrap());
     assert_eq!(
         (all.ds, all.ds_max, all.tolerance),
@@ -244,6 +249,7 @@ fn values_are_checked() {
         ["\"x\": 0.5, ", "\"x\": NaN, ", "NaN", "`orbit.start.state.x` is NaN", "finite"],
         ["settle: 200", "settle: -1", "-1", "`orbit.start.settle` is -1.0", "0 to 1000000"],
         ["settle: 200", "", "Simulate(", "missing field `settle` in `orbit.start`", "settle"],
+        ["flow_tolerance: 1e-13", "flow_tolerance: 1e-3", "1e-3", "`system.flow_tolerance` is 0.001", "from 1e-16 to"],
         ["periods: 2", "periods: 0", "0", "`orbit.periods` is 0", "1 to 1000"],
         ["Simulate(mode", "Simulat(mode", "Simulat", "did you mean `Simulate`?", ""],
         ["parameter: \"A\"", "parameter: \"B\"", "\"B\"", "`B` is no parameter; known: `c`", "parameter of `system`"],
