@@ -2,9 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use super::measure::{Followed, Missed, Repeats, follow, measure, stripped};
-use super::rung::{Row, Rung, ladder, reference_method};
-use crate::problem::{Continuation, Problem};
+use super::measure::{Followed, Missed, Repeats, Subject, measure};
+use super::rung::{Row, Rung};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Limits {
@@ -15,10 +14,9 @@ pub(crate) struct Limits {
 }
 
 /// Measurements that are going on.
-pub(crate) struct Course {
-    problem: Problem,
-    continuation: Continuation,
-    reference: Followed,
+pub(crate) struct Course<S: Subject> {
+    subject: S,
+    reference: Followed<S::Compared>,
     ladder: Vec<Rung>,
     /// Rungs that are left, by their place on the ladder.
     left: std::vec::IntoIter<usize>,
@@ -30,32 +28,23 @@ pub(crate) struct Course {
     left_out: usize,
 }
 
-impl Course {
+impl<S: Subject> Course<S> {
     /// Computes the reference for all rungs that have no row yet.
     ///
     /// # Errors
     /// When the branch does not begin, or the time does not suffice.
-    pub(crate) fn begin(
-        problem: &Problem,
-        continuation: &Continuation,
-        rows: &[Row],
-        limits: Limits,
-    ) -> Result<Course, Missed> {
+    pub(crate) fn begin(subject: S, rows: &[Row], limits: Limits) -> Result<Course<S>, Missed> {
         let begun = Instant::now();
         let budget = Duration::try_from_secs_f64(limits.budget).ok();
         let until = budget.and_then(|budget| begun.checked_add(budget));
-        let law = problem.model.law;
-        let ladder = ladder(law);
+        let ladder = subject.ladder();
         let measured = |rung: &Rung| rows.iter().any(|row| row.is_of(*rung));
         let left: Vec<usize> = (0..ladder.len())
             .filter(|index| !measured(&ladder[*index]))
             .collect();
-        let (problem, continuation) = stripped(problem, continuation);
-        let method = reference_method(law);
         Ok(Course {
-            reference: follow(&problem, &continuation, method, until)?,
-            problem,
-            continuation,
+            reference: subject.follow(subject.reference(), until)?,
+            subject,
             ladder,
             left: left.into_iter(),
             limits,
@@ -85,8 +74,7 @@ impl Course {
                 seconds: seconds / (self.ladder.len() - index) as f64,
                 until: self.until,
             };
-            let (problem, continuation) = (&self.problem, &self.continuation);
-            let row = measure(problem, continuation, rung, &self.reference, repeats);
+            let row = measure(&self.subject, rung, &self.reference, repeats);
             let took = row
                 .as_ref()
                 .map_or(f64::INFINITY, |row| row.seconds.unwrap_or(f64::NAN));

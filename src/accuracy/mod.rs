@@ -8,11 +8,18 @@
 //!
 //! The discretised ring has no branch and no switching points: it is solved at each of those
 //! waves that has no separation, and compared in speed and eigenvalues.
+//!
+//! Orbits of a system are followed by its exact flow, where it has one, and by Taylor series; single ones are integrated
+//! by a Runge–Kutta method. The reference are Taylor series with a tolerance below rounding.
 
 mod course;
 mod measure;
+mod orbits;
 mod rung;
+mod waves;
 
 pub(crate) use course::{Course, Limits};
-pub(crate) use measure::Missed;
-pub(crate) use rung::{Row, Rung, ladder, reference_method};
+pub(crate) use measure::{Missed, Subject};
+pub(crate) use orbits::Orbits;
+pub(crate) use rung::{Row, Rung};
+pub(crate) use waves::Waves;

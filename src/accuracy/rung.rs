@@ -10,6 +10,16 @@ use crate::tube::model::FrictionLaw;
 pub(crate) enum Rung {
     /// A method of the boundary-value problem.
     Flow(Method),
+    /// Orbits of a system by Taylor series.
+    Taylor {
+        /// Of a step.
+        tolerance: f64,
+    },
+    /// Single orbits of a system by a Runge–Kutta method.
+    RungeKutta {
+        /// Of a step.
+        tolerance: f64,
+    },
     /// The discretised ring with n points per wavelength and ε.
     Ring {
         points: usize,
@@ -24,6 +34,8 @@ impl Rung {
             Rung::Flow(Method::Exact) => "exact",
             Rung::Flow(Method::Shooting { .. }) => "shooting",
             Rung::Flow(Method::Collocation { .. }) => "collocation",
+            Rung::Taylor { .. } => "taylor",
+            Rung::RungeKutta { .. } => "dop853",
             Rung::Ring { .. } => "ring",
         }
     }
@@ -31,7 +43,9 @@ impl Rung {
     fn setting(self) -> String {
         match self {
             Rung::Flow(Method::Exact) => String::new(),
-            Rung::Flow(Method::Shooting { tolerance }) => format!("tolerance {tolerance:.0e}"),
+            Rung::Flow(Method::Shooting { tolerance })
+            | Rung::Taylor { tolerance }
+            | Rung::RungeKutta { tolerance } => format!("tolerance {tolerance:.0e}"),
             Rung::Flow(Method::Collocation { intervals, degree }) => {
                 format!("{intervals} intervals of degree {degree}")
             }
@@ -72,6 +86,16 @@ pub(crate) fn ladder(law: FrictionLaw) -> Vec<Rung> {
     rungs
 }
 
+/// The ladder for a system, which has an exact flow or not.
+pub(crate) fn ladder_of_system(exact: bool) -> Vec<Rung> {
+    let taylor = [1e-5, 1e-7, 1e-9, 1e-11, 1e-13, 1e-15];
+    let taylor = taylor.map(|tolerance| Rung::Taylor { tolerance });
+    let runge_kutta = [1e-5, 1e-7, 1e-9, 1e-11, 1e-13];
+    let runge_kutta = runge_kutta.map(|tolerance| Rung::RungeKutta { tolerance });
+    let exact = exact.then_some(Rung::Flow(Method::Exact));
+    exact.into_iter().chain(taylor).chain(runge_kutta).collect()
+}
+
 /// The method of the reference under a law.
 pub(crate) fn reference_method(law: FrictionLaw) -> Method {
     match law {
@@ -98,11 +122,12 @@ pub(crate) struct Row {
     pub events_expected: usize,
     /// Largest relative error of c.
     pub speed_error: Option<f64>,
-    /// Largest error of a switching point, in wavelengths.
+    /// Largest error of a switching point, in wavelengths; for a system of a state there, in its largest value, or of a
+    /// duration, in periods.
     pub switch_error: Option<f64>,
     /// Largest relative error of the parameter at an event.
     pub event_error: Option<f64>,
-    /// Largest error of a leading eigenvalue.
+    /// Largest error of a leading eigenvalue; for a system of a multiplier.
     pub eigenvalue_error: Option<f64>,
     /// Median run time in seconds, of the branch or of a wave of the ring.
     pub seconds: Option<f64>,

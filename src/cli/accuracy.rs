@@ -1,19 +1,23 @@
 //! `brakewave accuracy`.
 
 use std::fmt::Display;
+use std::path::PathBuf;
 
 use clap::Args;
+use serde::Serialize;
 
 use super::failure::{Exit, Failure, Usage};
-use super::options::{Task, format, positive};
-use super::prepare::prepare;
+use super::options::{Task, format, positive, read_any};
+use super::prepare::{Source, ready, ready_system};
 use super::progress::{Progress, drive};
 use super::warn;
-use crate::accuracy::{Course, Limits, Missed, Row, Rung, ladder, reference_method};
+use crate::accuracy::{Course, Limits, Missed, Orbits, Row, Subject, Waves};
+use crate::hybrid::NoStart;
 use crate::output::accuracy::{AccuracyFolder, Interrupted};
-use crate::output::pictures;
+use crate::output::pictures::{self, PlotError};
 use crate::output::render::Format;
-use crate::output::store::Kind;
+use crate::output::store::{Kind, Store};
+use crate::problem::Any;
 
 #[derive(Debug, Args)]
 #[command(mut_arg("resume", |one| one.help(RESUME)))]
@@ -37,15 +41,46 @@ const RESUME: &str = "Keep the rows that are measured, times included, and measu
 
 pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
     let (task, format) = (&arguments.task, arguments.format.available()?);
-    let prepared = prepare(&task.problem)?;
-    let problem = &prepared.problem;
-    if prepared.restart.is_some() {
-        return Err(Usage::Restarted.into());
-    }
+    let (problem, text) = read_any(&task.problem)?;
     let out = task.folder("_accuracy");
-    let store = task.open(&out, Kind::Accuracy, problem)?;
-    let law = problem.model.law;
-    let ladder = ladder(law);
+    match problem {
+        Any::Tube(problem) => {
+            let prepared = ready(*problem, text, &task.problem)?;
+            let problem = &prepared.problem;
+            if prepared.restart.is_some() {
+                return Err(Usage::Restarted.into());
+            }
+            let store = task.open(&out, Kind::Accuracy, problem)?;
+            let subject = Waves::new(problem, &prepared.continuation);
+            let draw = |store: &Store| pictures::draw(store, Some(problem), format);
+            measure(arguments, store, subject, problem, &prepared.source, draw)
+        }
+        Any::System(problem) => {
+            let prepared = ready_system(*problem, text, &task.problem)?;
+            let problem = &prepared.problem;
+            let store = task.open_system(&out, Kind::Accuracy, problem)?;
+            let named = prepared.named.as_ref();
+            let subject = Orbits::new(problem, &prepared.continuation, named);
+            let subject = subject.ok_or(NoStart::Unknown);
+            let subject = subject.map_err(|error| prepared.source.place_orbit(&error))?;
+            let title = problem.title.as_deref();
+            let draw = |store: &Store| pictures::draw_accuracy(store, title, format);
+            measure(arguments, store, subject, problem, &prepared.source, draw)
+        }
+    }
+}
+
+/// Measures every rung that has no row yet.
+fn measure<S: Subject>(
+    arguments: &AccuracyArguments,
+    store: Store,
+    subject: S,
+    problem: &(impl Clone + Serialize),
+    source: &Source,
+    draw: impl Fn(&Store) -> Result<Vec<PathBuf>, PlotError>,
+) -> Result<Exit, Failure> {
+    let task = &arguments.task;
+    let (ladder, reference, remark) = (subject.ladder(), subject.reference(), subject.remark());
     let earlier = AccuracyFolder::interrupted(&store, &ladder)?;
     let measured = |earlier: &Interrupted| earlier.rows.clone();
     let mut rows: Vec<Row> = earlier.as_ref().map(measured).unwrap_or_default();
@@ -57,16 +92,17 @@ pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
             budget: arguments.budget,
             repeats: arguments.repeats.into(),
         };
-        let begun = Course::begin(problem, &prepared.continuation, &rows, limits);
+        let begun = Course::begin(subject, &rows, limits);
         course = Some(begun.map_err(|missed| match missed {
-            Missed::Run(error) => prepared.source.place(error),
+            Missed::Run(error) => source.place(error),
+            Missed::Orbit(error) => source.place_orbit(&error),
             _ => Failure::from(Usage::Budget {
-                method: Rung::Flow(reference_method(law)).to_string(),
+                method: reference.to_string(),
                 budget: arguments.budget,
             }),
         })?);
     }
-    let mut folder = AccuracyFolder::open(store, problem, format, earlier.as_ref())?;
+    let mut folder = AccuracyFolder::open(store, problem, arguments.format, earlier.as_ref())?;
     if let Some(course) = &mut course {
         drive(task.quiet, || {
             if let Some(row) = course.measure_next() {
@@ -78,8 +114,9 @@ pub(crate) fn accuracy(arguments: &AccuracyArguments) -> Result<Exit, Failure> {
         })?;
     }
     folder.sort(&mut rows, &ladder)?;
-    pictures::draw(folder.store(), Some(problem), format)?;
-    task.say(&text(&rows, law.piecewise_linear()), "results", &out)?;
+    draw(folder.store())?;
+    let out = task.folder("_accuracy");
+    task.say(&text(&rows, remark), "results", &out)?;
     let left_out = course.map_or(0, |course| course.left_out());
     if left_out > 0 {
         warn(&format!(
@@ -100,7 +137,7 @@ fn line<T: Display>(method: &str, setting: &str, cells: impl IntoIterator<Item =
 }
 
 /// The rows for a reader.
-fn text(rows: &[Row], exact: bool) -> String {
+fn text(rows: &[Row], remark: &str) -> String {
     let names = "points events speed switches events eigenvalues seconds points/s";
     let mut text = line("method", "setting", names.split(' ')) + "\n";
     let shown =
@@ -124,12 +161,7 @@ fn text(rows: &[Row], exact: bool) -> String {
         }
         text.push('\n');
     }
-    text.push_str(if exact {
-        "Errors are against the exact flow, those of the exact flow against the closed form in \
-         higher precision.\n"
-    } else {
-        "Errors are against collocation of high order on a fine mesh: this friction law has no \
-         exact flow.\n"
-    });
+    text.push_str(remark);
+    text.push('\n');
     text
 }

@@ -116,6 +116,10 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
                     Some(Kind::Simulation) => {
                         list(&pictures::motion::draw(&store, &problem, format)?)
                     }
+                    Some(Kind::Accuracy) => {
+                        let title = problem.title.as_deref();
+                        list(&pictures::draw_accuracy(&store, title, format)?)
+                    }
                     _ => Err(Usage::Unpictured(folder.clone()).into()),
                 };
             }

@@ -112,6 +112,12 @@ impl Source {
         }
     }
 
+    /// What ends a run of orbits before it begins, with the line it is about.
+    pub(crate) fn place_orbit(&self, error: &NoStart) -> Failure {
+        let (path, help) = error.about();
+        self.placed(path, error.to_string(), help, Exit::Numerical)
+    }
+
     /// The run of a folder to restart from, which must hold waves of this mode.
     pub(crate) fn restart(&self, dir: &Path, mode: u32) -> Result<Waves, Failure> {
         let earlier = Waves::read(dir)?;
@@ -179,18 +185,15 @@ pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepa
 pub(crate) struct PreparedSystem {
     pub problem: SystemProblem,
     pub continuation: Continuation<String>,
-    named: Option<Named>,
+    pub named: Option<Named>,
     pub source: Source,
 }
 
 impl PreparedSystem {
     /// The beginning of the branch, or the line of the problem file that keeps it from beginning.
     pub(crate) fn begin(&self) -> Result<hybrid::Runner, Failure> {
-        self.start(&self.problem).map_err(|error| {
-            let (path, help) = error.about();
-            self.source
-                .placed(path, error.to_string(), help, Exit::Numerical)
-        })
+        let begun = self.start(&self.problem);
+        begun.map_err(|error| self.source.place_orbit(&error))
     }
 
     /// The same for the problem with other settings.

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use serde::Serialize;
+
 use super::layout::{self, ACCURACY as TABLE};
 use super::origin::Origin;
 use super::render::Format;
@@ -77,15 +79,15 @@ impl AccuracyFolder {
     /// When a file cannot be written, like all that follow.
     pub(crate) fn open(
         store: Store,
-        problem: &Problem,
+        problem: &(impl Clone + Serialize),
         format: Format,
         interrupted: Option<&Interrupted>,
     ) -> Result<AccuracyFolder, StoreError> {
         let table = match interrupted {
             Some(earlier) => store.cut(TABLE, earlier.length)?,
             None => {
-                let pictures = layout::pictures(Kind::Accuracy, problem, format);
-                store.begin(&[TABLE, Origin::<Problem>::FILE], pictures, None)?;
+                let picture = layout::picture(Kind::Accuracy.name(), format);
+                store.begin(&[TABLE, Origin::<Problem>::FILE], vec![picture], None)?;
                 Origin::keep(&store, problem)?;
                 store.table(TABLE, &table::header::<Row>(), None)?
             }

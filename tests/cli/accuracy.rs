@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use crate::harness::{Bench, SMALL, changed, snapshot};
+use crate::harness::{Bench, SMALL, Table, changed, problem, snapshot};
 
 /// Every method but the ring, which takes longest.
 fn small() -> String {
@@ -171,4 +171,35 @@ fn a_budget_is_kept() {
         table.contains("exact") && rows(&table).len() < 11,
         "{table}"
     );
+}
+
+/// The exact flow of a system and its Taylor series come to one another as the tolerance falls, and so does an integrator
+/// that knows neither; without an exact flow the series are compared with themselves and with it.
+#[test]
+fn the_flows_of_a_system_are_compared() {
+    let bench = Bench::new();
+    let text = problem("impact_oscillator.ron");
+    let text = changed(&text, "range: (0.05, 1.0)", "range: (0.8, 1.0), ds: 0.05, ds_max: 0.2");
+    bench.put("impact.ron", changed(&text, "settle: 200", "settle: 40"));
+    let wall = problem("pendulum_wall.ron");
+    let steps = "range: (0.5, 0.53), ds: 0.05, ds_max: 0.2";
+    bench.put("wall.ron", changed(&wall, "range: (0.47, 0.53)", steps));
+    for (file, exact) in [("impact.ron", true), ("wall.ron", false)] {
+        let outcome = bench.run(&["accuracy", file, "--out", "a", "--repeats", "1", "--force"]);
+        let said = outcome.expect(0).stdout;
+        assert!(said.contains("Eigenvalues: multipliers"), "{said}");
+        let table = Table::read(&bench.path("a/accuracy.csv"));
+        let methods = ["exact", "taylor", "dop853"].map(|name| table.all("method", name));
+        assert_eq!(methods.each_ref().map(Vec::len), [usize::from(exact), 6, 5]);
+        let error = |row: &usize| table.number(*row, "switch_error");
+        for row in &methods[0] {
+            assert!(error(row) < 1e-12 && table.number(*row, "eigenvalue_error") < 1e-12);
+        }
+        for (rows, finest) in [(&methods[1], 1e-12), (&methods[2], 1e-11)] {
+            let (first, last) = (rows.first().unwrap(), rows.last().unwrap());
+            assert!(error(first) > error(last) && error(last) < finest, "{said}");
+        }
+    }
+    bench.run(&["plot", "a"]).expect(0);
+    bench.run(&["report", "a"]).expect(0);
 }

@@ -42,6 +42,7 @@ fn point(row: &Row) -> Option<(&str, Point)> {
     let seconds = row.seconds.filter(|seconds| *seconds > 0.0)?;
     let name = match row.method.as_str() {
         "ring" => "ring (a wave)",
+        "dop853" => "dop853 (single orbits)",
         other => other,
     };
     error.is_finite().then_some((name, (seconds, error)))

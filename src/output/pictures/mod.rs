@@ -101,6 +101,26 @@ pub(crate) fn draw(
     put(store, problem, format, [(name, picture)])
 }
 
+/// Draws the errors and run times of a system.
+///
+/// # Errors
+/// As [`draw`].
+pub(crate) fn draw_accuracy(
+    store: &Store,
+    title: Option<&str>,
+    format: Format,
+) -> Result<Vec<PathBuf>, PlotError> {
+    let picture = rows(store.path()).map(|rows| {
+        let picture = accuracy::picture(&rows);
+        match title {
+            Some(title) => picture.subtitled(title),
+            None => picture,
+        }
+    });
+    let name = Kind::Accuracy.name().to_owned();
+    put(store, None, format, [(name, picture)])
+}
+
 /// The pictures that a problem asks for.
 fn of_branch(folder: &Path, problem: &Problem) -> Result<Vec<Named>, StoreError> {
     let Some(section) = &problem.continuation else {

@@ -118,7 +118,7 @@ pub(crate) fn description(picture: &str, kind: Option<Kind>, problem: Option<&An
             let plane = plane([curve.parameters.0, curve.parameters.1]);
             format!("The curve of an event {plane}")
         }
-        (Some(Kind::Accuracy), ..) => "Error of each method against its run time".to_owned(),
+        (Some(Kind::Accuracy), ..) => METHODS.to_owned(),
         (Some(Kind::Steady), ..) => {
             "Growth of the perturbations of steady sliding, by mode".to_owned()
         }
@@ -138,6 +138,9 @@ pub(crate) fn description(picture: &str, kind: Option<Kind>, problem: Option<&An
     }
 }
 
+/// What the picture of `accuracy` shows.
+const METHODS: &str = "Error of each method against its run time";
+
 /// The same of a system of one's own.
 fn of_system(picture: &str, kind: Option<Kind>, problem: &SystemProblem) -> String {
     let is = |name: &str| layout::picture(name, Format::Svg) == picture;
@@ -153,6 +156,7 @@ fn of_system(picture: &str, kind: Option<Kind>, problem: &SystemProblem) -> Stri
         Some(Kind::Scan) => format!("Samples of {first} against {scanned}, and a branch over them"),
         Some(Kind::Simulation) if is(layout::OF_MOTION[0]) => "The states over time".to_owned(),
         Some(Kind::Simulation) => "The first two states over each other".to_owned(),
+        Some(Kind::Accuracy) => METHODS.to_owned(),
         _ => {
             let plots = problem.output.plots.iter();
             let plot = plots.into_iter().find(|plot| is(&layout::orbit_plot(plot)));

@@ -4,6 +4,7 @@
 //! that one integration gives the end of the zone and all its derivatives.
 
 use differential_equations::prelude::{ExplicitRungeKutta, IVP};
+use differential_equations::traits::State;
 
 use super::equations::Field;
 use crate::tube::flow::jet::{Jet, LAYER};
@@ -22,26 +23,24 @@ pub struct Steps {
     pub longest: f64,
 }
 
-fn solve<const S: usize>(
-    rate: impl Fn(&[f64; S], &mut [f64; S]),
+/// x(1) of dx/dτ = F(τ, x) from x(0).
+pub(crate) fn integrate<X: State<f64>>(
+    rate: impl Fn(f64, &X, &mut X),
+    begin: X,
     steps: Steps,
-) -> Result<[f64; S], Unsolved> {
+) -> Result<X, Unsolved> {
     let method = ExplicitRungeKutta::dop853()
         .rtol(steps.tolerance)
         .atol(steps.tolerance)
         .h_max(steps.longest)
         .max_steps(MOST_STEPS);
-    let right = |_: f64, x: &[f64; S], by: &mut [f64; S]| rate(x, by);
-    let solution = IVP::ode_from_fn(right, 0.0, 1.0, [0.0; S])
+    let solution = IVP::ode_from_fn(rate, 0.0, 1.0, begin)
         .method(method)
         .solve()
         .map_err(|_| Unsolved::Steps)?;
-    let end = solution.y.last().copied().unwrap_or([f64::NAN; S]);
-    if end.iter().all(|x| x.is_finite()) {
-        Ok(end)
-    } else {
-        Err(Unsolved::Overflow)
-    }
+    let end = solution.y.into_iter().next_back();
+    let finite = |end: &X| (0..end.len()).all(|index| end.get_component(index).is_finite());
+    end.filter(finite).ok_or(Unsolved::Overflow)
 }
 
 /// x(1) of dx/dτ = F(x), x(0) = 0.
@@ -50,7 +49,7 @@ pub(crate) fn values<const D: usize>(
     steps: Steps,
     duration: f64,
 ) -> Result<[f64; D], FlowError> {
-    solve(|x, by| *by = field.rate(x), steps)
+    integrate(|_, x, by| *by = field.rate(x), [0.0; D], steps)
         .map_err(|reason| FlowError::Integration { duration, reason })
 }
 
@@ -73,13 +72,14 @@ pub(crate) fn jets<const D: usize, const S: usize>(
             }),
         })
     };
-    let end = solve::<S>(
-        |x, by| {
+    let end = integrate(
+        |_, x: &[f64; S], by: &mut [f64; S]| {
             for (row, jet) in field.rate(&unflatten(x)).into_iter().enumerate() {
                 by[6 * row] = jet.value;
                 by[6 * row + 1..6 * row + 6].copy_from_slice(&jet.by[..LAYER]);
             }
         },
+        [0.0; S],
         steps,
     )
     .map_err(|reason| FlowError::Integration { duration, reason })?;
