@@ -1,6 +1,6 @@
 //! Orbits of a user's system over a plane of two parameters.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +23,25 @@ pub struct Orbits {
     widths: [f64; 2],
     periods: u32,
     scales: Scales,
+    #[serde(skip)]
+    memo: Memo,
+}
+
+/// The last orbits posed in either parameter, with their values: the system there is made once, however often a point
+/// is looked at. It is no part of what they are, and a copy has one of its own.
+#[derive(Debug, Default)]
+struct Memo(Mutex<[Option<([u64; 2], AffineOrbit)>; 2]>);
+
+impl Clone for Memo {
+    fn clone(&self) -> Memo {
+        Memo::default()
+    }
+}
+
+impl PartialEq for Memo {
+    fn eq(&self, _: &Memo) -> bool {
+        true
+    }
 }
 
 /// An event of the multipliers.
@@ -67,6 +86,7 @@ impl Orbits {
             widths,
             periods,
             scales,
+            memo: Memo::default(),
         }
     }
 }
@@ -128,6 +148,14 @@ impl Plane for Orbits {
         values: [f64; 2],
         index: usize,
     ) -> Result<AffineOrbit, OrbitFailure> {
+        let bits = values.map(f64::to_bits);
+        let mut known = self.memo.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((at, orbit)) = &known[index]
+            && *at == bits
+            && orbit.sequence == *sequence
+        {
+            return Ok(orbit.clone());
+        }
         let mut all = self.values.clone();
         for (parameter, value) in self.parameters.into_iter().zip(values) {
             all[parameter] = value;
@@ -144,7 +172,10 @@ impl Plane for Orbits {
                 ..self.scales.clone()
             },
         };
-        AffineOrbit::new(Arc::new(setting), sequence.clone()).ok_or(OrbitFailure::NoZones)
+        let orbit = AffineOrbit::new(Arc::new(setting), sequence.clone());
+        let orbit = orbit.ok_or(OrbitFailure::NoZones)?;
+        known[index] = Some((bits, orbit.clone()));
+        Ok(orbit)
     }
 
     fn key(margin: &Margin) -> (Watch, usize) {
