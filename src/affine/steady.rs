@@ -73,18 +73,7 @@ impl AffineSystem {
             if start == 0 {
                 state.fill(0.0);
             }
-            let mut slopes = None;
-            for _ in 0..STEPS {
-                let Ok((next, matrix)) = self.newton_step(mode, &state) else {
-                    break;
-                };
-                let step = (&next - &state).amax();
-                state = next;
-                if step <= STILL * state.amax().max(STILL) {
-                    slopes = Some(matrix);
-                    break;
-                }
-            }
+            let slopes = self.settle(mode, &mut state);
             let same = |one: &Equilibrium| {
                 let pairs = one.state.iter().zip(&state);
                 let off = pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
@@ -104,6 +93,26 @@ impl AffineSystem {
         Some(found)
             .filter(|found| !found.is_empty())
             .ok_or(NoEquilibrium::NotFound)
+    }
+
+    /// The equilibrium of a mode that Newton's method finds from a state.
+    pub(super) fn equilibrium_near(&self, mode: usize, state: &[f64]) -> Option<Equilibrium> {
+        let mut state = Vector::from_column_slice(state);
+        let slopes = self.settle(mode, &mut state)?;
+        Some(self.equilibrium(mode, &state, &slopes))
+    }
+
+    /// Newton's method for an equilibrium of a mode: the derivatives of its rates there.
+    fn settle(&self, mode: usize, state: &mut Vector) -> Option<Matrix> {
+        for _ in 0..STEPS {
+            let (next, slopes) = self.newton_step(mode, state).ok()?;
+            let step = (&next - &*state).amax();
+            *state = next;
+            if step <= STILL * state.amax().max(STILL) {
+                return Some(slopes);
+            }
+        }
+        None
     }
 
     /// Where the rates of a mode are zero if they change as at a state, and their derivatives there.

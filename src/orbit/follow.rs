@@ -444,11 +444,13 @@ impl<O: Orbit> Track<O> {
         Some(Outcome::Ended(vec![found], end))
     }
 
-    /// An orbit traversed twice where the branch of the single one says that it doubles, which is known much better.
+    /// An orbit traversed twice where the branch of the single one says that it doubles, and one that shrinks where it
+    /// has no size: both are known much better.
     fn sharpened(&self, found: Found<O>) -> Found<O> {
         let orbit = self.orbit.as_ref();
         let tolerance = self.limits.steps.tolerance;
-        let sharper = events::doubling(orbit, &found.node, tolerance);
+        let shrunk = orbit.shrunk(&found.node);
+        let sharper = shrunk.or_else(|| events::doubling(orbit, &found.node, tolerance));
         let Some((point, uncertainty)) = sharper else {
             return found;
         };

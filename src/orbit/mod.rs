@@ -227,6 +227,12 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
+    /// Where an orbit that shrinks to a point has no size any more: its scaled unknowns, and the error of the parameter
+    /// there. `None` where it does not shrink.
+    fn shrunk(&self, _node: &Node) -> Option<(Vector, f64)> {
+        None
+    }
+
     /// The function of [`Examined::tests`] of this place at a node, without the zero that it has at every fold.
     fn across_folds(&self, _test: usize, value: f64, _node: &Node) -> f64 {
         value

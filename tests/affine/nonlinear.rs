@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use brakewave::EventType::{EP, GR, MX, PD};
+use brakewave::EventType::{BP, EP, GR, PD};
 use brakewave::affine::motion::{Motion, Step};
 use brakewave::affine::steady::NoEquilibrium;
 use brakewave::affine::system::System;
@@ -158,7 +158,29 @@ fn a_belt_with_falling_friction_lets_go() {
     let (orbit, point) = settled(BELT, &[], "vb", "slip", &[1.6, 0.0], 100.0);
     let (seen, _) = follow(&orbit, &point, true, (0.3, 1.2), 500);
     let end = 1.09190200570966893;
-    meets(&seen, &[(GR, end, ""), (MX, end, "")], 1e-12);
+    meets(&seen, &[(GR, end, "")], 1e-12);
+}
+
+/// Without stick left over, the cycle goes on as an unstable one that does not stick, down to the Hopf point of the
+/// equilibrium: vb = vs ln((ms − mk)/(2 ze vs)), with the frequency 1.
+#[test]
+fn a_cycle_shrinks_to_its_hopf_point() {
+    let values = [("mst", 1.0), ("vb", 1.0)];
+    let (orbit, point) = settled(BELT, &values, "vb", "slip", &[1.6, 0.0], 100.0);
+    let (seen, all) = follow(&orbit, &point, true, (0.3, 1.2), 500);
+    let hopf = 0.5 * 5.0_f64.ln();
+    meets(
+        &seen,
+        &[(GR, 1.06272678404880064, ""), (BP, hopf, "")],
+        1e-12,
+    );
+    let last = all.last().unwrap();
+    let what = last.special.as_ref().unwrap().to_string();
+    assert!(what.contains("Hopf"), "{what}");
+    let off = (last.parameter - hopf).abs();
+    assert!(off < 1e-13 && off <= last.known_to(), "{off:e}");
+    let period = last.orbit.cycle(&last.node.point).unwrap().period;
+    assert!((period - TAU).abs() < 1e-12, "{period}");
 }
 
 #[test]

@@ -179,7 +179,11 @@ fn a_budget_is_kept() {
 fn the_flows_of_a_system_are_compared() {
     let bench = Bench::new();
     let text = problem("impact_oscillator.ron");
-    let text = changed(&text, "range: (0.05, 1.0)", "range: (0.8, 1.0), ds: 0.05, ds_max: 0.2");
+    let text = changed(
+        &text,
+        "range: (0.05, 1.0)",
+        "range: (0.8, 1.0), ds: 0.05, ds_max: 0.2",
+    );
     bench.put("impact.ron", changed(&text, "settle: 200", "settle: 40"));
     let wall = problem("pendulum_wall.ron");
     let steps = "range: (0.5, 0.53), ds: 0.05, ds_max: 0.2";

@@ -4,12 +4,14 @@
 //! the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends whatever the
 //! parameter, as [`forms`] tell, or [`generic`] points. [`margin`] measures the inequalities, [`examine`] decides them; [`candidates`] finds
 //! what lies beyond an event; [`multipliers`] has the stability; [`start`] finds the first orbit, [`switch`] that of the
-//! other branch at an event, and [`row`] has what results keep of one.
+//! other branch at an event, and [`hopf`] that at which orbits shrink to nothing, and
+//! [`row`] has what results keep of one.
 
 pub mod candidates;
 pub mod examine;
 mod forms;
 mod generic;
+mod hopf;
 pub mod layout;
 pub mod margin;
 pub mod multipliers;
@@ -89,6 +91,8 @@ pub enum Critical {
     PeriodDoubling,
     /// A multiplier passes 1 other than by a fold.
     Branching,
+    /// The orbit has no size: an equilibrium with a pair of imaginary eigenvalues.
+    Shrinking,
     /// A pair passes the unit circle at this angle.
     Torus {
         /// In radians, between 0 and π.
@@ -101,6 +105,12 @@ impl fmt::Display for Critical {
         match self {
             Critical::PeriodDoubling => write!(formatter, "a multiplier passes -1"),
             Critical::Branching => write!(formatter, "a multiplier passes 1"),
+            Critical::Shrinking => {
+                write!(
+                    formatter,
+                    "the orbit shrinks to an equilibrium: its Hopf point"
+                )
+            }
             Critical::Torus { angle } => {
                 write!(
                     formatter,
@@ -124,6 +134,11 @@ pub enum OrbitStop {
     Centre {
         /// The mode that is left.
         zone: Zone,
+    },
+    /// The motion only just reaches a guard: beyond it, it misses the switch, and no orbit is near.
+    Misses {
+        /// What vanishes.
+        held: Held,
     },
     /// The period grows without bound.
     Unbounded,
@@ -149,6 +164,12 @@ impl fmt::Display for OrbitStop {
             OrbitStop::Centre { .. } => write!(
                 formatter,
                 "beyond it nothing switches: a family of orbits at one value of the parameter"
+            ),
+            OrbitStop::Misses { held } => write!(
+                formatter,
+                "the orbit ends at its graze: beyond it {} of `{}` does not come to zero any more, and the motion goes \
+                 elsewhere",
+                held.guard, held.mode
             ),
             OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
             OrbitStop::Shrinks => write!(
@@ -352,7 +373,14 @@ impl Orbit for AffineOrbit {
                 ..self.sequence.zone(remains).clone()
             },
         });
-        centre.or_else(|| self.accumulates(point))
+        // the guard is positive before: it touches zero, and what follows without the switch is no orbit nearby
+        let misses = || {
+            let none = candidates::candidates(self, point, margin).is_ok_and(|all| all.is_empty());
+            let held = self.held(margin);
+            (margin.watch == Watch::Speed && none).then_some(OrbitStop::Misses { held })
+        };
+        let accumulates = || self.accumulates(point);
+        centre.or_else(accumulates).or_else(misses)
     }
 
     fn instant(&self, point: &Vector, margin: &Margin) -> f64 {
@@ -413,7 +441,27 @@ impl Orbit for AffineOrbit {
             return Some((Critical::PeriodDoubling, OrbitStop::Repeats { times }));
         }
         self.is_point(&node.point)
-            .then_some((Critical::Branching, OrbitStop::Shrinks))
+            .then_some((Critical::Shrinking, OrbitStop::Shrinks))
+    }
+
+    /// An orbit of amplitude a is off by a², and so is the parameter, which changes by its slope times a.
+    fn shrunk(&self, node: &Node) -> Option<(Vector, f64)> {
+        let point = &node.point;
+        if !self.is_point(point) {
+            return None;
+        }
+        let beside = || {
+            let extremes = self.extremes(point).ok()?;
+            let units = &self.setting.scales.states;
+            let sizes = extremes
+                .iter()
+                .zip(units)
+                .map(|((low, high), unit)| (high - low) / unit);
+            let slope = node.tangent[node.tangent.len() - 1].abs();
+            let error = slope * sizes.fold(0.0, f64::max) * self.unit().abs();
+            Some((point.clone(), error))
+        };
+        self.hopf(point).or_else(beside)
     }
 
     /// det(M − 1) vanishes at folds, as the parameter along the unit tangent does; their quotient does not.
@@ -440,7 +488,7 @@ impl Orbit for AffineOrbit {
     fn kind(special: &Critical) -> EventType {
         match special {
             Critical::PeriodDoubling => EventType::PD,
-            Critical::Branching => EventType::BP,
+            Critical::Branching | Critical::Shrinking => EventType::BP,
             Critical::Torus { .. } => EventType::NS,
         }
     }

@@ -163,7 +163,7 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
             Condition::Doubling
         }
         Special::Own(Critical::Torus { angle }) => Condition::Torus { angle: *angle },
-        Special::Own(Critical::Branching) => return Err(Open::Branching),
+        Special::Own(Critical::Branching | Critical::Shrinking) => return Err(Open::Branching),
         Special::Change(change) => return changed(posed, orbit, point, change),
         Special::Failed(_) => return Err(Open::Sequence),
     };
