@@ -16,7 +16,6 @@ use crate::hybrid::{Named, NoStart, Runner};
 use crate::linalg::Vector;
 use crate::problem::{Continuation, SystemProblem};
 use crate::tube::flow::Unsolved;
-use crate::tube::flow::method::Method;
 use crate::tube::flow::numeric::shooting::{Steps, integrate};
 
 /// A branch of orbits.

@@ -111,7 +111,7 @@ fn the_phase_may_stand_beside_states() {
 fn an_integrated_flow_comes_to_the_exact_one() {
     let ends = |system: &System| {
         let affine = at(system, &[]);
-        let mut motion = Motion::new(&affine, place(system, "free", &[0.5, 0.25], 0.3), 1.0);
+        let mut motion = Motion::new(&affine, place(system, "free", &[0.5, 0.25], 0.3), 10.0);
         let mut switches = 0;
         while let Step::Switched(_) = motion.step(40.0).unwrap() {
             switches += 1;
