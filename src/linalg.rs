@@ -13,6 +13,7 @@ pub type Vector = DVector<f64>;
 
 /// Adds factor·left·right to a sum, all by columns, `rows` that of left: zeros of right cost nothing. Most matrices
 /// of users' systems have few entries, or are too small for the blocks of a general product.
+#[inline]
 pub fn add_product(factor: f64, left: &[f64], rows: usize, right: &[f64], sum: &mut [f64]) {
     let columns = right.chunks_exact(left.len() / rows);
     for (column, sum) in columns.zip(sum.chunks_exact_mut(rows)) {

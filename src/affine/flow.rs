@@ -36,6 +36,8 @@ pub struct ModeFlow {
 #[derive(Clone, Debug)]
 struct Exact {
     matrix: Matrix,
+    /// Its entries that are not zero: row, column, value.
+    entries: Vec<(usize, usize, f64)>,
     /// Length of a piece.
     length: f64,
     /// exp(M·length).
@@ -84,20 +86,25 @@ impl Piece {
 }
 
 impl Exact {
-    fn new(mode: &AffineMode, longest: f64) -> Exact {
+    fn new(mode: &AffineMode, longest: f64, (scales, norm): (Vector, f64)) -> Exact {
         let matrix = mode.matrix.at.clone();
-        let (scales, norm) = balance(&matrix);
         let length = if norm * longest > 1.0 {
             norm.recip()
         } else {
             longest
         };
-        let [step, _] = propagator(&matrix, &Matrix::zeros(0, 0), norm, length);
+        let (step, _) = propagator(&matrix, None, norm, length);
+        let columns = matrix.column_iter().enumerate();
+        let entries = columns.flat_map(|(column, values)| {
+            let values = values.into_iter().enumerate();
+            values.map(move |(row, value)| (row, column, *value))
+        });
         let mut flow = Exact {
             guards: Vec::new(),
             step,
             length,
             scales,
+            entries: entries.filter(|(.., value)| *value != 0.0).collect(),
             matrix,
         };
         for guard in &mode.guards {
@@ -132,8 +139,9 @@ impl Exact {
     /// Mz times a factor.
     fn rate(&self, factor: f64, z: &Vector, rate: &mut Vector) {
         rate.fill(0.0);
-        let (matrix, rows) = (self.matrix.as_slice(), z.len());
-        add_product(factor, matrix, rows, z.as_slice(), rate.as_mut_slice());
+        for (row, column, value) in &self.entries {
+            rate[*row] += value * (factor * z[*column]);
+        }
     }
 
     fn states(&self, z: &Vector, part: f64, states: usize) -> Vec<Bernstein> {
@@ -195,6 +203,15 @@ fn polynomial(series: &Series, row: &Vector, length: f64) -> ([f64; COEFFICIENTS
 impl ModeFlow {
     /// The flow of a mode in pieces no longer than `longest`.
     pub fn new(mode: &AffineMode, longest: f64) -> ModeFlow {
+        ModeFlow::balanced(mode, longest, || balance(&mode.matrix.at))
+    }
+
+    /// The same, where the matrix has been balanced.
+    pub fn balanced(
+        mode: &AffineMode,
+        longest: f64,
+        balance: impl FnOnce() -> (Vector, f64),
+    ) -> ModeFlow {
         ModeFlow {
             guards: mode
                 .guards
@@ -202,7 +219,10 @@ impl ModeFlow {
                 .map(|guard| guard.row.at.clone())
                 .collect(),
             field: mode.field.clone(),
-            exact: mode.field.is_exact.then(|| Exact::new(mode, longest)),
+            exact: mode
+                .field
+                .is_exact
+                .then(|| Exact::new(mode, longest, balance())),
             longest,
         }
     }
@@ -369,13 +389,36 @@ impl ModeFlow {
     }
 }
 
-/// Matrices larger than this are squared in blocks.
-const SMALL: usize = 8;
+/// Matrices larger than this are squared in blocks: smaller ones take longer to pack than to multiply.
+const SMALL: usize = 32;
 
-/// E = exp(Mt) for the norm of M, and ∂E/∂p where `by` has an entry: by the series of the balanced matrix over a part
-/// of the time, and squares of it. With (E + εE′)² = E² + ε(EE′ + E′E) the derivative is as exact as the value.
-pub(super) fn propagator(matrix: &Matrix, by: &Matrix, norm: f64, time: f64) -> [Matrix; 2] {
-    let size = matrix.nrows();
+/// E = exp(Mt) for the norm of M, and ∂E/∂p for M′ = `by`: by the series of the balanced matrix over a part of the
+/// time, and squares of it. With (E + εE′)² = E² + ε(EE′ + E′E) the derivative is as exact as the value.
+pub(super) fn propagator(
+    matrix: &Matrix,
+    by: Option<&Matrix>,
+    norm: f64,
+    time: f64,
+) -> (Matrix, Option<Matrix>) {
+    let by = by.filter(|by| by.iter().any(|by| *by != 0.0));
+    // the products of the sizes that oscillators have are compiled for them
+    match matrix.nrows() {
+        3 => exponential(matrix, by, norm, time, 3),
+        4 => exponential(matrix, by, norm, time, 4),
+        5 => exponential(matrix, by, norm, time, 5),
+        6 => exponential(matrix, by, norm, time, 6),
+        size => exponential(matrix, by, norm, time, size),
+    }
+}
+
+#[inline(always)]
+fn exponential(
+    matrix: &Matrix,
+    by: Option<&Matrix>,
+    norm: f64,
+    time: f64,
+    size: usize,
+) -> (Matrix, Option<Matrix>) {
     let doublings = (norm * time.abs()).log2().ceil().max(0.0);
     // what is not finite gives a propagator that is not
     let step = time * (-doublings).exp2();
@@ -384,48 +427,60 @@ pub(super) fn propagator(matrix: &Matrix, by: &Matrix, norm: f64, time: f64) -> 
     } else {
         0
     };
-    let add = |factor: f64, left: &Matrix, right: &Matrix, sum: &mut Matrix| {
-        let (left, right) = (left.as_slice(), right.as_slice());
-        add_product(factor, left, size, right, sum.as_mut_slice());
+    let numbers = size * size;
+    let add = |factor: f64, left: &[f64], right: &[f64], sum: &mut [f64]| {
+        add_product(
+            factor,
+            &left[..numbers],
+            size,
+            &right[..numbers],
+            &mut sum[..numbers],
+        );
     };
-    let zero = Matrix::zeros(size, size);
-    let mut term = Matrix::identity(size, size);
-    let [mut sum, mut next, mut term_by, mut sum_by] =
-        [term.clone(), zero.clone(), zero.clone(), zero];
-    let parametric = by.iter().any(|by| *by != 0.0);
+    let add_up = |sum: &mut [f64], term: &[f64]| {
+        let pairs = sum[..numbers].iter_mut().zip(&term[..numbers]);
+        pairs.for_each(|(sum, term)| *sum += term);
+    };
+    let matrix = matrix.as_slice();
+    let mut sum = Matrix::identity(size, size);
+    let mut room = vec![0.0; 3 * numbers];
+    let (mut term, room) = room.split_at_mut(numbers);
+    let (mut next, mut term_by) = room.split_at_mut(numbers);
+    term.copy_from_slice(sum.as_slice());
+    let mut sum_by = by.map(|_| Matrix::zeros(size, size));
     for k in 1..=TERMS {
         let factor = step / f64::from(k);
-        if parametric {
+        if let Some((by, sum_by)) = by.zip(sum_by.as_mut()) {
             next.fill(0.0);
-            add(factor, &term_by, matrix, &mut next);
-            add(factor, &term, by, &mut next);
+            add(factor, term_by, matrix, next);
+            add(factor, term, by.as_slice(), next);
             std::mem::swap(&mut term_by, &mut next);
-            sum_by += &term_by;
+            add_up(sum_by.as_mut_slice(), term_by);
         }
         next.fill(0.0);
-        add(factor, &term, matrix, &mut next);
+        add(factor, term, matrix, next);
         std::mem::swap(&mut term, &mut next);
-        sum += &term;
+        add_up(sum.as_mut_slice(), term);
     }
-    let add = |left: &Matrix, right: &Matrix, sum: &mut Matrix| {
-        if size > SMALL {
-            sum.gemm(1.0, left, right, 1.0);
-        } else {
-            add(1.0, left, right, sum);
-        }
-    };
     for _ in 0..doublings {
-        if parametric {
+        if size > SMALL {
+            if let Some(by) = &mut sum_by {
+                *by = &sum * &*by + &*by * &sum;
+            }
+            sum = &sum * &sum;
+            continue;
+        }
+        if let Some(by) = &mut sum_by {
             next.fill(0.0);
-            add(&sum, &sum_by, &mut next);
-            add(&sum_by, &sum, &mut next);
-            std::mem::swap(&mut sum_by, &mut next);
+            add(1.0, sum.as_slice(), by.as_slice(), next);
+            add(1.0, by.as_slice(), sum.as_slice(), next);
+            by.copy_from_slice(next);
         }
         next.fill(0.0);
-        add(&sum, &sum, &mut next);
-        std::mem::swap(&mut sum, &mut next);
+        add(1.0, sum.as_slice(), sum.as_slice(), next);
+        sum.copy_from_slice(next);
     }
-    [sum, sum_by]
+    (sum, sum_by)
 }
 
 /// Powers of two d for which the largest column sum of D⁻¹MD is small, and that sum.
@@ -438,20 +493,38 @@ pub(crate) fn balance(matrix: &Matrix) -> (Vector, f64) {
     let diagonal = matrix.diagonal().abs();
     let mut scaled = matrix.abs();
     scaled.fill_diagonal(0.0);
+    // the power of two nearest to √(row/column)
+    let wanted = |row: f64, column: f64| {
+        let exponent = (0.5 * (row / column).log2()).round();
+        let wanted = row > 0.0 && column > 0.0 && exponent != 0.0 && exponent.abs() < 100.0;
+        wanted.then(|| exponent.exp2())
+    };
+    let mut rows = vec![0.0; size];
     for _ in 0..SWEEPS {
         let mut changed = false;
+        rows.fill(0.0);
+        for column in scaled.as_slice().chunks_exact(size) {
+            let pairs = rows.iter_mut().zip(column);
+            pairs.for_each(|(sum, entry)| *sum += entry);
+        }
         for i in 0..size {
-            let (row, column) = (scaled.row(i).sum(), scaled.column(i).sum());
-            if row > 0.0 && column > 0.0 {
-                // the power of two nearest to √(row/column)
-                let exponent = (0.5 * (row / column).log2()).round();
-                if exponent != 0.0 && exponent.abs() < 100.0 {
-                    let factor = exponent.exp2();
-                    scales[i] *= factor;
-                    scaled.row_mut(i).scale_mut(factor.recip());
-                    scaled.column_mut(i).scale_mut(factor);
-                    changed = true;
+            let own = &scaled.as_slice()[i * size..(i + 1) * size];
+            let Some(factor) = wanted(rows[i], own.iter().sum()) else {
+                continue;
+            };
+            scales[i] *= factor;
+            changed = true;
+            for (column, other) in scaled.as_mut_slice().chunks_exact_mut(size).enumerate() {
+                let before = other[i];
+                other[i] /= factor;
+                if column != i {
+                    rows[i] += other[i] - before;
                 }
+            }
+            let own = &mut scaled.as_mut_slice()[i * size..(i + 1) * size];
+            for (sum, entry) in rows.iter_mut().zip(own) {
+                *sum += *entry * (factor - 1.0);
+                *entry *= factor;
             }
         }
         if !changed {

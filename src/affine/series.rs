@@ -210,20 +210,22 @@ impl Field {
     ) -> Field {
         let base = program.base;
         let mut needed = vec![false; program.made()];
-        let rates = || (0..base).map(|row| matrix.row(row));
-        for row in rates().chain(watched).filter(|_| program.made() > 0) {
-            for (index, needed) in needed.iter_mut().enumerate() {
-                *needed |= row.has(base + index);
+        if program.made() > 0 {
+            let rates = (0..base).map(|row| matrix.row(row));
+            for row in rates.chain(watched) {
+                for (index, needed) in needed.iter_mut().enumerate() {
+                    *needed |= row.has(base + index);
+                }
             }
+            program.complete(&mut needed);
         }
-        program.complete(&mut needed);
-        let entry = |row: &Row, c: usize| Dual {
-            value: row.at[c],
-            by: row.by.each_ref().map(|by| by[c]),
+        let entry = |row: usize, c: usize| Dual {
+            value: matrix.at[(row, c)],
+            by: matrix.by.each_ref().map(|by| by[(row, c)]),
         };
         Field {
-            rates: rates()
-                .map(|row| Sparse::new((0..program.size()).map(|c| (c, entry(&row, c)))))
+            rates: (0..base)
+                .map(|row| Sparse::new((0..program.size()).map(|c| (c, entry(row, c)))))
                 .collect(),
             program: program.clone(),
             is_exact: !needed.contains(&true),

@@ -440,7 +440,7 @@ impl<C: Curve> Walker<C> {
 }
 
 /// Lengths of the first step into another curve: each a quarter of the one before.
-const SHORTER: f64 = 0.25;
+pub(crate) const SHORTER: f64 = 0.25;
 
 /// The first step from a point along its tangent, either way, that `admit` admits, and its length. Tried from
 /// `ds` down, `tries` times. `admit` sees the node that sets out and the step or why there is none.

@@ -282,13 +282,22 @@ pub fn enter<O: Orbit>(
     let orbit = &candidate.orbit;
     let node = Node::on(orbit, candidate.point.clone());
     let mut node = node.filter(solves).ok_or(NotEntered::NoSolution)?;
-    if let Some(tangent) = alike(candidate) {
+    let common = alike(candidate);
+    let is_only = common.is_none();
+    if let Some(tangent) = common {
         node.tangent = tangent;
     }
     if growth(candidate, &node.tangent) < 0.0 {
         node.tangent.neg_mut();
     }
-    let direct = enter_along(orbit, &node, ds, tolerance);
+    if is_only && !orbit.is_layered() && leads_nowhere(candidate, &node.tangent) {
+        // the shortest of the steps says why
+        let shortest = ds * walk::SHORTER.powi(TRIES as i32 - 1);
+        if let Err(refused) = enter_along(orbit, &node, shortest, 1, tolerance) {
+            return Err(refused);
+        }
+    }
+    let direct = enter_along(orbit, &node, ds, TRIES, tolerance);
     let length = direct.as_ref().map_or(0.0, |beyond| beyond.ds);
     if !orbit.is_layered() || length >= IN_LAYER * ds {
         return direct;
@@ -298,7 +307,7 @@ pub fn enter<O: Orbit>(
         .iter()
         .filter_map(|part| settled(candidate, &node, part * ds, tolerance));
     settled
-        .filter_map(|node| enter_along(orbit, &node, ds, tolerance).ok())
+        .filter_map(|node| enter_along(orbit, &node, ds, TRIES, tolerance).ok())
         .find(|beyond| beyond.ds > length)
         .map_or(direct, Ok)
 }
@@ -340,15 +349,41 @@ fn settled<O: Orbit>(
     })
 }
 
+/// A margin, of order one, is negative at an event, or falls or rises along the branch, where its value or slope there
+/// is at least this: both are known to rounding, and the event to 1e-13.
+const TOLD: f64 = 1e-3;
+
+/// Whether no branch sets out from the event: a margin is negative there, or of those that vanish one falls along the
+/// tangent and another one against it.
+fn leads_nowhere<O: Orbit>(candidate: &Candidate<O>, tangent: &Vector) -> bool {
+    let Candidate { orbit, point, .. } = candidate;
+    let Ok(examination) = orbit.examination(point) else {
+        return false;
+    };
+    let (mut falls, mut rises) = (false, false);
+    for margin in examination.margins() {
+        let value = O::value(margin);
+        if value.abs() <= RESIDUAL_AT_EVENT {
+            let slope = orbit.slope(margin, tangent);
+            falls |= slope <= -TOLD;
+            rises |= slope >= TOLD;
+        } else if value <= -TOLD {
+            return true;
+        }
+    }
+    falls && rises
+}
+
 /// The first admissible step from an event along its tangent.
 fn enter_along<O: Orbit>(
     orbit: &O,
     node: &Node,
     ds: f64,
+    tries: usize,
     tolerance: f64,
 ) -> Result<Beyond<O>, NotEntered<O>> {
     let mut refused = Err(NotEntered::NoSolution);
-    let entered = walk::enter(orbit, node, ds, TRIES, tolerance, |from, step| {
+    let entered = walk::enter(orbit, node, ds, tries, tolerance, |from, step| {
         let forwards = from.tangent == node.tangent;
         let refusal = match step.map(|to| orbit.examination(&to.point)) {
             Ok(Ok(examination)) if examination.verdict() == Verdict::Positive => return Some(()),

@@ -195,6 +195,18 @@ impl Bernstein {
         row[0]
     }
 
+    /// Its value at 0.
+    pub(crate) fn first(&self) -> f64 {
+        self.coefficients[0]
+    }
+
+    /// The least and the largest coefficient: the polynomial lies between them.
+    pub(crate) fn bounds(&self) -> (f64, f64) {
+        let first = self.coefficients[0];
+        let all = self.coefficients.iter();
+        all.fold((first, first), |(low, high), b| (low.min(*b), high.max(*b)))
+    }
+
     /// scale·self + offset.
     pub(crate) fn affine(&self, scale: f64, offset: f64) -> Bernstein {
         Bernstein {

@@ -220,8 +220,7 @@ impl AffineOrbit {
         let at = self.at(point)?;
         let n = self.states();
         let mut extremes = vec![(f64::INFINITY, f64::NEG_INFINITY); n];
-        let mut visit = |state: usize, value: f64| {
-            let (low, high) = &mut extremes[state];
+        let visit = |(low, high): &mut (f64, f64), value: f64| {
             (*low, *high) = (low.min(value), high.max(value));
         };
         for zone in 0..self.zones() {
@@ -231,19 +230,25 @@ impl AffineOrbit {
             let end = last.map(|last| flow.within(&last.piece, last.part * last.piece.length));
             let end = end.as_ref().unwrap_or(&entry);
             for state in 0..n {
-                visit(state, entry[state]);
-                visit(state, end[state]);
+                visit(&mut extremes[state], entry[state]);
+                visit(&mut extremes[state], end[state]);
             }
-            let mut courses = vec![(false, false); n];
             for part in parts {
-                let polynomials = flow.states(&part.piece, part.part, n).into_iter();
-                for (state, (polynomial, (falling, rising))) in
-                    polynomials.zip(&mut courses).enumerate()
-                {
-                    let minima = polynomial.minima(falling);
-                    let maxima = polynomial.affine(-1.0, 0.0).minima(rising);
-                    for place in minima.into_iter().chain(maxima) {
-                        visit(state, polynomial.value(place));
+                let polynomials = flow.states(&part.piece, part.part, n);
+                for (state, polynomial) in polynomials.into_iter().enumerate() {
+                    if !part.is_first {
+                        visit(&mut extremes[state], polynomial.first());
+                    }
+                    let (low, high) = polynomial.bounds();
+                    let mut turns = Vec::new();
+                    if low < extremes[state].0 {
+                        turns = polynomial.minima(&mut false);
+                    }
+                    if high > extremes[state].1 {
+                        turns.extend(polynomial.affine(-1.0, 0.0).minima(&mut false));
+                    }
+                    for place in turns {
+                        visit(&mut extremes[state], polynomial.value(place));
                     }
                 }
             }

@@ -11,9 +11,9 @@ use super::signature::Sequence;
 pub use super::signature::ZonePoint;
 use super::structure::{ZoneFacts, facts};
 use crate::affine::flow::{ModeFlow, balance};
-use crate::affine::mode::{AffineSystem, Row};
+use crate::affine::mode::{AffineMode, AffineSystem, Row};
 use crate::affine::system::{System, SystemError};
-use crate::linalg::Vector;
+use crate::linalg::{Matrix, Vector};
 
 /// Units of the unknowns, constant along a branch: they make every scaled unknown of order one. The phase is in
 /// radians.
@@ -83,22 +83,45 @@ pub struct Posed {
     /// The system.
     pub system: AffineSystem,
     /// Facts of the zones.
-    pub facts: Vec<ZoneFacts>,
-    norms: Vec<OnceLock<f64>>,
+    pub facts: Arc<Vec<ZoneFacts>>,
+    balances: Vec<OnceLock<(Vector, f64)>>,
     flows: Vec<OnceLock<ModeFlow>>,
     /// Longest piece of a flow: the unit of time.
     longest: f64,
 }
 
 impl Posed {
-    /// The norm of the balanced matrix of a mode.
-    fn norm(&self, mode: usize) -> f64 {
-        *self.norms[mode].get_or_init(|| balance(&self.system.modes[mode].matrix.at).1)
+    /// The scales of z that balance the matrix of a mode, and its norm then.
+    fn balance(&self, mode: usize) -> &(Vector, f64) {
+        self.balances[mode].get_or_init(|| balance(&self.system.modes[mode].matrix.at))
+    }
+
+    /// Whether its facts are those of the system at another value of the parameter, too: none of them changes with it,
+    /// and what they follow from is the same there, the rates but for the values of entries that are not zero. A zero
+    /// by chance is no fact, since its derivative in the parameter is none.
+    fn holds_for(&self, other: &AffineSystem) -> bool {
+        let known = &self.system;
+        let same_zeros = |one: &Matrix, other: &Matrix| {
+            let mut pairs = one.iter().zip(other.iter());
+            pairs.all(|(one, other)| (*one == 0.0) == (*other == 0.0))
+        };
+        let alike = |(one, other): (&AffineMode, &AffineMode)| {
+            let mut slopes = one.matrix.by.iter().zip(&other.matrix.by);
+            one.guards == other.guards
+                && same_zeros(&one.matrix.at, &other.matrix.at)
+                && slopes.all(|(one, other)| same_zeros(one, other))
+        };
+        self.facts.iter().all(ZoneFacts::is_constant)
+            && known.size() == other.size()
+            && known.modes.iter().zip(&other.modes).all(alike)
     }
 
     /// The flow of a mode in pieces.
     pub fn flow(&self, mode: usize) -> &ModeFlow {
-        self.flows[mode].get_or_init(|| ModeFlow::new(&self.system.modes[mode], self.longest))
+        self.flows[mode].get_or_init(|| {
+            let balance = || self.balance(mode).clone();
+            ModeFlow::balanced(&self.system.modes[mode], self.longest, balance)
+        })
     }
 }
 
@@ -245,10 +268,8 @@ impl AffineOrbit {
     fn posed(&self, point: &Vector) -> Result<Arc<Posed>, OrbitFailure> {
         let value = self.parameter_at(point);
         let bits = value.to_bits();
-        if let Ok(last) = self.last.lock()
-            && let Some((known, posed)) = &*last
-            && *known == bits
-        {
+        let last = self.last.lock().ok().and_then(|last| last.clone());
+        if let Some((_, posed)) = last.as_ref().filter(|(known, _)| *known == bits) {
             return Ok(posed.clone());
         }
         let setting = &self.setting;
@@ -256,10 +277,16 @@ impl AffineOrbit {
         values[setting.parameter] = value;
         let system = setting.system.at(&values, &[setting.parameter]);
         let system = system.map_err(OrbitFailure::System)?;
-        let zones = self.unpack(point, system.omega.value);
+        let facts = match last {
+            Some((_, posed)) if posed.holds_for(&system) => posed.facts.clone(),
+            _ => {
+                let zones = self.unpack(point, system.omega.value);
+                Arc::new(facts(&system, &self.sequence, &self.units(), &zones))
+            }
+        };
         let posed = Arc::new(Posed {
-            facts: facts(&system, &self.sequence, &self.units(), &zones),
-            norms: vec![OnceLock::new(); system.modes.len()],
+            facts,
+            balances: vec![OnceLock::new(); system.modes.len()],
             flows: system.modes.iter().map(|_| OnceLock::new()).collect(),
             longest: setting.scales.time,
             system,
@@ -334,7 +361,7 @@ impl OrbitAt<'_> {
         let mode = orbit.sequence.zone(zone).mode;
         let passage = Passage::new(
             &posed.system.modes[mode],
-            posed.norm(mode),
+            posed.balance(mode).1,
             self.entry(zone),
             time,
         );

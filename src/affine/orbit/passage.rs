@@ -1,5 +1,7 @@
 //! The passage of an orbit through a zone: where it ends, and forms of z along it with all their derivatives.
 
+use std::borrow::Cow;
+
 use crate::affine::flow::{TERMS, propagator};
 use crate::affine::mode::{AffineMode, Row};
 use crate::affine::series::{ORDER, Series};
@@ -94,10 +96,10 @@ impl<'a> Passage<'a> {
         if !mode.field.is_exact {
             return Passage::numerical(mode, entry, time);
         }
-        let [flow, by] = propagator(&mode.matrix.at, &mode.matrix.by[0], norm, time);
+        let (flow, by) = propagator(&mode.matrix.at, Some(&mode.matrix.by[0]), norm, time);
         Passage {
             end: &flow * &entry,
-            by_parameter: by * &entry,
+            by_parameter: by.map_or_else(|| Vector::zeros(entry.len()), |by| by * &entry),
             flow,
             norm,
             mode,
@@ -165,9 +167,7 @@ impl<'a> Passage<'a> {
         if self.numerical.is_some() {
             return Passage::numerical(self.mode, self.end.clone(), -self.time).flow;
         }
-        let matrix = &self.mode.matrix.at;
-        let [flow, _] = propagator(matrix, &Matrix::zeros(0, 0), self.norm, -self.time);
-        flow
+        propagator(&self.mode.matrix.at, None, self.norm, -self.time).0
     }
 
     /// ż at the end.
@@ -237,18 +237,23 @@ impl<'a> Passage<'a> {
             };
             return orders.take_while(|order| *order <= ORDER).map(of).collect();
         }
-        let mut derivative = self.derivative(row, from);
+        let mut last: Option<Cow<Row>> = None;
         let of = |_| {
-            let jet = Jet::at_entry(&derivative, &self.entry);
-            derivative = derivative.through(&self.mode.matrix);
+            let next = match &last {
+                None => self.derivative(row, from),
+                Some(last) => Cow::Owned(last.through(&self.mode.matrix)),
+            };
+            let jet = Jet::at_entry(&next, &self.entry);
+            last = Some(next);
             jet
         };
         orders.map(of).collect()
     }
 
     /// The derivative of this order of a form of a linear mode.
-    fn derivative(&self, row: &Row, order: usize) -> Row {
-        (0..order).fold(row.clone(), |row, _| row.through(&self.mode.matrix))
+    fn derivative<'r>(&self, row: &'r Row, order: usize) -> Cow<'r, Row> {
+        let first = Cow::Borrowed(row);
+        (0..order).fold(first, |row, _| Cow::Owned(row.through(&self.mode.matrix)))
     }
 
     /// Whether the time is so short that a series at the entry holds.

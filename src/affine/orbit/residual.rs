@@ -62,7 +62,6 @@ impl System for AffineOrbit {
             for (state, unit) in states.iter().enumerate() {
                 let row = first + state;
                 let pivot = facts.zero.pivots.iter().position(|pivot| *pivot == state);
-                let own = Row::unit(entry.len(), state);
                 if let Some(generic) = &facts.generic {
                     // the derivatives of the guard that are divided out are zero at the entry
                     let order = generic.pivots.iter().position(|pivot| *pivot == state);
@@ -77,6 +76,7 @@ impl System for AffineOrbit {
                     equations.add(row, next, &at.at_entry(next, form, 0), unit.recip());
                     continue;
                 }
+                let own = Row::unit(entry.len(), state);
                 let arrives = exit.map_or_else(|| own.clone(), |exit| exit.reset.row(state));
                 equations.add(row, zone, &passage.at_end(&arrives), unit.recip());
                 equations.add(row, next, &Jet::at_entry(&own, &entry), -unit.recip());

@@ -37,6 +37,13 @@ pub struct Generic {
 }
 
 impl ZoneFacts {
+    /// Whether none of them changes with the parameter.
+    pub fn is_constant(&self) -> bool {
+        let rows = self.zero.rows.iter().chain(&self.end.rows);
+        let mut derivatives = rows.flat_map(|row| &row.by);
+        self.generic.is_none() && derivatives.all(|by| by.iter().all(|by| *by == 0.0))
+    }
+
     /// Whether a form is zero at the end by the structure.
     pub fn is_zero_at_end(&self, row: &Row, size: f64, units: &Units) -> bool {
         match &self.generic {
