@@ -16,11 +16,11 @@ from fractions import Fraction
 from pathlib import Path
 
 try:
-    from flint import arb, ctx
+    from flint import acb, acb_mat, arb, ctx
 
-    from .ball_orbits import OrbitPoint
+    from .ball_orbits import Orbit, kind_of, outside
     from .ball_spectrum import Perturbed
-    from .ball_waves import NotCovered, Refused, Signs, must, prove_zero
+    from .ball_waves import NotCovered, Refused, Signs, decimal, must, prove_zero
 except ImportError as error:
     sys.exit(f"{error}: `pip install python-flint` gives the balls that this check needs")
 
@@ -143,7 +143,7 @@ def snake(name):
     return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
 
 
-class Point:
+class Statements:
     """A point that is said to be proven, with the problem and the row of the table that belong to it."""
 
     def __init__(self, point, source, row):
@@ -152,20 +152,67 @@ class Point:
         self.posed, self.said = self.proof["posed"], self.proof["statement"]
         self.growth, self.discs = point.get("growth"), {}
 
-    def statements(self):
-        """Names of the statements and what checks them."""
-        yield "wave, in its intervals", self.wave
+    def common(self):
+        """Names of statements on all points and what checks them."""
         yield "numbers of the problem", self.numbers
         yield "type", self.type
         yield "inequalities", self.inequalities
-        if self.proof["beyond"] is not None:
-            yield "the same wave beyond", self.beyond
         yield f"no other within {float(self.said['unique']):.0e}", self.unique
         yield "row of certificates.csv", self.table
-        for eigenvalue in self.proof.get("eigenvalues", []):
-            yield f"eigenvalue in sector {int(eigenvalue['sector'])}", lambda it=eigenvalue: self.eigenvalue(it)
         if self.point.get("arc") is not None and self.point["arc"].name == "Proven":
             yield "arc", self.arc
+
+    @staticmethod
+    def compare(found):
+        for what, ball, interval in found:
+            must(between(ball, interval), f"{what} is {ball.str(20, radius=False)}")
+
+    def type(self):
+        found = self.kind()
+        must(found == self.point["kind"], f"what vanishes there makes it {found}")
+
+    def unique(self):
+        if not self.solved.unique(self.zero, self.said["unique"]):
+            raise NotCovered("not shown over a box that large; the solution is regular")
+
+    def arc(self):
+        raise NotCovered("what lies between two points")
+
+    def asked(self, text):
+        """That a value is one of the problem."""
+        continuation = self.source["continuation"]
+        ends = [number for number in (*continuation["range"], text) if number is not None]
+        values = continuation.get("stop_at", []) if self.point["kind"] == "UZ" else ends
+        listed = Fraction(self.proof["condition"].value) in [Fraction(value.text) for value in values]
+        must(listed or "stop_after" in continuation, "the value is not asked for in the problem")
+
+    def compare_row(self, name, intervals, **stated):
+        """That the row of the table is of this point, with these balls in their intervals, and says this."""
+        if self.row is None:
+            raise NotCovered("a certificate without its table")
+        row, point, arc = self.row, self.point, self.point.get("arc")
+        named = [str(int(point["label"])), point["kind"], name, "yes"]
+        must([row[it] for it in ("label", "type", "parameter", "proven")] == named, "it is of another point")
+        for what, (low, high), ball in intervals:
+            must(inside(ball, row[low], row[high]), f"the {what} is not in its interval")
+        must(float(row["unique"]) == self.said["unique"], "`unique` is not that of the certificate")
+        stated |= {"inequalities": self.said["inequalities"], "arc": "" if arc is None else {"Proven": "yes"}.get(arc.name, "no")}
+        for column, value in stated.items():
+            told = value if isinstance(value, str) else "" if value is None else str(int(value))
+            must(row[column] == told, f"`{column}` is not that of the certificate")
+
+
+class Point(Statements):
+    """A point of a branch of waves."""
+
+    def statements(self):
+        """Names of the statements and what checks them."""
+        yield "wave, in its intervals", self.wave
+        yield from self.common()
+        if self.proof["beyond"] is not None:
+            yield "the same wave beyond", self.beyond
+        for eigenvalue in self.proof.get("eigenvalues", []):
+            yield f"eigenvalue in sector {int(eigenvalue['sector'])}", lambda it=eigenvalue: self.eigenvalue(it)
         if self.growth is not None and self.growth.name == "Proven":
             yield "growing eigenvalues", self.counts
             for leading in self.growth.value["leading"]:
@@ -185,8 +232,7 @@ class Point:
         found += [("the length of a zone", *both) for both in zip(lengths, self.said["lengths"])]
         if wave.kind == "Crossing":
             found += [("ω", self.x[wave.base].real, self.said["omega"])]
-        for what, ball, interval in found:
-            must(between(ball, interval), f"{what} is {ball.str(20, radius=False)}")
+        self.compare(found)
         self.solved = wave
 
     def numbers(self):
@@ -219,14 +265,10 @@ class Point:
         low, high = continuation["range"]
         must(float(posed["unit"]) == high - low, "the unit of the parameter is not the width of its range")
         if self.point["kind"] in ("UZ", "EP") and self.solved.kind == "Value":
-            ends = [low, high] + ([Number(problem[varies])] if varies in problem else [])
-            values = continuation.get("stop_at", []) if self.point["kind"] == "UZ" else ends
-            listed = Fraction(self.proof["condition"].value) in [Fraction(value.text) for value in values]
-            must(listed or "stop_after" in continuation, "the value is not asked for in the problem")
+            self.asked(Number(problem[varies]) if varies in problem else None)
 
-    def type(self):
-        found = type_of(self.solved, self.point["kind"])
-        must(found == self.point["kind"], f"what vanishes there makes it {found}")
+    def kind(self):
+        return type_of(self.solved, self.point["kind"])
 
     def inequalities(self):
         for what, holds in Signs(self.solved, self.x).all():
@@ -242,21 +284,10 @@ class Point:
     def unique(self):
         if self.solved.kind == "Fold":
             raise NotCovered("the distance to other folds; the fold is regular")
-        if not self.solved.unique(self.zero, self.said["unique"]):
-            raise NotCovered("not shown over a box that large; the solution is regular")
+        super().unique()
 
     def table(self):
-        if self.row is None:
-            raise NotCovered("a certificate without its table")
-        row, point, value = self.row, self.point, self.x[self.solved.base - 1].real
-        named = [str(int(point["label"])), point["kind"], snake(point["parameter"]), "yes"]
-        must([row[name] for name in ("label", "type", "parameter", "proven")] == named, "it is of another point")
-        must(inside(value, row["low"], row["high"]), "the parameter is not in its interval")
-        must(inside(self.parts.c.real, row["speed_low"], row["speed_high"]), "the speed is not in its interval")
-        must(float(row["unique"]) == self.said["unique"], "`unique` is not that of the certificate")
-        must(int(row["inequalities"]) == self.said["inequalities"], "`inequalities` is not that of the certificate")
         grows = any(it["growth"]["low"] > 0 for it in self.proof.get("eigenvalues", []))
-        must(row["unstable"] == ("yes" if grows else ""), "`unstable` is not what the eigenvalues say")
         stable = growing = ""
         if self.growth is not None and self.growth.name == "Proven":
             verdict, mode = self.growth.value["verdict"], int(self.posed["mode"])
@@ -265,16 +296,19 @@ class Point:
             # a sector between 0 and k/2 counts for its conjugate too
             counts = enumerate(self.growth.value["counts"])
             growing = str(sum(int(count) * (1 if 2 * sector in (0, mode) else 2) for sector, count in counts))
-        must(row["stable"] == stable, "`stable` is not that of the certificate")
-        must(row["growing"] == growing, "`growing` is not that of the certificate")
+        self.compare_row(
+            snake(self.point["parameter"]),
+            [
+                ("parameter", ("low", "high"), self.x[self.solved.base - 1].real),
+                ("speed", ("speed_low", "speed_high"), self.parts.c.real),
+            ],
+            unstable="yes" if grows else "", stable=stable, growing=growing,
+        )  # fmt: skip
 
     def eigenvalue(self, said):
         ball = self.solved.eigenvalue(self.parts, said["sector"], said["near"])
         holds = between(ball.real, said["growth"]) and between(ball.imag, said["omega"])
         must(holds, f"it is {ball.str(15, radius=False)}")
-
-    def arc(self):
-        raise NotCovered("what lies between two points")
 
     def counts(self):
         growth, mode, crossing = self.growth.value, int(self.posed["mode"]), self.solved.kind == "Crossing"
@@ -327,6 +361,83 @@ class Point:
         must(verdict == follows, f"what is counted makes it {follows}")
 
 
+class OrbitPoint(Statements):
+    """A point of a branch of orbits of a system."""
+
+    def statements(self):
+        """Names of the statements and what checks them."""
+        yield "orbit, in its intervals", self.orbit
+        yield from self.common()
+        if self.said.get("outside") is not None:
+            yield "multipliers outside the unit circle", self.outside
+
+    def orbit(self):
+        orbit = Orbit(self.posed, self.proof["near"], self.proof["condition"])
+        names = list(self.posed["system"]["parameters"])
+        must(names[int(self.posed["parameter"])] == self.point["parameter"], "its equations vary another parameter")
+        self.zero = prove_zero(orbit.equations, orbit.guess)
+        middle, radius = self.zero
+        # real equations and a real guess: the zero is real
+        self.x = [acb(arb(y.real, radius)) for y in middle]
+        self.solved = orbit
+        times = [self.x[k * (orbit.n + 1) + orbit.n].real for k in range(len(orbit.stretches))]
+        given = orbit.kind == "Value"
+        self.value = decimal(orbit.condition.value).real if given else self.x[orbit.place].real
+        self.period = sum(times, arb(0))
+        found = [("the parameter", self.value, self.said["parameter"]), ("the period", self.period, self.said["period"])]
+        if orbit.kind == "Torus":
+            self.angle = self.x[orbit.place + 1].real
+            found.append(("the angle", self.angle, self.said["angle"]))
+        self.compare(found)
+
+    def numbers(self):
+        source, posed = self.source, self.posed
+        if source is None or "system" not in source or "Restart" in str(source["orbit"]["start"]):
+            raise NotCovered("numbers that do not stand in a problem file")
+        written, system = dict(source["system"]), dict(posed["system"])
+        given, held = written.pop("parameters", {}), system.pop("parameters")
+        must(list(given) == list(held), "the parameters are not those of the problem")
+        for (name, number), value, inner in zip(given.items(), posed["values"], held.values()):
+            varies = name == self.point["parameter"]
+            must(Fraction(number.text) == Fraction(value) or varies, f"{name} is {number.text} in the problem")
+            must(float(inner) == float(value) or varies, f"{name} is there with two values")
+        plain = lambda it: (
+            {k: plain(v) for k, v in it.items() if v not in (None, [], {}, ())}
+            if isinstance(it, dict)
+            else [plain(v) for v in it]
+            if isinstance(it, (list, tuple))
+            else it
+        )
+        must(plain(written) == plain(system), "the system is not that of the problem")
+        continuation = source["continuation"]
+        must(continuation["parameter"] == self.point["parameter"], "the parameter is not that of the problem")
+        low, high = continuation["range"]
+        must(float(posed["units"]["parameter"]) == high - low, "the unit of the parameter is not the width of its range")
+        if self.solved.kind == "Value":
+            self.asked(given[self.point["parameter"]])
+
+    def kind(self):
+        return kind_of(self.point, self.proof)
+
+    def inequalities(self):
+        wrong = [what for what, holds in self.solved.all_signs(self.x) if not holds]
+        if wrong and self.solved.mirror(self.x):
+            wrong = [what for what, holds in self.solved.all_signs(self.x) if not holds]
+        must(not wrong, f"{', '.join(wrong)} is not shown")
+
+    def outside(self):
+        orbit = self.solved
+        must(orbit.kind == "Value", "multipliers are counted at values of the parameter")
+        found = outside(acb_mat(orbit.returned(*orbit.parts(self.x))).charpoly().coeffs())
+        must(found == int(self.said["outside"]), f"{found} are outside")
+
+    def table(self):
+        intervals = [("parameter", ("low", "high"), self.value), ("period", ("period_low", "period_high"), self.period)]
+        if self.solved.kind == "Torus":
+            intervals.append(("angle", ("angle_low", "angle_high"), self.angle))
+        self.compare_row(self.point["parameter"], intervals, outside=self.said.get("outside"))
+
+
 def main(folder):
     """Prints a line for every statement of a certificate. Returns the exit code."""
     folder = Path(folder)
@@ -353,8 +464,7 @@ def main(folder):
                     refused += 1
                 continue
             of_system = "system" in point["outcome"].value["posed"]
-            known = OrbitPoint(point, source, row, (between, inside)) if of_system else Point(point, source, row)
-            for what, statement in known.statements():
+            for what, statement in (OrbitPoint if of_system else Point)(point, source, row).statements():
                 try:
                     statement()
                     outcome = "proven again"

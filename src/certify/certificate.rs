@@ -1,11 +1,16 @@
 //! What is proven of special points, what it takes to check it, and why something is not.
 
+use std::fmt::Display;
+
 use serde::{Deserialize, Serialize};
 
-use super::change::Beyond;
+use super::arc::Broken;
+use super::change::{Beyond, NotBeyond};
 use super::count::Growth;
+use super::inequality::Unproven;
 use super::open::Open;
 use super::perturbation::Eigenvalue;
+use super::stretch;
 use super::system::{Condition, Near, Posed};
 use crate::interval::Interval;
 use crate::orbit::{Data, EventType};
@@ -15,10 +20,26 @@ use crate::tube::model::Parameter;
 pub trait Provable: Data {
     /// Name of the continuation parameter.
     type Parameter: Data;
+    /// Which inequality is not proven.
+    type Unproven: Display;
+    /// Why nothing is known of what begins beyond an event.
+    type Beyond: Display;
+
+    /// Proves that a branch leads from one point to another without a further event; returns in how many pieces.
+    ///
+    /// # Errors
+    /// It is not proven.
+    fn arc(from: &Self, to: &Self) -> Result<usize, Broken<Self::Unproven, Self::Beyond>>;
 }
 
 impl Provable for Proof {
     type Parameter = Parameter;
+    type Unproven = Unproven;
+    type Beyond = NotBeyond;
+
+    fn arc(from: &Proof, to: &Proof) -> Result<usize, Broken<Unproven, NotBeyond>> {
+        stretch::prove(from, to)
+    }
 }
 
 /// All that was proven of a branch, and what proves it.
@@ -56,8 +77,8 @@ pub struct Point<P: Provable = Proof> {
     pub leg: usize,
     /// What was found.
     pub outcome: Outcome<P>,
-    /// Whether the branch from the point before has no other special point but crossings of eigenvalues, where
-    /// that was asked for.
+    /// Whether the branch from the point before has no other special point but where multipliers or eigenvalues cross,
+    /// where that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arc: Option<Stretch>,
     /// How many eigenvalues grow, where that was asked for.
@@ -80,11 +101,24 @@ impl<P: Provable> Point<P> {
         matches!(self.outcome, Outcome::Proven(_))
     }
 
-    pub(super) fn proof(&self) -> Option<&P> {
+    pub(crate) fn proof(&self) -> Option<&P> {
         match &self.outcome {
             Outcome::Proven(proof) => Some(proof),
             Outcome::Open(_) => None,
         }
+    }
+
+    /// Proves that on the branch from an earlier point to this there is no other but where multipliers or eigenvalues
+    /// cross; `None` if the branch does not lead from there to here.
+    pub fn stretch(&self, before: &Point<P>) -> Option<Stretch> {
+        if self.leg != before.leg {
+            return None;
+        }
+        let ends = before.proof().zip(self.proof()).ok_or(Broken::End);
+        Some(match ends.and_then(|(from, to)| P::arc(from, to)) {
+            Ok(pieces) => Stretch::Proven(pieces),
+            Err(reason) => Stretch::Open(reason.to_string()),
+        })
     }
 }
 

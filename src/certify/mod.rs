@@ -28,6 +28,7 @@ mod open;
 pub mod orbit;
 mod perturbation;
 mod propagator;
+mod stretch;
 mod system;
 mod tail;
 
@@ -54,7 +55,6 @@ use crate::tube::model::Impact;
 use crate::tube::model::signature::{Entry, switches};
 use crate::tube::wave::Wave;
 use crate::tube::wave::admissibility::{Margin, Watch};
-use arc::Broken;
 use inequality::Part;
 use system::System;
 
@@ -120,19 +120,6 @@ impl Point {
         Some(match growth(proof, window, None) {
             Ok(growth) => Counted::Proven(growth),
             Err(reason) => Counted::Open(reason.to_string()),
-        })
-    }
-
-    /// Proves that on the branch from an earlier point to this there is no other but crossings of eigenvalues;
-    /// `None` if the branch does not lead from there to here.
-    pub fn stretch(&self, before: &Point) -> Option<Stretch> {
-        if self.leg != before.leg {
-            return None;
-        }
-        let ends = before.proof().zip(self.proof()).ok_or(Broken::End);
-        Some(match ends.and_then(|(from, to)| arc::prove(from, to)) {
-            Ok(pieces) => Stretch::Proven(pieces),
-            Err(reason) => Stretch::Open(reason.to_string()),
         })
     }
 }

@@ -11,7 +11,9 @@ use super::prepare::{Prepared, PreparedSystem, early_end, follow, ready, ready_s
 use super::progress::each;
 use super::{print, stopped};
 use crate::branch::run::Item;
-use crate::certify::{self, Certificate, Counted, Outcome, Point, Refused, Stretch, orbit};
+use crate::certify::{
+    self, Certificate, Counted, Outcome, Point, Provable, Refused, Stretch, orbit,
+};
 use crate::hybrid;
 use crate::output::certify::{CertificateFolder, Certified, Read, read};
 use crate::output::store::Kind;
@@ -59,11 +61,7 @@ fn waves(arguments: &CertifyArguments, prepared: Prepared) -> Result<Exit, Failu
     });
     let mut points: Vec<Point> = proofs.into_iter().flatten().collect();
     if arguments.arcs {
-        let pairs: Vec<_> = points.windows(2).collect();
-        let arcs: Vec<_> = each(quiet, &pairs, "arcs", |both| both[1].stretch(&both[0]));
-        for (point, arc) in points.iter_mut().skip(1).zip(arcs) {
-            point.arc = arc;
-        }
+        join(quiet, &mut points);
     }
     if arguments.spectrum {
         let problem = &prepared.problem;
@@ -80,7 +78,7 @@ fn waves(arguments: &CertifyArguments, prepared: Prepared) -> Result<Exit, Failu
 
 fn orbits(arguments: &CertifyArguments, prepared: PreparedSystem) -> Result<Exit, Failure> {
     let task = &arguments.task;
-    if arguments.arcs || arguments.spectrum {
+    if arguments.spectrum {
         return Err(Usage::OfWaves.into());
     }
     let out = task.folder("_certify");
@@ -93,8 +91,23 @@ fn orbits(arguments: &CertifyArguments, prepared: PreparedSystem) -> Result<Exit
     let proofs: Vec<_> = each(task.quiet, &special, "points", |item| {
         orbit::certify(item, prepared.source.text())
     });
-    let points: Vec<Point<orbit::Proof>> = proofs.into_iter().flatten().collect();
+    let mut points: Vec<Point<orbit::Proof>> = proofs.into_iter().flatten().collect();
+    if arguments.arcs {
+        join(task.quiet, &mut points);
+    }
     finish(task, &out, folder, points, &branch)
+}
+
+/// Proves what lies between every two points.
+fn join<P: Provable + Sync>(quiet: bool, points: &mut [Point<P>])
+where
+    Point<P>: Sync,
+{
+    let pairs: Vec<_> = points.windows(2).collect();
+    let arcs: Vec<_> = each(quiet, &pairs, "arcs", |both| both[1].stretch(&both[0]));
+    for (point, arc) in points.iter_mut().skip(1).zip(arcs) {
+        point.arc = arc;
+    }
 }
 
 /// Follows a branch, and keeps its special points.
@@ -145,13 +158,8 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
         false => read(path)?,
     };
     match certificate {
-        Read::Waves(certificate) => told(&certificate.points, quiet, verdict),
-        Read::Orbits(certificate) => told(&certificate.points, quiet, |point, _| {
-            match &point.outcome {
-                Outcome::Proven(proof) => said(orbit::verify(point, proof)),
-                Outcome::Open(reason) => format!("not proven: {reason}"),
-            }
-        }),
+        Read::Waves(certificate) => told(&certificate.points, quiet, certify::verify),
+        Read::Orbits(certificate) => told(&certificate.points, quiet, orbit::verify),
     }
 }
 
@@ -159,7 +167,7 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
 fn told<P: Certified + Sync>(
     points: &[Point<P>],
     quiet: bool,
-    verdict: impl Fn(&Point<P>, Option<&Point<P>>) -> String + Sync,
+    verify: impl Fn(&Point<P>, &P) -> Result<(), Refused> + Sync,
 ) -> Result<Exit, Failure>
 where
     Point<P>: Sync,
@@ -167,7 +175,7 @@ where
     let indices: Vec<usize> = (0..points.len()).collect();
     let verdicts: Vec<String> = each(quiet, &indices, "points", |&index| {
         let before = index.checked_sub(1).map(|before| &points[before]);
-        verdict(&points[index], before)
+        verdict(&points[index], before, &verify)
     });
     let lines = points.iter().zip(&verdicts);
     let lines =
@@ -190,9 +198,13 @@ fn said(verified: Result<(), Refused>) -> String {
 const VERIFIED: &str = "verified";
 
 /// Whether a stored point, and the arc that leads to it, is what it says.
-fn verdict(point: &Point, before: Option<&Point>) -> String {
+fn verdict<P: Provable>(
+    point: &Point<P>,
+    before: Option<&Point<P>>,
+    verify: impl Fn(&Point<P>, &P) -> Result<(), Refused>,
+) -> String {
     let refused = match &point.outcome {
-        Outcome::Proven(proof) => certify::verify(point, proof),
+        Outcome::Proven(proof) => verify(point, proof),
         Outcome::Open(reason) => return format!("not proven: {reason}"),
     };
     match (refused, &point.arc) {

@@ -116,9 +116,7 @@ pub(crate) enum Usage {
     Format(String),
     #[error("`{0}` is no range: write LOW,HIGH, for example 0.001,0.01")]
     Ends(String),
-    #[error(
-        "`--arcs` and `--spectrum` are of waves; of a system leave them out: multipliers are counted anyway"
-    )]
+    #[error("`--spectrum` is of waves; of a system leave it out: multipliers are counted anyway")]
     OfWaves,
     #[error("write NAME=VALUE, for example mismatch=0.045")]
     Assignment,

@@ -25,59 +25,137 @@ pub(crate) trait Certified: Provable {
     fn sentence(point: &Point<Self>) -> String;
 }
 
-/// A row of the table of an orbit of a system.
+/// What a point is, in every table.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct OrbitRow {
+pub(crate) struct Head {
     label: usize,
     r#type: String,
     parameter: String,
     low: Option<f64>,
     high: Option<f64>,
-    period_low: Option<f64>,
-    period_high: Option<f64>,
+}
+
+/// What is said of its orbit, in every table.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct Said {
     unique: Option<f64>,
     inequalities: Option<usize>,
     proven: &'static str,
     why: String,
+}
+
+/// What is said of the branch before it, in every table.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct Arc {
+    arc: &'static str,
+    pieces: Option<usize>,
+    arc_why: String,
+}
+
+impl Head {
+    fn new<P: Provable>(point: &Point<P>, parameter: &str, value: Option<Interval>) -> Head {
+        let (low, high) = ends(value);
+        Head {
+            label: point.label,
+            r#type: point.kind.to_string(),
+            parameter: parameter.to_owned(),
+            low,
+            high,
+        }
+    }
+}
+
+impl Said {
+    fn new<P: Provable>(point: &Point<P>, of: impl Fn(&P) -> (f64, usize)) -> Said {
+        let (said, why) = match &point.outcome {
+            Outcome::Proven(proof) => (Some(of(proof)), ""),
+            Outcome::Open(reason) => (None, &**reason),
+        };
+        Said {
+            unique: said.map(|(unique, _)| unique),
+            inequalities: said.map(|(_, inequalities)| inequalities),
+            proven: if said.is_some() { "yes" } else { "no" },
+            why: why.to_owned(),
+        }
+    }
+}
+
+impl Arc {
+    fn new<P: Provable>(point: &Point<P>) -> Arc {
+        let (arc, pieces, why) = match &point.arc {
+            None => ("", None, ""),
+            Some(Stretch::Proven(pieces)) => ("yes", Some(*pieces), ""),
+            Some(Stretch::Open(reason)) => ("no", None, &**reason),
+        };
+        Arc {
+            arc,
+            pieces,
+            arc_why: why.to_owned(),
+        }
+    }
+}
+
+/// What is said of the branch before a point, in a line; `others` are events that are not looked for on it.
+fn before<P: Provable>(point: &Point<P>, others: &str) -> String {
+    match &point.arc {
+        None => String::new(),
+        Some(Stretch::Proven(pieces)) => {
+            format!("  no other event but {others} before it: proven in {pieces} pieces\n")
+        }
+        Some(Stretch::Open(reason)) => {
+            format!("  no other event before it: not proven; {reason}\n")
+        }
+    }
+}
+
+/// The ends of an interval as they are written.
+fn ends(interval: Option<Interval>) -> (Option<f64>, Option<f64>) {
+    let interval = interval.map(enclosing);
+    (
+        interval.map(|interval| interval.low),
+        interval.map(|interval| interval.high),
+    )
+}
+
+/// A row of the table of an orbit of a system.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct OrbitRow {
+    head: Head,
+    period_low: Option<f64>,
+    period_high: Option<f64>,
+    said: Said,
     outside: Option<usize>,
     angle_low: Option<f64>,
     angle_high: Option<f64>,
+    arc: Arc,
 }
 
 impl Certified for orbit::Proof {
     type Row = OrbitRow;
 
     fn row(point: &Point<orbit::Proof>) -> OrbitRow {
-        let (said, why) = match &point.outcome {
-            Outcome::Proven(proof) => (Some(&proof.statement), None),
-            Outcome::Open(reason) => (None, Some(reason.clone())),
-        };
-        let value = said.map(|said| enclosing(said.parameter));
-        let period = said.map(|said| enclosing(said.period));
-        let angle = said.and_then(|said| said.angle).map(enclosing);
+        let said = point.proof().map(|proof| &proof.statement);
+        let (period_low, period_high) = ends(said.map(|said| said.period));
+        let (angle_low, angle_high) = ends(said.and_then(|said| said.angle));
         OrbitRow {
-            label: point.label,
-            r#type: point.kind.to_string(),
-            parameter: point.parameter.clone(),
-            low: value.map(|value| value.low),
-            high: value.map(|value| value.high),
-            period_low: period.map(|period| period.low),
-            period_high: period.map(|period| period.high),
-            unique: said.map(|said| said.unique),
-            inequalities: said.map(|said| said.inequalities),
-            proven: if said.is_some() { "yes" } else { "no" },
-            why: why.unwrap_or_default(),
+            head: Head::new(point, &point.parameter, said.map(|said| said.parameter)),
+            period_low,
+            period_high,
+            said: Said::new(point, |proof| {
+                (proof.statement.unique, proof.statement.inequalities)
+            }),
             outside: said.and_then(|said| said.outside),
-            angle_low: angle.map(|angle| angle.low),
-            angle_high: angle.map(|angle| angle.high),
+            angle_low,
+            angle_high,
+            arc: Arc::new(point),
         }
     }
 
     fn sentence(point: &Point<orbit::Proof>) -> String {
-        let kind = point.kind;
+        let (kind, before) = (point.kind, before(point, "PD and NS"));
         let said = match &point.outcome {
             Outcome::Proven(proof) => &proof.statement,
-            Outcome::Open(reason) => return format!("{kind}: not proven; {reason}\n"),
+            Outcome::Open(reason) => return format!("{before}{kind}: not proven; {reason}\n"),
         };
         let angle = said
             .angle
@@ -87,7 +165,7 @@ impl Certified for orbit::Proof {
             _ => format!("; {outside} multipliers outside the unit circle"),
         });
         format!(
-            "{kind}: proven; {} in {}, unique within {:.0e}; period in {}{}{}; {} inequalities proven\n",
+            "{before}{kind}: proven; {} in {}, unique within {:.0e}; period in {}{}{}; {} inequalities proven\n",
             point.parameter,
             written(said.parameter),
             said.unique,
@@ -102,21 +180,12 @@ impl Certified for orbit::Proof {
 /// A row of the table of a wave.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Row {
-    label: usize,
-    r#type: String,
-    parameter: &'static str,
-    low: Option<f64>,
-    high: Option<f64>,
+    head: Head,
     speed_low: Option<f64>,
     speed_high: Option<f64>,
-    unique: Option<f64>,
-    inequalities: Option<usize>,
-    proven: &'static str,
-    why: String,
+    said: Said,
     unstable: &'static str,
-    arc: &'static str,
-    pieces: Option<usize>,
-    arc_why: String,
+    arc: Arc,
     growing: Option<usize>,
     stable: &'static str,
     stable_why: String,
@@ -126,19 +195,10 @@ impl Certified for Proof {
     type Row = Row;
 
     fn row(point: &Point) -> Row {
-        let (proof, why) = match &point.outcome {
-            Outcome::Proven(proof) => (Some(proof), None),
-            Outcome::Open(reason) => (None, Some(reason)),
-        };
+        let proof = point.proof();
         let said = proof.map(|proof| &proof.statement);
-        let value = said.map(|said| enclosing(said.parameter));
-        let speed = said.map(|said| enclosing(said.speed));
-        let unstable = proof.is_some_and(|proof| proof.is_unstable());
-        let (arc, pieces, arc_why) = match &point.arc {
-            None => ("", None, None),
-            Some(Stretch::Proven(pieces)) => ("yes", Some(*pieces), None),
-            Some(Stretch::Open(reason)) => ("no", None, Some(reason)),
-        };
+        let (speed_low, speed_high) = ends(said.map(|said| said.speed));
+        let unstable = proof.is_some_and(Proof::is_unstable);
         let (growing, stable, stable_why) = match &point.growth {
             None => (None, "", String::new()),
             Some(Counted::Open(reason)) => (None, "", reason.clone()),
@@ -152,22 +212,16 @@ impl Certified for Proof {
                 (Some(growth.on_circle()), stable, why)
             }
         };
+        let name = point.parameter.column();
         Row {
-            label: point.label,
-            r#type: point.kind.to_string(),
-            parameter: point.parameter.column(),
-            low: value.map(|value| value.low),
-            high: value.map(|value| value.high),
-            speed_low: speed.map(|speed| speed.low),
-            speed_high: speed.map(|speed| speed.high),
-            unique: said.map(|said| said.unique),
-            inequalities: said.map(|said| said.inequalities),
-            proven: if proof.is_some() { "yes" } else { "no" },
-            why: why.cloned().unwrap_or_default(),
+            head: Head::new(point, name, said.map(|said| said.parameter)),
+            speed_low,
+            speed_high,
+            said: Said::new(point, |proof| {
+                (proof.statement.unique, proof.statement.inequalities)
+            }),
             unstable: if unstable { "yes" } else { "" },
-            arc,
-            pieces,
-            arc_why: arc_why.cloned().unwrap_or_default(),
+            arc: Arc::new(point),
             growing,
             stable,
             stable_why,
@@ -177,15 +231,7 @@ impl Certified for Proof {
     /// Further lines are for its eigenvalues and for the branch before it.
     fn sentence(point: &Point) -> String {
         let symbol = point.parameter.symbol();
-        let mut lines = match &point.arc {
-            None => String::new(),
-            Some(Stretch::Proven(pieces)) => {
-                format!("  no other event but HB and BP before it: proven in {pieces} pieces\n")
-            }
-            Some(Stretch::Open(reason)) => {
-                format!("  no other event before it: not proven; {reason}\n")
-            }
-        };
+        let mut lines = before(point, "HB and BP");
         match &point.outcome {
             Outcome::Proven(proof) => {
                 let said = &proof.statement;

@@ -15,15 +15,11 @@ fn brakewave(arguments: &[&str]) -> Output {
 type Row = std::collections::HashMap<String, String>;
 
 /// Certifies a problem into a folder.
-fn certified(text: &str, folder: &Path) -> (Option<i32>, Vec<Row>) {
+fn certified(text: &str, folder: &Path, options: &[&str]) -> (Option<i32>, Vec<Row>) {
     let (file, out) = (folder.join("problem.ron"), folder.join("out"));
     fs::write(&file, text).unwrap();
-    let run = brakewave(&[
-        "certify",
-        file.to_str().unwrap(),
-        "--out",
-        out.to_str().unwrap(),
-    ]);
+    let [file, to] = [&file, &out].map(|path| path.to_str().unwrap());
+    let run = brakewave(&[&["certify", file, "--out", to], options].concat());
     let table = out.join("certificates.csv");
     let mut reader = csv::Reader::from_path(table).unwrap_or_else(|_| panic!("{run:?}"));
     let rows = reader.deserialize().map(Result::unwrap).collect();
@@ -66,7 +62,7 @@ fn fold_and_graze_of_an_impact_oscillator() {
         r#"orbit: (start: Given(mode: "free", state: {"x": 1.0, "v": -0.08}, phase: 1.03)),
     continuation: (parameter: "A", range: (0.05, 0.12), toward: Down),"#,
     );
-    let (code, rows) = certified(&text, folder.path());
+    let (code, rows) = certified(&text, folder.path(), &[]);
     let types: Vec<&str> = rows.iter().map(|row| &*row["type"]).collect();
     assert_eq!(types, ["EP", "LP", "GR", "EP"]);
     assert_eq!(code, Some(0), "{rows:?}");
@@ -102,6 +98,35 @@ fn fold_and_graze_of_an_impact_oscillator() {
     }
 }
 
+/// Between the events of the impact oscillator there is no other, from the fold on both sides. A certificate from which the
+/// fold is left out, and a fold between two points, are refused.
+#[test]
+fn arcs_to_both_sides_of_a_fold() {
+    let folder = TempDir::new().unwrap();
+    let text = oscillator(
+        r#""c": 0.1, "A": 0.12, "w": 1.0, "d": 1.0, "e": 0.8"#,
+        r#"orbit: (start: Given(mode: "free", state: {"x": 1.0, "v": -0.08}, phase: 1.03)),
+    continuation: (parameter: "A", range: (0.05, 0.12), toward: Down, stop_after: [(event: GR, count: 1)]),"#,
+    );
+    let (code, rows) = certified(&text, folder.path(), &["--arcs"]);
+    let arcs: Vec<[&str; 2]> = rows
+        .iter()
+        .map(|row| [&*row["type"], &*row["arc"]])
+        .collect();
+    assert_eq!(arcs, [["EP", ""], ["LP", "yes"], ["GR", "yes"]], "{rows:?}");
+    assert_eq!(code, Some(0), "{rows:?}");
+    let file = folder.path().join("out/certificate.ron");
+    let honest = fs::read_to_string(&file).unwrap();
+    let points: Vec<&str> = honest.split_inclusive("\n        ),\n").collect();
+    assert_eq!(points.len(), 4);
+    assert!(points[1].contains("kind: LP"));
+    for (text, code) in [(honest.clone(), 0), (honest.replace(points[1], ""), 1)] {
+        fs::write(&file, text).unwrap();
+        let verified = brakewave(&["certify", "--verify", file.to_str().unwrap()]);
+        assert_eq!(verified.status.code(), Some(code), "{verified:?}");
+    }
+}
+
 /// Period doubling and inner graze with 20 digits.
 #[test]
 fn doubling_and_inner_graze() {
@@ -111,7 +136,7 @@ fn doubling_and_inner_graze() {
         r#"orbit: (start: Given(mode: "free", state: {"x": 1.0, "v": -0.5}, phase: 0.0)),
     continuation: (parameter: "A", range: (0.5, 2.1), toward: Both, stop_after: [(event: GR, count: 1)]),"#,
     );
-    let (_, rows) = certified(&text, folder.path());
+    let (_, rows) = certified(&text, folder.path(), &[]);
     let found = |kind: &str| rows.iter().find(|row| row["type"] == kind).unwrap();
     encloses(found("PD"), VALUE, 0.518_209_866_597_872_6, 1e-11);
     encloses(found("GR"), VALUE, 2.090_283_359_201_795_1, 1e-11);
@@ -128,7 +153,7 @@ fn a_pair_on_the_circle() {
         r#"orbit: (start: Given(mode: "free", state: {"x": -0.3, "v": 0.0}, phase: 0.0)),
     continuation: (parameter: "c", range: (-0.1, 0.1), toward: Down),"#,
     );
-    let (code, rows) = certified(&text, folder.path());
+    let (code, rows) = certified(&text, folder.path(), &[]);
     assert_eq!(code, Some(0), "{rows:?}");
     let pair = rows.iter().find(|row| row["type"] == "NS").unwrap();
     let [low, high] = VALUE.map(|column| pair[column].parse::<f64>().unwrap());
@@ -156,7 +181,7 @@ fn stick_and_sliding_modes() {
     continuation: (parameter: "z", range: (0.0, 0.01), toward: Up),
     stability: (),
 )"#;
-    let (code, rows) = certified(text, folder.path());
+    let (code, rows) = certified(text, folder.path(), &[]);
     assert_eq!(code, Some(0), "{rows:?}");
     // 2π − 2 arctan(D/u) in slip and 2D/u in stick, with D = s − k
     let period = std::f64::consts::TAU - 2.0 * 0.5_f64.atan() + 1.0;
@@ -186,7 +211,7 @@ fn stick_sets_in_in_both_halves() {
     continuation: (parameter: "w", range: (0.7, 0.8), toward: Down, stop_at: [0.71]),
     stability: (),
 )"#;
-    let (code, rows) = certified(text, folder.path());
+    let (code, rows) = certified(text, folder.path(), &[]);
     assert_eq!(code, Some(0), "{rows:?}");
     let onset: Vec<&Row> = rows.iter().filter(|row| row["type"] == "SL").collect();
     assert!(!onset.is_empty(), "{rows:?}");
@@ -221,7 +246,7 @@ fn a_zone_that_closes() {
     stability: (),
 )"#
     );
-    let (code, rows) = certified(&text, folder.path());
+    let (code, rows) = certified(&text, folder.path(), &[]);
     assert_eq!(code, Some(0), "{rows:?}");
     let types: Vec<&str> = rows.iter().map(|row| &*row["type"]).collect();
     assert_eq!(types, ["EP", "PD", "CO", "EP"]);

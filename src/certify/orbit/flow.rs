@@ -10,7 +10,8 @@
 use super::enclosure::Enclosure;
 use super::modes::Row;
 use crate::affine::flow::balance;
-use crate::interval::Interval;
+use crate::certify::arc::Moving;
+use crate::interval::{Interval, Number};
 use crate::linalg::{Matrix, Vector};
 
 /// Degree K of the polynomials: 1/(K + 1)! = 4e-23.
@@ -41,12 +42,12 @@ pub struct Exponential {
 }
 
 /// AB.
-pub fn product(one: &Rows, other: &Rows) -> Rows {
+pub fn product<N: Number>(one: &[Vec<N>], other: &[Vec<N>]) -> Vec<Vec<N>> {
     let width = other.first().map_or(0, Vec::len);
-    let row = |row: &Vec<Interval>| {
-        let mut sum = vec![Interval::ZERO; width];
+    let row = |row: &Vec<N>| {
+        let mut sum = vec![N::double(0.0); width];
         let terms = row.iter().zip(other);
-        for (a, row) in terms.filter(|(a, _)| **a != Interval::ZERO) {
+        for (a, row) in terms.filter(|(a, _)| !a.is_zero()) {
             for (sum, b) in sum.iter_mut().zip(row) {
                 *sum = *sum + *a * *b;
             }
@@ -63,9 +64,9 @@ pub fn sum(one: &Rows, other: &Rows) -> Rows {
         .collect()
 }
 
-fn scaled(rows: &mut Rows, factor: Interval) {
+fn scaled<N: Number>(rows: &mut [Vec<N>], factor: Interval) {
     for entry in rows.iter_mut().flatten() {
-        *entry = *entry * factor;
+        *entry = entry.scaled(factor);
     }
 }
 
@@ -88,6 +89,19 @@ fn tail(theta: f64, n: usize) -> Interval {
     }
 }
 
+/// ‖D⁻¹MD‖ in the norm of column sums, from above.
+fn norm<N: Number>(scales: &Vector, rows: &[Vec<N>]) -> f64 {
+    let size = rows.len();
+    let column = |j: usize| {
+        let terms = (0..size).map(|i| {
+            let ratio = Interval::point(scales[j]) / Interval::point(scales[i]);
+            Interval::point(rows[i][j].norm()) * ratio
+        });
+        terms.fold(Interval::ZERO, |sum, term| sum + term).high
+    };
+    (0..size).map(column).fold(0.0, f64::max)
+}
+
 impl Flow {
     pub fn new(matrix: &[Row<Enclosure>]) -> Flow {
         let rows = |part: fn(&Enclosure) -> Interval| -> Rows {
@@ -97,19 +111,9 @@ impl Flow {
         let (at, by) = (rows(|entry| entry.value), rows(|entry| entry.by[0]));
         let size = at.len();
         let (scales, _) = balance(&Matrix::from_fn(size, size, |i, j| at[i][j].middle()));
-        let norm = |rows: &Rows| {
-            let column = |j: usize| {
-                let terms = (0..size).map(|i| {
-                    let ratio = Interval::point(scales[j]) / Interval::point(scales[i]);
-                    Interval::point(rows[i][j].magnitude()) * ratio
-                });
-                terms.fold(Interval::ZERO, |sum, term| sum + term).high
-            };
-            (0..size).map(column).fold(0.0, f64::max)
-        };
         Flow {
-            norm: norm(&at),
-            norm_by: norm(&by),
+            norm: norm(&scales, &at),
+            norm_by: norm(&scales, &by),
             matrix: at,
             by,
             scales,
@@ -157,35 +161,51 @@ impl Flow {
         Exponential { at, by }
     }
 
+    /// M along a curve, on which the parameter has this derivative.
+    pub fn moving(&self, rate: Interval) -> Vec<Vec<Moving>> {
+        let rows = self.matrix.iter().zip(&self.by);
+        let row = |(at, by): (&Vec<Interval>, &Vec<Interval>)| {
+            let both = at.iter().zip(by);
+            both.map(|(value, by)| moving(*value, *by * rate)).collect()
+        };
+        rows.map(row).collect()
+    }
+
     /// A form along the flow.
-    pub fn along(&self, row: &[Interval]) -> Along {
+    pub fn along(&self, matrix: &[Vec<Moving>], row: &[Moving]) -> Along {
         let mut rows = vec![row.to_vec()];
         for k in 1..=DEGREE {
-            let mut next = product(&vec![rows[k - 1].clone()], &self.matrix);
+            let mut next = product(&rows[k - 1..k], matrix);
             scaled(&mut next, Interval::ONE / Interval::point(k as f64));
             rows.append(&mut next);
         }
         let sizes = row.iter().zip(&self.scales);
-        let size = sizes.map(|(g, d)| (Interval::point(g.magnitude()) * Interval::point(*d)).high);
+        let size = sizes.map(|(g, d)| (Interval::point(g.norm()) * Interval::point(*d)).high);
         Along {
             rows,
             size: size.fold(0.0, f64::max),
+            norm: norm(&self.scales, matrix),
         }
     }
 
     /// The polynomial of a form from z on, for times up to `length` in modulus.
-    pub fn polynomial(&self, along: &Along, z: &[Interval], length: f64) -> Polynomial {
+    pub fn polynomial(&self, along: &Along, z: &[Moving], length: f64) -> Polynomial {
         let terms = z.iter().zip(&self.scales);
         let amplitude = terms.fold(Interval::ZERO, |sum, (z, d)| {
-            sum + Interval::point(z.magnitude()) / Interval::point(*d)
+            sum + Interval::point(z.norm()) / Interval::point(*d)
         });
         Polynomial {
             coefficients: along.rows.iter().map(|row| dot(row, z)).collect(),
-            theta: (Interval::point(self.norm) * Interval::point(length)).high,
+            theta: (Interval::point(along.norm) * Interval::point(length)).high,
             length,
             size: (amplitude * Interval::point(along.size)).high,
         }
     }
+}
+
+/// A number with its derivative along a curve.
+pub fn moving(value: Interval, by: Interval) -> Moving {
+    Moving { value, by: [by] }
 }
 
 impl Exponential {
@@ -200,22 +220,23 @@ impl Exponential {
 }
 
 /// Σ aᵢbᵢ.
-pub fn dot(one: &[Interval], other: &[Interval]) -> Interval {
+pub fn dot<N: Number>(one: &[N], other: &[N]) -> N {
     let terms = one.iter().zip(other);
-    terms.fold(Interval::ZERO, |sum, (a, b)| sum + *a * *b)
+    terms.fold(N::double(0.0), |sum, (a, b)| sum + *a * *b)
 }
 
 /// gMᵏ/k!.
 #[derive(Clone, Debug)]
 pub struct Along {
-    rows: Rows,
+    rows: Vec<Vec<Moving>>,
     size: f64,
+    norm: f64,
 }
 
-/// A form over a piece of a zone: Σ cₖtᵏ, and a bound of what is left out.
+/// A form over a piece of a zone: Σ cₖtᵏ, and a bound of what is left out, in the norm of numbers with derivatives.
 #[derive(Clone, Debug)]
 pub struct Polynomial {
-    coefficients: Vec<Interval>,
+    coefficients: Vec<Moving>,
     length: f64,
     theta: f64,
     size: f64,
@@ -223,28 +244,28 @@ pub struct Polynomial {
 
 impl Polynomial {
     /// Σ_{k≥m} cₖtᵏ⁻ᵐ and its derivative in t, over times up to the length in modulus.
-    fn at(&self, time: Interval, m: usize) -> (Interval, Interval) {
+    fn at(&self, time: Interval, m: usize) -> (Moving, Moving) {
         let terms = self.coefficients.iter().skip(m).rev();
-        let (value, slope) = terms.fold((Interval::ZERO, Interval::ZERO), |(value, slope), c| {
-            (value * time + *c, slope * time + value)
+        let zero = Moving::double(0.0);
+        let (value, slope) = terms.fold((zero, zero), |(value, slope), c| {
+            (value.scaled(time) + *c, slope.scaled(time) + value)
         });
-        // |cₖ|tᵏ ≤ size·θᵏ/k! and (k − m)|cₖ|tᵏ ≤ size·θ·θᵏ⁻¹/(k − 1)!
+        // ‖cₖ‖tᵏ ≤ size·θᵏ/k! and (k − m)‖cₖ‖tᵏ ≤ size·θ·θᵏ⁻¹/(k − 1)!
         let length = Interval::point(self.length);
         let power = (0..m).fold(Interval::point(self.size), |power, _| power / length);
-        let rest = (power * tail(self.theta, DEGREE + 1)).high;
         let theta = Interval::point(self.theta);
-        let rest_slope = (power * theta / length * tail(self.theta, DEGREE)).high;
+        let rest_slope = power * theta / length * tail(self.theta, DEGREE);
         (
-            value + Interval::new(-rest, rest),
-            slope + Interval::new(-rest_slope, rest_slope),
+            value.widened((power * tail(self.theta, DEGREE + 1)).high),
+            slope.widened(rest_slope.high),
         )
     }
 
     /// f(t)/tᵐ over times, whose sign is that of f where those are not negative, or m is even.
-    pub fn over(&self, time: Interval, m: usize) -> Interval {
+    pub fn over(&self, time: Interval, m: usize) -> Moving {
         let middle = Interval::point(time.middle());
         let (value, _) = self.at(middle, m);
         let (_, slope) = self.at(time, m);
-        value + slope * (time - middle)
+        value + slope.scaled(time - middle)
     }
 }

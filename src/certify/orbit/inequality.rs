@@ -4,32 +4,75 @@
 //! it is tᵐg(t), and g > 0 is proven by subdivision; elsewhere m = 0.
 
 use super::enclosure::Enclosure;
-use super::flow::{Rows, dot, product};
+use super::flow::{Along, Exponential, Rows, dot, moving, product};
 use super::modes::{Modes, Row};
 use super::open::Unproven;
 use super::system::{End, OrbitSystem, Passing, Stretch};
 use super::zeros::{Source, Vanishing};
-use crate::certify::inequality::bisect;
-use crate::interval::Interval;
+use crate::certify::arc::Moving;
+use crate::certify::inequality::{Positive, bisect};
+use crate::interval::{Interval, Number};
 
 fn values(row: &Row<Enclosure>) -> Vec<Interval> {
     row.iter().map(|entry| entry.value).collect()
 }
 
+/// A form along a curve, on which the parameter has this derivative.
+fn along(row: &Row<Enclosure>, rate: Interval) -> Vec<Moving> {
+    let entries = row.iter();
+    entries
+        .map(|entry| moving(entry.value, entry.by[0] * rate))
+        .collect()
+}
+
 /// A matrix times z.
-fn applied(rows: &Rows, z: &[Interval]) -> Vec<Interval> {
+fn applied<N: Number>(rows: &[Vec<N>], z: &[N]) -> Vec<N> {
     rows.iter().map(|row| dot(row, z)).collect()
+}
+
+/// Whether a form is positive within a stretch, with zeros of these orders at its entry and its end.
+fn is_positive(
+    passing: &Passing,
+    row: &Along,
+    pieces: &[Vec<Moving>],
+    [at_start, at_end]: [usize; 2],
+) -> bool {
+    let parts = Interval::point(f64::from(passing.halvings).exp2());
+    let length = (passing.time / parts).high;
+    let last = pieces.len() - 2;
+    let half = |z: &[Moving], order: usize, sign: f64, time: f64| {
+        let polynomial = passing.flow.polynomial(row, z, time);
+        let odd = sign < 0.0 && order % 2 == 1;
+        bisect(Moving::double(time), sign, |time| {
+            let value = polynomial.over(time, order);
+            if odd { -value } else { value }
+        })
+    };
+    pieces.windows(2).enumerate().all(|(index, ends)| {
+        let start = if index == 0 { at_start } else { 0 };
+        let end = if index == last { at_end } else { 0 };
+        // the end of a stretch may move along a curve: times are counted from it
+        if index != last && start == 0 {
+            return half(&ends[0], 0, 1.0, length);
+        }
+        // a little more than half, which rounding must not leave out
+        let middle = (Interval::point(length) * Interval::point(0.5))
+            .high
+            .next_up();
+        half(&ends[0], start, 1.0, middle) && half(&ends[1], end, -1.0, middle)
+    })
 }
 
 impl OrbitSystem<'_> {
     /// Proves the inequalities of the orbit over intervals of its unknowns, but for what vanishes at the event;
-    /// returns how many there are.
+    /// returns how many there are. Along a curve what is not positive may grow from where it is not negative.
     pub fn inequalities(
         &self,
         modes: &Modes<Enclosure>,
         passings: &[Passing],
-        x: &[Interval],
+        x: &[Moving],
     ) -> Result<usize, Unproven> {
+        let rate = x[self.parameter()].by[0];
         let mut proven = 0;
         let mut hold = |holds: bool, otherwise: Unproven| {
             proven += usize::from(holds);
@@ -42,14 +85,16 @@ impl OrbitSystem<'_> {
             let duration = x[self.duration(index)];
             hold(duration.is_positive(), Unproven::Duration(zone))?;
             let pieces = self.pieces(passing, index, x);
+            let matrix = passing.flow.moving(rate);
             for (guard, formula) in known.guards.iter().enumerate() {
                 // what is zero all along holds by the equations
                 let Some(at_start) = facts.entry.order(&formula.row, known) else {
                     continue;
                 };
                 let at_end = facts.end.order(&formula.row, known).unwrap_or(0);
-                let row = values(&modes.modes[mode].guards[guard].row);
-                let positive = self.is_positive(passing, &row, &pieces, [at_start, at_end]);
+                let row = along(&modes.modes[mode].guards[guard].row, rate);
+                let row = passing.flow.along(&matrix, &row);
+                let positive = is_positive(passing, &row, &pieces, [at_start, at_end]);
                 hold(positive, Unproven::Guard(zone, guard))?;
             }
             let End::Exit { guard, exit } = end else {
@@ -58,7 +103,7 @@ impl OrbitSystem<'_> {
             let z = self.lift(&x[self.place(index, true)..][..self.width()]);
             let exits = &modes.modes[mode].guards[guard].exits;
             let at = |exit: usize, condition: usize| {
-                dot(&values(&exits[exit].conditions[condition]), &z)
+                dot(&along(&exits[exit].conditions[condition], rate), &z)
             };
             let zero = |exit: usize, condition: usize| {
                 facts
@@ -84,7 +129,7 @@ impl OrbitSystem<'_> {
                 let mut failing = conditions
                     .filter(|condition| !zero(before, *condition))
                     .map(|condition| at(before, condition));
-                let fails = failing.any(|value| value.is_negative());
+                let fails = failing.any(|value| (-value).is_positive());
                 hold(fails, Unproven::Before(zone, before))?;
             }
         }
@@ -92,53 +137,30 @@ impl OrbitSystem<'_> {
     }
 
     /// z at the ends of the pieces of a stretch, from its entry to its end.
-    fn pieces(&self, passing: &Passing, index: usize, x: &[Interval]) -> Vec<Vec<Interval>> {
+    fn pieces(&self, passing: &Passing, index: usize, x: &[Moving]) -> Vec<Vec<Moving>> {
         let at = |step: usize| self.lift(&x[self.node(index, step)..][..self.width()]);
         let parts = 1_usize << passing.halvings;
+        let share = Interval::ONE / Interval::point((parts * self.steps[index]) as f64);
+        let time = x[self.duration(index)].by[0] * share;
+        let rate = x[self.parameter()].by[0];
+        let Exponential { at: whole, by } = &passing.part;
+        let moved = product(&passing.flow.matrix, whole);
+        let part: Vec<Vec<Moving>> = (0..whole.len())
+            .map(|i| {
+                let entry = |j: usize| moving(whole[i][j], by[i][j] * rate + moved[i][j] * time);
+                (0..whole.len()).map(entry).collect()
+            })
+            .collect();
         let mut pieces = vec![at(0)];
         for step in 0..self.steps[index] {
             let mut z = at(step);
             for _ in 1..parts {
-                z = applied(&passing.part.at, &z);
+                z = applied(&part, &z);
                 pieces.push(z.clone());
             }
             pieces.push(at(step + 1));
         }
         pieces
-    }
-
-    /// Whether a form is positive within a stretch, with zeros of these orders at its entry and its end.
-    fn is_positive(
-        &self,
-        passing: &Passing,
-        row: &[Interval],
-        pieces: &[Vec<Interval>],
-        [at_start, at_end]: [usize; 2],
-    ) -> bool {
-        let parts = Interval::point(f64::from(passing.halvings).exp2());
-        let length = (passing.time / parts).high;
-        let along = passing.flow.along(row);
-        let last = pieces.len() - 2;
-        let half = |z: &[Interval], order: usize, sign: f64, time: f64| {
-            let polynomial = passing.flow.polynomial(&along, z, time);
-            let odd = sign < 0.0 && order % 2 == 1;
-            bisect(Interval::point(time), sign, |time| {
-                let value = polynomial.over(time, order);
-                if odd { -value } else { value }
-            })
-        };
-        pieces.windows(2).enumerate().all(|(index, ends)| {
-            let start = if index == 0 { at_start } else { 0 };
-            let end = if index == last { at_end } else { 0 };
-            if (start, end) == (0, 0) {
-                return half(&ends[0], 0, 1.0, length);
-            }
-            // a little more than half, which rounding must not leave out
-            let middle = (Interval::point(length) * Interval::point(0.5))
-                .high
-                .next_up();
-            half(&ends[0], start, 1.0, middle) && half(&ends[1], end, -1.0, middle)
-        })
     }
 
     /// The linearised return to the first entry, at equal time with a forcing: y there a period later.
@@ -163,7 +185,7 @@ impl OrbitSystem<'_> {
             let guard = &modes.modes[mode].guards[guard];
             let of = |row: &Row<Enclosure>| self.linear(&[values(row)], &z);
             let normal = of(&guard.row).remove(0);
-            let mut rate = applied(&passing.flow.matrix[..states].to_vec(), &z);
+            let mut rate = applied(&passing.flow.matrix[..states], &z);
             if self.is_forced() {
                 rate.push(modes.omega.value);
             }

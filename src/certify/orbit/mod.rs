@@ -8,6 +8,7 @@
 //! 4. Parameter and period follow from the enclosure of that zero, and at values of the parameter how many
 //!    multipliers are outside the unit circle ([`multipliers`]).
 
+mod arc;
 mod critical;
 mod enclosure;
 mod equations;
@@ -25,15 +26,16 @@ mod zeros;
 
 use serde::{Deserialize, Serialize};
 
-pub use open::Open;
+pub use open::{Open, Unproven};
 pub use system::{Condition, Near, Posed};
 
+use super::arc::{Broken, Moving};
 use super::certificate::{Outcome, Point, Provable, Refused};
 use super::{krawczyk, wider};
 use crate::affine::orbit::candidates::candidates;
 use crate::affine::orbit::{AffineOrbit, Critical, Margin, Sequence, Watch};
 use crate::hybrid::Item;
-use crate::interval::{Decimal, Interval};
+use crate::interval::{Decimal, Interval, Number};
 use crate::linalg::Vector;
 use crate::orbit::special::{Change, Special};
 use crate::orbit::{EventType, Examined, Orbit};
@@ -97,6 +99,12 @@ pub struct Proof {
 
 impl Provable for Proof {
     type Parameter = String;
+    type Unproven = Unproven;
+    type Beyond = Open;
+
+    fn arc(from: &Proof, to: &Proof) -> Result<usize, Broken<Unproven, Open>> {
+        arc::prove(from, to)
+    }
 }
 
 /// Proves a special point of a branch; `None` for points without an event, and for failures. `text` is that of the
@@ -298,7 +306,8 @@ fn statement(
     let parameter = system.parameter();
     let modes = system.enclosed(zero.at[parameter])?;
     let passings = system.passings(&modes, &zero.at);
-    let mirrored = match system.inequalities(&modes, &passings, &zero.at) {
+    let still: Vec<Moving> = zero.at.iter().copied().map(Moving::constant).collect();
+    let mirrored = match system.inequalities(&modes, &passings, &still) {
         Ok(inequalities) => Ok(inequalities),
         Err(reason) => Err((system.mirrored(&middle, &zero.at), reason)),
     };
@@ -307,7 +316,7 @@ fn statement(
         Err((None, reason)) => return Err(reason.into()),
         Err((Some(vanishing), _)) => {
             system.vanish(vanishing);
-            system.inequalities(&modes, &passings, &zero.at)?
+            system.inequalities(&modes, &passings, &still)?
         }
     };
     let equations = |x: &[Interval]| system.evaluate(x);

@@ -134,6 +134,16 @@ impl<'a> OrbitSystem<'a> {
         near: &'a Near,
         condition: &'a Condition,
     ) -> Result<(OrbitSystem<'a>, Vec<f64>), Open> {
+        Self::cut(posed, near, condition, &[])
+    }
+
+    /// The equations with these numbers of steps at least, and their unknowns in doubles.
+    pub fn cut(
+        posed: &'a Posed,
+        near: &'a Near,
+        condition: &'a Condition,
+        least: &[usize],
+    ) -> Result<(OrbitSystem<'a>, Vec<f64>), Open> {
         let (structure, exact) = Structure::of(&posed.system)?;
         let states = exact.states;
         let zones = &near.zones;
@@ -182,7 +192,7 @@ impl<'a> OrbitSystem<'a> {
         if let Some(vanishing) = system.event(near, &modes)? {
             system.vanish(vanishing);
         }
-        let mut guess = system.guess(near, &modes, condition)?;
+        let mut guess = system.guess(near, &modes, condition, least)?;
         if let Condition::Fold | Condition::Doubling | Condition::Torus { .. } = condition {
             let critical = system.direction(&guess).ok_or(Open::NotEnclosed)?;
             guess.extend(critical.guess());
@@ -251,6 +261,50 @@ impl<'a> OrbitSystem<'a> {
             .collect()
     }
 
+    /// The orbit without what belongs to an event, with zones cut as in other equations.
+    pub fn carried(&self, x: &[Interval], to: &OrbitSystem) -> Option<Vec<Interval>> {
+        let modes = self.enclosed(x[self.parameter()]).ok()?;
+        let mut carried = Vec::new();
+        for (index, stretch) in to.stretches.iter().enumerate() {
+            // a zone that is cut here is not cut there
+            let own: Vec<usize> = (0..self.stretches.len())
+                .filter(|own| self.stretches[*own].zone == stretch.zone)
+                .collect();
+            let times = own.iter().map(|own| x[self.duration(*own)]);
+            let time = times.fold(Interval::ZERO, |sum, time| sum + time);
+            let flow = Flow::new(&modes.modes.get(stretch.mode)?.matrix);
+            let steps = Interval::point(to.steps[index] as f64);
+            for step in 0..=to.steps[index] {
+                let mut rest = time * Interval::point(step as f64) / steps;
+                let mut part = *own.first()?;
+                for next in &own[1..] {
+                    let before = x[self.duration(part)];
+                    if rest.middle() > before.middle() {
+                        rest = rest - before;
+                        part = *next;
+                    }
+                }
+                // from the nearest place before it
+                let length = x[self.duration(part)] / Interval::point(self.steps[part] as f64);
+                let node = (rest.middle() / length.middle() + 0.5).floor().max(0.0) as usize;
+                let node = node.min(self.steps[part]);
+                let y = &x[self.node(part, node)..][..self.width()];
+                let rest = rest - length * Interval::point(node as f64);
+                let halvings = flow.parts(rest);
+                let whole = (0..halvings).fold(flow.part(rest, halvings), |part, _| part.doubled());
+                let z = self.lift(y);
+                let states = whole.at[..self.exact.states].iter();
+                carried.extend(states.map(|row| super::flow::dot(row, &z)));
+                if self.is_forced() {
+                    carried.push(y[self.exact.states] + modes.omega.value * rest);
+                }
+            }
+            carried.push(time);
+        }
+        carried.push(x[self.parameter()]);
+        Some(carried)
+    }
+
     pub fn is_forced(&self) -> bool {
         self.posed.system.source.forcing.is_some()
     }
@@ -314,10 +368,11 @@ impl<'a> OrbitSystem<'a> {
         near: &Near,
         modes: &Modes<Enclosure>,
         condition: &Condition,
+        least: &[usize],
     ) -> Result<Vec<f64>, Open> {
         let mut guess = Vec::new();
         let mut carried: Option<(Vec<f64>, f64)> = None;
-        for stretch in &self.stretches {
+        for (index, stretch) in self.stretches.iter().enumerate() {
             let zone = &near.zones[stretch.zone];
             let time = match condition {
                 Condition::Margin {
@@ -338,7 +393,8 @@ impl<'a> OrbitSystem<'a> {
                 return Err(Open::Sequence);
             }
             let flow = Flow::new(&modes.modes[stretch.mode].matrix);
-            let steps = (flow.norm * time / LONGEST).ceil().max(1.0);
+            let fewest = least.get(index).map_or(1.0, |steps| *steps as f64);
+            let steps = (flow.norm * time / LONGEST).ceil().max(fewest);
             let before: usize = self.steps.iter().sum();
             if (steps + before as f64) * self.width() as f64 > MOST_UNKNOWNS {
                 return Err(Open::Long);
