@@ -449,6 +449,11 @@ class Orbit:
                 must(one.end[1] < len(guards) and one.end[2] < len(guards[one.end[1]][1]), "an exit that there is not")
                 leads = guards[one.end[1]][1][one.end[2]][0]
             must(leads == two.mode, "a zone does not lead to the next")
+        self.half = self.kind == "Branching"
+        if self.half:
+            must(self.symmetric(), "a branch point of an orbit without symmetry")
+            self.stretches = self.stretches[: len(zones) // 2]
+            self.guess = self.guess[: len(self.stretches) * (self.n + 1)]
         if self.forced:
             self.guess.append(acb(float(zones[0]["phase"])))
         self.guess.append(acb(float(near["parameter"])))
@@ -509,7 +514,9 @@ class Orbit:
             kind, *where = stretch.end
             guards = modes.guards[stretch.mode]
             reset = guards[where[0]][1][where[1]][1] if kind == "exit" else [modes.unit(i) for i in range(self.n)]
-            out += [new - y for new, y in zip(apply(reset, end), parts[(index + 1) % count][2])]
+            # half an orbit ends at −x
+            sign = -1 if self.half and index + 1 == count else 1
+            out += [new - sign * y for new, y in zip(apply(reset, end), parts[(index + 1) % count][2])]
             if kind == "exit":
                 out += apply([guards[where[0]][0]], end)
             elif kind == "touch":
@@ -517,7 +524,7 @@ class Orbit:
             else:
                 out.append(parts[0][0])
         if self.forced:
-            out.append(modes.omega * sum(part[1] for part in parts) - 2 * self.periods * acb.pi())
+            out.append(modes.omega * sum(part[1] for part in parts) - (2 - self.half) * self.periods * acb.pi())
         return out
 
     @staticmethod
@@ -543,6 +550,8 @@ class Orbit:
                 rows = [[x - r * y for x, y in zip(line, moved)] for line, r in zip(rows, rate)]
                 rows = [combine(row, rows) for row in linear(exits[stretch.end[2]][1], end) + last]
             product = rows
+        if self.half:
+            product = [[-x for x in row] for row in product[:n]] + product[n:]
         return [row[:n] for row in product[:n]] if self.stretches[-1].end[0] == "never" else product
 
     # ------------------------------------------------------------------------------------------------ what is zero
@@ -626,27 +635,47 @@ class Orbit:
         return injective(self.equations, [y.real for y in zero.middle], radii, [self.place])
 
     # ------------------------------------------------------------------------------------------------ symmetry
-    def mirror(self, x):
-        """Puts what vanishes in the other half of a symmetric orbit to the events: −x half a period later, with the
-        phase half a turn on. For every value of the parameter near the event there is one orbit only in a ball with this
-        one and its image; so it is its image."""
-        count, n, exact = len(self.stretches), self.n, self.exact
-        if count % 2 or not self.events or self.forced and self.periods % 2 == 0:
+    def images(self, one, two):
+        """Whether a form is another half a period later: −x, with the phase half a turn on."""
+        return not any(u * flip - v for u, v, flip in zip(one, two, self.flips()))
+
+    def flips(self):
+        return [-1] * self.n + [1] + [(-1) ** h for h in range(1, self.exact.harmonics + 1) for _ in range(2)]
+
+    def symmetric(self):
+        """Whether the equations of the second half are those of the first, half a period later."""
+        count, exact, flips = len(self.stretches), self.exact, self.flips()
+        block = lambda a, b: all(self.images([u * flips[i] for u in one], two) for i, (one, two) in enumerate(zip(a, b)))
+        if count % 2 or self.forced and self.periods % 2 == 0:
             return False
-        flips = [-1] * n + [1] + [(-1) ** h for h in range(1, exact.harmonics + 1) for _ in range(2)]
-        same = lambda a, b: not any(u * flip - v for u, v, flip in zip(a, b, flips))
-        block = lambda a, b: all(same([u * flips[i] for u in one], two) for i, (one, two) in enumerate(zip(a, b)))
         for one, two in zip(self.stretches, self.stretches[count // 2 :] + self.stretches[: count // 2]):
             if one.end[0] != "exit" or two.end[0] != "exit":
                 return False
             (row, exits), (image, ways) = exact.guards[one.mode][one.end[1]], exact.guards[two.mode][two.end[1]]
             matrices = exact.matrices[one.mode], exact.matrices[two.mode]
-            if not (same(row, image) and block(exits[one.end[2]][1], ways[two.end[2]][1]) and block(*matrices)):
+            if not (self.images(row, image) and block(exits[one.end[2]][1], ways[two.end[2]][1]) and block(*matrices)):
                 return False
+        return True
+
+    def whole(self, near, x):
+        """The whole of an orbit of which half is known, and its unknowns."""
+        if not self.half:
+            return self, x
+        n, first = self.n, x[: len(self.stretches) * (self.n + 1)]
+        image = [y if i % (n + 1) == n else -y for i, y in enumerate(first)]
+        return Orbit(self.posed, near, "Value"), [*first, *image, *x[len(first) :]]
+
+    def mirror(self, x):
+        """Puts what vanishes in the other half of a symmetric orbit to the events: −x half a period later, with the
+        phase half a turn on. For every value of the parameter near the event there is one orbit only in a ball with this
+        one and its image; so it is its image."""
+        count, n, exact = len(self.stretches), self.n, self.exact
+        if not self.events or not self.symmetric():
+            return False
         index, at_end, wanted = self.events[0]
         other = (index + count // 2) % count
         held = [it for guard in exact.guards[self.stretches[other].mode] for way in guard[1] for it in way[2]]
-        found = [it for it in held if same(wanted, it)]
+        found = [it for it in held if self.images(wanted, it)]
         if not found:
             return False
         fixed = acb(arb(x[self.place].real.mid(), arb(2) ** -200))
@@ -752,7 +781,7 @@ def kind_of(point, proof):
     if name == "Value":
         return point["kind"] if point["kind"] in ("UZ", "EP") else "UZ or EP"
     if name != "Margin":
-        return {"Fold": "LP", "Doubling": "PD", "Torus": "NS"}[name]
+        return {"Fold": "LP", "Doubling": "PD", "Branching": "BP", "Torus": "NS"}[name]
     must(changed is not None, "it is not said what changes")
     zones = lambda it: [(int(z["mode"]), z["way"] and (int(z["way"]["guard"]), int(z["way"]["exit"]))) for z in it]
     listed = lambda it: zones(it[0] if isinstance(it, tuple) else it)

@@ -383,7 +383,7 @@ class OrbitPoint(Statements):
         times = [self.x[k * (orbit.n + 1) + orbit.n].real for k in range(len(orbit.stretches))]
         given = orbit.kind == "Value"
         self.value = decimal(orbit.condition.value).real if given else self.x[orbit.place].real
-        self.period = sum(times, arb(0))
+        self.period = (1 + orbit.half) * sum(times, arb(0))
         found = [("the parameter", self.value, self.said["parameter"]), ("the period", self.period, self.said["period"])]
         if orbit.kind == "Torus":
             self.angle = self.x[orbit.place + 1].real
@@ -420,9 +420,10 @@ class OrbitPoint(Statements):
         return kind_of(self.point, self.proof)
 
     def inequalities(self):
-        wrong = [what for what, holds in self.solved.all_signs(self.x) if not holds]
-        if wrong and self.solved.mirror(self.x):
-            wrong = [what for what, holds in self.solved.all_signs(self.x) if not holds]
+        orbit, x = self.solved.whole(self.proof["near"], self.x)
+        wrong = [what for what, holds in orbit.all_signs(x) if not holds]
+        if wrong and orbit.mirror(x):
+            wrong = [what for what, holds in orbit.all_signs(x) if not holds]
         must(not wrong, f"{', '.join(wrong)} is not shown")
 
     def outside(self):

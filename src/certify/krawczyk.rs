@@ -161,10 +161,42 @@ pub fn enclosed(equations: &impl Equations, middle: &[f64], units: &[f64]) -> Op
     None
 }
 
+/// The zero next to `middle`, where that is known to a share of the units; else it is not the one that is meant.
+pub fn known(
+    equations: &impl Equations,
+    middle: &[f64],
+    units: &[f64],
+    share: f64,
+) -> Option<Zero> {
+    let zero = enclosed(equations, middle, units)?;
+    let mut numbers = middle.iter().zip(&zero.at).zip(units);
+    let near =
+        numbers.all(|((m, x), unit)| Interval::around(*m, share * unit).contains(x.middle()));
+    near.then_some(zero)
+}
+
 impl Zero {
+    /// Distance of the unknown `index` within which, and the same share of the other units, there is no other: it is looked for,
+    /// or is a stored one, in whose place 0 is where that does not hold.
+    pub fn distance(
+        &self,
+        equations: &impl Equations,
+        middle: &[f64],
+        units: &[f64],
+        index: usize,
+        stored: Option<f64>,
+    ) -> f64 {
+        let unit = units[index];
+        match stored {
+            None => self.unique(equations, middle, units) * unit,
+            Some(stored) if self.is_unique(equations, middle, units, stored / unit) => stored,
+            Some(_) => 0.0,
+        }
+    }
+
     /// Share of the units of the unknowns around `middle` within which there is no other: that of a larger box
     /// of another shape. The box of the zero has one at least as large as its narrowest side.
-    pub fn unique(&self, equations: &impl Equations, middle: &[f64], units: &[f64]) -> f64 {
+    fn unique(&self, equations: &impl Equations, middle: &[f64], units: &[f64]) -> f64 {
         let narrowest = self.narrowest(units);
         let share_of = |share: f64| units.iter().map(|unit| unit * share).collect::<Vec<f64>>();
         let over = |radius: &[f64]| defect(equations, &self.inverse, &boxed(middle, radius));
@@ -188,7 +220,7 @@ impl Zero {
     }
 
     /// Whether within a share of the units, up to the largest that is tried, there is no other.
-    pub fn is_unique(
+    fn is_unique(
         &self,
         equations: &impl Equations,
         middle: &[f64],

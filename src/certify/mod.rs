@@ -319,20 +319,11 @@ fn statement(
     let (system, middle) = system(posed, near, condition)?;
     let units = units(&system, &middle, near, posed.unit);
     let equations = |x: &[Interval]| system.evaluate(x);
-    let zero = krawczyk::enclosed(&equations, &middle, &units).ok_or(Open::NotIsolated)?;
-    let mut numbers = middle.iter().zip(&zero.at).zip(&units);
-    if numbers.any(|((m, x), unit)| !Interval::around(*m, KNOWN * unit).contains(x.middle())) {
-        return Err(Open::NotIsolated);
-    }
+    let zero = krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(Open::NotIsolated)?;
     let inequalities = inequality::prove(&system, condition, Part::All, &zero.at)?;
     let frame = system.frame_at(&zero.at).ok_or(Open::NotEnclosed)?;
     let [_, parameter] = system.tail();
-    let unit = units[parameter];
-    let unique = match stored {
-        None => zero.unique(&equations, &middle, &units) * unit,
-        Some(stored) if zero.is_unique(&equations, &middle, &units, stored / unit) => stored,
-        Some(_) => 0.0,
-    };
+    let unique = zero.distance(&equations, &middle, &units, parameter, stored);
     let length = |zone: usize| wider(zero.at[system.duration(zone)] * frame.speed);
     Ok(Statement {
         parameter: match condition {

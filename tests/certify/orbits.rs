@@ -144,6 +144,39 @@ fn doubling_and_inner_graze() {
     assert_eq!(found("GR")["proven"], "yes");
 }
 
+/// The symmetric orbit of Chua's circuit through three regions loses its symmetry where the multiplier of its half is −1, with
+/// 20 digits. That its half doubles is not that it doubles.
+#[test]
+fn symmetry_is_lost() {
+    let folder = TempDir::new().unwrap();
+    let problem = concat!(env!("CARGO_MANIFEST_DIR"), "/problems/chua.ron");
+    let problem = fs::read_to_string(problem).unwrap();
+    let (system, _) = problem.split_once("    orbit:").unwrap();
+    let system = system.replace("\"alpha\": 7.5", "\"alpha\": 13.74");
+    let text = format!(
+        r#"{system}    orbit: (start: Given(mode: "upper", state: {{"x": 1.0, "y": 0.0937, "z": -0.8123}}, period: 4.6152)),
+    continuation: (parameter: "alpha", range: (13.7, 13.74), toward: Down, stop_after: [(event: BP, count: 1)]),
+    stability: (),
+)"#
+    );
+    let (code, rows) = certified(&text, folder.path(), &[]);
+    assert_eq!(code, Some(0), "{rows:?}");
+    assert_eq!(rows[1]["type"], "BP", "{rows:?}");
+    encloses(&rows[1], VALUE, 13.728_817_274_033_318, 1e-10);
+    let file = folder.path().join("out/certificate.ron");
+    let honest = fs::read_to_string(&file).unwrap();
+    for (old, new, code) in [
+        ("kind: BP", "kind: BP", 0),
+        ("kind: BP", "kind: PD", 1),
+        ("condition: Branching", "condition: Doubling", 1),
+        ("\"x - 1\"", "\"x - 1.001\"", 1),
+    ] {
+        fs::write(&file, honest.replace(old, new)).unwrap();
+        let verified = brakewave(&["certify", "--verify", file.to_str().unwrap()]);
+        assert_eq!(verified.status.code(), Some(code), "{old}: {verified:?}");
+    }
+}
+
 /// Without damping the free oscillator has multipliers e^{±iT}: the pair crosses at c = 0, T = 2π/w.
 #[test]
 fn a_pair_on_the_circle() {

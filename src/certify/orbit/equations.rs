@@ -31,12 +31,12 @@ impl<const D: usize> Varying for Gradient<Interval, D> {
     }
 }
 
-/// Residuals and the entries of the Jacobian that are not zero; of those, minus the entry of the first stretch
-/// where the cycle closes.
+/// Residuals and the entries of the Jacobian that are not zero; of those, the entry of the first stretch where the cycle closes,
+/// with its sign.
 pub struct Terms<N> {
     pub residual: Vec<N>,
     pub entries: Vec<(usize, usize, N)>,
-    pub wrap: Vec<(usize, usize)>,
+    pub wrap: Vec<(usize, usize, f64)>,
 }
 
 impl<N: Varying> Terms<N> {
@@ -171,10 +171,15 @@ impl OrbitSystem<'_> {
         x: &[N],
         terms: &mut Terms<N>,
     ) {
-        terms.residual[row] = terms.residual[row] - x[column];
-        terms.put(row, column, N::double(-1.0));
+        // half an orbit ends at −x
+        let sign = match wraps && self.half && column < self.exact.states {
+            true => 1.0,
+            false => -1.0,
+        };
+        terms.residual[row] = terms.residual[row] + x[column].scaled(Interval::point(sign));
+        terms.put(row, column, N::double(sign));
         if wraps {
-            terms.wrap.push((row, column));
+            terms.wrap.push((row, column, sign));
         }
     }
 

@@ -21,7 +21,7 @@ impl OrbitSystem<'_> {
     pub fn direction(&self, guess: &[f64]) -> Option<Critical> {
         let (factor, directions) = match self.condition {
             Condition::Fold => ([1.0, 0.0], 1),
-            Condition::Doubling => ([-1.0, 0.0], 1),
+            Condition::Doubling | Condition::Branching => ([-1.0, 0.0], 1),
             Condition::Torus { angle } => ([angle.cos(), angle.sin()], 2),
             _ => return None,
         };
@@ -46,8 +46,8 @@ impl OrbitSystem<'_> {
         for (row, column, value) in rows {
             add(*row, *column, [value.middle() * units[*column], 0.0]);
         }
-        for (row, column) in &terms.wrap {
-            let unit = -units[*column];
+        for (row, column, sign) in &terms.wrap {
+            let unit = sign * units[*column];
             add(*row, *column, [(factor[0] - 1.0) * unit, factor[1] * unit]);
         }
         // a matrix that is singular to the last digit is not worse than one that is nearly so
@@ -119,8 +119,11 @@ impl OrbitSystem<'_> {
         }
         let ([less, sine], slope) = critical.shifted(x);
         let last = size - 1;
-        for (row, column) in wrap {
-            // −(μ − 1)v in its real and its imaginary part
+        for (row, column, sign) in wrap {
+            // ∓(μ − 1)v in its real and its imaginary part
+            let minus = Interval::point(-sign);
+            let (less, sine) = (less * minus, sine * minus);
+            let slope = slope.map(|slope| slope * minus);
             let v: [Interval; D] = std::array::from_fn(|one| x[critical.first(one) + column]);
             for direction in 0..D {
                 let below = orbit * (direction + 1) + row;

@@ -171,7 +171,8 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
             Condition::Doubling
         }
         Special::Own(Critical::Torus { angle }) => Condition::Torus { angle: *angle },
-        Special::Own(Critical::Branching | Critical::Shrinking) => return Err(Open::Branching),
+        Special::Own(Critical::Branching) => Condition::Branching,
+        Special::Own(Critical::Shrinking) => return Err(Open::Shrinking),
         Special::Change(change) => return changed(posed, orbit, point, change),
         Special::Failed(_) => return Err(Open::Sequence),
     };
@@ -298,36 +299,30 @@ fn statement(
     let (mut system, middle) = OrbitSystem::new(posed, near, condition)?;
     let units = system.units(&middle);
     let equations = |x: &[Interval]| system.evaluate(x);
-    let zero = krawczyk::enclosed(&equations, &middle, &units).ok_or(Open::NotIsolated)?;
-    let mut numbers = middle.iter().zip(&zero.at).zip(&units);
-    if numbers.any(|((m, x), unit)| !Interval::around(*m, KNOWN * unit).contains(x.middle())) {
-        return Err(Open::NotIsolated);
-    }
+    let zero = krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(Open::NotIsolated)?;
     let parameter = system.parameter();
     let modes = system.enclosed(zero.at[parameter])?;
     let passings = system.passings(&modes, &zero.at);
     let still: Vec<Moving> = zero.at.iter().copied().map(Moving::constant).collect();
-    let mirrored = match system.inequalities(&modes, &passings, &still) {
-        Ok(inequalities) => Ok(inequalities),
-        Err(reason) => Err((system.mirrored(&middle, &zero.at), reason)),
+    let checked = match system.half {
+        true => halved(&system, &zero.at),
+        false => system
+            .inequalities(&modes, &passings, &still)
+            .map_err(Open::from),
     };
-    let inequalities = match mirrored {
+    let inequalities = match checked {
         Ok(inequalities) => inequalities,
-        Err((None, reason)) => return Err(reason.into()),
-        Err((Some(vanishing), _)) => {
+        Err(reason) => {
+            let vanishing = system.mirrored(&middle, &zero.at).ok_or(reason)?;
             system.vanish(vanishing);
             system.inequalities(&modes, &passings, &still)?
         }
     };
     let equations = |x: &[Interval]| system.evaluate(x);
-    let unit = units[parameter];
-    let unique = match stored {
-        None => zero.unique(&equations, &middle, &units) * unit,
-        Some(stored) if zero.is_unique(&equations, &middle, &units, stored / unit) => stored,
-        Some(_) => 0.0,
-    };
+    let unique = zero.distance(&equations, &middle, &units, parameter, stored);
     let durations = (0..system.stretches.len()).map(|index| zero.at[system.duration(index)]);
-    let period = durations.fold(Interval::ZERO, |sum, duration| sum + duration);
+    let cycles = Interval::point(if system.half { 2.0 } else { 1.0 });
+    let period = cycles * durations.fold(Interval::ZERO, |sum, duration| sum + duration);
     let monodromy = match condition {
         Condition::Value(_) => system.monodromy(&modes, &passings, &zero.at),
         _ => None,
@@ -346,6 +341,18 @@ fn statement(
         inequalities,
         outside: monodromy.and_then(|monodromy| multipliers::outside(&monodromy)),
     })
+}
+
+/// Proves the inequalities of a symmetric orbit whose half is enclosed.
+fn halved(half: &OrbitSystem, x: &[Interval]) -> Result<usize, Open> {
+    let value = Condition::Value(Decimal::of(half.near.parameter));
+    let steps = [&half.steps[..], &half.steps].concat();
+    let (system, _) = OrbitSystem::cut(half.posed, half.near, &value, &steps)?;
+    let whole = half.whole(x, &system).ok_or(Open::NotEnclosed)?;
+    let modes = system.enclosed(whole[system.parameter()])?;
+    let passings = system.passings(&modes, &whole);
+    let still: Vec<Moving> = whole.iter().copied().map(Moving::constant).collect();
+    Ok(system.inequalities(&modes, &passings, &still)?)
 }
 
 /// Proves a stored statement again, without continuation.
@@ -399,6 +406,7 @@ fn check_kind(
         (Condition::Value(_), None) => EventType::UZ,
         (Condition::Fold, None) => EventType::LP,
         (Condition::Doubling, None) => EventType::PD,
+        (Condition::Branching, None) => EventType::BP,
         (Condition::Torus { .. }, None) => EventType::NS,
         (Condition::Margin { watch, zone, .. }, Some(changed)) => {
             let Changed {

@@ -36,8 +36,13 @@ pub enum Open {
     /// No forcing and no switches.
     #[error("not covered: an orbit without forcing and without switches")]
     Centre,
-    /// A multiplier 1 that is no fold.
-    #[error("not covered: a branch point")]
+    /// A Hopf point at which the orbit shrinks to an equilibrium.
+    #[error("not covered: where an orbit shrinks to an equilibrium")]
+    Shrinking,
+    /// A multiplier 1 that is no fold, of an orbit without symmetry.
+    #[error(
+        "not covered: a branch point of an orbit that is not −x half a period later by its formulas"
+    )]
     Branching,
     /// Zones that do not follow from one another.
     #[error("not covered: a sequence of zones that is not one of the system")]

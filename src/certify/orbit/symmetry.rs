@@ -40,7 +40,7 @@ impl OrbitSystem<'_> {
     }
 
     /// Whether the equations have the symmetry.
-    fn is_symmetric(&self) -> bool {
+    pub fn is_symmetric(&self) -> bool {
         let count = self.stretches.len();
         let even = count.is_multiple_of(2) && (!self.is_forced() || self.posed.periods % 2 == 1);
         even && (0..count).all(|index| {
@@ -62,7 +62,7 @@ impl OrbitSystem<'_> {
                 _ => false,
             };
             let matrix = self.images(&mode.matrix);
-            ends && self.steps[index] == self.steps[other] && matrix == image.matrix
+            ends && matrix == image.matrix
         })
     }
 
@@ -73,6 +73,10 @@ impl OrbitSystem<'_> {
             return None;
         }
         let count = self.stretches.len();
+        let (first, second) = self.steps.split_at(count / 2);
+        if first != second {
+            return None;
+        }
         let other = (event.stretch + count / 2) % count;
         let [mode, image] =
             [event.stretch, other].map(|index| &self.exact.modes[self.stretches[index].mode]);
@@ -132,5 +136,21 @@ impl OrbitSystem<'_> {
             image[self.duration(index)] = x[self.duration(from)];
         }
         Ok(image)
+    }
+
+    /// The whole of a symmetric orbit from its half, in equations that have as many steps; `None` where they have not.
+    pub fn whole(&self, x: &[Interval], whole: &OrbitSystem) -> Option<Vec<Interval>> {
+        let steps = [&self.steps[..], &self.steps].concat();
+        if whole.steps != steps {
+            return None;
+        }
+        let half = &x[..self.parameter()];
+        let mut all = half.to_vec();
+        all.extend_from_slice(half);
+        all.push(x[self.parameter()]);
+        // the first half, which stands in both places, gives the second
+        let mut image = whole.half_later(&all).ok()?;
+        image[..half.len()].copy_from_slice(half);
+        Some(image)
     }
 }

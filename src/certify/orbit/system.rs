@@ -57,6 +57,8 @@ pub enum Condition {
     Fold,
     /// A multiplier is −1.
     Doubling,
+    /// The orbit is −x half a period later, and the multiplier of its half is −1: a branch without this symmetry passes.
+    Branching,
     /// A pair of multipliers is on the unit circle.
     Torus {
         /// Its angle in doubles.
@@ -108,6 +110,8 @@ pub struct OrbitSystem<'a> {
     pub fixed: Option<Interval>,
     pub facts: Vec<Facts>,
     pub critical: Option<Critical>,
+    /// Whether the stretches are those of half a symmetric orbit, which closes at its image.
+    pub half: bool,
 }
 
 /// A step spans no more than this of the time scale of its mode.
@@ -180,6 +184,7 @@ impl<'a> OrbitSystem<'a> {
             fixed: None,
             facts: Vec::new(),
             critical: None,
+            half: false,
         };
         if !system.is_in_order() {
             return Err(Open::Sequence);
@@ -192,8 +197,19 @@ impl<'a> OrbitSystem<'a> {
         if let Some(vanishing) = system.event(near, &modes)? {
             system.vanish(vanishing);
         }
+        if *condition == Condition::Branching {
+            if !system.is_symmetric() {
+                return Err(Open::Branching);
+            }
+            system.half = true;
+            system.stretches.truncate(system.stretches.len() / 2);
+        }
         let mut guess = system.guess(near, &modes, condition, least)?;
-        if let Condition::Fold | Condition::Doubling | Condition::Torus { .. } = condition {
+        let crosses = matches!(
+            condition,
+            Condition::Fold | Condition::Doubling | Condition::Branching | Condition::Torus { .. }
+        );
+        if crosses {
             let critical = system.direction(&guess).ok_or(Open::NotEnclosed)?;
             guess.extend(critical.guess());
             system.critical = Some(critical);
@@ -476,7 +492,10 @@ impl<'a> OrbitSystem<'a> {
     pub fn near(&self, near: &Near, guess: &[f64]) -> (Near, Condition) {
         let states = self.exact.states;
         let mut condition = self.condition.clone();
-        let zone = |zone: usize, at: &ZonePoint| {
+        let half = near.zones.len() / 2;
+        let zone = |index: usize, at: &ZonePoint| {
+            let later = self.half && index >= half;
+            let zone = if later { index - half } else { index };
             let parts = self.stretches.iter().enumerate();
             let parts: Vec<usize> = parts
                 .filter(|(_, stretch)| stretch.zone == zone)
@@ -485,11 +504,14 @@ impl<'a> OrbitSystem<'a> {
             let Some(first) = parts.first().map(|first| self.node(*first, 0)) else {
                 return at.clone();
             };
+            let sign = if later { -1.0 } else { 1.0 };
+            let turn = if later { self.turns().middle() } else { 0.0 };
+            let state = guess[first..first + states].iter();
             ZonePoint {
-                state: guess[first..first + states].to_vec(),
+                state: state.map(|x| sign * x).collect(),
                 duration: parts.iter().map(|part| guess[self.duration(*part)]).sum(),
                 phase: if self.is_forced() {
-                    guess[first + states]
+                    guess[first + states] + turn
                 } else {
                     0.0
                 },
@@ -524,9 +546,10 @@ impl<'a> OrbitSystem<'a> {
         (near, condition)
     }
 
-    /// Turns of the phase in a cycle.
+    /// Turns of the phase in a cycle, or in half of it.
     pub fn turns(&self) -> Interval {
-        PI * Interval::point(2.0 * f64::from(self.posed.periods))
+        let halves = if self.half { 1.0 } else { 2.0 };
+        PI * Interval::point(halves * f64::from(self.posed.periods))
     }
 }
 
