@@ -11,6 +11,7 @@ import re
 from collections import namedtuple
 from copy import copy
 from fractions import Fraction
+from math import inf
 
 from flint import acb, acb_mat, acb_poly, arb, ctx, fmpq, fmpq_poly
 
@@ -22,6 +23,10 @@ TAYLOR = 12
 """Order of the Taylor polynomials by which signs are shown."""
 DEPTH = 40
 """Bisections of a stretch after which a sign counts as not shown."""
+DEEPEST = (DEPTH, 12)
+"""The same at a point, and along a curve, of which a shorter piece may do."""
+PIECES, SHORTEST, BY_FAR = 2000, 1e-6, 64.0
+"""Pieces of a curve; their least length in units; the parameter is their coordinate unless another moves so much more."""
 
 
 # ---------------------------------------------------------------------------------------------------- expressions
@@ -408,6 +413,17 @@ def outside(polynomial):
     return outside([last * x - first * y for x, y in zip(polynomial[1:], polynomial[-2::-1])])
 
 
+def above(x):
+    """Whether a number is positive, or its derivative is."""
+    return dual(x).v.real > 0 or isinstance(x, Dual) and x.d.real > 0
+
+
+def sequence_of(near):
+    """The zones of an orbit."""
+    sequence = near["sequence"]
+    return sequence[0] if isinstance(sequence, tuple) else sequence
+
+
 class Orbit:
     """The boundary-value problem of an orbit and what singles out a point."""
 
@@ -418,8 +434,7 @@ class Orbit:
         watch = margin.get("watch")
         self.watch = watch if watch is None or isinstance(watch, str) else watch.name
         self.which = None if isinstance(watch, str) or watch is None else int(watch.value)
-        self.zone, sequence, zones = int(margin.get("zone", -1)), near["sequence"], near["zones"]
-        sequence = sequence[0] if isinstance(sequence, tuple) else sequence
+        self.zone, sequence, zones = int(margin.get("zone", -1)), sequence_of(near), near["zones"]
         must(sequence and len(sequence) == len(zones), "zones without a state")
         self.forced, self.periods = posed["system"].get("forcing") is not None, int(posed["periods"])
         self.exact = Modes(posed)
@@ -696,46 +711,55 @@ class Orbit:
 
     # ------------------------------------------------------------------------------------------------ signs
     def all_signs(self, x):
-        """Every inequality with whether it holds."""
+        """Every inequality with whether it holds. Along a curve, where unknowns have derivatives away from an end at which it
+        holds or what it is of is zero, it holds where that grows as well."""
         modes, parts = self.parts(x)
         for index, (stretch, (_, time, z, _, end)) in enumerate(zip(self.stretches, parts)):
             mode, zone = stretch.mode, stretch.zone
             entry_facts, end_facts = self.facts[index]
-            at = lambda row: apply([modes.row_of(row)], end)[0].real
-            yield f"the duration of zone {zone}", time.real > 0
+            at = lambda row: apply([modes.row_of(row)], end)[0]
+            yield f"the duration of zone {zone}", above(time)
             for guard, (exact, _) in enumerate(self.exact.guards[mode]):
                 start = self.order(entry_facts, mode, exact)
                 if start is None:
                     continue
                 stop, row = self.order(end_facts, mode, exact) or 0, modes.row_of(exact)
-                holds = self.positive(modes, mode, row, z, start, time.real / 2, 1)
-                holds = holds and self.positive(modes, mode, row, end, stop, time.real / 2, -1)
+                half = dual(time).v.real / 2
+                holds = self.positive(modes.matrices[mode], row, z, start, half, 1)
+                holds = holds and self.positive(modes.matrices[mode], row, end, stop, half, -1)
                 yield f"guard {guard} within zone {zone}", holds
             if stretch.end[0] != "exit":
                 continue
             exits = self.exact.guards[mode][stretch.end[1]][1]
             for which, row in enumerate(exits[stretch.end[2]][2]):
-                yield f"condition {which} at the end of zone {zone}", end_facts.have(row) or at(row) > 0
+                yield f"condition {which} at the end of zone {zone}", end_facts.have(row) or above(at(row))
             for before in range(stretch.end[2]):
                 rows = exits[before][2]
                 # what is about to lead there is zero at the event, and the rest does not say that it fails
                 about = [row for place, at_end, row in self.events if at_end and place == index]
                 if any(row is it for it in about for row in rows):
                     continue
-                fails = any(not end_facts.have(row) and at(row) < 0 for row in rows)
+                fails = any(not end_facts.have(row) and above(-at(row)) for row in rows)
                 yield f"that exit {before} is not taken at the end of zone {zone}", fails
 
-    def positive(self, modes, mode, row, z, order, length, sign):
-        """Whether a form is positive from a zero of this order, at z, to a time in one direction."""
+    def positive(self, rows, row, z, order, length, sign):
+        """Whether a form is positive from a zero of this order, at z, to a time in one direction, or grows along a curve."""
         bits, ctx.prec = ctx.prec, SIGNS
         try:
             # backwards in time the flow is that of −M
-            matrix = acb_mat([[sign * acb(x) for x in line] for line in modes.matrices[mode]])
-            form, state = acb_mat([[acb(x) for x in row]]), acb_mat([[y] for y in z])
+            part = lambda numbers, which: [getattr(dual(x), which) for x in numbers]
+            values, slopes = ([[sign * x for x in part(line, which)] for line in rows] for which in "vd")
+            flows = [(acb_mat(values), acb_mat([part(row, "v")]), acb_mat([[y] for y in part(z, "v")]))]
+            if any(isinstance(y, Dual) for y in z):
+                # derivatives of z flow along with it
+                both = [line + [0] * len(line) for line in values] + [a + b for a, b in zip(slopes, values)]
+                moving = acb_mat([[y] for y in part(z, "v") + part(z, "d")])
+                flows.append((acb_mat(both), acb_mat([part(row, "d") + part(row, "v")]), moving))
+            shown = lambda low, high, order: any(self.over(*flow, low, high, order) for flow in flows)
             end = float(length.upper()) * (1 + 2**-40)
             first = end
             for _ in range(DEPTH):
-                if order == 0 or self.over(matrix, form, state, 0, first, order):
+                if order == 0 or shown(0, first, order):
                     break
                 first /= 2
             else:
@@ -743,9 +767,9 @@ class Orbit:
             open_ones = [(first if order else 0.0, end, 0)]
             while open_ones:
                 low, high, depth = open_ones.pop()
-                if low >= high or self.over(matrix, form, state, low, high, 0):
+                if low >= high or shown(low, high, 0):
                     continue
-                if depth == DEPTH:
+                if depth == DEEPEST[len(flows) - 1]:
                     return False
                 middle = (low + high) / 2
                 open_ones += [(low, middle, depth + 1), (middle, high, depth + 1)]
@@ -818,3 +842,159 @@ def splits(short, long):
         and all(at(short, shift + k) == at(long, start + more + k) for k in range(1, len(short)))
     )
     return any(fits(shift, start) for shift in range(len(short)) for start in range(len(long)))
+
+
+# ---------------------------------------------------------------------------------------------------- arcs
+class Arc:
+    """The orbits between two of one sequence: a curve in the unknowns of orbits without an event."""
+
+    def __init__(self, ends, near):
+        (self.first, one), (self.last, other) = ends
+        self.orbit = Orbit(self.first.posed, near, "Value")
+        self.ends = [self.uncut(*end) for end in ends]
+        self.place = self.orbit.place
+        units = self.orbit.posed["units"]
+        self.units = [*map(float, units["states"]), float(units["time"])] * len(self.orbit.stretches)
+        self.units += [1.0] * self.orbit.forced + [float(units["parameter"])]
+
+    def uncut(self, orbit, x):
+        """Unknowns with one duration for a zone that is cut."""
+        found, width = [], orbit.n + 1
+        for index, stretch in enumerate(orbit.stretches):
+            part = x[index * width : (index + 1) * width]
+            if index and orbit.stretches[index - 1].zone == stretch.zone:
+                found[-1] = found[-1] + part[-1]
+            else:
+                found += part
+        return found + x[len(orbit.stretches) * width : orbit.place + 1]
+
+    def equations(self, x, coordinate, value):
+        return [*self.orbit.cycle(*self.orbit.parts(x)), x[coordinate] - value]
+
+    def slope(self, x):
+        """The Jacobian, without the row of a coordinate."""
+        seeds = ([Dual(acb(y), int(i == j)) for i, y in enumerate(x)] for j in range(len(x)))
+        return acb_mat([[dual(y).d for y in self.orbit.cycle(*self.orbit.parts(seed))] for seed in seeds]).transpose()
+
+    def tangent(self, x):
+        """The tangent in units at numbers, and the coordinate that moves most."""
+        rows = self.slope([y.mid() for y in x]).mid().tolist()
+        best = None
+        for coordinate in [self.place, *range(self.place)]:
+            unit = [int(i == coordinate) for i in range(len(x))]
+            try:
+                solved = acb_mat([*rows, unit]).solve(acb_mat([[0]] * self.place + [[1]])).entries()
+            except ZeroDivisionError:
+                continue
+            scaled = [float(y.real.mid()) / u for y, u in zip(solved, self.units)]
+            size = max(map(abs, scaled))
+            best = best or [y / size for y in scaled]
+            if coordinate == self.place and abs(best[coordinate]) * BY_FAR > 1:
+                return best, coordinate
+            if coordinate != self.place and abs(scaled[coordinate]) == size:
+                return [y / size for y in scaled], coordinate
+        raise NotCovered("a curve whose tangent is not found")
+
+    def follow(self, side):
+        """Shows the curve from one end to the other. Returns the number of pieces."""
+        (x, last), before, count = self.ends, None, 0
+        longest, left = inf, lambda x, k: float((last[k] - x[k]).real.mid())
+        while count < PIECES:
+            tangent, k = self.tangent(x)
+            lead = k if self.first.kind == "Fold" else self.place
+            way = sum(a * b for a, b in zip(before, tangent)) if before else tangent[lead] * left(x, lead) * side
+            before = tangent if way > 0 else [-y for y in tangent]
+            direction, length = (1 if before[k] > 0 else -1), min(longest, self.units[k])
+            rest = left(x, k) * direction
+            # an orbit that is far from the end in other unknowns passes by
+            far = max(abs(left(x, i)) / unit for i, unit in enumerate(self.units))
+            if rest > 0 and far < 1000 * rest / self.units[k]:
+                length = min(length, rest / 2)
+                if count and rest < 16 * length and not self.piece(x, last, k, direction, 1):
+                    return count + 1
+            grown = 2
+            while True:
+                value = acb((x[k].real.mid() + direction * length).mid())
+                step = float((value - x[k]).real.mid()) / (before[k] * self.units[k])
+                guess = [y.mid() + step * b * u for y, b, u in zip(x, before, self.units)]
+                try:
+                    zero, radius = prove_zero(lambda y: self.equations(y, k, value), guess)
+                    there = [acb(arb(y.real, radius)) for y in zero]
+                    why = self.piece(x, there, k, direction, None if count else 0)
+                except Refused:
+                    why = None, "no orbit is found"
+                if not why:
+                    break
+                if length < SHORTEST * self.units[k]:
+                    raise why[0](why[1]) if why[0] else NotCovered(why[1])
+                length, grown = length / 2, 1
+            x, count, longest = there, count + 1, length * grown
+        raise NotCovered("more pieces than are tried")
+
+    def piece(self, x, y, k, direction, next_to):
+        """Why a piece is not shown: what it amounts to, and a reason; None where it is."""
+        bits, ctx.prec = ctx.prec, SIGNS
+        try:
+            reach = (abs(y[k] - x[k]) / 2).upper() * (1 + arb(2) ** -40)
+            middle = [((a + b) / 2).mid() for a, b in zip(x, y)]
+            slope = [((b - a) / (y[k] - x[k])).mid() for a, b in zip(x, y)]
+            slope[k] = acb(1)
+            row = acb_mat([[int(j == k) for j in range(len(x))]])
+            stack = lambda matrix: acb_mat(matrix.tolist() + row.tolist())
+            try:
+                inverse = stack(self.slope(middle)).mid().inv().mid()
+            except ZeroDivisionError:
+                return None, "the equations are singular on the way"
+            error = (inverse * acb_mat([[z] for z in self.equations(middle, k, middle[k])])).entries()
+            radii = [(2 * abs(e)).upper() + arb(u) * arb(2) ** -60 for e, u in zip(error, self.units)]
+            for _ in range(8):
+                tube = [acb((m + t * arb(0, 1) * reach).real + arb(0, 1) * r) for m, t, r in zip(middle, slope, radii)]
+                steep = self.slope(tube)
+                drift = (inverse * acb_mat((steep * acb_mat([[t] for t in slope])).tolist() + [[0]])).entries()
+                defect = (inverse * stack(steep)).tolist()
+                spread = lambda i: sum(abs(z - int(i == j)) * radii[j] for j, z in enumerate(defect[i]))
+                image = [(abs(e) + abs(d) * reach + spread(i)).upper() for i, (e, d) in enumerate(zip(error, drift))]
+                if all(a < b for a, b in zip(image, radii)):
+                    break
+                radii = [r.max(a * 1.25).upper() for r, a in zip(radii, image)]
+                if not all(r < u for r, u in zip(radii, self.units)):
+                    return None, "no tube has exactly one curve"
+            else:
+                return None, "no tube has exactly one curve"
+            off = lambda z, i: abs(z[i] - middle[i] - (z[k] - middle[k]) * slope[i])
+            if not all(off(z, i) < radii[i] for z in (x, y) for i in range(len(x)) if i != k):
+                return None, "no tube has both ends"
+            tangent = [t + arb(0, 1) * (r / reach) for t, r in zip(slope, radii)]
+            tangent[k] = acb(1)
+            # det(P − 1) vanishes at folds: at an end, and if it is monotone there only
+            if k != self.place and tangent[self.place].real.contains(0):
+                end = (self.first, self.last)[next_to or 0]
+                along = [Dual(z, d) for z, d in zip(tube, tangent)]
+                fold = self.orbit.distance(self.orbit.returned(*self.orbit.parts(along)), acb(1))
+                if next_to is None or end.kind != "Fold" or fold.d.real.contains(0):
+                    return Refused, "there may be a fold on the way"
+            sign = 0 if next_to is None else direction if next_to == 0 else -direction
+            moving = tube if not sign else [Dual(z, sign * d) for z, d in zip(tube, tangent)]
+            wrong = [what for what, holds in self.orbit.all_signs(moving) if not holds]
+            return (Refused, f"{', '.join(wrong)} is not shown on the way") if wrong else None
+        finally:
+            ctx.prec = bits
+
+
+def join(ends, nears):
+    """Shows that between two orbits there is no event."""
+    (one, _), (two, _) = ends
+    listed = lambda near: [(int(zone["mode"]), str(zone["way"])) for zone in sequence_of(near)]
+    given = lambda orbit: [v for i, v in enumerate(orbit.posed["values"]) if i != int(orbit.posed["parameter"])]
+    same = one.posed["system"] == two.posed["system"] and given(one) == given(two)
+    same = same and [one.posed[name] for name in ("parameter", "periods")] == [two.posed[name] for name in ("parameter", "periods")]
+    must(same and listed(nears[0]) == listed(nears[1]), "its ends have not one sequence of zones")
+    if one.half or two.half:
+        raise NotCovered("arcs at a branch point")
+    arc = Arc(ends, nears[0])
+    try:
+        return arc.follow(1)
+    except (Refused, NotCovered):
+        if one.kind != "Fold":
+            raise
+        return arc.follow(-1)

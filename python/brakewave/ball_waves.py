@@ -88,6 +88,8 @@ def exponential(rows, time=1):
     if not any(isinstance(entry, Dual) for row in rows for entry in row):
         return acb_mat(rows).exp().tolist()
     rows = [[dual(entry) for entry in row] for row in rows]
+    if all(acb(entry.d) == 0 for row in rows for entry in row):
+        return [[Dual(y) for y in row] for row in acb_mat([[entry.v for entry in row] for row in rows]).exp().tolist()]
     top = [[entry.v for entry in row] + [entry.d for entry in row] for row in rows]
     both = acb_mat(top + [[0] * n + row[:n] for row in top]).exp().tolist()
     return [[Dual(row[j], row[j + n]) for j in range(n)] for row in both[:n]]

@@ -18,7 +18,7 @@ from pathlib import Path
 try:
     from flint import acb, acb_mat, arb, ctx
 
-    from .ball_orbits import Orbit, kind_of, outside
+    from .ball_orbits import Orbit, join, kind_of, outside
     from .ball_spectrum import Perturbed
     from .ball_waves import NotCovered, Refused, Signs, decimal, must, prove_zero
 except ImportError as error:
@@ -146,8 +146,8 @@ def snake(name):
 class Statements:
     """A point that is said to be proven, with the problem and the row of the table that belong to it."""
 
-    def __init__(self, point, source, row):
-        self.point, self.source, self.row = point, source, row
+    def __init__(self, point, source, row, before=None):
+        self.point, self.source, self.row, self.before = point, source, row, before
         self.proof = point["outcome"].value
         self.posed, self.said = self.proof["posed"], self.proof["statement"]
         self.growth, self.discs = point.get("growth"), {}
@@ -364,6 +364,12 @@ class Point(Statements):
 class OrbitPoint(Statements):
     """A point of a branch of orbits of a system."""
 
+    def arc(self):
+        before = self.before
+        must(before is not None and hasattr(before, "x"), "the point before it is not shown")
+        must(before.point.get("leg") == self.point.get("leg"), "the branch does not lead from the point before to this")
+        join([(it.solved, it.x) for it in (before, self)], [it.proof["near"] for it in (before, self)])
+
     def statements(self):
         """Names of the statements and what checks them."""
         yield "orbit, in its intervals", self.orbit
@@ -456,6 +462,7 @@ def main(folder):
             print("labels: refused: they do not ascend as those of the table do")
             refused += 1
         by_label = None if rows is None else {int(row["label"]): row for row in rows}
+        before = None
         for point in points:
             name = f"{int(point['label']):4} {point['kind']}"
             row = by_label and by_label.get(int(point["label"]))
@@ -463,9 +470,11 @@ def main(folder):
                 if row is not None and row["proven"] != "no":
                     print(f"{name} row of certificates.csv: refused: it is not proven in the certificate")
                     refused += 1
+                before = None
                 continue
             of_system = "system" in point["outcome"].value["posed"]
-            for what, statement in (OrbitPoint if of_system else Point)(point, source, row).statements():
+            before = (OrbitPoint if of_system else Point)(point, source, row, before)
+            for what, statement in before.statements():
                 try:
                     statement()
                     outcome = "proven again"
