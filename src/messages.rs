@@ -196,6 +196,7 @@ impl Display for OfWaves {
                 let becomes = if *grows { "unstable" } else { "stable" };
                 write!(f, "a {what} of sector {sector} becomes {becomes}")
             }
+            OfWaves::Repeats => f.write_str("the wave is one of half its wavelength"),
         }
     }
 }
@@ -422,6 +423,11 @@ impl Display for WaveStop {
                 "what is left is one zone of slip around the whole circumference: linear waves on \
                  steady sliding at its Hopf point, of every amplitude down to none at this one value; \
                  `start: Hopf` lists them",
+            ),
+            WaveStop::Repeats { mode } => write!(
+                f,
+                "the wave is one of mode {mode}, traversed twice: beyond it the branch retraces itself with its halves \
+                 exchanged"
             ),
         }
     }

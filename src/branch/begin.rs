@@ -6,6 +6,7 @@ use super::slip_stick::polish;
 use super::wanted::{NoStart, Wanted};
 use crate::continuation::newton;
 use crate::linalg::Vector;
+use crate::orbit::switch;
 use crate::problem::{Continuation, Problem, Start};
 use crate::tube::flow::method::Method;
 use crate::tube::model::{FrictionLaw, Model, Parameter};
@@ -138,7 +139,9 @@ impl RunError {
                 "model.friction_law",
                 "write `friction_law: Coulomb`, or take another ε",
             ),
-            RunError::NoStart(NoStart::Flow(_) | NoStart::Newton(_)) => ("wave.start", elsewhere),
+            RunError::NoStart(NoStart::Flow(_) | NoStart::Newton(_) | NoStart::NoBranch(_)) => {
+                ("wave.start", elsewhere)
+            }
             RunError::NoHopf(reason) => match reason {
                 NoHopf::Parameter => (
                     "continuation.parameter",
@@ -164,6 +167,8 @@ pub(super) struct Begun {
     pub model: Model,
     /// The vertical family before it.
     pub family: Option<Family>,
+    /// Ways that the branch goes, where they are not those of the problem.
+    pub directions: Vec<bool>,
 }
 
 /// Waves shown of the vertical family at a Hopf point.
@@ -208,6 +213,7 @@ pub(super) fn begin(
             point,
             model,
             family: None,
+            directions: Vec::new(),
         })
     };
     let mut begun = match (&problem.wave.start, restart) {
@@ -223,6 +229,7 @@ pub(super) fn begin(
                     wave,
                     point,
                     family: None,
+                    directions: Vec::new(),
                 }
             } else {
                 let beyond = match parameter {
@@ -237,7 +244,10 @@ pub(super) fn begin(
             }
         }
         (Start::Restart { .. }, Some(saved)) => restarted(saved, &model, problem, continuation)?,
-        (Start::Restart { .. }, None) => return Err(Refused::NoRestart.into()),
+        (Start::Switch { .. }, Some(saved)) => doubled(saved, &model, problem, continuation)?,
+        (Start::Restart { .. } | Start::Switch { .. }, None) => {
+            return Err(Refused::NoRestart.into());
+        }
     };
     if let Some(method) = problem.method.filter(|method| *method != begun.wave.method) {
         begun.wave = begun.wave.with_method(method);
@@ -280,13 +290,13 @@ fn family_in_range(
     }))
 }
 
-/// A saved wave under the impact law of the problem.
-fn restarted(
+/// A saved wave under the impact law of the problem, as it is.
+fn posed(
     saved: &SavedWave,
     asked: &Model,
     problem: &Problem,
     continuation: &Continuation,
-) -> Result<Begun, RunError> {
+) -> Result<(Wave, Vector), RunError> {
     let parameter = continuation.parameter;
     let model = Model {
         impact: asked.impact,
@@ -307,11 +317,22 @@ fn restarted(
         model,
         ..saved.clone()
     };
-    let mut wave = saved.wave(parameter, problem.wave.mode, high - low);
-    let mut point = wave.pack(&saved.unknowns(), saved.excess, value);
+    let wave = saved.wave(parameter, problem.wave.mode, high - low);
+    let point = wave.pack(&saved.unknowns(), saved.excess, value);
     if wave.material && saved.layers.is_empty() {
-        (wave, point) = wave.with_layers(&point).map_err(NoStart::Flow)?;
+        return Ok(wave.with_layers(&point).map_err(NoStart::Flow)?);
     }
+    Ok((wave, point))
+}
+
+/// The branch of a saved wave.
+fn restarted(
+    saved: &SavedWave,
+    asked: &Model,
+    problem: &Problem,
+    continuation: &Continuation,
+) -> Result<Begun, RunError> {
+    let (wave, mut point) = posed(saved, asked, problem, continuation)?;
     // a saved wave solves its equations already; at a fold polishing it at a fixed parameter would fail
     let solved =
         newton::jacobian(&wave, &point).is_ok_and(|(_, residual)| residual <= RESTART_RESIDUAL);
@@ -319,9 +340,32 @@ fn restarted(
         point = polish(&wave, &point)?;
     }
     Ok(Begun {
+        model: wave.model,
         wave,
         point,
-        model,
         family: None,
+        directions: Vec::new(),
+    })
+}
+
+/// The branch of waves of twice the wavelength that leaves a saved wave, which is one of them traversed twice.
+fn doubled(
+    saved: &SavedWave,
+    asked: &Model,
+    problem: &Problem,
+    continuation: &Continuation,
+) -> Result<Begun, RunError> {
+    let (wave, at) = posed(&saved.twice(), asked, problem, continuation)?;
+    let sides = switch::sides(&wave, &at).map_err(NoStart::NoBranch)?;
+    let directions = continuation.toward.directions();
+    // one of them at least is there
+    let (side, directions) =
+        switch::chosen(sides, directions).ok_or(RunError::Asked(Refused::NoRestart))?;
+    Ok(Begun {
+        model: wave.model_at(&side.point),
+        wave,
+        point: side.point,
+        family: None,
+        directions,
     })
 }

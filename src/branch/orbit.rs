@@ -227,7 +227,13 @@ impl Orbit for Wave {
 
     /// The waves that are left at a Hopf point all have its value of the parameter.
     fn completes(stop: &WaveStop) -> bool {
-        *stop == WaveStop::SlipAlone
+        matches!(stop, WaveStop::SlipAlone | WaveStop::Repeats { .. })
+    }
+
+    fn repeats(&self, node: &Node) -> Option<(OfWaves, WaveStop)> {
+        let mode = 2 * self.mode;
+        self.is_double(&node.point)
+            .then_some((OfWaves::Repeats, WaveStop::Repeats { mode }))
     }
 
     fn edge(&self, value: f64) -> Option<OfWaves> {
@@ -241,7 +247,7 @@ impl Orbit for Wave {
         match special {
             OfWaves::HopfPoint | OfWaves::CoulombLimit => EventType::EP,
             OfWaves::StickOpens => EventType::ST,
-            OfWaves::Crossing { omega: None, .. } => EventType::BP,
+            OfWaves::Crossing { omega: None, .. } | OfWaves::Repeats => EventType::BP,
             OfWaves::Crossing { .. } => EventType::HB,
         }
     }

@@ -32,17 +32,36 @@ pub struct Beside {
     pub spectrum: Option<Spectrum>,
     /// Eigenvalues that may still be computed; zero once no more spectra are taken.
     pub allowance: usize,
+    /// Ways of the legs where they are not those of the problem: the other branch at an event has its own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub directions: Vec<bool>,
 }
 
 impl Beside {
     /// Before the first step from a first wave.
-    pub(super) fn new(wave: &Wave) -> Beside {
+    pub(super) fn new(wave: &Wave, directions: Vec<bool>) -> Beside {
         Beside {
             eigenvalues: 0,
             scales: wave.scales,
             spectrum: None,
             allowance: ALLOWANCE,
+            directions,
         }
+    }
+
+    /// What the legs are asked for.
+    pub(super) fn plan(
+        &self,
+        problem: &Problem,
+        continuation: &Continuation,
+        model: Model,
+    ) -> legs::Plan {
+        let points = continuation.most_points(model.law);
+        let mut plan = continuation.plan(points, problem.output.profiles);
+        if !self.directions.is_empty() {
+            plan.directions.clone_from(&self.directions);
+        }
+        plan
     }
 
     /// Whether it may be one of a problem.

@@ -79,9 +79,10 @@ impl Runner {
             point,
             model,
             family,
+            directions,
         } = begin(problem, continuation, restart, observer)?;
-        let beside = Beside::new(&wave);
-        let plan = continuation.plan(continuation.most_points(model.law), problem.output.profiles);
+        let beside = Beside::new(&wave, directions);
+        let plan = beside.plan(problem, continuation, model);
         let legs =
             Legs::begin(wave, &point, plan).map_err(|reason| NoStart::Newton(reason.into()))?;
         Ok(Runner {
@@ -103,7 +104,7 @@ impl Runner {
         let model = saved.model;
         let method = problem.method.unwrap_or(Method::cheapest(model.law));
         let wave = progress.wave(problem, continuation, model, method)?;
-        let plan = continuation.plan(continuation.most_points(model.law), problem.output.profiles);
+        let plan = progress.beside.plan(problem, continuation, model);
         let legs = Legs::resume(&wave, progress.legs, plan)?;
         Ok(Runner::at(
             problem,
@@ -181,7 +182,11 @@ impl Runner {
         let parameter = self.continuation.parameter;
         let last = found.len().saturating_sub(1);
         let mut spectra = spectra.into_iter();
-        let mut crossings = crossings.into_iter().peekable();
+        let repeats = |found: &Found| matches!(found.special, Some(Special::Own(OfWaves::Repeats)));
+        let ends_double = found.iter().any(repeats);
+        // what is seen of the end of a branch by its eigenvalue is that end
+        let seen = |(located, _): &Crossing| !(ends_double && wave.is_double(&located.node.point));
+        let mut crossings = crossings.into_iter().filter(seen).peekable();
         for (index, mut found) in found.into_iter().enumerate() {
             let value = found.parameter;
             while let Some(crossing) = crossings.next_if(|(located, _)| located.s < found.s) {

@@ -65,6 +65,16 @@ impl SavedWave {
             && self.excess.is_finite()
     }
 
+    /// The same wave over two of its wavelengths.
+    pub(super) fn twice(&self) -> SavedWave {
+        let mut twice = self.clone();
+        twice.signature.0.extend_from_within(..);
+        twice.zones.extend_from_within(..);
+        twice.layers.extend_from_within(..);
+        twice.radial_layers.extend_from_within(..);
+        twice
+    }
+
     /// The wave as a boundary-value problem in `parameter`, of which `width` is the unit.
     pub fn wave(&self, parameter: Parameter, mode: u32, width: f64) -> Wave {
         let largest = self

@@ -31,6 +31,8 @@ pub enum OfWaves {
         /// Whether it becomes unstable along the branch.
         grows: bool,
     },
+    /// The wave is one of half its wavelength, traversed twice.
+    Repeats,
 }
 
 /// A margin of a wave.
@@ -60,6 +62,12 @@ pub enum WaveStop {
     },
     /// One zone of slip is left: steady sliding at its Hopf point.
     SlipAlone,
+    /// The wave has become one of half its wavelength, traversed twice: the branch would retrace itself with the halves
+    /// exchanged.
+    Repeats {
+        /// Mode of the wave that is left.
+        mode: u32,
+    },
 }
 
 /// What makes a wave special.

@@ -4,11 +4,12 @@ use super::orbit::NotEntered;
 use super::special::ResumeMismatch;
 use super::special::{Ending, Inadmissible, NoFollower};
 use crate::continuation::{arclength, newton};
+use crate::orbit::switch::NoBranch;
 use crate::tube::flow::FlowError;
 use crate::tube::model::{Model, Parameter};
-use crate::tube::wave::Scales;
 use crate::tube::wave::hopf::NoHopf;
 use crate::tube::wave::start::{NoWave, Which};
+use crate::tube::wave::{Scales, Wave};
 
 /// Most steps of a search for a first wave. At the default step lengths a branch takes a hundred
 /// through its parameter and up to three hundred more through its changes of regime.
@@ -61,6 +62,9 @@ pub enum NoStart {
         /// How the branch ended.
         reason: SearchFailure,
     },
+    /// No other branch leaves the event.
+    #[error("no wave of twice the wavelength branches off: {0}")]
+    NoBranch(NoBranch<Wave>),
 }
 
 impl NoStart {
@@ -72,7 +76,10 @@ impl NoStart {
             NoStart::Damped { reason, .. } | NoStart::Unreached { reason, .. } => {
                 reason.came_to_an_end()
             }
-            NoStart::Flow(_) | NoStart::Newton(_) | NoStart::Smoothing { .. } => false,
+            NoStart::Flow(_)
+            | NoStart::Newton(_)
+            | NoStart::Smoothing { .. }
+            | NoStart::NoBranch(_) => false,
         }
     }
 }

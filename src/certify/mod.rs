@@ -240,6 +240,7 @@ fn condition(
             (change.margin.into(), beyond)
         }
         Special::Own(OfWaves::HopfPoint | OfWaves::StickOpens) => return Err(Open::Family),
+        Special::Own(OfWaves::Repeats) => return Err(Open::Repeats),
         Special::Own(OfWaves::Crossing { sector, omega, .. }) => {
             let (sector, omega) = (*sector, omega.unwrap_or(0.0));
             (Condition::Crossing { sector, omega }, None)

@@ -17,6 +17,9 @@ pub enum Open {
     /// The vertical family.
     #[error("not covered: in the family at the Hopf point of steady sliding no parameter moves")]
     Family,
+    /// The end of a branch of waves of twice the wavelength.
+    #[error("not covered: a wave that is one of half its wavelength, traversed twice")]
+    Repeats,
     /// The perturbation of a Coulomb impact.
     #[error("not covered: eigenvalues of waves with a Coulomb impact")]
     CoulombImpact,

@@ -9,7 +9,7 @@ use super::failure::{Failure, Usage};
 use super::{print, warn};
 use crate::output::render::Format;
 use crate::output::store::{Existing, Kind, Store, io_error};
-use crate::problem::{self, Any, CurveEvent, Problem, Start, SystemCurveEvent, SystemProblem};
+use crate::problem::{self, Any, CurveEvent, Problem, SystemCurveEvent, SystemProblem};
 use crate::simulation::task::SimulationStart;
 use crate::tube::model::Parameter;
 
@@ -95,9 +95,7 @@ impl Task {
     /// What the results are computed from: the problem file, and what it names.
     pub(crate) fn inputs(&self, problem: &Problem) -> Vec<PathBuf> {
         let mut inputs = vec![self.problem.clone()];
-        if let Start::Restart { dir, .. } = &problem.wave.start {
-            inputs.push(dir.clone());
-        }
+        inputs.extend(problem.wave.start.label().map(|(dir, _)| dir.clone()));
         let event = problem.curve.as_ref().map(|curve| &curve.event);
         if let Some(CurveEvent::Label { dir, .. }) = event {
             inputs.push(dir.clone());

@@ -9,9 +9,10 @@ use super::progress::{Progress, drive};
 use crate::branch::SavedWave;
 use crate::branch::run::{RunError, Runner};
 use crate::hybrid::{self, Named, NoStart};
+use crate::orbit::EventType;
 use crate::output::orbits::{Orbits, kind_of};
 use crate::output::origin;
-use crate::output::waves::Waves;
+use crate::output::waves::{self, Waves};
 use crate::problem::{
     self, Any, Continuation, OrbitStart, Problem, ProblemError, Start, SystemProblem, Toward,
 };
@@ -132,6 +133,25 @@ impl Source {
         }
         Ok(earlier)
     }
+
+    /// Refuses a label at which no wave of this mode, of twice the wavelength, branches off.
+    fn doubling(&self, dir: &Path, label: usize, mode: u32) -> Result<(), Failure> {
+        let event = waves::labelled(dir, label)?;
+        if event.kind == EventType::BP && event.sector == mode as usize {
+            return Ok(());
+        }
+        let message = format!(
+            "label {label} of {} is a {} of sector {}: waves of twice the wavelength branch off at a BP of sector {mode}",
+            dir.display(),
+            event.kind,
+            event.sector
+        );
+        Err(self.refuse(
+            "wave.start.label",
+            message,
+            "name such a label, `events.csv` lists them",
+        ))
+    }
 }
 
 /// Reads a problem file, and the wave it restarts from if it does.
@@ -145,9 +165,13 @@ pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepa
     let source = Source::new(path.display().to_string(), text);
     let mut continuation = problem.continuation(&source.text, &source.name)?.clone();
     let mut restart = None;
-    if let Start::Restart { dir, label } = &problem.wave.start {
-        let earlier = source.restart(dir, problem.wave.mode)?;
-        let wave = earlier.labelled(dir, *label)?.clone();
+    if let Some((dir, label)) = problem.wave.start.label() {
+        let doubles = matches!(problem.wave.start, Start::Switch { .. });
+        let earlier = source.restart(dir, problem.wave.mode * if doubles { 2 } else { 1 })?;
+        let wave = earlier.labelled(dir, label)?.clone();
+        if doubles {
+            source.doubling(dir, label, problem.wave.mode)?;
+        }
         let law = problem.model.law;
         let other = std::mem::discriminant(&law) != std::mem::discriminant(&wave.model.law);
         if other && problem::says(&source.text, "model.friction_law") {
@@ -164,6 +188,8 @@ pub(crate) fn ready(problem: Problem, text: String, path: &Path) -> Result<Prepa
     continuation.toward = match (&problem.wave.start, &restart) {
         // there are waves on one side of it only
         (Start::Hopf, _) => Toward::beyond_hopf(parameter),
+        // the other branch at an event goes the way it goes
+        (Start::Switch { .. }, _) => continuation.toward,
         (_, Some(wave)) => {
             let first = wave.model.value(parameter);
             ways(&continuation, parameter.column(), first, &source)?

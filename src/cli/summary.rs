@@ -203,7 +203,7 @@ fn expected(problem: &Problem, model: &Model) -> Option<String> {
     let which = match problem.wave.start {
         Start::Fast | Start::Hopf => Which::Fast,
         Start::Slow => Which::Slow,
-        Start::Restart { .. } => return None,
+        Start::Restart { .. } | Start::Switch { .. } => return None,
     };
     let damping = Damping {
         stiffness: 0.0,

@@ -168,20 +168,12 @@ pub(super) fn begin(
                     return Err(NoStart::NotBranching { label, kind });
                 }
             };
-            let sides = switch(&wanted, &saved.orbit, doubled)?;
-            let both = sides.iter().any(|side| side.up) && sides.iter().any(|side| !side.up);
-            let mut wished = sides.iter().filter(|side| directions.contains(&side.up));
-            // a branch that goes one way only is found from either
-            let side = wished.next().or(sides.first()).ok_or(NoStart::Unknown)?;
-            within(&side.orbit.setting.values)?;
-            let mut ways = vec![side.up];
-            if both && directions.len() > 1 {
-                ways.push(!side.up);
-            }
+            let (orbit, point, directions) = switch(&wanted, &saved.orbit, doubled, &directions)?;
+            within(&orbit.setting.values)?;
             return Ok(First {
-                orbit: side.orbit.clone(),
-                point: side.point.clone(),
-                directions: ways,
+                orbit,
+                point,
+                directions,
             });
         }
     };

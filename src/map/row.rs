@@ -172,7 +172,7 @@ impl<'a> Rows<'a> {
     ) {
         let start = match self.map.starts[number] {
             Start::Slow => "slow",
-            Start::Fast | Start::Hopf | Start::Restart { .. } => "fast",
+            Start::Fast | Start::Hopf | Start::Restart { .. } | Start::Switch { .. } => "fast",
         };
         let cell = |passage, found| Cell {
             row,

@@ -20,6 +20,7 @@ pub mod legs;
 pub mod sign;
 pub mod special;
 mod stability;
+pub mod switch;
 
 use std::fmt::{Debug, Display};
 

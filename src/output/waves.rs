@@ -14,7 +14,7 @@ use crate::branch::run::{Item, Progress, Runner};
 use crate::curve::start::Labelled;
 use crate::orbit::EventType;
 use crate::orbit::legs;
-use crate::problem::{Problem, Start};
+use crate::problem::Problem;
 use crate::table::{self, Table};
 use crate::tube::model::signature::Regime;
 use crate::tube::wave::Wave;
@@ -83,8 +83,8 @@ impl Recorded for Runner {
     /// All waves have the model of the problem, but for the parameter they were followed in.
     fn broken(problem: &Problem, saved: &[SavedWave]) -> Option<usize> {
         let parameter = problem.parameter();
-        let model = match (&problem.wave.start, saved.first()) {
-            (Start::Restart { .. }, Some(first)) => first.model,
+        let model = match (problem.wave.start.label(), saved.first()) {
+            (Some(_), Some(first)) => first.model,
             _ => problem.model,
         };
         saved.iter().position(|wave| {

@@ -243,6 +243,24 @@ pub enum Start {
         /// Label of the point.
         label: usize,
     },
+    /// The wave of twice the wavelength that branches off at a `BP` of an earlier run with twice the mode, where an
+    /// eigenvalue of the sector half its mode passes zero.
+    Switch {
+        /// Directory with the results of that run.
+        dir: PathBuf,
+        /// Label of the `BP`.
+        label: usize,
+    },
+}
+
+impl Start {
+    /// The folder of the earlier run that brings the first wave with its model, and its label there.
+    pub fn label(&self) -> Option<(&PathBuf, usize)> {
+        match self {
+            Start::Restart { dir, label } | Start::Switch { dir, label } => Some((dir, *label)),
+            Start::Fast | Start::Slow | Start::Hopf => None,
+        }
+    }
 }
 
 /// Stability analysis of the points of the branch.

@@ -85,7 +85,7 @@ impl Problem {
 
     /// Whether the first wave brings its own model.
     fn restarts(&self) -> bool {
-        matches!(self.wave.start, Start::Restart { .. })
+        self.wave.start.label().is_some()
     }
 }
 
@@ -221,7 +221,7 @@ impl Checks<'_, Problem> {
         let column = section.parameter.column();
         let value = match self.problem.wave.start {
             // a restart brings its own parameters, and so does a Hopf point
-            Start::Restart { .. } => return Ok(()),
+            Start::Restart { .. } | Start::Switch { .. } => return Ok(()),
             Start::Hopf => {
                 let only = Toward::beyond_hopf(section.parameter);
                 let holds = [Toward::Both, only].contains(&section.toward);

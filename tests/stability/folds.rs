@@ -11,7 +11,7 @@ use brakewave::tube::stability::characteristic::Characteristic;
 use brakewave::tube::stability::spectrum::{Request, spectrum};
 
 use crate::observed;
-use crate::waves::{C64, Rows, follow};
+use crate::waves::{C64, Rows, follow, follow_from};
 
 fn run(text: &str) -> Rows {
     let problem = problem::parse(text, "fold").expect("a problem");
@@ -144,4 +144,53 @@ fn a_real_eigenvalue_that_crosses_is_found() {
     assert_eq!(events.len(), changes, "{events:?}");
     assert!(worst < 1e-11, "{worst:e}");
     observed("1 + t(0) + d(0) at a BP", worst);
+    doubled(&rows.items);
+}
+
+/// From the first BP of the sector k/2 of mode 6 a wave of mode 3 branches off, with twice the wavelength and the regimes
+/// twice. Its branch ends where it has come to another BP of that kind, traversed twice. Beside the first the
+/// friction moves by the square of what the halves differ by.
+fn doubled(items: &[Item]) {
+    let at: Vec<&Item> = items
+        .iter()
+        .filter(|item| item.point.kind == Some(EventType::BP))
+        .collect();
+    let text = "(model: (coefficients: Geometry(nu: 0.202, xi: 1.577, gamma: 1.0), \
+         friction: 0.25, mismatch: 0.0252), wave: (mode: 3, start: Switch(dir: \"six\", label: 1)), \
+         continuation: (parameter: Friction, range: (0.2, 2.0), ds: 0.002))";
+    let problem = problem::parse(text, "doubled").expect("a problem");
+    let rows = follow_from(&problem, text, at[0].saved.as_ref());
+    let friction = |item: &Item| {
+        let (wave, point) = item.wave();
+        wave.parameter_at(point)
+    };
+    let first = friction(at[0]);
+    // what the halves differ by, squared, against the way in the parameter
+    let ratios: Vec<f64> = rows.items[..3]
+        .iter()
+        .map(|item| {
+            let (wave, point) = item.wave();
+            let half = 3 * wave.zones() / 2;
+            let off = (0..half).map(|index| (point[index] - point[index + half]).powi(2));
+            (friction(item) - first) / off.sum::<f64>()
+        })
+        .collect();
+    assert!(ratios[0] > 0.0);
+    for ratio in &ratios[1..] {
+        assert!((ratio / ratios[0] - 1.0).abs() < 0.05, "{ratios:?}");
+    }
+    let last = rows.items.last().expect("a point");
+    assert_eq!(last.point.kind, Some(EventType::BP));
+    let apart = at
+        .iter()
+        .map(|item| (friction(item) - friction(last)).abs())
+        .fold(f64::INFINITY, f64::min);
+    let event = last.event.as_ref().expect("an event");
+    assert!(apart <= event.uncertainty, "{apart:e}");
+    let bps = rows
+        .items
+        .iter()
+        .filter(|item| item.point.kind == Some(EventType::BP));
+    assert_eq!(bps.count(), 1);
+    observed("end of a doubled branch against the BP there", apart);
 }

@@ -3,6 +3,7 @@
 use brakewave::orbit::legs::Run as _;
 use std::path::PathBuf;
 
+use brakewave::branch::SavedWave;
 use brakewave::branch::first_wave::first_wave;
 use brakewave::branch::run::{End, Item, Runner};
 use brakewave::branch::special::Note;
@@ -119,10 +120,15 @@ pub struct Rows {
 
 /// Follows the branch of a problem to its end.
 pub fn follow(problem: &Problem, text: &str) -> Rows {
+    follow_from(problem, text, None)
+}
+
+/// The same from a labelled wave.
+pub fn follow_from(problem: &Problem, text: &str, first: Option<&SavedWave>) -> Rows {
     let continuation = problem
         .continuation(text, "problem")
         .expect("there is a branch");
-    let mut branch = Runner::begin(problem, continuation, None).expect("the branch begins");
+    let mut branch = Runner::begin(problem, continuation, first).expect("the branch begins");
     let mut rows = Rows {
         items: Vec::new(),
         spectra: Vec::new(),

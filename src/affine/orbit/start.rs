@@ -14,8 +14,7 @@ use crate::affine::motion::{Halt, Motion, Place, Step, Switching};
 use crate::affine::system::{System, SystemError};
 use crate::continuation::newton::{self, Fixed, Settings};
 use crate::linalg::Vector;
-use crate::orbit::sign::Verdict;
-use crate::orbit::{Examined, Orbit};
+use crate::orbit::switch::{NoBranch, admitted};
 
 /// Where a motion begins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -498,12 +497,13 @@ fn pose(
     Ok((orbit, point))
 }
 
-/// Whether every inequality of an orbit holds.
-pub(super) fn admitted(orbit: &AffineOrbit, point: &Vector) -> Result<(), NoStart> {
-    let examination = orbit.examination(point).map_err(failed)?;
-    match examination.verdict() {
-        Verdict::Positive => Ok(()),
-        _ => Err(NoStart::Inadmissible(orbit.inadmissible(&examination))),
+impl From<NoBranch<AffineOrbit>> for NoStart {
+    fn from(reason: NoBranch<AffineOrbit>) -> NoStart {
+        match reason {
+            NoBranch::Regular(singular) => NoStart::Regular(singular),
+            NoBranch::Newton(failure) => NoStart::Newton(failure),
+            NoBranch::Inadmissible(reason) => NoStart::Inadmissible(reason),
+        }
     }
 }
 

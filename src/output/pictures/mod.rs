@@ -35,7 +35,7 @@ use super::render::{Format, Picture, RenderError};
 use super::store::{self, Kind, Store, StoreError, unfinished};
 use super::waves::separates;
 use crate::curve::Tube;
-use crate::problem::{Plot, Problem, Start};
+use crate::problem::{Plot, Problem};
 use crate::tube::model::{Landing, Parameter};
 pub(crate) use diagram::{NoView, View};
 use names::constant_parameters;
@@ -176,7 +176,7 @@ pub(crate) fn draw_view(
 fn caption(problem: &Problem, axis: Parameter, tables: &Tables) -> String {
     let mut words = constant_parameters(problem, axis);
     // a restart brings its own model
-    if separates(&tables.branch) && !matches!(problem.wave.start, Start::Restart { .. }) {
+    if separates(&tables.branch) && problem.wave.start.label().is_none() {
         words.push_str(", ");
         words.push_str(Landing::of(&problem.model, axis).name());
     }

@@ -221,6 +221,20 @@ impl Wave {
             .take(width + 2)
     }
 
+    /// Whether both halves of the wave are the same, but for rounding of what is singular there.
+    pub(crate) fn is_double(&self, point: &Vector) -> bool {
+        /// In scaled unknowns: the parameter differs by the square of it.
+        const REPEATED: f64 = 1e-3;
+        let half = self.zones() / 2;
+        let (numbers, alike) = (half * self.width(), |zone: usize| {
+            self.signature.zone(zone) == self.signature.zone(zone + half)
+        });
+        half > 0
+            && self.zones() == 2 * half
+            && (0..half).all(alike)
+            && (0..numbers).all(|index| (point[index] - point[index + numbers]).abs() <= REPEATED)
+    }
+
     /// Value of the continuation parameter at a point.
     pub fn parameter_at(&self, point: &Vector) -> f64 {
         point[self.width() * self.zones() + 1] * self.scales.parameter

@@ -1,0 +1,128 @@
+//! The other branch at an orbit whose equations are singular at a fixed parameter.
+//!
+//! The branch that is known moves in the parameter there; the other one leaves along the null vector of the equations
+//! at a fixed parameter. At the event they are singular whatever borders them: both branches pass; a short way along
+//! the null vector they are not. At a doubling the orbit is taken as one that is traversed twice: there the null
+//! vector is (ξ, −ξ).
+
+use super::sign::Verdict;
+use super::{Examined, Orbit};
+use crate::continuation::Node;
+use crate::continuation::arclength::correct;
+use crate::continuation::newton::{self, Plane, Settings};
+use crate::linalg::{self, Vector};
+
+/// Why there is no other branch.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoBranch<O: Orbit> {
+    /// The equations are regular at a fixed parameter: their least singular value, relative to the largest.
+    #[error("no other branch passes through it: its equations are singular to {0:.1e} only")]
+    Regular(f64),
+    /// Newton's method finds nothing beside the event.
+    #[error("{0}")]
+    Newton(newton::Failure<O::Failure>),
+    /// What it finds is not admissible.
+    #[error("beside it {0}")]
+    Inadmissible(O::Inadmissible),
+}
+
+/// The other branch a short way from the event, on one of its sides.
+#[derive(Clone, Debug)]
+pub struct Side {
+    /// The first of its orbits.
+    pub point: Vector,
+    /// Whether the parameter grows from there on.
+    pub up: bool,
+}
+
+/// A located event solves the singular equations to about 1e-12, and those of an orbit without one are far from it.
+const SINGULAR: f64 = 1e-7;
+
+/// How far from the event the branch begins, in scaled unknowns of order one, and how often a quarter of it is tried:
+/// the parameter moves by the square of it where the branch begins level.
+const AWAY: f64 = 3e-3;
+const TRIES: i32 = 5;
+
+/// Both sides of the other branch at an event, the one where the parameter grows first. At a doubling and at a loss of
+/// symmetry both go one way, and one is the other shifted in time or mirrored.
+///
+/// # Errors
+/// No other branch passes there, or it is not admissible.
+pub fn sides<O: Orbit>(orbit: &O, at: &Vector) -> Result<Vec<Side>, NoBranch<O>> {
+    let evaluated = newton::jacobian(orbit, at).map_err(newton::Failure::System);
+    let (matrix, _) = evaluated.map_err(NoBranch::Newton)?;
+    let square = matrix.columns(0, at.len() - 1).clone_owned();
+    let least = linalg::least(&square).ok_or(NoBranch::Newton(newton::Failure::Singular))?;
+    if least.value > SINGULAR * least.largest {
+        return Err(NoBranch::Regular(least.value / least.largest));
+    }
+    let along = least.right.insert_row(at.len() - 1, 0.0);
+    let found = [1.0, -1.0].map(|sign| side(orbit, at, &(&along * sign)));
+    if let [Err(_), Err(refused)] = found {
+        return Err(refused);
+    }
+    let mut sides: Vec<Side> = found.into_iter().flatten().collect();
+    sides.sort_by_key(|side| !side.up);
+    Ok(sides)
+}
+
+/// Of both sides the one to begin with, and the ways that the branch goes from there, where these are asked for: a
+/// branch that goes one way only is found from either.
+pub fn chosen(sides: Vec<Side>, directions: &[bool]) -> Option<(Side, Vec<bool>)> {
+    let both = sides.iter().any(|side| side.up) && sides.iter().any(|side| !side.up);
+    let wished = |side: &Side| directions.contains(&side.up);
+    let index = sides.iter().position(wished).unwrap_or(0);
+    let side = sides.into_iter().nth(index)?;
+    let mut ways = vec![side.up];
+    if both && directions.len() > 1 {
+        ways.push(!side.up);
+    }
+    Some((side, ways))
+}
+
+/// Whether every inequality of an orbit holds.
+///
+/// # Errors
+/// One does not, or it cannot be examined.
+pub fn admitted<O: Orbit>(orbit: &O, point: &Vector) -> Result<(), NoBranch<O>> {
+    let examination = orbit.examination(point);
+    let examination =
+        examination.map_err(|failure| NoBranch::Newton(newton::Failure::System(failure)))?;
+    match examination.verdict() {
+        Verdict::Positive => Ok(()),
+        _ => Err(NoBranch::Inadmissible(orbit.inadmissible(&examination))),
+    }
+}
+
+/// The branch that leaves a singular point along a null vector.
+fn side<O: Orbit>(orbit: &O, at: &Vector, along: &Vector) -> Result<Side, NoBranch<O>> {
+    const NEWTON: Settings = Settings {
+        tolerance: 1e-10,
+        most_iterations: 20,
+        halvings: 4,
+        polish: 1,
+    };
+    let mut refused = NoBranch::Newton(newton::Failure::Singular);
+    for exponent in 0..TRIES {
+        let guess = at + along * (AWAY * 0.25_f64.powi(exponent));
+        let mut plane = Plane {
+            normal: along,
+            through: &guess,
+        };
+        let corrected = correct(orbit, &mut plane, &guess, along, &NEWTON);
+        let found = corrected.map_err(NoBranch::Newton).and_then(|(node, _)| {
+            admitted(orbit, &node.point)?;
+            Ok(node)
+        });
+        match found {
+            Ok(Node { point, tangent, .. }) => {
+                return Ok(Side {
+                    up: tangent[at.len() - 1] > 0.0,
+                    point,
+                });
+            }
+            Err(error) => refused = error,
+        }
+    }
+    Err(refused)
+}
