@@ -293,9 +293,7 @@ pub fn enter<O: Orbit>(
     if is_only && !orbit.is_layered() && leads_nowhere(candidate, &node.tangent) {
         // the shortest of the steps says why
         let shortest = ds * walk::SHORTER.powi(TRIES as i32 - 1);
-        if let Err(refused) = enter_along(orbit, &node, shortest, 1, tolerance) {
-            return Err(refused);
-        }
+        enter_along(orbit, &node, shortest, 1, tolerance)?;
     }
     let direct = enter_along(orbit, &node, ds, TRIES, tolerance);
     let length = direct.as_ref().map_or(0.0, |beyond| beyond.ds);
