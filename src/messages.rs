@@ -54,10 +54,8 @@ impl Landing {
 pub(crate) fn halt(system: &System, halt: &Halt) -> String {
     let named = |time: f64, mode: usize, guard: usize, what: &str| {
         let name = system.mode_name(mode);
-        format!(
-            "at t = {time} `zero` number {} of the mode {name} is reached, {what}",
-            guard + 1
-        )
+        let guard = system.guard_name(mode, guard);
+        format!("at t = {time} {guard} of the mode `{name}` is zero, {what}")
     };
     match *halt {
         Halt::NoExit { time, mode, guard } => named(

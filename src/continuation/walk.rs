@@ -85,6 +85,12 @@ pub trait Curve: Sized {
     /// Takes note of a node that was reached.
     fn arrive(&mut self, node: &Node);
 
+    /// How many times longer than elsewhere the longest step from a node may be: more than 1 where unknowns are
+    /// much larger than their units.
+    fn stretch(&self, _node: &Node) -> f64 {
+        1.0
+    }
+
     /// A point without an event.
     fn point(&self, s: f64, node: &Node, watched: &Self::Watched) -> Self::Found;
 
@@ -283,7 +289,8 @@ impl<C: Curve> Walker<C> {
     /// if it did.
     pub fn step(&mut self) -> (Vec<C::Found>, Option<EndOf<C>>) {
         let Steps { ds_min, ds_max, .. } = self.steps;
-        let mut ds = self.ds.clamp(ds_min, ds_max);
+        let longest = ds_max * self.curve.stretch(&self.node);
+        let mut ds = self.ds.clamp(ds_min, longest);
         let mut halvings = 0;
         loop {
             let refusal = match self.attempt(ds, halvings < HALVINGS_FOR_PAIRS) {
@@ -410,6 +417,7 @@ impl<C: Curve> Walker<C> {
         }
         found.push(doubt(&self.curve, ds, here(self)));
         let creeps = self.creeps(ds);
+        let creeps = creeps.map(|end| self.curve.ends_at(&self.node).map_or(end, End::Own));
         let end = self.curve.exhausted(&self.node).map(End::Own).or(creeps);
         if let Some(end) = &end {
             found.extend(self.curve.last(end, here(self)));

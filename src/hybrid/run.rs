@@ -323,7 +323,7 @@ fn point(
     // at a graze there are none; where all are trivial nothing grows
     let known = multipliers.as_ref().is_some_and(|all| !all.is_empty());
     let outside = sizes.as_ref().filter(|_| known);
-    let outside = outside.map(|sizes| sizes.iter().filter(|size| **size > 1.0).count());
+    let outside = outside.map(|sizes| sizes.iter().filter(|size| **size > 1.0 + ON_CIRCLE).count());
     let critical = matches!(
         found.kind(),
         Some(EventType::LP | EventType::PD | EventType::NS | EventType::BP)

@@ -217,7 +217,7 @@ impl<O: Orbit> Walker<Track<O>> {
             signature: self.curve.orbit.signature().clone(),
             point: list(&self.node.point),
             tangent: list(&self.node.tangent),
-            ds: self.ds.clamp(self.steps.ds_min, self.steps.ds_max),
+            ds: self.ds.max(self.steps.ds_min),
             heading: self.curve.heading,
             origin: (signature.clone(), list(&first.point), list(&first.tangent)),
             travelled: self.travelled,
@@ -369,6 +369,10 @@ impl<O: Orbit> Curve for Track<O> {
             }
         }
         Ok(Outcome::Passed(found))
+    }
+
+    fn stretch(&self, node: &Node) -> f64 {
+        self.orbit.stretch(&node.point)
     }
 
     fn arrive(&mut self, node: &Node) {

@@ -55,6 +55,11 @@ pub trait Examined: Clone + Debug {
     fn tests(&self) -> &[f64] {
         &[]
     }
+
+    /// Whether more than rounding tells the sign of one of them.
+    fn is_told(&self, _test: usize) -> bool {
+        true
+    }
 }
 
 /// A signature to try from an event.
@@ -172,6 +177,12 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
     /// Whether the parameter is stationary near a point because a zone closes there.
     fn closes(&self, _point: &Vector) -> bool {
         false
+    }
+
+    /// How many times longer than elsewhere steps from a point may be: more than 1 where unknowns are much larger
+    /// than their units.
+    fn stretch(&self, _point: &Vector) -> f64 {
+        1.0
     }
 
     /// Whether thin layers may turn the branch within a step: the first step into a signature is then tried

@@ -8,9 +8,10 @@ use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::continuation::Steps;
 use brakewave::linalg::Vector;
 use brakewave::orbit::follow::{Follower, Found, Limits};
+use brakewave::orbit::special::Special;
 
 use crate::orbits::{Reference, impact, solved};
-use crate::systems::{BALL, CHUA, FRICTION, RELAY, THERMOSTAT, system, values};
+use crate::systems::{BALL, BELT, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, system, values};
 
 /// An event: its type, the parameter, the sequences before and after.
 pub struct Seen {
@@ -284,4 +285,94 @@ fn symmetry_is_lost_at_a_branch_point() {
     meets(&down[..1], &[(BP, 13.728817274033318115, "")], 1e-12);
     let (up, _) = follow(&orbit, &point, true, (13.7, 14.0), 200);
     meets(&up[..1], &[(LP, 13.750880142522143392, "")], 1e-12);
+}
+
+/// x″ + x = cos φ.
+const UNDAMPED: &str = r#"(
+    system: (
+        states: ["x", "v"],
+        parameters: {"w": 0.6},
+        forcing: "w",
+        modes: {"only": (rates: {"x": "v", "v": "cos(phase) - x"}, until: [])},
+    ),
+    orbit: (start: Given(mode: "only", state: {"x": 1.5625, "v": 0.0})),
+)"#;
+
+/// The reasons for which branches end, and where, in closed form or from the reference.
+#[test]
+fn ends_that_mathematics_knows_have_names() {
+    let last = |all: &[Found<AffineOrbit>]| {
+        let last = all.last().unwrap();
+        let change = match last.special.as_ref().unwrap() {
+            Special::Change(change) => change.end.as_ref().map(ToString::to_string),
+            special => Some(special.to_string()),
+        };
+        (last.parameter, last.uncertainty, change.unwrap())
+    };
+    // the slip comes up to the belt with no acceleration, and the stick lasts 1/2: GR and nothing else
+    let belt = settled(BELT, &[], "z", "stick", &[0.0, 1.0], 50.0);
+    let (seen, all) = follow(&belt.0, &belt.1, true, (0.0, 0.05), 500);
+    assert_eq!(seen.len(), 1);
+    meets(&seen, &[(GR, 0.017938095904388093253, "")], 1e-12);
+    let (_, _, why) = last(&all);
+    assert!(
+        why.contains("`u - v` of `slip` does not come to zero any more"),
+        "{why}"
+    );
+    // friction as large as the force, which is 1, arrests the mass
+    let dry = settled(
+        FRICTION,
+        &[("w", 0.8), ("F", 0.98)],
+        "F",
+        "forth",
+        &[0.0, 0.5],
+        20.0,
+    );
+    let (_, all) = follow(&dry.0, &dry.1, true, (0.3, 1.3), 500);
+    let (value, error, why) = last(&all);
+    assert!(why.contains("comes to rest: beyond it `stick`"), "{why}");
+    assert!(
+        (value - 1.0).abs() < 2.0 * error && error < 1e-5,
+        "{value} {error:e}"
+    );
+    // no rebound: an impact is followed by a flight while the force pulls the mass off, A cos φ < d with cos φ
+    // of the impact; beyond, it stays at the stop
+    let dead = settled(IMPACT, &[("e", 0.0)], "A", "free", &[0.0, 0.0], 200.0);
+    let (seen, all) = follow(&dead.0, &dead.1, true, (0.5, 3.0), 500);
+    assert_eq!(seen.len(), 1);
+    let (value, _, why) = last(&all);
+    assert!(why.contains("met again as soon as `free` begins"), "{why}");
+    let zone = &all
+        .last()
+        .unwrap()
+        .orbit
+        .at(&all.last().unwrap().node.point)
+        .unwrap()
+        .zones[0];
+    assert!((value * zone.phase.cos() - 1.0).abs() < 1e-10, "{value}");
+    // x = A cos φ/(1 − w²)
+    let free = settled(UNDAMPED, &[], "w", "only", &[1.5625, 0.0], 0.0);
+    let (seen, all) = follow(&free.0, &free.1, true, (0.55, 1.5), 2000);
+    // its multipliers are on the unit circle all along: no event
+    assert_eq!(seen.len(), 1);
+    let (value, error, why) = last(&all);
+    assert!(why.contains("grow without bound"), "{why}");
+    assert!(
+        (value - 1.0).abs() < 2.0 * error && error < 1e-4,
+        "{value} {error:e}"
+    );
+}
+
+/// A branch that begins with an orbit a thousand times smaller than others takes few steps.
+#[test]
+fn steps_grow_with_the_orbit() {
+    let small = settled(IMPACT, &[("A", 1e-4)], "A", "free", &[0.0, 0.0], 400.0);
+    let (seen, all) = follow(&small.0, &small.1, true, (1e-5, 0.2), 2000);
+    assert!(all.len() < 700, "{}", all.len());
+    let expected = [
+        (GR, 0.1, "free > free"),
+        (LP, 0.099970753628313271803, "free"),
+        (EP, 0.2, "free"),
+    ];
+    meets(&seen, &expected, 1e-11);
 }

@@ -269,3 +269,34 @@ fn what_does_not_return_is_refused() {
     let refused = from(&chatters, "flight", &[0.0, 1.0], 0.0, Search::Settles(10.0)).unwrap_err();
     assert!(matches!(refused, NoStart::Halted(_)), "{refused}");
 }
+
+/// What settles slowly returns after several periods as nearly as after one, and a state may be zero at every switch, or
+/// move at none of the entries.
+#[test]
+fn the_least_period_is_found() {
+    let free = [("c", 0.05), ("w", 2.9647), ("A", 2.7887)];
+    let slow = wanted(IMPACT, &free, "A", 8);
+    let (orbit, _) = from(&slow, "free", &[0.0, 0.0], 0.0, Search::Settles(200.0)).unwrap();
+    assert_eq!((orbit.setting.periods, orbit.zones()), (1, 1));
+    let relay = wanted(RELAY, &[("rho", 1.1907)], "rho", 64);
+    let (orbit, _) = from(&relay, "plus", &[1.0, 0.0, 0.0], 0.0, Search::Settles(80.0)).unwrap();
+    assert_eq!(orbit.zones(), 4);
+}
+
+/// A guard that is zero all along is named as the file has it.
+#[test]
+fn what_is_stuck_is_named() {
+    let text = IMPACT.replace("d - x", "x - x");
+    let stuck = from(
+        &wanted(&text, &[], "A", 1),
+        "free",
+        &[0.0, 0.0],
+        0.0,
+        Search::Settles(1.0),
+    );
+    let words = stuck.unwrap_err().to_string();
+    assert!(
+        words.contains("`x - x` of the mode `free` is zero and stays so"),
+        "{words}"
+    );
+}

@@ -17,6 +17,9 @@ pub const CHUA: &str = include_str!("../../problems/chua.ron");
 /// A relay with the process (s − ρ)²/(s + 1)³, after Johansson, Rantzer & Åström 1999.
 pub const RELAY: &str = include_str!("../../problems/relay.ron");
 
+/// A mass on a belt, whose friction at rest exceeds that of slip.
+pub const BELT: &str = include_str!("../../problems/belt.ron");
+
 /// Buck converter (Hamill & Deane; Fossas & Olivar), its ramp a state.
 pub const BUCK: &str = include_str!("../../problems/buck_converter.ron");
 

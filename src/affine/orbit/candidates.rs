@@ -7,6 +7,7 @@
 
 use std::f64::consts::TAU;
 
+use super::OrbitStop;
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, ZonePoint};
 use super::margin::{Margin, Watch};
 use super::signature::{Sequence, Way, Zone};
@@ -131,6 +132,28 @@ pub fn candidates(
         }
     }
     Ok(found)
+}
+
+impl AffineOrbit {
+    /// Whether a guard that is zero as a zone begins leads back to there: beyond the event no time passes any more.
+    pub(super) fn held_at(&self, point: &Vector, margin: &Margin) -> Option<OrbitStop> {
+        let at = self.at(point).ok()?;
+        let Watch::Onset(guard) = margin.watch else {
+            return None;
+        };
+        let Zone { mode, name, .. } = self.sequence.zone(margin.zone);
+        let exits = at.exits(*mode, &at.entry(margin.zone));
+        let back = |stage: &Stage| {
+            let state = Vector::from_column_slice(&stage.state);
+            stage.way.guard == guard
+                && stage.mode == *mode
+                && at.agree(&state, &at.zones[margin.zone].state)
+        };
+        exits.iter().any(back).then(|| OrbitStop::Held {
+            guard: self.setting.system.guard_name(*mode, guard),
+            mode: name.clone(),
+        })
+    }
 }
 
 /// Rotates a cycle so that it begins where its name does; where it repeats itself the longest zone keeps the origin

@@ -2,7 +2,7 @@
 
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
 use super::margin::{Margin, Watch};
-use super::multipliers::Multiplier;
+use super::multipliers::{Multiplier, is_told};
 use super::passage::Passage;
 use crate::affine::flow::{ModeFlow, Piece};
 use crate::linalg::Vector;
@@ -36,6 +36,10 @@ impl Examined for Examination {
 
     fn tests(&self) -> &[f64] {
         &self.tests
+    }
+
+    fn is_told(&self, test: usize) -> bool {
+        is_told(&self.multipliers, test)
     }
 }
 

@@ -277,6 +277,10 @@ impl AffineOrbit {
         values[setting.parameter] = value;
         let system = setting.system.at(&values, &[setting.parameter]);
         let system = system.map_err(OrbitFailure::System)?;
+        // where an expression has no value z may have other components
+        if system.size() != self.sizes.len() {
+            return Err(OrbitFailure::NoZones);
+        }
         let facts = match last {
             Some((_, posed)) if posed.holds_for(&system) => posed.facts.clone(),
             _ => {

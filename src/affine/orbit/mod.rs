@@ -3,11 +3,12 @@
 //! [`signature`] is the sequence of zones, [`layout`] has the unknowns, [`residual`] the equations; [`passage`] is
 //! the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends whatever the
 //! parameter, as [`forms`] tell, or [`generic`] points. [`margin`] measures the inequalities, [`examine`] decides them; [`candidates`] finds
-//! what lies beyond an event; [`multipliers`] has the stability; [`start`] finds the first orbit, [`switch`] that of the
-//! other branch at an event, and [`hopf`] that at which orbits shrink to nothing, and
+//! what lies beyond an event, [`ends`] why nothing does; [`multipliers`] has the stability; [`start`] finds the first
+//! orbit, [`switch`] that of the other branch at an event, and [`hopf`] that at which orbits shrink to nothing, and
 //! [`row`] has what results keep of one.
 
 pub mod candidates;
+mod ends;
 pub mod examine;
 mod forms;
 mod generic;
@@ -32,6 +33,7 @@ use crate::continuation::newton;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::{Candidate, EventType, Examined, Orbit};
 
+pub use ends::OrbitStop;
 pub use examine::Examination;
 pub use layout::{AffineOrbit, OrbitFailure, Scales, Setting, ZonePoint};
 pub use margin::{Margin, Watch};
@@ -121,92 +123,8 @@ impl fmt::Display for Critical {
     }
 }
 
-/// Ends of a branch for reasons of the system itself.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum OrbitStop {
-    /// The orbit has become one of a part of its period, traversed several times.
-    Repeats {
-        /// How many times.
-        times: usize,
-    },
-    /// Without forcing: beyond it the orbit does not switch any more, and belongs to a family at one value of the
-    /// parameter.
-    Centre {
-        /// The mode that is left.
-        zone: Zone,
-    },
-    /// The motion only just reaches a guard: beyond it, it misses the switch, and no orbit is near.
-    Misses {
-        /// What vanishes.
-        held: Held,
-    },
-    /// The period grows without bound.
-    Unbounded,
-    /// The orbit shrinks to an equilibrium.
-    Shrinks,
-    /// The durations of successive zones fall geometrically: switches accumulate, and beyond it infinitely many follow
-    /// one another in a finite time.
-    Accumulates {
-        /// How many zones in a row.
-        zones: usize,
-        /// Of one duration to that before.
-        ratio: f64,
-    },
-}
-
-impl fmt::Display for OrbitStop {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            OrbitStop::Repeats { times } => write!(
-                formatter,
-                "the orbit is one of 1/{times} of its period, traversed {times} times"
-            ),
-            OrbitStop::Centre { .. } => write!(
-                formatter,
-                "beyond it nothing switches: a family of orbits at one value of the parameter"
-            ),
-            OrbitStop::Misses { held } => write!(
-                formatter,
-                "the orbit ends at its graze: beyond it {} of `{}` does not come to zero any more, and the motion goes \
-                 elsewhere",
-                held.guard, held.mode
-            ),
-            OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
-            OrbitStop::Shrinks => write!(
-                formatter,
-                "the orbit shrinks to an equilibrium: its Hopf point"
-            ),
-            OrbitStop::Accumulates { zones, ratio } => write!(
-                formatter,
-                "switches accumulate: {zones} zones in a row last {ratio:.3} times the one before each, and infinitely \
-                 many follow in a finite time"
-            ),
-        }
-    }
-}
-
-/// The parameter is stationary, to rounding, where it changes by less than this along a unit tangent; if nothing but
-/// durations changes there, by this part at least, they grow without bound.
-const STATIONARY: f64 = 1e-11;
-/// The same where no step succeeds any more: a long stay beside a saddle has taken the digits.
-const NEARLY_STATIONARY: f64 = 1e-5;
-const GROWING: f64 = 0.9;
-
 /// A zone shorter than this, in units of the period, is about to close.
 const CLOSING: f64 = 1e-6;
-
-impl AffineOrbit {
-    /// Whether durations grow and the parameter changes by less than a part along the branch.
-    fn lengthens(&self, node: &Node, stationary: f64) -> Option<OrbitStop> {
-        let tangent = &node.tangent;
-        let along = tangent[tangent.len() - 1].abs();
-        let growth: f64 = (0..self.zones())
-            .map(|zone| tangent[self.duration_index(zone)])
-            .sum();
-        let free = !self.is_forced() && !self.opens(&node.point);
-        (free && along < stationary && growth > GROWING).then_some(OrbitStop::Unbounded)
-    }
-}
 
 impl Orbit for AffineOrbit {
     type Signature = Sequence;
@@ -343,6 +261,12 @@ impl Orbit for AffineOrbit {
         (0..self.zones()).any(|zone| point[self.duration_index(zone)].abs() <= CLOSING)
     }
 
+    /// The units are those of the first orbit, beside which another may be a thousand times as large: steps are then
+    /// relative to its size.
+    fn stretch(&self, point: &Vector) -> f64 {
+        point.rows(0, self.width() * self.zones()).amax().max(1.0)
+    }
+
     fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64> {
         let parameter = point.len() - 1;
         // the phase has the rounding of a turn
@@ -380,7 +304,10 @@ impl Orbit for AffineOrbit {
             (margin.watch == Watch::Speed && none).then_some(OrbitStop::Misses { held })
         };
         let accumulates = || self.accumulates(point);
-        centre.or_else(accumulates).or_else(misses)
+        centre
+            .or_else(accumulates)
+            .or_else(misses)
+            .or_else(|| self.held_at(point, margin))
     }
 
     fn instant(&self, point: &Vector, margin: &Margin) -> f64 {
@@ -398,8 +325,7 @@ impl Orbit for AffineOrbit {
     }
 
     fn gives_out(&self, node: &Node) -> Option<OrbitStop> {
-        let accumulates = self.accumulates(&node.point);
-        accumulates.or_else(|| self.lengthens(node, NEARLY_STATIONARY))
+        self.nearly_ends(node)
     }
 
     fn part(&self, point: &Vector) -> Option<(AffineOrbit, Vector)> {
@@ -412,16 +338,11 @@ impl Orbit for AffineOrbit {
     }
 
     fn exhausted(&self, node: &Node, _: (f64, f64)) -> Option<OrbitStop> {
-        self.lengthens(node, STATIONARY)
+        self.ends(node)
     }
 
-    /// Without bound: what the parameter changes by while the unknowns do by their units, since its slope decays in
-    /// the time that growth beside a saddle takes.
     fn short_of(&self, stop: &OrbitStop, node: &Node) -> f64 {
-        match stop {
-            OrbitStop::Unbounded => node.tangent[node.tangent.len() - 1].abs(),
-            _ => 0.0,
-        }
+        self.to_limit(stop, node)
     }
 
     fn left(stop: &OrbitStop) -> Option<Sequence> {

@@ -376,6 +376,24 @@ impl Monodromy {
     }
 }
 
+/// Whether more than rounding tells the sign of a function of [`Monodromy::tests`]: it does not where a multiplier, or
+/// the product of a pair, stays where it vanishes, as those of a motion without loss do.
+pub(super) fn is_told(multipliers: &[Multiplier], test: usize) -> bool {
+    /// Rounding of multipliers, a condition of many thousands included.
+    const NOISE: f64 = 1e-10;
+    let own: Vec<Complex<f64>> = multipliers
+        .iter()
+        .filter(|one| !one.trivial)
+        .map(|one| one.value)
+        .collect();
+    let off = |x: Complex<f64>, from: f64| (x - from).norm() > NOISE * (1.0 + x.norm());
+    match test {
+        0 => own.iter().all(|value| off(*value, -1.0)),
+        1 => own.iter().all(|value| off(*value, 1.0)),
+        _ => (0..own.len()).all(|j| (0..j).all(|i| off(own[i] * own[j], 1.0))),
+    }
+}
+
 impl AffineOrbit {
     /// The linearised motion over a period; `None` where it is infinite, at a graze.
     ///

@@ -159,12 +159,15 @@ impl AffineOrbit {
     /// Whether an orbit without forcing and switches is a point but for a small part of its units.
     pub fn is_point(&self, point: &Vector) -> bool {
         let rests = !self.is_forced() && self.sequence.switches() == 0;
-        let extremes = Some(point).filter(|_| rests);
-        let extremes = extremes.and_then(|point| self.extremes(point).ok());
+        rests && self.varies_within(point, REPEATED)
+    }
+
+    /// Whether every state varies by no more than this part of its unit.
+    pub(super) fn varies_within(&self, point: &Vector, most: f64) -> bool {
         let units = &self.setting.scales.states;
-        extremes.is_some_and(|extremes| {
+        self.extremes(point).is_ok_and(|extremes| {
             let mut pairs = extremes.iter().zip(units);
-            pairs.all(|((low, high), unit)| high - low <= REPEATED * unit)
+            pairs.all(|((low, high), unit)| high - low <= most * unit)
         })
     }
 
@@ -256,5 +259,26 @@ impl AffineOrbit {
             (0..count).all(alike)
         };
         (2..=count).rev().filter(fits).find(same).unwrap_or(1)
+    }
+
+    /// How many times a shorter orbit is traversed by one that never switches, of parts that differ by no more than this.
+    pub(super) fn turns_within(&self, point: &Vector, most: f64) -> usize {
+        let never = self.is_forced() && self.sequence.switches() == 0;
+        let Some(at) = self.at(point).ok().filter(|_| never) else {
+            return 1;
+        };
+        let (zone, units) = (&at.zones[0], &self.setting.scales.states);
+        let returns = |times: &usize| {
+            let end = at.passage(0, zone.duration / *times as f64);
+            end.is_ok_and(|passage| {
+                let mut states = passage.end.iter().zip(&zone.state).zip(units);
+                states.all(|((one, other), unit)| (one - other).abs() <= most * unit)
+            })
+        };
+        let periods = self.setting.periods as usize;
+        let mut parts = (2..=periods)
+            .rev()
+            .filter(|times| periods.is_multiple_of(*times));
+        parts.find(returns).unwrap_or(1)
     }
 }

@@ -78,6 +78,21 @@ pub enum NoStart {
     /// The motion does not go on.
     #[error("{0}")]
     Halted(Halt),
+    /// A guard is zero where nothing says what comes next.
+    #[error(
+        "at t = {time} {guard} of the mode `{mode}` is zero{}",
+        if *stays { " and stays so: nothing tells whether the mode lasts" } else { ", and no `if` of its switches holds" }
+    )]
+    Stuck {
+        /// Its time.
+        time: f64,
+        /// Name of the mode.
+        mode: String,
+        /// The guard, as the file has it.
+        guard: String,
+        /// Whether it is zero all along; otherwise no exit has its conditions fulfilled.
+        stays: bool,
+    },
     /// The motion switches no more and does not return: it rests, or leaves.
     #[error(
         "the motion does not switch any more after t = {time}, and without forcing nothing repeats"
@@ -139,6 +154,27 @@ struct Course {
 /// # Errors
 /// Why there is none.
 pub fn first(
+    wanted: &Wanted,
+    beginning: &Beginning,
+    search: Search,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    found(wanted, beginning, search).map_err(|reason| {
+        let (time, mode, guard, stays) = match reason {
+            NoStart::Halted(Halt::NoExit { time, mode, guard }) => (time, mode, guard, false),
+            NoStart::Halted(Halt::Undecided { time, mode, guard }) => (time, mode, guard, true),
+            reason => return reason,
+        };
+        NoStart::Stuck {
+            time,
+            mode: wanted.system.mode_name(mode).to_owned(),
+            guard: wanted.system.guard_name(mode, guard),
+            stays,
+        }
+    })
+}
+
+/// The same, with numbers of modes and guards in its failures.
+fn found(
     wanted: &Wanted,
     beginning: &Beginning,
     search: Search,
@@ -304,26 +340,26 @@ fn run(motion: &mut Motion, until: f64) -> Result<Switches, NoStart> {
 }
 
 /// How far a place is from another one that should be the same, relative to the states on the way and to what their
-/// rates make of the time between: a state may be zero at all of the switches.
+/// rates make of the time between: a state may be zero at all of the switches, and begin and end a zone of sliding
+/// with no rate.
 fn distance(system: &AffineSystem, begin: &Place, here: &Place, switches: &Switches) -> f64 {
-    let places = switches.iter().map(|(_, place)| place);
-    let before = switches.iter().map(|(switching, _)| &switching.before);
+    let ends = switches
+        .iter()
+        .flat_map(|(Switching { from, before, .. }, place)| {
+            [
+                (*from, before, place.phase),
+                (place.mode, &place.state, place.phase),
+            ]
+        });
+    let edges = [begin, here].map(|place| (place.mode, &place.state, place.phase));
     let time = here.time - begin.time;
     let mut sizes = vec![0.0_f64; begin.state.len()];
-    let mut visit = |state: usize, x: f64| sizes[state] = sizes[state].max(x.abs());
-    for place in places.chain([begin, here]) {
-        let rate = &system.modes[place.mode].matrix.at
-            * system.lift(place.mode, &place.state, place.phase);
-        for (state, x) in place.state.iter().enumerate() {
-            visit(state, *x);
-            visit(state, rate[state] * time / TAU);
+    for (mode, states, phase) in ends.chain(edges) {
+        let rate = &system.modes[mode].matrix.at * system.lift(mode, states, phase);
+        for (state, x) in states.iter().enumerate() {
+            let size = x.abs().max((rate[state] * time / TAU).abs());
+            sizes[state] = sizes[state].max(size);
         }
-    }
-    for state in before {
-        state
-            .iter()
-            .enumerate()
-            .for_each(|(state, x)| visit(state, *x));
     }
     let pairs = begin.state.iter().zip(&here.state).zip(sizes);
     let off = |((x, y), size): ((&f64, &f64), f64)| {
@@ -485,13 +521,16 @@ fn pose(
     };
     let solution = newton::solve(&orbit, &mut fixed, &guess, &NEWTON).map_err(NoStart::Newton)?;
     let point = solution.point;
-    let times = orbit.traversals_within(&point, SAME);
+    let turns = orbit.turns_within(&point, SAME);
+    let times = turns * orbit.traversals_within(&point, SAME);
     if times > 1 {
         // the least period is meant: this one several times over would retrace its branch
-        let zones = orbit.at(&point).map_err(failed)?.zones;
+        let mut zones = orbit.at(&point).map_err(failed)?.zones;
+        zones[0].duration /= turns as f64;
         let parts = orbit.sequence.0.iter().cloned().zip(zones);
+        let parts = parts.take((orbit.zones() / times).max(1));
         let periods = periods / if orbit.is_forced() { times as u32 } else { 1 };
-        return pose(wanted, parts.take(orbit.zones() / times).collect(), periods);
+        return pose(wanted, parts.collect(), periods);
     }
     admitted(&orbit, &point)?;
     Ok((orbit, point))

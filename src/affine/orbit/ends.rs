@@ -1,0 +1,285 @@
+//! Why a branch of orbits ends that goes no further.
+
+use std::f64::consts::PI;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::Held;
+use super::layout::AffineOrbit;
+use super::signature::Zone;
+use crate::continuation::Node;
+use crate::continuation::locate::node_at;
+use crate::linalg::Vector;
+use crate::orbit::Orbit;
+
+/// Ends of a branch for reasons of the system itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum OrbitStop {
+    /// The orbit has become one of a part of its period, traversed several times.
+    Repeats {
+        /// How many times.
+        times: usize,
+    },
+    /// Without forcing: beyond it the orbit does not switch any more, and belongs to a family at one value of the
+    /// parameter.
+    Centre {
+        /// The mode that is left.
+        zone: Zone,
+    },
+    /// The period grows without bound.
+    Unbounded,
+    /// It does, beside a saddle that the orbit leaves and returns to in the limit.
+    Homoclinic {
+        /// Name of the mode of the saddle.
+        mode: String,
+    },
+    /// The states grow without bound.
+    Grows,
+    /// The orbit shrinks to an equilibrium.
+    Shrinks,
+    /// The motion comes to rest: zones in which it moves shrink to nothing together.
+    Rests {
+        /// Name of the mode that is left.
+        mode: String,
+    },
+    /// The motion only just reaches a guard: beyond it, it misses the switch, and no orbit is near.
+    Misses {
+        /// What vanishes.
+        held: Held,
+    },
+    /// Beyond it a switch leads to where it is met again at once.
+    Held {
+        /// The guard, as the file has it.
+        guard: String,
+        /// Name of the mode.
+        mode: String,
+    },
+    /// The durations of successive zones fall geometrically: switches accumulate, and beyond it infinitely many follow
+    /// one another in a finite time.
+    Accumulates {
+        /// How many zones in a row.
+        zones: usize,
+        /// Of one duration to that before.
+        ratio: f64,
+    },
+}
+
+impl fmt::Display for OrbitStop {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            OrbitStop::Repeats { times } => write!(
+                formatter,
+                "the orbit is one of 1/{times} of its period, traversed {times} times"
+            ),
+            OrbitStop::Centre { .. } => write!(
+                formatter,
+                "beyond it nothing switches: a family of orbits at one value of the parameter"
+            ),
+            OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
+            OrbitStop::Homoclinic { mode } => write!(
+                formatter,
+                "the period grows without bound: the orbit comes to one that leaves the saddle of `{mode}` and \
+                 returns to it, a homoclinic orbit"
+            ),
+            OrbitStop::Grows => write!(formatter, "the states grow without bound: a resonance"),
+            OrbitStop::Rests { mode } => write!(
+                formatter,
+                "the motion comes to rest: beyond it `{mode}` lasts for ever, wherever it begins"
+            ),
+            OrbitStop::Misses { held } => write!(
+                formatter,
+                "the orbit ends at its graze: beyond it {} of `{}` does not come to zero any more, and the motion goes \
+                 elsewhere",
+                held.guard, held.mode
+            ),
+            OrbitStop::Held { guard, mode } => write!(
+                formatter,
+                "beyond it {guard} is met again as soon as `{mode}` begins: infinitely many switches follow at one \
+                 instant"
+            ),
+            OrbitStop::Shrinks => write!(
+                formatter,
+                "the orbit shrinks to an equilibrium: its Hopf point"
+            ),
+            OrbitStop::Accumulates { zones, ratio } => write!(
+                formatter,
+                "switches accumulate: {zones} zones in a row last {ratio:.3} times the one before each, and infinitely \
+                 many follow in a finite time"
+            ),
+        }
+    }
+}
+
+/// The parameter is stationary, to rounding, where it changes by less than this along a unit tangent; if nothing but
+/// durations changes there, by this part at least, they grow without bound.
+const STATIONARY: f64 = 1e-11;
+/// The same where no step succeeds any more: a long stay beside a saddle has taken the digits.
+const NEARLY_STATIONARY: f64 = 1e-5;
+const GROWING: f64 = 0.9;
+
+/// States of an orbit that comes to rest vary by less than this part of their units; by the second where no step
+/// succeeds any more.
+const AT_REST: f64 = 1e-8;
+const NEARLY_AT_REST: f64 = 1e-4;
+
+/// States this many times as large as their units grow without bound, if the parameter changes by less than the part
+/// of its range while they grow without end: its slope decays at least like their size, squared.
+const LARGE: f64 = 1e5;
+const SETTLED: f64 = 1e-4;
+
+/// Growth in the longest zone, as a power of e, that has taken half of all digits.
+const DIGITS: f64 = 18.0;
+
+/// A stay beside a saddle.
+struct Stay {
+    /// Name of its mode.
+    mode: String,
+    /// How much a perturbation grows meanwhile, as a power of e.
+    growth: f64,
+    /// Time in which the slowest decay falls by a factor e, or turns by half.
+    turn: f64,
+}
+
+impl AffineOrbit {
+    /// The saddle beside which an orbit without forcing spends its longest zone.
+    fn stay(&self, point: &Vector) -> Option<Stay> {
+        /// It comes as near as this, in units of the states, and half way in time between decay and growth.
+        const NEAR: f64 = 1e-2;
+        if self.is_forced() {
+            return None;
+        }
+        let at = self.at(point).ok()?;
+        let duration = |zone: &usize| at.zones[*zone].duration;
+        let longest =
+            (0..self.zones()).max_by(|one, other| duration(one).total_cmp(&duration(other)))?;
+        let Zone { mode, name, .. } = self.sequence.zone(longest);
+        let units = &self.setting.scales.states;
+        let list = at.posed.system.equilibria(*mode).ok()?;
+        list.into_iter().find_map(|equilibrium| {
+            let values = &equilibrium.eigenvalues;
+            let growing = values.first().filter(|value| value.re > 0.0)?.re;
+            let decaying = values.iter().find(|value| value.re < 0.0)?;
+            let decay = -decaying.re;
+            let time = duration(&longest);
+            let half_way = time * growing / (growing + decay);
+            let z = at.passage(longest, half_way).ok()?.end;
+            let mut off = z.iter().zip(&equilibrium.state).zip(units);
+            off.all(|((x, rest), unit)| (x - rest).abs() < NEAR * unit)
+                .then(|| Stay {
+                    mode: name.clone(),
+                    growth: growing * time,
+                    turn: match decaying.im.abs() {
+                        0.0 => decay.recip(),
+                        turns => PI / turns,
+                    },
+                })
+        })
+    }
+
+    /// Whether durations grow and the parameter changes by less than a part along the branch.
+    fn lengthens(&self, node: &Node, stationary: f64) -> Option<OrbitStop> {
+        let tangent = &node.tangent;
+        let along = tangent[tangent.len() - 1].abs();
+        let growth: f64 = (0..self.zones())
+            .map(|zone| tangent[self.duration_index(zone)])
+            .sum();
+        let free = !self.is_forced() && !self.opens(&node.point);
+        (free && along < stationary && growth > GROWING).then(|| match self.stay(&node.point) {
+            Some(Stay { mode, .. }) => OrbitStop::Homoclinic { mode },
+            None => OrbitStop::Unbounded,
+        })
+    }
+
+    /// Whether states grow and the parameter comes to a limit.
+    fn grows(&self, node: &Node) -> Option<OrbitStop> {
+        let Node { point, tangent, .. } = node;
+        let size = self.stretch(point);
+        let settled = || size * tangent[tangent.len() - 1].abs() < SETTLED;
+        let outwards = || point.dot(tangent) > GROWING * point.norm();
+        (size > LARGE && settled() && outwards()).then_some(OrbitStop::Grows)
+    }
+
+    /// Whether the zones of all modes but one shrink, and every state of the orbit varies by less than this part of its
+    /// unit.
+    fn rests(&self, node: &Node, most: f64) -> Option<OrbitStop> {
+        /// Those zones last less than this part of their units.
+        const SHORT: f64 = 1e-2;
+        let Node { point, tangent, .. } = node;
+        let duration = |zone: &usize| point[self.duration_index(*zone)];
+        let longest =
+            (0..self.zones()).max_by(|one, other| duration(one).total_cmp(&duration(other)))?;
+        let Zone { mode, name, .. } = self.sequence.zone(longest);
+        let mut others = (0..self.zones()).filter(|zone| self.sequence.zone(*zone).mode != *mode);
+        let shrinks =
+            |zone: usize| duration(&zone) < SHORT && tangent[self.duration_index(zone)] < 0.0;
+        let shrink = self.zones() > 1 && others.all(shrinks);
+        (shrink && self.varies_within(point, most)).then(|| OrbitStop::Rests { mode: name.clone() })
+    }
+
+    /// Why the branch does not go on from a node.
+    pub(super) fn ends(&self, node: &Node) -> Option<OrbitStop> {
+        let unbounded = self.lengthens(node, STATIONARY);
+        unbounded
+            .or_else(|| self.grows(node))
+            .or_else(|| self.rests(node, AT_REST))
+    }
+
+    /// The same where no step succeeds any more.
+    pub(super) fn nearly_ends(&self, node: &Node) -> Option<OrbitStop> {
+        let accumulates = self.accumulates(&node.point);
+        accumulates
+            .or_else(|| self.lengthens(node, NEARLY_STATIONARY))
+            .or_else(|| self.rests(node, NEARLY_AT_REST))
+            .or_else(|| {
+                let stay = self.stay(&node.point)?;
+                (stay.growth > DIGITS).then_some(OrbitStop::Homoclinic { mode: stay.mode })
+            })
+    }
+
+    /// What the parameter changed by, at most, while the period grew by the last turn beside a saddle.
+    fn last_turn(&self, node: &Node) -> Option<f64> {
+        /// Steps back along the branch.
+        const STEP: f64 = 0.02;
+        const MOST: usize = 200;
+        let turn = self.stay(&node.point)?.turn / self.setting.scales.time;
+        let period = |node: &Node| -> f64 {
+            let durations = (0..self.zones()).map(|zone| node.point[self.duration_index(zone)]);
+            durations.sum()
+        };
+        let last = node.point.len() - 1;
+        let (mut here, mut change) = (node.clone(), 0.0_f64);
+        for _ in 0..MOST {
+            if period(node) - period(&here) >= turn {
+                break;
+            }
+            here = node_at(self, &here, -STEP, 1e-10)?;
+            change = change.max((here.point[last] - node.point[last]).abs());
+        }
+        Some(change)
+    }
+
+    /// Without bound: what the parameter changes by while the unknowns do by their units, since its slope decays in
+    /// the time that growth beside a saddle takes, or by their size where that grows. At rest: it is even in the
+    /// durations that vanish.
+    pub(super) fn to_limit(&self, stop: &OrbitStop, node: &Node) -> f64 {
+        let Node { point, tangent, .. } = node;
+        let slope = tangent[tangent.len() - 1].abs();
+        match stop {
+            OrbitStop::Unbounded => slope,
+            // it swings about the limit, or comes from one side: what it changed by in the last turn is more than is left
+            OrbitStop::Homoclinic { .. } => self.last_turn(node).unwrap_or(slope),
+            OrbitStop::Grows => slope * self.stretch(point),
+            OrbitStop::Rests { mode } => {
+                let zones =
+                    (0..self.zones()).filter(|zone| self.sequence.zone(*zone).name != *mode);
+                let rest = |zone| {
+                    let index = self.duration_index(zone);
+                    0.5 * (slope * point[index] / tangent[index]).abs()
+                };
+                zones.map(rest).fold(0.0, f64::max)
+            }
+            _ => 0.0,
+        }
+    }
+}
