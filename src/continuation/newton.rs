@@ -230,6 +230,9 @@ pub fn rounding(matrix: &Matrix, sizes: &Vector, noise: Option<&Vector>) -> Opti
 /// a smaller tolerance would compare rounding with rounding.
 const LEAST_TOLERANCE: f64 = 1e-13;
 
+/// Unknowns larger than the inverse of this are not of order one.
+const FAR: f64 = 0.1;
+
 /// Solves R(u) = 0 together with the constraint, from a guess.
 pub fn solve<S: System>(
     system: &S,
@@ -263,6 +266,8 @@ pub fn solve<S: System>(
             residual,
             factors,
         };
+        // relative to unknowns that are far from order one
+        let tolerance = tolerance * (FAR * point.amax()).max(1.0);
         // corrections at the level of rounding no longer contract
         if iterations > 1 && correction > tolerance {
             let ratio = correction / before;

@@ -125,7 +125,7 @@ const NEARLY_AT_REST: f64 = 1e-4;
 
 /// States this many times as large as their units grow without bound, if the parameter changes by less than the part
 /// of its range while they grow without end: its slope decays at least like their size, squared.
-const LARGE: f64 = 1e5;
+const LARGE: f64 = 1e4;
 const SETTLED: f64 = 1e-4;
 
 /// Growth in the longest zone, as a power of e, that has taken half of all digits.
@@ -239,8 +239,9 @@ impl AffineOrbit {
 
     /// What the parameter changed by, at most, while the period grew by the last turn beside a saddle.
     fn last_turn(&self, node: &Node) -> Option<f64> {
-        /// Steps back along the branch.
+        /// Steps back along the branch, and their tolerance: digits are lost here.
         const STEP: f64 = 0.02;
+        const COARSE: f64 = 1e-6;
         const MOST: usize = 200;
         let turn = self.stay(&node.point)?.turn / self.setting.scales.time;
         let period = |node: &Node| -> f64 {
@@ -253,7 +254,7 @@ impl AffineOrbit {
             if period(node) - period(&here) >= turn {
                 break;
             }
-            here = node_at(self, &here, -STEP, 1e-10)?;
+            here = node_at(self, &here, -STEP, COARSE)?;
             change = change.max((here.point[last] - node.point[last]).abs());
         }
         Some(change)
