@@ -133,7 +133,7 @@ pub fn fold<S: System>(
     tolerance: f64,
 ) -> Option<(Place, f64)> {
     let small = (FOLD_SLOPE, 4.0 * f64::EPSILON * high.0);
-    let slope = |node: &Node| node.tangent.iter().last().copied();
+    let slope = |node: &Node| node.tangent.as_slice().last().copied();
     zero_along(system, from, (low, high), small, tolerance, slope)
 }
 

@@ -30,7 +30,14 @@ pub struct Orbits {
 /// The last orbits posed in either parameter, with their values: the system there is made once, however often a point
 /// is looked at. It is no part of what they are, and a copy has one of its own.
 #[derive(Debug, Default)]
-struct Memo(Mutex<[Option<([u64; 2], AffineOrbit)>; 2]>);
+struct Memo(Mutex<[Option<Known>; 2]>);
+
+/// An orbit posed at values, by their bits.
+#[derive(Debug)]
+struct Known {
+    bits: [u64; 2],
+    orbit: AffineOrbit,
+}
 
 impl Clone for Memo {
     fn clone(&self) -> Memo {
@@ -150,11 +157,11 @@ impl Plane for Orbits {
     ) -> Result<AffineOrbit, OrbitFailure> {
         let bits = values.map(f64::to_bits);
         let mut known = self.memo.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((at, orbit)) = &known[index]
-            && *at == bits
-            && orbit.sequence == *sequence
+        if let Some(known) = &known[index]
+            && known.bits == bits
+            && known.orbit.sequence == *sequence
         {
-            return Ok(orbit.clone());
+            return Ok(known.orbit.clone());
         }
         let mut all = self.values.clone();
         for (parameter, value) in self.parameters.into_iter().zip(values) {
@@ -174,7 +181,10 @@ impl Plane for Orbits {
         };
         let orbit = AffineOrbit::new(Arc::new(setting), sequence.clone());
         let orbit = orbit.ok_or(OrbitFailure::NoZones)?;
-        known[index] = Some((bits, orbit.clone()));
+        known[index] = Some(Known {
+            bits,
+            orbit: orbit.clone(),
+        });
         Ok(orbit)
     }
 
