@@ -153,6 +153,22 @@ fn a_pendulum_at_a_wall_grazes_inside() {
     meets(&seen, &expected, 1e-12);
 }
 
+/// Errors of events tell what steps of a coarser tolerance leave out.
+#[test]
+fn errors_of_events_know_of_the_tolerance() {
+    let coarse = PENDULUM.replacen("states:", "flow_tolerance: 1e-8, states:", 1);
+    let values = [("w", 0.7), ("A", 0.4905)];
+    let (orbit, point) = settled(&coarse, &values, "A", "free", &[0.0, 0.0], 100.0);
+    let (_, all) = follow(&orbit, &point, false, (0.4885, 1.4), 50);
+    let doubling = all.iter().find(|one| one.kind() == Some(PD)).unwrap();
+    let off = (doubling.parameter - 0.489045417196253371).abs();
+    let told = doubling.known_to();
+    assert!(
+        off > 1e-14 && off <= told && told < 1e-5,
+        "{off:e}, {told:e}"
+    );
+}
+
 #[test]
 fn a_belt_with_falling_friction_lets_go() {
     let (orbit, point) = settled(BELT, &[], "vb", "slip", &[1.6, 0.0], 100.0);

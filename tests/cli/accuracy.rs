@@ -193,7 +193,7 @@ fn the_flows_of_a_system_are_compared() {
         assert!(said.contains("Eigenvalues: multipliers"), "{said}");
         let table = Table::read(&bench.path("a/accuracy.csv"));
         let methods = ["exact", "taylor", "dop853"].map(|name| table.all("method", name));
-        assert_eq!(methods.each_ref().map(Vec::len), [usize::from(exact), 6, 5]);
+        assert_eq!(methods.each_ref().map(Vec::len), [usize::from(exact), 4, 5]);
         let error = |row: &usize| table.number(*row, "switch_error");
         for row in &methods[0] {
             assert!(error(row) < 1e-12 && table.number(*row, "eigenvalue_error") < 1e-12);

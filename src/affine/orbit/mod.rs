@@ -28,6 +28,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::affine::system::DEFAULT_FLOW_TOLERANCE;
 use crate::continuation::Node;
 use crate::continuation::newton;
 use crate::linalg::{Matrix, Vector};
@@ -125,6 +126,21 @@ impl fmt::Display for Critical {
 
 /// A zone shorter than this, in units of the period, is about to close.
 const CLOSING: f64 = 1e-6;
+
+impl AffineOrbit {
+    /// What integrated flows leave out of an equation beyond rounding.
+    fn left_out(&self, point: &Vector) -> f64 {
+        let tolerance = self.setting.system.flow_tolerance();
+        if tolerance <= DEFAULT_FLOW_TOLERANCE {
+            return 0.0;
+        }
+        let exact = self.at(point).is_ok_and(|at| {
+            let mut zones = 0..self.zones();
+            zones.all(|zone| at.mode(zone).field.is_exact)
+        });
+        if exact { 0.0 } else { tolerance }
+    }
+}
 
 impl Orbit for AffineOrbit {
     type Signature = Sequence;
@@ -275,6 +291,11 @@ impl Orbit for AffineOrbit {
             sizes[index] = sizes[index].max(1.0);
         }
         let mut noise = newton::noise(self, matrix, point);
+        let left_out = self.left_out(point);
+        if left_out > 0.0 {
+            let noise = noise.get_or_insert_with(|| Vector::zeros(matrix.nrows()));
+            noise.add_scalar_mut(left_out);
+        }
         if let Some(noise) = &mut noise {
             noise[parameter] = last;
         }
