@@ -419,9 +419,11 @@ fn zero_near<O: Orbit>(
 /// Error of the parameter at a point that a constraint fixes: rounding, and the last correction.
 fn uncertainty<O: Orbit>(orbit: &O, constraint: &mut impl Constraint<O>, place: &Place) -> f64 {
     let point = &place.node.point;
+    let left_out = orbit.left_out(point);
+    let noise = (left_out > 0.0).then(|| Vector::from_element(point.len(), left_out));
     newton::bordered(orbit, constraint, point)
         .ok()
-        .and_then(|bordered| newton::rounding(&bordered.matrix, &point.abs(), None))
+        .and_then(|bordered| newton::rounding(&bordered.matrix, &point.abs(), noise.as_ref()))
         .map_or(f64::NAN, |rounding| {
             (rounding[rounding.len() - 1] + place.blur) * orbit.unit()
         })

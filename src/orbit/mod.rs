@@ -194,6 +194,11 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
     /// Error of the parameter at a point where the last equation, a border of `matrix`, is known to `last`.
     fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64>;
 
+    /// What integration of the flow leaves out of an equation at a point, beyond rounding.
+    fn left_out(&self, _point: &Vector) -> f64 {
+        0.0
+    }
+
     /// Why the zero of a margin ends the branch whatever lies beyond.
     fn barred(&self, _margin: &Self::Margin) -> Option<Self::Stop> {
         None

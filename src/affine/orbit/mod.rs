@@ -127,21 +127,6 @@ impl fmt::Display for Critical {
 /// A zone shorter than this, in units of the period, is about to close.
 const CLOSING: f64 = 1e-6;
 
-impl AffineOrbit {
-    /// What integrated flows leave out of an equation beyond rounding.
-    fn left_out(&self, point: &Vector) -> f64 {
-        let tolerance = self.setting.system.flow_tolerance();
-        if tolerance <= DEFAULT_FLOW_TOLERANCE {
-            return 0.0;
-        }
-        let exact = self.at(point).is_ok_and(|at| {
-            let mut zones = 0..self.zones();
-            zones.all(|zone| at.mode(zone).field.is_exact)
-        });
-        if exact { 0.0 } else { tolerance }
-    }
-}
-
 impl Orbit for AffineOrbit {
     type Signature = Sequence;
     type Parameter = String;
@@ -300,6 +285,18 @@ impl Orbit for AffineOrbit {
             noise[parameter] = last;
         }
         Some(newton::rounding(matrix, &sizes, noise.as_ref())?[parameter])
+    }
+
+    fn left_out(&self, point: &Vector) -> f64 {
+        let tolerance = self.setting.system.flow_tolerance();
+        if tolerance <= DEFAULT_FLOW_TOLERANCE {
+            return 0.0;
+        }
+        let exact = self.at(point).is_ok_and(|at| {
+            let mut zones = 0..self.zones();
+            zones.all(|zone| at.mode(zone).field.is_exact)
+        });
+        if exact { 0.0 } else { tolerance }
     }
 
     fn ends_at(&self, point: &Vector, margin: &Margin) -> Option<OrbitStop> {
