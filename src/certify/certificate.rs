@@ -5,16 +5,13 @@ use std::fmt::Display;
 use serde::{Deserialize, Serialize};
 
 use super::arc::Broken;
-use super::change::{Beyond, NotBeyond};
+use super::change::Beyond;
 use super::count::Growth;
-use super::inequality::Unproven;
 use super::open::Open;
 use super::perturbation::Eigenvalue;
-use super::stretch;
 use super::system::{Condition, Near, Posed};
 use crate::interval::Interval;
 use crate::orbit::{Data, EventType};
-use crate::tube::model::Parameter;
 
 /// A statement of a kind of orbits, and what it takes to check it.
 pub trait Provable: Data {
@@ -30,16 +27,6 @@ pub trait Provable: Data {
     /// # Errors
     /// It is not proven.
     fn arc(from: &Self, to: &Self) -> Result<usize, Broken<Self::Unproven, Self::Beyond>>;
-}
-
-impl Provable for Proof {
-    type Parameter = Parameter;
-    type Unproven = Unproven;
-    type Beyond = NotBeyond;
-
-    fn arc(from: &Proof, to: &Proof) -> Result<usize, Broken<Unproven, NotBeyond>> {
-        stretch::prove(from, to)
-    }
 }
 
 /// All that was proven of a branch, and what proves it.

@@ -51,12 +51,24 @@ use crate::linalg::Vector;
 use crate::orbit::{EventType, Orbit};
 use crate::problem::{decimal_at, decimal_of};
 use crate::tube::flow::method::Method;
-use crate::tube::model::Impact;
 use crate::tube::model::signature::{Entry, switches};
+use crate::tube::model::{Impact, Parameter};
 use crate::tube::wave::Wave;
 use crate::tube::wave::admissibility::{Margin, Watch};
+use arc::Broken;
+use change::NotBeyond;
 use inequality::Part;
 use system::System;
+
+impl Provable for Proof {
+    type Parameter = Parameter;
+    type Unproven = Unproven;
+    type Beyond = NotBeyond;
+
+    fn arc(from: &Proof, to: &Proof) -> Result<usize, Broken<Unproven, NotBeyond>> {
+        stretch::prove(from, to)
+    }
+}
 
 /// Proves a special point of a branch; `None` for points without an event, and for failures. `text` is that
 /// of the problem file, whose decimals are taken as they are written.
