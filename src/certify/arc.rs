@@ -52,9 +52,6 @@ pub trait Curve {
     /// Why nothing is known of what begins beyond an event.
     type Beyond;
 
-    /// The parameter is the coordinate of a piece, unless another unknown moves so many times as much.
-    const BY_FAR: f64;
-
     /// Units of the unknowns.
     fn units(&self) -> &[f64];
 
@@ -235,10 +232,8 @@ fn follow<C: Curve>(
         let value = joint.near[parameter];
         let tangent = curve.tangent(&joint).ok_or(Broken::Tube(value))?;
         // what moves most: the parameter, unless another does by far
-        let moves = |index: usize| {
-            let share = if index == parameter { C::BY_FAR } else { 1.0 };
-            tangent[index].abs() * share
-        };
+        let moves =
+            |index: usize| tangent[index].abs() * if index == parameter { 8.0 } else { 1.0 };
         let most = coordinates.iter().copied();
         let coordinate = most
             .max_by(|a, b| moves(*a).total_cmp(&moves(*b)))

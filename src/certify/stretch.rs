@@ -196,7 +196,6 @@ impl<'a> Arc<'a> {
 impl Curve for Arc<'_> {
     type Unproven = Unproven;
     type Beyond = NotBeyond;
-    const BY_FAR: f64 = 8.0;
 
     fn units(&self) -> &[f64] {
         &self.units

@@ -88,8 +88,6 @@ fn end(proof: &Proof, arc: &OrbitSystem) -> Option<Joint> {
 impl Curve for Arc<'_> {
     type Unproven = Unproven;
     type Beyond = Open;
-    // states go to and fro along a branch: one is needed where the parameter turns only
-    const BY_FAR: f64 = 64.0;
 
     fn units(&self) -> &[f64] {
         &self.units
