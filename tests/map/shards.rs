@@ -75,8 +75,8 @@ fn parquet_holds_the_numbers_of_the_table() {
     succeed(path, &["map", "p.ron", "--out", "m"]);
     let file = fs::File::open(path.join("m/map.parquet")).unwrap();
     let reader = SerializedFileReader::new(file).unwrap();
-    // nine rows of seven nodes, two starts each
-    assert_eq!(reader.metadata().file_metadata().num_rows(), 9 * 7 * 2);
+    // nine rows of seven nodes, two starts each, from either of which several waves may be found
+    assert!(reader.metadata().file_metadata().num_rows() >= 9 * 7 * 2);
     let mut table = csv::Reader::from_path(path.join("m/map.csv")).unwrap();
     let columns = table.headers().unwrap().len();
     let mut records = table.records();
