@@ -356,15 +356,12 @@ fn doubled(
     continuation: &Continuation,
 ) -> Result<Begun, RunError> {
     let (wave, at) = posed(&saved.twice(), asked, problem, continuation)?;
-    let sides = switch::sides(&wave, &at).map_err(NoStart::NoBranch)?;
-    let directions = continuation.toward.directions();
-    // one of them at least is there
-    let (side, directions) =
-        switch::chosen(sides, directions).ok_or(RunError::Asked(Refused::NoRestart))?;
+    let asked = continuation.toward.directions();
+    let (point, directions) = switch::other(&wave, &at, asked).map_err(NoStart::NoBranch)?;
     Ok(Begun {
-        model: wave.model_at(&side.point),
+        model: wave.model_at(&point),
         wave,
-        point: side.point,
+        point,
         family: None,
         directions,
     })

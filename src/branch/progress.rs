@@ -57,11 +57,8 @@ impl Beside {
         model: Model,
     ) -> legs::Plan {
         let points = continuation.most_points(model.law);
-        let mut plan = continuation.plan(points, problem.output.profiles);
-        if !self.directions.is_empty() {
-            plan.directions.clone_from(&self.directions);
-        }
-        plan
+        let plan = continuation.plan(points, problem.output.profiles);
+        plan.going(&self.directions)
     }
 
     /// Whether it may be one of a problem.

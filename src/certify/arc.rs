@@ -200,6 +200,18 @@ impl Piece {
     }
 }
 
+/// The direction v at a fold, with ∂p = 0 and ⟨ℓ, v⟩ = 1, of a tangent.
+pub fn direction<'a>(
+    normal: &[f64],
+    tangent: &'a [Interval],
+) -> impl Iterator<Item = Interval> + use<'a> {
+    let weights = normal.iter().zip(tangent);
+    let size = weights.fold(Interval::ZERO, |sum, (weight, v)| {
+        sum + Interval::point(*weight) * *v
+    });
+    tangent.iter().map(move |v| *v / size)
+}
+
 /// Proves that a curve leads from one end to another, without a fold and with all inequalities; returns the number of
 /// pieces.
 ///

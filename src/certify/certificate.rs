@@ -128,6 +128,15 @@ pub enum Outcome<P: Provable = Proof> {
     Open(String),
 }
 
+impl<P: Provable, O: Display> From<Result<P, O>> for Outcome<P> {
+    fn from(proven: Result<P, O>) -> Outcome<P> {
+        match proven {
+            Ok(proof) => Outcome::Proven(Box::new(proof)),
+            Err(reason) => Outcome::Open(reason.to_string()),
+        }
+    }
+}
+
 /// A statement, and what it takes to check it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -112,10 +112,7 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
         leg: item.leg,
         arc: None,
         growth: None,
-        outcome: match prepared() {
-            Ok(proof) => Outcome::Proven(Box::new(proof)),
-            Err(reason) => Outcome::Open(reason.to_string()),
-        },
+        outcome: prepared().into(),
     })
 }
 

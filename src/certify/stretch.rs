@@ -241,14 +241,9 @@ impl Curve for Arc<'_> {
         let ratio = Interval::ONE / self.ends[end].ratio;
         let mut x = x.to_vec();
         x[excess] = (Interval::ONE + x[excess]) * ratio - Interval::ONE;
-        // the direction v at a fold, ∂p = 0, ⟨ℓ, v⟩ = 1
         let mut v = tangent[..parameter].to_vec();
         v[excess] = v[excess] * ratio;
-        let weights = system.normal().iter().zip(&v);
-        let size = weights.fold(Interval::ZERO, |sum, (weight, v)| {
-            sum + Interval::point(*weight) * *v
-        });
-        x.extend(v.iter().map(|v| *v / size));
+        x.extend(arc::direction(system.normal(), &v));
         let equations = |x: &[Interval]| system.evaluate(x);
         krawczyk::is_only_zero(&equations, guess, &x)
     }

@@ -95,10 +95,7 @@ impl Runner {
         } = begin(problem, continuation, named)?;
         let scales = orbit.setting.scales.clone();
         let values = orbit.setting.values.clone();
-        let plan = legs::Plan {
-            directions,
-            ..plan(problem, continuation)
-        };
+        let plan = plan(problem, continuation).going(&directions);
         let legs = Legs::begin(orbit, &point, plan).map_err(NoStart::NoLeg)?;
         Ok(Runner {
             problem: problem.clone(),
@@ -126,10 +123,7 @@ impl Runner {
         let scales = progress.scales.clone();
         let posed = parameter.and_then(|index| first.posed(problem, index, scales));
         let orbit = posed.ok_or(ResumeMismatch::Progress)?;
-        let mut plan = plan(problem, continuation);
-        if !progress.directions.is_empty() {
-            plan.directions = progress.directions;
-        }
+        let plan = plan(problem, continuation).going(&progress.directions);
         Ok(Runner {
             problem: problem.clone(),
             continuation: continuation.clone(),

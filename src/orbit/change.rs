@@ -287,10 +287,12 @@ pub fn enter<O: Orbit>(
     if let Some(tangent) = common {
         node.tangent = tangent;
     }
-    if growth(candidate, &node.tangent) < 0.0 {
+    let examination = orbit.examination(&candidate.point).ok();
+    let watched = examination.as_ref().map_or(&[][..], Examined::margins);
+    if growth(candidate, watched, &node.tangent) < 0.0 {
         node.tangent.neg_mut();
     }
-    if is_only && !orbit.is_layered() && leads_nowhere(candidate, &node.tangent) {
+    if is_only && !orbit.is_layered() && leads_nowhere(orbit, watched, &node.tangent) {
         // the shortest of the steps says why
         let shortest = ds * walk::SHORTER.powi(TRIES as i32 - 1);
         enter_along(orbit, &node, shortest, 1, tolerance)?;
@@ -353,13 +355,9 @@ const TOLD: f64 = 1e-3;
 
 /// Whether no branch sets out from the event: a margin is negative there, or of those that vanish one falls along the
 /// tangent and another one against it.
-fn leads_nowhere<O: Orbit>(candidate: &Candidate<O>, tangent: &Vector) -> bool {
-    let Candidate { orbit, point, .. } = candidate;
-    let Ok(examination) = orbit.examination(point) else {
-        return false;
-    };
+fn leads_nowhere<O: Orbit>(orbit: &O, margins: &[O::Margin], tangent: &Vector) -> bool {
     let (mut falls, mut rises) = (false, false);
-    for margin in examination.margins() {
+    for margin in margins {
         let value = O::value(margin);
         if value.abs() <= RESIDUAL_AT_EVENT {
             let slope = orbit.slope(margin, tangent);
@@ -432,23 +430,17 @@ fn alike<O: Orbit>(candidate: &Candidate<O>) -> Option<Vector> {
 }
 
 /// How much nascent zones grow along a direction, or else margins that are zero.
-fn growth<O: Orbit>(candidate: &Candidate<O>, tangent: &Vector) -> f64 {
-    let Candidate {
-        orbit,
-        point,
-        nascent,
-    } = candidate;
+fn growth<O: Orbit>(candidate: &Candidate<O>, margins: &[O::Margin], tangent: &Vector) -> f64 {
+    let Candidate { orbit, nascent, .. } = candidate;
     if !nascent.is_empty() {
         let grows = |zone: &usize| tangent[orbit.duration_index(*zone)];
         return nascent.iter().map(grows).sum();
     }
-    orbit.examination(point).map_or(0.0, |examination| {
-        let margins = examination.margins().iter();
-        margins
-            .filter(|margin| O::value(margin).abs() < 1e-6)
-            .map(|margin| orbit.slope(margin, tangent))
-            .sum()
-    })
+    margins
+        .iter()
+        .filter(|margin| O::value(margin).abs() < 1e-6)
+        .map(|margin| orbit.slope(margin, tangent))
+        .sum()
 }
 
 /// Why a branch ends at an event where a margin vanishes and none of these continues it.

@@ -30,6 +30,14 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// The same in these ways, if there are any: the other branch at an event has its own.
+    pub fn going(mut self, directions: &[bool]) -> Plan {
+        if !directions.is_empty() {
+            self.directions = directions.to_vec();
+        }
+        self
+    }
+
     fn limits(&self) -> Limits {
         Limits {
             range: self.range,

@@ -27,12 +27,11 @@ pub enum NoBranch<O: Orbit> {
 }
 
 /// The other branch a short way from the event, on one of its sides.
-#[derive(Clone, Debug)]
-pub struct Side {
+struct Side {
     /// The first of its orbits.
-    pub point: Vector,
+    point: Vector,
     /// Whether the parameter grows from there on.
-    pub up: bool,
+    up: bool,
 }
 
 /// A located event solves the singular equations to about 1e-12, and those of an orbit without one are far from it.
@@ -43,12 +42,17 @@ const SINGULAR: f64 = 1e-7;
 const AWAY: f64 = 3e-3;
 const TRIES: i32 = 5;
 
-/// Both sides of the other branch at an event, the one where the parameter grows first. At a doubling and at a loss of
-/// symmetry both go one way, and one is the other shifted in time or mirrored.
+/// The first orbit of the other branch at an event, and the ways that the branch goes from there, of those asked for. At
+/// a doubling and at a loss of symmetry its two sides go one way, and one is the other shifted in time or mirrored: a
+/// branch that goes one way only is found from either.
 ///
 /// # Errors
 /// No other branch passes there, or it is not admissible.
-pub fn sides<O: Orbit>(orbit: &O, at: &Vector) -> Result<Vec<Side>, NoBranch<O>> {
+pub fn other<O: Orbit>(
+    orbit: &O,
+    at: &Vector,
+    directions: &[bool],
+) -> Result<(Vector, Vec<bool>), NoBranch<O>> {
     let evaluated = newton::jacobian(orbit, at).map_err(newton::Failure::System);
     let (matrix, _) = evaluated.map_err(NoBranch::Newton)?;
     let square = matrix.columns(0, at.len() - 1).clone_owned();
@@ -61,23 +65,16 @@ pub fn sides<O: Orbit>(orbit: &O, at: &Vector) -> Result<Vec<Side>, NoBranch<O>>
     if let [Err(_), Err(refused)] = found {
         return Err(refused);
     }
+    // the one where the parameter grows goes first
     let mut sides: Vec<Side> = found.into_iter().flatten().collect();
     sides.sort_by_key(|side| !side.up);
-    Ok(sides)
-}
-
-/// Of both sides the one to begin with, and the ways that the branch goes from there, where these are asked for: a
-/// branch that goes one way only is found from either.
-pub fn chosen(sides: Vec<Side>, directions: &[bool]) -> Option<(Side, Vec<bool>)> {
-    let both = sides.iter().any(|side| side.up) && sides.iter().any(|side| !side.up);
     let wished = |side: &Side| directions.contains(&side.up);
-    let index = sides.iter().position(wished).unwrap_or(0);
-    let side = sides.into_iter().nth(index)?;
-    let mut ways = vec![side.up];
-    if both && directions.len() > 1 {
-        ways.push(!side.up);
+    let begun = sides.remove(sides.iter().position(wished).unwrap_or(0));
+    let mut ways = vec![begun.up];
+    if directions.len() > 1 && sides.iter().any(|side| side.up != begun.up) {
+        ways.push(!begun.up);
     }
-    Some((side, ways))
+    Ok((begun.point, ways))
 }
 
 /// Whether every inequality of an orbit holds.

@@ -14,6 +14,14 @@ fn brakewave(arguments: &[&str]) -> Output {
 /// A row of `certificates.csv` by its columns.
 type Row = std::collections::HashMap<String, String>;
 
+/// A problem file of the repository as far as its system, with another value in it.
+fn system_of(name: &str, old: &str, new: &str) -> String {
+    let problems = concat!(env!("CARGO_MANIFEST_DIR"), "/problems");
+    let problem = fs::read_to_string(format!("{problems}/{name}.ron")).unwrap();
+    let (system, _) = problem.split_once("    orbit:").unwrap();
+    system.replace(old, new)
+}
+
 /// Certifies a problem into a folder.
 fn certified(text: &str, folder: &Path, options: &[&str]) -> (Option<i32>, Vec<Row>) {
     let (file, out) = (folder.join("problem.ron"), folder.join("out"));
@@ -149,10 +157,7 @@ fn doubling_and_inner_graze() {
 #[test]
 fn symmetry_is_lost() {
     let folder = TempDir::new().unwrap();
-    let problem = concat!(env!("CARGO_MANIFEST_DIR"), "/problems/chua.ron");
-    let problem = fs::read_to_string(problem).unwrap();
-    let (system, _) = problem.split_once("    orbit:").unwrap();
-    let system = system.replace("\"alpha\": 7.5", "\"alpha\": 13.74");
+    let system = system_of("chua", "\"alpha\": 7.5", "\"alpha\": 13.74");
     let text = format!(
         r#"{system}    orbit: (start: Given(mode: "upper", state: {{"x": 1.0, "y": 0.0937, "z": -0.8123}}, period: 4.6152)),
     continuation: (parameter: "alpha", range: (13.7, 13.74), toward: Down, stop_after: [(event: BP, count: 1)]),
@@ -269,10 +274,7 @@ fn stick_sets_in_in_both_halves() {
 #[test]
 fn a_zone_that_closes() {
     let folder = TempDir::new().unwrap();
-    let problem = concat!(env!("CARGO_MANIFEST_DIR"), "/problems/buck_converter.ron");
-    let problem = fs::read_to_string(problem).unwrap();
-    let (system, _) = problem.split_once("    orbit:").unwrap();
-    let system = system.replace("\"E\": 22.0", "\"E\": 30.0");
+    let system = system_of("buck_converter", "\"E\": 22.0", "\"E\": 30.0");
     let text = format!(
         r#"{system}    orbit: (start: Simulate(mode: "off", state: {{"v": 12.0, "i": 0.6, "ramp": 3.8}}, settle: 0.2)),
     continuation: (parameter: "E", range: (29.0, 37.0), toward: Up),

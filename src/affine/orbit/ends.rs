@@ -5,9 +5,9 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::Held;
 use super::layout::AffineOrbit;
 use super::signature::Zone;
+use super::{Critical, Held};
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
@@ -98,10 +98,7 @@ impl fmt::Display for OrbitStop {
                 "beyond it {guard} is met again as soon as `{mode}` begins: infinitely many switches follow at one \
                  instant"
             ),
-            OrbitStop::Shrinks => write!(
-                formatter,
-                "the orbit shrinks to an equilibrium: its Hopf point"
-            ),
+            OrbitStop::Shrinks => Critical::Shrinking.fmt(formatter),
             OrbitStop::Accumulates { zones, ratio } => write!(
                 formatter,
                 "switches accumulate: {zones} zones in a row last {ratio:.3} times the one before each, and infinitely \
@@ -142,6 +139,12 @@ struct Stay {
 }
 
 impl AffineOrbit {
+    /// The longest zone.
+    fn longest(&self, point: &Vector) -> Option<usize> {
+        let duration = |zone: &usize| point[self.duration_index(*zone)];
+        (0..self.zones()).max_by(|one, other| duration(one).total_cmp(&duration(other)))
+    }
+
     /// The saddle beside which an orbit without forcing spends its longest zone.
     fn stay(&self, point: &Vector) -> Option<Stay> {
         /// It comes as near as this, in units of the states, and half way in time between decay and growth.
@@ -150,9 +153,7 @@ impl AffineOrbit {
             return None;
         }
         let at = self.at(point).ok()?;
-        let duration = |zone: &usize| at.zones[*zone].duration;
-        let longest =
-            (0..self.zones()).max_by(|one, other| duration(one).total_cmp(&duration(other)))?;
+        let longest = self.longest(point)?;
         let Zone { mode, name, .. } = self.sequence.zone(longest);
         let units = &self.setting.scales.states;
         let list = at.posed.system.equilibria(*mode).ok()?;
@@ -161,7 +162,7 @@ impl AffineOrbit {
             let growing = values.first().filter(|value| value.re > 0.0)?.re;
             let decaying = values.iter().find(|value| value.re < 0.0)?;
             let decay = -decaying.re;
-            let time = duration(&longest);
+            let time = at.zones[longest].duration;
             let half_way = time * growing / (growing + decay);
             let z = at.passage(longest, half_way).ok()?.end;
             let mut off = z.iter().zip(&equilibrium.state).zip(units);
@@ -207,9 +208,7 @@ impl AffineOrbit {
         const SHORT: f64 = 1e-2;
         let Node { point, tangent, .. } = node;
         let duration = |zone: &usize| point[self.duration_index(*zone)];
-        let longest =
-            (0..self.zones()).max_by(|one, other| duration(one).total_cmp(&duration(other)))?;
-        let Zone { mode, name, .. } = self.sequence.zone(longest);
+        let Zone { mode, name, .. } = self.sequence.zone(self.longest(point)?);
         let mut others = (0..self.zones()).filter(|zone| self.sequence.zone(*zone).mode != *mode);
         let shrinks =
             |zone: usize| duration(&zone) < SHORT && tangent[self.duration_index(zone)] < 0.0;

@@ -30,9 +30,7 @@ impl AffineOrbit {
         let (setting, frequency) = (&self.setting, TAU / duration);
         let mode = self.sequence.zone(0).mode;
         let pair = |value: f64| -> Option<Pair> {
-            let mut values = setting.values.clone();
-            values[setting.parameter] = value;
-            let system = setting.system.at(&values, &[]).ok()?;
+            let system = setting.system.at(&setting.values_at(value), &[]).ok()?;
             let rest = system.equilibrium_near(mode, state)?;
             let size = rest.eigenvalues.iter().map(|one| one.norm());
             let size = size.fold(0.0, f64::max);

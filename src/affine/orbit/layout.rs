@@ -44,6 +44,15 @@ pub struct Setting {
     pub scales: Scales,
 }
 
+impl Setting {
+    /// Values of all parameters at one of the continuation parameter.
+    pub fn values_at(&self, value: f64) -> Vec<f64> {
+        let mut values = self.values.clone();
+        values[self.parameter] = value;
+        values
+    }
+}
+
 /// Why the equations of an orbit cannot be evaluated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum OrbitFailure {
@@ -273,8 +282,7 @@ impl AffineOrbit {
             return Ok(posed.clone());
         }
         let setting = &self.setting;
-        let mut values = setting.values.clone();
-        values[setting.parameter] = value;
+        let values = setting.values_at(value);
         let system = setting.system.at(&values, &[setting.parameter]);
         let system = system.map_err(OrbitFailure::System)?;
         // where an expression has no value z may have other components

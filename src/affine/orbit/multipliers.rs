@@ -324,11 +324,7 @@ impl Monodromy {
     /// guards divide out; the product is not looked at. Entries of M are so large then that its determinant is lost
     /// in rounding: the multipliers are not.
     pub fn tests(&self, multipliers: &[Multiplier]) -> [f64; 3] {
-        let values: Vec<Complex<f64>> = multipliers
-            .iter()
-            .filter(|one| !one.trivial)
-            .map(|one| one.value)
-            .collect();
+        let values = own(multipliers);
         if values.is_empty() {
             return [1.0; 3];
         }
@@ -376,16 +372,18 @@ impl Monodromy {
     }
 }
 
+/// Values of those that are not trivial.
+fn own(multipliers: &[Multiplier]) -> Vec<Complex<f64>> {
+    let own = multipliers.iter().filter(|one| !one.trivial);
+    own.map(|one| one.value).collect()
+}
+
 /// Whether more than rounding tells the sign of a function of [`Monodromy::tests`]: it does not where a multiplier, or
 /// the product of a pair, stays where it vanishes, as those of a motion without loss do.
 pub(super) fn is_told(multipliers: &[Multiplier], test: usize) -> bool {
     /// Rounding of multipliers, a condition of many thousands included.
     const NOISE: f64 = 1e-10;
-    let own: Vec<Complex<f64>> = multipliers
-        .iter()
-        .filter(|one| !one.trivial)
-        .map(|one| one.value)
-        .collect();
+    let own = own(multipliers);
     let off = |x: Complex<f64>, from: f64| (x - from).norm() > NOISE * (1.0 + x.norm());
     match test {
         0 => own.iter().all(|value| off(*value, -1.0)),

@@ -146,13 +146,11 @@ impl AffineOrbit {
     /// # Errors
     /// The system makes no sense there.
     pub fn saved(&self, point: &Vector) -> Result<SavedOrbit, OrbitFailure> {
-        let mut values = self.setting.values.clone();
-        values[self.setting.parameter] = self.parameter_at(point);
         Ok(SavedOrbit {
             sequence: self.sequence.clone(),
             zones: self.at(point)?.zones,
             periods: self.setting.periods,
-            values,
+            values: self.setting.values_at(self.parameter_at(point)),
         })
     }
 

@@ -11,7 +11,7 @@ use super::signature::Zone;
 use super::start::{NoStart, Wanted, restart, scaled};
 use crate::linalg::Vector;
 use crate::orbit::Orbit;
-use crate::orbit::switch::{chosen, sides};
+use crate::orbit::switch::other;
 
 /// The first orbit of the other branch at a saved event, at a multiplier −1 where it is `doubled`, and the ways that
 /// it goes, of those asked for where it goes both. Where the saved orbit is itself one of a part of its period,
@@ -38,13 +38,13 @@ pub fn switch(
     } else {
         (own, at)
     };
-    let (side, ways) = chosen(sides(&orbit, &at)?, directions).ok_or(NoStart::NoZones)?;
+    let (point, ways) = other(&orbit, &at, directions)?;
     let setting = Setting {
-        values: values_at(&orbit, &side.point),
+        values: orbit.setting.values_at(orbit.value_at(&point)),
         ..(*orbit.setting).clone()
     };
     let begun = AffineOrbit::new(Arc::new(setting), orbit.sequence.clone());
-    Ok((begun.ok_or(NoStart::NoZones)?, side.point, ways))
+    Ok((begun.ok_or(NoStart::NoZones)?, point, ways))
 }
 
 /// The zones of an orbit traversed twice. One that never switches is one zone, however long.
@@ -53,11 +53,4 @@ fn twice(parts: &mut Vec<(Zone, ZonePoint)>) {
         [(Zone { way: None, .. }, place)] => place.duration *= 2.0,
         _ => parts.extend_from_within(..),
     }
-}
-
-/// Values of all parameters at a point.
-fn values_at(orbit: &AffineOrbit, point: &Vector) -> Vec<f64> {
-    let mut values = orbit.setting.values.clone();
-    values[orbit.setting.parameter] = orbit.value_at(point);
-    values
 }

@@ -133,14 +133,9 @@ impl Curve for Arc<'_> {
         if system.steps != self.system.steps {
             return false;
         }
-        // the direction v at a fold, ∂p = 0, ⟨ℓ, v⟩ = 1
-        let v = &tangent[..self.parameter()];
-        let weights = critical.normals[0].iter().zip(v);
-        let size = weights.fold(Interval::ZERO, |sum, (weight, v)| {
-            sum + Interval::point(*weight) * *v
-        });
         let mut x = x.to_vec();
-        x.extend(v.iter().map(|v| *v / size));
+        let v = &tangent[..self.parameter()];
+        x.extend(arc::direction(&critical.normals[0], v));
         let equations = |x: &[Interval]| system.evaluate(x);
         krawczyk::is_only_zero(&equations, guess, &x)
     }

@@ -30,7 +30,7 @@ pub use open::{Open, Unproven};
 pub use system::{Condition, Near, Posed};
 
 use super::arc::{Broken, Moving};
-use super::certificate::{Outcome, Point, Provable, Refused};
+use super::certificate::{Point, Provable, Refused};
 use super::{krawczyk, wider};
 use crate::affine::orbit::candidates::candidates;
 use crate::affine::orbit::{AffineOrbit, Critical, Margin, Sequence, Watch};
@@ -122,10 +122,7 @@ pub fn certify(item: &Item, text: &str) -> Option<Point<Proof>> {
         leg: item.point.leg,
         arc: None,
         growth: None,
-        outcome: match prepared(item, special, text) {
-            Ok(proof) => Outcome::Proven(Box::new(proof)),
-            Err(reason) => Outcome::Open(reason.to_string()),
-        },
+        outcome: prepared(item, special, text).into(),
     })
 }
 
