@@ -542,7 +542,16 @@ fn trace(verb: usize, text: &str) -> Trace {
     let mut said = String::new();
     let mut code = 0;
     for command in commands {
-        let outcome = bench.run(command);
+        let mut outcome = bench.run(command);
+        // beside other work the time may not suffice for the first method
+        if name == "accuracy" && !measured(&bench) {
+            let patient = command.iter().map(|word| match *word {
+                "0.15" => "60",
+                word => word,
+            });
+            let patient: Vec<&str> = patient.chain(["--force"]).collect();
+            outcome = bench.run(&patient);
+        }
         assert!(
             !outcome.stderr.contains("panicked"),
             "{name}: {}",
@@ -588,6 +597,12 @@ fn trace(verb: usize, text: &str) -> Trace {
         }
     }
     Trace { code, said, kept }
+}
+
+/// Whether a table of `accuracy` has a method.
+fn measured(bench: &Bench) -> bool {
+    let table = std::fs::read_to_string(bench.path("o/accuracy.csv"));
+    table.is_ok_and(|table| table.lines().count() > 1)
 }
 
 /// The first method of a table of `accuracy`, without times: how many fit into a time is chance.
