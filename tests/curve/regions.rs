@@ -72,7 +72,7 @@ fn in_the_plane_of_mismatch_and_friction(event: &str, least: usize) {
              range: ((0.002, 0.22), (0.1, 1.2)))"
         ),
     ));
-    let chosen = chosen(&curve, 6);
+    let chosen = chosen(&curve, 4);
     assert!(chosen.len() >= least, "{}", chosen.len());
     for region in chosen {
         let [mismatch, friction] = region.place;
@@ -202,7 +202,7 @@ fn waves_are_counted_beside_a_cusp() {
         );
     }
     let mut seen = Vec::new();
-    for region in chosen(&curve, 5) {
+    for region in chosen(&curve, 3) {
         let [friction, damping] = region.place;
         let across = problem(
             2,

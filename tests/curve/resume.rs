@@ -17,7 +17,7 @@ fn copied<T: serde::Serialize + DeserializeOwned>(value: &T) -> T {
     ron::from_str(&ron::to_string(value).unwrap()).unwrap()
 }
 
-/// A curve resumed before its first step, after every fifth, and after the last, takes the very next two, to the last
+/// A curve resumed before its first step, after every seventeenth, and after the last, takes the very next two, to the last
 /// bit.
 fn resumes_after_its_steps(problem: &Problem) {
     let start = start(problem).unwrap();
@@ -33,7 +33,7 @@ fn resumes_after_its_steps(problem: &Problem) {
     assert!(steps.len() > 10, "{}", steps.len());
     let saved: Vec<Step> = copied(&steps);
     let counts = 0..=steps.len();
-    for count in counts.filter(|count| count % 5 == 0 || *count == steps.len()) {
+    for count in counts.filter(|count| count % 17 == 0 || *count == steps.len()) {
         let mut run = Run::resume(head.clone(), saved[..count].to_vec()).unwrap();
         for next in 0..2 {
             let expected = steps.get(count + next);

@@ -180,7 +180,9 @@ fn perturbations_of_waves_with_coulomb_impacts_grow_and_decay() {
         &[[0.00506, 2.55473], [-0.03554, 9.27756]],
         0.05,
     );
-    compare(wave, (1, 40, 1e-6), &[[-0.08905, 1.95708]], 0.05);
+    // four wavelengths: rings of half the points for each
+    let sets = [48, 96].map(|points| eigenvalues(wave, (1, 40, 1e-6), points));
+    compare_grids(&sets, &[[-0.08905, 1.95708]], 0.05);
     let (profile, parameters) = (coulomb(0.045), damped(0.045, 0.0));
     let exact = [[-0.07423, 10.02086], [-0.18044, 2.89491]];
     compare((&profile, &parameters), (0, 80, 3e-4), &exact, 0.1);

@@ -49,7 +49,10 @@ impl Add for Dual {
 impl Sub for Dual {
     type Output = Dual;
     fn sub(self, other: Dual) -> Dual {
-        self + other * -1.0
+        Dual {
+            at: self.at - other.at,
+            by: self.by - other.by,
+        }
     }
 }
 
@@ -124,8 +127,8 @@ pub(super) fn determinant(mut rows: Vec<Vec<Dual>>) -> Scaled {
                 continue;
             }
             let factor = row[index] * inverse;
-            for column in index + 1..count {
-                row[column] = row[column] - factor * pivot[column];
+            for (entry, one) in row[index + 1..].iter_mut().zip(&pivot[index + 1..]) {
+                *entry = *entry - factor * *one;
             }
         }
     }
