@@ -281,8 +281,8 @@ impl Bernstein {
     fn stationary(&self) -> f64 {
         let (mut low, high) = (0.0, 1.0);
         let (mut at_low, at_high) = (self.slope(low), self.slope(high));
-        if at_low == 0.0 {
-            // stationary already at the entry, as U̇ = 0 is at take-off: look beyond
+        if at_low.abs() <= self.noise {
+            // stationary already at the entry, as U̇ = 0 is at take-off, but for rounding: look beyond
             for exponent in 1..=40 {
                 let place = 0.5_f64.powi(exponent);
                 let slope = self.slope(place);

@@ -7,6 +7,7 @@ use super::passage::Passage;
 use crate::affine::flow::{ModeFlow, Piece};
 use crate::linalg::Vector;
 use crate::orbit::Examined;
+use crate::orbit::events::AT_ZERO;
 use crate::orbit::sign::{Bernstein, Verdict};
 
 /// What an examination found.
@@ -160,9 +161,11 @@ impl OrbitAt<'_> {
             });
             margins.push(margin);
         }
-        let held = |watch: Watch| {
+        let negative = |watch: Watch| {
             let margin = margins[first..].iter().find(|margin| margin.watch == watch);
-            margin.is_none_or(|margin| margin.value > 0.0)
+            margin
+                .map(|margin| margin.value)
+                .filter(|value| *value <= 0.0)
         };
         let way = self.orbit.sequence.zone(zone).way;
         let facts = &self.posed.facts[zone];
@@ -190,18 +193,24 @@ impl OrbitAt<'_> {
                 let time = |place: f64| part.begun + place * part.part * part.piece.length;
                 places.extend(minima.map(time));
             }
-            // what follows from a margin at an end that is negative is no minimum of its own
-            if order > 0 && !held(Watch::Onset(guard)) && !places.is_empty() {
-                places.remove(0);
-            }
-            if way.is_some_and(|way| way.guard == guard) && !held(Watch::Speed) {
-                places.pop();
-            }
             let entry = parts.first().map(|part| &part.piece.z);
             let value = |time: &f64| {
                 let z = entry.map(|z| flow.after(z, *time));
                 z.map_or(f64::INFINITY, |z| row.at.dot(&z))
             };
+            // what follows from a margin at an end that is negative is no minimum of its own; one that is zero takes
+            // no more than rounding away
+            let follows = |watch: Watch, time: Option<&f64>| {
+                let deep = |time: &f64| value(time) < -AT_ZERO * self.orbit.size(row);
+                negative(watch).is_some_and(|at_end| at_end < -AT_ZERO || !time.is_some_and(deep))
+            };
+            if order > 0 && follows(Watch::Onset(guard), places.first()) && !places.is_empty() {
+                places.remove(0);
+            }
+            let ends = way.is_some_and(|way| way.guard == guard);
+            if ends && follows(Watch::Speed, places.last()) {
+                places.pop();
+            }
             let least = places
                 .into_iter()
                 .min_by(|one, other| value(one).total_cmp(&value(other)));
