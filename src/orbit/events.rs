@@ -1,7 +1,7 @@
 //! What happens within a step of a branch: where it is, and how well that is known.
 
 use super::special::{Close, Refusal};
-use super::{AtZero, Examined, Orbit, Verdict, find};
+use super::{AtZero, Examined, Orbit, Verdict, find, retrace, uncertainty};
 use crate::continuation::arclength::{self, Node};
 use crate::continuation::locate::{self, Least, Place, Target};
 use crate::continuation::newton::{self, Constraint, Plane};
@@ -13,6 +13,8 @@ use crate::linalg::{Matrix, Vector};
 pub enum Event<O: Orbit> {
     /// A fold in the parameter.
     Fold,
+    /// A fold beyond which the branch retraces itself: what it is, and why the branch ends there.
+    Image(O::Special, O::Stop),
     /// A value that was asked for.
     User(f64),
     /// An edge of the range.
@@ -108,7 +110,8 @@ pub(super) fn within<O: Orbit>(
     located: &[(Place, Located<O>)],
 ) -> Within<Close<O::Held>> {
     let tolerance = step.steps.tolerance;
-    let ends = |event: &Event<O>| matches!(event, Event::Change(_) | Event::Edge(_));
+    let ends =
+        |event: &Event<O>| matches!(event, Event::Change(_) | Event::Edge(_) | Event::Image(..));
     let mut ends = located.iter().filter(|(_, located)| ends(&located.event));
     // what is even in the duration of a zone that closes vanishes with it, and is no pair
     let end = ends.next().map(|(place, _)| place.s - step.at_once());
@@ -219,10 +222,27 @@ pub(super) fn located<O: Orbit>(
     };
     let fold = fold.filter(&apart);
     let crossings = crossings(orbit, step, &changes).ok_or(Refusal::NotFound)?;
-    let crossings: Vec<_> = crossings.into_iter().filter(apart).collect();
+    // a loss of symmetry is seen as a fold and as a crossing
+    let same = |test: usize, place: &Place| match fold.as_ref().map(|(_, fold)| &fold.event) {
+        Some(Event::Image(special, _)) => {
+            orbit.crossing(test, &place.node).as_ref() == Some(special)
+        }
+        _ => false,
+    };
+    let seen = |(place, located): &(Place, Located<O>)| match located.event {
+        Event::Crossing(test) => same(test, place),
+        _ => false,
+    };
+    let crossings: Vec<_> = crossings
+        .into_iter()
+        .filter(|one| apart(one) && !seen(one))
+        .collect();
     // where branches cross the equations are singular: changes of stability are told with any error, since shorter
     // steps only come nearer
-    for (place, Located { uncertainty, .. }) in fold.iter().chain(&changes) {
+    for (place, Located { event, uncertainty }) in fold.iter().chain(&changes) {
+        if matches!(event, Event::Image(..)) {
+            continue;
+        }
         let value = orbit.value_at(&place.node.point);
         let unit = orbit.unit().abs().max(value.abs());
         let most = UNCERTAIN.max(MOST_UNCERTAIN * step.steps.tolerance) * unit;
@@ -266,12 +286,15 @@ fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, Located<O>
         through: &place.node.point,
     };
     let bordered = newton::bordered(orbit, &mut plane, &place.node.point).ok()?;
-    let rounding = orbit.rounding(&bordered.matrix, &place.node.point, 0.0)?;
+    let rounding = orbit.rounding(&bordered.matrix, &place.node.point, 0.0);
+    let image = retrace::at_fold(orbit, step.from, &place, step.ds, tolerance);
+    // where branches cross the equations are singular
+    let rounding = rounding.or(image.as_ref().map(|_| f64::INFINITY))?;
     // the parameter is off by ½·slope²/curvature, the curvature being the mean one of the step
     let curvature = (high.1 - low.1).abs() / (high.0 - low.0);
     let uncertainty = rounding + 0.5 * slope.abs() * slope.abs() / curvature;
     let located = Located {
-        event: Event::Fold,
+        event: image.map_or(Event::Fold, |(special, stop)| Event::Image(special, stop)),
         uncertainty: uncertainty * orbit.unit(),
     };
     Some(Some((place, located)))
@@ -414,19 +437,6 @@ fn zero_near<O: Orbit>(
         uncertainty,
     };
     Some((place, located))
-}
-
-/// Error of the parameter at a point that a constraint fixes: rounding, and the last correction.
-fn uncertainty<O: Orbit>(orbit: &O, constraint: &mut impl Constraint<O>, place: &Place) -> f64 {
-    let point = &place.node.point;
-    let left_out = orbit.left_out(point);
-    let noise = (left_out > 0.0).then(|| Vector::from_element(point.len(), left_out));
-    newton::bordered(orbit, constraint, point)
-        .ok()
-        .and_then(|bordered| newton::rounding(&bordered.matrix, &point.abs(), noise.as_ref()))
-        .map_or(f64::NAN, |rounding| {
-            (rounding[rounding.len() - 1] + place.blur) * orbit.unit()
-        })
 }
 
 /// Whether no margin has failed at a place, but for rounding.
@@ -572,38 +582,4 @@ pub(super) fn together<O: Orbit>(
         return Some((place, (rounding[n - 1] + blur.amax()) * orbit.unit()));
     }
     None
-}
-
-/// An orbit that is traversed twice, at the place where the multiplier of the single one is −1, and the error of the
-/// parameter there: the branch of the single orbit passes it, while that of doubled ones turns back. `None` where it
-/// is not found.
-pub(super) fn doubling<O: Orbit>(orbit: &O, node: &Node, tolerance: f64) -> Option<(Vector, f64)> {
-    /// Arclengths to either side within which it is looked for.
-    const NEAR: [f64; 5] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
-    let (part, point) = orbit.part(&node.point)?;
-    let last = point.len() - 1;
-    let mut fixed = newton::Fixed {
-        index: last,
-        value: point[last],
-    };
-    let mut along = Vector::zeros(last + 1);
-    along[last] = 1.0;
-    let middle = Node::at(point, along.clone());
-    let middle = locate::solve(&part, &middle, &middle.point, &mut fixed, tolerance)?.node;
-    let test = |node: &Node| Some(*part.examination(&node.point).ok()?.tests().first()?);
-    let at = |s: f64| test(&locate::node_at(&part, &middle, s, tolerance)?);
-    NEAR.into_iter().find_map(|near| {
-        let ends = ((-near, at(-near)?), (near, at(near)?));
-        if ends.0.1 * ends.1.1 >= 0.0 {
-            return None;
-        }
-        let small = (0.0, 4.0 * f64::EPSILON * near);
-        let (place, _) = locate::zero_along(&part, &middle, ends, small, tolerance, test)?;
-        let mut plane = Plane {
-            normal: &middle.tangent,
-            through: &place.node.point,
-        };
-        let error = uncertainty(&part, &mut plane, &place) + small.1 * orbit.unit().abs();
-        Some((orbit.whole(&part, &place.node.point)?, error))
-    })
 }

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 use super::change::{self, Beyond, Both};
 use super::events::{self, Event, Located};
 use super::special::{Change, Close, Ending, Failure, NoFollower, Refusal, Special, Stop};
-use super::{EventType, Examined, Orbit, find};
+use super::switch::is_in_family;
+use super::{EventType, Examined, Orbit, find, retrace};
 use crate::continuation::locate::{Place, retangent};
 use crate::continuation::walk::{self, Beginning, Curve, Outcome, Segment, Walker, Within};
 use crate::continuation::{Node, Steps};
@@ -156,6 +157,9 @@ impl<O: Orbit> Walker<Track<O>> {
         up: bool,
         limits: Limits,
     ) -> Result<Follower<O>, NoFollower<O>> {
+        if is_in_family(&orbit, point) {
+            return Err(NoFollower::Family);
+        }
         let last = orbit.unknowns() - 1;
         let heading = if up { 1.0 } else { -1.0 };
         let mut along = Vector::zeros(last + 1);
@@ -328,6 +332,21 @@ impl<O: Orbit> Curve for Track<O> {
                 }
                 found.special = Some(Special::Fold(orbit.parameter()));
             }
+            Event::Image(special, stop) => {
+                // the halves of an orbit traversed twice are images, too
+                if let Some(ended) = self.repeated(&found) {
+                    return Ok(ended);
+                }
+                let side = step.from.tangent[step.from.tangent.len() - 1];
+                let tolerance = step.steps.tolerance;
+                let sharper = retrace::symmetric(orbit, &place.node, -side, special, tolerance);
+                if !found.uncertainty.is_finite() {
+                    found.uncertainty = REPEATS * found.parameter.abs().max(orbit.unit());
+                }
+                found.special = Some(Special::Own(special.clone()));
+                let end = walk::End::Own(Stop::Own(stop.clone()));
+                return Ok(Outcome::Ended(vec![self.moved(found, sharper)], end));
+            }
             Event::User(value) => {
                 found.parameter = *value;
                 found.special = Some(Special::User(orbit.parameter(), *value));
@@ -454,8 +473,14 @@ impl<O: Orbit> Track<O> {
         let orbit = self.orbit.as_ref();
         let tolerance = self.limits.steps.tolerance;
         let shrunk = orbit.shrunk(&found.node);
-        let sharper = shrunk.or_else(|| events::doubling(orbit, &found.node, tolerance));
-        let Some((point, uncertainty)) = sharper else {
+        let sharper = shrunk.or_else(|| retrace::doubling(orbit, &found.node, tolerance));
+        self.moved(found, sharper)
+    }
+
+    /// A point found at a better place, if there is one, known with this error.
+    fn moved(&self, found: Found<O>, better: Option<(Vector, f64)>) -> Found<O> {
+        let orbit = self.orbit.as_ref();
+        let Some((point, uncertainty)) = better else {
             return found;
         };
         let Ok(examination) = orbit.examination(&point) else {
@@ -589,6 +614,17 @@ impl<O: Orbit> Track<O> {
             change.end = Some(Stop::Own(stop.clone()));
             found.special = Some(Special::Change(Box::new(change)));
             found.entered = Some((Arc::new(orbit), node));
+            passed.push(found);
+            return Outcome::Ended(passed, walk::End::Own(Stop::Own(stop)));
+        }
+        let tolerance = step.steps.tolerance;
+        let image = || {
+            let here = passed.is_empty().then_some(self.orbit.as_ref())?;
+            retrace::at_change(here, &found.node, (&orbit, &node), ds, tolerance)
+        };
+        if let Some((_, stop)) = image() {
+            change.end = Some(Stop::Own(stop.clone()));
+            found.special = Some(Special::Change(Box::new(change)));
             passed.push(found);
             return Outcome::Ended(passed, walk::End::Own(Stop::Own(stop)));
         }

@@ -8,7 +8,7 @@
 //!
 //! - [`sign`] tells the sign of a function over a whole interval;
 //! - [`event`] has the types of special points, [`special`] what makes a point special and why a branch ends;
-//! - [`events`] locates what happens within a step, [`change`] finds the signature beyond a change;
+//! - [`events`] locates what happens within a step, `retrace` where the branch would retrace itself, [`change`] finds the signature beyond a change;
 //! - [`follow`] puts them together into a curve for the walker of [`crate::continuation`];
 //! - [`legs`] goes both ways from a first orbit, and numbers points, labels and events.
 
@@ -17,6 +17,7 @@ pub mod event;
 pub mod events;
 pub mod follow;
 pub mod legs;
+mod retrace;
 pub mod sign;
 pub mod special;
 mod stability;
@@ -28,7 +29,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::continuation::Node;
-use crate::continuation::newton::{Constraint, System};
+use crate::continuation::locate::Place;
+use crate::continuation::newton::{self, Constraint, System};
 use crate::linalg::{Matrix, Vector};
 pub use event::{EventType, UnknownType};
 use sign::Verdict;
@@ -244,6 +246,22 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
+    /// What it is, and why the branch ends there, where it turns back and an orbit on one side is the image of one on the
+    /// other, at the same value of the parameter, under a symmetry of the system.
+    fn image(
+        &self,
+        _point: &Vector,
+        _other: &Self,
+        _of_other: &Vector,
+    ) -> Option<(Self::Special, Self::Stop)> {
+        None
+    }
+
+    /// The same orbits with [`Examined::tests`].
+    fn tested(&self) -> Option<Self> {
+        None
+    }
+
     /// Where an orbit that shrinks to a point has no size any more: its scaled unknowns, and the error of the parameter
     /// there. `None` where it does not shrink.
     fn shrunk(&self, _node: &Node) -> Option<(Vector, f64)> {
@@ -314,6 +332,19 @@ pub fn find<'a, O: Orbit>(
 ) -> Option<&'a O::Margin> {
     let mut margins = examination.margins().iter();
     margins.find(|known| O::is_same(known, margin))
+}
+
+/// Error of the parameter at a point that a constraint fixes: rounding, and the last correction.
+fn uncertainty<O: Orbit>(orbit: &O, constraint: &mut impl Constraint<O>, place: &Place) -> f64 {
+    let point = &place.node.point;
+    let left_out = orbit.left_out(point);
+    let noise = (left_out > 0.0).then(|| Vector::from_element(point.len(), left_out));
+    newton::bordered(orbit, constraint, point)
+        .ok()
+        .and_then(|bordered| newton::rounding(&bordered.matrix, &point.abs(), noise.as_ref()))
+        .map_or(f64::NAN, |rounding| {
+            (rounding[rounding.len() - 1] + place.blur) * orbit.unit()
+        })
 }
 
 /// m(u) = 0.

@@ -152,6 +152,12 @@ pub enum NoFollower<O: Orbit> {
     /// It has no direction there.
     #[error("the Newton matrix is singular at the start: the start is a fold")]
     Fold,
+    /// It is not isolated.
+    #[error(
+        "the orbit is one of a family at this value of the parameter, without a branch of its own: multipliers 1, as \
+         of a motion without loss at a resonance"
+    )]
+    Family,
     /// Its inequalities cannot be evaluated.
     #[error("{0}")]
     Refused(Refusal<O>),

@@ -10,7 +10,7 @@ use super::{Examined, Orbit};
 use crate::continuation::Node;
 use crate::continuation::arclength::correct;
 use crate::continuation::newton::{self, Plane, Settings};
-use crate::linalg::{self, Vector};
+use crate::linalg::{self, Matrix, Vector};
 
 /// Why there is no other branch.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -75,6 +75,41 @@ pub fn other<O: Orbit>(
         ways.push(!begun.up);
     }
     Ok((begun.point, ways))
+}
+
+/// Whether an orbit is one of a family at one value of the parameter, as motions without loss are at a resonance: beside
+/// it, along a null vector, lies another. At a fold or where branches cross, Newton's method comes back from there.
+pub fn is_in_family<O: Orbit>(orbit: &O, at: &Vector) -> bool {
+    /// Steps: at a double zero each takes half of the distance away, at a threefold one a third.
+    const STEPS: usize = 10;
+    /// Singular values below this part of the largest are zero.
+    const ZERO: f64 = 1e-9;
+    let last = at.len() - 1;
+    let evaluated = |point: &Vector| {
+        let mut matrix = Matrix::zeros(last, last + 1);
+        let mut residual = Vector::zeros(last);
+        let evaluated = orbit.evaluate(point, residual.as_mut_slice(), &mut matrix);
+        evaluated.ok()?;
+        Some((matrix.columns(0, last).clone_owned(), residual))
+    };
+    let null = evaluated(at).and_then(|(square, _)| linalg::least(&square));
+    let Some(null) = null.filter(|least| least.value <= ZERO * least.largest) else {
+        return false;
+    };
+    let (largest, along) = (null.largest, null.right.insert_row(last, 0.0));
+    let mut point = at + &along * AWAY;
+    for _ in 0..STEPS {
+        let step = evaluated(&point).and_then(|(square, residual)| {
+            let inverse = square.pseudo_inverse(ZERO * largest).ok()?;
+            Some((inverse * residual).insert_row(last, 0.0))
+        });
+        let Some(step) = step else {
+            return false;
+        };
+        point -= step;
+    }
+    let solves = evaluated(&point).is_some_and(|(_, residual)| residual.amax() <= SINGULAR * AWAY);
+    solves && along.dot(&(&point - at)) >= 0.5 * AWAY
 }
 
 /// Whether every inequality of an orbit holds.

@@ -5,6 +5,8 @@ use std::f64::consts::TAU;
 use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first, restart};
 use brakewave::linalg::Vector;
+use brakewave::orbit::follow::{Follower, Limits};
+use brakewave::orbit::special::NoFollower;
 
 use crate::systems::{BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, system, values};
 
@@ -299,4 +301,18 @@ fn what_is_stuck_is_named() {
         words.contains("`x - x` of the mode `free` is zero and stays so"),
         "{words}"
     );
+}
+
+/// Without loss multipliers are exp(±2πi/w): both are 1 at w = 1/2, where every free motion is periodic.
+#[test]
+fn a_family_of_orbits_has_no_branch() {
+    let begin = |w: f64| {
+        let x = 0.1 / (1.0 - w * w);
+        let free = wanted(IMPACT, &[("c", 0.0), ("A", 0.1), ("w", w)], "A", 1);
+        let (orbit, point) = from(&free, "free", &[x, 0.0], 0.0, Search::Guess(0.0)).unwrap();
+        let limits = Limits::within((0.05, 1.0));
+        Follower::new(orbit, &point, true, limits).map(|_| ())
+    };
+    assert_eq!(begin(0.5), Err(NoFollower::Family));
+    assert_eq!(begin(0.45), Ok(()));
 }

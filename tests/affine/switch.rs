@@ -7,7 +7,7 @@ use brakewave::problem::{
     Any, Continuation, OrbitStart, StopAfter, SystemProblem, Toward, parse_any,
 };
 
-use crate::systems::BALL;
+use crate::systems::{BALL, FRICTION};
 
 const CHUA: &str = include_str!("../../problems/chua.ron");
 const IMPACT: &str = include_str!("../../problems/impact_oscillator.ron");
@@ -216,4 +216,65 @@ fn a_loss_of_symmetry() {
     let skews: Vec<f64> = other.iter().take(20).map(skew).collect();
     assert!(skews.windows(2).all(|pair| pair[1] > pair[0]), "{skews:?}");
     assert!(skews[19] > 0.02, "{skews:?}");
+}
+
+/// A body between two stops: the branch of orbits that are not symmetric begins at a loss of symmetry and, beyond
+/// of its ends, would be its own mirror image. It ends at either once, and the loss of symmetry is where the branch of
+/// symmetric orbits has it.
+#[test]
+fn a_branch_without_symmetry_ends_where_it_would_retrace_itself() {
+    let skew = r#"(
+        system: (
+            states: ["x", "v"],
+            parameters: {"c": 0.1, "A": 3.6, "w": 1.0, "d": 1.0, "e": 0.7},
+            forcing: "w",
+            modes: {"free": (
+                rates: {"x": "v", "v": "A*cos(phase) - c*v - x"},
+                until: [
+                    (zero: "d - x", to: "free", reset: {"v": "-e*v"}),
+                    (zero: "d + x", to: "free", reset: {"v": "-e*v"}),
+                ],
+            )},
+        ),
+        orbit: (start: Given(mode: "free", state: {"x": 1.0, "v": -1.0203605}, phase: 0.9368582)),
+        continuation: (parameter: "A", range: (3.0, 5.0)),
+        stability: (),
+    )"#;
+    let (problem, along) = problem(skew, "A", (3.0, 5.0), Toward::Down);
+    let items = collect(Runner::begin(&problem, &along, None).unwrap(), 400);
+    let kinds: Vec<_> = items.iter().filter_map(|item| item.point.kind).collect();
+    assert_eq!(kinds, [EventType::EP, EventType::BP]);
+    let end = items.last().unwrap();
+    near(end.point.parameters[1], 3.520_685_394_067_528, 1e-8);
+}
+
+/// Dry friction: as the frequency falls, slip comes to rest right after it has begun, and a moment later in frequency it
+/// does not begin before: two events that a long step sees at once, in their order.
+#[test]
+fn a_touch_right_after_the_entry_comes_first() {
+    let text = FRICTION.replace(
+        "\"F\": 0.6666666666666666, \"z\": 0.05",
+        "\"F\": 0.051469, \"z\": 0.035721",
+    );
+    let from = text.find("Simulate(").unwrap();
+    let end = from + text[from..].find("settle: 100)").unwrap() + "settle: 100)".len();
+    let text = format!(
+        "{}Given(mode: \"forth\", state: {{\"x\": -1.0516314, \"v\": 0.0}}, phase: 3.1353697){}",
+        &text[..from],
+        &text[end..]
+    );
+    let text = text.replace("\"w\": 1.2", "\"w\": 0.24472");
+    let (problem, mut along) = problem(&text, "w", (0.2, 1.2), Toward::Down);
+    along.stop_after = until(EventType::SL);
+    let items = collect(Runner::begin(&problem, &along, None).unwrap(), 60);
+    let events = items.iter().filter(|item| item.point.kind.is_some());
+    let events: Vec<_> = events.collect();
+    let kinds: Vec<_> = events.iter().filter_map(|item| item.point.kind).collect();
+    assert_eq!(kinds, [EventType::EP, EventType::GR, EventType::SL]);
+    for (event, expected) in events[1..]
+        .iter()
+        .zip([0.244_500_007_866_058, 0.244_472_208_120_768])
+    {
+        near(event.point.parameters[0], expected, 1e-12);
+    }
 }

@@ -21,6 +21,8 @@ pub enum OrbitStop {
         /// How many times.
         times: usize,
     },
+    /// The orbit has a symmetry, and beyond it the branch is the image of what it was before.
+    Retraces,
     /// Without forcing: beyond it the orbit does not switch any more, and belongs to a family at one value of the
     /// parameter.
     Centre {
@@ -71,6 +73,10 @@ impl fmt::Display for OrbitStop {
             OrbitStop::Repeats { times } => write!(
                 formatter,
                 "the orbit is one of 1/{times} of its period, traversed {times} times"
+            ),
+            OrbitStop::Retraces => write!(
+                formatter,
+                "the orbit is symmetric there, and beyond it the branch is the mirror image of what it was before"
             ),
             OrbitStop::Centre { .. } => write!(
                 formatter,

@@ -25,6 +25,7 @@ mod structure;
 pub mod switch;
 
 use std::fmt;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -381,6 +382,25 @@ impl Orbit for AffineOrbit {
         }
         self.is_point(&node.point)
             .then_some((Critical::Shrinking, OrbitStop::Shrinks))
+    }
+
+    /// A symmetry may exchange zones and modes and begin elsewhere in time: durations and multipliers are the same.
+    fn image(
+        &self,
+        point: &Vector,
+        other: &AffineOrbit,
+        of_other: &Vector,
+    ) -> Option<(Critical, OrbitStop)> {
+        self.has_image(point, other, of_other)
+            .then_some((Critical::Branching, OrbitStop::Retraces))
+    }
+
+    fn tested(&self) -> Option<AffineOrbit> {
+        let setting = Setting {
+            stability: true,
+            ..(*self.setting).clone()
+        };
+        AffineOrbit::new(Arc::new(setting), self.sequence.clone())
     }
 
     /// An orbit of amplitude a is off by a², and so is the parameter, which changes by its slope times a.

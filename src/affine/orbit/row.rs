@@ -10,6 +10,7 @@ use super::OrbitStop;
 use super::layout::{AffineOrbit, OrbitFailure, Setting, ZonePoint};
 use super::signature::{Sequence, Zone};
 use crate::linalg::Vector;
+use crate::orbit::Orbit;
 
 /// An orbit in order of time, from the entry of the first mode of the file that occurs: that of the earliest phase in
 /// \[0, 2π) where there are several, or without forcing that with which the names come first in the order of the file.
@@ -171,23 +172,17 @@ impl AffineOrbit {
 
     /// The orbit of half the period that this one is when traversed twice, with its stability, and its unknowns.
     pub(super) fn half(&self, point: &Vector) -> Option<(AffineOrbit, Vector)> {
-        let Setting {
-            periods, system, ..
-        } = self.setting.as_ref();
         if self.traversals(point) != 2 {
             return None;
         }
         let setting = Setting {
-            system: system.clone(),
-            values: self.setting.values.clone(),
-            scales: self.setting.scales.clone(),
             periods: if self.is_forced() {
-                periods / 2
+                self.setting.periods / 2
             } else {
-                *periods
+                self.setting.periods
             },
             stability: true,
-            ..*self.setting
+            ..(*self.setting).clone()
         };
         let count = self.zones() / 2;
         let sequence = Sequence(self.sequence.0[..count].to_vec());
@@ -197,6 +192,35 @@ impl AffineOrbit {
             self.parameter_at(point),
         );
         Some((half, point))
+    }
+
+    /// Whether another orbit may be the image of this one under a symmetry: what that leaves alone is the same. Beside a
+    /// fold a multiplier is as far from 1 on one side as on the other, and as far from that on the other side.
+    pub(super) fn has_image(&self, point: &Vector, other: &AffineOrbit, of_other: &Vector) -> bool {
+        /// Durations in units of the period, and multipliers by their distance from 1, are the same to this.
+        const ALIKE: f64 = 1e-6;
+        const SAME: f64 = 1e-3;
+        let durations = |orbit: &AffineOrbit, point: &Vector| {
+            let zones = 0..orbit.zones();
+            let mut all: Vec<f64> = zones
+                .map(|zone| point[orbit.duration_index(zone)])
+                .collect();
+            all.sort_by(f64::total_cmp);
+            all
+        };
+        let (one, two) = (durations(self, point), durations(other, of_other));
+        let mut pairs = one.iter().zip(&two);
+        if one.len() != two.len() || !pairs.all(|(one, two)| (one - two).abs() <= ALIKE) {
+            return false;
+        }
+        let (Ok(one), Ok(two)) = (self.multipliers(point), other.multipliers(of_other)) else {
+            return false;
+        };
+        let mut pairs = one.iter().zip(&two);
+        one.len() == two.len()
+            && one.iter().any(|multiplier| !multiplier.trivial)
+            && pairs
+                .all(|(one, two)| (one.value - two.value).norm() <= SAME * (one.value - 1.0).norm())
     }
 
     /// Zones of one mode in a row whose durations fall geometrically, down to next to nothing.

@@ -94,9 +94,7 @@ pub enum NoStart {
         stays: bool,
     },
     /// The motion switches no more and does not return: it rests, or leaves.
-    #[error(
-        "the motion does not switch any more after t = {time}, and without forcing nothing repeats"
-    )]
+    #[error("the motion does not switch any more after t = {time}: it rests, or leaves for good")]
     Rests {
         /// Time of the last switch.
         time: f64,
