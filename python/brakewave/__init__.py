@@ -5,14 +5,14 @@
     folder = brakewave.run("problems/impact_oscillator.ron", out="results/impact", force=True)
     print(folder.events[["type", "A", "what"]])
 
-`run`, `curve`, `scan`, `simulate` and `steady` call the program and return a `Folder` (see `brakewave.program`);
+`run`, `curve`, `map`, `scan`, `simulate` and `steady` call the program and return a `Folder` (see `brakewave.program`);
 `Folder`, `read`, `Tube` and the functions `draw_…` read and draw what is there (see `brakewave.reader`, which needs
 pandas, and matplotlib for pictures). `python -m brakewave.check DIR` proves certificates again and needs python-flint.
 """
 
 from importlib import import_module
 
-_PROGRAM = "Refused ron run curve scan simulate steady variant Variant".split()
+_PROGRAM = "Refused ron run curve map scan simulate steady variant Variant".split()
 
 
 def __getattr__(name):

@@ -39,7 +39,7 @@ import numpy
 MAPS = "parameters define modes sliding rates reset state within numbers".split()
 """Fields that hold a map, whose keys are names of the user's own."""
 
-_ENDINGS = {"run": "", "curve": "_curve", "scan": "_scan", "simulate": "_simulation", "steady": "_steady"}
+_ENDINGS = {"run": "", "curve": "_curve", "map": "_map", "scan": "_scan", "simulate": "_simulation", "steady": "_steady"}
 
 
 class Refused(Exception):
@@ -81,7 +81,7 @@ def ron(value, is_map=False):
     if isinstance(value, Variant):
         if value.fields:
             return value.name + ron(value.fields)
-        return value.name + (f"({', '.join(map(ron, value.values))})" if value.values else "")
+        return value.name + (f"({_joined(value.values)})" if value.values else "")
     if isinstance(value, dict):
         if is_map:
             return "{" + ", ".join(f"{ron(str(key))}: {ron(entry)}" for key, entry in value.items()) + "}"
@@ -97,10 +97,14 @@ def ron(value, is_map=False):
     if isinstance(value, Real):
         return repr(float(value))
     if isinstance(value, tuple):
-        return "(" + ", ".join(map(ron, value)) + ("," if len(value) == 1 else "") + ")"
+        return "(" + _joined(value) + ("," if len(value) == 1 else "") + ")"
     if hasattr(value, "__iter__"):
-        return "[" + ", ".join(map(ron, value)) + "]"
+        return "[" + _joined(value) + "]"
     raise TypeError(f"{value!r} has no place in a problem: take numbers, texts, lists, tuples, dicts and variants")
+
+
+def _joined(values):
+    return ", ".join(ron(one) for one in values)
 
 
 def binary():
@@ -189,6 +193,7 @@ def _verb(verb, does):
 
 run = _verb("run", "Follows the branch of a problem")
 curve = _verb("curve", "Follows an event of the branch in two parameters")
+map = _verb("map", "Finds which waves exist where in a plane, or what motions of a system settle on there")
 scan = _verb("scan", "Finds what motions of a system settle on, for many values of a parameter")
 simulate = _verb("simulate", "Computes a motion in time")
 steady = _verb("steady", "Finds the stability of steady sliding, or the equilibria of a system")

@@ -41,7 +41,7 @@ _TEXT = (
 ).split()
 _WHOLE = (
     "point label leg unstable lead_sector sector newton row column passage mode points events_found "
-    "events_expected radial_order lead_family lead_hopf_family inequalities sample"
+    "events_expected periods radial_order lead_family lead_hopf_family inequalities sample"
 ).split()
 
 

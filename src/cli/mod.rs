@@ -29,7 +29,7 @@ use clap::{
 };
 
 use crate::output::store::Offers;
-use crate::problem::{self, Problem, SystemProblem};
+use crate::problem::{self, SystemProblem};
 use failure::{EXIT_CODES, Exit, Failure};
 
 /// Continuation and bifurcation of friction-driven travelling waves (brake squeal).
@@ -144,7 +144,7 @@ pub fn main() -> ExitCode {
         Verb::Spectrum(arguments) => spectrum::spectrum(&arguments),
         Verb::Accuracy(arguments) => accuracy::accuracy(&arguments),
         Verb::Curve(arguments) => curve::curve(&arguments),
-        Verb::Map(arguments) => rows::rows::<Problem>(&arguments),
+        Verb::Map(arguments) => rows::map(&arguments),
         Verb::Scan(arguments) => rows::rows::<SystemProblem>(&arguments),
         Verb::Steady(arguments) => steady::steady(&arguments),
         Verb::Simulate(arguments) => simulate::simulate(&arguments),

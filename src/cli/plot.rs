@@ -113,6 +113,11 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<Exit, Failure> {
                         }
                         list(&pictures::scan::draw(&store, &problem, over, format)?)
                     }
+                    Some(Kind::Map) => {
+                        let picture = pictures::map::of_system(store.path(), &problem);
+                        let named = [(Kind::Map.name().to_owned(), picture)];
+                        list(&pictures::put(&store, None, format, named)?)
+                    }
                     Some(Kind::Simulation) => {
                         list(&pictures::motion::draw(&store, &problem, format)?)
                     }

@@ -12,16 +12,16 @@ use super::options::{Task, Threads, cores, picture, read_any};
 use super::progress::{Progress, tallied};
 use super::{print, stopped};
 use crate::hybrid::scan::{Scanner, Settled};
-use crate::map::{self, Cell, CellRow};
+use crate::map::{self, Cell, CellRow, Motions, Outcome};
 use crate::messages::AWAY;
 use crate::output::layout::SCAN;
 use crate::output::origin::Origin;
-use crate::output::pictures::{self, PlotError};
-use crate::output::render::Format;
-use crate::output::rows::{Rowed, RowsFolder, of_shard};
+use crate::output::pictures;
+use crate::output::render::{Format, Picture};
+use crate::output::rows::{Mapped, Rowed, RowsFolder, of_shard};
 use crate::output::scan::{last, lines};
-use crate::output::store::{self, Existing, SOURCE, Store};
-use crate::problem::{Any, Problem, SystemProblem, refuse_at};
+use crate::output::store::{self, Existing, SOURCE, Store, StoreError};
+use crate::problem::{self, Any, Problem, SystemProblem, refuse_at};
 use crate::table;
 
 #[derive(Debug, Args)]
@@ -105,13 +105,51 @@ pub(crate) trait Verb: Rowed + Sync {
     /// What the results are computed from.
     fn inputs(&self, task: &Task) -> Vec<PathBuf>;
     /// Rows that are computed one after the other, each from the one before.
-    fn sweeps(&self) -> Vec<Range<usize>>;
+    fn sweeps(&self) -> Vec<Range<usize>> {
+        (0..self.rows()).map(|row| row..row + 1).collect()
+    }
+
     /// What computes a row.
     fn work(&self, quiet: bool) -> Result<Work<'_>, Failure>;
-    /// Draws the picture in the folder, and the one asked for besides.
-    fn draw(&self, store: &Store, picture: Option<(&Path, Format)>) -> Result<(), Failure>;
+    /// The picture of the table in a folder.
+    fn picture(&self, folder: &Path) -> Result<Picture, StoreError>;
     /// How the verb ends, after all rows were joined.
-    fn end(&self, folder: &RowsFolder<Self>) -> Result<Exit, Failure>;
+    fn end(&self, _: &RowsFolder<Self>) -> Result<Exit, Failure> {
+        Ok(Exit::Done)
+    }
+}
+
+/// Draws the picture in the folder, and the one asked for besides.
+fn draw<P: Verb>(
+    problem: &P,
+    store: &Store,
+    asked: Option<(&Path, Format)>,
+) -> Result<(), Failure> {
+    let picture = problem.picture(store.path())?;
+    if let Some((path, format)) = asked {
+        let bytes = picture.file(format).map_err(pictures::PlotError::from)?;
+        fs::write(path, bytes).map_err(store::io_error("write it", path))?;
+    }
+    let named = [(P::KIND.name().to_owned(), Ok(picture))];
+    pictures::put(store, None, Format::Svg, named)?;
+    Ok(())
+}
+
+/// `brakewave map`, of waves or of a system.
+pub(crate) fn map(arguments: &RowsArguments) -> Result<Exit, Failure> {
+    let of_system = match (&arguments.verb, &arguments.task) {
+        (Some(RowsVerb::Merge(arguments)), _) => {
+            let mut shards = arguments.shards.iter();
+            // each kind lacks what the other has
+            shards.any(|shard| of_shard::<Mapped<SystemProblem>>(shard).is_ok())
+        }
+        (None, Some(task)) => matches!(problem::read_any(&task.problem)?.0, Any::System(_)),
+        (None, None) => false,
+    };
+    match of_system {
+        true => rows::<Mapped<SystemProblem>>(arguments),
+        false => rows::<Mapped<Problem>>(arguments),
+    }
 }
 
 pub(crate) fn rows<P: Verb>(arguments: &RowsArguments) -> Result<Exit, Failure> {
@@ -183,7 +221,7 @@ fn run<P: Verb>(arguments: &RowsArguments, task: &Task) -> Result<Exit, Failure>
     };
     if shard.of == 1 {
         folder.join(std::slice::from_ref(&out))?;
-        problem.draw(folder.store(), picture)?;
+        draw(&problem, folder.store(), picture)?;
         exit = problem.end(&folder)?;
     }
     task.say("", what, &out)?;
@@ -211,7 +249,7 @@ fn merge<P: Verb>(arguments: &MergeArguments) -> Result<Exit, Failure> {
     let store = Store::open(&arguments.out, P::KIND, &problem, existing, &inputs)?;
     let folder = RowsFolder::new(store, origin)?;
     folder.join(&arguments.shards)?;
-    problem.draw(folder.store(), picture)?;
+    draw(&problem, folder.store(), picture)?;
     let exit = problem.end(&folder)?;
     if !arguments.quiet {
         let what = P::KIND.name();
@@ -220,25 +258,23 @@ fn merge<P: Verb>(arguments: &MergeArguments) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-impl Verb for Problem {
-    const ENDING: &'static str = "_map";
+const MAP: &str = "_map";
 
-    fn read(task: &Task) -> Result<Problem, Failure> {
+impl Verb for Mapped<Problem> {
+    const ENDING: &'static str = MAP;
+
+    fn read(task: &Task) -> Result<Mapped<Problem>, Failure> {
         let (problem, text, name) = task.read()?;
         problem.map(&text, &name)?;
-        Ok(problem)
+        Ok(Mapped(problem))
     }
 
     fn inputs(&self, task: &Task) -> Vec<PathBuf> {
-        task.inputs(self)
-    }
-
-    fn sweeps(&self) -> Vec<Range<usize>> {
-        (0..self.rows()).map(|row| row..row + 1).collect()
+        task.inputs(&self.0)
     }
 
     fn work(&self, quiet: bool) -> Result<Work<'_>, Failure> {
-        let Some(section) = &self.map else {
+        let Some(section) = &self.0.map else {
             return Err(Usage::NoProblem.into());
         };
         let progress = Progress::new(quiet);
@@ -248,7 +284,7 @@ impl Verb for Problem {
                 format!("{waves} waves on lines through the plane"),
             );
         };
-        let map = map::Rows::new(self, section, &mut watch)?;
+        let map = map::Rows::new(&self.0, section, &mut watch)?;
         Ok(Box::new(move |row, _| {
             let cells: Vec<Cell> = map.row(row)?;
             Ok(cells
@@ -258,17 +294,54 @@ impl Verb for Problem {
         }))
     }
 
-    fn draw(&self, store: &Store, picture: Option<(&Path, Format)>) -> Result<(), Failure> {
-        pictures::draw(store, Some(self), Format::Svg)?;
-        if let (Some(file), Some(section)) = (picture, &self.map) {
-            let drawn = pictures::map::picture(store.path(), section);
-            pictures::save(file, self, drawn.map_err(PlotError::from)?)?;
-        }
-        Ok(())
+    fn picture(&self, folder: &Path) -> Result<Picture, StoreError> {
+        let picture = pictures::map::picture(folder, &self.0)?;
+        Ok(pictures::of_problem(&self.0, picture))
+    }
+}
+
+impl Verb for Mapped<SystemProblem> {
+    const ENDING: &'static str = MAP;
+
+    fn read(task: &Task) -> Result<Mapped<SystemProblem>, Failure> {
+        let (problem, text, name) = of_system(task)?;
+        problem.map(&text, &name)?;
+        Ok(Mapped(problem))
     }
 
-    fn end(&self, _: &RowsFolder<Problem>) -> Result<Exit, Failure> {
-        Ok(Exit::Done)
+    fn inputs(&self, task: &Task) -> Vec<PathBuf> {
+        vec![task.problem.clone()]
+    }
+
+    fn work(&self, _: bool) -> Result<Work<'_>, Failure> {
+        let motions = Motions::new(&self.0).ok_or(Usage::NoBeginning)?;
+        Ok(Box::new(move |row, _| {
+            let cells: Vec<Outcome> = motions.row(row);
+            let rows = cells
+                .iter()
+                .map(|cell| CellRow::settled(&self.0.system, cell));
+            Ok(rows.map(|row| table::line(&row)).collect())
+        }))
+    }
+
+    fn picture(&self, folder: &Path) -> Result<Picture, StoreError> {
+        pictures::map::of_system(folder, &self.0)
+    }
+}
+
+/// The problem of a file with a system, its text and its name for messages.
+fn of_system(task: &Task) -> Result<(SystemProblem, String, String), Failure> {
+    let (problem, text) = read_any(&task.problem)?;
+    let name = task.problem.display().to_string();
+    match problem {
+        Any::System(problem) => Ok((*problem, text, name)),
+        Any::Tube(_) => {
+            let message =
+                "this is a problem with waves of a tube, and `scan` is for systems of one's own";
+            let help =
+                "take a problem with `system` and `orbit`; `brakewave new --for scan` prints one";
+            Err(refuse_at(&text, &name, "wave", message, help).into())
+        }
     }
 }
 
@@ -276,19 +349,9 @@ impl Verb for SystemProblem {
     const ENDING: &'static str = "_scan";
 
     fn read(task: &Task) -> Result<SystemProblem, Failure> {
-        let (problem, text) = read_any(&task.problem)?;
-        let name = task.problem.display().to_string();
-        match problem {
-            Any::System(problem) => {
-                problem.scan(&text, &name)?;
-                Ok(*problem)
-            }
-            Any::Tube(_) => {
-                let message = "this is a problem with waves of a tube, and `scan` is for systems of one's own";
-                let help = "take a problem with `system` and `orbit`; `brakewave new --for scan` prints one";
-                Err(refuse_at(&text, &name, "wave", message, help).into())
-            }
-        }
+        let (problem, text, name) = of_system(task)?;
+        problem.scan(&text, &name)?;
+        Ok(problem)
     }
 
     fn inputs(&self, task: &Task) -> Vec<PathBuf> {
@@ -312,14 +375,8 @@ impl Verb for SystemProblem {
         }))
     }
 
-    fn draw(&self, store: &Store, picture: Option<(&Path, Format)>) -> Result<(), Failure> {
-        pictures::scan::draw(store, self, None, Format::Svg)?;
-        if let Some((path, format)) = picture {
-            let drawn = pictures::scan::picture(store.path(), self, None);
-            let bytes = drawn?.file(format)?;
-            fs::write(path, bytes).map_err(store::io_error("write it", path))?;
-        }
-        Ok(())
+    fn picture(&self, folder: &Path) -> Result<Picture, StoreError> {
+        pictures::scan::picture(folder, self, None)
     }
 
     /// A motion that ends early is told; what there is of it is kept. One that stays away from the section is no failure.

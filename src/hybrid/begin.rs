@@ -8,7 +8,7 @@ use crate::affine::orbit::switch::switch;
 use crate::linalg::Vector;
 use crate::orbit::EventType;
 use crate::orbit::special::ResumeMismatch;
-use crate::problem::{Continuation, OrbitStart, SystemProblem};
+use crate::problem::{self, Continuation, OrbitStart, SystemProblem};
 
 /// Why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -85,7 +85,7 @@ impl NoStart {
 const MOST_RETURNS: u32 = 64;
 
 /// What is asked for of the first orbit.
-pub(super) fn wanted(
+fn wanted(
     problem: &SystemProblem,
     continuation: &Continuation<String>,
     values: Vec<f64>,
@@ -177,14 +177,29 @@ pub(super) fn begin(
             });
         }
     };
-    let place = start.beginning();
-    let place = place.and_then(|beginning| beginning.place(&problem.system));
+    let beginning = start.beginning().ok_or(NoStart::Unknown)?;
+    let found = come_to(problem, continuation, problem.values(), &beginning, search)?;
+    Ok(along(found))
+}
+
+/// The orbit that a motion comes to at these values of the parameters, to be followed as a branch is, and its unknowns.
+///
+/// # Errors
+/// Why there is none.
+pub fn come_to(
+    problem: &SystemProblem,
+    continuation: &Continuation<String>,
+    values: Vec<f64>,
+    beginning: &problem::Beginning,
+    search: Search,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    let place = beginning.place(&problem.system);
     let place = place.ok_or(NoStart::Unknown)?;
     let beginning = Beginning {
         mode: place.mode,
         state: place.state,
         phase: place.phase,
     };
-    let wanted = wanted(problem, continuation, problem.values())?;
-    Ok(along(first(&wanted, &beginning, search)?))
+    let wanted = wanted(problem, continuation, values)?;
+    Ok(first(&wanted, &beginning, search)?)
 }

@@ -8,7 +8,7 @@ pub mod run;
 mod saved;
 pub mod scan;
 
-pub use begin::{Named, NoStart};
+pub use begin::{Named, NoStart, come_to};
 pub use point::{Note, OrbitEvent, OrbitPoint};
 pub use run::{Item, Runner};
 pub use saved::LabelledOrbit;

@@ -43,13 +43,9 @@ impl Named {
     }
 }
 
-/// A row of `branch.csv`.
+/// What a row tells of an orbit.
 #[derive(Clone, Debug, Serialize)]
-pub struct OrbitRow<'a> {
-    point: usize,
-    label: Option<usize>,
-    #[serde(rename = "type")]
-    kind: Option<EventType>,
+pub struct OrbitColumns<'a> {
     regimes: &'a str,
     parameters: Named,
     period: f64,
@@ -59,6 +55,54 @@ pub struct OrbitRow<'a> {
     unstable: Option<usize>,
     multiplier_re: Option<f64>,
     multiplier_im: Option<f64>,
+}
+
+impl<'a> OrbitColumns<'a> {
+    /// An orbit.
+    pub fn new(source: &Source, point: &'a OrbitPoint) -> OrbitColumns<'a> {
+        let leading = point.leading();
+        OrbitColumns {
+            regimes: &point.regimes,
+            parameters: Named::parameters(source, Some(&point.parameters)),
+            period: point.period,
+            switches: &point.switches,
+            extremes: Named::extremes(source, Some(&point.extremes)),
+            stable: point.stable.map(Stability::word),
+            unstable: point.unstable,
+            multiplier_re: leading.map(|value| value.re),
+            multiplier_im: leading.map(|value| value.im),
+        }
+    }
+
+    /// What is at these values of the parameters where there is no orbit: an equilibrium in a mode, or nothing.
+    pub fn without(
+        source: &Source,
+        values: Option<&[f64]>,
+        rest: Option<(&'a str, &[f64])>,
+    ) -> OrbitColumns<'a> {
+        let state = rest.map(|(_, state)| state.iter().map(|x| (*x, *x)).collect::<Vec<_>>());
+        OrbitColumns {
+            regimes: rest.map_or("", |(mode, _)| mode),
+            parameters: Named::parameters(source, values),
+            period: f64::NAN,
+            switches: &[],
+            extremes: Named::extremes(source, state.as_deref()),
+            stable: None,
+            unstable: None,
+            multiplier_re: None,
+            multiplier_im: None,
+        }
+    }
+}
+
+/// A row of `branch.csv`.
+#[derive(Clone, Debug, Serialize)]
+pub struct OrbitRow<'a> {
+    point: usize,
+    label: Option<usize>,
+    #[serde(rename = "type")]
+    kind: Option<EventType>,
+    orbit: OrbitColumns<'a>,
     newton: usize,
     residual: f64,
     leg: usize,
@@ -71,15 +115,7 @@ impl<'a> OrbitRow<'a> {
             point: 0,
             label: None,
             kind: None,
-            regimes: "",
-            parameters: Named::parameters(source, None),
-            period: 0.0,
-            switches: &[],
-            extremes: Named::extremes(source, None),
-            stable: None,
-            unstable: None,
-            multiplier_re: None,
-            multiplier_im: None,
+            orbit: OrbitColumns::without(source, None, None),
             newton: 0,
             residual: 0.0,
             leg: 0,
@@ -88,20 +124,11 @@ impl<'a> OrbitRow<'a> {
 
     /// A point.
     pub fn new(source: &Source, point: &'a OrbitPoint) -> OrbitRow<'a> {
-        let leading = point.leading();
         OrbitRow {
             point: point.point,
             label: point.label,
             kind: point.kind,
-            regimes: &point.regimes,
-            parameters: Named::parameters(source, Some(&point.parameters)),
-            period: point.period,
-            switches: &point.switches,
-            extremes: Named::extremes(source, Some(&point.extremes)),
-            stable: point.stable.map(Stability::word),
-            unstable: point.unstable,
-            multiplier_re: leading.map(|value| value.re),
-            multiplier_im: leading.map(|value| value.im),
+            orbit: OrbitColumns::new(source, point),
             newton: point.newton,
             residual: point.residual,
             leg: point.leg,

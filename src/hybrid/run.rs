@@ -6,11 +6,11 @@ use super::begin::{First, Named, NoStart, begin};
 use super::point::{Note, OrbitEvent, OrbitPoint};
 use super::row::MultiplierRow;
 use super::saved::LabelledOrbit;
-use crate::affine::orbit::{AffineOrbit, Multiplier, Scales};
+use crate::affine::orbit::{AffineOrbit, Examination, Multiplier, Scales};
 use crate::continuation::Node;
 use crate::linalg::Vector;
 use crate::orbit::follow::Found;
-use crate::orbit::legs::{self, Legs, Numbers, Run, Stretch};
+use crate::orbit::legs::{self, Legs, Run, Stretch};
 use crate::orbit::special::{ResumeMismatch, Special};
 use crate::orbit::{EventType, Stability};
 use crate::problem::SystemProblem;
@@ -178,7 +178,27 @@ impl Runner {
         }
         let numbers = self.legs.number(&found);
         let asked = self.problem.stability.is_some();
-        let point = point(&found, values, numbers, asked);
+        let Found {
+            orbit,
+            node,
+            examination,
+            ..
+        } = &found;
+        let there = point(
+            (orbit, &node.point),
+            examination,
+            found.kind(),
+            values,
+            asked,
+        );
+        let point = OrbitPoint {
+            point: numbers.point,
+            label: numbers.label,
+            leg: numbers.leg,
+            newton: node.newton,
+            residual: node.residual,
+            ..there
+        };
         let saved = point.label.and_then(|label| {
             let mut orbit = found.orbit.saved(&found.node.point).ok()?;
             // the value that was asked for, not the scaled unknown's
@@ -295,17 +315,17 @@ fn plan(problem: &SystemProblem, continuation: &Continuation<String>) -> legs::P
     continuation.plan(most, problem.output.profiles)
 }
 
-/// The row of a point. What cannot be evaluated there is left out.
-fn point(
-    found: &Found<AffineOrbit>,
+/// The row of a point, without its place on a branch. What cannot be evaluated there is left out.
+pub(crate) fn point(
+    (orbit, unknowns): (&AffineOrbit, &Vector),
+    examination: &Examination,
+    kind: Option<EventType>,
     parameters: Vec<f64>,
-    numbers: Numbers,
     asked: bool,
 ) -> OrbitPoint {
-    let (orbit, node) = (&found.orbit, &found.node);
-    let cycle = orbit.cycle(&node.point).ok();
+    let cycle = orbit.cycle(unknowns).ok();
     let multipliers = asked.then(|| {
-        let all = &found.examination.multipliers;
+        let all = &examination.multipliers;
         let finite = all.iter().all(|one| one.value.norm() < INFINITE);
         if finite { all.clone() } else { Vec::new() }
     });
@@ -319,7 +339,7 @@ fn point(
     let outside = sizes.as_ref().filter(|_| known);
     let outside = outside.map(|sizes| sizes.iter().filter(|size| **size > 1.0 + ON_CIRCLE).count());
     let critical = matches!(
-        found.kind(),
+        kind,
         Some(EventType::LP | EventType::PD | EventType::NS | EventType::BP)
     );
     let near = |sizes: &Vec<f64>| sizes.iter().any(|size| (size - 1.0).abs() <= ON_CIRCLE);
@@ -334,19 +354,19 @@ fn point(
         |cycle| (cycle.names.join("-"), cycle.period, cycle.switches),
     );
     OrbitPoint {
-        point: numbers.point,
-        label: numbers.label,
-        leg: numbers.leg,
-        kind: found.kind(),
+        point: 0,
+        label: None,
+        leg: 0,
+        kind,
         regimes,
         parameters,
         period,
         switches,
-        extremes: orbit.extremes(&node.point).unwrap_or_default(),
+        extremes: orbit.extremes(unknowns).unwrap_or_default(),
         stable,
         unstable: outside,
         multipliers: multipliers.unwrap_or_default(),
-        newton: node.newton,
-        residual: node.residual,
+        newton: 0,
+        residual: f64::NAN,
     }
 }

@@ -1,4 +1,4 @@
-//! One wave, or none, at one point of a map.
+//! What stands at one point of a map: a wave, or none.
 
 use serde::Serialize;
 
@@ -71,19 +71,20 @@ pub(crate) const NOT_REACHED: &str = "not reached";
 
 /// A row of `map.csv`.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct CellRow<'a> {
-    row: usize,
-    column: usize,
-    start: &'static str,
-    passage: usize,
-    found: &'static str,
-    wave: WaveRow<'a>,
-    why: String,
+pub struct CellRow<T> {
+    pub(super) row: usize,
+    pub(super) column: usize,
+    pub(super) start: String,
+    pub(super) passage: usize,
+    pub(super) found: &'static str,
+    /// What it tells of the wave or the orbit there.
+    pub(super) there: T,
+    pub(super) why: String,
 }
 
-impl<'a> CellRow<'a> {
+impl<'a> CellRow<WaveRow<'a>> {
     /// What was found at a point.
-    pub fn new(cell: &'a Cell) -> CellRow<'a> {
+    pub fn new(cell: &'a Cell) -> CellRow<WaveRow<'a>> {
         let (found, wave, why) = match &cell.found {
             CellPoint::Wave(point) => ("wave", WaveRow::new(point), why(point)),
             CellPoint::Nothing { model, why } => {
@@ -94,10 +95,10 @@ impl<'a> CellRow<'a> {
         CellRow {
             row: cell.row,
             column: cell.column,
-            start: cell.start,
+            start: cell.start.to_owned(),
             passage: cell.passage,
             found,
-            wave,
+            there: wave,
             why,
         }
     }

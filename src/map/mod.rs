@@ -1,4 +1,4 @@
-//! Maps: which waves exist where in a plane of two parameters.
+//! Maps: which waves exist where in a plane of two parameters, or what the motions of a system settle on there.
 //!
 //! ```text
 //! problem ──► plane: where ──► lattice: a few lines in both parameters ──► row: branches through its cells
@@ -9,11 +9,13 @@
 //! branches are followed in the second parameter, through their folds and changes of regime, and meet the
 //! values of the grid exactly: one for each start, from the slip-stick wave of the row, and one through every
 //! wave of the [`lattice`] that these do not meet.
-//! Quasi-random points have no neighbours to come from: each is reached by itself.
+//! Quasi-random points have no neighbours to come from: each is reached by itself. So is every point of a map of a system:
+//! [`Motions`] begin anew at each.
 
 mod cell;
 mod lattice;
 mod line;
+mod motion;
 mod plane;
 mod row;
 
@@ -21,5 +23,8 @@ mod row;
 pub(crate) use cell::NOT_REACHED;
 pub use cell::{Cell, CellPoint, CellRow, Missing};
 pub use line::MOST_POINTS;
+pub use motion::{Motions, Outcome, Settled, SettledColumns};
+#[cfg(feature = "cli")]
+pub(crate) use motion::{NONE, UNDECIDED};
 pub use plane::Plane;
 pub use row::Rows;

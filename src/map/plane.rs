@@ -1,6 +1,6 @@
 //! Where in the plane: the points of a map and how they fall into rows.
 
-use crate::problem::{Map, MapAxis, MapPoints};
+use crate::problem::{Map, MapPoints};
 
 /// Quasi-random points that make a row: enough to be worth a file, few enough to share out.
 const POINTS_PER_ROW: usize = 64;
@@ -11,17 +11,15 @@ const PLASTIC: f64 = 1.324_717_957_244_746;
 /// The points of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    first: MapAxis,
-    second: MapAxis,
+    ranges: [(f64, f64); 2],
     points: MapPoints,
 }
 
 impl Plane {
     /// The plane of a `map` section.
-    pub fn new(map: &Map) -> Plane {
+    pub fn new<P, S>(map: &Map<P, S>) -> Plane {
         Plane {
-            first: map.first,
-            second: map.second,
+            ranges: [map.first.range, map.second.range],
             points: map.points,
         }
     }
@@ -37,11 +35,12 @@ impl Plane {
     /// Points of a row, as values of the two parameters. Along the row of a grid the first one is
     /// constant and the second one increases.
     pub fn row(&self, row: usize) -> Vec<[f64; 2]> {
+        let [of_first, of_second] = self.ranges;
         match self.points {
             MapPoints::Grid { rows, columns } => {
-                let first = equidistant(self.first.range, row, rows);
+                let first = equidistant(of_first, row, rows);
                 (0..columns)
-                    .map(|column| [first, equidistant(self.second.range, column, columns)])
+                    .map(|column| [first, equidistant(of_second, column, columns)])
                     .collect()
             }
             MapPoints::QuasiRandom { count } => {
@@ -49,7 +48,7 @@ impl Plane {
                 (from..count.min(from + POINTS_PER_ROW))
                     .map(|index| {
                         let [one, other] = quasi_random(index);
-                        [part(self.first.range, one), part(self.second.range, other)]
+                        [part(of_first, one), part(of_second, other)]
                     })
                     .collect()
             }
@@ -61,11 +60,12 @@ impl Plane {
         let MapPoints::Grid { rows, columns } = self.points else {
             return None;
         };
-        let values = |axis: &MapAxis, count| {
-            let value = |index| equidistant(axis.range, index, count);
+        let values = |range, count| {
+            let value = |index| equidistant(range, index, count);
             (0..count).map(value).collect()
         };
-        Some([values(&self.first, rows), values(&self.second, columns)])
+        let [of_first, of_second] = self.ranges;
+        Some([values(of_first, rows), values(of_second, columns)])
     }
 }
 
@@ -94,7 +94,7 @@ fn quasi_random(index: usize) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::Start;
+    use crate::problem::{MapAxis, Start};
     use crate::tube::model::Parameter;
 
     fn plane(points: MapPoints) -> Plane {

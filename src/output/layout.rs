@@ -67,8 +67,8 @@ pub(crate) fn pictures(kind: Kind, problem: &Problem, format: Format) -> Vec<Str
     let names = match kind {
         Kind::Run => problem.output.plots.iter().map(plot).collect(),
         Kind::Simulation => MOTION.map(str::to_owned).to_vec(),
-        Kind::Map | Kind::Curve | Kind::Accuracy | Kind::Steady => vec![kind.name().to_owned()],
-        Kind::MapShard | Kind::Scan | Kind::ScanShard | Kind::Certificate => Vec::new(),
+        Kind::Curve | Kind::Accuracy | Kind::Steady => vec![kind.name().to_owned()],
+        Kind::Map | Kind::MapShard | Kind::Scan | Kind::ScanShard | Kind::Certificate => Vec::new(),
     };
     names.iter().map(|name| picture(name, format)).collect()
 }
@@ -85,16 +85,6 @@ pub(crate) fn pictures_of_orbits(problem: &SystemProblem, format: Format) -> Vec
 pub(super) const SCANNED: [&str; 2] = ["scan", "scan_over"];
 /// Pictures of a motion of a system, without extension.
 pub(super) const OF_MOTION: [&str; 2] = ["time_series", "phase_plane"];
-
-/// Files of pictures that a folder of a system has besides those of a branch.
-pub(crate) fn pictures_of_system(kind: Kind, format: Format) -> Vec<String> {
-    let names = match kind {
-        Kind::Scan => &SCANNED[..1],
-        Kind::Simulation => &OF_MOTION,
-        _ => &[],
-    };
-    names.iter().map(|name| picture(name, format)).collect()
-}
 
 /// Name of a picture of a branch of orbits.
 pub(super) fn orbit_plot(plot: &SystemPlot) -> String {

@@ -6,7 +6,7 @@
 use super::layout::{self, SECTION, SERIES, SWITCHES};
 use super::origin::Origin;
 use super::render::Format;
-use super::store::{Growing, Kind, Store, StoreError};
+use super::store::{Growing, Store, StoreError};
 use crate::affine::course::Seen;
 use crate::affine::motion::Place;
 use crate::affine::system::System;
@@ -40,8 +40,8 @@ impl<'a> MotionFolder<'a> {
         let forced = system.source.forcing.is_some();
         let mut names = vec![SERIES, SWITCHES, Origin::<SystemProblem>::FILE];
         names.extend(forced.then_some(SECTION));
-        let pictures = layout::pictures_of_system(Kind::Simulation, Format::Svg);
-        store.begin(&names, pictures, None)?;
+        let pictures = layout::OF_MOTION.map(|name| layout::picture(name, Format::Svg));
+        store.begin(&names, pictures.to_vec(), None)?;
         Origin::keep(store, problem)?;
         let states = &system.source.states;
         let of_states =

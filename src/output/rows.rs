@@ -11,8 +11,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use super::layout::{self, MAP, MAP_ORIGIN};
 use super::origin::Origin;
@@ -21,8 +21,9 @@ use super::store::{
     Kind, Store, StoreError, VERSION, decode, encode, hash, io_error, numbered, read, refused,
     resumable,
 };
+use crate::branch::row::WaveRow;
 use crate::map::{CellRow, Plane};
-use crate::problem::Problem;
+use crate::problem::{Problem, SystemProblem};
 use crate::table::{self, number};
 
 const ROWS: &str = "rows";
@@ -46,11 +47,43 @@ pub(crate) trait Rowed: Clone + PartialEq + Serialize + DeserializeOwned {
     fn first(&self, row: usize) -> Option<f64>;
     /// The header of the table.
     fn header(&self) -> String;
-    /// Files of the pictures.
-    fn pictures(&self) -> Vec<String>;
 }
 
-impl Rowed for Problem {
+/// A problem whose section `map` is computed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub(crate) struct Mapped<P>(pub P);
+
+/// What has a plane to map.
+pub(crate) trait HasPlane: Clone + PartialEq + Serialize + DeserializeOwned {
+    /// Its section `map`.
+    fn plane(&self) -> Option<Plane>;
+    /// The header of the table.
+    fn header(&self) -> String;
+}
+
+impl HasPlane for Problem {
+    fn plane(&self) -> Option<Plane> {
+        self.map.as_ref().map(Plane::new)
+    }
+
+    fn header(&self) -> String {
+        table::header::<CellRow<WaveRow>>()
+    }
+}
+
+impl HasPlane for SystemProblem {
+    fn plane(&self) -> Option<Plane> {
+        self.map.as_ref().map(Plane::new)
+    }
+
+    fn header(&self) -> String {
+        let row = CellRow::columns(&self.system.source);
+        table::line_of(&table::columns(&row))
+    }
+}
+
+impl<P: HasPlane> Rowed for Mapped<P> {
     const KIND: Kind = Kind::Map;
     const SHARD: Kind = Kind::MapShard;
     const ORIGIN: &'static str = MAP_ORIGIN;
@@ -59,21 +92,16 @@ impl Rowed for Problem {
     const PARQUET: Option<&'static str> = Some("map.parquet");
 
     fn rows(&self) -> usize {
-        self.map.as_ref().map_or(0, |map| Plane::new(map).rows())
+        self.0.plane().map_or(0, |plane| plane.rows())
     }
 
     fn first(&self, row: usize) -> Option<f64> {
-        let plane = Plane::new(self.map.as_ref()?);
-        let point = plane.row(row).first().copied()?;
+        let point = self.0.plane()?.row(row).first().copied()?;
         Some(point[0])
     }
 
     fn header(&self) -> String {
-        table::header::<CellRow>()
-    }
-
-    fn pictures(&self) -> Vec<String> {
-        layout::pictures(Kind::Map, self, Format::Svg)
+        self.0.header()
     }
 }
 
@@ -128,7 +156,7 @@ impl<P: Rowed> RowsFolder<P> {
         if *begun {
             return Ok(());
         }
-        let mut names = self.origin.problem.pictures();
+        let mut names = vec![layout::picture(P::KIND.name(), Format::Svg)];
         names.extend(P::PARQUET.map(str::to_owned));
         names.extend(rows.iter().map(|row| row_name(*row)));
         if self.store.resumes() {
@@ -273,7 +301,7 @@ impl<P: Rowed> RowsFolder<P> {
     fn convert(&self) -> Result<(), StoreError> {
         use super::parquet::{Kind, convert};
         let kind = |name: &str| match name {
-            "row" | "column" | "passage" | "unstable" | "lead_sector" => Kind::Integer,
+            "row" | "column" | "passage" | "periods" | "unstable" | "lead_sector" => Kind::Integer,
             "start" | "found" | "regimes" | "switches" | "stable" | "why" => Kind::Text,
             _ => Kind::Number,
         };

@@ -1,7 +1,6 @@
 //! The table of a scan: a row for every sample, and one with a reason where there are fewer than asked for.
 
-use super::layout::{self, SCAN, SCAN_ORIGIN};
-use super::render::Format;
+use super::layout::{SCAN, SCAN_ORIGIN};
 use super::rows::Rowed;
 use super::store::Kind;
 use crate::affine::motion::Place;
@@ -37,10 +36,6 @@ impl Rowed for SystemProblem {
             own(&["phase", "mode", "why"]),
         ];
         line_of(&columns.concat())
-    }
-
-    fn pictures(&self) -> Vec<String> {
-        layout::pictures_of_system(Kind::Scan, Format::Svg)
     }
 }
 

@@ -1,8 +1,8 @@
-//! The plane to map: two parameters, where in it, and the waves to begin with.
+//! The plane to map: two parameters, where in it, and what to begin with.
 
 use serde::{Deserialize, Serialize};
 
-use super::Start;
+use super::{Beginning, Start};
 use crate::tube::model::Parameter;
 
 /// Most rows or columns of a grid.
@@ -10,31 +10,49 @@ pub(crate) const MAX_GRID: usize = 100_000;
 /// Most points of a map.
 pub(crate) const MAX_MAP_POINTS: usize = 100_000_000;
 
-/// A map of waves over a plane of two parameters.
+/// A map over a plane of two parameters, of waves unless told otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Map {
+#[serde(bound(deserialize = "P: Deserialize<'de>, S: Deserialize<'de> + Starts"))]
+pub struct Map<P = Parameter, S = Start> {
     /// The parameter that is the same along a row of a grid.
-    pub first: MapAxis,
-    /// The parameter that a branch is followed in along a row of a grid.
-    pub second: MapAxis,
+    pub first: MapAxis<P>,
+    /// The parameter that changes along a row of a grid: branches of waves are followed in it.
+    pub second: MapAxis<P>,
     /// Where in the plane.
     pub points: MapPoints,
-    /// Which waves to begin with, each at most once.
-    #[serde(default = "both")]
-    pub starts: Vec<Start>,
+    /// Which waves to begin with, each at most once; of a system where motions begin.
+    #[serde(default = "Starts::unless_given")]
+    pub starts: Vec<S>,
 }
 
-fn both() -> Vec<Start> {
-    vec![Start::Fast, Start::Slow]
+/// The same for motions of a system; those of `orbit` where no starts are given.
+pub type SystemMap = Map<String, Beginning>;
+
+/// What a map begins with.
+pub trait Starts: Sized {
+    /// Where the file does not say.
+    fn unless_given() -> Vec<Self>;
+}
+
+impl Starts for Start {
+    fn unless_given() -> Vec<Start> {
+        vec![Start::Fast, Start::Slow]
+    }
+}
+
+impl Starts for Beginning {
+    fn unless_given() -> Vec<Beginning> {
+        Vec::new()
+    }
 }
 
 /// One side of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct MapAxis {
+pub struct MapAxis<P = Parameter> {
     /// Parameter.
-    pub parameter: Parameter,
+    pub parameter: P,
     /// Lower and upper end, lower < upper.
     pub range: (f64, f64),
 }

@@ -37,7 +37,7 @@ pub use curve::{Curve, CurveEvent, SystemCurve, SystemCurveEvent};
 pub use doubt::Doubt;
 pub use error::ProblemError;
 pub use expectation::Expectation;
-pub use map::{Map, MapAxis, MapPoints};
+pub use map::{Map, MapAxis, MapPoints, Starts, SystemMap};
 pub use scan::{Scan, ScanValues, Section, Sweep};
 pub use system::{
     Beginning, Multipliers, Orbit, OrbitStart, SystemPlot, SystemProblem, SystemSimulation,
@@ -493,7 +493,7 @@ pub fn parse(text: &str, name: &str) -> Result<Problem, ProblemError> {
             );
             let at = outline.key_of("", section);
             let at = at.unwrap_or_else(|| outline.locate(section));
-            let help = "take a problem with `model` and `wave`; `run`, `check`, `steady`, `scan` and \
+            let help = "take a problem with `model` and `wave`; `run`, `check`, `steady`, `map`, `scan` and \
                         `simulate` take systems";
             Err(Flaw::new(at, message, help))
         }
@@ -512,12 +512,11 @@ pub fn parse_any(text: &str, name: &str) -> Result<Any, ProblemError> {
 }
 
 /// Sections of a tube that stand where a system has another one, and those that a system does not have.
-const OF_TUBES: [(&str, Option<&str>); 5] = [
+const OF_TUBES: [(&str, Option<&str>); 4] = [
     ("model", Some("system")),
     ("tube", Some("system")),
     ("wave", Some("orbit")),
     ("method", None),
-    ("map", None),
 ];
 
 /// Refuses sections of a tube in a problem with a system.

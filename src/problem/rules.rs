@@ -5,9 +5,10 @@ use std::fmt::Debug;
 use super::error::{Flaw, excerpt};
 use super::expectation::MAX_EXPECTATIONS;
 use super::fields::not_admitted;
+use super::map::MAX_MAP_POINTS;
 use super::outline::Outline;
 use super::tube::place_of;
-use super::{Continuation, Expectation, MAX_USER_POINTS, Toward};
+use super::{Continuation, Expectation, MAX_USER_POINTS, Map, MapPoints, Toward};
 
 pub(super) type Check = Result<(), Flaw>;
 
@@ -71,6 +72,20 @@ impl<P> Checks<'_, P> {
         }
         let message = format!("{} is listed twice", excerpt(&format!("{:?}", list[index])));
         self.refuse(path, message, "list each once")
+    }
+
+    /// Refuses a plane of one parameter, or with points without end.
+    pub fn plane<N: Debug + PartialEq, S>(&self, section: &Map<N, S>) -> Check {
+        let parameter = &section.second.parameter;
+        let differ = section.first.parameter != *parameter;
+        let rule = "the two parameters of a map must be different";
+        self.admit("map.second.parameter", parameter, differ, rule)?;
+        let MapPoints::Grid { rows, columns } = section.points else {
+            return Ok(());
+        };
+        let rule = format!("a map has at most {MAX_MAP_POINTS} points");
+        let holds = rows.saturating_mul(columns) <= MAX_MAP_POINTS;
+        self.admit("map.points", section.points, holds, &rule)
     }
 
     /// Refuses the number of an event along the branch where a label names the event of a curve.

@@ -1,10 +1,9 @@
 //! What the values of a problem with waves must hold to among each other.
 
-use super::map::MAX_MAP_POINTS;
 use super::outline::Outline;
 use super::rules::{Check, Checks, ORDER};
 use super::{
-    Continuation, Curve, CurveEvent, Expectation, Map, MapPoints, Plot, Problem, Start, Toward,
+    Continuation, Curve, CurveEvent, Expectation, Map, Plot, Problem, Start, Toward,
     drawable_columns,
 };
 use crate::orbit::EventType;
@@ -276,15 +275,7 @@ impl Checks<'_, Problem> {
             self.known(&format!("map.{side}.parameter"), axis.parameter)?;
             self.range(&format!("map.{side}.range"), axis.parameter, axis.range)?;
         }
-        let parameter = section.second.parameter;
-        let differ = section.first.parameter != parameter;
-        let rule = "the two parameters of a map must be different";
-        self.admit("map.second.parameter", parameter, differ, rule)?;
-        if let MapPoints::Grid { rows, columns } = section.points {
-            let rule = format!("a map has at most {MAX_MAP_POINTS} points");
-            let holds = rows.saturating_mul(columns) <= MAX_MAP_POINTS;
-            self.admit("map.points", section.points, holds, &rule)?;
-        }
+        self.plane(section)?;
         let starts = &section.starts;
         let rule = "name Fast, Slow or both, each once";
         self.admit("map.starts", starts, !starts.is_empty(), rule)?;

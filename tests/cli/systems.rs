@@ -217,7 +217,7 @@ fn a_motion_that_ends_says_why() {
 fn verbs_for_tubes_say_so() {
     let bench = Bench::new();
     bench.put("chua.ron", system("chua"));
-    let said = bench.run(&["map", "chua.ron"]).expect(2).stderr;
+    let said = bench.run(&["spectrum", "chua.ron"]).expect(2).stderr;
     let place = said.contains("chua.ron:7:5: this problem has a section `system`");
     assert!(place && said.contains("waves of a tube"), "{said}");
     let new = bench.run(&["new", "--for", "system"]).expect(0);

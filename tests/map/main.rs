@@ -2,6 +2,7 @@
 //! were computed.
 
 mod cells;
+mod motions;
 mod shards;
 
 use std::collections::BTreeMap;

@@ -93,9 +93,19 @@ pub enum NoStart {
         /// Whether it is zero all along; otherwise no exit has its conditions fulfilled.
         stays: bool,
     },
-    /// The motion switches no more and does not return: it rests, or leaves.
-    #[error("the motion does not switch any more after t = {time}: it rests, or leaves for good")]
+    /// The motion comes to rest.
+    #[error("the motion comes to rest after its last switch, at t = {time}")]
     Rests {
+        /// Time of the last switch, or of the beginning.
+        time: f64,
+        /// Where it rests.
+        place: Place,
+    },
+    /// The motion switches no more and does not come to rest.
+    #[error(
+        "the motion does not switch any more after t = {time}, and is not at rest: it leaves, or approaches rest slowly"
+    )]
+    Leaves {
         /// Time of the last switch.
         time: f64,
     },
@@ -222,7 +232,13 @@ fn found(
                 periods: 1,
             }
         }
-        None => free(wanted, &system, &mut motion, longest)?,
+        None => free(wanted, &system, &mut motion, longest).map_err(|reason| match reason {
+            NoStart::Leaves { time } if rests(&system, motion.place(), &beginning.state) => {
+                let place = motion.place().clone();
+                NoStart::Rests { time, place }
+            }
+            reason => reason,
+        })?,
     };
     let parts = course.zones.iter().map(|(place, switching, duration)| {
         // a switch that leads to where infinitely many others end
@@ -299,7 +315,7 @@ fn from_switch(motion: &mut Motion, time: f64) -> Result<Vec<(Place, Switching, 
     }
     let off = |index: &usize| (switches[*index].0.time - begin.time - time).abs();
     let last = (0..switches.len()).min_by(|one, other| off(one).total_cmp(&off(other)));
-    let last = last.ok_or(NoStart::Rests { time: begin.time })?;
+    let last = last.ok_or(NoStart::Leaves { time: begin.time })?;
     let mut place = begin;
     let zones = switches
         .into_iter()
@@ -449,6 +465,19 @@ fn forced(
     })
 }
 
+/// A zone longer than this, and than the motion that settled, does not end.
+const ENDLESS: f64 = 1000.0;
+
+/// Whether a motion would not move from a place by a part of its size that counts, in as long a time as was waited for
+/// a switch. Its size is that of the states where it began and where it is: an equilibrium may have none.
+fn rests(system: &AffineSystem, place: &Place, begun: &[f64]) -> bool {
+    let states = begun.iter().chain(&place.state);
+    let size = states.fold(0.0_f64, |size, x| size.max(x.abs()));
+    let z = system.lift(place.mode, &place.state, place.phase);
+    let rates = &system.modes[place.mode].matrix.at * z;
+    rates.rows(0, system.states).amax() * ENDLESS <= RETURNED * size
+}
+
 /// Without forcing: from a switch to the same switch in the same state.
 fn free(
     wanted: &Wanted,
@@ -457,15 +486,13 @@ fn free(
     longest: f64,
 ) -> Result<Course, NoStart> {
     let mut next = || {
-        /// A zone longer than this, and than the motion that settled, does not end.
-        const ENDLESS: f64 = 1000.0;
         let since = motion.place().time;
         match motion
             .step(since + longest.max(ENDLESS))
             .map_err(NoStart::Halted)?
         {
             Step::Switched(switching) => Ok((switching, motion.place().clone())),
-            Step::Reached | Step::Section => Err(NoStart::Rests { time: since }),
+            Step::Reached | Step::Section => Err(NoStart::Leaves { time: since }),
         }
     };
     let (first, begin) = next()?;

@@ -12,7 +12,7 @@ use crate::output::render::{
 use crate::tube::model::signature::Regime;
 
 /// Colours of sequences beyond the commonest ones: indigo, wine, olive, forest, rose, brown, slate.
-const RARE: [RGBColor; 7] = [
+pub(super) const RARE: [RGBColor; 7] = [
     RGBColor(51, 34, 136),
     RGBColor(136, 34, 85),
     RGBColor(153, 153, 51),

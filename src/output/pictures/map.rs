@@ -1,32 +1,36 @@
-//! The plane of a map, coloured by the signatures of its waves, in the colours of all pictures; white where no
-//! branch comes to a point, hatched where the search for one was cut short.
+//! The plane of a map. That of waves is coloured by their signatures, in the colours of all pictures; white where no
+//! branch comes to a point, hatched where the search for one was cut short. That of a system is coloured by what its
+//! motions settle on.
 
 use crate::output::render::{
-    Axis, BLACK, Cell, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pen, Picture, Point,
-    Shape, WHITE, mix,
+    Axis, BLACK, CATEGORIES, Cell, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pen,
+    Picture, Point, Quantity, Shape, WHITE, mix,
 };
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
 use plotters::style::RGBColor;
 
+use super::colours::RARE;
 use super::names::{quantity, short_signature, signature_colour};
-use crate::map::NOT_REACHED;
+use super::orbits::constants;
+use crate::map::{self, NOT_REACHED, UNDECIDED};
 use crate::output::layout::MAP;
 use crate::output::store::{StoreError, resumable, unfinished};
-use crate::problem::{Map, MapAxis, MapPoints};
+use crate::problem::{MapPoints, Problem, SystemProblem};
 
 /// How much of its colour a region keeps, by the stability of its waves; unknown stability counts
 /// as stable.
 const SHADES: [(&str, f64); 3] = [("yes", 1.0), ("undecided", 0.7), ("no", 0.45)];
 
-/// The wave shown at a point: the first passage of its branch.
+/// What is shown at a point: the wave of the first passage of a branch, or what a motion settles on.
 struct Wave {
     row: usize,
     column: usize,
     at: Point,
     start: String,
-    regimes: String,
+    /// What waves have in common that have one colour.
+    kind: String,
     stable: String,
 }
 
@@ -40,102 +44,349 @@ struct Blank {
     cut: bool,
 }
 
+/// The cells of a row of the table by their columns.
+type Cells<'a> = &'a dyn Fn(&str) -> String;
+
+/// A plane, and the words for what is in it.
+struct Plane {
+    points: MapPoints,
+    /// Name, quantity and range of the second parameter, and of the first.
+    x: Side,
+    y: Side,
+    /// What a row of the table has: a wave of a kind, nothing, or what is passed over.
+    found: fn(Cells) -> Found,
+    /// The word before the name of a start.
+    start: &'static str,
+    /// What stands for an empty picture, for points without a wave, and for those not reached.
+    words: [&'static str; 3],
+}
+
+struct Side {
+    column: String,
+    quantity: Quantity,
+    range: (f64, f64),
+}
+
+enum Found {
+    Wave(String),
+    Blank { cut: bool },
+    Further,
+}
+
+const NO_SECTION: &str = "there is no section `map`";
+
 /// The picture of the table in a map's folder.
 ///
 /// # Errors
 /// When the table cannot be read.
-pub(crate) fn picture(folder: &Path, map: &Map) -> Result<Picture, StoreError> {
-    let path = folder.join(MAP);
-    if !path.exists() {
-        return Err(unfinished(folder, "map", "its rows are not joined yet"));
+pub(crate) fn picture(folder: &Path, problem: &Problem) -> Result<Picture, StoreError> {
+    let Some(map) = &problem.map else {
+        return Err(unfinished(folder, "map", NO_SECTION));
+    };
+    let [x, y] = [&map.second, &map.first].map(|axis| Side {
+        column: axis.parameter.column().to_owned(),
+        quantity: quantity(axis.parameter.column()),
+        range: axis.range,
+    });
+    let plane = Plane {
+        points: map.points,
+        x,
+        y,
+        found: |cell| match &*cell("passage") {
+            "0" => Found::Blank {
+                cut: cell("found") == NOT_REACHED,
+            },
+            "1" => Found::Wave(cell("regimes")),
+            _ => Found::Further,
+        },
+        start: "",
+        words: [
+            "no wave was found",
+            "no branch comes here",
+            "not reached: a branch fails before",
+        ],
+    };
+    let (waves, blanks) = plane.read(folder)?;
+    let shown = |kind: &str| (signature_colour(kind), short_signature(kind));
+    Ok(plane.picture(&waves, &blanks, &shown))
+}
+
+/// The same of a system, coloured by signature and period.
+///
+/// # Errors
+/// As [`picture`].
+pub(crate) fn of_system(folder: &Path, problem: &SystemProblem) -> Result<Picture, StoreError> {
+    let Some(map) = &problem.map else {
+        return Err(unfinished(folder, "map", NO_SECTION));
+    };
+    let [x, y] = [&map.second, &map.first].map(|axis| Side {
+        column: axis.parameter.clone(),
+        quantity: (axis.parameter.as_str(), "").into(),
+        range: axis.range,
+    });
+    let plane = Plane {
+        points: map.points,
+        x,
+        y,
+        found: |cell| match &*cell("found") {
+            map::NONE => Found::Blank { cut: false },
+            UNDECIDED => Found::Blank { cut: true },
+            "orbit" => {
+                let switches = if cell("switches").is_empty() { "0" } else { "" };
+                let orbit = [&cell("periods"), &cell("regimes"), switches];
+                Found::Wave(orbit.join(" "))
+            }
+            other => Found::Wave(other.to_owned()),
+        },
+        start: "start ",
+        words: [
+            "no motion is known",
+            "the system makes no sense",
+            "undecided",
+        ],
+    };
+    let (mut waves, blanks) = plane.read(folder)?;
+    let kinds: BTreeSet<String> = waves.iter().map(|wave| wave.kind.clone()).collect();
+    let named = kinds.into_iter().map(|kind| {
+        let name = orbit_name(&kind);
+        (kind, name)
+    });
+    let names: BTreeMap<String, String> = named.collect();
+    for wave in &mut waves {
+        wave.kind.clone_from(&names[&wave.kind]);
     }
-    let (waves, blanks) = read(&path, map)?;
+    let greys = WITHOUT_ORBIT.map(|(word, share)| (word.to_owned(), mix(WHITE, BLACK, share)));
+    let mut colours = BTreeMap::from(greys);
+    let orbits = ranked(&waves).into_iter().filter(|kind| is_orbit(kind));
+    // all categories but black
+    let palette = CATEGORIES[..CATEGORIES.len() - 1].iter().chain(&RARE);
+    let coloured = orbits
+        .zip(palette)
+        .map(|(kind, colour)| (kind.to_owned(), *colour));
+    colours.extend(coloured.collect::<Vec<_>>());
+    for wave in waves
+        .iter_mut()
+        .filter(|wave| !colours.contains_key(&wave.kind))
+    {
+        OTHERS.clone_into(&mut wave.kind);
+    }
+    let shown = |kind: &str| (colours[kind], kind.to_owned());
+    let picture = plane.picture(&waves, &blanks, &shown);
+    let followed = [&*map.first.parameter, &*map.second.parameter];
+    let constants = constants(&problem.system.source, &followed);
+    Ok(picture
+        .titled(problem.title.as_deref())
+        .subtitled(&constants))
+}
+
+/// Orbits beyond those that have colours of their own.
+const OTHERS: &str = "other orbits";
+/// What is no orbit, the rest in black with this share.
+const WITHOUT_ORBIT: [(&str, f64); 5] = [
+    ("not periodic", 0.2),
+    ("chattering", 0.4),
+    ("unbounded", 0.6),
+    ("stuck", 0.8),
+    (OTHERS, 1.0),
+];
+
+fn is_orbit(kind: &str) -> bool {
+    WITHOUT_ORBIT.iter().all(|(word, _)| *word != kind)
+}
+
+/// Longest signature in a legend, in characters.
+const LONGEST: usize = 36;
+
+/// An orbit of so many periods, `2 free-free`, in the words of a legend: in one of its cyclic forms, what repeats once.
+fn orbit_name(kind: &str) -> String {
+    let [periods, regimes, never] = kind.split(' ').collect::<Vec<_>>()[..] else {
+        return kind.to_owned();
+    };
+    let mut modes: Vec<&str> = regimes.split('-').collect();
+    let turned = |start: &usize| [&modes[*start..], &modes[..*start]].concat();
+    let first = (0..modes.len()).min_by_key(turned).unwrap_or(0);
+    modes.rotate_left(first);
+    let count = modes.len();
+    let repeats = |length: &usize| {
+        count.is_multiple_of(*length) && (*length..count).all(|at| modes[at] == modes[at - length])
+    };
+    let length = (1..=count).find(repeats).unwrap_or(count);
+    let mut signature = modes[..length].join("-");
+    if signature.chars().count() > LONGEST {
+        let begun: String = signature.chars().take(LONGEST).collect();
+        signature = format!("{begun}… of {length} zones");
+    }
+    let signature = match (count / length, length) {
+        (1, _) => signature,
+        (times, 1) => format!("{times} {signature}"),
+        (times, _) => format!("{times} ({signature})"),
+    };
+    let never = if never == "0" { ", no switch" } else { "" };
+    match periods {
+        "" => format!("{signature}{never}"),
+        "1" => format!("T: {signature}{never}"),
+        _ => format!("{periods}T: {signature}{never}"),
+    }
+}
+
+/// Kinds of waves, those with most points first, and last what is no orbit.
+fn ranked(waves: &[Wave]) -> Vec<&str> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for wave in &waves {
-        *counts.entry(&wave.regimes).or_default() += 1;
+    for wave in waves {
+        *counts.entry(&wave.kind).or_default() += 1;
     }
     let mut names: Vec<&str> = counts.keys().copied().collect();
-    names.sort_by_key(|name| std::cmp::Reverse(counts[name]));
-    let colour = |wave: &Wave| {
-        let shade = SHADES.iter().find(|shade| shade.0 == wave.stable);
-        let share = shade.map_or(1.0, |shade| shade.1);
-        mix(WHITE, signature_colour(&wave.regimes), share)
-    };
-    let mut starts: Vec<&str> = waves.iter().map(|wave| wave.start.as_str()).collect();
-    starts.sort_unstable();
-    starts.dedup();
-    // half a cell more on either side
-    let half = |axis: &MapAxis, count: usize| {
-        0.5 * (axis.range.1 - axis.range.0) / (count.max(2) - 1) as f64
-    };
-    let (half_width, half_height) = match map.points {
-        MapPoints::Grid { rows, columns } => (half(&map.second, columns), half(&map.first, rows)),
-        MapPoints::QuasiRandom { .. } => (0.0, 0.0),
-    };
-    let axis = |axis: &MapAxis, half: f64, prefix: &str| {
-        let mut quantity = quantity(axis.parameter.column());
-        quantity.word.insert_str(0, prefix);
-        Axis::new(
-            quantity,
-            Extent::Fixed(axis.range.0 - half, axis.range.1 + half),
-        )
-    };
-    let panel = |layers, prefix: &str, height| {
-        let x = axis(&map.second, half_width, "");
-        Panel::new(x, axis(&map.first, half_height, prefix), layers).high(height)
-    };
-    let panels = starts.iter().map(|start| {
-        let shown: Vec<&Wave> = waves.iter().filter(|wave| wave.start == *start).collect();
-        let cut = blanks.iter().filter(|one| one.cut && one.start == *start);
-        let layers = match map.points {
-            MapPoints::QuasiRandom { .. } => {
-                let mut layers = scattered(&shown, colour);
-                let cut = cut.map(|blank| blank.at).collect();
-                layers.push(Layer::Marks(cut, Mark::new(Shape::Cross, 3.0, GREY)));
-                layers
-            }
-            MapPoints::Grid { rows, columns } => {
-                let mut layers = vec![cells(&shown, (half_width, half_height), colour)];
-                let cut = cut.map(|blank| (blank.row, blank.column)).collect();
-                let low = |axis: &MapAxis, half: f64| axis.range.0 - half;
-                let corner = (low(&map.second, half_width), low(&map.first, half_height));
-                let cell = (2.0 * half_width, 2.0 * half_height);
-                layers.extend(hatched(&cut, (rows, columns), corner, cell));
-                layers
-            }
+    names.sort_by_key(|name| (!is_orbit(name), std::cmp::Reverse(counts[name])));
+    names
+}
+
+impl Plane {
+    /// The picture of what was read; `shown` gives the colour and the name of a kind.
+    fn picture(
+        &self,
+        waves: &[Wave],
+        blanks: &[Blank],
+        shown: &dyn Fn(&str) -> (RGBColor, String),
+    ) -> Picture {
+        let kinds: Vec<(&str, (RGBColor, String))> = ranked(waves)
+            .into_iter()
+            .map(|kind| (kind, shown(kind)))
+            .collect();
+        let colours: BTreeMap<&str, RGBColor> = kinds
+            .iter()
+            .map(|(kind, (colour, _))| (*kind, *colour))
+            .collect();
+        let colour = |wave: &Wave| {
+            let shade = SHADES.iter().find(|shade| shade.0 == wave.stable);
+            let share = shade.map_or(1.0, |shade| shade.1);
+            mix(WHITE, colours[&*wave.kind], share)
         };
-        match starts.len() {
-            1 => panel(layers, "", HEIGHT),
-            _ => panel(layers, &format!("{start}: "), HEIGHT / 1.3),
+        let mut starts: Vec<&str> = waves.iter().map(|wave| wave.start.as_str()).collect();
+        starts.sort_unstable();
+        starts.dedup();
+        // half a cell more on either side
+        let half = |side: &Side, count: usize| {
+            0.5 * (side.range.1 - side.range.0) / (count.max(2) - 1) as f64
+        };
+        let (half_width, half_height) = match self.points {
+            MapPoints::Grid { rows, columns } => (half(&self.x, columns), half(&self.y, rows)),
+            MapPoints::QuasiRandom { .. } => (0.0, 0.0),
+        };
+        let axis = |side: &Side, half: f64, prefix: &str| {
+            let mut quantity = side.quantity.clone();
+            quantity.word.insert_str(0, prefix);
+            Axis::new(
+                quantity,
+                Extent::Fixed(side.range.0 - half, side.range.1 + half),
+            )
+        };
+        let panel = |layers, prefix: &str, height| {
+            let x = axis(&self.x, half_width, "");
+            Panel::new(x, axis(&self.y, half_height, prefix), layers).high(height)
+        };
+        let panels = starts.iter().map(|start| {
+            let shown: Vec<&Wave> = waves.iter().filter(|wave| wave.start == *start).collect();
+            let cut = blanks.iter().filter(|one| one.cut && one.start == *start);
+            let layers = match self.points {
+                MapPoints::QuasiRandom { .. } => {
+                    let mut layers = scattered(&shown, colour);
+                    let cut = cut.map(|blank| blank.at).collect();
+                    layers.push(Layer::Marks(cut, Mark::new(Shape::Cross, 3.0, GREY)));
+                    layers
+                }
+                MapPoints::Grid { rows, columns } => {
+                    let mut layers = vec![cells(&shown, (half_width, half_height), colour)];
+                    let cut = cut.map(|blank| (blank.row, blank.column)).collect();
+                    let corner = (self.x.range.0 - half_width, self.y.range.0 - half_height);
+                    let cell = (2.0 * half_width, 2.0 * half_height);
+                    layers.extend(hatched(&cut, (rows, columns), corner, cell));
+                    layers
+                }
+            };
+            match starts.len() {
+                1 => panel(layers, "", HEIGHT),
+                _ => panel(layers, &format!("{}{start}: ", self.start), HEIGHT / 1.3),
+            }
+        });
+        let mut panels: Vec<Panel> = panels.collect();
+        let [empty, none, not_reached] = self.words;
+        if panels.is_empty() {
+            panels.push(panel(Vec::new(), "", HEIGHT).unless(true, empty));
         }
-    });
-    let mut panels: Vec<Panel> = panels.collect();
-    if panels.is_empty() {
-        panels.push(panel(Vec::new(), "", HEIGHT).unless(true, "no wave was found"));
+
+        let shades = SHADES
+            .into_iter()
+            .filter(|(verdict, _)| waves.iter().any(|wave| wave.stable == *verdict))
+            .map(|(verdict, share)| (Key::Area(mix(WHITE, BLACK, 0.75 * share)), verdict));
+        let coloured = kinds
+            .iter()
+            .map(|(_, (colour, name))| (Key::Area(*colour), name.clone()));
+        let blank = |cut: bool| {
+            let of_panel = |one: &&Blank| one.cut == cut && starts.contains(&one.start.as_str());
+            blanks.iter().find(of_panel)
+        };
+        let cut = match self.points {
+            MapPoints::QuasiRandom { .. } => Key::Mark(Mark::new(Shape::Cross, 3.0, GREY)),
+            MapPoints::Grid { .. } => Key::Hatched(hatching()),
+        };
+        let none = blank(false).map(|_| (Key::Area(WHITE), none.to_owned()));
+        let cut = blank(true).map(|_| (cut, not_reached.to_owned()));
+        let mut legend = Legend::default().with("", coloured.chain(none).chain(cut));
+        if waves.iter().any(|wave| !wave.stable.is_empty()) {
+            legend = legend.with("stable", shades);
+        }
+        Picture::new(panels, legend)
     }
 
-    let shades = SHADES
-        .into_iter()
-        .filter(|(verdict, _)| waves.iter().any(|wave| wave.stable == *verdict))
-        .map(|(verdict, share)| (Key::Area(mix(WHITE, BLACK, 0.75 * share)), verdict));
-    let coloured = names
-        .iter()
-        .map(|name| (Key::Area(signature_colour(name)), short_signature(name)));
-    let blank = |cut: bool| {
-        let of_panel = |one: &&Blank| one.cut == cut && starts.contains(&one.start.as_str());
-        blanks.iter().find(of_panel)
-    };
-    let cut = match map.points {
-        MapPoints::QuasiRandom { .. } => Key::Mark(Mark::new(Shape::Cross, 3.0, GREY)),
-        MapPoints::Grid { .. } => Key::Hatched(hatching()),
-    };
-    let none = blank(false).map(|_| (Key::Area(WHITE), "no branch comes here".to_owned()));
-    let cut = blank(true).map(|_| (cut, "not reached: a branch fails before".to_owned()));
-    let mut legend = Legend::default().with("", coloured.chain(none).chain(cut));
-    if waves.iter().any(|wave| !wave.stable.is_empty()) {
-        legend = legend.with("stable", shades);
+    /// First passages of the table and points without a wave, in its order, row by row: maps may be long.
+    fn read(&self, folder: &Path) -> Result<(Vec<Wave>, Vec<Blank>), StoreError> {
+        let path = folder.join(MAP);
+        if !path.exists() {
+            return Err(unfinished(folder, "map", "its rows are not joined yet"));
+        }
+        let fault = |error: csv::Error| resumable(&path, error.to_string());
+        let mut reader = csv::Reader::from_path(&path).map_err(fault)?;
+        let header = reader.headers().map_err(fault)?.clone();
+        let place = |column: &str| header.iter().position(|name| name == column);
+        let needed = ["row", "column", "passage", "start", "regimes", "stable"];
+        for column in needed.into_iter().chain([&*self.x.column, &self.y.column]) {
+            if place(column).is_none() {
+                return Err(resumable(&path, format!("it has no column `{column}`")));
+            }
+        }
+        let (mut waves, mut blanks) = (Vec::new(), Vec::new());
+        for record in reader.records() {
+            let record = record.map_err(fault)?;
+            // tables of earlier versions do not tell what was found
+            let cell = |column: &str| {
+                let cell = place(column).and_then(|place| record.get(place));
+                cell.unwrap_or("").to_owned()
+            };
+            let value = |column: &str| cell(column).parse::<f64>().unwrap_or(f64::NAN);
+            let count = |column: &str| cell(column).parse().unwrap_or(usize::MAX - 1);
+            let (row, column, start) = (count("row"), count("column"), cell("start"));
+            let at = (value(&self.x.column), value(&self.y.column));
+            match (self.found)(&cell) {
+                Found::Wave(kind) => waves.push(Wave {
+                    row,
+                    column,
+                    at,
+                    start,
+                    kind,
+                    stable: cell("stable"),
+                }),
+                Found::Blank { cut } => blanks.push(Blank {
+                    row,
+                    column,
+                    at,
+                    start,
+                    cut,
+                }),
+                Found::Further => {}
+            }
+        }
+        Ok((waves, blanks))
     }
-    Ok(Picture::new(panels, legend))
 }
 
 fn scattered(waves: &[&Wave], colour: impl Fn(&Wave) -> RGBColor) -> Vec<Layer> {
@@ -212,81 +463,54 @@ fn hatched(
     layers
 }
 
-/// First passages of the table and points without a wave, in its order, row by row: maps may be long.
-fn read(path: &Path, map: &Map) -> Result<(Vec<Wave>, Vec<Blank>), StoreError> {
-    let fault = |error: csv::Error| resumable(path, error.to_string());
-    let mut reader = csv::Reader::from_path(path).map_err(fault)?;
-    let header = reader.headers().map_err(fault)?.clone();
-    let place = |column: &str| {
-        let place = header.iter().position(|name| name == column);
-        place.ok_or_else(|| resumable(path, format!("it has no column `{column}`")))
-    };
-    let (x, y) = (map.second.parameter.column(), map.first.parameter.column());
-    let [row, column, passage] = [place("row")?, place("column")?, place("passage")?];
-    let [x, y] = [place(x)?, place(y)?];
-    let [start, regimes, stable] = [place("start")?, place("regimes")?, place("stable")?];
-    // tables of earlier versions do not tell
-    let found = place("found").ok();
-    let (mut waves, mut blanks) = (Vec::new(), Vec::new());
-    for record in reader.records() {
-        let record = record.map_err(fault)?;
-        let cell = |place: usize| record.get(place).unwrap_or("");
-        let value = |place: usize| cell(place).parse::<f64>().unwrap_or(f64::NAN);
-        let count = |place: usize| cell(place).parse().unwrap_or(usize::MAX - 1);
-        let (row, column) = (count(row), count(column));
-        let (at, start) = ((value(x), value(y)), cell(start).to_owned());
-        if cell(passage) == "0" {
-            blanks.push(Blank {
-                row,
-                column,
-                at,
-                start,
-                cut: found.is_some_and(|found| cell(found) == NOT_REACHED),
-            });
-        } else if cell(passage) == "1" {
-            waves.push(Wave {
-                row,
-                column,
-                at,
-                start,
-                regimes: cell(regimes).to_owned(),
-                stable: cell(stable).to_owned(),
-            });
-        }
-    }
-    Ok((waves, blanks))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::Start;
-    use crate::tube::model::Parameter::{Friction, Mismatch};
+
+    /// One name for all cyclic forms and for what is traversed several times; an orbit that never switches has another
+    /// than one with a switch.
+    #[test]
+    fn orbits_are_named_by_period_and_signature() {
+        for (kind, name) in [
+            ("1 free 0", "T: free, no switch"),
+            ("1 free ", "T: free"),
+            ("2 free-free-free ", "2T: 3 free"),
+            (" slip-stick-slip-stick ", "2 (slip-stick)"),
+            (" stick-slip ", "slip-stick"),
+            ("not periodic", "not periodic"),
+        ] {
+            assert_eq!(orbit_name(kind), name);
+        }
+        let long = vec!["a"; 39].join("-") + "-b";
+        let named = orbit_name(&format!("1 {long} "));
+        assert!(
+            named.starts_with("T: a-a-") && named.ends_with("… of 40 zones"),
+            "{named}"
+        );
+    }
 
     /// White has a legend entry, and only cells that were not reached are hatched.
     #[test]
     fn cells_without_a_wave_are_white_or_hatched() {
         let folder = tempfile::tempdir().unwrap();
-        let axis = |parameter| MapAxis {
-            parameter,
-            range: (0.1, 0.2),
-        };
-        let map = Map {
-            first: axis(Friction),
-            second: axis(Mismatch),
-            points: MapPoints::Grid {
-                rows: 2,
-                columns: 2,
-            },
-            starts: vec![Start::Fast],
-        };
+        let text = "(
+            model: (coefficients: Geometry(nu: 0.3, xi: 1.5, gamma: 1.0), friction: 0.1, mismatch: 0.2),
+            wave: (mode: 4, start: Fast),
+            map: (
+                first: (parameter: Friction, range: (0.1, 0.2)),
+                second: (parameter: Mismatch, range: (0.1, 0.2)),
+                points: Grid(rows: 2, columns: 2),
+                starts: [Fast],
+            ),
+        )";
+        let problem = crate::problem::parse(text, "p.ron").unwrap();
         let table = "row,column,start,passage,found,regimes,mismatch,friction,stable\n\
             0,0,fast,1,wave,slip-stick,0.1,0.1,\n\
             0,1,fast,0,none,,0.2,0.1,\n\
             1,0,fast,0,not reached,,0.1,0.2,\n\
             1,1,fast,1,wave,slip-stick,0.2,0.2,\n";
         std::fs::write(folder.path().join(MAP), table).unwrap();
-        let picture = picture(folder.path(), &map).unwrap();
+        let picture = picture(folder.path(), &problem).unwrap();
         let entries = picture
             .legend
             .groups

@@ -72,7 +72,7 @@ pub(crate) fn draw(
 ) -> Result<Vec<PathBuf>, PlotError> {
     let folder = store.path();
     let picture = match (store.kind(), problem) {
-        (Some(Kind::Map), Some(Problem { map: Some(map), .. })) => map::picture(folder, map),
+        (Some(Kind::Map), Some(problem)) => map::picture(folder, problem),
         (Some(Kind::Curve), _) => CurveFolder::saved::<Tube>(store).map(|saved| {
             let ranges = saved.head().limits.ranges;
             curve::picture(&saved.curve(), ranges)
@@ -238,7 +238,7 @@ pub(crate) fn put(
 }
 
 /// A picture with the title of its problem, and with units where the problem says what they are.
-fn of_problem(problem: &Problem, picture: Picture) -> Picture {
+pub(crate) fn of_problem(problem: &Problem, picture: Picture) -> Picture {
     let title = problem.title.as_deref();
     // one with a title of its own has that of the problem below it
     let below = title.filter(|_| picture.title.is_some() && picture.subtitle.is_none());

@@ -56,7 +56,7 @@ pub(crate) fn draw(
     let title = problem.title.as_deref();
     let picture = |plot: &SystemPlot| -> Named {
         let drawn = describe(store, source, plot, &tables, &orbits);
-        let subtitle = constants(source, &section.parameter);
+        let subtitle = constants(source, &[&section.parameter]);
         let drawn = drawn.map(|picture| picture.titled(title).subtitled(&subtitle));
         (layout::orbit_plot(plot), drawn)
     };
@@ -84,7 +84,7 @@ pub(crate) fn draw_view(
     let tables = Tables::read(store.path(), x.unwrap_or(parameter))?;
     tables.check_column(&view.column)?;
     let drawn = diagram::picture(&tables, view)?;
-    let subtitle = constants(&problem.system.source, parameter);
+    let subtitle = constants(&problem.system.source, &[parameter]);
     let drawn = drawn.titled(problem.title.as_deref()).subtitled(&subtitle);
     put(store, None, format, [(layout::VIEW.to_owned(), Ok(drawn))])
 }
@@ -133,12 +133,12 @@ fn describe(
 }
 
 /// The parameters that stay as they are.
-pub(super) fn constants(source: &Source, followed: &str) -> String {
+pub(super) fn constants(source: &Source, followed: &[&str]) -> String {
     let others = source
         .parameters
         .0
         .iter()
-        .filter(|(name, _)| name != followed);
+        .filter(|(name, _)| !followed.contains(&name.as_str()));
     let words: Vec<String> = others
         .map(|(name, value)| format!("{name} = {}", number::significant(*value, 4)))
         .collect();

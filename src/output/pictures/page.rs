@@ -154,6 +154,14 @@ fn of_system(picture: &str, kind: Option<Kind>, problem: &SystemProblem) -> Stri
             format!("What motions settle on: samples of {first} against {scanned}")
         }
         Some(Kind::Scan) => format!("Samples of {first} against {scanned}, and a branch over them"),
+        Some(Kind::Map) => {
+            let axes = problem.map.iter().flat_map(|map| [&map.second, &map.first]);
+            let axes: Vec<&str> = axes.map(|axis| axis.parameter.as_str()).collect();
+            format!(
+                "What motions settle on in the plane of {}",
+                axes.join(" and ")
+            )
+        }
         Some(Kind::Simulation) if is(layout::OF_MOTION[0]) => "The states over time".to_owned(),
         Some(Kind::Simulation) => "The first two states over each other".to_owned(),
         Some(Kind::Accuracy) => METHODS.to_owned(),

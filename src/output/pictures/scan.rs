@@ -118,7 +118,7 @@ pub(crate) fn picture(
     let y = Axis::new((caption.as_str(), ""), Extent::Data(0.04));
     let panel = Panel::new(x, y, layers).unless(nothing, NONE);
     let picture = Picture::new(vec![panel], legend).titled(problem.title.as_deref());
-    let subtitle = format!("{}; {}", taken(scan), constants(source, &scan.parameter));
+    let subtitle = format!("{}; {}", taken(scan), constants(source, &[&scan.parameter]));
     Ok(picture.subtitled(&subtitle))
 }
 

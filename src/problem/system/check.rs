@@ -6,7 +6,9 @@ use super::super::explanation::{known, unknown_field};
 use super::super::outline::{Outline, Subject};
 use super::super::rules::{Check, Checks, ORDER, lengths};
 use super::super::scan::{MAX_SCANNED, MAX_VALUES};
-use super::super::{Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, fields};
+use super::super::{
+    Continuation, Curve, Scan, ScanValues, Section, Sweep, SystemCurve, SystemMap, fields,
+};
 use super::mistake::flaw_at;
 use super::{Beginning, OrbitStart, SystemPlot, SystemProblem};
 use crate::affine::system::{Mistake, Ordered, Source};
@@ -18,6 +20,8 @@ const MAX_NAMES: usize = 1000;
 const MAX_MODES: usize = 100;
 /// Most entries of `until` and of `if`.
 const MAX_SWITCHES: usize = 100;
+/// Most starts of a map.
+const MAX_STARTS: usize = 100;
 
 /// Relative difference of a period that is given from the one that the forcing has: a number of few digits will
 /// do, for the forcing has the others.
@@ -25,7 +29,14 @@ const SAME_PERIOD: f64 = 1e-2;
 
 /// Columns of result files that have no state or parameter in them, and fields of expectations: a parameter of
 /// that name could not be told from them.
-const NO_PARAMETER: [&str; 21] = [
+const NO_PARAMETER: [&str; 28] = [
+    "row",
+    "column",
+    "start",
+    "passage",
+    "found",
+    "periods",
+    "why",
     "point",
     "label",
     "type",
@@ -75,6 +86,11 @@ pub(super) fn written(written: &SystemProblem<Source>, outline: &Outline) -> Che
             modes.0.len() + sliding.0.len(),
             MAX_MODES,
         ),
+        (
+            "map.starts".to_owned(),
+            written.map.as_ref().map_or(0, |map| map.starts.len()),
+            MAX_STARTS,
+        ),
     ];
     for (name, mode) in &modes.0 {
         let path = format!("system.modes.{name}.until");
@@ -103,6 +119,9 @@ pub(super) fn check(problem: &SystemProblem, outline: &Outline) -> Check {
     }
     if let Some(section) = &problem.curve {
         checks.curve(section)?;
+    }
+    if let Some(section) = &problem.map {
+        checks.map(section)?;
     }
     if let Some(section) = &problem.simulation
         && let Some(start) = &section.start
@@ -175,7 +194,9 @@ impl Checks<'_, SystemProblem> {
             simulation.and_then(|section| section.start.clone()),
             scan.and_then(|section| section.start.clone()),
         ];
-        let begins = |name: &str| starts.iter().flatten().any(|start| start.mode == name);
+        let of_map = self.problem.map.iter().flat_map(|section| &section.starts);
+        let starts: Vec<&Beginning> = starts.iter().flatten().chain(of_map).collect();
+        let begins = |name: &str| starts.iter().any(|start| start.mode == name);
         let mut alone = system.unentered_modes().into_iter();
         let Some(name) = alone.find(|name| !begins(name)) else {
             return Ok(());
@@ -297,6 +318,27 @@ impl Checks<'_, SystemProblem> {
             }
         }
         Ok(here)
+    }
+
+    fn map(&self, section: &SystemMap) -> Check {
+        let names: Vec<&str> = self.source().parameters.names().collect();
+        for (side, axis) in [("first", &section.first), ("second", &section.second)] {
+            let (path, range) = (format!("map.{side}.range"), axis.range);
+            let column = axis.parameter.as_str();
+            self.one_of(
+                &format!("map.{side}.parameter"),
+                "parameter",
+                column,
+                &names,
+            )?;
+            self.admit(&path, range, range.0 < range.1, ORDER)?;
+            self.ends(&path, column, [range.0, range.1])?;
+        }
+        self.plane(section)?;
+        for (index, start) in section.starts.iter().enumerate() {
+            self.start(&format!("map.starts.{index}"), start)?;
+        }
+        Ok(())
     }
 
     fn scan(&self, section: &Scan) -> Check {

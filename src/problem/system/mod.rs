@@ -12,7 +12,10 @@ use serde::{Deserialize, Serialize};
 
 use super::error::Flaw;
 use super::outline::{Outline, Subject};
-use super::{Continuation, Expectation, Output, ProblemError, Scan, SystemCurve, missing};
+use super::{
+    Continuation, Expectation, Output, ProblemError, Scan, SystemCurve, SystemMap, missing,
+    refuse_at,
+};
 use crate::affine::motion::Place;
 use crate::affine::system::{Ordered, Source, System};
 
@@ -43,6 +46,9 @@ pub struct SystemProblem<S = System> {
     /// The event to follow in two parameters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curve: Option<SystemCurve>,
+    /// The plane to map.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub map: Option<SystemMap>,
     /// The motion to simulate.
     #[serde(default)]
     pub simulation: Option<SystemSimulation>,
@@ -181,6 +187,7 @@ impl<S> SystemProblem<S> {
             continuation: self.continuation,
             stability: self.stability,
             curve: self.curve,
+            map: self.map,
             simulation: self.simulation,
             scan: self.scan,
             output: self.output,
@@ -265,6 +272,23 @@ impl SystemProblem {
     pub fn scan(&self, text: &str, name: &str) -> Result<&Scan, ProblemError> {
         let section = self.scan.as_ref();
         section.ok_or_else(|| missing(Subject::System, "scan", "nothing to scan", text, name))
+    }
+
+    /// The section `map`; see [`SystemProblem::simulation`].
+    ///
+    /// # Errors
+    /// Where there is none, or where `orbit` does not say for how long motions settle.
+    pub fn map(&self, text: &str, name: &str) -> Result<&SystemMap, ProblemError> {
+        let section = self.map.as_ref();
+        let lack = "no plane to map";
+        let section = section.ok_or_else(|| missing(Subject::System, "map", lack, text, name))?;
+        if matches!(self.orbit.start, OrbitStart::Simulate { .. }) {
+            return Ok(section);
+        }
+        let message =
+            "a map has what motions settle on, and `orbit` does not say for how long they settle";
+        let help = "write for example `start: Simulate(mode: .., state: .., settle: 200)`";
+        Err(refuse_at(text, name, "orbit.start", message, help))
     }
 
     /// The section `continuation`; see [`SystemProblem::simulation`].

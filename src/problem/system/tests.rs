@@ -44,6 +44,12 @@ const FULL: &str = r##"// an oscillator that hits a stop
         stop_after: [(event: PD, count: 1)],
     ),
     stability: (),
+    map: (
+        first: (parameter: "w", range: (1.2, 1.8)),
+        second: (parameter: "e", range: (0.25, 0.75)),
+        points: Grid(rows: 20, columns: 30),
+        starts: [(mode: "back", state: {"x": 0.25, "v": -0.5}, phase: 0.3)],
+    ),
     simulation: (duration: 50.0, samples: 100, start: (mode: "stick", state: {"v": 0.0, "x": 0.1})),
     output: (plots: [Diagram, Phase("x", "v"), Time("x"), Multipliers, Column("max_x")], profiles: 9, labels: [1]),
     expect: [
@@ -283,10 +289,17 @@ fn values_are_checked() {
         ["event: LP, A: 0.391117", "event: LP, c: 0.1", "(event: LP, c: 0.1, tolerance: 1e-6, regimes_before: \"free\", regimes_after: \"free\")", "keeps them", "`A` or `period`"],
         ["{\"A\": 0.5}", "{\"B\": 0.5}", "\"B\"", "unknown field `B` in `expect`", ""],
         ["{\"A\": 0.5}", "{\"A\": inf}", "inf", "`expect.numbers.A` is inf", "finite"],
+        ["(parameter: \"w\", range: (1.2, 1.8))", "(parameter: \"ww\", range: (1.2, 1.8))", "\"ww\"", "`ww` is no parameter", ""],
+        ["(parameter: \"w\", range: (1.2, 1.8))", "(parameter: \"e\", range: (1.2, 1.8))", "\"e\"", "`map.second.parameter` is", "must be different"],
+        ["range: (1.2, 1.8)", "range: (1.8, 1.2)", "(1.8, 1.2)", "`map.first.range` is", "the lower end first"],
+        ["range: (1.2, 1.8)", "range: (-1.2, 1.8)", "-1.2", "the system makes no sense", "positive"],
+        ["Grid(rows: 20,", "Grid(rows: 1,", "1", "`map.points.rows` is 1", ""],
+        ["starts: [(mode: \"back\"", "starts: [(mode: \"bck\"", "\"bck\"", "`bck` is no mode", ""],
+        ["state: {\"x\": 0.25, \"v\": -0.5}", "state: {\"x\": 0.25}", "{", "the state `v` is missing in `map.starts.0.state`", ""],
         ["    simulation: (", "    simulaton: (", "simulaton", "did you mean `simulation`?", ""],
         ["    title: ", "    model: (), title: ", "()", "`model` is given beside `system`, in whose place it stands", "keep one"],
         ["    title: ", "    wave: (), title: ", "()", "`wave` is given beside `orbit`", "keep one"],
-        ["    title: ", "    map: (), title: ", "map", "`map` is for waves of a tube", "leave it out"],
+        ["    title: ", "    method: Exact, title: ", "method", "`method` is for waves of a tube", "leave it out"],
         ["    orbit: (", "    orbti: (", "orbti", "did you mean `orbit`?", ""],
     ];
     assert_eq!(wrongly_refused(FULL, &cases).join("\n"), "");
