@@ -1,8 +1,9 @@
 //! The flow of a mode at fixed parameters, piece by piece: exact states where it is linear, those of a series where it
 //! is not, and every guard as a polynomial whose sign is proven over the whole piece.
 
-use super::mode::AffineMode;
+use super::mode::{AffineMode, Row};
 use super::series::{Field, ORDER, Series};
+use super::stiff::{GAP, Splitting, Vanished};
 use crate::linalg::{Matrix, Vector, add_product};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS, REMAINDER};
 
@@ -45,6 +46,8 @@ struct Exact {
     /// Scales d of z in which M is balanced: the norm of z is Σ|zᵢ|/dᵢ.
     scales: Vector,
     guards: Vec<GuardSeries>,
+    /// What is slow of it, and its flow, with much longer pieces; the longest first.
+    stiff: Vec<(Splitting, Exact)>,
 }
 
 /// A guard over a piece.
@@ -63,8 +66,18 @@ pub struct Piece {
     pub z: Vector,
     /// How long it is.
     pub length: f64,
-    /// z over it, where the mode is not linear.
-    series: Option<Series>,
+    course: Course,
+}
+
+/// What is known of z over a piece.
+#[derive(Clone, Debug)]
+enum Course {
+    /// It is that of a linear mode.
+    Exact,
+    /// It is that of its slow part alone, by this number.
+    Slow(usize, Vanished),
+    /// Where the mode is not linear.
+    Series(Series),
 }
 
 /// What a guard does at the beginning of a zone.
@@ -86,8 +99,7 @@ impl Piece {
 }
 
 impl Exact {
-    fn new(mode: &AffineMode, longest: f64, (scales, norm): (Vector, f64)) -> Exact {
-        let matrix = mode.matrix.at.clone();
+    fn new(matrix: Matrix, longest: f64, (scales, norm): (Vector, f64)) -> Exact {
         let length = if norm * longest > 1.0 {
             norm.recip()
         } else {
@@ -99,14 +111,29 @@ impl Exact {
             let values = values.into_iter().enumerate();
             values.map(move |(row, value)| (row, column, *value))
         });
-        let mut flow = Exact {
+        Exact {
             guards: Vec::new(),
+            stiff: Vec::new(),
             step,
             length,
             scales,
             entries: entries.filter(|(.., value)| *value != 0.0).collect(),
             matrix,
-        };
+        }
+    }
+
+    /// The flow of a mode.
+    fn of(mode: &AffineMode, longest: f64, (scales, norm): (Vector, f64)) -> Exact {
+        let matrix = &mode.matrix.at;
+        let ways = Splitting::all(matrix, &scales, norm, longest);
+        let mut flow = Exact::new(matrix.clone(), longest, (scales, norm));
+        let stiff = ways.into_iter().map(|way| {
+            let slow = Exact::new(way.slow.clone(), longest, way.balance.clone());
+            (way, slow)
+        });
+        flow.stiff = stiff
+            .filter(|(_, slow)| slow.length >= GAP * flow.length)
+            .collect();
         for guard in &mode.guards {
             flow.watch(guard.row.at.clone());
         }
@@ -114,6 +141,9 @@ impl Exact {
     }
 
     fn watch(&mut self, form: Vector) {
+        for (way, slow) in &mut self.stiff {
+            slow.watch(way.along.tr_mul(&form));
+        }
         let size = form.component_mul(&self.scales).amax();
         let mut coefficients = Matrix::zeros(form.len(), COEFFICIENTS);
         coefficients.set_column(0, &form);
@@ -144,21 +174,24 @@ impl Exact {
         }
     }
 
-    fn states(&self, z: &Vector, part: f64, states: usize) -> Vec<Bernstein> {
-        let mut taylor = vec![[0.0; COEFFICIENTS]; states];
+    /// Rows of a matrix times z over the beginning of a piece.
+    fn forms(&self, z: &Vector, part: f64, rows: &Matrix) -> Vec<Bernstein> {
+        let mut taylor = vec![[0.0; COEFFICIENTS]; rows.nrows()];
         let (mut term, mut next) = (z.clone(), z.clone());
         for k in 0..COEFFICIENTS {
             if k > 0 {
                 self.rate(part * self.length / k as f64, &term, &mut next);
                 std::mem::swap(&mut term, &mut next);
             }
-            for (state, taylor) in taylor.iter_mut().enumerate() {
-                taylor[k] = term[state];
+            let values = rows * &term;
+            for (taylor, value) in taylor.iter_mut().zip(&values) {
+                taylor[k] = *value;
             }
         }
         let amplitude: f64 = z.iter().zip(&self.scales).map(|(z, d)| z.abs() / d).sum();
         let error = 1.06 * REMAINDER * part.powi(COEFFICIENTS as i32) * amplitude;
-        let polynomials = taylor.iter().zip(&self.scales);
+        let sizes = rows.abs() * &self.scales;
+        let polynomials = taylor.iter().zip(&sizes);
         polynomials
             .map(|(taylor, d)| Bernstein::from_taylor(taylor, error * d))
             .collect()
@@ -222,7 +255,7 @@ impl ModeFlow {
             exact: mode
                 .field
                 .is_exact
-                .then(|| Exact::new(mode, longest, balance())),
+                .then(|| Exact::of(mode, longest, balance())),
             longest,
         }
     }
@@ -238,37 +271,65 @@ impl ModeFlow {
         }
     }
 
+    /// The slowest part of it that is split off, where it is stiff.
+    pub(super) fn slowest(&self) -> Option<&Splitting> {
+        let exact = self.exact.as_ref()?;
+        exact.stiff.first().map(|(way, _)| way)
+    }
+
     /// The piece that begins at z. Its length is no number where the rates have no value.
     pub fn piece(&self, mut z: Vector) -> Piece {
-        let (length, series) = match &self.exact {
-            Some(exact) => (exact.length, None),
+        let (length, course) = match &self.exact {
+            Some(exact) => {
+                let mut slow = exact.stiff.iter().enumerate();
+                let slow = slow.find_map(|(index, (way, slow))| {
+                    Some((slow.length, Course::Slow(index, way.vanished(&z)?)))
+                });
+                slow.unwrap_or((exact.length, Course::Exact))
+            }
             None => {
                 let series = self.field.series(&z, ORDER, false, true);
                 z = series.at(0.0);
-                (self.field.length(&series, self.longest, true), Some(series))
+                let length = self.field.length(&series, self.longest, true);
+                (length, Course::Series(series))
             }
         };
-        Piece { z, length, series }
+        Piece { z, length, course }
+    }
+
+    /// Length of the longest piece that may follow one, where that is known before.
+    pub(super) fn longest(&self, piece: &Piece) -> f64 {
+        let slow = self.exact.iter().flat_map(|exact| exact.stiff.first());
+        slow.map(|(_, slow)| slow.length)
+            .fold(piece.length, f64::max)
     }
 
     /// z after a whole piece.
     pub fn advance(&self, piece: &Piece) -> Vector {
-        match &self.exact {
-            Some(exact) => &exact.step * &piece.z,
-            None => self.within(piece, piece.length),
+        match (&self.exact, &piece.course) {
+            (Some(exact), Course::Exact) => &exact.step * &piece.z,
+            (Some(exact), Course::Slow(index, at)) => {
+                let (way, slow) = &exact.stiff[*index];
+                &way.along * (&slow.step * &at.slow)
+            }
+            _ => self.within(piece, piece.length),
         }
     }
 
     /// z after a part of a piece, 0 ≤ `time` ≤ its length.
     pub fn within(&self, piece: &Piece, time: f64) -> Vector {
-        match (&self.exact, &piece.series) {
-            (Some(exact), _) => exact.within(&piece.z, time),
-            (None, Some(series)) => {
+        match (&self.exact, &piece.course) {
+            (Some(exact), Course::Exact) => exact.within(&piece.z, time),
+            (Some(exact), Course::Slow(index, at)) => {
+                let (way, slow) = &exact.stiff[*index];
+                &way.along * slow.within(&at.slow, time)
+            }
+            (_, Course::Series(series)) => {
                 let mut z = series.at(time);
                 self.field.complete(&mut z);
                 z
             }
-            (None, None) => piece.z.clone(),
+            (None, _) => piece.z.clone(),
         }
     }
 
@@ -304,19 +365,23 @@ impl ModeFlow {
 
     /// Every state over the beginning of a piece, as polynomials in time/`length`/`part`, and what they leave out.
     pub(super) fn states(&self, piece: &Piece, part: f64, states: usize) -> Vec<Bernstein> {
-        let Some(series) = &piece.series else {
-            let exact = self.exact.iter();
-            return exact
-                .flat_map(|exact| exact.states(&piece.z, part, states))
-                .collect();
-        };
-        let of = |state: usize| {
-            let mut row = Vector::zeros(piece.z.len());
-            row[state] = 1.0;
-            let (taylor, remainder) = polynomial(series, &row, part * piece.length);
-            Bernstein::from_taylor(&taylor, remainder)
-        };
-        (0..states).map(of).collect()
+        let size = piece.z.len();
+        match (&self.exact, &piece.course) {
+            (Some(exact), Course::Slow(index, at)) => {
+                let (way, slow) = &exact.stiff[*index];
+                slow.forms(&at.slow, part, &way.along.rows(0, states).into_owned())
+            }
+            (Some(exact), _) => exact.forms(&piece.z, part, &Matrix::identity(states, size)),
+            (None, Course::Series(series)) => {
+                let of = |state: usize| {
+                    let row = Row::unit(size, state).at;
+                    let (taylor, remainder) = polynomial(series, &row, part * piece.length);
+                    Bernstein::from_taylor(&taylor, remainder)
+                };
+                (0..states).map(of).collect()
+            }
+            (None, _) => Vec::new(),
+        }
     }
 
     /// A guard over the beginning of a piece, as a polynomial in time/`length`/`part`.
@@ -326,10 +391,18 @@ impl ModeFlow {
         piece: &Piece,
         part: f64,
     ) -> ([f64; COEFFICIENTS], f64) {
-        match (&self.exact, &piece.series) {
+        match (&self.exact, &piece.course) {
+            (Some(exact), Course::Slow(index, at)) => {
+                let (way, slow) = &exact.stiff[*index];
+                let (taylor, remainder) = slow.taylor(guard, &at.slow, part);
+                let left_out = way.of_fast(&self.guards[guard]) * at.left_out;
+                (taylor, remainder + left_out)
+            }
             (Some(exact), _) => exact.taylor(guard, &piece.z, part),
-            (None, Some(series)) => polynomial(series, &self.guards[guard], part * piece.length),
-            (None, None) => ([0.0; COEFFICIENTS], f64::INFINITY),
+            (None, Course::Series(series)) => {
+                polynomial(series, &self.guards[guard], part * piece.length)
+            }
+            (None, _) => ([0.0; COEFFICIENTS], f64::INFINITY),
         }
     }
 
@@ -375,7 +448,7 @@ impl ModeFlow {
                 let coefficients = &exact.guards[guard].coefficients;
                 [
                     coefficients.column(0).dot(&z),
-                    coefficients.column(1).dot(&z) / piece.length,
+                    coefficients.column(1).dot(&z) / exact.length,
                 ]
             }
             None => {

@@ -17,4 +17,5 @@ pub mod orbit;
 pub mod rows;
 pub mod series;
 pub mod steady;
+mod stiff;
 pub mod system;

@@ -267,6 +267,37 @@ fn a_period_without_bound_is_an_end() {
     assert!(off < 1e-9 && off < 10.0 * last.uncertainty, "{off:e}");
 }
 
+/// What lags behind by `th` has died out long before the next switch, e^(−0.2/th): the period is known in closed form,
+/// and the branch ends where it would without a lag.
+#[test]
+fn a_stiff_mode_is_followed_as_one_that_is_not() {
+    for th in [1e-3, 1e-6] {
+        let replaced = [("Q", 2.0), ("th", th)];
+        let thermostat = settled(THERMOSTAT, &replaced, "Q", "on", &[1.0, 0.5], 20.0);
+        let (_, all) = follow(&thermostat.0, &thermostat.1, false, (1.0, 3.0), 2000);
+        for one in all.iter().filter(|one| one.parameter > 1.12) {
+            let q = one.parameter;
+            let lag = q * th / (1.0 - th);
+            let on = ((q + lag - 0.9) / (q - 1.1)).ln();
+            let off = ((1.1 + lag) / 0.9).ln();
+            let at = one.orbit.at(&one.node.point).unwrap();
+            for (zone, of) in at.zones.iter().zip(&one.orbit.sequence.0) {
+                let exact = if of.name == "on" { on } else { off };
+                let error = (zone.duration - exact).abs();
+                assert!(error < 1e-12, "th = {th}, Q = {q}: {error:e}");
+            }
+            let multipliers = one.orbit.multipliers(&one.node.point).unwrap();
+            let rounding = 1e-15 / th;
+            assert!(multipliers[0].trivial && multipliers[1].value.norm() < rounding);
+        }
+        let last = all.last().unwrap();
+        let what = last.special.as_ref().unwrap().to_string();
+        assert_eq!(what, "the period grows without bound");
+        let off = (last.parameter - 1.1).abs();
+        assert!(off < 1e-10 && off < 10.0 * last.uncertainty, "{off:e}");
+    }
+}
+
 /// A symmetric orbit loses its symmetry where the multiplier of its half passes −1: the branch passes 1 with no fold.
 #[test]
 fn symmetry_is_lost_at_a_branch_point() {

@@ -70,7 +70,8 @@ fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec<Part>, f64
     let (mut piece, mut begun) = (flow.piece(entry), 0.0);
     loop {
         let rest = (duration - begun) / piece.length;
-        let count = rest + parts.len() as f64;
+        // what is stiff begins with pieces much shorter than those that follow
+        let count = parts.len() as f64 + (duration - begun) / flow.longest(&piece);
         if count.is_nan() || count > MOST_PIECES {
             return Err(count);
         }

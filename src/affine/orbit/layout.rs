@@ -12,6 +12,7 @@ pub use super::signature::ZonePoint;
 use super::structure::{ZoneFacts, facts};
 use crate::affine::flow::{ModeFlow, balance};
 use crate::affine::mode::{AffineMode, AffineSystem, Row};
+use crate::affine::stiff::STIFF;
 use crate::affine::system::{System, SystemError};
 use crate::linalg::{Matrix, Vector};
 
@@ -371,12 +372,11 @@ impl OrbitAt<'_> {
         let OrbitAt { orbit, posed, .. } = self;
         let name = &orbit.sequence.zone(zone).name;
         let mode = orbit.sequence.zone(zone).mode;
-        let passage = Passage::new(
-            &posed.system.modes[mode],
-            posed.balance(mode).1,
-            self.entry(zone),
-            time,
-        );
+        let norm = posed.balance(mode).1;
+        let is_long = posed.system.modes[mode].field.is_exact && norm * time > STIFF;
+        let stiff = is_long.then(|| posed.flow(mode).slowest()).flatten();
+        let entry = self.entry(zone);
+        let passage = Passage::new(&posed.system.modes[mode], norm, stiff, entry, time);
         let finite = passage.flow.iter().all(|x| x.is_finite());
         finite
             .then_some(passage)
@@ -412,7 +412,7 @@ impl OrbitAt<'_> {
             return Jet::at_entry(row, &entry);
         }
         // none passes yet
-        let jets = Passage::new(mode, 0.0, entry, 0.0).derivatives_at_entry(row, order, 1);
+        let jets = Passage::new(mode, 0.0, None, entry, 0.0).derivatives_at_entry(row, order, 1);
         jets.into_iter()
             .next()
             .unwrap_or_else(|| Jet::nothing(row.at.len()))

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use crate::affine::flow::{TERMS, propagator};
 use crate::affine::mode::{AffineMode, Row};
 use crate::affine::series::{ORDER, Series};
+use crate::affine::stiff::Splitting;
 use crate::linalg::{Matrix, Vector};
 
 /// A number with its derivatives in z at the entry, in time, and in the parameter at a fixed z.
@@ -91,12 +92,19 @@ struct Numerical {
 }
 
 impl<'a> Passage<'a> {
-    /// The passage from z through a mode whose matrix has this norm.
-    pub fn new(mode: &'a AffineMode, norm: f64, entry: Vector, time: f64) -> Passage<'a> {
+    /// The passage from z through a mode whose matrix has this norm; what is slow of it, where it is stiff.
+    pub fn new(
+        mode: &'a AffineMode,
+        norm: f64,
+        stiff: Option<&Splitting>,
+        entry: Vector,
+        time: f64,
+    ) -> Passage<'a> {
         if !mode.field.is_exact {
             return Passage::numerical(mode, entry, time);
         }
         let (flow, by) = propagator(&mode.matrix.at, Some(&mode.matrix.by[0]), norm, time);
+        let flow = stiff.map_or(flow, |way| way.propagator(time));
         Passage {
             end: &flow * &entry,
             by_parameter: by.map_or_else(|| Vector::zeros(entry.len()), |by| by * &entry),
