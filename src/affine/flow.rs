@@ -271,10 +271,11 @@ impl ModeFlow {
         }
     }
 
-    /// The slowest part of it that is split off, where it is stiff.
-    pub(super) fn slowest(&self) -> Option<&Splitting> {
-        let exact = self.exact.as_ref()?;
-        exact.stiff.first().map(|(way, _)| way)
+    /// The splitting that knows exp(Mt) best, where it is stiff.
+    pub(super) fn split(&self, time: f64) -> Option<&Splitting> {
+        let ways = self.exact.iter().flat_map(|exact| &exact.stiff);
+        let ways = ways.map(|(way, _)| way);
+        ways.min_by(|one, other| one.rounding(time).total_cmp(&other.rounding(time)))
     }
 
     /// The piece that begins at z. Its length is no number where the rates have no value.

@@ -34,6 +34,8 @@ pub(super) struct Splitting {
     pub along: Matrix,
     /// Rates F of the fast part f, in coordinates in which its length never grows.
     fast: Matrix,
+    /// Norm of F, and the slowest decay.
+    rates: (f64, f64),
     /// z of f alone.
     across: Matrix,
     slow_of: Matrix,
@@ -171,6 +173,12 @@ impl Splitting {
         }
         Some(Splitting {
             balance: balance(&slow),
+            rates: (
+                fast.column_iter()
+                    .map(|column| column.lp_norm(1))
+                    .fold(0.0, f64::max),
+                decay,
+            ),
             slow,
             along,
             fast,
@@ -195,10 +203,15 @@ impl Splitting {
         self.across.tr_mul(form).norm()
     }
 
-    /// exp(Mt). Its rounding is that of the slow part, not of many squares.
+    /// Rounding of exp(Mt) per time, in units: every square of the parts doubles it, and what is fast decays.
+    pub fn rounding(&self, time: f64) -> f64 {
+        let (norm, decay) = self.rates;
+        self.balance.1 + norm * (-decay * time).exp()
+    }
+
+    /// exp(Mt).
     pub fn propagator(&self, time: f64) -> Matrix {
-        let norm = self.fast.column_iter().map(|column| column.lp_norm(1));
-        let (fast, _) = propagator(&self.fast, None, norm.fold(0.0, f64::max), time);
+        let (fast, _) = propagator(&self.fast, None, self.rates.0, time);
         let (slow, _) = propagator(&self.slow, None, self.balance.1, time);
         &self.along * slow * &self.slow_of + &self.across * fast * &self.fast_of
     }
@@ -232,9 +245,9 @@ mod tests {
                     sum([0.0, 0.0, 1.0]),
                 ];
                 let z = way.propagator(t) * Vector::repeat(3, 1.0);
-                // every square doubles what rounding has left: as many as the rates of the slow part ask for
+                // every square doubles what rounding has left
                 let off = (&z - Vector::from_row_slice(&exact)).amax();
-                let allowed = 1e-15 * (1.0 + way.balance.1 * t);
+                let allowed = 1e-15 * (1.0 + way.rounding(t) * t);
                 assert!(off < allowed, "{t}: {off:e}");
                 // by then the rates 1e6, or 1e3 too, have taken e⁻³⁷
                 let dead = if way.slow.nrows() == 2 { 1e-4 } else { 1.0 };

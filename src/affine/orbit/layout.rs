@@ -374,7 +374,7 @@ impl OrbitAt<'_> {
         let mode = orbit.sequence.zone(zone).mode;
         let norm = posed.balance(mode).1;
         let is_long = posed.system.modes[mode].field.is_exact && norm * time > STIFF;
-        let stiff = is_long.then(|| posed.flow(mode).slowest()).flatten();
+        let stiff = is_long.then(|| posed.flow(mode).split(time)).flatten();
         let entry = self.entry(zone);
         let passage = Passage::new(&posed.system.modes[mode], norm, stiff, entry, time);
         let finite = passage.flow.iter().all(|x| x.is_finite());
