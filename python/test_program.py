@@ -103,6 +103,16 @@ class Program(unittest.TestCase):
         self.assertIn("--force", str(refused.exception))
         brakewave.run(problem, name="impact", quiet=True, force=True)
 
+    def test_maps(self):
+        side = lambda name, *ends: dict(parameter=name, range=ends)
+        section = dict(first=side("A", 0.02, 0.06), second=side("e", 0.5, 0.8), points=variant.Grid(rows=2, columns=3))
+        folder = brakewave.map(impact(map=section), out="plane", quiet=True, threads=2)
+        table = folder.map
+        self.assertEqual((folder.kind, len(table)), ("map", 6))
+        self.assertEqual(set(table["found"]) | set(table["regimes"]), {"orbit", "free"})
+        # at resonance it does not touch, and swings to A/cω
+        self.assertLess((table["max_x"] - table["A"] / 0.1).abs().max(), 1e-11)
+
     def test_scans_simulations_and_equilibria(self):
         values = variant.Linear(0.05, 0.09, 5)
         problem = impact(

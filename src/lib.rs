@@ -46,7 +46,8 @@
 //! - [`hybrid`] does so with orbits of a user's system, and lays motions side by side in a scan;
 //! - [`interval`] is arithmetic that rounds outwards, [`certify`] proves in it the special points that a
 //!   branch has located;
-//! - [`curve`] follows one event in two parameters, [`map`] lays branches through a plane of them;
+//! - [`curve`] follows one event in two parameters, [`map`] lays branches through a plane of them, or
+//!   motions of a system at its points;
 //! - [`discretised`] has the eigenvalues of a ring of points, as a check;
 //! - `accuracy` runs one problem by every method and compares errors and times;
 //! - `messages` makes sentences of events, refusals and ends, which are data everywhere else;

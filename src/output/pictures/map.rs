@@ -6,7 +6,7 @@ use crate::output::render::{
     Axis, BLACK, CATEGORIES, Cell, Extent, GREY, HEIGHT, Key, Layer, Legend, Mark, Panel, Pen,
     Picture, Point, Quantity, Shape, WHITE, mix,
 };
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use plotters::style::RGBColor;
@@ -146,14 +146,12 @@ pub(crate) fn of_system(folder: &Path, problem: &SystemProblem) -> Result<Pictur
         ],
     };
     let (mut waves, blanks) = plane.read(folder)?;
-    let kinds: BTreeSet<String> = waves.iter().map(|wave| wave.kind.clone()).collect();
-    let named = kinds.into_iter().map(|kind| {
-        let name = orbit_name(&kind);
-        (kind, name)
-    });
-    let names: BTreeMap<String, String> = named.collect();
-    for wave in &mut waves {
-        wave.kind.clone_from(&names[&wave.kind]);
+    let mut names: BTreeMap<String, String> = BTreeMap::new();
+    for Wave { kind, .. } in &mut waves {
+        let name = names
+            .entry(kind.clone())
+            .or_insert_with_key(|kind| orbit_name(kind));
+        kind.clone_from(name);
     }
     let greys = WITHOUT_ORBIT.map(|(word, share)| (word.to_owned(), mix(WHITE, BLACK, share)));
     let mut colours = BTreeMap::from(greys);
