@@ -509,6 +509,12 @@ fn crossings<O: Orbit>(
             through: &place.node.point,
         };
         let rounding = uncertainty(orbit, &mut plane, &place);
+        // beside a homoclinic orbit a step moves the parameter by less than it is known to: its zeros are rounding
+        let last = node.point.len() - 1;
+        let moved = [step.from, step.to].map(|end| (end.point[last] - node.point[last]).abs());
+        if rounding > (moved[0] + moved[1]) * orbit.unit().abs() {
+            continue;
+        }
         let located_there = Located {
             event: Event::Crossing(index),
             // the place itself is known to the last bracket

@@ -278,3 +278,27 @@ fn a_touch_right_after_the_entry_comes_first() {
         near(event.point.parameters[0], expected, 1e-12);
     }
 }
+
+/// Beside a homoclinic orbit of Chua's circuit folds and doublings accumulate, until a step moves the parameter by less
+/// than it is known to: what rounding makes of multipliers there is no event.
+#[test]
+fn rounding_beside_a_homoclinic_orbit_is_no_event() {
+    let parameters = "\"alpha\": 9.575, \"beta\": 12.0282, \"m\": -0.160312, \"n\": 0.335313";
+    let begin = CHUA.find("parameters: {").unwrap() + "parameters: {".len();
+    let end = begin + CHUA[begin..].find('}').unwrap();
+    let text = format!("{}{parameters}{}", &CHUA[..begin], &CHUA[end..]);
+    let from = text.find("Simulate(").unwrap();
+    let end = from + text[from..].find("settle: 200)").unwrap() + "settle: 200)".len();
+    let text = format!(
+        "{}Given(mode: \"inner\", state: {{\"x\": 1.0, \"y\": -0.31041834088168824, \"z\": -1.4650345139171845}}, \
+         period: 8.7277854627058815){}",
+        &text[..from],
+        &text[end..]
+    );
+    let (problem, along) = problem(&text, "alpha", (6.0, 12.0), Toward::Up);
+    let items = collect(Runner::begin(&problem, &along, None).unwrap(), 300);
+    let events = items.iter().filter_map(|item| item.point.kind);
+    let events: Vec<_> = events.collect();
+    assert_eq!(events, [EventType::EP, EventType::MX]);
+    near(items.last().unwrap().point.parameters[0], 9.575_602, 1e-6);
+}
