@@ -35,6 +35,9 @@ pub enum OrbitStop {
     Homoclinic {
         /// Name of the mode of the saddle.
         mode: String,
+        /// The parameter of that orbit, where it is known.
+        #[serde(default)]
+        limit: Option<f64>,
     },
     /// The states grow without bound.
     Grows,
@@ -83,11 +86,17 @@ impl fmt::Display for OrbitStop {
                 "beyond it nothing switches: a family of orbits at one value of the parameter"
             ),
             OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
-            OrbitStop::Homoclinic { mode } => write!(
-                formatter,
-                "the period grows without bound: the orbit comes to one that leaves the saddle of `{mode}` and \
-                 returns to it, a homoclinic orbit"
-            ),
+            OrbitStop::Homoclinic { mode, limit } => {
+                write!(
+                    formatter,
+                    "the period grows without bound: the orbit comes to one that leaves the saddle of `{mode}` and \
+                     returns to it, a homoclinic orbit"
+                )?;
+                match limit {
+                    Some(limit) => write!(formatter, " at {limit}"),
+                    None => Ok(()),
+                }
+            }
             OrbitStop::Grows => write!(formatter, "the states grow without bound: a resonance"),
             OrbitStop::Rests { mode } => write!(
                 formatter,
@@ -193,7 +202,7 @@ impl AffineOrbit {
             .sum();
         let free = !self.is_forced() && !self.opens(&node.point);
         (free && along < stationary && growth > GROWING).then(|| match self.stay(&node.point) {
-            Some(Stay { mode, .. }) => OrbitStop::Homoclinic { mode },
+            Some(stay) => self.comes_to(stay, node),
             None => OrbitStop::Unbounded,
         })
     }
@@ -238,8 +247,28 @@ impl AffineOrbit {
             .or_else(|| self.rests(node, NEARLY_AT_REST))
             .or_else(|| {
                 let stay = self.stay(&node.point)?;
-                (stay.growth > DIGITS).then_some(OrbitStop::Homoclinic { mode: stay.mode })
+                (stay.growth > DIGITS).then(|| self.comes_to(stay, node))
             })
+    }
+
+    /// What is left to a homoclinic orbit, at most: the parameter swings about its own or comes from one side, and
+    /// changed by more in the last turn.
+    fn left_beside_a_saddle(&self, node: &Node) -> f64 {
+        let slope = node.tangent[node.tangent.len() - 1].abs();
+        self.last_turn(node).unwrap_or(slope)
+    }
+
+    /// The homoclinic orbit of a stay.
+    fn comes_to(&self, stay: Stay, node: &Node) -> OrbitStop {
+        let here = self.parameter_at(&node.point);
+        let most = self.left_beside_a_saddle(node) * self.setting.scales.parameter;
+        let near = |limit: &f64| (limit - here).abs() <= most;
+        let limit = self.longest(&node.point);
+        let limit = limit.and_then(|zone| self.homoclinic(zone, here));
+        OrbitStop::Homoclinic {
+            limit: limit.filter(near),
+            mode: stay.mode,
+        }
     }
 
     /// What the parameter changed by, at most, while the period grew by the last turn beside a saddle.
@@ -273,8 +302,12 @@ impl AffineOrbit {
         let slope = tangent[tangent.len() - 1].abs();
         match stop {
             OrbitStop::Unbounded => slope,
-            // it swings about the limit, or comes from one side: what it changed by in the last turn is more than is left
-            OrbitStop::Homoclinic { .. } => self.last_turn(node).unwrap_or(slope),
+            OrbitStop::Homoclinic { limit, .. } => match limit {
+                Some(limit) => {
+                    (limit - self.parameter_at(point)).abs() / self.setting.scales.parameter
+                }
+                None => self.left_beside_a_saddle(node),
+            },
             OrbitStop::Grows => slope * self.stretch(point),
             OrbitStop::Rests { mode } => {
                 let zones =

@@ -4,7 +4,8 @@
 //! the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends whatever the
 //! parameter, as [`forms`] tell, or [`generic`] points. [`margin`] measures the inequalities, [`examine`] decides them; [`candidates`] finds
 //! what lies beyond an event, [`ends`] why nothing does; [`multipliers`] has the stability; [`start`] finds the first
-//! orbit, [`switch`] that of the other branch at an event, and [`hopf`] that at which orbits shrink to nothing, and
+//! orbit, [`switch`] that of the other branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`]
+//! that at which they take for ever, and
 //! [`row`] has what results keep of one.
 
 pub mod candidates;
@@ -12,6 +13,7 @@ mod ends;
 pub mod examine;
 mod forms;
 mod generic;
+mod homoclinic;
 mod hopf;
 pub mod layout;
 pub mod margin;
