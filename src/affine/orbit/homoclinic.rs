@@ -93,3 +93,60 @@ impl AffineOrbit {
         Some(off / (left.dot(&right) * reach))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::affine::orbit::start::{Beginning, Search, Wanted, first};
+    use crate::affine::system::{Source, System};
+    use ron::extensions::Extensions;
+
+    /// The homoclinic orbit of the sequence that a motion settles on, next to a value of the parameter, in the zones
+    /// of a mode.
+    fn found(text: &str, parameter: &str, state: &[f64], saddle: &str, value: f64) -> Option<f64> {
+        #[derive(serde::Deserialize)]
+        struct File {
+            system: Source,
+        }
+        let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
+        let file: File = options.from_str(text).unwrap();
+        let wanted = Wanted {
+            periods: 4,
+            ..Wanted::new(System::new(file.system).unwrap(), parameter, (0.0, 1.0)).unwrap()
+        };
+        let beginning = Beginning {
+            mode: wanted.system.mode("upper").unwrap(),
+            state: state.to_vec(),
+            phase: 0.0,
+        };
+        let (orbit, _) = first(&wanted, &beginning, Search::Settles(200.0)).unwrap();
+        let mut zones = 0..orbit.zones();
+        let zone = zones.find(|zone| orbit.sequence.zone(*zone).name == saddle)?;
+        orbit.homoclinic(zone, value)
+    }
+
+    /// Out of the saddle at 0 along x, from (1, 0) by (1 − t, t) to the line x = p − 0.3 + 0.2y, which is met on the
+    /// decaying direction x = 0 where p = 0.1.
+    #[test]
+    fn a_planar_saddle_in_closed_form() {
+        let text = r#"(system: (
+            states: ["x", "y"],
+            parameters: {"p": 0.4},
+            modes: {
+                "upper": (rates: {"x": "x", "y": "-1.5*y"}, until: [(zero: "1 - x", to: "back")]),
+                "back": (rates: {"x": "-1", "y": "1"}, until: [(zero: "x - p + 0.3 - 0.2*y", to: "upper")]),
+            },
+        ))"#;
+        let limit = found(text, "p", &[0.2, 1.0], "upper", 0.12).unwrap();
+        assert!((limit - 0.1).abs() < 1e-15, "{limit}");
+        // nothing rests in the other mode
+        assert_eq!(found(text, "p", &[0.2, 1.0], "back", 0.12), None);
+    }
+
+    /// Chua's circuit, whose saddle turns as it decays: the figure of an independent program in 30 digits.
+    #[test]
+    fn the_saddle_of_a_circuit() {
+        let text = include_str!("../../../problems/chua.ron");
+        let limit = found(text, "alpha", &[1.8, 0.0, -1.5], "inner", 11.1013).unwrap();
+        assert!((limit - 11.101_909_570_336_237).abs() < 1e-13, "{limit}");
+    }
+}
