@@ -1,17 +1,12 @@
 //! The flow of a mode at fixed parameters, piece by piece: exact states where it is linear, those of a series where it
 //! is not, and every guard as a polynomial whose sign is proven over the whole piece.
 
+use super::exponential::{TERMS, balance, propagator};
 use super::mode::{AffineMode, Row};
 use super::series::{Field, ORDER, Series};
 use super::stiff::{GAP, Splitting, Vanished};
 use crate::linalg::{Matrix, Vector, add_product};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS, REMAINDER};
-
-/// Terms of the series of exp(Mh) for ‖Mh‖ ≤ 1 in the balanced norm: the remainder is 1/19! ≈ 8e-18.
-pub(super) const TERMS: u32 = 18;
-
-/// Sweeps that balance a matrix: each at least halves what is left to gain.
-const SWEEPS: usize = 20;
 
 /// A guard is zero at the beginning of a zone within this many units of the noise of its polynomial: the
 /// state at a switch is known to a few of them.
@@ -461,151 +456,4 @@ impl ModeFlow {
         let close = (better - time).abs() <= POLISHED * piece.length;
         Some(if close { better.max(0.0) } else { time })
     }
-}
-
-/// Matrices larger than this are squared in blocks: smaller ones take longer to pack than to multiply.
-const SMALL: usize = 32;
-
-/// E = exp(Mt) for the norm of M, and ∂E/∂p for M′ = `by`: by the series of the balanced matrix over a part of the
-/// time, and squares of it. With (E + εE′)² = E² + ε(EE′ + E′E) the derivative is as exact as the value.
-pub(super) fn propagator(
-    matrix: &Matrix,
-    by: Option<&Matrix>,
-    norm: f64,
-    time: f64,
-) -> (Matrix, Option<Matrix>) {
-    let by = by.filter(|by| by.iter().any(|by| *by != 0.0));
-    // the products of the sizes that oscillators have are compiled for them
-    match matrix.nrows() {
-        3 => exponential(matrix, by, norm, time, 3),
-        4 => exponential(matrix, by, norm, time, 4),
-        5 => exponential(matrix, by, norm, time, 5),
-        6 => exponential(matrix, by, norm, time, 6),
-        size => exponential(matrix, by, norm, time, size),
-    }
-}
-
-#[inline(always)]
-fn exponential(
-    matrix: &Matrix,
-    by: Option<&Matrix>,
-    norm: f64,
-    time: f64,
-    size: usize,
-) -> (Matrix, Option<Matrix>) {
-    let doublings = (norm * time.abs()).log2().ceil().max(0.0);
-    // what is not finite gives a propagator that is not
-    let step = time * (-doublings).exp2();
-    let doublings = if doublings.is_finite() {
-        doublings as u32
-    } else {
-        0
-    };
-    let numbers = size * size;
-    let add = |factor: f64, left: &[f64], right: &[f64], sum: &mut [f64]| {
-        add_product(
-            factor,
-            &left[..numbers],
-            size,
-            &right[..numbers],
-            &mut sum[..numbers],
-        );
-    };
-    let add_up = |sum: &mut [f64], term: &[f64]| {
-        let pairs = sum[..numbers].iter_mut().zip(&term[..numbers]);
-        pairs.for_each(|(sum, term)| *sum += term);
-    };
-    let matrix = matrix.as_slice();
-    let mut sum = Matrix::identity(size, size);
-    let mut room = vec![0.0; 3 * numbers];
-    let (mut term, room) = room.split_at_mut(numbers);
-    let (mut next, mut term_by) = room.split_at_mut(numbers);
-    term.copy_from_slice(sum.as_slice());
-    let mut sum_by = by.map(|_| Matrix::zeros(size, size));
-    for k in 1..=TERMS {
-        let factor = step / f64::from(k);
-        if let Some((by, sum_by)) = by.zip(sum_by.as_mut()) {
-            next.fill(0.0);
-            add(factor, term_by, matrix, next);
-            add(factor, term, by.as_slice(), next);
-            std::mem::swap(&mut term_by, &mut next);
-            add_up(sum_by.as_mut_slice(), term_by);
-        }
-        next.fill(0.0);
-        add(factor, term, matrix, next);
-        std::mem::swap(&mut term, &mut next);
-        add_up(sum.as_mut_slice(), term);
-    }
-    for _ in 0..doublings {
-        if size > SMALL {
-            if let Some(by) = &mut sum_by {
-                *by = &sum * &*by + &*by * &sum;
-            }
-            sum = &sum * &sum;
-            continue;
-        }
-        if let Some(by) = &mut sum_by {
-            next.fill(0.0);
-            add(1.0, sum.as_slice(), by.as_slice(), next);
-            add(1.0, by.as_slice(), sum.as_slice(), next);
-            by.copy_from_slice(next);
-        }
-        next.fill(0.0);
-        add(1.0, sum.as_slice(), sum.as_slice(), next);
-        sum.copy_from_slice(next);
-    }
-    (sum, sum_by)
-}
-
-/// Powers of two d for which the largest column sum of D⁻¹MD is small, and that sum.
-///
-/// Osborne's method: rows and columns of one index get the same size. Units as different as volts and seconds
-/// would otherwise make pieces a hundred times too short.
-pub(crate) fn balance(matrix: &Matrix) -> (Vector, f64) {
-    let size = matrix.nrows();
-    let mut scales = Vector::repeat(size, 1.0);
-    let diagonal = matrix.diagonal().abs();
-    let mut scaled = matrix.abs();
-    scaled.fill_diagonal(0.0);
-    // the power of two nearest to √(row/column)
-    let wanted = |row: f64, column: f64| {
-        let exponent = (0.5 * (row / column).log2()).round();
-        let wanted = row > 0.0 && column > 0.0 && exponent != 0.0 && exponent.abs() < 100.0;
-        wanted.then(|| exponent.exp2())
-    };
-    let mut rows = vec![0.0; size];
-    for _ in 0..SWEEPS {
-        let mut changed = false;
-        rows.fill(0.0);
-        for column in scaled.as_slice().chunks_exact(size) {
-            let pairs = rows.iter_mut().zip(column);
-            pairs.for_each(|(sum, entry)| *sum += entry);
-        }
-        for i in 0..size {
-            let own = &scaled.as_slice()[i * size..(i + 1) * size];
-            let Some(factor) = wanted(rows[i], own.iter().sum()) else {
-                continue;
-            };
-            scales[i] *= factor;
-            changed = true;
-            for (column, other) in scaled.as_mut_slice().chunks_exact_mut(size).enumerate() {
-                let before = other[i];
-                other[i] /= factor;
-                if column != i {
-                    rows[i] += other[i] - before;
-                }
-            }
-            let own = &mut scaled.as_mut_slice()[i * size..(i + 1) * size];
-            for (sum, entry) in rows.iter_mut().zip(own) {
-                *sum += *entry * (factor - 1.0);
-                *entry *= factor;
-            }
-        }
-        if !changed {
-            break;
-        }
-    }
-    let sums = scaled.column_iter().zip(&diagonal);
-    let sums = sums.map(|(column, own)| column.sum() + own);
-    (scales, sums.fold(0.0, f64::max))
 }

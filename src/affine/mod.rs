@@ -2,12 +2,13 @@
 //!
 //! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names; [`form`] is
 //! what expressions of such a system are evaluated in, [`evaluation`] does that, [`mode`] the linear flow that a mode is made into at
-//! given parameters, [`series`] that of a mode whose rates are not affine, `stiff` what is slow of one, [`flow`] either with the
+//! given parameters, [`series`] that of a mode whose rates are not affine, `exponential` has those of matrices, `stiff` what is slow of one, [`flow`] either with the
 //! signs of its guards, [`motion`] follows it through its switches,
 //! and [`course`] sees it at equal times; [`steady`] has the equilibria, [`orbit`] the periodic orbits.
 
 pub mod course;
 pub(crate) mod evaluation;
+pub(crate) mod exponential;
 pub mod expression;
 pub mod flow;
 pub mod form;

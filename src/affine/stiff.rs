@@ -4,7 +4,7 @@
 //! With z = (z₁, z₂) and ż = Mz the slow part lies in z₂ = Xz₁, where M₂₁ + M₂₂X = X(M₁₁ + M₁₂X), and f = z₂ − Xz₁ has
 //! ḟ = Ff, F = M₂₂ − XM₁₂. With YF = M₁₂ + BY, B = M₁₁ + M₁₂X, the rest is s = z₁ − Yf with ṡ = Bs.
 
-use super::flow::{balance, propagator};
+use super::exponential::{balance, propagator};
 use crate::linalg::{Factors, Matrix, Vector};
 
 /// Zones of fewer time scales of their mode are left as they are: what is fast takes half of them to vanish.

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::affine::flow::{TERMS, propagator};
+use crate::affine::exponential::{TERMS, propagator};
 use crate::affine::mode::{AffineMode, Row};
 use crate::affine::series::{ORDER, Series};
 use crate::affine::stiff::Splitting;

@@ -9,7 +9,7 @@
 
 use super::enclosure::Enclosure;
 use super::modes::Row;
-use crate::affine::flow::balance;
+use crate::affine::exponential::balance;
 use crate::certify::arc::Moving;
 use crate::interval::{Interval, Number};
 use crate::linalg::{Matrix, Vector};
