@@ -329,20 +329,28 @@ pub(crate) fn point(
         let finite = all.iter().all(|one| one.value.norm() < INFINITE);
         if finite { all.clone() } else { Vec::new() }
     });
-    let own = |multipliers: &Vec<Multiplier>| -> Vec<f64> {
+    // sizes, and how near to 1 one may not be told from it
+    let own = |multipliers: &Vec<Multiplier>| -> Vec<(f64, f64)> {
         let own = multipliers.iter().filter(|one| !one.trivial);
-        own.map(|one| one.value.norm()).collect()
+        own.map(|one| (one.value.norm(), ON_CIRCLE.max(one.error)))
+            .collect()
     };
     let sizes = multipliers.as_ref().map(own);
     // at a graze there are none; where all are trivial nothing grows
     let known = multipliers.as_ref().is_some_and(|all| !all.is_empty());
     let outside = sizes.as_ref().filter(|_| known);
-    let outside = outside.map(|sizes| sizes.iter().filter(|size| **size > 1.0 + ON_CIRCLE).count());
+    let outside = outside.map(|sizes| {
+        let outside = sizes.iter().filter(|(size, error)| *size > 1.0 + error);
+        outside.count()
+    });
     let critical = matches!(
         kind,
         Some(EventType::LP | EventType::PD | EventType::NS | EventType::BP)
     );
-    let near = |sizes: &Vec<f64>| sizes.iter().any(|size| (size - 1.0).abs() <= ON_CIRCLE);
+    let near = |sizes: &Vec<(f64, f64)>| {
+        let mut sizes = sizes.iter();
+        sizes.any(|(size, error)| (size - 1.0).abs() <= *error)
+    };
     let stable = sizes.as_ref().map(|sizes| match outside {
         None => Stability::Undecided,
         Some(_) if critical || near(sizes) => Stability::Undecided,

@@ -408,3 +408,34 @@ fn steps_grow_with_the_orbit() {
     ];
     meets(&seen, &expected, 1e-11);
 }
+
+/// A wheel of spokes of unit rate: its speed before an impact follows from v₋² = v₊² + 4ag and v₊ = cv₋, so that its
+/// multiplier is c² on the whole branch, which ends where it does not come over its spoke, at (a − g)² = 4agc²/(1 − c²).
+#[test]
+fn a_wheel_that_hardly_comes_over_its_spoke_keeps_its_multiplier() {
+    const WHEEL: &str = r#"(
+        states: ["q", "v"],
+        parameters: {"a": 0.4, "g": 0.12, "c": 0.8},
+        modes: {"stance": (
+            rates: {"q": "v", "v": "q"},
+            until: [(zero: "g + a - q", to: "stance", reset: {"q": "g - a", "v": "c*v"})],
+        )},
+    )"#;
+    let (orbit, point) = settled(WHEEL, &[], "g", "stance", &[-0.28, 0.6], 60.0);
+    let (seen, all) = follow(&orbit, &point, false, (0.04, 0.2), 2000);
+    // e⁻ᵗ of the way is left where rounding is eᵗε
+    meets(&seen, &[(EventType::MX, 0.4 / 9.0, "stance")], 1e-6);
+    let mut largest = 0.0_f64;
+    for one in &all {
+        for multiplier in one.orbit.multipliers(&one.node.point).unwrap() {
+            let off = (multiplier.value.re - 0.64).abs();
+            assert!(
+                multiplier.trivial || off <= multiplier.error,
+                "{off:e} {multiplier:?}"
+            );
+            largest = largest.max(multiplier.error);
+        }
+    }
+    // it stays near its saddle for 16 units of time, and e¹⁶ has taken away seven digits
+    assert!(largest < 1e-6, "{largest:e}");
+}

@@ -193,7 +193,8 @@ impl AffineOrbit {
         })
     }
 
-    /// Whether durations grow and the parameter changes by less than a part along the branch.
+    /// Whether durations grow and the parameter changes by less than a part along the branch, or than rounding, which
+    /// a stay beside a saddle magnifies as it does any perturbation: beyond that points are chance.
     fn lengthens(&self, node: &Node, stationary: f64) -> Option<OrbitStop> {
         let tangent = &node.tangent;
         let along = tangent[tangent.len() - 1].abs();
@@ -201,10 +202,16 @@ impl AffineOrbit {
             .map(|zone| tangent[self.duration_index(zone)])
             .sum();
         let free = !self.is_forced() && !self.opens(&node.point);
-        (free && along < stationary && growth > GROWING).then(|| match self.stay(&node.point) {
-            Some(stay) => self.comes_to(stay, node),
-            None => OrbitStop::Unbounded,
-        })
+        if !free || along >= NEARLY_STATIONARY || growth <= GROWING {
+            return None;
+        }
+        let Some(stay) = self.stay(&node.point) else {
+            return (along < stationary).then_some(OrbitStop::Unbounded);
+        };
+        // of a unit of the branch, of which a step is a small part
+        let noise = 16.0 * f64::EPSILON * stay.growth.exp();
+        let lost = || along < noise && self.left_beside_a_saddle(node) < noise;
+        (along < stationary || lost()).then(|| self.comes_to(stay, node))
     }
 
     /// Whether states grow and the parameter comes to a limit.

@@ -20,6 +20,9 @@ pub struct Multiplier {
     /// Whether it is what it is for every orbit of its kind: 1 for the shift in time of an orbit without forcing,
     /// 0 for a dimension that a sliding mode or a reset takes away.
     pub trivial: bool,
+    /// What rounding may have left in it: the long products of an orbit that stays near a saddle have entries so
+    /// large that multipliers of order one are lost in them.
+    pub error: f64,
 }
 
 /// From just after one switch to just after the next, in the states.
@@ -32,6 +35,8 @@ struct Link {
     backward: Option<Matrix>,
     /// How fast the guard falls, scaled to order one.
     fall: f64,
+    /// ẋ just after the switch.
+    after: Vector,
 }
 
 /// The linearised motion over a period, without what is trivial.
@@ -50,6 +55,9 @@ pub struct Monodromy {
     shifts: bool,
 }
 
+/// Rounding of a multiplier relative to the product it comes from: that of some dozens of factors.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// A jump is singular where its determinant is this part of the numbers it is made of.
 const SINGULAR: f64 = 1e-10;
 
@@ -66,6 +74,7 @@ impl OrbitAt<'_> {
                 jump: Matrix::identity(n, n),
                 backward: Some(back()),
                 fall: 1.0,
+                after: passage.rate().rows(0, n).into_owned(),
             };
         };
         let row = &self.mode(zone).guards[way.guard].row;
@@ -79,7 +88,8 @@ impl OrbitAt<'_> {
             .copy_from(&(&exit.reset.at * &passage.end));
         self.mode(next).field.complete(&mut entry);
         let after = &self.mode(next).matrix.at * entry;
-        let shift = after.rows(0, n) - &exit.reset.at * &rate;
+        let after = after.rows(0, n).into_owned();
+        let shift = &after - &exit.reset.at * &rate;
         let normal = passage.gradient(row).rows(0, n).into_owned();
         let reset = passage.slopes(&exit.reset.at);
         let jump = &reset + &shift * normal.transpose() / fall;
@@ -99,6 +109,7 @@ impl OrbitAt<'_> {
             fall: -fall * self.orbit.setting.scales.time / self.orbit.size(row),
             jump,
             flow,
+            after,
         }
     }
 
@@ -117,9 +128,10 @@ impl OrbitAt<'_> {
         let n = self.orbit.states();
         let rate = &self.mode(0).matrix.at * self.entry(0);
         let rate = rate.rows(0, n).into_owned();
+        let after = links.last().map_or(&rate, |link| &link.after);
         let back: Option<Vec<&Matrix>> = links.iter().map(|link| link.backward.as_ref()).collect();
         let identity = Matrix::identity(n, n);
-        let (matrix, inverse, rate, zeros) = match back {
+        let (matrix, inverse, [rate, after], zeros) = match back {
             Some(back) => {
                 let matrix = links.iter().fold(identity.clone(), |product, link| {
                     &link.jump * (&link.flow * product)
@@ -128,7 +140,12 @@ impl OrbitAt<'_> {
                     .into_iter()
                     .rev()
                     .fold(identity, |product, back| back * product);
-                (matrix, Some(inverse).filter(finite), rate, 0)
+                (
+                    matrix,
+                    Some(inverse).filter(finite),
+                    [rate.clone(), after.clone()],
+                    0,
+                )
             }
             None => {
                 let (basis, factors) = reduced(&links, n);
@@ -147,7 +164,7 @@ impl OrbitAt<'_> {
                 (
                     matrix,
                     inverse.filter(finite),
-                    basis.tr_mul(&rate),
+                    [&rate, after].map(|rate| basis.tr_mul(rate)),
                     n - rank,
                 )
             }
@@ -157,16 +174,22 @@ impl OrbitAt<'_> {
             inverse.as_ref().map_or(0.0, |inverse| inverse.norm()),
         ];
         let shifts = !self.orbit.is_forced() && rate.norm() > 0.0;
-        let across = |matrix: Matrix| {
-            if !shifts {
-                return matrix;
-            }
-            let basis = complement(&rate);
-            basis.tr_mul(&(matrix * &basis))
+        // M takes ẋ at the beginning to ẋ at the end: what is across the one goes to what is across the other. They
+        // differ by what rounding leaves of the orbit, which M would carry into the rest multiplied by its size
+        let bases = shifts.then(|| {
+            let axis = rate.iamax();
+            [&rate, &after].map(|rate| complement(rate, axis))
+        });
+        let (matrix, inverse) = match &bases {
+            None => (matrix, inverse),
+            Some([begin, end]) => (
+                end.tr_mul(&(matrix * begin)),
+                inverse.map(|inverse| begin.tr_mul(&(inverse * end))),
+            ),
         };
         Some(Monodromy {
-            matrix: across(matrix),
-            inverse: inverse.map(across),
+            matrix,
+            inverse,
             sizes,
             falls: links.iter().map(|link| link.fall).collect(),
             zeros,
@@ -241,11 +264,10 @@ fn range(matrix: &Matrix, least: f64) -> Matrix {
     Matrix::from_columns(&columns)
 }
 
-/// An orthonormal basis of what is perpendicular to a vector, which is not zero.
-fn complement(vector: &Vector) -> Matrix {
+/// An orthonormal basis of what is perpendicular to a vector, which is not zero: the reflection that takes it to an
+/// axis, along which it is long, without the column of the axis.
+fn complement(vector: &Vector, axis: usize) -> Matrix {
     let n = vector.len();
-    // the reflection that takes the vector to its largest axis; the other columns of it
-    let axis = vector.iamax();
     let mut mirror = vector / vector.norm();
     mirror[axis] += mirror[axis].signum();
     let scale = 2.0 / mirror.norm_squared();
@@ -277,10 +299,11 @@ impl Monodromy {
     /// All multipliers, the largest first.
     pub fn multipliers(&self) -> Vec<Multiplier> {
         let mut values = eigenvalues(&self.matrix);
+        let [size, other_size] = self.sizes;
+        let mut errors = vec![ROUNDING * size; values.len()];
         if let Some(inverse) = &self.inverse {
             let mut others = eigenvalues(inverse);
             others.reverse();
-            let [size, other_size] = self.sizes;
             let mut index = 0;
             while index < values.len() {
                 let pair = values
@@ -297,18 +320,22 @@ impl Monodromy {
                 if other < own {
                     for index in index..index + count {
                         values[index] = others[index].inv();
+                        errors[index] = ROUNDING * other * values[index].norm();
                     }
                 }
                 index += count;
             }
         }
-        let left = values.into_iter().map(|value| Multiplier {
+        let left = values.into_iter().zip(errors);
+        let left = left.map(|(value, error)| Multiplier {
             value,
             trivial: false,
+            error,
         });
         let trivial = |value: f64| Multiplier {
             value: Complex::new(value, 0.0),
             trivial: true,
+            error: 0.0,
         };
         let one = self.shifts.then(|| trivial(1.0));
         let mut all: Vec<Multiplier> = left.chain(one).collect();
@@ -324,11 +351,12 @@ impl Monodromy {
     /// guards divide out; the product is not looked at. Entries of M are so large then that its determinant is lost
     /// in rounding: the multipliers are not.
     pub fn tests(&self, multipliers: &[Multiplier]) -> [f64; 3] {
-        let values = own(multipliers);
-        if values.is_empty() {
-            return [1.0; 3];
-        }
-        let speeds: f64 = self.falls.iter().product();
+        let values: Vec<Complex<f64>> = own(multipliers).map(|one| one.value).collect();
+        // where nothing is left no speed is divided out
+        let speeds: f64 = match values.is_empty() {
+            true => 1.0,
+            false => self.falls.iter().product(),
+        };
         let shifted = |by: f64| {
             let product: Complex<f64> = values.iter().map(|value| value + by).product();
             // a multiplier that a switch takes away is zero
@@ -372,10 +400,9 @@ impl Monodromy {
     }
 }
 
-/// Values of those that are not trivial.
-fn own(multipliers: &[Multiplier]) -> Vec<Complex<f64>> {
-    let own = multipliers.iter().filter(|one| !one.trivial);
-    own.map(|one| one.value).collect()
+/// Those that are not trivial.
+fn own(multipliers: &[Multiplier]) -> impl Iterator<Item = &Multiplier> {
+    multipliers.iter().filter(|one| !one.trivial)
 }
 
 /// Whether more than rounding tells the sign of a function of [`Monodromy::tests`]: it does not where a multiplier, or
@@ -383,12 +410,19 @@ fn own(multipliers: &[Multiplier]) -> Vec<Complex<f64>> {
 pub(super) fn is_told(multipliers: &[Multiplier], test: usize) -> bool {
     /// Rounding of multipliers, a condition of many thousands included.
     const NOISE: f64 = 1e-10;
-    let own = own(multipliers);
-    let off = |x: Complex<f64>, from: f64| (x - from).norm() > NOISE * (1.0 + x.norm());
+    let own: Vec<&Multiplier> = own(multipliers).collect();
+    let off = |x: Complex<f64>, from: f64, error: f64| {
+        (x - from).norm() > NOISE * (1.0 + x.norm()) + error
+    };
+    let from = |from: f64| own.iter().all(|one| off(one.value, from, one.error));
+    let pair = |one: &Multiplier, two: &Multiplier| {
+        let error = one.error * two.value.norm() + two.error * one.value.norm();
+        off(one.value * two.value, 1.0, error)
+    };
     match test {
-        0 => own.iter().all(|value| off(*value, -1.0)),
-        1 => own.iter().all(|value| off(*value, 1.0)),
-        _ => (0..own.len()).all(|j| (0..j).all(|i| off(own[i] * own[j], 1.0))),
+        0 => from(-1.0),
+        1 => from(1.0),
+        _ => (0..own.len()).all(|j| (0..j).all(|i| pair(own[i], own[j]))),
     }
 }
 
