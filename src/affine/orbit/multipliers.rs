@@ -175,7 +175,7 @@ impl OrbitAt<'_> {
         ];
         let shifts = !self.orbit.is_forced() && rate.norm() > 0.0;
         // M takes ẋ at the beginning to ẋ at the end: what is across the one goes to what is across the other. They
-        // differ by what rounding leaves of the orbit, which M would carry into the rest multiplied by its size
+        // differ by how well the orbit closes, which M would carry into the rest multiplied by its size
         let bases = shifts.then(|| {
             let axis = rate.iamax();
             [&rate, &after].map(|rate| complement(rate, axis))
@@ -300,7 +300,12 @@ impl Monodromy {
     pub fn multipliers(&self) -> Vec<Multiplier> {
         let mut values = eigenvalues(&self.matrix);
         let [size, other_size] = self.sizes;
-        let mut errors = vec![ROUNDING * size; values.len()];
+        // what is across the shift is known to the rounding of a direction that the product stretches to its size
+        let lost = |size: f64| match self.shifts {
+            true => ROUNDING * size * size.max(1.0),
+            false => ROUNDING * size,
+        };
+        let mut errors = vec![lost(size); values.len()];
         if let Some(inverse) = &self.inverse {
             let mut others = eigenvalues(inverse);
             others.reverse();
@@ -320,7 +325,7 @@ impl Monodromy {
                 if other < own {
                     for index in index..index + count {
                         values[index] = others[index].inv();
-                        errors[index] = ROUNDING * other * values[index].norm();
+                        errors[index] = lost(other_size) * values[index].norm_sqr();
                     }
                 }
                 index += count;
