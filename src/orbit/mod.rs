@@ -246,6 +246,11 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
+    /// Whether [`Orbit::image`] may be told: where it may not, orbits on both sides are not asked for.
+    fn has_images(&self) -> bool {
+        false
+    }
+
     /// What it is, and why the branch ends there, where it turns back and an orbit on one side is the image of one on the
     /// other, at the same value of the parameter, under a symmetry of the system.
     fn image(

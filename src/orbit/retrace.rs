@@ -35,6 +35,9 @@ pub(super) fn at_fold<O: Orbit>(
     /// Where both sides are compared: a part of the step, and in scaled units far enough from a singular place.
     const PART: f64 = 0.25;
     const AWAY: f64 = 3e-3;
+    if !orbit.has_images() {
+        return None;
+    }
     let away = (PART * ds).max(AWAY);
     let beside = |s: f64| locate::node_at(orbit, from, fold.s + s, tolerance);
     let (one, other) = (beside(-away)?, beside(away)?);
@@ -51,6 +54,9 @@ pub(super) fn at_change<O: Orbit>(
     ds: f64,
     tolerance: f64,
 ) -> Option<(O::Special, O::Stop)> {
+    if !orbit.has_images() {
+        return None;
+    }
     let after = locate::node_at(beyond, entered, ds, tolerance)?;
     let (here, there) = (node.point.len() - 1, after.point.len() - 1);
     let value = after.point[there];

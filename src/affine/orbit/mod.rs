@@ -386,6 +386,10 @@ impl Orbit for AffineOrbit {
             .then_some((Critical::Shrinking, OrbitStop::Shrinks))
     }
 
+    fn has_images(&self) -> bool {
+        true
+    }
+
     /// A symmetry may exchange zones and modes and begin elsewhere in time: durations and multipliers are the same.
     fn image(
         &self,
