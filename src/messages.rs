@@ -52,28 +52,14 @@ impl Landing {
 /// Why a motion does not go on, with the names of its modes.
 #[cfg_attr(not(feature = "cli"), allow(dead_code))]
 pub(crate) fn halt(system: &System, halt: &Halt) -> String {
-    let named = |time: f64, mode: usize, guard: usize, what: &str| {
-        let name = system.mode_name(mode);
-        let guard = system.guard_name(mode, guard);
-        format!("at t = {time} {guard} of the mode `{name}` is zero, {what}")
-    };
-    match *halt {
-        Halt::NoExit { time, mode, guard } => named(
-            time,
-            mode,
-            guard,
-            "and none of its switches has its `if` fulfilled",
-        ),
-        Halt::Undecided { time, mode, guard } => named(
-            time,
-            mode,
-            guard,
-            "and stays zero: nothing tells whether the mode lasts",
-        ),
+    let (mode, guard) = halt.place().unwrap_or_default();
+    let name = format!("the mode `{}`", system.mode_name(mode));
+    let words = halt.named(&name, &system.guard_name(mode, guard));
+    match halt {
         Halt::Chattering { .. } => {
-            format!("{halt}; `rest` of a switch names the mode that begins there")
+            format!("{words}; `rest` of a switch names the mode that begins there")
         }
-        Halt::Livelock { .. } | Halt::Unbounded { .. } => halt.to_string(),
+        _ => words,
     }
 }
 
@@ -279,8 +265,17 @@ impl Told for Wave {
 impl<O: Told> Display for orbit::special::Change<O> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(&O::event(self))?;
-        if !self.others.is_empty() {
-            write!(f, "; also admissible: {}", list(&self.others, ", "))?;
+        // sequences of the same modes may differ by their guards
+        let after = self.after.as_ref().map(ToString::to_string);
+        let mut others: Vec<String> = self.others.iter().map(ToString::to_string).collect();
+        let mut told: Vec<String> = after.into_iter().collect();
+        others.retain(|other| {
+            let is_new = !told.contains(other);
+            told.push(other.clone());
+            is_new
+        });
+        if !others.is_empty() {
+            write!(f, "; also admissible: {}", others.join(", "))?;
         }
         if let Some(end) = &self.end {
             write!(f, "; {end}")?;

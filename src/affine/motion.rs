@@ -1,6 +1,8 @@
 //! The motion of a hybrid system from a state: the first zero of every guard, found by bounds and not by samples,
 //! and what begins there.
 
+use std::fmt;
+
 use super::flow::{ModeFlow, Onset};
 use super::mode::{AffineSystem, Row};
 use crate::linalg::Vector;
@@ -51,10 +53,9 @@ pub enum Step {
 }
 
 /// Why a motion does not go on.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Halt {
     /// A guard is zero and no exit has its conditions fulfilled.
-    #[error("at t = {time} guard {guard} of mode {mode} is zero and no `if` holds")]
     NoExit {
         /// Its time.
         time: f64,
@@ -64,7 +65,6 @@ pub enum Halt {
         guard: usize,
     },
     /// A guard is zero all along, so that nothing tells whether the mode lasts.
-    #[error("at t = {time} guard {guard} of mode {mode} is zero and stays so")]
     Undecided {
         /// Its time.
         time: f64,
@@ -74,9 +74,6 @@ pub enum Halt {
         guard: usize,
     },
     /// Infinitely many switches end in finite time.
-    #[error(
-        "switches accumulate at t = {time}: chattering, each zone {ratio:.4} times as long as the one before"
-    )]
     Chattering {
         /// Where they end.
         time: f64,
@@ -84,20 +81,66 @@ pub enum Halt {
         ratio: f64,
     },
     /// Modes hand over to one another without a rest.
-    #[error("at t = {time} modes follow one another without any time passing")]
     Livelock {
         /// Its time.
         time: f64,
+        /// A mode among them.
+        mode: usize,
+        /// The guard that ends it.
+        guard: usize,
     },
     /// The state grows beyond all numbers, or comes to where an expression has no value.
-    #[error(
-        "by t = {time} the motion grows without bound, or comes to where its rates have no value"
-    )]
     Unbounded {
         /// Time of the last state that was finite.
         time: f64,
     },
 }
+
+impl Halt {
+    /// The mode and the guard that it is about.
+    pub fn place(&self) -> Option<(usize, usize)> {
+        match *self {
+            Halt::NoExit { mode, guard, .. }
+            | Halt::Undecided { mode, guard, .. }
+            | Halt::Livelock { mode, guard, .. } => Some((mode, guard)),
+            Halt::Chattering { .. } | Halt::Unbounded { .. } => None,
+        }
+    }
+
+    /// In words, with the names of what it is about.
+    pub fn named(&self, mode: &str, guard: &str) -> String {
+        match self {
+            Halt::NoExit { time, .. } => {
+                format!(
+                    "at t = {time} {guard} of {mode} is zero, and no `if` of its switches holds"
+                )
+            }
+            Halt::Undecided { time, .. } => format!(
+                "at t = {time} {guard} of {mode} is zero and stays so: nothing tells whether the mode lasts"
+            ),
+            Halt::Chattering { time, ratio } => format!(
+                "switches accumulate at t = {time}: chattering, each zone {ratio:.4} times as long as the one before"
+            ),
+            Halt::Livelock { time, .. } => format!(
+                "at t = {time} modes follow one another without any time passing: {guard} of {mode} is negative, or \
+                 falls from zero, as it begins, and so on: the state lies in none of them, or slides between two that \
+                 no mode of `sliding` names"
+            ),
+            Halt::Unbounded { time } => format!(
+                "by t = {time} the motion grows without bound, or comes to where its rates have no value"
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Halt {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (mode, guard) = self.place().unwrap_or_default();
+        formatter.write_str(&self.named(&format!("mode {mode}"), &format!("guard {guard}")))
+    }
+}
+
+impl std::error::Error for Halt {}
 
 /// Zones shorter than this, in units of a piece of their mode, are those of a chattering that ends: the next
 /// digits of the state are rounding.
@@ -109,9 +152,17 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// So many of them in a row are a chattering, and so many switches without time a livelock.
 const IN_A_ROW: usize = 8;
 
-/// The ratio of successive durations that fall. The last of them are rounding, as differences of times, or zero: the
-/// earlier half tells.
+/// The ratio of successive durations that fall geometrically. The last of them are rounding, as differences of times, or
+/// zero: the earlier half tells. Where they fall at once to rounding, in one zone, there is none.
 fn ratio(durations: &[f64]) -> Option<f64> {
+    /// The least that would be told, while zones last longer than this part of the first.
+    const LEAST: f64 = 1e-8;
+    const LONG: f64 = 1e-3;
+    let long = LONG * durations.first()?;
+    let mut pairs = durations.windows(2);
+    if pairs.any(|pair| pair[0] >= long && pair[1] < LEAST * pair[0]) {
+        return None;
+    }
     let lasting: Vec<f64> = durations
         .iter()
         .copied()
@@ -364,7 +415,7 @@ impl<'a> Motion<'a> {
             match (exit.rest, ratio(&self.falling)) {
                 (Some(rest), _) => to = rest,
                 (None, Some(ratio)) => return Err(Halt::Chattering { time, ratio }),
-                (None, None) => return Err(Halt::Livelock { time }),
+                (None, None) => return Err(Halt::Livelock { time, mode, guard }),
             }
             (self.short, self.falling) = (0, Vec::new());
         }

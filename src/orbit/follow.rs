@@ -12,7 +12,7 @@ use super::events::{self, Event, Located};
 use super::special::{Change, Close, Ending, Failure, NoFollower, Refusal, Special, Stop};
 use super::switch::is_in_family;
 use super::{EventType, Examined, Orbit, find, retrace};
-use crate::continuation::locate::{Place, retangent};
+use crate::continuation::locate::{Place, node_at, retangent};
 use crate::continuation::walk::{self, Beginning, Curve, Outcome, Segment, Walker, Within};
 use crate::continuation::{Node, Steps};
 use crate::linalg::Vector;
@@ -297,6 +297,9 @@ impl<O: Orbit> Curve for Track<O> {
     ) -> Result<Outcome<Track<O>>, Refusal<O>> {
         let Located { event, uncertainty } = &together[0];
         let orbit = self.orbit.as_ref();
+        if let Some(ended) = self.vanished(step, place) {
+            return Ok(ended);
+        }
         let mut examination = orbit.examination(&place.node.point);
         let sharper = match (&examination, event) {
             (Ok(examination), Event::Change(_)) => self.at_once(step, place, examination),
@@ -467,11 +470,31 @@ impl<O: Orbit> Track<O> {
         Some(Outcome::Ended(vec![found], end))
     }
 
+    /// The end of a branch at the point to which its orbit has shrunk. There all its guards vanish and multipliers are
+    /// rounding: what is told is the orbit just before it.
+    fn vanished(&self, step: &Segment<O::Examination>, place: &Place) -> Option<Outcome<Track<O>>> {
+        /// So far before it, in scaled units.
+        const BEFORE: f64 = 1e-9;
+        let orbit = self.orbit.as_ref();
+        orbit.vanishes(&place.node)?;
+        let s = place.s - BEFORE;
+        let node = node_at(orbit, step.from, s, step.steps.tolerance)?;
+        let examination = orbit.examination(&node.point).ok()?;
+        self.repeated(&self.point(s, &node, &examination))
+    }
+
     /// An orbit traversed twice where the branch of the single one says that it doubles, and one that shrinks where it
     /// has no size: both are known much better.
     fn sharpened(&self, found: Found<O>) -> Found<O> {
         let orbit = self.orbit.as_ref();
         let tolerance = self.limits.steps.tolerance;
+        if let Some((parameter, uncertainty)) = orbit.vanishes(&found.node) {
+            return Found {
+                parameter,
+                uncertainty,
+                ..found
+            };
+        }
         let shrunk = orbit.shrunk(&found.node);
         let sharper = shrunk.or_else(|| retrace::doubling(orbit, &found.node, tolerance));
         self.moved(found, sharper)

@@ -273,6 +273,12 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
+    /// The parameter at which an orbit that shrinks in proportion to it has no size any more, and its error. Beyond a node
+    /// so near no inequality tells anything. `None` where it does not shrink so, or is not yet small.
+    fn vanishes(&self, _node: &Node) -> Option<(f64, f64)> {
+        None
+    }
+
     /// The function of [`Examined::tests`] of this place at a node, without the zero that it has at every fold.
     fn across_folds(&self, _test: usize, value: f64, _node: &Node) -> f64 {
         value

@@ -395,6 +395,58 @@ fn ends_that_mathematics_knows_have_names() {
     );
 }
 
+/// Two foci that meet in x = 0: at m = 0.3 their equilibrium is on the line, and orbits beside it are one another but
+/// for their size, which is proportional to m − 0.3: their period and their multipliers are the same.
+const FOCI: &str = r#"(
+    states: ["x", "y"],
+    parameters: {"l": -1.0, "r": 0.5, "m": 1.0},
+    modes: {
+        "left": (rates: {"x": "l*x - y", "y": "x + 0.3 - m"}, until: [(zero: "-x", to: "right")]),
+        "right": (rates: {"x": "r*x - y", "y": "x + 0.3 - m"}, until: [(zero: "x", to: "left")]),
+    },
+)"#;
+
+#[test]
+fn an_orbit_shrinks_to_a_point_where_its_modes_meet() {
+    let (orbit, point) = settled(FOCI, &[], "m", "right", &[0.1, 0.0], 200.0);
+    let of = |orbit: &AffineOrbit, point: &Vector| {
+        let multipliers = orbit.multipliers(point).unwrap();
+        let own = multipliers.iter().find(|one| !one.trivial).unwrap();
+        (orbit.cycle(point).unwrap().period, own.value.re)
+    };
+    let (period, multiplier) = of(&orbit, &point);
+    let (seen, all) = follow(&orbit, &point, false, (-1.0, 2.0), 500);
+    meets(&seen, &[(BP, 0.3, "")], 1e-15);
+    let last = all.last().unwrap();
+    let what = last.special.as_ref().unwrap().to_string();
+    assert!(what.contains("boundary equilibrium"), "{what}");
+    let there = of(&last.orbit, &last.node.point);
+    let off = (there.0 - period).abs().max((there.1 - multiplier).abs());
+    assert!(off < 1e-6, "{there:?}");
+}
+
+/// A relay whose output has a continuous slope: without hysteresis it would switch without end at rest.
+#[test]
+fn a_relay_without_hysteresis_has_no_period() {
+    let relay = r#"(
+        states: ["y", "v"],
+        parameters: {"h": 0.2},
+        modes: {
+            "on": (rates: {"y": "v", "v": "1 - 0.6*v - y"}, until: [(zero: "h - y", to: "off")]),
+            "off": (rates: {"y": "v", "v": "-1 - 0.6*v - y"}, until: [(zero: "y + h", to: "on")]),
+        },
+    )"#;
+    let (orbit, point) = settled(relay, &[], "h", "on", &[0.0, 0.0], 100.0);
+    let (seen, all) = follow(&orbit, &point, false, (-1.0, 1.0), 500);
+    let last = all.last().unwrap();
+    assert!(seen.len() == 1 && last.parameter.abs() < 1e-12);
+    let what = match last.special.as_ref().unwrap() {
+        Special::Change(change) => change.end.as_ref().unwrap().to_string(),
+        other => other.to_string(),
+    };
+    assert!(what.contains("shrink to nothing together"), "{what}");
+}
+
 /// A branch that begins with an orbit a thousand times smaller than others takes few steps.
 #[test]
 fn steps_grow_with_the_orbit() {

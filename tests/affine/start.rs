@@ -301,6 +301,14 @@ fn what_is_stuck_is_named() {
         words.contains("`x - x` of the mode `free` is zero and stays so"),
         "{words}"
     );
+    // a state beyond the stop is in no mode
+    let outside = wanted(IMPACT, &[("e", 1.0)], "A", 1);
+    let outside = from(&outside, "free", &[2.0, 0.0], 0.0, Search::Settles(1.0));
+    let words = outside.unwrap_err().to_string();
+    assert!(
+        words.contains("`d - x` of the mode `free` is negative"),
+        "{words}"
+    );
 }
 
 /// Without loss multipliers are exp(±2πi/w): both are 1 at w = 1/2, where every free motion is periodic.
@@ -314,5 +322,14 @@ fn a_family_of_orbits_has_no_branch() {
         Follower::new(orbit, &point, true, limits).map(|_| ())
     };
     assert_eq!(begin(0.5), Err(NoFollower::Family));
+    // begun at rest, where neither a state nor its rate has a size
+    let rest = wanted(IMPACT, &[("c", 0.0), ("A", 0.1), ("w", 0.5)], "A", 1);
+    let found = from(&rest, "free", &[0.0, 0.0], 0.0, Search::Settles(10.0));
+    let found = found.map(|(orbit, point)| {
+        let limits = Limits::within((0.05, 1.0));
+        Follower::new(orbit, &point, true, limits).map(|_| ())
+    });
+    let family = matches!(found, Err(NoStart::Family(_)) | Ok(Err(NoFollower::Family)));
+    assert!(family, "{:?}", found.err());
     assert_eq!(begin(0.45), Ok(()));
 }

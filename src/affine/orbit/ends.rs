@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::layout::AffineOrbit;
 use super::signature::Zone;
-use super::{Critical, Held};
+use super::{CLOSING, Critical, Held};
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
@@ -43,6 +43,10 @@ pub enum OrbitStop {
     Grows,
     /// The orbit shrinks to an equilibrium.
     Shrinks,
+    /// The orbit shrinks, in proportion, to a point where its modes meet.
+    Vanishes,
+    /// The period shrinks to nothing.
+    Slides,
     /// The motion comes to rest: zones in which it moves shrink to nothing together.
     Rests {
         /// Name of the mode that is left.
@@ -50,6 +54,11 @@ pub enum OrbitStop {
     },
     /// The motion only just reaches a guard: beyond it, it misses the switch, and no orbit is near.
     Misses {
+        /// What vanishes.
+        held: Held,
+    },
+    /// Two switches come at one instant, and in the other order they lead elsewhere.
+    Jumps {
         /// What vanishes.
         held: Held,
     },
@@ -108,12 +117,24 @@ impl fmt::Display for OrbitStop {
                  elsewhere",
                 held.guard, held.mode
             ),
+            OrbitStop::Jumps { held } => write!(
+                formatter,
+                "the orbit ends where two switches come at one instant: with {} of `{}` the second of them, the motion \
+                 beyond goes elsewhere at once",
+                held.guard, held.mode
+            ),
             OrbitStop::Held { guard, mode } => write!(
                 formatter,
                 "beyond it {guard} is met again as soon as `{mode}` begins: infinitely many switches follow at one \
                  instant"
             ),
             OrbitStop::Shrinks => Critical::Shrinking.fmt(formatter),
+            OrbitStop::Slides => write!(
+                formatter,
+                "the orbit and its period shrink to nothing together: switches follow one another ever faster, and in \
+                 the limit without end at one place, as in sliding"
+            ),
+            OrbitStop::Vanishes => Critical::Vanishing.fmt(formatter),
             OrbitStop::Accumulates { zones, ratio } => write!(
                 formatter,
                 "switches accumulate: {zones} zones in a row last {ratio:.3} times the one before each, and infinitely \
@@ -238,12 +259,66 @@ impl AffineOrbit {
         (shrink && self.varies_within(point, most)).then(|| OrbitStop::Rests { mode: name.clone() })
     }
 
+    /// Whether no zone lasts at a point: no sequence of zones goes on from there.
+    pub(super) fn lasts_no_time(&self, point: &Vector) -> bool {
+        let mut zones = 0..self.zones();
+        !self.is_forced() && zones.all(|zone| point[self.duration_index(zone)].abs() <= CLOSING)
+    }
+
     /// Why the branch does not go on from a node.
     pub(super) fn ends(&self, node: &Node) -> Option<OrbitStop> {
         let unbounded = self.lengthens(node, STATIONARY);
         unbounded
             .or_else(|| self.grows(node))
             .or_else(|| self.rests(node, AT_REST))
+            .or_else(|| self.vanishes(node).map(|_| OrbitStop::Vanishes))
+    }
+
+    /// The parameter where an orbit through several modes has no size, and its error. Beside a point where they meet,
+    /// their fields are linear and their boundaries straight: the orbit is there the same but for its size, which is
+    /// proportional to the distance of the parameter, and its durations remain. They change, as the slope does, by no
+    /// more than in proportion to its size.
+    pub(super) fn comes_to_a_point(&self, node: &Node) -> Option<(f64, f64)> {
+        /// Most that a duration changes by on the way left, as a part of it.
+        const LITTLE: f64 = 1e-3;
+        /// A size that a located event may have at the point itself.
+        const TINY: f64 = 1e-12;
+        let Node { point, tangent, .. } = node;
+        let units = &self.setting.scales.states;
+        let (n, width) = (self.states(), self.width());
+        let entries = |zone: usize| point.rows(width * zone, n);
+        let mut others = 1..self.zones();
+        let small = others.all(|zone| (entries(zone) - entries(0)).amax() <= AT_REST);
+        if !small || self.sequence.switches() == 0 {
+            return None;
+        }
+        let size = |point: &Vector| -> Option<f64> {
+            let extremes = self.extremes(point).ok()?;
+            let ranges = extremes.iter().zip(units);
+            Some(
+                ranges
+                    .map(|((low, high), unit)| (high - low) / unit)
+                    .fold(0.0, f64::max),
+            )
+        };
+        let here = size(point).filter(|here| *here <= AT_REST)?;
+        let left = if here > TINY {
+            let before = size(&(point - tangent * here))?;
+            here * here / (before - here)
+        } else {
+            here
+        };
+        let remain = (0..self.zones()).all(|zone| {
+            let index = self.duration_index(zone);
+            (tangent[index] * left).abs() < LITTLE * point[index]
+        });
+        let last = point.len() - 1;
+        let unit = self.setting.scales.parameter;
+        let limit = point[last] + tangent[last] * left;
+        let is_zero = limit.abs() <= 4.0 * f64::EPSILON * point[last].abs();
+        let value = if is_zero { 0.0 } else { limit * unit };
+        let error = left * left * unit.abs() + 2.0 * f64::EPSILON * value.abs();
+        (left > 0.0 && remain).then_some((value, error))
     }
 
     /// The same where no step succeeds any more.

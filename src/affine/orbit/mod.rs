@@ -99,6 +99,8 @@ pub enum Critical {
     Branching,
     /// The orbit has no size: an equilibrium with a pair of imaginary eigenvalues.
     Shrinking,
+    /// The orbit has no size: a point on the boundaries of its modes.
+    Vanishing,
     /// A pair passes the unit circle at this angle.
     Torus {
         /// In radians, between 0 and π.
@@ -117,6 +119,11 @@ impl fmt::Display for Critical {
                     "the orbit shrinks to an equilibrium: its Hopf point"
                 )
             }
+            Critical::Vanishing => write!(
+                formatter,
+                "the orbit shrinks in proportion to the parameter, while its period does not, to a point where its modes \
+                 meet: a boundary equilibrium bifurcation"
+            ),
             Critical::Torus { angle } => {
                 write!(
                     formatter,
@@ -238,6 +245,9 @@ impl Orbit for AffineOrbit {
         point: &Vector,
         margin: &Margin,
     ) -> Result<Vec<Candidate<AffineOrbit>>, OrbitFailure> {
+        if self.lasts_no_time(point) {
+            return Ok(Vec::new());
+        }
         candidates::candidates(self, point, margin)
     }
 
@@ -303,6 +313,9 @@ impl Orbit for AffineOrbit {
     }
 
     fn ends_at(&self, point: &Vector, margin: &Margin) -> Option<OrbitStop> {
+        if self.lasts_no_time(point) {
+            return Some(OrbitStop::Slides);
+        }
         let vanishes = usize::from(margin.watch == Watch::Duration);
         let last =
             self.zones() - vanishes == 1 && matches!(margin.watch, Watch::Duration | Watch::Speed);
@@ -322,7 +335,11 @@ impl Orbit for AffineOrbit {
         let misses = || {
             let none = candidates::candidates(self, point, margin).is_ok_and(|all| all.is_empty());
             let held = self.held(margin);
-            (margin.watch == Watch::Speed && none).then_some(OrbitStop::Misses { held })
+            match margin.watch {
+                Watch::Speed if none => Some(OrbitStop::Misses { held }),
+                Watch::Duration if none => Some(OrbitStop::Jumps { held }),
+                _ => None,
+            }
         };
         let accumulates = || self.accumulates(point);
         centre
@@ -382,8 +399,15 @@ impl Orbit for AffineOrbit {
         if times > 1 {
             return Some((Critical::PeriodDoubling, OrbitStop::Repeats { times }));
         }
-        self.is_point(&node.point)
-            .then_some((Critical::Shrinking, OrbitStop::Shrinks))
+        if self.is_point(&node.point) {
+            return Some((Critical::Shrinking, OrbitStop::Shrinks));
+        }
+        self.vanishes(node)
+            .map(|_| (Critical::Vanishing, OrbitStop::Vanishes))
+    }
+
+    fn vanishes(&self, node: &Node) -> Option<(f64, f64)> {
+        self.comes_to_a_point(node)
     }
 
     fn has_images(&self) -> bool {
@@ -453,7 +477,7 @@ impl Orbit for AffineOrbit {
     fn kind(special: &Critical) -> EventType {
         match special {
             Critical::PeriodDoubling => EventType::PD,
-            Critical::Branching | Critical::Shrinking => EventType::BP,
+            Critical::Branching | Critical::Shrinking | Critical::Vanishing => EventType::BP,
             Critical::Torus { .. } => EventType::NS,
         }
     }

@@ -14,7 +14,8 @@ use crate::affine::motion::{Halt, Motion, Place, Step, Switching};
 use crate::affine::system::{System, SystemError};
 use crate::continuation::newton::{self, Fixed, Settings};
 use crate::linalg::Vector;
-use crate::orbit::switch::{NoBranch, admitted};
+use crate::orbit::special::NoFollower;
+use crate::orbit::switch::{NoBranch, admitted, is_in_family};
 
 /// Where a motion begins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -78,20 +79,15 @@ pub enum NoStart {
     /// The motion does not go on.
     #[error("{0}")]
     Halted(Halt),
-    /// A guard is zero where nothing says what comes next.
-    #[error(
-        "at t = {time} {guard} of the mode `{mode}` is zero{}",
-        if *stays { " and stays so: nothing tells whether the mode lasts" } else { ", and no `if` of its switches holds" }
-    )]
+    /// The same, about a guard.
+    #[error("{}", .halt.named(&format!("the mode `{mode}`"), guard))]
     Stuck {
-        /// Its time.
-        time: f64,
+        /// Why.
+        halt: Halt,
         /// Name of the mode.
         mode: String,
         /// The guard, as the file has it.
         guard: String,
-        /// Whether it is zero all along; otherwise no exit has its conditions fulfilled.
-        stays: bool,
     },
     /// The motion comes to rest.
     #[error("the motion comes to rest after its last switch, at t = {time}")]
@@ -125,6 +121,9 @@ pub enum NoStart {
     /// Newton's method finds no orbit.
     #[error("no orbit is found: {0}")]
     Newton(newton::Failure<OrbitFailure>),
+    /// The orbit is not isolated.
+    #[error("{0}")]
+    Family(NoFollower<AffineOrbit>),
     /// The orbit is not admissible.
     #[error("the orbit that is found is none: {0}")]
     Inadmissible(Inadmissible),
@@ -167,16 +166,16 @@ pub fn first(
     search: Search,
 ) -> Result<(AffineOrbit, Vector), NoStart> {
     found(wanted, beginning, search).map_err(|reason| {
-        let (time, mode, guard, stays) = match reason {
-            NoStart::Halted(Halt::NoExit { time, mode, guard }) => (time, mode, guard, false),
-            NoStart::Halted(Halt::Undecided { time, mode, guard }) => (time, mode, guard, true),
-            reason => return reason,
+        let NoStart::Halted(halt) = reason else {
+            return reason;
         };
-        NoStart::Stuck {
-            time,
-            mode: wanted.system.mode_name(mode).to_owned(),
-            guard: wanted.system.guard_name(mode, guard),
-            stays,
+        match halt.place() {
+            Some((mode, guard)) => NoStart::Stuck {
+                mode: wanted.system.mode_name(mode).to_owned(),
+                guard: wanted.system.guard_name(mode, guard),
+                halt,
+            },
+            None => NoStart::Halted(halt),
         }
     })
 }
@@ -354,8 +353,8 @@ fn run(motion: &mut Motion, until: f64) -> Result<Switches, NoStart> {
 }
 
 /// How far a place is from another one that should be the same, relative to the states on the way and to what their
-/// rates make of the time between: a state may be zero at all of the switches, and begin and end a zone of sliding
-/// with no rate.
+/// rates, and those of the rates, make of the time between: a state may be zero at all of the switches, begin and end a
+/// zone of sliding with no rate, or be at rest at the beginning.
 fn distance(system: &AffineSystem, begin: &Place, here: &Place, switches: &Switches) -> f64 {
     let ends = switches
         .iter()
@@ -369,9 +368,11 @@ fn distance(system: &AffineSystem, begin: &Place, here: &Place, switches: &Switc
     let time = here.time - begin.time;
     let mut sizes = vec![0.0_f64; begin.state.len()];
     for (mode, states, phase) in ends.chain(edges) {
-        let rate = &system.modes[mode].matrix.at * system.lift(mode, states, phase);
+        let matrix = &system.modes[mode].matrix.at * (time / TAU);
+        let first = &matrix * system.lift(mode, states, phase);
+        let second = &matrix * &first;
         for (state, x) in states.iter().enumerate() {
-            let size = x.abs().max((rate[state] * time / TAU).abs());
+            let size = x.abs().max(first[state].abs()).max(second[state].abs());
             sizes[state] = sizes[state].max(size);
         }
     }
@@ -544,7 +545,14 @@ fn pose(
         index,
         value: guess[index],
     };
-    let solution = newton::solve(&orbit, &mut fixed, &guess, &NEWTON).map_err(NoStart::Newton)?;
+    let solution = newton::solve(&orbit, &mut fixed, &guess, &NEWTON).map_err(|failure| {
+        let singular = matches!(failure, newton::Failure::Singular);
+        if singular && is_in_family(&orbit, &guess) {
+            NoStart::Family(NoFollower::Family)
+        } else {
+            NoStart::Newton(failure)
+        }
+    })?;
     let point = solution.point;
     let turns = orbit.turns_within(&point, SAME);
     let times = turns * orbit.traversals_within(&point, SAME);

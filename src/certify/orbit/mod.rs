@@ -169,7 +169,7 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
         }
         Special::Own(Critical::Torus { angle }) => Condition::Torus { angle: *angle },
         Special::Own(Critical::Branching) => Condition::Branching,
-        Special::Own(Critical::Shrinking) => return Err(Open::Shrinking),
+        Special::Own(Critical::Shrinking | Critical::Vanishing) => return Err(Open::Shrinking),
         Special::Change(change) => return changed(posed, orbit, point, change),
         Special::Failed(_) => return Err(Open::Sequence),
     };
