@@ -23,7 +23,8 @@ try:
 
     import check_certificate
     from ball_spectrum import Perturbed
-    from ball_waves import Refused, contracts, exponential, prove_zero, tail
+    from ball_waves import Dual, Refused, contracts, exponential, prove_zero, tail
+    from brakewave.ball_layers import root
 except (ImportError, SystemExit) as error:
     print(f"tests of python/check_certificate.py skipped: {error}")
     sys.exit(0)
@@ -45,6 +46,10 @@ COUNTED = f"""({DAMPED} wave: (mode: 4, start: Fast),
     stability: (max_frequency: 1.5),
 )"""
 """One crossing; counts are 0 1 2 before it and 0 1 0 after, with what leads sector 0 left of the axis."""
+LAYERED = f"""({MODEL.replace("mismatch: 0.2", "mismatch: 0.2, damping: (stiffness: 0.005)")} wave: (mode: 4, start: Fast),
+    continuation: (parameter: Mismatch, range: (0.04315, 0.2), toward: Down, stop_after: [(event: GR, count: 1)]),
+)"""
+"""Slip and stick with a layer, reverse slip from RV on."""
 SHIFT = 1 + 1e-12
 
 
@@ -90,6 +95,14 @@ class Mathematics(unittest.TestCase):
         self.assertTrue(tail(turn, time, [0, 1, 0], 3)[0].overlaps((time.sin() - time) / time**3))
         self.assertTrue(tail(turn, flint.acb(0), [0, 1, 0], 3)[0].contains(flint.fmpq(-1, 6)))
 
+    def test_rates_of_layers(self):
+        # 2(r − R)(r² + r + 3) with R = 10^8, and its derivative where the last coefficient moves
+        rate = flint.acb(10) ** 8
+        numbers = [flint.acb(2), 2 * (rate - 1), 2 * (rate - 3), Dual(6 * rate, 1)]
+        found = root(numbers)
+        self.assertTrue(found.v.contains(rate) and float(found.v.rad()) < 1e-40)
+        self.assertTrue(found.d.overlaps(1 / (2 * (rate * rate + rate + 3))))
+
     def test_norms(self):
         # both have a row sum above 1; the spectral radii are 1/2 and 1.1
         self.assertTrue(contracts([[0.5, 100], [0, 0.5]]))
@@ -122,7 +135,8 @@ class Certificates(unittest.TestCase):
         cls.work = Path(tempfile.mkdtemp())
         cls.addClassCleanup(shutil.rmtree, cls.work)
         cls.folders = {}
-        for name, problem, options in [("waves", WAVES, ["--arcs"]), ("counted", COUNTED, ["--spectrum"])]:
+        problems = ("waves", WAVES, ["--arcs"]), ("counted", COUNTED, ["--spectrum"]), ("layered", LAYERED, [])
+        for name, problem, options in problems:
             (cls.work / f"{name}.ron").write_text(problem, encoding="utf-8")
             cls.folders[name] = cls.work / name
             command = [BINARY, "certify", f"{name}.ron", "--out", name, *options]
@@ -154,10 +168,12 @@ class Certificates(unittest.TestCase):
             code, output = check(folder)
             self.assertEqual(code, 0, output)
             self.assertNotIn("refused", output)
-            # every statement but the arcs
+            # every statement but the arcs, and of layers the distance and what opens
             uncovered = [line for line in output.splitlines() if "proven again" not in line]
-            self.assertTrue(all(" arc: not covered" in line for line in uncovered), output)
-            self.assertGreater(output.count("proven again"), 25, name)
+            reasons = "with material damping", "in other unknowns", " arc: not covered"
+            self.assertTrue(all(line.count(reasons[-1]) or name == "layered" for line in uncovered), output)
+            self.assertTrue(all(any(reason in line for reason in reasons) for line in uncovered), output)
+            self.assertGreater(output.count("proven again"), 13 if name == "layered" else 25, name)
             self.assertEqual(check(folder / "certificate.ron"), (code, output))
 
     def test_forged_intervals(self):
@@ -212,6 +228,19 @@ class Certificates(unittest.TestCase):
         interval = (r"low: 0\.1\d*,\s*high: 0\.2\d*,", "low: 0.07999999999999999, high: 0.08000000000000002,")
         self.assertIn("regime: Stick", first)
         self.refuses("waves", "inequalities", value, parameter, interval)
+
+    def test_forged_layers(self):
+        number = r"(-?[\d.]+(?:e-?\d+)?)"
+        for name, kind in [("parameter", "RV"), ("parameter", "GR"), ("speed", "RV"), ("speed", "GR")]:
+            shift = lambda found: f"{name}: (low: {float(found[1]) * SHIFT!r}, high: {float(found[2]) * SHIFT!r},"
+            change = (rf"{name}: \(\s*low: {number},\s*high: {number},", shift)
+            self.refuses("layered", "wave", change, after=f"kind: {kind},")
+        self.refuses("layered", "wave", (r'material: Some\("0.005"\)', 'material: Some("0.0050000000001")'), after="kind: RV")
+        self.refuses("layered", "type", ("kind: RV", "kind: ST"))
+        # beyond the point where reverse slip opens, as in the undamped problem
+        point = (r'condition: Value\("0.2"\)', 'condition: Value("0.05")'), (r"parameter: 0\.2,", "parameter: 0.05,")
+        interval = (r"low: 0\.1\d*,\s*high: 0\.2\d*,", "low: 0.04999999999999999, high: 0.05000000000000002,")
+        self.refuses("layered", "inequalities", *point, interval)
 
     def test_swapped_labels(self):
         labels = re.findall(r"label: (\d+),", (self.folders["waves"] / "certificate.ron").read_text(encoding="utf-8"))

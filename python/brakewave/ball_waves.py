@@ -10,9 +10,9 @@ from itertools import product
 from flint import acb, acb_mat, arb, arb_mat, ctx, fmpq
 
 ctx.prec = 256
-POLYDISC = arb(2) ** -30
+POLYDISC = arb(2) ** -40
 """Radius of the polydisc over which the equations are bounded: far below the scale on which they change."""
-STEP = arb(2) ** -110
+STEP = arb(2) ** -120
 """Step of differences: their error is of order STEP/POLYDISC², and roundings of 2^-256 are far below it."""
 CLOSE = arb(2) ** -170
 """Newton's method ends with a step below this: far above rounding, far below the interval of any statement."""
@@ -203,7 +203,7 @@ def injective(equations, middle, radii, divided):
 
 
 # ------------------------------------------------------------------------------------------------ the model
-Model = namedtuple("Model", "a b d g h friction static mismatch damping")
+Model = namedtuple("Model", "a b d g h friction static mismatch damping material")
 NAMES = ["Nu", "Xi", "Gamma"]
 
 
@@ -216,7 +216,7 @@ def decimal(text):
 def model(posed, parameter):
     """The numbers of the model. `parameter` takes the place of the one that varies."""
     written, varies = posed["written"], posed["parameter"]
-    if varies not in [*NAMES, "Friction", "Mismatch", "MassDamping"]:
+    if varies not in [*NAMES, "Friction", "Mismatch", "MassDamping", "StiffnessDamping"]:
         raise NotCovered(f"branches in {varies}")
     number = lambda name, text: parameter if name == varies else decimal(text)
     origin = written["origin"]
@@ -240,7 +240,7 @@ def model(posed, parameter):
     friction = number("Friction", written["friction"])
     static = friction * decimal(written["ratio"] or "1")
     others = number("Mismatch", written["mismatch"]), number("MassDamping", written["damping"])
-    return Model(*elastic, friction, static, *others)
+    return Model(*elastic, friction, static, *others, number("StiffnessDamping", written.get("material") or "0"))
 
 
 # ------------------------------------------------------------------------------------------------ the wave
@@ -295,6 +295,7 @@ class Wave:
         self.sign = 1 if model(posed, decimal(repr(float(near["parameter"])))).d.real > 0 else -1
         self.guess = [acb(float(x)) for x in [*sum(near["zones"], ()), near["excess"], near["parameter"]]]
         self.base = len(self.guess)
+        self.prepare()
         if self.watch in TOUCHES:
             self.guess.append(acb(float(margin["time"])))
         elif self.kind == "Crossing":
@@ -308,6 +309,9 @@ class Wave:
             null = (slope.mid().inv().mid() * acb_mat([[1]] * count)).mid().entries()
             self.largest = max(range(count), key=lambda j: float(abs(null[j]).mid()))
             self.guess += [(y / null[self.largest]).mid() for y in null]
+
+    def prepare(self):
+        """What another choice of unknowns makes of the first guess."""
 
     def unpack(self, x):
         """Model, c and (V, W, T) of the zones."""

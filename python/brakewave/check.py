@@ -18,6 +18,7 @@ from pathlib import Path
 try:
     from flint import acb, acb_mat, arb, ctx
 
+    from .ball_layers import Layered, LayeredSigns
     from .ball_orbits import Orbit, join, kind_of, outside
     from .ball_spectrum import Perturbed
     from .ball_waves import NotCovered, Refused, Signs, decimal, must, prove_zero
@@ -219,8 +220,13 @@ class Point(Statements):
                 yield f"leading eigenvalue of sector {int(leading['sector'])}", lambda it=leading: self.leads(it)
             yield "stability", self.verdict
 
+    def posing(self, of):
+        """The equations of the point itself, or of it as the wave beyond."""
+        layered = self.posed["written"].get("material") is not None
+        return (Layered if layered else Perturbed)(self.posed, of["near"], of["condition"])
+
     def wave(self):
-        wave = Perturbed(self.posed, self.proof["near"], self.proof["condition"])
+        wave = self.posing(self.proof)
         must(wave.posed["parameter"] == self.point["parameter"], "its equations vary another parameter")
         self.zero = prove_zero(wave.equations, wave.guess)
         self.x = wave.enclosed(self.zero)
@@ -247,8 +253,9 @@ class Point(Statements):
         text = lambda number: number.text if isinstance(number, Number) else "0"
         problem = {name: text(origin.value[name]) for name in names}
         problem |= {"friction": text(model["friction"]), "mismatch": text(model["mismatch"])}
-        problem |= {"mass_damping": text(damping.get("mass"))}
+        problem |= {"mass_damping": text(damping.get("mass")), "stiffness_damping": text(damping.get("stiffness"))}
         numbers = *written["origin"].value, written["friction"], written["mismatch"], written["damping"]
+        numbers += (written.get("material") or "0",)
         given = dict(zip(problem, numbers))
         continuation, varies = source["continuation"], snake(posed["parameter"])
         for name, number in problem.items():
@@ -271,11 +278,12 @@ class Point(Statements):
         return type_of(self.solved, self.point["kind"])
 
     def inequalities(self):
-        for what, holds in Signs(self.solved, self.x).all():
+        signs = LayeredSigns if isinstance(self.solved, Layered) else Signs
+        for what, holds in signs(self.solved, self.x).all():
             must(holds, f"{what} is not shown")
 
     def beyond(self):
-        beyond = Perturbed(self.posed, self.proof["beyond"]["near"], self.proof["beyond"]["condition"])
+        beyond = self.posing(self.proof["beyond"])
         x = beyond.enclosed(prove_zero(beyond.equations, beyond.guess))
         parts, shares = beyond.parts(x), (x[beyond.base - 1], self.x[self.solved.base - 1])
         must(shares[0].overlaps(shares[1]) and parts.c.overlaps(self.parts.c), "it is another wave")

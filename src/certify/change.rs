@@ -123,11 +123,13 @@ fn laws(posed: &Posed, signature: &Signature, watch: Watch, index: usize) -> Opt
         (Watch::Rate, ..) => [Sticking, force],
         _ => return None,
     };
-    // static friction holds more than kinetic friction does; an impact changes W where something lands
+    // static friction holds more than kinetic friction does; an impact changes W where something lands; with
+    // material damping zones open otherwise
     let forced = laws.contains(&Upper) || laws.contains(&Lower);
     let stuck = forced && posed.written.ratio.is_some();
+    let layered = posed.written.material.is_some();
     let struck = laws.contains(&Landed) && posed.impact == Impact::Coulomb;
-    (!stuck && !struck).then_some(laws)
+    (!stuck && !struck && !layered).then_some(laws)
 }
 
 /// A zone, or one of the two parts into which an event inside it cuts it.

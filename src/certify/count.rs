@@ -97,6 +97,9 @@ pub enum Uncounted {
     /// The perturbation of a Coulomb impact.
     #[error("not covered: eigenvalues of waves with a Coulomb impact")]
     CoulombImpact,
+    /// β > 0.
+    #[error("not covered: eigenvalues of waves with material damping")]
+    MaterialDamping,
     /// Too long a zone.
     #[error("undecided: the characteristic function cannot be enclosed")]
     NotEnclosed,

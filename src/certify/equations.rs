@@ -2,6 +2,7 @@
 
 use super::flow::{Flow, GAP, GAP_RATE, W, Y};
 use super::frame::Frame;
+use super::layer::{ACCELERATION, JERK, WHOLE};
 use super::system::{Columns, Condition, EXCESS, PARAMETER, SLOTS, System, TIME};
 use crate::interval::{Gradient, Interval, Number, PI};
 use crate::tube::model::Impact;
@@ -71,7 +72,9 @@ impl System<'_> {
             Watch::LowerForce => {
                 excess(entry[Y]) + (frame.static_friction * force).scaled(Interval::point(2.0))
             }
+            Watch::UpperForce if self.is_layered(zone) => -end[ACCELERATION],
             Watch::UpperForce => excess(end[Y]),
+            Watch::Release if self.is_layered(zone) => -entry[JERK],
             Watch::LandingSpeed => -end[GAP_RATE],
             Watch::Impulse => {
                 let lag = end[W] - N::double(1.0);
@@ -95,6 +98,7 @@ impl System<'_> {
         zone: usize,
     ) -> Option<N> {
         let (entry, _) = self.step_at(x, zone, 0);
+        let entry = self.entered(frame, zone, entry);
         let end = self.end_of_zone(frame, x, zone);
         self.edge(frame, watch, zone, &entry, &end)
     }
@@ -123,12 +127,17 @@ impl System<'_> {
             for step in 0..steps {
                 let columns = self.columns(zone, step, self.duration(zone));
                 let slots = local(&columns);
-                let state = [slots[0], slots[1], slots[2], slots[3]];
+                let given = [slots[0], slots[1], slots[2], slots[3]];
+                let state = self.smooth(frame, zone, step, given);
                 let time = slots[TIME].scaled(share);
                 let series = flow.as_ref().map(|flow| flow.series(state));
                 let end = match &series {
                     Some(series) => series.state(time),
                     None => [state[Y] + time, state[W], state[GAP], state[GAP_RATE]],
+                };
+                let end = match step + 1 == steps {
+                    true => self.moving(frame, zone, end, N::double(0.0)),
+                    false => end,
                 };
                 let mut put = |row, value| terms.push(Term::Local(row, columns, value));
                 if let (Some((watch, at)), true) = (wanted, self.minimum.is_none()) {
@@ -140,7 +149,8 @@ impl System<'_> {
                         let value = if watch == Watch::Duration {
                             slots[TIME]
                         } else {
-                            self.edge(frame, watch, zone, &state, &end)?
+                            let entry = self.entered(frame, zone, given);
+                            self.edge(frame, watch, zone, &entry, &end)?
                         };
                         put(self.waves - 1, value);
                     }
@@ -155,26 +165,42 @@ impl System<'_> {
                     }
                     continue;
                 }
-                let follower = self.first[(zone + 1) % zones];
+                let following = (zone + 1) % zones;
+                let follower = self.first[following];
                 put(row, end[Y]);
                 put(row + 1, self.rate_after(frame, &end, zone));
                 let order = if steps == 1 { self.order(zone) } else { 0 };
                 let regime = self.near.signature.zone(zone).regime;
+                let layered = self.is_layered(zone);
+                let released = series.is_none() && self.is_layered(following);
                 put(
                     row + 2,
                     match (&series, regime, next) {
+                        (None, ..) if released => N::double(0.0),
                         (None, ..) => end[Y] - frame.release,
                         (Some(series), Regime::Separation, _) => series.at(GAP, time, order),
                         (Some(_), _, Entry::TakeOff) => frame.weight + frame.kappa * end[W],
-                        (Some(_), ..) if order == 0 => end[W] - one,
+                        (Some(_), ..) if order == 0 || layered => end[W] - one,
                         (Some(series), ..) => series.at(W, time, order),
                     },
                 );
                 // Σ T|c| − 2π/k
                 put(period, slots[TIME] * frame.speed);
+                if layered {
+                    put(row + 3, end[ACCELERATION]);
+                }
+                // V̈ is continuous, and 0 in stick
+                if released || layered && self.is_layered(following) {
+                    let columns = self.columns(following, 0, self.duration(following));
+                    let slots = local(&columns);
+                    let state = [slots[0], slots[1], slots[2], slots[3]];
+                    let entry = self.entered(frame, following, state);
+                    let row = row + 2 + usize::from(layered);
+                    terms.push(Term::Local(row, columns, -entry[ACCELERATION]));
+                }
                 terms.push(Term::Minus(row, follower));
                 terms.push(Term::Minus(row + 1, follower + 1));
-                row += 3;
+                row += self.head(zone);
             }
         }
         let wavelength = PI * Interval::point(2.0) / Interval::point(f64::from(self.posed.mode));
@@ -191,12 +217,25 @@ impl System<'_> {
                 let slots = local(&columns);
                 let flow = self.flow(frame, *zone)?;
                 let state = [slots[0], slots[1], slots[2], slots[3]];
+                let state = self.smooth(frame, *zone, step, state);
                 let there = flow.series(state).state(slots[TIME]);
                 let rate = flow.derivative(there, true);
-                let (value, slope) = match watch {
-                    Watch::Gap => (there[GAP], rate[GAP]),
-                    Watch::Pressure => (frame.weight + frame.kappa * there[W], rate[W]),
-                    _ => (there[W] - one, rate[W]),
+                let left = self.left(*zone, step, there[WHOLE]) - slots[TIME];
+                let moving = self.moving(frame, *zone, there, left);
+                let (value, slope) = match (watch, self.layered(frame, *zone)) {
+                    (Watch::Pressure, Some(layered)) => {
+                        let [_, w, acceleration, jerk] = moving;
+                        (
+                            frame.weight + frame.kappa * (w + layered.beta * acceleration),
+                            acceleration + layered.beta * jerk,
+                        )
+                    }
+                    (_, Some(_)) => (moving[W] - one, moving[ACCELERATION]),
+                    (watch, None) => match watch {
+                        Watch::Gap => (there[GAP], rate[GAP]),
+                        Watch::Pressure => (frame.weight + frame.kappa * there[W], rate[W]),
+                        _ => (there[W] - one, rate[W]),
+                    },
                 };
                 terms.push(Term::Local(self.waves - 2, columns, value));
                 terms.push(Term::Local(self.waves - 1, columns, slope));

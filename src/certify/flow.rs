@@ -49,14 +49,20 @@ pub struct Flow<N> {
 }
 
 impl<N: Number> Flow<N> {
-    /// Slip (σ = 1) and reverse slip (σ = −1).
+    /// Slip (σ = 1) and reverse slip (σ = −1); with material damping what a layer leaves of it.
     pub fn contact(frame: &Frame<N>, sigma: f64) -> Flow<N> {
         let sign = Interval::point(sigma);
-        let mass = frame.ma.recip();
+        let layered = frame
+            .layers
+            .map(|[slip, reverse]| if sigma < 0.0 { reverse } else { slip });
+        let mass = layered.map_or(frame.ma, |layered| layered.mass).recip();
         // h(y − Y) = 2fgδ in reverse slip
         let shift = Interval::point(if sigma < 0.0 { -2.0 } else { 0.0 });
         let drive = (frame.friction * frame.weight).scaled(shift) * mass;
-        let rate = (frame.friction * frame.kappa).scaled(sign) - frame.damping;
+        let rate = match layered {
+            Some(layered) => -layered.damping,
+            None => (frame.friction * frame.kappa).scaled(sign) - frame.damping,
+        };
         let zero = N::double(0.0);
         Flow::new(
             frame,

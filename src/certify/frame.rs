@@ -7,6 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::interval::{Decimal, Interval, Number};
+use crate::tube::flow::material;
 use crate::tube::model::{FrictionLaw, Model, Parameter, Source};
 
 /// Where a, b, D, g, h come from, as written.
@@ -29,14 +30,17 @@ pub struct Written {
     pub mismatch: Decimal,
     /// Mass-proportional damping α.
     pub damping: Decimal,
+    /// Stiffness-proportional damping β, where it enters: the equations of sliding are of third order then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<Decimal>,
     /// Static by kinetic friction; none under Coulomb's law.
     pub ratio: Option<Decimal>,
 }
 
 impl Written {
-    /// The numbers of a model. `text` looks a number up by its path in a problem file; one that it does not
+    /// The numbers of a model, with material damping or without. `text` looks a number up by its path in a problem file; one that it does not
     /// know, or knows otherwise than the model does, is the shortest decimal that reads as the double.
-    pub fn new(model: &Model, text: impl Fn(&str) -> Option<Decimal>) -> Written {
+    pub fn new(model: &Model, material: bool, text: impl Fn(&str) -> Option<Decimal>) -> Written {
         let decimal = |path: &str, value: f64| {
             let written = text(path).filter(|decimal| decimal.nearest() == value);
             written.unwrap_or_else(|| Decimal::of(value))
@@ -66,6 +70,7 @@ impl Written {
             friction: decimal("model.friction", model.friction),
             mismatch: decimal("model.mismatch", model.mismatch),
             damping: decimal("model.damping.mass", model.damping.mass),
+            material: material.then(|| decimal("model.damping.stiffness", model.damping.stiffness)),
             ratio: match model.law {
                 FrictionLaw::Static { ratio } => Some(decimal("model.friction_law.ratio", ratio)),
                 _ => None,
@@ -163,8 +168,68 @@ pub struct Frame<N> {
     pub excess_ratio: N,
     /// gδ.
     pub weight: N,
-    /// Y at release, (rfκ + (r − 1)fgδ − α)/h.
+    /// Y at the end of stick where Q = fP, (rfκ + (r − 1)fgδ − α)/h − β.
     pub release: N,
+    /// Sliding with material damping, in slip and in reverse slip.
+    pub layers: Option<[Layered<N>; 2]>,
+}
+
+/// A sliding equation −βãV⃛ + mV̈ + s₁V̇ + hV = σfgδ, ã = a/c², as one of second order, m̂V̈ + ŝV̇ + hV = σfgδ, and a
+/// layer e^{t/ρ}: see [`crate::tube::flow::material`].
+#[derive(Clone, Copy, Debug)]
+pub struct Layered<N> {
+    /// β.
+    pub beta: N,
+    /// ρ.
+    pub rho: N,
+    /// m̂.
+    pub mass: N,
+    /// ŝ.
+    pub damping: N,
+}
+
+impl<N: Number> Layered<N> {
+    /// From β, d = βã, m, s₁ and h. Every ρ with −d + mρ + s₁ρ² + hρ³ = 0 serves: one next to that in doubles is the only one
+    /// in an interval for all numbers of the box (Newton's operator), and a smooth function of them. Its derivatives are
+    /// those of Newton's iterates, of which each doubles the order that is known.
+    fn new(beta: N, [d, m, s, h]: [N; 4]) -> Option<Layered<N>> {
+        /// Widenings of the first interval.
+        const INFLATIONS: usize = 12;
+        let [middle_d, middle_m, middle_s, middle_h] = [d, m, s, h].map(|x| x.value().middle());
+        let near = material::layer_time(middle_d, middle_m, middle_s, middle_h)?;
+        let mut radius = 4.0 * f64::EPSILON * near.abs();
+        let known = (0..INFLATIONS).find_map(|_| {
+            let middle = Interval::point(near);
+            let all = Interval::around(near, radius);
+            let [d, m, s, h] = [d, m, s, h].map(|x| x.value());
+            let inverse = Interval::ONE / slope([m, s, h], all);
+            let next = middle - cubic([d, m, s, h], middle) * inverse;
+            radius = 1.25 * (next - middle).magnitude() + 4.0 * f64::EPSILON * near.abs();
+            next.within(all).then_some(next)
+        })?;
+        let newton =
+            |rho: N| rho - cubic([d, m, s, h], rho).varying() * slope([m, s, h], rho).recip();
+        // second derivatives are known after two
+        let rho = newton(newton(N::constant(known)));
+        let damping = s + h * rho;
+        Some(Layered {
+            beta,
+            rho,
+            mass: m + damping * rho,
+            damping,
+        })
+    }
+}
+
+/// −d + mρ + sρ² + hρ³.
+fn cubic<N: Number>([d, m, s, h]: [N; 4], rho: N) -> N {
+    ((h * rho + s) * rho + m) * rho - d
+}
+
+/// Its derivative in ρ.
+fn slope<N: Number>([m, s, h]: [N; 3], rho: N) -> N {
+    let [two, three] = [2.0, 3.0].map(Interval::point);
+    ((h * rho).scaled(three) + s.scaled(two)) * rho + m
 }
 
 impl Written {
@@ -180,11 +245,13 @@ impl Written {
         let known = |decimal: &Decimal| N::constant(decimal.interval());
         let [mut friction, mut mismatch, mut damping] =
             [&self.friction, &self.mismatch, &self.damping].map(known);
+        let mut material = self.material.as_ref().map(known);
         let mut tube = None;
         match (parameter, &self.origin) {
             (Parameter::Friction, _) => friction = value,
             (Parameter::Mismatch, _) => mismatch = value,
             (Parameter::MassDamping, _) => damping = value,
+            (Parameter::StiffnessDamping, _) => material = Some(value),
             (_, Origin::Geometry([nu, xi, gamma])) => {
                 tube = Some(match parameter {
                     Parameter::Nu => [value, known(xi), known(gamma)],
@@ -211,8 +278,24 @@ impl Written {
         let ratio = self.ratio.as_ref().map_or(Interval::ONE, Decimal::interval);
         let static_friction = friction.scaled(ratio);
         let beyond = (friction * weight).scaled(ratio - Interval::ONE);
+        let ma = excess * (excess + N::double(2.0)) * square;
+        let release = (static_friction * kappa + beyond - damping) * h.recip();
+        let sliding = |beta: N, sigma: f64| {
+            let drive = (friction * kappa).scaled(Interval::point(sigma));
+            let numbers = [
+                beta * square,
+                ma - beta * drive,
+                damping + beta * h - drive,
+                h,
+            ];
+            Layered::new(beta, numbers)
+        };
+        let layers = match material {
+            Some(beta) => Some([sliding(beta, 1.0)?, sliding(beta, -1.0)?]),
+            None => None,
+        };
         Some(Frame {
-            ma: excess * (excess + N::double(2.0)) * square,
+            ma,
             mb: one - b * a.recip() * square,
             kappa,
             speed: root * (one + excess),
@@ -224,7 +307,8 @@ impl Written {
             excess_ratio: a * b.recip() - one,
             weight,
             static_friction,
-            release: (static_friction * kappa + beyond - damping) * h.recip(),
+            release: material.map_or(release, |beta| release - beta),
+            layers,
         })
     }
 }

@@ -6,6 +6,7 @@
 
 use super::flow::{Flow, GAP, GAP_RATE, Series, W, Y};
 use super::frame::Frame;
+use super::layer::Layers;
 use super::system::{Condition, Near, System};
 use crate::interval::{Gradient, Interval, Number};
 use crate::tube::model::Impact;
@@ -337,7 +338,11 @@ pub fn prove<N: Positive>(
         proven: 0,
     };
     // e > 0 is in m_a; a > b > 0 in m_b
-    for number in [frame.ma, frame.mb, frame.kappa, frame.excess_ratio] {
+    let beta = frame.layers.map(|[slip, _]| slip.beta);
+    for number in [frame.ma, frame.mb, frame.kappa, frame.excess_ratio]
+        .into_iter()
+        .chain(beta)
+    {
         proof.hold(number.is_positive(), Unproven::Speed)?;
     }
     for index in 0..near.zones.len() {
@@ -353,6 +358,7 @@ pub fn prove<N: Positive>(
         }
         match near.signature.zone(index).regime {
             Regime::Stick => proof.stick(index)?,
+            _ if system.is_layered(index) => proof.layered(index)?,
             Regime::Slip | Regime::Reverse => proof.sliding(index)?,
             Regime::Separation => proof.separation(index)?,
             Regime::Contact => return Err(Unproven::Sliding(index)),
@@ -445,6 +451,37 @@ impl<N: Positive> Proof<'_, N> {
         } else {
             self.pressed(index)
         }
+    }
+
+    /// A sliding zone with a layer: V̈ = 0 where it is released and where it is arrested, and P jumps there.
+    fn layered(&mut self, index: usize) -> Result<(), Unproven> {
+        let signature = &self.system.near.signature;
+        let (zone, next) = (signature.zone(index), signature.zone(index + 1));
+        let sigma = zone.regime.sliding().unwrap_or(1.0);
+        if zone.entry == Entry::Release {
+            self.edge(Watch::Release, index)?;
+        }
+        if zone.regime == Regime::Reverse && next.entry == Entry::Reversal {
+            self.edge(Watch::UpperForce, index)?;
+        }
+        let vanishing = &self.vanishing;
+        let lost = vanishing.is(Watch::Release, index)
+            || vanishing.is(Watch::UpperForce, self.before(index));
+        let at_start = self.system.order(index) + usize::from(lost);
+        let at_end = match next.entry {
+            Entry::Arrest => 2,
+            _ => 1 + usize::from(vanishing.is(Watch::UpperForce, index)),
+        };
+        let over = Layers::new(self.system, self.frame, self.x, index).ok_or(Unproven::Speed)?;
+        let [one, slides] = [1.0, sigma].map(N::double);
+        let touch = [Watch::Rate, Watch::Pressure].map(|watch| vanishing.is(watch, index));
+        let lag = [slides, -slides, N::double(0.0)];
+        let slides = over.is_positive(lag, [at_start, at_end], touch[0]);
+        self.hold(slides, Unproven::Sliding(index))?;
+        let frame = self.frame;
+        let pressure = [frame.weight, frame.kappa, frame.kappa * over.beta() * one];
+        let pressed = over.is_positive(pressure, [0, 0], touch[1]);
+        self.hold(pressed, Unproven::Pressure(index))
     }
 
     /// σ(1 − W) > 0.

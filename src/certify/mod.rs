@@ -24,6 +24,7 @@ mod fold;
 mod frame;
 mod inequality;
 mod krawczyk;
+mod layer;
 mod open;
 pub mod orbit;
 mod perturbation;
@@ -51,7 +52,7 @@ use crate::linalg::Vector;
 use crate::orbit::{EventType, Orbit};
 use crate::problem::{decimal_at, decimal_of};
 use crate::tube::flow::method::Method;
-use crate::tube::model::signature::{Entry, switches};
+use crate::tube::model::signature::{Entry, Regime, switches};
 use crate::tube::model::{Impact, Parameter};
 use crate::tube::wave::Wave;
 use crate::tube::wave::admissibility::{Margin, Watch};
@@ -81,7 +82,7 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
     }
     let value = event.model.value(wave.parameter).unwrap_or(f64::NAN);
     let prepared = || -> Result<Proof, Open> {
-        covered(wave)?;
+        covered(wave, point)?;
         let (condition, beyond) = condition(wave, point, special, || match special {
             Special::User(..) | Special::Edge(..) | Special::Own(OfWaves::CoulombLimit) => {
                 decimal_of(text, "continuation", value)
@@ -89,7 +90,7 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
             _ => decimal_of(text, wave.parameter.path(), value),
         })?;
         let posed = Posed {
-            written: Written::new(&wave.model, |path| decimal_at(text, path)),
+            written: Written::new(&wave.model, wave.material, |path| decimal_at(text, path)),
             impact: wave.model.impact,
             parameter: wave.parameter,
             mode: wave.mode,
@@ -174,7 +175,8 @@ fn leading(rows: &[EigenvalueRow]) -> Vec<(usize, [f64; 2])> {
 
 /// Proves eigenvalues next to those in doubles; those that are not proven are left out.
 fn eigenvalues(proof: &Proof, wanted: &[(usize, [f64; 2])]) -> Result<Vec<Eigenvalue>, Open> {
-    if wanted.is_empty() || lands_with_impulse(&proof.posed, &proof.near) {
+    let layered = proof.posed.written.material.is_some();
+    if wanted.is_empty() || layered || lands_with_impulse(&proof.posed, &proof.near) {
         return Ok(Vec::new());
     }
     let (system, wave) = known(proof)?;
@@ -192,6 +194,9 @@ fn eigenvalues(proof: &Proof, wanted: &[(usize, [f64; 2])]) -> Result<Vec<Eigenv
 
 /// Counts the growing eigenvalues of a wave; see [`System::growth`].
 fn growth(proof: &Proof, window: f64, stored: Option<&Growth>) -> Result<Growth, Uncounted> {
+    if proof.posed.written.material.is_some() {
+        return Err(Uncounted::MaterialDamping);
+    }
     if lands_with_impulse(&proof.posed, &proof.near) {
         return Err(Uncounted::CoulombImpact);
     }
@@ -258,9 +263,13 @@ fn condition(
     })
 }
 
-fn covered(wave: &Wave) -> Result<(), Open> {
-    if wave.material {
-        return Err(Open::MaterialDamping);
+fn covered(wave: &Wave, point: &Vector) -> Result<(), Open> {
+    let beta = match wave.parameter {
+        Parameter::StiffnessDamping => wave.parameter_at(point),
+        _ => wave.model.damping.stiffness,
+    };
+    if wave.material && beta <= 0.0 {
+        return Err(Open::NoLayer);
     }
     if !wave.model.law.piecewise_linear() {
         return Err(Open::Law);
@@ -284,7 +293,7 @@ fn units(system: &System, guess: &[f64], near: &Near, parameter_unit: f64) -> Ve
             1.0
         } else if index == parameter {
             parameter_unit.abs()
-        } else if index >= system.waves() {
+        } else if index >= system.waves() || system.is_amplitude(index) {
             value.abs().max(1.0)
         } else if system.is_rate(index) {
             rate
@@ -302,6 +311,24 @@ fn system<'a>(
     condition: &Condition,
 ) -> Result<(System<'a>, Vec<f64>), Open> {
     let signature = &near.signature;
+    let crosses = matches!(condition, Condition::Crossing { .. });
+    if posed.written.material.is_some() {
+        if signature.has(Regime::Separation) {
+            return Err(Open::LayeredSeparation);
+        }
+        if crosses {
+            return Err(Open::LayeredEigenvalues);
+        }
+        if let Condition::Margin {
+            watch: Watch::Duration,
+            zone,
+            ..
+        } = condition
+            && signature.zone(*zone).regime != Regime::Stick
+        {
+            return Err(Open::LayeredOpening);
+        }
+    }
     let follows = |index: usize| {
         let (zone, next) = (signature.zone(index), signature.zone(index + 1));
         switches(zone.regime, next.regime, posed.impact).contains(&next.entry)
@@ -309,7 +336,6 @@ fn system<'a>(
     if !(0..signature.len()).all(follows) {
         return Err(Open::Signature);
     }
-    let crosses = matches!(condition, Condition::Crossing { .. });
     if crosses && lands_with_impulse(posed, near) {
         return Err(Open::CoulombImpact);
     }

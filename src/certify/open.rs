@@ -5,9 +5,18 @@ use super::Unproven;
 /// Why a point is not proven.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Open {
-    /// β > 0.
-    #[error("not covered: waves with material damping")]
-    MaterialDamping,
+    /// A layer in V and one in U, which are coupled.
+    #[error("not covered: separation with material damping")]
+    LayeredSeparation,
+    /// β = 0 where β > 0 elsewhere on the branch.
+    #[error("not covered: the limit of no material damping, in which a layer has no thickness")]
+    NoLayer,
+    /// Eigenvalues for β > 0.
+    #[error("not covered: eigenvalues of waves with material damping")]
+    LayeredEigenvalues,
+    /// The zone grows like T³.
+    #[error("not covered: a sliding zone that opens or closes with material damping")]
+    LayeredOpening,
     /// A law whose flow has no closed form.
     #[error("not covered: friction that depends on the velocity")]
     Law,

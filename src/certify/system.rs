@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::flow::Flow;
 use super::frame::{Frame, Origin, Written};
+use super::layer::{AMPLITUDE, WHOLE};
 use crate::interval::{Decimal, Interval, Number};
 use crate::linalg::Vector;
 use crate::tube::flow::Slide;
@@ -79,12 +80,15 @@ impl Posed {
             friction,
             mismatch,
             damping,
+            material,
             ..
         } = &mut fixed.written;
+        let mut none = Decimal::of(0.0);
         let number = match (self.parameter, origin) {
             (Parameter::Friction, _) => friction,
             (Parameter::Mismatch, _) => mismatch,
             (Parameter::MassDamping, _) => damping,
+            (Parameter::StiffnessDamping, _) => material.as_mut().unwrap_or(&mut none),
             (Parameter::Nu, Origin::Geometry([nu, ..])) => nu,
             (Parameter::Xi, Origin::Geometry([_, xi, _])) => xi,
             (Parameter::Gamma, Origin::Geometry([.., gamma])) => gamma,
@@ -102,6 +106,9 @@ pub struct Near {
     pub signature: Signature,
     /// (Y, W, T) of each zone.
     pub zones: Vec<[f64; 3]>,
+    /// With material damping V̈ of the layer at the end of each zone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<f64>,
     /// e₀.
     pub excess: f64,
     /// Continuation parameter.
@@ -120,6 +127,10 @@ impl Near {
         Near {
             signature: wave.signature.clone(),
             zones: zones.iter().map(Slide::without_layers).collect(),
+            layers: match wave.material {
+                true => zones.iter().map(|zone| zone.layer).collect(),
+                false => Vec::new(),
+            },
             excess: wave.excess_at(point),
             parameter: wave.parameter_at(point),
         }
@@ -209,6 +220,13 @@ impl<'a> System<'a> {
         for (zone, [y, w, duration]) in near.zones.iter().enumerate() {
             system.first.push(guess.len());
             guess.extend([*y, *w, *duration]);
+            let layer = match system.is_layered(zone) {
+                true => *near.layers.get(zone)?,
+                false => 0.0,
+            };
+            if system.is_layered(zone) {
+                guess.push(layer);
+            }
             let mut steps = 1;
             if let Some(flow) = system.flow(&frame, zone) {
                 let radians = (flow.norm() * duration.abs()).ceil();
@@ -220,7 +238,10 @@ impl<'a> System<'a> {
                     None => (radians as usize).max(1) * system.finer(zone),
                 };
                 let step = duration / steps as f64;
-                let mut state = [point(*y), point(*w), Interval::ZERO, Interval::ZERO];
+                let mut state = [*y, *w, 0.0, 0.0].map(point);
+                if system.is_layered(zone) {
+                    state = system.smooth(&frame, zone, 0, [*y, *w, layer, *duration].map(point));
+                }
                 for _ in 1..steps {
                     state = flow.series(state).state(point(step));
                     state = state.map(|x| point(x.middle()));
@@ -267,7 +288,7 @@ impl<'a> System<'a> {
         }
     }
 
-    /// A state of a zone a time later.
+    /// A state of a zone a time later, without its layer.
     pub(super) fn later<N: Number>(
         &self,
         frame: &Frame<N>,
@@ -284,10 +305,12 @@ impl<'a> System<'a> {
         }
     }
 
-    /// The state at the end of a zone at values of the unknowns.
+    /// The state at the end of a zone at values of the unknowns; with a layer (Y, W, V̈, V⃛).
     pub(super) fn end_of_zone<N: Number>(&self, frame: &Frame<N>, x: &[N], zone: usize) -> [N; 4] {
-        let (last, time) = self.step_at(x, zone, self.steps[zone] - 1);
-        self.later(frame, zone, last, time)
+        let step = self.steps[zone] - 1;
+        let (last, time) = self.step_at(x, zone, step);
+        let end = self.later(frame, zone, self.smooth(frame, zone, step, last), time);
+        self.moving(frame, zone, end, N::double(0.0))
     }
 
     /// Order of the zero just after the entry of a zone: of W − 1 in sliding, of U − δ in separation.
@@ -348,9 +371,16 @@ impl<'a> System<'a> {
             .unwrap_or(0);
         match index - self.first[zone] {
             1 => true,
-            offset if offset >= 3 && index + 2 < self.waves => (offset - 3) % 2 == 1,
+            offset if offset >= self.head(zone) && index + 2 < self.waves => {
+                (offset - self.head(zone)) % 2 == 1
+            }
             _ => false,
         }
+    }
+
+    /// Number of unknowns of a zone before those of its steps: Y, W, T and V̈ of its layer.
+    pub(super) fn head(&self, zone: usize) -> usize {
+        3 + usize::from(self.is_layered(zone))
     }
 
     /// The condition, with the time of a minimum as it is at values of the unknowns.
@@ -376,11 +406,18 @@ impl<'a> System<'a> {
                 .iter()
                 .map(|at| [x[*at], x[at + 1], x[at + 2]])
                 .collect(),
+            layers: (0..self.near.layers.len())
+                .map(|zone| match self.is_layered(zone) {
+                    true => x[self.first[zone] + 3],
+                    false => 0.0,
+                })
+                .collect(),
             excess: self.near.excess * (1.0 + x[excess]),
             parameter: x[parameter],
         }
     }
 
+    /// Columns of the slots of a step.
     pub(super) fn columns(&self, zone: usize, step: usize, time: usize) -> Columns {
         let [excess, parameter] = self.tail();
         let mut columns = [None; SLOTS];
@@ -390,10 +427,14 @@ impl<'a> System<'a> {
         };
         let first = match step {
             0 => self.first[zone],
-            _ => self.first[zone] + 3 + width * (step - 1),
+            _ => self.first[zone] + self.head(zone) + width * (step - 1),
         };
         for (slot, column) in columns[..width].iter_mut().enumerate() {
             *column = Some(first + slot);
+        }
+        if self.is_layered(zone) {
+            columns[AMPLITUDE] = Some(self.first[zone] + 3);
+            columns[WHOLE] = Some(self.duration(zone));
         }
         columns[TIME] = Some(time);
         columns[EXCESS] = Some(excess);

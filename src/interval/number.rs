@@ -28,8 +28,12 @@ pub trait Number:
     fn ln(self) -> Self;
     /// Whether it is zero, and does not vary.
     fn is_zero(&self) -> bool;
+    /// eˣ.
+    fn exp(self) -> Self;
     /// cos x and sin x.
     fn circular(self) -> (Self, Self);
+    /// Its derivatives, with 0 in place of the number.
+    fn varying(self) -> Self;
     /// Upper bound of the norm.
     fn norm(&self) -> f64;
     /// The number with anything added whose norm is at most `bound`.
@@ -63,8 +67,14 @@ impl Number for Interval {
     fn is_zero(&self) -> bool {
         *self == Interval::ZERO
     }
+    fn exp(self) -> Interval {
+        Interval::exp(self)
+    }
     fn circular(self) -> (Interval, Interval) {
         (self.cos(), self.sin())
+    }
+    fn varying(self) -> Interval {
+        Interval::ZERO
     }
     fn norm(&self) -> f64 {
         self.magnitude()
@@ -177,6 +187,16 @@ impl<N: Number, const D: usize> Number for Gradient<N, D> {
     }
     fn is_zero(&self) -> bool {
         self.value.is_zero() && self.by.iter().all(N::is_zero)
+    }
+    fn exp(self) -> Self {
+        let value = self.value.exp();
+        self.chain(value, value)
+    }
+    fn varying(self) -> Self {
+        Gradient {
+            value: self.value.varying(),
+            by: self.by,
+        }
     }
     fn circular(self) -> (Self, Self) {
         let (cosine, sine) = self.value.circular();

@@ -189,6 +189,12 @@ impl Number for TaylorModel {
     fn is_zero(&self) -> bool {
         self.rest == 0.0 && self.terms().iter().all(|c| *c == 0.0)
     }
+    fn exp(self) -> TaylorModel {
+        TaylorModel::constant(self.value().exp())
+    }
+    fn varying(self) -> TaylorModel {
+        TaylorModel::constant(Interval::ZERO)
+    }
     fn circular(self) -> (TaylorModel, TaylorModel) {
         let value = self.value();
         (

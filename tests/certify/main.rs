@@ -5,5 +5,6 @@ mod arcs;
 mod command;
 mod count;
 mod laws;
+mod layers;
 mod orbits;
 mod waves;

@@ -26,7 +26,12 @@ pub(crate) fn points(name: &str, changes: &[(&str, &str)], sector: Option<usize>
         assert!(text.contains(old), "{old}");
         text = text.replace(old, new);
     }
-    let mut problem = problem::parse(&text, name).unwrap();
+    points_of_text(&text, name, sector)
+}
+
+/// The special points of a problem.
+pub(crate) fn points_of_text(text: &str, name: &str, sector: Option<usize>) -> Vec<Point> {
+    let mut problem = problem::parse(text, name).unwrap();
     problem.stability = problem
         .stability
         .zip(sector)
@@ -34,16 +39,12 @@ pub(crate) fn points(name: &str, changes: &[(&str, &str)], sector: Option<usize>
             sectors: Sectors::Only(vec![sector]),
             ..section
         });
-    let continuation = problem.continuation(&text, name).unwrap().clone();
+    let continuation = problem.continuation(text, name).unwrap().clone();
     let mut branch = Runner::begin(&problem, &continuation, None).unwrap();
     let mut points = Vec::new();
     while branch.progress().end.is_none() {
         let items = branch.step();
-        points.extend(
-            items
-                .iter()
-                .filter_map(|item| certify::certify(item, &text)),
-        );
+        points.extend(items.iter().filter_map(|item| certify::certify(item, text)));
     }
     points
 }
@@ -56,7 +57,7 @@ pub(crate) fn proof(point: &Point) -> &Proof {
 }
 
 /// The proof of the event of a type, counted from 0.
-fn event(points: &[Point], kind: EventType, index: usize) -> &Proof {
+pub(crate) fn event(points: &[Point], kind: EventType, index: usize) -> &Proof {
     proof(
         points
             .iter()
@@ -67,7 +68,7 @@ fn event(points: &[Point], kind: EventType, index: usize) -> &Proof {
 }
 
 /// A figure with more digits than a double has.
-fn figure(text: &str) -> Interval {
+pub(crate) fn figure(text: &str) -> Interval {
     Decimal::try_from(text.to_owned()).unwrap().interval()
 }
 
@@ -358,7 +359,7 @@ pub(crate) fn slip_stick_at(which: Which, mismatch: f64) -> Result<Proof, Open> 
     let model = tube(0.5, mismatch);
     let closed = slip_stick(&model, 4, which).unwrap();
     let posed = Posed {
-        written: Written::new(&model, |_| None),
+        written: Written::new(&model, false, |_| None),
         impact: Impact::Frictionless,
         parameter: Parameter::Mismatch,
         mode: 4,
@@ -370,6 +371,7 @@ pub(crate) fn slip_stick_at(which: Which, mismatch: f64) -> Result<Proof, Open> 
             [closed.release, 1.0, closed.slip],
             [closed.release - closed.stick, 1.0, closed.stick],
         ],
+        layers: Vec::new(),
         excess: closed.excess,
         parameter: mismatch,
     };
@@ -440,7 +442,7 @@ fn uniqueness_does_not_reach_the_other_wave() {
         [Which::Fast, Which::Slow].map(|which| slip_stick(&model, 4, which).unwrap());
     let apart = fast.excess / slow.excess - 1.0;
     let posed = Posed {
-        written: Written::new(&model, |_| None),
+        written: Written::new(&model, false, |_| None),
         impact: Impact::Frictionless,
         parameter: Parameter::Friction,
         mode: 4,
@@ -452,6 +454,7 @@ fn uniqueness_does_not_reach_the_other_wave() {
             [fast.release, 1.0, fast.slip],
             [fast.release - fast.stick, 1.0, fast.stick],
         ],
+        layers: Vec::new(),
         excess: fast.excess,
         parameter: 1.0915,
     };
@@ -476,7 +479,7 @@ fn static_friction_is_covered() {
         },
         ..tube(0.5, 0.2)
     };
-    assert!(Written::new(&model, |_| None).ratio.is_none());
+    assert!(Written::new(&model, false, |_| None).ratio.is_none());
 }
 
 /// Coulomb impact: the waves of the reference to which those with material damping tend.

@@ -36,7 +36,7 @@ use super::{FlowError, Frame, Slide, Unsolved, ZoneEnd};
 /// Smallest positive root ρ of −d + mρ + s₁ρ² + hρ³ with d = βã ≥ 0 and h > 0: the reciprocal of the
 /// largest exponent of the sliding equation. `None` where a coefficient is not finite. For d < 0, where a
 /// step may end that passes β = 0, the root goes on smoothly: it is the negative one next to d/m, or `None`.
-pub(super) fn layer_time(d: f64, m: f64, s: f64, h: f64) -> Option<f64> {
+pub(crate) fn layer_time(d: f64, m: f64, s: f64, h: f64) -> Option<f64> {
     let at = |x: f64| -d + x * (m + x * (s + x * h));
     let slope = |x: f64| m + x * (2.0 * s + x * (3.0 * h));
     if d == 0.0 && m > 0.0 {
