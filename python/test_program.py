@@ -112,6 +112,19 @@ class Program(unittest.TestCase):
         self.assertEqual(set(table["found"]) | set(table["regimes"]), {"orbit", "free"})
         # at resonance it does not touch, and swings to A/cω
         self.assertLess((table["max_x"] - table["A"] / 0.1).abs().max(), 1e-11)
+        axes = brakewave.draw_map(folder)
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("A", "e"))
+        drawn = {line.get_label(): sorted(zip(*line.get_data())) for line in axes.lines}
+        self.assertEqual(drawn, {"free": sorted(zip(table["A"], table["e"]))})
+
+    def test_curves(self):
+        section = dict(event=variant.GR, parameters=("A", "c"), range=((0.05, 0.2), (0.05, 0.2)))
+        along = dict(parameter="A", range=(0.05, 1.0), toward=variant.Down)
+        folder = brakewave.curve(impact(continuation=along, curve=section), out="grazes", quiet=True)
+        # at resonance it touches where A = cd
+        self.assertLess((folder.curve["A"] - folder.curve["c"]).abs().max(), 1e-12)
+        axes = brakewave.draw_curve(folder)
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("A", "c"))
 
     def test_scans_simulations_and_equilibria(self):
         values = variant.Linear(0.05, 0.09, 5)

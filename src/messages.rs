@@ -651,11 +651,14 @@ impl Display for curve::Name {
         match self {
             curve::Name::Pair { grows: true } => f.write_str("the pair grows"),
             curve::Name::Pair { grows: false } => f.write_str("the pair decays"),
-            curve::Name::Waves { count, regimes } => {
+            curve::Name::Outside(0) => f.write_str("stable"),
+            curve::Name::Outside(1) => f.write_str("1 multiplier outside"),
+            curve::Name::Outside(count) => write!(f, "{count} multipliers outside"),
+            curve::Name::Orbits { count, regimes } => {
                 match count {
                     None => {}
-                    Some(1) => f.write_str("1 wave ")?,
-                    Some(count) => write!(f, "{count} waves ")?,
+                    Some((1, orbit)) => write!(f, "1 {orbit} ")?,
+                    Some((count, orbit)) => write!(f, "{count} {orbit}s ")?,
                 }
                 f.write_str(&list(regimes, ", "))
             }

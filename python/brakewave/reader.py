@@ -323,13 +323,21 @@ def draw_spectrum(run, label, axes=None):
     return axes
 
 
-def draw_map(folder, start="fast", axes=None):
-    """The regimes of the first passage over the plane of a map."""
+def draw_map(folder, start=None, axes=None):
+    """What is first found from a start over the plane of a map: the regimes of waves, from "fast" unless another start is
+    named; of a system the modes of the orbit from start 1, with its number of periods, or what the motion does instead."""
     axes, table = _axes(axes), folder.map
-    x, y = (varying(table) + PARAMETERS)[:2]
-    table = table[(table["start"] == start) & (table["passage"] == 1)]
+    x, y = (varying(table) + parameters(table))[:2]
+    if "found" in table:
+        table = table[table["start"].astype(str) == str(start or 1)]
+        many = table["periods"].fillna(1) > 1
+        times = table["periods"].astype(str).where(many, "") + many.map({True: "T: ", False: ""})
+        what = (times + table["regimes"]).where(table["found"].isin(["orbit", "equilibrium"]), table["found"])
+    else:
+        table = table[(table["start"] == (start or "fast")) & (table["passage"] == 1)]
+        what = table["regimes"]
     rare = cycle(RARE)
-    for regimes, waves in table.groupby("regimes"):
+    for regimes, waves in table.groupby(what):
         axes.plot(waves[x], waves[y], "s", ms=2, label=regimes, color=SEQUENCES.get(regimes) or next(rare))
     axes.set(xlabel=x, ylabel=y)
     axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
@@ -339,7 +347,7 @@ def draw_map(folder, start="fast", axes=None):
 def draw_curve(folder, axes=None):
     """The curve of an event in the plane of its two parameters, special points named."""
     axes, table = _axes(axes), folder.curve
-    first, second = [name for name in table if name in PARAMETERS]
+    first, second = parameters(table)
     axes.plot(table[first], table[second], color="black")
     for kind, points in table[table["type"] != ""].groupby("type"):
         axes.plot(points[first], points[second], "o", label=kind)

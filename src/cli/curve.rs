@@ -59,7 +59,6 @@ fn of_tube(task: &Task, problem: &Problem, text: String, format: Format) -> Resu
         store,
         (problem, title, format),
         begin,
-        Run::curve,
         &Failure::from,
         draw,
     )
@@ -109,15 +108,7 @@ fn of_system(
         drawn.map(|_| ())
     };
     let title = problem.title.as_deref();
-    follow(
-        task,
-        store,
-        (problem, title, format),
-        begin,
-        Run::unnamed,
-        &refuse,
-        draw,
-    )
+    follow(task, store, (problem, title, format), begin, &refuse, draw)
 }
 
 /// Says how far the branch is on which the event is looked for.
@@ -133,7 +124,6 @@ fn follow<P: Plane>(
     store: Store,
     (problem, title, format): (&(impl Clone + Serialize), Option<&str>, Format),
     begin: impl FnOnce() -> Result<Start<P>, Failure>,
-    finish: impl FnOnce(Run<P>) -> Curve<P>,
     refuse: &dyn Fn(NoCurve<P>) -> Failure,
     draw: impl Fn(&Store, &Curve<P>, [(f64, f64); 2]) -> Result<(), PlotError>,
 ) -> Result<Exit, Failure> {
@@ -159,7 +149,7 @@ fn follow<P: Plane>(
         Ok(Some((f64::NAN, run.position())))
     })?;
     let ranges = run.head().limits.ranges;
-    let found = finish(run);
+    let found = run.curve();
     folder.finish(&found)?;
     // to read it back and name its regions again takes as long once more
     draw(folder.store(), &found, ranges)?;

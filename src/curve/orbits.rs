@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use serde::{Deserialize, Serialize};
 
 use super::plane::{Condition, NotEvaluated, Plane, Test};
-use super::point::{PointType, What};
-use crate::affine::orbit::multipliers::Monodromy;
+use super::point::{Name, PointType, What};
+use crate::affine::orbit::multipliers::{Monodromy, Multiplier};
 use crate::affine::orbit::{
     AffineOrbit, Examination, Margin, OrbitFailure, Scales, Sequence, Setting, Watch,
 };
@@ -106,6 +106,14 @@ fn monodromy(orbit: &AffineOrbit, point: &Vector) -> Option<Monodromy> {
     orbit.monodromy(point).ok()?
 }
 
+/// How many multipliers are outside the unit circle, where they have a limit and none is on it.
+fn growing(orbit: &AffineOrbit, point: &Vector) -> Option<usize> {
+    let all = monodromy(orbit, point)?.multipliers();
+    let told = |one: &Multiplier| one.is_finite() && !one.is_on_circle();
+    let outside = all.iter().filter(|one| one.is_outside()).count();
+    all.iter().all(told).then_some(outside)
+}
+
 impl Plane for Orbits {
     type Orbit = AffineOrbit;
     type Watch = Watch;
@@ -113,6 +121,11 @@ impl Plane for Orbits {
     type NotLinearised = NoMultipliers;
     type NoBranch = crate::hybrid::NoStart;
 
+    type Beside = ();
+
+    const ORBIT: &'static str = "orbit";
+    const ALL_STEPS: usize = 600;
+    const LONGEST_BESIDE: f64 = f64::INFINITY;
     const MEASURE: &'static str = "period";
     const ANGULAR: &'static str = "angle";
     const SYMBOL: &'static str = "angle";
@@ -138,6 +151,11 @@ impl Plane for Orbits {
 
     fn values(&self) -> [f64; 2] {
         self.parameters.map(|index| self.values[index])
+    }
+
+    /// Where a parameter is positive the system may make sense for positive ones only.
+    fn admits(&self, index: usize, value: f64) -> bool {
+        self.values()[index] * value > 0.0
     }
 
     fn unknowns(&self, sequence: &Sequence) -> usize {
@@ -212,6 +230,28 @@ impl Plane for Orbits {
     fn measure(orbit: &AffineOrbit, point: &Vector) -> (f64, Option<f64>) {
         let cycle = orbit.cycle(point);
         (cycle.map_or(f64::NAN, |cycle| cycle.period), None)
+    }
+
+    fn passing(orbit: &AffineOrbit, point: &Vector) -> String {
+        let name = Orbits::name(orbit, point);
+        match growing(orbit, point) {
+            None => name,
+            Some(0) => format!("stable {name}"),
+            Some(_) => format!("unstable {name}"),
+        }
+    }
+
+    fn beside(&self, _: &Critical, _: Option<f64>) -> Option<()> {
+        Some(())
+    }
+
+    fn name_beside(
+        (): &mut (),
+        orbit: &AffineOrbit,
+        point: &Vector,
+        _: Option<EventType>,
+    ) -> Option<Option<Name>> {
+        Some(growing(orbit, point).map(Name::Outside))
     }
 
     fn spectral(

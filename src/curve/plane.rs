@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::point::{PointType, What};
+use super::point::{Name, PointType, What};
 use crate::continuation::newton::System;
 use crate::linalg::Vector;
 use crate::orbit::{Data, EventType, Orbit};
@@ -67,6 +67,16 @@ pub trait Plane: Data {
     /// Why a branch with the event does not begin.
     type NoBranch: Clone + std::fmt::Debug + PartialEq + std::error::Error;
 
+    /// What is carried along a branch through an event of the spectrum, to name places beside it.
+    type Beside;
+
+    /// What one of them is called.
+    const ORBIT: &'static str;
+    /// Most steps of all branches that are followed to name places beside a curve: about as long as the curve itself
+    /// took, or a second.
+    const ALL_STEPS: usize;
+    /// Longest of these steps beside an event of the spectrum, in units of the range.
+    const LONGEST_BESIDE: f64;
     /// Events that have a curve.
     const FOLLOWED: &'static [EventType];
     /// Name of the column of [`super::Point::measure`].
@@ -92,6 +102,9 @@ pub trait Plane: Data {
     fn is_bounded(&self, _index: usize) -> bool {
         false
     }
+
+    /// Whether a parameter may have this value.
+    fn admits(&self, index: usize, value: f64) -> bool;
 
     /// Number of unknowns of an orbit, its parameter left out.
     fn unknowns(&self, signature: &SignatureOf<Self>) -> usize;
@@ -124,6 +137,22 @@ pub trait Plane: Data {
 
     /// What every point tells of its orbit: the speed of a wave, the period of an orbit; and the excess speed.
     fn measure(orbit: &Self::Orbit, point: &Vector) -> (f64, Option<f64>);
+
+    /// The name of an orbit that passes beside a change of regime.
+    fn passing(orbit: &Self::Orbit, point: &Vector) -> String {
+        Self::name(orbit, point)
+    }
+
+    /// What is carried along a branch through an event of the spectrum, with its frequency or angle there.
+    fn beside(&self, spectral: &Self::Spectral, angular: Option<f64>) -> Option<Self::Beside>;
+
+    /// What it calls the next point of the branch, of this type, if anything; `None` where it is lost.
+    fn name_beside(
+        beside: &mut Self::Beside,
+        orbit: &Self::Orbit,
+        point: &Vector,
+        kind: Option<EventType>,
+    ) -> Option<Option<Name>>;
 
     /// Number of further unknowns of an event of the spectrum; it has one equation more.
     fn further(_spectral: &Self::Spectral) -> usize {

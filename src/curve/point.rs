@@ -8,7 +8,6 @@ use crate::continuation::Steps;
 use crate::orbit::special::{Change, Close};
 use crate::orbit::{EventType, Orbit, UnknownType};
 use crate::problem;
-use crate::tube::model::signature::Regimes;
 
 /// How far to follow, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -135,12 +134,14 @@ pub enum Name {
         /// Whether it grows.
         grows: bool,
     },
-    /// Waves.
-    Waves {
-        /// How many, where that is known.
-        count: Option<usize>,
+    /// How many multipliers of the orbit are outside the unit circle.
+    Outside(usize),
+    /// Orbits.
+    Orbits {
+        /// How many, where that is known, and what one of them is called.
+        count: Option<(usize, &'static str)>,
         /// Their regimes, each once.
-        regimes: Vec<Regimes>,
+        regimes: Vec<String>,
     },
 }
 

@@ -7,38 +7,32 @@
 //!
 //! | event | name |
 //! |---|---|
-//! | GR, RV, CO, ST | the regimes of the waves that pass |
-//! | LP | how many waves pass, and their regimes |
+//! | GR, RV, CO, ST, SL | the regimes of the orbits that pass, of a system with their stability |
+//! | LP | how many orbits pass, and their regimes |
 //! | HB | whether the pair of the event grows or decays there; no other event lies between |
+//! | PD, NS | how many multipliers of the orbit are outside the unit circle |
 //!
-//! A number of waves is known where both arms come to an edge of the range, to the Hopf point of steady
-//! sliding, or back to the event. For that the range is widened: waves may return from beyond it. Where
-//! nothing is known, or nothing found, there is no name.
+//! A number of orbits is known where both arms come to an edge of the range, to an end of their own as the Hopf
+//! point of steady sliding, or back to the event. For that the range is widened: orbits may return from beyond it.
+//! Where nothing is known, or nothing found, there is no name.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::Complex;
-
 use super::follow::{INTO, Solved};
-use super::plane::Condition;
+use super::plane::{Condition, Plane};
 use super::point::{Limits, Name, PointType, Region};
 use super::system::EventSystem;
-use super::tube::{Hopf, Tube};
-use crate::branch::orbit::{Follower, Found};
 use crate::continuation::Node;
 use crate::continuation::arclength::advance;
 use crate::continuation::locate::retangent;
 use crate::continuation::walk;
 use crate::linalg::Vector;
-use crate::orbit::EventType::{EP, LP, RV, ST, UZ};
-use crate::orbit::Orbit as _;
+use crate::orbit::EventType::{EP, LP, UZ};
 use crate::orbit::change::beyond;
-use crate::orbit::follow;
+use crate::orbit::follow::{self, Follower, Found};
 use crate::orbit::sign::Verdict;
-use crate::tube::model::signature::{Regimes, Signature};
-use crate::tube::stability::characteristic::Characteristic;
-use crate::tube::stability::track;
-use crate::tube::wave::Wave;
+use crate::orbit::special::Stop;
+use crate::orbit::{Examined, Orbit};
 
 /// Part of the whole length that a stretch needs for its regions to be named.
 const NAMED: f64 = 0.12;
@@ -52,26 +46,19 @@ const AWAY: [f64; 10] = [
 const TOWARDS_ZERO: f64 = 0.05;
 /// Least sine of the angle between the curve and the way to a place.
 const ACROSS: f64 = 0.35;
-/// Most steps of an arm, and most zones of its waves. Arms that take more are those of slow waves which
-/// chatter; nothing near the curve is missed with them.
+/// Most steps of an arm, and most zones of its orbits unless those of the event have more. Arms that take more are
+/// those of slow waves which chatter; nothing near the curve is missed with them.
 const MOST_STEPS: usize = 1200;
 const MOST_ZONES: usize = 10;
 /// The shortest step of an arm: shorter ones are those of an arm about to fail.
 const SHORTEST: f64 = 1e-6;
-/// Most steps of all arms together: about as long as the curve itself took, or a second.
-const ALL_STEPS: usize = 20_000;
-/// Longest step while a pair is followed, in units of the range: its eigenvalue moves little.
-const SHORT: f64 = 0.01;
-/// Largest way of the eigenvalue from one point to the next, in units of the frequency of the wave. A
-/// longer one may have gone to another pair.
-const LARGEST_MOVE: f64 = 0.05;
 
 /// Names beside a curve. Of every stretch and side, the places to prefer come first: those in the region
 /// next to the curve, and the nearest of them. Beside a fold only those are named, if there are any.
-pub(super) fn regions(points: &[Solved], limits: &Limits) -> Vec<Region> {
+pub(super) fn regions<P: Plane>(points: &[Solved<P>], limits: &Limits) -> Vec<Region> {
     let stretches = stretches(points);
     let mut found = Vec::new();
-    let mut budget = ALL_STEPS;
+    let mut budget = P::ALL_STEPS;
     // the middles of all stretches first
     for order in 0..ALONG.len() {
         for (stretch, places) in stretches.iter().enumerate() {
@@ -86,7 +73,7 @@ pub(super) fn regions(points: &[Solved], limits: &Limits) -> Vec<Region> {
         }
     }
     found.sort_by_key(|(stretch, rank, order, _)| (*stretch, *rank, *order));
-    let fold = |first: &Solved| first.system.condition == Condition::Fold;
+    let fold = |first: &Solved<P>| first.system.condition == Condition::Fold;
     if points.first().is_some_and(fold) {
         let next: BTreeSet<(usize, bool)> = found
             .iter()
@@ -101,14 +88,14 @@ pub(super) fn regions(points: &[Solved], limits: &Limits) -> Vec<Region> {
 }
 
 /// A point of the curve in units of the ranges.
-fn scaled(solved: &Solved) -> [f64; 2] {
+fn scaled<P: Plane>(solved: &Solved<P>) -> [f64; 2] {
     let widths = solved.system.widths();
     [0, 1].map(|index| solved.point.parameters[index] / widths[index])
 }
 
-/// For every stretch with the same waves, broken at folds and cusps, the points beside which places
+/// For every stretch with the same regimes, broken at folds and cusps, the points beside which places
 /// are looked for.
-fn stretches(points: &[Solved]) -> Vec<Vec<usize>> {
+fn stretches<P: Plane>(points: &[Solved<P>]) -> Vec<Vec<usize>> {
     // way from the first point to each
     let mut way = vec![0.0];
     for pair in points.windows(2) {
@@ -124,8 +111,7 @@ fn stretches(points: &[Solved]) -> Vec<Vec<usize>> {
             let kind = points[*index].point.kind;
             matches!(kind, Some(PointType::CP | PointType::Two(_, LP)))
         };
-        let regimes = |index: usize| points[index].system.signature().regimes();
-        let same = |index: &usize| regimes(*index) == regimes(from);
+        let same = |index: &usize| points[*index].point.before == points[from].point.before;
         let to = (from..points.len())
             .take_while(|index| same(index) && !(*index > from && turns(&(index - 1))))
             .last()
@@ -152,8 +138,8 @@ fn stretches(points: &[Solved]) -> Vec<Vec<usize>> {
 
 /// Named places on the line through a point of the curve along which one parameter changes. With each
 /// whether it lies beyond the region next to the curve, and the number of its distance.
-fn beside(
-    points: &[Solved],
+fn beside<P: Plane>(
+    points: &[Solved<P>],
     index: usize,
     axis: usize,
     stretch: usize,
@@ -212,25 +198,27 @@ fn beside(
     named.collect()
 }
 
+/// For every place the regimes of the orbits that pass, and what the spectrum calls the place.
+type Passages = BTreeMap<usize, Vec<(String, Option<Name>)>>;
+
 /// The branch through an event along a line, as far as places on the line are concerned.
-struct Section {
-    condition: Condition<Tube>,
-    /// For every place the regimes of the waves that pass, and Re λ of the pair that is followed.
-    passages: BTreeMap<usize, Vec<(Regimes, Option<f64>)>>,
+struct Section<P: Plane> {
+    condition: Condition<P>,
+    passages: Passages,
     /// Whether the whole of the branch has been seen.
     complete: bool,
 }
 
-impl Section {
+impl<P: Plane> Section<P> {
     /// Follows the arms of the branch. `None` where it does not leave the event.
     fn through(
-        system: &EventSystem,
+        system: &EventSystem<P>,
         at: &Vector,
         axis: usize,
         targets: &[f64],
         limits: &Limits,
         budget: &mut usize,
-    ) -> Option<Section> {
+    ) -> Option<Section<P>> {
         let arms = arms(system, at, axis, limits.steps.tolerance);
         if arms.is_empty() {
             return None;
@@ -245,15 +233,15 @@ impl Section {
         let (mut low, mut high) = limits.ranges[axis];
         match &system.condition {
             Condition::Spectral(_) => {
-                steps.ds_max = steps.ds_max.min(SHORT);
-                steps.ds = steps.ds.min(SHORT);
+                steps.ds_max = steps.ds_max.min(P::LONGEST_BESIDE);
+                steps.ds = steps.ds.min(P::LONGEST_BESIDE);
             }
-            // waves may come back from beyond an edge: they count
+            // orbits may come back from beyond an edge: they count
             Condition::Fold => {
-                let parameter = system.parameters()[axis];
                 let width = high - low;
                 let further = |values: [f64; 2], edge: f64| {
-                    let admitted = values.into_iter().find(|value| parameter.admits(*value));
+                    let mut values = values.into_iter();
+                    let admitted = values.find(|value| system.plane.admits(axis, *value));
                     admitted.unwrap_or(edge)
                 };
                 low = further([low - width, TOWARDS_ZERO * low], low);
@@ -262,28 +250,38 @@ impl Section {
             Condition::Margin(_) => {}
         }
         let range = (low, high);
-        for (wave, point, up) in arms {
+        let zones = MOST_ZONES.max(2 * P::zones(system.signature()));
+        for (orbit, point, up) in arms {
             let limits = follow::Limits {
                 range,
                 stop_at: targets.to_vec(),
                 steps,
             };
-            let mut pair = match &system.condition {
-                Condition::Spectral(Hopf { sector }) => Some(Pair {
-                    sector: *sector,
-                    lambda: Complex::new(0.0, system.angular(at)?),
-                    most: LARGEST_MOVE * system.plane.frequency(),
-                }),
+            let mut beside = match &system.condition {
+                Condition::Spectral(spectral) => {
+                    let angular = system.angular(at);
+                    Some(system.plane.beside(spectral, angular)?)
+                }
                 _ => None,
             };
-            let mut seen = BTreeMap::new();
-            let end = match Follower::new(wave, &point, up, limits) {
-                Ok(arm) => walk(arm, range, targets, &mut pair, &mut seen, budget),
+            let mut seen = Passages::new();
+            let end = match Follower::new(orbit, &point, up, limits) {
+                Ok(arm) => {
+                    let mut walked = Walked {
+                        range,
+                        targets,
+                        zones,
+                        beside: &mut beside,
+                        seen: &mut seen,
+                        budget,
+                    };
+                    walked.walk::<P>(arm, &system.condition)
+                }
                 Err(_) => End::Lost,
             };
             section.complete &= end != End::Lost;
             if system.condition == Condition::Fold && !section.complete {
-                // waves that cannot be counted have no name
+                // orbits that cannot be counted have no name
                 break;
             }
             if end == End::Closed {
@@ -292,8 +290,14 @@ impl Section {
                 section.complete = true;
                 break;
             }
-            for (target, waves) in seen {
-                section.passages.entry(target).or_default().extend(waves);
+            // what passes an event of the spectrum and comes back may be named otherwise: a place has the name of
+            // the arm that leads to it
+            if let Condition::Spectral(_) = &system.condition {
+                let value = system.values(at)[axis];
+                seen.retain(|target, _| (targets[*target] > value) == up);
+            }
+            for (target, orbits) in seen {
+                section.passages.entry(target).or_default().extend(orbits);
             }
         }
         Some(section)
@@ -301,22 +305,19 @@ impl Section {
 
     /// The name of a place.
     fn name(&self, target: usize) -> Option<Name> {
-        let waves = self.passages.get(&target).map_or(&[][..], Vec::as_slice);
+        let orbits = self.passages.get(&target).map_or(&[][..], Vec::as_slice);
         if let Condition::Spectral(_) = &self.condition {
-            let (_, rate) = waves.first()?;
-            return Some(Name::Pair {
-                grows: (*rate)? > 0.0,
-            });
+            return orbits.first()?.1.clone();
         }
-        let mut regimes: Vec<Regimes> = waves.iter().map(|(regimes, _)| regimes.clone()).collect();
-        regimes.sort_by_key(Regimes::to_string);
+        let mut regimes: Vec<String> = orbits.iter().map(|(regimes, _)| regimes.clone()).collect();
+        regimes.sort();
         regimes.dedup();
         let count = match &self.condition {
             Condition::Fold if !self.complete => return None,
-            Condition::Fold => Some(waves.len()),
+            Condition::Fold => Some((orbits.len(), P::ORBIT)),
             _ => None,
         };
-        (!waves.is_empty()).then_some(Name::Waves { count, regimes })
+        (!orbits.is_empty()).then_some(Name::Orbits { count, regimes })
     }
 }
 
@@ -328,115 +329,108 @@ enum End {
     Lost,
 }
 
-/// The pair of a Hopf point on its way along a branch.
-struct Pair {
-    sector: usize,
-    lambda: Complex<f64>,
-    most: f64,
-}
-
-impl Pair {
-    /// Follows it to the next wave. `None` where it may have been mistaken for another one.
-    fn follow(&mut self, wave: &Wave, point: &Vector) -> Option<f64> {
-        let characteristic = Characteristic::new(wave, point).ok()?;
-        let z = characteristic.multiplier(self.sector);
-        let lambda = track::follow(&characteristic, z, self.lambda)?;
-        let near = (lambda - self.lambda).norm() <= self.most;
-        self.lambda = lambda;
-        near.then_some(lambda.re)
-    }
-}
-
-/// Follows an arm to its end and notes its passages.
-fn walk(
-    mut arm: Follower,
+/// What an arm is followed for.
+struct Walked<'a, B> {
     range: (f64, f64),
-    targets: &[f64],
-    pair: &mut Option<Pair>,
-    seen: &mut BTreeMap<usize, Vec<(Regimes, Option<f64>)>>,
-    budget: &mut usize,
-) -> End {
-    if arm.here().examination.verdict != Verdict::Positive {
-        return End::Lost;
-    }
-    let most = MOST_STEPS.min(*budget);
-    let (mut steps, mut end) = (0, End::Closed);
-    while steps < most {
-        let (found, ended) = arm.step();
-        steps += 1;
-        *budget -= 1;
-        // where slip-stick waves lose their stick zone they end, at the Hopf point of steady sliding
-        let vanished = found.iter().any(|found| {
-            found.kind() == Some(ST) && found.orbit.signature == Signature::slip_stick()
-        });
-        for found in found {
-            let kind = found.kind();
-            let Found {
-                orbit: wave,
-                node,
-                parameter,
-                ..
-            } = found;
-            let mut rate = None;
-            if let Some(pair) = pair {
-                // the spectrum passes the opening of reverse slip, but not every change of regime
-                if !matches!(kind, None | Some(UZ | LP | EP | RV)) {
-                    return End::Lost;
-                }
-                rate = pair.follow(&wave, &node.point);
-                if rate.is_none() {
-                    return End::Lost;
-                }
-            }
-            if kind == Some(EP) && [range.0, range.1].contains(&parameter) {
-                end = End::Edge;
-            }
-            let target = targets.iter().position(|target| *target == parameter);
-            if let (Some(UZ), Some(target)) = (kind, target) {
-                let passages = seen.entry(target).or_default();
-                passages.push((wave.signature.regimes(), rate));
-            }
-        }
-        match ended {
-            None if arm.curve().orbit.zones() <= MOST_ZONES => {}
-            Some(walk::End::Edge | walk::End::Closed) => return end,
-            Some(_) if vanished => return End::Edge,
-            _ => return End::Lost,
-        }
-    }
-    End::Lost
+    targets: &'a [f64],
+    /// Most zones of its orbits.
+    zones: usize,
+    /// What is carried along of the spectrum.
+    beside: &'a mut Option<B>,
+    seen: &'a mut Passages,
+    budget: &'a mut usize,
 }
 
-/// The arms of the branch through an event, a step away from it: wave, point and whether the
+impl<B> Walked<'_, B> {
+    /// Follows an arm to its end and notes its passages.
+    fn walk<P: Plane<Beside = B>>(
+        &mut self,
+        mut arm: Follower<P::Orbit>,
+        condition: &Condition<P>,
+    ) -> End {
+        if arm.here().examination.verdict() != Verdict::Positive {
+            return End::Lost;
+        }
+        let most = MOST_STEPS.min(*self.budget);
+        let (mut steps, mut end) = (0, End::Closed);
+        while steps < most {
+            let (found, ended) = arm.step();
+            steps += 1;
+            *self.budget -= 1;
+            for found in found {
+                let kind = found.kind();
+                let Found {
+                    orbit,
+                    node,
+                    parameter,
+                    ..
+                } = found;
+                let mut name = None;
+                if let Some(beside) = self.beside {
+                    let Some(known) = P::name_beside(beside, &orbit, &node.point, kind) else {
+                        return End::Lost;
+                    };
+                    name = known;
+                }
+                if kind == Some(EP) && [self.range.0, self.range.1].contains(&parameter) {
+                    end = End::Edge;
+                }
+                let mut targets = self.targets.iter();
+                let target = targets.position(|target| *target == parameter);
+                if let (Some(UZ), Some(target)) = (kind, target) {
+                    let regimes = match condition {
+                        Condition::Margin(_) => P::passing(&orbit, &node.point),
+                        _ => P::name(&orbit, &node.point),
+                    };
+                    self.seen.entry(target).or_default().push((regimes, name));
+                }
+            }
+            let zones = P::zones(arm.curve().orbit.signature());
+            match ended {
+                None if zones <= self.zones => {}
+                Some(walk::End::Edge | walk::End::Closed) => return end,
+                Some(walk::End::Own(Stop::Own(stop))) if P::Orbit::completes(&stop) => {
+                    return End::Edge;
+                }
+                _ => return End::Lost,
+            }
+        }
+        End::Lost
+    }
+}
+
+/// The arms of the branch through an event, a step away from it: orbit, point and whether the
 /// parameter grows.
-fn arms(
-    system: &EventSystem,
+fn arms<P: Plane>(
+    system: &EventSystem<P>,
     point: &Vector,
     axis: usize,
     tolerance: f64,
-) -> Vec<(Wave, Vector, bool)> {
-    let Ok((wave, own)) = system.orbit(point, axis) else {
+) -> Vec<(P::Orbit, Vector, bool)> {
+    let Ok((orbit, own)) = system.orbit(point, axis) else {
         return Vec::new();
     };
     let last = own.len() - 1;
     let mut along = Vector::zeros(last + 1);
     along[last] = 1.0;
-    let step = |wave: &Wave, node: &Node, ds: f64| {
-        let to = advance(wave, node, ds, tolerance).ok()?.node.point;
+    let step = |orbit: &P::Orbit, node: &Node, ds: f64| {
+        let to = advance(orbit, node, ds, tolerance).ok()?.node.point;
         let way = to[to.len() - 1] - node.point[to.len() - 1];
-        (way != 0.0).then(|| (wave.clone(), to, way > 0.0))
+        (way != 0.0).then(|| (orbit.clone(), to, way > 0.0))
     };
     let mut found = Vec::with_capacity(2);
     match &system.condition {
         Condition::Margin(margin) => {
-            let here = wave.margin_at(margin, &own).unwrap_or(*margin);
-            if let Some(mut node) = retangent(&wave, &own, &along, 0) {
-                if here.slope(&wave, &node.tangent) < 0.0 {
+            let here = orbit
+                .margin_at(margin, &own)
+                .unwrap_or_else(|_| margin.clone());
+            if let Some(mut node) = retangent(&orbit, &own, &along, 0) {
+                if orbit.slope(&here, &node.tangent) < 0.0 {
                     node.tangent.neg_mut();
                 }
-                found.extend(step(&wave, &node, INTO));
+                found.extend(step(&orbit, &node, INTO));
             }
-            if let Some(beyond) = beyond(&wave, &own, &here, INTO, tolerance).beyond {
+            if let Some(beyond) = beyond(&orbit, &own, &here, INTO, tolerance).beyond {
                 found.extend(step(&beyond.orbit, &beyond.node, beyond.ds));
             }
         }
@@ -445,12 +439,12 @@ fn arms(
             for sign in [1.0, -1.0] {
                 let tangent = &null * sign;
                 let node = Node::at(own.clone(), tangent.insert_row(last, 0.0));
-                found.extend(step(&wave, &node, INTO));
+                found.extend(step(&orbit, &node, INTO));
             }
         }
         Condition::Spectral(_) => {
             for up in [true, false] {
-                found.push((wave.clone(), own.clone(), up));
+                found.push((orbit.clone(), own.clone(), up));
             }
         }
     }

@@ -281,6 +281,11 @@ impl<P: Plane> Run<P> {
         self.with(|_, _| Vec::new())
     }
 
+    /// The curve from one end to the other, with what lies beside it.
+    pub fn curve(self) -> Curve<P> {
+        self.with(regions::regions)
+    }
+
     fn with(self, beside: impl FnOnce(&[Solved<P>], &Limits) -> Vec<Region>) -> Curve<P> {
         let Run {
             head, halves, ends, ..
@@ -307,13 +312,6 @@ impl<P: Plane> Run<P> {
             failed: ends.iter().any(|end| end.failed),
             regions,
         }
-    }
-}
-
-impl Run {
-    /// The curve from one end to the other, with what lies beside it.
-    pub fn curve(self) -> Curve {
-        self.with(regions::regions)
     }
 }
 

@@ -4,7 +4,7 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::plane::{Condition, NotEvaluated, Plane, Test};
-use super::point::{PointType, What};
+use super::point::{Name, PointType, What};
 use crate::branch::run::RunError;
 use crate::linalg::Vector;
 use crate::orbit::EventType;
@@ -14,6 +14,7 @@ use crate::tube::model::signature::Signature;
 use crate::tube::model::{Model, Parameter};
 use crate::tube::stability::characteristic::{Characteristic, NotLinearised};
 use crate::tube::stability::spectrum::symmetric;
+use crate::tube::stability::track;
 use crate::tube::wave::admissibility::{Examination, Margin, Watch};
 use crate::tube::wave::{Scales, Wave, width};
 
@@ -39,6 +40,20 @@ pub struct Tube {
 pub struct Hopf {
     /// Sector.
     pub sector: usize,
+}
+
+/// Longest step while a pair is followed, in units of the range: its eigenvalue moves little.
+const SHORT: f64 = 0.01;
+/// Largest way of the eigenvalue from one point to the next, in units of the frequency of the wave. A
+/// longer one may have gone to another pair.
+const LARGEST_MOVE: f64 = 0.05;
+
+/// The pair of a Hopf point on its way along a branch.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    sector: usize,
+    lambda: Complex<f64>,
+    most: f64,
 }
 
 impl Tube {
@@ -67,6 +82,11 @@ impl Plane for Tube {
     type Spectral = Hopf;
     type NotLinearised = NotLinearised;
     type NoBranch = RunError;
+    type Beside = Pair;
+
+    const ORBIT: &'static str = "wave";
+    const ALL_STEPS: usize = 20_000;
+    const LONGEST_BESIDE: f64 = SHORT;
 
     const FOLLOWED: &'static [EventType] = &[
         EventType::LP,
@@ -96,6 +116,10 @@ impl Plane for Tube {
 
     fn is_bounded(&self, index: usize) -> bool {
         self.parameters[index] == Parameter::StiffnessDamping
+    }
+
+    fn admits(&self, index: usize, value: f64) -> bool {
+        self.parameters[index].admits(value)
     }
 
     fn unknowns(&self, signature: &Signature) -> usize {
@@ -143,6 +167,36 @@ impl Plane for Tube {
 
     fn measure(wave: &Wave, point: &Vector) -> (f64, Option<f64>) {
         (wave.speed_at(point), Some(wave.excess_at(point)))
+    }
+
+    fn beside(&self, spectral: &Hopf, angular: Option<f64>) -> Option<Pair> {
+        Some(Pair {
+            sector: spectral.sector,
+            lambda: Complex::new(0.0, angular?),
+            most: LARGEST_MOVE * self.frequency(),
+        })
+    }
+
+    /// Whether it grows. `None` where it may have been mistaken for another one, and beyond a change of regime: the
+    /// spectrum passes the opening of reverse slip, but not every other.
+    fn name_beside(
+        pair: &mut Pair,
+        wave: &Wave,
+        point: &Vector,
+        kind: Option<EventType>,
+    ) -> Option<Option<Name>> {
+        use EventType::{EP, LP, RV, UZ};
+        if !matches!(kind, None | Some(UZ | LP | EP | RV)) {
+            return None;
+        }
+        let characteristic = Characteristic::new(wave, point).ok()?;
+        let z = characteristic.multiplier(pair.sector);
+        let lambda = track::follow(&characteristic, z, pair.lambda)?;
+        let near = (lambda - pair.lambda).norm() <= pair.most;
+        pair.lambda = lambda;
+        near.then_some(Some(Name::Pair {
+            grows: lambda.re > 0.0,
+        }))
     }
 
     fn further(_: &Hopf) -> usize {

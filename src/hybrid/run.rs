@@ -19,13 +19,6 @@ use crate::problem::{Continuation, DEFAULT_MAX_POINTS};
 /// How a run of orbits ended.
 pub type End = legs::End<AffineOrbit>;
 
-/// A multiplier this close to the unit circle, relative to its size, is on it but for rounding: the events where
-/// one crosses are located to about this.
-const ON_CIRCLE: f64 = 1e-9;
-
-/// A multiplier larger than this is infinite but for rounding: at a graze, where the speed of an impact is zero.
-const INFINITE: f64 = 1e12;
-
 /// Arclength after which the zones beside an event are where they are from there on.
 const A_LITTLE: f64 = 1e-6;
 
@@ -326,34 +319,19 @@ pub(crate) fn point(
     let cycle = orbit.cycle(unknowns).ok();
     let multipliers = asked.then(|| {
         let all = &examination.multipliers;
-        let finite = all.iter().all(|one| one.value.norm() < INFINITE);
+        let finite = all.iter().all(Multiplier::is_finite);
         if finite { all.clone() } else { Vec::new() }
     });
-    // sizes, and how near to 1 one may not be told from it
-    let own = |multipliers: &Vec<Multiplier>| -> Vec<(f64, f64)> {
-        let own = multipliers.iter().filter(|one| !one.trivial);
-        own.map(|one| (one.value.norm(), ON_CIRCLE.max(one.error)))
-            .collect()
-    };
-    let sizes = multipliers.as_ref().map(own);
     // at a graze there are none; where all are trivial nothing grows
-    let known = multipliers.as_ref().is_some_and(|all| !all.is_empty());
-    let outside = sizes.as_ref().filter(|_| known);
-    let outside = outside.map(|sizes| {
-        let outside = sizes.iter().filter(|(size, error)| *size > 1.0 + error);
-        outside.count()
-    });
+    let known = multipliers.as_ref().filter(|all| !all.is_empty());
+    let outside = known.map(|all| all.iter().filter(|one| one.is_outside()).count());
     let critical = matches!(
         kind,
         Some(EventType::LP | EventType::PD | EventType::NS | EventType::BP)
     );
-    let near = |sizes: &Vec<(f64, f64)>| {
-        let mut sizes = sizes.iter();
-        sizes.any(|(size, error)| (size - 1.0).abs() <= *error)
-    };
-    let stable = sizes.as_ref().map(|sizes| match outside {
+    let stable = multipliers.as_ref().map(|all| match outside {
         None => Stability::Undecided,
-        Some(_) if critical || near(sizes) => Stability::Undecided,
+        Some(_) if critical || all.iter().any(Multiplier::is_on_circle) => Stability::Undecided,
         Some(0) => Stability::Yes,
         Some(_) => Stability::No,
     });

@@ -334,3 +334,49 @@ fn events_that_have_no_curve() {
         );
     }
 }
+
+/// Names beside curves of the ball: one multiplier is outside beyond the doubling, and beside the fold there are two
+/// orbits above it and none below.
+#[test]
+fn places_beside_the_curves_of_the_ball() {
+    let named = |event: &str, range: &str| {
+        let problem = problem(
+            BALL,
+            &[],
+            BALL_START,
+            "parameter: \"G\", range: (1.0, 1.6), toward: Both",
+            &format!(
+                "event: {event}, parameters: (\"G\", \"e\"), range: {range}, ds: 0.1, ds_max: 0.3"
+            ),
+        );
+        let start = start(&problem).unwrap();
+        let run = Run::begin(&start.system, start.event, &start.point, start.limits);
+        let mut run = run.unwrap();
+        while run.step().unwrap().is_some() {}
+        run.curve().regions
+    };
+    let fold = |e: f64| 0.5 * TAU * (1.0 - e) / (1.0 + e);
+    let doubling = |e: f64| fold(e).hypot(2.0 * (1.0 + e * e) / (1.0 + e).powi(2));
+    let beside = named("PD", "((1.4, 1.7), (0.45, 0.55))");
+    let mut seen = [0; 2];
+    for region in &beside {
+        let [g, e] = region.place;
+        let beyond = g > doubling(e);
+        let name = ["stable", "1 multiplier outside"][usize::from(beyond)];
+        assert_eq!(region.name.to_string(), name, "{:?}", region.place);
+        seen[usize::from(beyond)] += 1;
+    }
+    assert!(seen[0] > 2 && seen[1] > 2, "{seen:?}");
+    let beside = named("LP", "((0.9, 1.2), (0.45, 0.55))");
+    for region in &beside {
+        let [g, e] = region.place;
+        assert!(g > fold(e), "{:?}", region.place);
+        assert_eq!(
+            region.name.to_string(),
+            "2 orbits flight",
+            "{:?}",
+            region.place
+        );
+    }
+    assert!(beside.len() > 2, "{}", beside.len());
+}

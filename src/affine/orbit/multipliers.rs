@@ -25,6 +25,30 @@ pub struct Multiplier {
     pub error: f64,
 }
 
+/// A multiplier this close to the unit circle is on it but for rounding: the events where one crosses are located to
+/// about this.
+const ON_CIRCLE: f64 = 1e-9;
+
+/// A multiplier larger than this is infinite but for rounding: at a graze, where the speed of an impact is zero.
+const INFINITE: f64 = 1e12;
+
+impl Multiplier {
+    /// Whether it is finite.
+    pub fn is_finite(&self) -> bool {
+        self.value.norm() < INFINITE
+    }
+
+    /// Whether the orbit grows along it.
+    pub fn is_outside(&self) -> bool {
+        !self.trivial && self.value.norm() > 1.0 + ON_CIRCLE.max(self.error)
+    }
+
+    /// Whether it may not be told from one on the unit circle.
+    pub fn is_on_circle(&self) -> bool {
+        !self.trivial && (self.value.norm() - 1.0).abs() <= ON_CIRCLE.max(self.error)
+    }
+}
+
 /// From just after one switch to just after the next, in the states.
 struct Link {
     /// Along the zone.

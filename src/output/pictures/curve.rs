@@ -7,7 +7,6 @@ use crate::output::render::{
     Axis, BLACK, BLUE, Extent, Key, Layer, Legend, Mark, Name, Panel, Pen, Picture, Point, Shape,
     VERMILLION,
 };
-use crate::tube::model::signature::Regimes;
 
 /// Size of the marks of special points.
 const MARK: f64 = 4.6;
@@ -67,10 +66,7 @@ pub(crate) fn picture<P: Plane>(curve: &Curve<P>, ranges: [(f64, f64); 2]) -> Pi
         what.push_str(&format!(", sector {sector}"));
     }
     if let Some(signature) = same {
-        what.push_str(&format!(
-            " of waves {}",
-            short_signature(&signature.to_string())
-        ));
+        what.push_str(&format!(" of {}s {}", P::ORBIT, short_signature(signature)));
     }
     let entries = [
         (Key::Line(pen), what),
@@ -83,14 +79,14 @@ pub(crate) fn picture<P: Plane>(curve: &Curve<P>, ranges: [(f64, f64); 2]) -> Pi
     Picture::new(vec![Panel::new(x, y, layers)], legend)
 }
 
-/// The regimes that all counts of waves have in common: said once, they leave room for the counts.
-fn common_signature(regions: &[Region]) -> Option<&Regimes> {
+/// The regimes that all counts of orbits have in common: said once, they leave room for the counts.
+fn common_signature(regions: &[Region]) -> Option<&str> {
     let mut signatures = regions.iter().map(|region| match &region.name {
-        curve::Name::Waves {
+        curve::Name::Orbits {
             count: Some(_),
             regimes,
         } => match &regimes[..] {
-            [one] => Some(one),
+            [one] => Some(one.as_str()),
             _ => None,
         },
         _ => None,
@@ -101,22 +97,18 @@ fn common_signature(regions: &[Region]) -> Option<&Regimes> {
 
 /// The name of a region, its signatures shortened, or left out where they are the same everywhere; one for
 /// every stretch and side.
-fn name(region: &Region, same: Option<&Regimes>) -> Name {
+fn name(region: &Region, same: Option<&str>) -> Name {
     let text = match &region.name {
-        curve::Name::Waves { count, regimes } => {
-            let count = count.map(|count| match count {
-                1 => "1 wave".to_owned(),
-                count => format!("{count} waves"),
-            });
-            let others = regimes.iter().filter(|one| Some(*one) != same);
-            let short: Vec<String> = others
-                .map(|one| short_signature(&one.to_string()))
-                .collect();
-            let short = Some(short.join(", ")).filter(|short| !short.is_empty());
-            let words: Vec<String> = count.into_iter().chain(short).collect();
-            words.join(" ")
+        curve::Name::Orbits { count, regimes } => {
+            let others = regimes.iter().filter(|one| Some(one.as_str()) != same);
+            let short = others.map(|one| short_signature(one)).collect();
+            let name = curve::Name::Orbits {
+                count: *count,
+                regimes: short,
+            };
+            name.to_string().trim_end().to_owned()
         }
-        pair => pair.to_string(),
+        other => other.to_string(),
     };
     Name {
         group: 2 * region.stretch + usize::from(region.left),

@@ -45,7 +45,7 @@ pub(crate) fn draw(
     if store.kind() == Some(Kind::Curve) {
         let run = CurveFolder::saved::<curve::Orbits>(store)?;
         let ranges = run.head().limits.ranges;
-        return draw_curve(store, problem, &run.unnamed(), ranges, format);
+        return draw_curve(store, problem, &run.curve(), ranges, format);
     }
     let Some(section) = &problem.continuation else {
         return Ok(Vec::new());
