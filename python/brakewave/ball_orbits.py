@@ -475,7 +475,7 @@ class Orbit:
         self.place = len(self.guess) - 1
         if self.kind == "Torus":
             self.guess.append(acb(float(condition.value["angle"])))
-        self.events = []
+        self.events, self.kept = [], None
         if self.kind == "Margin":
             self.events.append(self.vanishing(near))
         self.facts = self.known()
@@ -494,13 +494,23 @@ class Orbit:
         return turned
 
     def parts(self, x):
-        """Modes, and (phase, duration, z at the entry, exp(MT), z at the end) of every stretch."""
-        modes, parts = self.exact.at(x[self.place]), []
+        """Modes, and (phase, duration, z at the entry, exp(MT), z at the end) of every stretch. What belongs to the last
+        parameter and the last durations is kept: in a Jacobian they are the same objects in most columns."""
+        parameter, parts = x[self.place], []
+        if self.kept is None or self.kept[0] is not parameter or self.kept[1] != ctx.prec:
+            self.kept = parameter, ctx.prec, self.exact.at(parameter), {}
+        *_, modes, steps = self.kept
         phase = x[self.place - 1] if self.forced else acb(0)
         for index, stretch in enumerate(self.stretches):
             first = index * (self.n + 1)
             state, time = x[first : first + self.n], x[first + self.n]
-            z, step = self.lift(state, phase), exponential(modes.matrices[stretch.mode], time)
+            z, matrix = self.lift(state, phase), modes.matrices[stretch.mode]
+            if isinstance(parameter, Dual) or isinstance(time, Dual):
+                step = exponential(matrix, time)
+            else:
+                if index not in steps or steps[index][0] is not time:
+                    steps[index] = time, exponential(matrix, time)
+                step = steps[index][1]
             parts.append((phase, time, z, step, apply(step, z)))
             phase = phase + modes.omega * time
         return modes, parts
@@ -640,7 +650,7 @@ class Orbit:
 
     # ------------------------------------------------------------------------------------------------ uniqueness
     def unique(self, zero, distance):
-        """Whether there is no other orbit with its parameter within a distance, and its other unknowns within the same
+        """Less than 1 if there is no other orbit with its parameter within a distance, and its other unknowns within the same
         share of their units. States between the steps of the program are no unknowns here, so that more is shown."""
         units = self.posed["units"]
         each = [*map(float, units["states"]), float(units["time"])] * len(self.stretches)
@@ -714,8 +724,8 @@ class Orbit:
         """Every inequality with whether it holds. Along a curve, where unknowns have derivatives away from an end at which it
         holds or what it is of is zero, it holds where that grows as well."""
         modes, parts = self.parts(x)
-        for index, (stretch, (_, time, z, _, end)) in enumerate(zip(self.stretches, parts)):
-            mode, zone = stretch.mode, stretch.zone
+        for index, (stretch, (_, time, z, *_)) in enumerate(zip(self.stretches, parts)):
+            mode, zone, end = stretch.mode, stretch.zone, self.handed_on(index, parts)
             entry_facts, end_facts = self.facts[index]
             at = lambda row: apply([modes.row_of(row)], end)[0]
             yield f"the duration of zone {zone}", above(time)
@@ -724,9 +734,7 @@ class Orbit:
                 if start is None:
                     continue
                 stop, row = self.order(end_facts, mode, exact) or 0, modes.row_of(exact)
-                half = dual(time).v.real / 2
-                holds = self.positive(modes.matrices[mode], row, z, start, half, 1)
-                holds = holds and self.positive(modes.matrices[mode], row, end, stop, half, -1)
+                holds = self.positive(modes.matrices[mode], row, z, end, (start, stop), time)
                 yield f"guard {guard} within zone {zone}", holds
             if stretch.end[0] != "exit":
                 continue
@@ -742,47 +750,70 @@ class Orbit:
                 fails = any(not end_facts.have(row) and above(-at(row)) for row in rows)
                 yield f"that exit {before} is not taken at the end of zone {zone}", fails
 
-    def positive(self, rows, row, z, order, length, sign):
-        """Whether a form is positive from a zero of this order, at z, to a time in one direction, or grows along a curve."""
+    def handed_on(self, index, parts):
+        """The state at the end of a stretch, narrower by that at the next entry where no reset lies between."""
+        end, after, stretch = parts[index][4], parts[(index + 1) % len(parts)][2], self.stretches[index]
+        if stretch.end[0] == "exit":
+            guard, way = stretch.end[1:3]
+            reset = self.exact.guards[stretch.mode][guard][1][way][1]
+            if any(ratio(a) - b for i, row in enumerate(reset) for a, b in zip(row, self.exact.unit(i))):
+                return end
+        if self.half and index + 1 == len(parts):
+            return end
+        meet = lambda a, b: acb(acb(a).real.intersection(acb(b).real))
+        both = ((dual(a), dual(b)) for a, b in zip(end[: self.n], after))
+        return [Dual(meet(a.v, b.v), meet(a.d, b.d)) for a, b in both] + end[self.n :]
+
+    def positive(self, rows, row, begin, end, orders, time):
+        """Whether a form is positive over a stretch, from one state to another, with zeros of these orders there, or grows
+        along a curve. Between the pieces at the ends it is followed from either of them."""
         bits, ctx.prec = ctx.prec, SIGNS
         try:
-            # backwards in time the flow is that of −M
             part = lambda numbers, which: [getattr(dual(x), which) for x in numbers]
-            values, slopes = ([[sign * x for x in part(line, which)] for line in rows] for which in "vd")
-            flows = [(acb_mat(values), acb_mat([part(row, "v")]), acb_mat([[y] for y in part(z, "v")]))]
-            if any(isinstance(y, Dual) for y in z):
-                # derivatives of z flow along with it
-                both = [line + [0] * len(line) for line in values] + [a + b for a, b in zip(slopes, values)]
-                moving = acb_mat([[y] for y in part(z, "v") + part(z, "d")])
-                flows.append((acb_mat(both), acb_mat([part(row, "d") + part(row, "v")]), moving))
-            shown = lambda low, high, order: any(self.over(*flow, low, high, order) for flow in flows)
-            end = float(length.upper()) * (1 + 2**-40)
-            first = end
-            for _ in range(DEPTH):
-                if order == 0 or shown(0, first, order):
-                    break
-                first /= 2
-            else:
-                return False
-            open_ones = [(first if order else 0.0, end, 0)]
+            ways = []
+            for z, sign in ((begin, 1), (end, -1)):
+                # backwards in time the flow is that of −M
+                values, slopes = ([[sign * x for x in part(line, which)] for line in rows] for which in "vd")
+                flows = [(acb_mat(values), acb_mat([part(row, "v")]), acb_mat([[y] for y in part(z, "v")]))]
+                if not all(acb(y) == 0 for y in part(z, "d")):
+                    # derivatives of z flow along with it
+                    both = [line + [0] * len(line) for line in values] + [a + b for a, b in zip(slopes, values)]
+                    moving = acb_mat([[y] for y in part(z, "v") + part(z, "d")])
+                    flows.append((acb_mat(both), acb_mat([part(row, "d") + part(row, "v")]), moving))
+                ways.append([(*flow, max(float(abs(y).upper()) for y in flow[0].entries())) for flow in flows])
+            shown = lambda way, low, high, order: any(self.over(*flow, low, high, order) for flow in way)
+            time, firsts = dual(time).v.real, []
+            length = float(time.upper()) * (1 + 2**-40)
+            for way, order in zip(ways, orders):
+                first = length / 2 if order else 0.0
+                for _ in range(DEPTH):
+                    if order == 0 or shown(way, 0, first, order):
+                        break
+                    first /= 2
+                else:
+                    return False
+                firsts.append(first)
+            back = lambda t: float((time - arb(t)).lower()) * (1 - 2**-40), lambda t: float((time - arb(t)).upper()) * (1 + 2**-40)
+            open_ones = [(firsts[0], (length - firsts[1]) * (1 + 2**-40), 0)]
             while open_ones:
                 low, high, depth = open_ones.pop()
-                if low >= high or shown(low, high, 0):
-                    continue
-                if depth == DEEPEST[len(flows) - 1]:
-                    return False
                 middle = (low + high) / 2
+                from_end = max(back[0](high), 0.0), back[1](low)
+                if low >= high or shown(ways[0], low, high, 0) or shown(ways[1], *from_end, 0):
+                    continue
+                if depth == DEEPEST[len(ways[0]) - 1]:
+                    return False
                 open_ones += [(low, middle, depth + 1), (middle, high, depth + 1)]
             return True
         finally:
             ctx.prec = bits
 
     @staticmethod
-    def over(matrix, form, state, low, high, order):
+    def over(matrix, form, state, largest, low, high, order):
         """Whether f(t)/(t − low)^order is positive from low to high, f's Taylor polynomial from low with the rest of
         Lagrange over all of it."""
         span = arb(high) - arb(low)
-        if span * max(float(abs(x).upper()) for x in matrix.entries()) > 4:
+        if span * largest > 4:
             return False
         start = (matrix * acb(low)).exp() * state if low else state
         every = (matrix * acb(arb(0).union(span))).exp() * start
@@ -873,8 +904,31 @@ class Arc:
 
     def slope(self, x):
         """The Jacobian, without the row of a coordinate."""
-        seeds = ([Dual(acb(y), int(i == j)) for i, y in enumerate(x)] for j in range(len(x)))
+        x = [acb(y) for y in x]
+        seeds = ([Dual(y, 1) if i == j else y for i, y in enumerate(x)] for j in range(len(x)))
         return acb_mat([[dual(y).d for y in self.orbit.cycle(*self.orbit.parts(seed))] for seed in seeds]).transpose()
+
+    def point(self, guess, k):
+        """The orbit next to a guess with its value of a coordinate: Newton's method, then Krawczyk's operator."""
+        row = [int(j == k) for j in range(len(guess))]
+        value, middle = guess[k].mid(), guess
+        stack = lambda x: acb_mat([*self.slope(x).tolist(), row])
+        try:
+            for _ in range(12):
+                inverse = stack(middle).mid().inv().mid()
+                steps = (inverse * acb_mat([[y] for y in self.equations(middle, k, value)])).entries()
+                if all(abs(step) < u * arb(2) ** -80 for step, u in zip(steps, self.units)):
+                    break
+                middle = [(y - step).mid() for y, step in zip(middle, steps)]
+        except ZeroDivisionError:
+            raise Refused("the equations are singular on the way") from None
+        radii = [(2 * abs(step)).upper() + arb(u) * arb(2) ** -70 for step, u in zip(steps, self.units)]
+        box = [acb(m.real + arb(0, 1) * r) for m, r in zip(middle, radii)]
+        defect = (inverse * stack(box)).tolist()
+        spread = (sum(abs(z - int(i == j)) * r for j, (z, r) in enumerate(zip(line, radii))) for i, line in enumerate(defect))
+        must(all(abs(step) + s < r for step, s, r in zip(steps, spread, radii)), "no orbit is found")
+        box[k] = value
+        return box
 
     def tangent(self, x):
         """The tangent in units at numbers, and the coordinate that moves most."""
@@ -897,8 +951,15 @@ class Arc:
 
     def follow(self, side):
         """Shows the curve from one end to the other. Returns the number of pieces."""
+        bits, ctx.prec = ctx.prec, SIGNS
+        try:
+            return self.followed(side)
+        finally:
+            ctx.prec = bits
+
+    def followed(self, side):
         (x, last), before, count = self.ends, None, 0
-        longest, left = inf, lambda x, k: float((last[k] - x[k]).real.mid())
+        longest, calm, left = inf, 0, lambda x, k: float((last[k] - x[k]).real.mid())
         while count < PIECES:
             tangent, k = self.tangent(x)
             lead = k if self.first.kind == "Fold" else self.place
@@ -912,14 +973,14 @@ class Arc:
                 length = min(length, rest / 2)
                 if count and rest < 16 * length and not self.piece(x, last, k, direction, 1):
                     return count + 1
-            grown = 2
+            calm += 1
             while True:
                 value = acb((x[k].real.mid() + direction * length).mid())
                 step = float((value - x[k]).real.mid()) / (before[k] * self.units[k])
                 guess = [y.mid() + step * b * u for y, b, u in zip(x, before, self.units)]
                 try:
-                    zero, radius = prove_zero(lambda y: self.equations(y, k, value), guess)
-                    there = [acb(arb(y.real, radius)) for y in zero]
+                    guess[k] = value
+                    there = self.point(guess, k)
                     why = self.piece(x, there, k, direction, None if count else 0)
                 except Refused:
                     why = None, "no orbit is found"
@@ -927,58 +988,55 @@ class Arc:
                     break
                 if length < SHORTEST * self.units[k]:
                     raise why[0](why[1]) if why[0] else NotCovered(why[1])
-                length, grown = length / 2, 1
-            x, count, longest = there, count + 1, length * grown
+                length, calm = length / 2, 0
+            # a longer one is tried after some that held
+            x, count, longest = there, count + 1, length * (2 if calm % 4 == 3 else 1)
         raise NotCovered("more pieces than are tried")
 
     def piece(self, x, y, k, direction, next_to):
         """Why a piece is not shown: what it amounts to, and a reason; None where it is."""
-        bits, ctx.prec = ctx.prec, SIGNS
+        reach = (abs(y[k] - x[k]) / 2).upper() * (1 + arb(2) ** -40)
+        middle = [((a + b) / 2).mid() for a, b in zip(x, y)]
+        slope = [((b - a) / (y[k] - x[k])).mid() for a, b in zip(x, y)]
+        slope[k] = acb(1)
+        row = acb_mat([[int(j == k) for j in range(len(x))]])
+        stack = lambda matrix: acb_mat(matrix.tolist() + row.tolist())
         try:
-            reach = (abs(y[k] - x[k]) / 2).upper() * (1 + arb(2) ** -40)
-            middle = [((a + b) / 2).mid() for a, b in zip(x, y)]
-            slope = [((b - a) / (y[k] - x[k])).mid() for a, b in zip(x, y)]
-            slope[k] = acb(1)
-            row = acb_mat([[int(j == k) for j in range(len(x))]])
-            stack = lambda matrix: acb_mat(matrix.tolist() + row.tolist())
-            try:
-                inverse = stack(self.slope(middle)).mid().inv().mid()
-            except ZeroDivisionError:
-                return None, "the equations are singular on the way"
-            error = (inverse * acb_mat([[z] for z in self.equations(middle, k, middle[k])])).entries()
-            radii = [(2 * abs(e)).upper() + arb(u) * arb(2) ** -60 for e, u in zip(error, self.units)]
-            for _ in range(8):
-                tube = [acb((m + t * arb(0, 1) * reach).real + arb(0, 1) * r) for m, t, r in zip(middle, slope, radii)]
-                steep = self.slope(tube)
-                drift = (inverse * acb_mat((steep * acb_mat([[t] for t in slope])).tolist() + [[0]])).entries()
-                defect = (inverse * stack(steep)).tolist()
-                spread = lambda i: sum(abs(z - int(i == j)) * radii[j] for j, z in enumerate(defect[i]))
-                image = [(abs(e) + abs(d) * reach + spread(i)).upper() for i, (e, d) in enumerate(zip(error, drift))]
-                if all(a < b for a, b in zip(image, radii)):
-                    break
-                radii = [r.max(a * 1.25).upper() for r, a in zip(radii, image)]
-                if not all(r < u for r, u in zip(radii, self.units)):
-                    return None, "no tube has exactly one curve"
-            else:
+            inverse = stack(self.slope(middle)).mid().inv().mid()
+        except ZeroDivisionError:
+            return None, "the equations are singular on the way"
+        error = (inverse * acb_mat([[z] for z in self.equations(middle, k, middle[k])])).entries()
+        radii = [(2 * abs(e)).upper() + arb(u) * arb(2) ** -60 for e, u in zip(error, self.units)]
+        for _ in range(8):
+            tube = [acb((m + t * arb(0, 1) * reach).real + arb(0, 1) * r) for m, t, r in zip(middle, slope, radii)]
+            steep = self.slope(tube)
+            drift = (inverse * acb_mat((steep * acb_mat([[t] for t in slope])).tolist() + [[0]])).entries()
+            defect = (inverse * stack(steep)).tolist()
+            spread = lambda i: sum(abs(z - int(i == j)) * radii[j] for j, z in enumerate(defect[i]))
+            image = [(abs(e) + abs(d) * reach + spread(i)).upper() for i, (e, d) in enumerate(zip(error, drift))]
+            if all(a < b for a, b in zip(image, radii)):
+                break
+            radii = [r.max(a * 1.25).upper() for r, a in zip(radii, image)]
+            if not all(r < u for r, u in zip(radii, self.units)):
                 return None, "no tube has exactly one curve"
-            off = lambda z, i: abs(z[i] - middle[i] - (z[k] - middle[k]) * slope[i])
-            if not all(off(z, i) < radii[i] for z in (x, y) for i in range(len(x)) if i != k):
-                return None, "no tube has both ends"
-            tangent = [t + arb(0, 1) * (r / reach) for t, r in zip(slope, radii)]
-            tangent[k] = acb(1)
-            # det(P − 1) vanishes at folds: at an end, and if it is monotone there only
-            if k != self.place and tangent[self.place].real.contains(0):
-                end = (self.first, self.last)[next_to or 0]
-                along = [Dual(z, d) for z, d in zip(tube, tangent)]
-                fold = self.orbit.distance(self.orbit.returned(*self.orbit.parts(along)), acb(1))
-                if next_to is None or end.kind != "Fold" or fold.d.real.contains(0):
-                    return Refused, "there may be a fold on the way"
-            sign = 0 if next_to is None else direction if next_to == 0 else -direction
-            moving = tube if not sign else [Dual(z, sign * d) for z, d in zip(tube, tangent)]
-            wrong = [what for what, holds in self.orbit.all_signs(moving) if not holds]
-            return (Refused, f"{', '.join(wrong)} is not shown on the way") if wrong else None
-        finally:
-            ctx.prec = bits
+        else:
+            return None, "no tube has exactly one curve"
+        off = lambda z, i: abs(z[i] - middle[i] - (z[k] - middle[k]) * slope[i])
+        if not all(off(z, i) < radii[i] for z in (x, y) for i in range(len(x)) if i != k):
+            return None, "no tube has both ends"
+        tangent = [t + arb(0, 1) * (r / reach) for t, r in zip(slope, radii)]
+        tangent[k] = acb(1)
+        # det(P − 1) vanishes at folds: at an end, and if it is monotone there only
+        if k != self.place and tangent[self.place].real.contains(0):
+            end = (self.first, self.last)[next_to or 0]
+            along = [Dual(z, d) for z, d in zip(tube, tangent)]
+            fold = self.orbit.distance(self.orbit.returned(*self.orbit.parts(along)), acb(1))
+            if next_to is None or end.kind != "Fold" or fold.d.real.contains(0):
+                return Refused, "there may be a fold on the way"
+        sign = 0 if next_to is None else direction if next_to == 0 else -direction
+        moving = tube if not sign else [Dual(z, sign * d) for z, d in zip(tube, tangent)]
+        wrong = [what for what, holds in self.orbit.all_signs(moving) if not holds]
+        return (Refused, f"{', '.join(wrong)} is not shown on the way") if wrong else None
 
 
 def join(ends, nears):

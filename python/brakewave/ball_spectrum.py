@@ -8,7 +8,7 @@ from math import log
 
 from flint import acb, acb_mat, acb_poly, arb
 
-from .ball_waves import DU, W, Dual, NotCovered, Wave, apply, contracts, exponential, must, prove_zero, size
+from .ball_waves import DU, W, Dual, NotCovered, Wave, apply, exponential, least_norm, must, prove_zero, size
 
 FIRST = 1e-2
 """Half the width of the strip around the imaginary axis that is tried first, by the inverse of the period."""
@@ -141,7 +141,7 @@ class Perturbed(Wave):
             elif through:
                 bound = self.zone_bound(i, parts, rate)
                 columns = [[modulus(y) for y in apply(bound, column)] for column in columns]
-        return contracts([[column[row] for column in columns] for row in range(size)])
+        return bool(least_norm([[column[row] for column in columns] for row in range(size)]) < 1)
 
     def switch_bound(self, i, column, parts, rate, window):
         """What the switch before a zone makes of bounds of (η), (η, η′/λ) or (u, u′/λ, η, η′/λ)."""

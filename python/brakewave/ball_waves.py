@@ -110,14 +110,13 @@ def tail(matrix, time, state, order):
     return [row[n + order - 1] for row in exponential(rows)[:n]]
 
 
-def contracts(bounds):
-    """Whether a matrix without negative entries is less than 1 in some weighted maximum norm; the power iteration
-    tends to the best of them."""
+def least_norm(bounds):
+    """A matrix without negative entries in about the least weighted maximum norm, to which the power iteration tends."""
     bounds, weight = arb_mat(bounds), arb_mat([[1]] * len(bounds))
     for _ in range(60):
         weight = (bounds * weight + weight).mid()
         weight = (weight / sum(weight.entries())).mid()
-    return all(image < y for image, y in zip((bounds * weight).entries(), weight.entries()))
+    return size(image / y for image, y in zip((bounds * weight).entries(), weight.entries()))
 
 
 # ------------------------------------------------------------------------------------------------ zeros, proven
@@ -178,17 +177,18 @@ def prove_zero(equations, guess):
 
 
 def injective(equations, middle, radii, divided):
-    """Whether equations have at most one zero within these radii of a middle: their Jacobian over the box, times an
-    inverse, is 1 but for less than 1. The ranges of some unknowns are divided: less is lost to their repeated use."""
+    """How far a Jacobian over the box of these radii, times an inverse, is from 1: where by less than 1, equations have at
+    most one zero there. The ranges of some unknowns are divided: less is lost to their repeated use."""
 
     def slope(at):
-        seeds = ([Dual(acb(x), radii[i] * int(i == j)) for i, x in enumerate(at)] for j in range(len(at)))
+        at = [acb(x) for x in at]
+        seeds = ([Dual(x, radii[i]) if i == j else x for i, x in enumerate(at)] for j in range(len(at)))
         return acb_mat([[dual(y).d for y in equations(x)] for x in seeds]).transpose()
 
     try:
         inverse = slope(middle).mid().inv().mid()
     except ZeroDivisionError:
-        return False
+        return arb("inf")
     for parts in PARTS:
         bounds = [[arb(0)] * len(radii) for _ in radii]
         for ranges in product([arb(i, 1) / parts for i in range(1 - parts, parts, 2)], repeat=len(divided)):
@@ -197,9 +197,11 @@ def injective(equations, middle, radii, divided):
             defect = (inverse * slope(box)).tolist()
             for i, j in product(range(len(radii)), repeat=2):
                 bounds[i][j] = bounds[i][j].max(abs(defect[i][j] - int(i == j)).upper())
-        if contracts(bounds):
-            return True
-    return False
+        # it falls about in proportion to the box, or faster
+        norm = least_norm(bounds)
+        if norm < 1 or not norm * parts < 1.5 * PARTS[-1]:
+            break
+    return norm
 
 
 # ------------------------------------------------------------------------------------------------ the model
@@ -420,7 +422,7 @@ class Wave:
         return x
 
     def unique(self, zero, distance):
-        """Whether the equations are injective where the parameter is within a distance, and the other unknowns
+        """Less than 1 if the equations are injective where the parameter is within a distance, and the other unknowns
         within the same share of their units, of the zero."""
         middle = [y.real for y in zero.middle]
         zones = [middle[3 * i : 3 * i + 3] for i in range(self.count)]

@@ -173,8 +173,17 @@ class Statements:
         must(found == self.point["kind"], f"what vanishes there makes it {found}")
 
     def unique(self):
-        if not self.solved.unique(self.zero, self.said["unique"]):
+        distance = self.said["unique"]
+        for _ in range(2):
+            norm = self.solved.unique(self.zero, distance)
+            if norm < 1:
+                break
+            # about in proportion to the distance
+            distance *= 0.7 / float(norm) if norm < 1e6 else 1e-3
+        else:
             raise NotCovered("not shown over a box that large; the solution is regular")
+        if distance < self.said["unique"]:
+            raise NotCovered(f"shown within {distance:.0e}; over a larger box balls overestimate the Jacobian")
 
     def arc(self):
         raise NotCovered("what lies between two points")
