@@ -16,6 +16,10 @@ const ON_GUARD: f64 = 8.0;
 /// flat that the guard itself is rounding there.
 const POLISHED: f64 = 1e-10;
 
+/// More pieces than this are not gone through: no zone of interest has them, and their examination would take longer
+/// than a second. Of two in a row the longer counts, since a kink may cut one short.
+pub(super) const MOST_PIECES: f64 = 1e5;
+
 /// The flow of a mode.
 #[derive(Clone, Debug)]
 pub struct ModeFlow {
@@ -329,11 +333,16 @@ impl ModeFlow {
         }
     }
 
-    /// z at a time ≥ 0 after the beginning.
+    /// z at a time ≥ 0 after the beginning; no numbers where that is more than [`MOST_PIECES`] away.
     pub(super) fn after(&self, z: &Vector, time: f64) -> Vector {
         let (mut piece, mut rest) = (self.piece(z.clone()), time);
+        let mut before = f64::INFINITY;
         while rest > piece.length {
-            rest -= piece.length;
+            if rest > MOST_PIECES * piece.length.max(before) {
+                return Vector::from_element(z.len(), f64::NAN);
+            }
+            before = piece.length;
+            rest -= before;
             piece = self.piece(self.advance(&piece));
         }
         self.within(&piece, rest)

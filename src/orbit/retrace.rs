@@ -54,6 +54,8 @@ pub(super) fn at_change<O: Orbit>(
     ds: f64,
     tolerance: f64,
 ) -> Option<(O::Special, O::Stop)> {
+    /// How many times as far an orbit before the change may be.
+    const FAR: f64 = 10.0;
     if !orbit.has_images() {
         return None;
     }
@@ -62,7 +64,9 @@ pub(super) fn at_change<O: Orbit>(
     let value = after.point[there];
     let back = (value - node.point[here]) / node.tangent[here];
     let guess = &node.point + &node.tangent * back;
-    let before = (back < 0.0).then(|| level(orbit, &guess, value, tolerance))??;
+    // images are as far from the change, but for the zones that arclength counts
+    let is_near = back < 0.0 && back > -FAR * ds;
+    let before = is_near.then(|| level(orbit, &guess, value, tolerance))??;
     orbit.image(&before.point, beyond, &after.point)
 }
 

@@ -395,6 +395,36 @@ fn ends_that_mathematics_knows_have_names() {
     );
 }
 
+/// A spring as the stop changes the rate by nothing as it is met: at the graze the multipliers of the orbit that meets it are those
+/// of the one that does not, of modulus exp(−cT/2).
+#[test]
+fn a_stiff_spring_has_the_multipliers_of_the_graze() {
+    let spring = r#"(
+        states: ["x", "v"],
+        parameters: {"c": 0.1, "A": 0.9605, "w": 0.2, "d": 1.0, "k": 1e4},
+        forcing: "w",
+        modes: {
+            "free": (rates: {"x": "v", "v": "A*cos(phase) - x - c*v"}, until: [(zero: "d - x", to: "wall")]),
+            "wall": (
+                rates: {"x": "v", "v": "A*cos(phase) - x - c*v - k*(x - d)"},
+                until: [(zero: "x - d", to: "free")],
+            ),
+        },
+    )"#;
+    let (orbit, point) = settled(spring, &[], "A", "free", &[0.0, 0.0], 200.0);
+    assert_eq!(orbit.zones(), 2);
+    let (_, all) = follow(&orbit, &point, false, (0.95, 1.1), 500);
+    let graze = all
+        .iter()
+        .find(|one| one.kind() == Some(GR) && one.orbit.zones() == 2)
+        .unwrap();
+    let modulus = (-0.05 * TAU / 0.2_f64).exp();
+    for one in graze.orbit.multipliers(&graze.node.point).unwrap() {
+        let off = (one.value.norm() - modulus).abs();
+        assert!(off < 1e-3, "{} for {modulus}", one.value);
+    }
+}
+
 /// Two foci that meet in x = 0: at m = 0.3 their equilibrium is on the line, and orbits beside it are one another but
 /// for their size, which is proportional to m − 0.3: their period and their multipliers are the same.
 const FOCI: &str = r#"(

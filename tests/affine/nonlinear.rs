@@ -7,6 +7,7 @@ use brakewave::EventType::{BP, EP, GR, PD};
 use brakewave::affine::motion::{Motion, Step};
 use brakewave::affine::steady::NoEquilibrium;
 use brakewave::affine::system::System;
+use brakewave::orbit::Orbit as _;
 
 use crate::branches::{follow, meets, settled};
 use crate::systems::{IMPACT, at, place, system};
@@ -217,6 +218,22 @@ fn the_walker_doubles() {
         (EP, 0.019, "early-late"),
     ];
     meets(&seen, &expected, 1e-12);
+}
+
+/// x = √(1 − 2at) has no value after t = 1/(2a): a guess beyond it is told to be none, however many pieces would fit in.
+#[test]
+fn a_guess_beyond_a_singular_time_ends() {
+    let root = r#"(
+        states: ["x"],
+        parameters: {"a": 1.0},
+        modes: {"down": (rates: {"x": "-a/x"}, until: [(zero: "x - 0.5", to: "down", reset: {"x": "1"})])},
+    )"#;
+    let (orbit, mut point) = settled(root, &[], "a", "down", &[0.9], 3.0);
+    let index = orbit.duration_index(0);
+    let period = orbit.cycle(&point).unwrap().period;
+    assert!((period - 0.375).abs() < 1e-15, "{period}");
+    point[index] *= 4.0;
+    assert!(orbit.examination(&point).is_err());
 }
 
 /// x(1 − x) has two equilibria, cos x those of every half turn.

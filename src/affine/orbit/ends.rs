@@ -271,14 +271,17 @@ impl AffineOrbit {
         unbounded
             .or_else(|| self.grows(node))
             .or_else(|| self.rests(node, AT_REST))
-            .or_else(|| self.vanishes(node).map(|_| OrbitStop::Vanishes))
+            .or_else(|| {
+                let vanishes = self.comes_to_a_point(node, AT_REST);
+                vanishes.map(|_| OrbitStop::Vanishes)
+            })
     }
 
     /// The parameter where an orbit through several modes has no size, and its error. Beside a point where they meet,
     /// their fields are linear and their boundaries straight: the orbit is there the same but for its size, which is
     /// proportional to the distance of the parameter, and its durations remain. They change, as the slope does, by no
-    /// more than in proportion to its size.
-    pub(super) fn comes_to_a_point(&self, node: &Node) -> Option<(f64, f64)> {
+    /// more than in proportion to its size. `None` where that is more than `most`, in units of the states.
+    pub(super) fn comes_to_a_point(&self, node: &Node, most: f64) -> Option<(f64, f64)> {
         /// Most that a duration changes by on the way left, as a part of it.
         const LITTLE: f64 = 1e-3;
         /// A size that a located event may have at the point itself.
@@ -288,7 +291,7 @@ impl AffineOrbit {
         let (n, width) = (self.states(), self.width());
         let entries = |zone: usize| point.rows(width * zone, n);
         let mut others = 1..self.zones();
-        let small = others.all(|zone| (entries(zone) - entries(0)).amax() <= AT_REST);
+        let small = others.all(|zone| (entries(zone) - entries(0)).amax() <= most);
         if !small || self.sequence.switches() == 0 {
             return None;
         }
@@ -301,7 +304,7 @@ impl AffineOrbit {
                     .fold(0.0, f64::max),
             )
         };
-        let here = size(point).filter(|here| *here <= AT_REST)?;
+        let here = size(point).filter(|here| *here <= most)?;
         let left = if here > TINY {
             let before = size(&(point - tangent * here))?;
             here * here / (before - here)

@@ -4,7 +4,7 @@ use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
 use super::margin::{Margin, Watch};
 use super::multipliers::{Multiplier, is_told};
 use super::passage::Passage;
-use crate::affine::flow::{ModeFlow, Piece};
+use crate::affine::flow::{MOST_PIECES, ModeFlow, Piece};
 use crate::linalg::Vector;
 use crate::orbit::Examined;
 use crate::orbit::events::AT_ZERO;
@@ -44,10 +44,6 @@ impl Examined for Examination {
     }
 }
 
-/// More pieces than this are refused: no zone of interest has them, and their examination would take longer than
-/// a second.
-const MOST_PIECES: f64 = 1e5;
-
 /// Where the rate of a guard at the beginning of an orbit without switches is less than this in its own units, a
 /// minimum may lie there.
 const AT_BEGINNING: f64 = 1e-12;
@@ -67,11 +63,11 @@ struct Part {
 /// be where they are too many.
 fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec<Part>, f64> {
     let mut parts = Vec::new();
-    let (mut piece, mut begun) = (flow.piece(entry), 0.0);
+    let (mut piece, mut begun, mut before) = (flow.piece(entry), 0.0, f64::INFINITY);
     loop {
         let rest = (duration - begun) / piece.length;
         // what is stiff begins with pieces much shorter than those that follow
-        let count = parts.len() as f64 + (duration - begun) / flow.longest(&piece);
+        let count = parts.len() as f64 + (duration - begun) / flow.longest(&piece).max(before);
         if count.is_nan() || count > MOST_PIECES {
             return Err(count);
         }
@@ -86,6 +82,7 @@ fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec<Part>, f64
             1.0 => Some(flow.advance(&piece)),
             _ => Some(flow.within(&piece, time)),
         };
+        before = piece.length;
         parts.push(Part {
             piece,
             begun,

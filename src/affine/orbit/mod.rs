@@ -137,6 +137,9 @@ impl fmt::Display for Critical {
 /// A zone shorter than this, in units of the period, is about to close.
 const CLOSING: f64 = 1e-6;
 
+/// Where no step succeeds any more an orbit of this size, in units of its states, is one that shrinks to a point.
+const NEARLY_A_POINT: f64 = 1e-6;
+
 impl Orbit for AffineOrbit {
     type Signature = Sequence;
     type Parameter = String;
@@ -407,7 +410,7 @@ impl Orbit for AffineOrbit {
     }
 
     fn vanishes(&self, node: &Node) -> Option<(f64, f64)> {
-        self.comes_to_a_point(node)
+        self.comes_to_a_point(node, NEARLY_A_POINT)
     }
 
     fn has_images(&self) -> bool {

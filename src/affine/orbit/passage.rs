@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use crate::affine::exponential::{TERMS, propagator};
+use crate::affine::flow::MOST_PIECES;
 use crate::affine::mode::{AffineMode, Row};
 use crate::affine::series::{ORDER, Series};
 use crate::affine::stiff::Splitting;
@@ -58,9 +59,6 @@ impl Jet {
         self.by_parameter += factor * other.by_parameter;
     }
 }
-
-/// Pieces of a series after which a passage is given up: it has come to where a rate has no value.
-const MOST_PIECES: usize = 100_000;
 
 /// A zone from its entry to a time.
 #[derive(Clone, Debug)]
@@ -128,16 +126,18 @@ impl<'a> Passage<'a> {
         let mut flow = Matrix::identity(base, base);
         let mut by_parameter = Vector::zeros(base);
         let (mut last, mut z, mut rest) = (first.clone(), entry.clone(), time.abs());
-        let mut pieces = 0;
+        let (mut pieces, mut before) = (0_u32, f64::INFINITY);
         while rest > 0.0 {
             let part = field.length(&last, rest, forward);
             // what is not finite gives a passage that is not
             pieces += 1;
-            if part.is_nan() || part <= 0.0 || pieces > MOST_PIECES {
+            let count = f64::from(pieces) + rest / part.max(before);
+            if part.is_nan() || part <= 0.0 || count > MOST_PIECES {
                 by_parameter.fill(f64::NAN);
                 flow.fill(f64::NAN);
                 break;
             }
+            before = part;
             rest -= part;
             let part = part.copysign(time);
             let (along, by) = last.derivatives(part);
