@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use brakewave::EventType;
 use brakewave::curve::start::{NoCurve, Start, find_of_system};
-use brakewave::curve::{Curve, Orbits, Point, PointType, Run};
+use brakewave::curve::{Curve, Orbits, Point, PointType, Region, Run};
 use brakewave::hybrid::Runner;
 use brakewave::problem::{Any, SystemProblem, parse_any};
 
@@ -57,6 +57,15 @@ fn curve(problem: &SystemProblem) -> Curve<Orbits> {
     let mut run = Run::begin(&start.system, start.event, &start.point, start.limits).unwrap();
     while run.step().unwrap().is_some() {}
     run.unnamed()
+}
+
+/// Names beside the curve of a problem.
+fn named(problem: &SystemProblem) -> Vec<Region> {
+    let start = start(problem).unwrap();
+    let run = Run::begin(&start.system, start.event, &start.point, start.limits);
+    let mut run = run.unwrap();
+    while run.step().unwrap().is_some() {}
+    run.curve().regions
 }
 
 /// Points of a type of codimension two.
@@ -339,7 +348,7 @@ fn events_that_have_no_curve() {
 /// orbits above it and none below.
 #[test]
 fn places_beside_the_curves_of_the_ball() {
-    let named = |event: &str, range: &str| {
+    let beside = |event: &str, range: &str| {
         let problem = problem(
             BALL,
             &[],
@@ -349,17 +358,13 @@ fn places_beside_the_curves_of_the_ball() {
                 "event: {event}, parameters: (\"G\", \"e\"), range: {range}, ds: 0.1, ds_max: 0.3"
             ),
         );
-        let start = start(&problem).unwrap();
-        let run = Run::begin(&start.system, start.event, &start.point, start.limits);
-        let mut run = run.unwrap();
-        while run.step().unwrap().is_some() {}
-        run.curve().regions
+        named(&problem)
     };
     let fold = |e: f64| 0.5 * TAU * (1.0 - e) / (1.0 + e);
     let doubling = |e: f64| fold(e).hypot(2.0 * (1.0 + e * e) / (1.0 + e).powi(2));
-    let beside = named("PD", "((1.4, 1.7), (0.45, 0.55))");
+    let found = beside("PD", "((1.4, 1.7), (0.45, 0.55))");
     let mut seen = [0; 2];
-    for region in &beside {
+    for region in &found {
         let [g, e] = region.place;
         let beyond = g > doubling(e);
         let name = ["stable", "1 multiplier outside"][usize::from(beyond)];
@@ -367,8 +372,8 @@ fn places_beside_the_curves_of_the_ball() {
         seen[usize::from(beyond)] += 1;
     }
     assert!(seen[0] > 2 && seen[1] > 2, "{seen:?}");
-    let beside = named("LP", "((0.9, 1.2), (0.45, 0.55))");
-    for region in &beside {
+    let found = beside("LP", "((0.9, 1.2), (0.45, 0.55))");
+    for region in &found {
         let [g, e] = region.place;
         assert!(g > fold(e), "{:?}", region.place);
         assert_eq!(
@@ -378,5 +383,27 @@ fn places_beside_the_curves_of_the_ball() {
             region.place
         );
     }
-    assert!(beside.len() > 2, "{}", beside.len());
+    assert!(found.len() > 2, "{}", found.len());
+}
+
+/// Beside the fold of the impact oscillator: one orbit without impacts before it, two more with them between the fold and
+/// the graze, and one beyond.
+#[test]
+fn places_between_fold_and_graze() {
+    let problem = problem(
+        IMPACT,
+        &[("\"w\": 1.0", "\"w\": 1.8"), ("\"A\": 1.0", "\"A\": 5.0")],
+        SETTLES,
+        "parameter: \"A\", range: (0.5, 5.0), toward: Down",
+        "event: LP, parameters: (\"A\", \"w\"), range: ((0.5, 4.0), (1.75, 1.85)), ds: 0.1, ds_max: 0.3",
+    );
+    let regions = named(&problem);
+    for region in &regions {
+        let [force, w] = region.place;
+        let single = Single::new(0.1, w, 0.8);
+        let between = force > single.fold() && force < single.graze();
+        let name = ["1 orbit free", "3 orbits free"][usize::from(between)];
+        assert_eq!(region.name.to_string(), name, "{:?}", region.place);
+    }
+    assert!(regions.len() > 2, "{}", regions.len());
 }
