@@ -246,6 +246,32 @@ fn guesses_lead_to_unstable_orbits() {
     );
 }
 
+/// x′ = ±1 − x between ±d: each half lasts ln((1 + d)/(1 − d)) = ln 3 for d = 1/2. An orbit that begins where it has
+/// just switched comes back to that at the end of its period, a bit before or after the time that is given.
+#[test]
+fn a_guess_may_begin_just_after_a_switch() {
+    let text = r#"(
+        states: ["x"],
+        parameters: {"d": 0.5, "u": 1.0},
+        modes: {
+            "up": (rates: {"x": "u - x"}, until: [(zero: "d - x", to: "down")]),
+            "down": (rates: {"x": "-u - x"}, until: [(zero: "x + d", to: "up")]),
+        },
+    )"#;
+    let relay = wanted(text, &[], "d", 1);
+    let half = 3.0_f64.ln();
+    for off in [0.995, 1.0 - 1e-15, 1.0, 1.0 + 1e-15, 1.005] {
+        let guess = Search::Guess(2.0 * half * off);
+        let (orbit, point) = from(&relay, "up", &[-0.5], 0.0, guess).unwrap();
+        let zones = orbit.at(&point).unwrap().zones;
+        let durations: Vec<f64> = zones.iter().map(|zone| zone.duration - half).collect();
+        assert!(
+            durations.len() == 2 && durations.iter().all(|off| off.abs() < 1e-14),
+            "{off}: {durations:?}"
+        );
+    }
+}
+
 #[test]
 fn what_does_not_return_is_refused() {
     // beyond every doubling the doubled orbit of w = 2.6 is not met within two periods

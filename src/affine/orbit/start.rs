@@ -223,8 +223,15 @@ fn found(
         },
         _ if is_forced => forced(wanted, &system, &mut motion, period, guess.is_some())?,
         Some(time) => {
+            /// How much later than the time the last switch may come.
+            const LATE: f64 = 1.01;
             let begin = motion.place().time;
-            let switches = run(&mut motion, begin + time)?;
+            let mut switches = run(&mut motion, begin + LATE * time)?;
+            // the first comes again as much later than the period as it came after the beginning: what comes in the
+            // first half of that is the last of the orbit, as where it begins just after a switch
+            let first = switches.first().map_or(begin, |(first, _)| first.time);
+            let end = begin + time + 0.5 * (first - begin);
+            switches.retain(|(switching, _)| switching.time <= end);
             Course {
                 zones: closed(switches, time),
                 at_zero: None,
