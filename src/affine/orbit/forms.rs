@@ -255,7 +255,9 @@ fn vanishing(pairs: Vec<(Row, Row)>, units: &Units) -> Vec<Row> {
         let value = |index: &usize| (first.at[*index] * units.z[*index]).abs();
         let largest = (0..first.at.len()).max_by(|one, other| value(one).total_cmp(&value(other)));
         match largest.filter(|index| value(index) > ROUNDED * size) {
-            None => found.push(second),
+            None if units.size(&first) <= ROUNDED * size => found.push(second),
+            // zero at this value of the parameter only
+            None => {}
             Some(pivot) => {
                 let factor = inverse(entry(&first, pivot));
                 scale(&mut first, factor);
