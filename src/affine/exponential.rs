@@ -30,6 +30,28 @@ pub(super) fn propagator(
     }
 }
 
+/// The columns of M′Mᵏ, k ≥ 0, that are not all zero, in order: those of M′ = `by`, and those that M leads them to.
+fn columns_through(by: &Matrix, matrix: &Matrix) -> Vec<usize> {
+    let size = matrix.nrows();
+    let mut live: Vec<bool> = by
+        .column_iter()
+        .map(|column| column.iter().any(|entry| *entry != 0.0))
+        .collect();
+    let mut found: Vec<usize> = (0..size).filter(|column| live[*column]).collect();
+    let mut done = 0;
+    while let Some(&from) = found.get(done) {
+        done += 1;
+        for to in 0..size {
+            if !live[to] && matrix[(from, to)] != 0.0 {
+                live[to] = true;
+                found.push(to);
+            }
+        }
+    }
+    found.sort_unstable();
+    found
+}
+
 #[inline(always)]
 fn exponential(
     matrix: &Matrix,
@@ -56,6 +78,21 @@ fn exponential(
             &mut sum[..numbers],
         );
     };
+    // what depends on a parameter is often the forcing alone: its columns, and those that it comes to
+    let live = by.map_or_else(Vec::new, |by| columns_through(by, matrix));
+    let add_by = |factor: f64, left: &[f64], right: &[f64], sum: &mut [f64]| {
+        for &j in &live {
+            let sum = &mut sum[j * size..(j + 1) * size];
+            for &k in &live {
+                let weight = right[j * size + k];
+                if weight != 0.0 {
+                    let weight = factor * weight;
+                    let pairs = sum.iter_mut().zip(&left[k * size..(k + 1) * size]);
+                    pairs.for_each(|(sum, entry)| *sum += weight * entry);
+                }
+            }
+        }
+    };
     let add_up = |sum: &mut [f64], term: &[f64]| {
         let pairs = sum[..numbers].iter_mut().zip(&term[..numbers]);
         pairs.for_each(|(sum, term)| *sum += term);
@@ -71,7 +108,7 @@ fn exponential(
         let factor = step / f64::from(k);
         if let Some((by, sum_by)) = by.zip(sum_by.as_mut()) {
             next.fill(0.0);
-            add(factor, term_by, matrix, next);
+            add_by(factor, term_by, matrix, next);
             add(factor, term, by.as_slice(), next);
             std::mem::swap(&mut term_by, &mut next);
             add_up(sum_by.as_mut_slice(), term_by);
@@ -84,7 +121,13 @@ fn exponential(
     for _ in 0..doublings {
         if size > SMALL {
             if let Some(by) = &mut sum_by {
-                *by = &sum * &*by + &*by * &sum;
+                let mut next = &sum * &*by;
+                if live.len() == size {
+                    next += &*by * &sum;
+                } else {
+                    add_by(1.0, by.as_slice(), sum.as_slice(), next.as_mut_slice());
+                }
+                *by = next;
             }
             sum = &sum * &sum;
             continue;
@@ -92,7 +135,7 @@ fn exponential(
         if let Some(by) = &mut sum_by {
             next.fill(0.0);
             add(1.0, sum.as_slice(), by.as_slice(), next);
-            add(1.0, by.as_slice(), sum.as_slice(), next);
+            add_by(1.0, by.as_slice(), sum.as_slice(), next);
             by.copy_from_slice(next);
         }
         next.fill(0.0);

@@ -173,27 +173,20 @@ impl Exact {
         }
     }
 
-    /// Rows of a matrix times z over the beginning of a piece.
-    fn forms(&self, z: &Vector, part: f64, rows: &Matrix) -> Vec<Bernstein> {
-        let mut taylor = vec![[0.0; COEFFICIENTS]; rows.nrows()];
+    /// z over the beginning of a piece: Taylor coefficients, a column each, and what they leave out of each component.
+    fn expansion(&self, z: &Vector, part: f64) -> (Matrix, Vector) {
+        let mut taylor = Matrix::zeros(z.len(), COEFFICIENTS);
         let (mut term, mut next) = (z.clone(), z.clone());
         for k in 0..COEFFICIENTS {
             if k > 0 {
                 self.rate(part * self.length / k as f64, &term, &mut next);
                 std::mem::swap(&mut term, &mut next);
             }
-            let values = rows * &term;
-            for (taylor, value) in taylor.iter_mut().zip(&values) {
-                taylor[k] = *value;
-            }
+            taylor.column_mut(k).copy_from(&term);
         }
         let amplitude: f64 = z.iter().zip(&self.scales).map(|(z, d)| z.abs() / d).sum();
         let error = 1.06 * REMAINDER * part.powi(COEFFICIENTS as i32) * amplitude;
-        let sizes = rows.abs() * &self.scales;
-        let polynomials = taylor.iter().zip(&sizes);
-        polynomials
-            .map(|(taylor, d)| Bernstein::from_taylor(taylor, error * d))
-            .collect()
+        (taylor, &self.scales * error)
     }
 
     fn taylor(&self, guard: usize, z: &Vector, part: f64) -> ([f64; COEFFICIENTS], f64) {
@@ -368,20 +361,29 @@ impl ModeFlow {
         }
     }
 
-    /// Every state over the beginning of a piece, as polynomials in time/`length`/`part`, and what they leave out.
-    pub(super) fn states(&self, piece: &Piece, part: f64, states: usize) -> Vec<Bernstein> {
-        let size = piece.z.len();
+    /// Every state over the beginning of a piece, as coefficients of powers of time/`length`/`part`, and what they leave
+    /// out.
+    pub(super) fn states(
+        &self,
+        piece: &Piece,
+        part: f64,
+        states: usize,
+    ) -> Vec<([f64; COEFFICIENTS], f64)> {
+        let rows = |(taylor, left_out): (Matrix, Vector)| {
+            let of = |state| (std::array::from_fn(|k| taylor[(state, k)]), left_out[state]);
+            (0..states).map(of).collect()
+        };
         match (&self.exact, &piece.course) {
             (Some(exact), Course::Slow(index, at)) => {
                 let (way, slow) = &exact.stiff[*index];
-                slow.forms(&at.slow, part, &way.along.rows(0, states).into_owned())
+                let (taylor, left_out) = slow.expansion(&at.slow, part);
+                rows((&way.along * taylor, way.along.abs() * left_out))
             }
-            (Some(exact), _) => exact.forms(&piece.z, part, &Matrix::identity(states, size)),
+            (Some(exact), _) => rows(exact.expansion(&piece.z, part)),
             (None, Course::Series(series)) => {
                 let of = |state: usize| {
-                    let row = Row::unit(size, state).at;
-                    let (taylor, remainder) = polynomial(series, &row, part * piece.length);
-                    Bernstein::from_taylor(&taylor, remainder)
+                    let row = Row::unit(piece.z.len(), state).at;
+                    polynomial(series, &row, part * piece.length)
                 };
                 (0..states).map(of).collect()
             }

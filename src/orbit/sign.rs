@@ -195,11 +195,6 @@ impl Bernstein {
         row[0]
     }
 
-    /// Its value at 0.
-    pub(crate) fn first(&self) -> f64 {
-        self.coefficients[0]
-    }
-
     /// The least and the largest coefficient: the polynomial lies between them.
     pub(crate) fn bounds(&self) -> (f64, f64) {
         let first = self.coefficients[0];

@@ -99,6 +99,30 @@ fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec<Part>, f64
 }
 
 impl OrbitAt<'_> {
+    /// z at times since the entry of a zone, in order.
+    ///
+    /// # Errors
+    /// The zone has too many pieces.
+    pub(super) fn along(
+        &self,
+        zone: usize,
+        times: impl Iterator<Item = f64>,
+    ) -> Result<Vec<Vector>, OrbitFailure> {
+        let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
+        let parts = self.parts(zone)?;
+        let mut here = 0;
+        let of = |time: f64| {
+            while parts.get(here + 1).is_some_and(|next| next.begun <= time) {
+                here += 1;
+            }
+            match parts.get(here) {
+                Some(part) => flow.within(&part.piece, time - part.begun),
+                None => self.entry(zone),
+            }
+        };
+        Ok(times.map(of).collect())
+    }
+
     fn parts(&self, zone: usize) -> Result<Vec<Part>, OrbitFailure> {
         let duration = self.zones[zone].duration;
         if duration.is_nan() || duration <= 0.0 {
@@ -234,33 +258,39 @@ impl AffineOrbit {
         let visit = |(low, high): &mut (f64, f64), value: f64| {
             (*low, *high) = (low.min(value), high.max(value));
         };
+        // first where pieces meet: few go further between
+        let mut pieces = Vec::new();
         for zone in 0..self.zones() {
             let flow = at.posed.flow(self.sequence.zone(zone).mode);
-            let (entry, parts) = (at.entry(zone), at.parts(zone)?);
-            let last = parts.last();
-            let end = last.map(|last| flow.within(&last.piece, last.part * last.piece.length));
-            let end = end.as_ref().unwrap_or(&entry);
-            for state in 0..n {
-                visit(&mut extremes[state], entry[state]);
-                visit(&mut extremes[state], end[state]);
+            let parts = at.parts(zone)?;
+            let end = parts
+                .last()
+                .map(|last| flow.within(&last.piece, last.part * last.piece.length));
+            let ends = std::iter::once(at.entry(zone)).chain(end);
+            for z in ends.chain(parts.iter().skip(1).map(|part| part.piece.z.clone())) {
+                let pairs = extremes.iter_mut().zip(&z);
+                pairs.for_each(|(extremes, value)| visit(extremes, *value));
             }
-            for part in parts {
-                let polynomials = flow.states(&part.piece, part.part, n);
-                for (state, polynomial) in polynomials.into_iter().enumerate() {
-                    if !part.is_first {
-                        visit(&mut extremes[state], polynomial.first());
-                    }
-                    let (low, high) = polynomial.bounds();
-                    let mut turns = Vec::new();
-                    if low < extremes[state].0 {
-                        turns = polynomial.minima(&mut false);
-                    }
-                    if high > extremes[state].1 {
-                        turns.extend(polynomial.affine(-1.0, 0.0).minima(&mut false));
-                    }
-                    for place in turns {
-                        visit(&mut extremes[state], polynomial.value(place));
-                    }
+            pieces.extend(parts.into_iter().map(|part| (flow, part)));
+        }
+        for (flow, Part { piece, part, .. }) in &pieces {
+            let states = flow.states(piece, *part, n);
+            for ((taylor, left_out), extremes) in states.into_iter().zip(&mut extremes) {
+                let reach: f64 = taylor[1..].iter().map(|a| a.abs()).sum();
+                if taylor[0] - reach >= extremes.0 && taylor[0] + reach <= extremes.1 {
+                    continue;
+                }
+                let polynomial = Bernstein::from_taylor(&taylor, left_out);
+                let (low, high) = polynomial.bounds();
+                let mut turns = Vec::new();
+                if low < extremes.0 {
+                    turns = polynomial.minima(&mut false);
+                }
+                if high > extremes.1 {
+                    turns.extend(polynomial.affine(-1.0, 0.0).minima(&mut false));
+                }
+                for place in turns {
+                    visit(extremes, polynomial.value(place));
                 }
             }
         }

@@ -127,9 +127,9 @@ impl AffineOrbit {
                 duration, phase, ..
             } = at.zones[zone];
             let mode = self.sequence.zone(zone).mode;
-            for part in 0..=intervals {
-                let time = duration * part as f64 / intervals.max(1) as f64;
-                let z = at.passage(zone, time)?.end;
+            let time = |part: usize| duration * part as f64 / intervals.max(1) as f64;
+            let times = (0..=intervals).map(time);
+            for (time, z) in times.clone().zip(at.along(zone, times)?) {
                 samples.push(Sample {
                     time: begun + time,
                     phase: (phase + omega * time).rem_euclid(TAU),
