@@ -286,13 +286,25 @@ impl AffineOrbit {
         const LITTLE: f64 = 1e-3;
         /// A size that a located event may have at the point itself.
         const TINY: f64 = 1e-12;
+        /// How much further an orbit may be than its size in the time of its period at the speed with which it begins.
+        const SLOW: f64 = 1e3;
         let Node { point, tangent, .. } = node;
         let units = &self.setting.scales.states;
         let (n, width) = (self.states(), self.width());
-        let entries = |zone: usize| point.rows(width * zone, n);
-        let mut others = 1..self.zones();
-        let small = others.all(|zone| (entries(zone) - entries(0)).amax() <= most);
-        if !small || self.sequence.switches() == 0 {
+        if self.sequence.switches() == 0 {
+            return None;
+        }
+        // most orbits go far on the way to the next entry, or set out fast: that costs little to see
+        let entry = |zone: usize| point.rows(width * zone, n);
+        let small = if self.zones() > 1 {
+            let others = &mut (1..self.zones());
+            others.all(|zone| (entry(zone) - entry(0)).amax() <= most)
+        } else {
+            let at = self.at(point).ok()?;
+            let (duration, rate) = (at.zones[0].duration, at.passage(0, 0.0).ok()?.rate());
+            (0..n).all(|state| (duration * rate[state] / units[state]).abs() <= SLOW * most)
+        };
+        if !small {
             return None;
         }
         let size = |point: &Vector| -> Option<f64> {
