@@ -2,6 +2,7 @@
 
 use nalgebra::Complex;
 
+use crate::affine::orbit::multipliers::own;
 use crate::affine::orbit::{AffineOrbit, Multiplier};
 use crate::orbit::special::Close;
 use crate::orbit::{EventType, Orbit, Stability};
@@ -43,8 +44,7 @@ pub struct OrbitPoint {
 impl OrbitPoint {
     /// The largest multiplier that is not trivial.
     pub fn leading(&self) -> Option<Complex<f64>> {
-        let mut own = self.multipliers.iter().filter(|one| !one.trivial);
-        own.next().map(|one| one.value)
+        own(&self.multipliers).next().map(|one| one.value)
     }
 }
 

@@ -223,14 +223,17 @@ pub(super) fn located<O: Orbit>(
     let fold = fold.filter(&apart);
     let crossings = crossings(orbit, step, &changes).ok_or(Refusal::NotFound)?;
     // a loss of symmetry is seen as a fold and as a crossing
-    let same = |test: usize, place: &Place| match fold.as_ref().map(|(_, fold)| &fold.event) {
-        Some(Event::Image(special, _)) => {
-            orbit.crossing(test, &place.node).as_ref() == Some(special)
-        }
-        _ => false,
-    };
-    let seen = |(place, located): &(Place, Located<O>)| match located.event {
-        Event::Crossing(test) => same(test, place),
+    let seen = |(place, located): &(Place, Located<O>)| match (&fold, &located.event) {
+        (
+            Some((
+                _,
+                Located {
+                    event: Event::Image(special, _),
+                    ..
+                },
+            )),
+            Event::Crossing(test),
+        ) => orbit.crossing(*test, &place.node).as_ref() == Some(special),
         _ => false,
     };
     let crossings: Vec<_> = crossings

@@ -441,7 +441,7 @@ impl Monodromy {
 }
 
 /// Those that are not trivial.
-fn own(multipliers: &[Multiplier]) -> impl Iterator<Item = &Multiplier> {
+pub fn own(multipliers: &[Multiplier]) -> impl Iterator<Item = &Multiplier> {
     multipliers.iter().filter(|one| !one.trivial)
 }
 
