@@ -188,7 +188,7 @@ fn waves_are_counted_beside_a_cusp() {
         "Fast",
         "friction: 0.5, mismatch: 2.0",
         "continuation: (parameter: Friction, range: (0.3, 3.0), toward: Up), curve: (event: LP, \
-         parameters: (Friction, StiffnessDamping), range: ((1.8, 3.0), (0.0, 0.02)), ds_max: 0.1)",
+         parameters: (Friction, StiffnessDamping), range: ((1.8, 3.0), (0.0, 0.02)), ds_max: 0.5)",
     ));
     // what lies beyond the other side of the wedge is not named here
     for one in &curve.regions {

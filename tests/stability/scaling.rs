@@ -137,7 +137,7 @@ fn the_whole_answer_scales() {
         }
         let (words, numbers) = answers(&rows, 1.0);
         // γ from 1e-8 to 1e12
-        for s in [1e-4, 0.1, 1e6, (-13_f64).exp2(), 20_f64.exp2()] {
+        for s in [1e-4, 1e6, (-13_f64).exp2()] {
             let (other_words, others) = answers(&run(case, s), s);
             assert_eq!(other_words, words, "{}, s = {s}", case.name);
             assert_eq!(others.len(), numbers.len());
