@@ -10,8 +10,10 @@ use brakewave::linalg::Vector;
 use brakewave::orbit::follow::{Follower, Found, Limits};
 use brakewave::orbit::special::Special;
 
-use crate::orbits::{Reference, impact, solved};
-use crate::systems::{BALL, BELT, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, system, values};
+use crate::affine::orbits::{Reference, impact, solved};
+use crate::affine::systems::{
+    BALL, BELT, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, system, values,
+};
 
 /// An event: its type, the parameter, the sequences before and after.
 pub struct Seen {

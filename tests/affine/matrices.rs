@@ -2,7 +2,7 @@
 
 use brakewave::affine::mode::AffineSystem;
 
-use crate::systems::{BUCK, CHUA, FRICTION, IMPACT, RELAY, system, values};
+use crate::affine::systems::{BUCK, CHUA, FRICTION, IMPACT, RELAY, system, values};
 
 /// Every number of a system, and its derivatives in the first parameter that varies.
 fn numbers(system: &AffineSystem) -> Vec<[f64; 2]> {

@@ -2,7 +2,9 @@
 
 use brakewave::affine::motion::{Halt, Motion, Step, Switching};
 
-use crate::systems::{BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, at, place, system};
+use crate::affine::systems::{
+    BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, at, place, system,
+};
 
 /// A zone of a reference orbit: its mode, its duration, and the state at its end before the reset.
 type Zone<'a> = (&'a str, f64, &'a [f64]);

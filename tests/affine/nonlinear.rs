@@ -9,8 +9,8 @@ use brakewave::affine::steady::NoEquilibrium;
 use brakewave::affine::system::System;
 use brakewave::orbit::Orbit as _;
 
-use crate::branches::{follow, meets, settled};
-use crate::systems::{IMPACT, at, place, system};
+use crate::affine::branches::{follow, meets, settled};
+use crate::affine::systems::{IMPACT, at, place, system};
 
 const PENDULUM: &str = r#"(
     states: ["x", "v"],

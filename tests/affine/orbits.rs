@@ -12,7 +12,9 @@ use brakewave::linalg::{Matrix, Vector};
 use brakewave::orbit::sign::Verdict;
 use brakewave::orbit::{Examined, Orbit};
 
-use crate::systems::{BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, system, values};
+use crate::affine::systems::{
+    BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, system, values,
+};
 
 /// A zone of a reference orbit: its mode, guard and exit by which it ends, the states at its entry, its duration.
 pub type Part<'a> = (&'a str, (usize, usize), &'a [f64], f64);

@@ -2,7 +2,7 @@
 
 use brakewave::affine::system::{System, SystemError};
 
-use crate::systems::{IMPACT, RELAY, source, system};
+use crate::affine::systems::{IMPACT, RELAY, source, system};
 
 fn refused(text: &str, from: &str, to: &str) -> SystemError {
     assert!(text.contains(from), "{from}");

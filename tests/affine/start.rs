@@ -8,7 +8,9 @@ use brakewave::linalg::Vector;
 use brakewave::orbit::follow::{Follower, Limits};
 use brakewave::orbit::special::NoFollower;
 
-use crate::systems::{BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, system, values};
+use crate::affine::systems::{
+    BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, system, values,
+};
 
 fn wanted(text: &str, replaced: &[(&str, f64)], parameter: &str, periods: u32) -> Wanted {
     let system = system(text);

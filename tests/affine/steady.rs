@@ -2,7 +2,7 @@
 
 use brakewave::affine::steady::NoEquilibrium;
 
-use crate::systems::{CHUA, IMPACT, RELAY, at, system};
+use crate::affine::systems::{CHUA, IMPACT, RELAY, at, system};
 
 /// Chua's circuit has x = ±1.5, y = 0, z = −x, with eigenvalues ±iω at the Hopf point: α_H = 6.80175…, ω² = β − α_H(1 − n).
 #[test]

@@ -7,7 +7,7 @@ use brakewave::problem::{
     Any, Continuation, OrbitStart, StopAfter, SystemProblem, Toward, parse_any,
 };
 
-use crate::systems::{BALL, FRICTION};
+use crate::affine::systems::{BALL, FRICTION};
 
 const CHUA: &str = include_str!("../../problems/chua.ron");
 const IMPACT: &str = include_str!("../../problems/impact_oscillator.ron");

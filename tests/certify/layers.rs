@@ -5,7 +5,7 @@ use brakewave::interval::Decimal;
 use brakewave::orbit::EventType;
 use brakewave::tube::wave::admissibility::Watch;
 
-use crate::waves::{event, figure, points_of, points_of_text, proof};
+use crate::certify::waves::{event, figure, points_of, points_of_text, proof};
 
 /// A branch of waves of mode 4 that begins in contact.
 fn branch(model: &str, start: &str, continuation: &str) -> Vec<Point> {

@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use crate::harness::{Bench, SMALL, Table, changed, problem, snapshot};
+use crate::cli::harness::{Bench, SMALL, Table, changed, problem, snapshot};
 
 /// Every method but the ring, which takes longest.
 fn small() -> String {
@@ -151,7 +151,10 @@ fn what_is_refused_leaves_no_folder() {
 fn a_budget_is_kept() {
     let bench = Bench::new();
     // one step of the reference of this law takes longer
-    bench.put("slow.ron", crate::harness::problem("mode4_regularised.ron"));
+    bench.put(
+        "slow.ron",
+        crate::cli::harness::problem("mode4_regularised.ron"),
+    );
     let said = bench.run(&["accuracy", "slow.ron", "--out", "a", "--budget", "0.001"]);
     let said = said.expect(2).stderr;
     assert!(

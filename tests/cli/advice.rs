@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::harness::{Bench, MANIFEST, SMALL, assert_same, changed, problem, snapshot};
+use crate::cli::harness::{Bench, MANIFEST, SMALL, assert_same, changed, problem, snapshot};
 
 /// Refused with this code; the message has and lacks these words.
 #[track_caller]

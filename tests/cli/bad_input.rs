@@ -3,7 +3,7 @@
 use std::fs;
 use std::time::{Duration, Instant};
 
-use crate::harness::{Bench, Outcome, SMALL, changed};
+use crate::cli::harness::{Bench, Outcome, SMALL, changed};
 
 /// Runs a bad problem text by `run` and by `check`; nothing may be left in the folder.
 #[track_caller]

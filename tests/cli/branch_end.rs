@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use crate::harness::{Bench, SMALL, Table, changed, off, snapshot};
+use crate::cli::harness::{Bench, SMALL, Table, changed, off, snapshot};
 
 /// Where fast and slow wave of mode 4 meet at ν = 0.3, ξ = 1.5, γ = 1.
 const FOLD: f64 = 1.0915184203591;

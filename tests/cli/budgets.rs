@@ -1,6 +1,6 @@
 //! Every run ends, and says why: most points, branches that never arrive, limits, absurd requests.
 
-use crate::harness::{Bench, SMALL, Table, changed, off};
+use crate::cli::harness::{Bench, SMALL, Table, changed, off};
 
 /// Runs a problem and returns its branch, its last row's reason and what was said on stderr.
 fn run(text: &str, code: i32) -> (Table, Table, String) {

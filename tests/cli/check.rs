@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::harness::{Bench, PROBLEMS, SMALL, changed, problem};
+use crate::cli::harness::{Bench, PROBLEMS, SMALL, changed, problem};
 
 /// Number of times a word occurs.
 fn count(text: &str, word: &str) -> usize {

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 
-use crate::harness::{Bench, changed, snapshot};
+use crate::cli::harness::{Bench, changed, snapshot};
 
 /// A small problem with every section; the branch passes one RV.
 pub const BASE: &str = r#"(

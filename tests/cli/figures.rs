@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::harness::{Bench, Table, changed, problem};
+use crate::cli::harness::{Bench, Table, changed, problem};
 
 #[allow(dead_code)]
 #[path = "../../examples/paper_figures.rs"]
@@ -144,7 +144,7 @@ fn ring(bench: &Bench, more: &[&str]) -> (f64, f64) {
 /// A problem of one wave under a law.
 fn under(law: &str) -> String {
     changed(
-        crate::harness::SMALL,
+        crate::cli::harness::SMALL,
         "mismatch: 0.2,\n    )",
         &format!("mismatch: 0.2,\n        friction_law: {law},\n    )"),
     )

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 
-use crate::harness::{Bench, PROBLEMS, SMALL, Table, changed, finite, off};
+use crate::cli::harness::{Bench, PROBLEMS, SMALL, Table, changed, finite, off};
 
 /// The least that `branch.csv` has, in this order.
 const BRANCH: &str = "point,label,type,regimes,mismatch,friction,mass_damping,stiffness_damping,\

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::fs;
 
-use crate::harness::{Bench, PROBLEMS, SMALL, Table, changed};
+use crate::cli::harness::{Bench, PROBLEMS, SMALL, Table, changed};
 
 /// A ring of steel; its mismatch is far above the waves that lift off.
 const STEEL: &str = r#"(

@@ -7,7 +7,7 @@ use std::process::Stdio;
 use std::thread;
 use std::time::Duration;
 
-use crate::harness::{
+use crate::cli::harness::{
     Bench, MANIFEST, SMALL, Snapshot, assert_same, changed, finest, problem, snapshot,
 };
 

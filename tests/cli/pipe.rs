@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::process::Stdio;
 
-use crate::harness::{Bench, SMALL, changed, snapshot};
+use crate::cli::harness::{Bench, SMALL, changed, snapshot};
 
 /// Runs with a standard output that nobody reads, not even its first byte.
 #[track_caller]

@@ -3,8 +3,8 @@
 use std::fs;
 use std::process::Command;
 
-use crate::fields::BASE;
-use crate::harness::{Bench, SMALL, Table, assert_same, changed, off, problem, snapshot};
+use crate::cli::fields::BASE;
+use crate::cli::harness::{Bench, SMALL, Table, assert_same, changed, off, problem, snapshot};
 
 /// A folder with results and every kind of picture.
 fn results() -> Bench {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::Command;
 
-use crate::harness::{Bench, SMALL, changed};
+use crate::cli::harness::{Bench, SMALL, changed};
 
 /// The page holds what the folder says, opens without a network, is small, and is the same twice.
 #[test]

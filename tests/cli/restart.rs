@@ -1,6 +1,6 @@
 //! A labelled wave of an earlier run begins a new branch.
 
-use crate::harness::{Bench, SMALL, Table, changed, off, problem, snapshot};
+use crate::cli::harness::{Bench, SMALL, Table, changed, off, problem, snapshot};
 
 /// A problem that restarts from a label of `base`, in friction.
 fn from_label(label: usize, toward: &str) -> String {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::fs;
 
-use crate::harness::{Bench, Table, changed};
+use crate::cli::harness::{Bench, Table, changed};
 
 /// An oscillator that hits a stop at d.
 fn problem(scan: &str) -> String {
@@ -268,7 +268,7 @@ fn bad_scans_are_told_with_their_place() {
         "{said}"
     );
     // a tube, and a system without the section
-    bench.put("p.ron", crate::harness::SMALL);
+    bench.put("p.ron", crate::cli::harness::SMALL);
     let said = bench.run(&["scan", "p.ron"]).expect(2).stderr;
     assert!(said.contains("waves of a tube"), "{said}");
     let text = problem(&good);

@@ -1,6 +1,6 @@
 //! What the tables and messages say about stability.
 
-use crate::harness::{Bench, Table, changed, problem};
+use crate::cli::harness::{Bench, Table, changed, problem};
 
 /// A stable-looking wave: nothing grows in sector 0, something does in sector 2.
 const ONE_SECTOR: &str = r#"(

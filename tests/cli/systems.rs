@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::harness::{Bench, Table, assert_same, changed, problem, snapshot};
+use crate::cli::harness::{Bench, Table, assert_same, changed, problem, snapshot};
 
 /// One of the repository's problem files.
 fn system(name: &str) -> String {

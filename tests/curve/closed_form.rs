@@ -7,7 +7,7 @@ use brakewave::problem::parse;
 use brakewave::tube::model::{Constants, Model, Parameter};
 use brakewave::tube::wave::start::{SlipStick, Which, fold_in_friction, slip_stick};
 
-use crate::{observed, tube, unnamed};
+use crate::curve::{observed, tube, unnamed};
 
 /// Every how many points the closed form of the fold, a search, is asked for.
 const OFTEN: usize = 10;

@@ -5,7 +5,7 @@ use brakewave::branch::run::Runner;
 use brakewave::orbit::legs::Run as _;
 use brakewave::problem::parse;
 
-use crate::{observed, unnamed};
+use crate::curve::{observed, unnamed};
 
 /// Folds in f of the slip-stick branch of mode 2 at this β.
 fn folds(beta: f64) -> Vec<f64> {

@@ -6,7 +6,7 @@ use brakewave::curve::system::EventSystem;
 use brakewave::linalg::{Matrix, Vector};
 use brakewave::problem::parse;
 
-use crate::{observed, start, tube};
+use crate::curve::{observed, start, tube};
 
 fn evaluate(system: &EventSystem, point: &Vector) -> (Vector, Matrix) {
     let n = system.unknowns();

@@ -4,7 +4,7 @@ use brakewave::branch::EventType;
 use brakewave::branch::run::Runner;
 use brakewave::orbit::legs::Run as _;
 
-use crate::{observed, tube, unnamed};
+use crate::curve::{observed, tube, unnamed};
 
 #[test]
 fn a_pair_of_sector_0_on_its_axis() {

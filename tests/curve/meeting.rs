@@ -2,7 +2,7 @@
 
 use brakewave::curve::{Curve, Point};
 
-use crate::{observed, start, tube, unnamed};
+use crate::curve::{observed, start, tube, unnamed};
 
 fn along(event: &str, friction: f64) -> Curve {
     unnamed(&tube(

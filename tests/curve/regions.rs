@@ -8,7 +8,7 @@ use brakewave::problem::{Problem, parse};
 use brakewave::tube::stability::characteristic::Characteristic;
 use brakewave::tube::stability::spectrum::{Request, spectrum};
 
-use crate::curve;
+use crate::curve::curve;
 
 /// A problem for mode 4 (or 2) at ν = 0.3, ξ = 1.5.
 fn problem(mode: u32, start: &str, model: &str, sections: &str) -> Problem {

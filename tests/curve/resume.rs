@@ -4,7 +4,7 @@ use brakewave::curve::{Head, Run, Step};
 use brakewave::problem::{Problem, parse};
 use serde::de::DeserializeOwned;
 
-use crate::{start, tube};
+use crate::curve::{start, tube};
 
 fn problem(name: &str) -> Problem {
     let path = format!("{}/problems/{name}.ron", env!("CARGO_MANIFEST_DIR"));

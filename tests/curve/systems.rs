@@ -8,7 +8,7 @@ use brakewave::curve::{Curve, Orbits, Point, PointType, Region, Run};
 use brakewave::hybrid::Runner;
 use brakewave::problem::{Any, SystemProblem, parse_any};
 
-use crate::observed;
+use crate::curve::observed;
 
 const BALL: &str = include_str!("../../problems/bouncing_ball.ron");
 const IMPACT: &str = include_str!("../../problems/impact_oscillator.ron");

@@ -5,7 +5,7 @@ pub struct Dice(u64);
 impl Dice {
     /// The dice of one input: input `index` of a target can be repeated without those before it.
     pub fn new(target: &str, index: usize) -> Dice {
-        let name = target.bytes().fold(crate::seed(), |hash, byte| {
+        let name = target.bytes().fold(crate::fuzz::seed(), |hash, byte| {
             hash.wrapping_mul(0x100_0000_01b3) ^ u64::from(byte)
         });
         let mut dice = Dice(name);

@@ -6,9 +6,9 @@ use std::process::Stdio;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::dice::Dice;
-use crate::harness::{Bench, Snapshot, snapshot};
-use crate::watch::Record;
+use crate::cli::harness::{Bench, Snapshot, snapshot};
+use crate::fuzz::dice::Dice;
+use crate::fuzz::watch::Record;
 
 /// A small problem with a section for every verb that writes a folder.
 const EVERYTHING: &str = r#"(
@@ -81,7 +81,7 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_bytes() {
             (snapshot(&bench.path("out")), begun.elapsed())
         })
         .collect();
-    for index in 0..crate::inputs(5) {
+    for index in 0..crate::fuzz::inputs(5) {
         let mut dice = Dice::new("kills", index);
         let which = dice.below(KILLED.len());
         let (verb, text) = KILLED[which];
@@ -217,7 +217,7 @@ fn damaged_folders_are_refused_or_read_and_nothing_is_lost() {
         record.run(&source, &words, &[0], EVERYTHING);
     }
     let restart = EVERYTHING.replace("start: Fast", "start: Restart(dir: \"out\", label: 2)");
-    for index in 0..crate::inputs(10) {
+    for index in 0..crate::fuzz::inputs(10) {
         let mut dice = Dice::new("folders", index);
         let bench = Bench::new();
         let problem = bench.put("problem.ron", EVERYTHING);

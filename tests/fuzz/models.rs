@@ -1,8 +1,8 @@
 //! Random valid problem files for every verb.
 
-use crate::dice::Dice;
-use crate::harness::Bench;
-use crate::watch::Record;
+use crate::cli::harness::Bench;
+use crate::fuzz::dice::Dice;
+use crate::fuzz::watch::Record;
 
 /// A random problem with all that the verb needs.
 pub fn problem(dice: &mut Dice, verb: &str) -> String {
@@ -190,7 +190,7 @@ pub const VERBS: [&str; 12] = [
 #[test]
 fn random_models_end_by_the_contract() {
     let mut record = Record::default();
-    for index in 0..crate::inputs(25) {
+    for index in 0..crate::fuzz::inputs(25) {
         let mut dice = Dice::new("models", index);
         let verb = *dice.pick(&VERBS);
         let text = problem(&mut dice, verb);

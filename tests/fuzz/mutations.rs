@@ -2,10 +2,10 @@
 
 use std::fs;
 
-use crate::dice::Dice;
-use crate::harness::{Bench, PROBLEMS};
-use crate::models::{VERBS, words};
-use crate::watch::Record;
+use crate::cli::harness::{Bench, PROBLEMS};
+use crate::fuzz::dice::Dice;
+use crate::fuzz::models::{VERBS, words};
+use crate::fuzz::watch::Record;
 
 /// Numbers that are seldom thought of.
 const NUMBERS: [&str; 26] = [
@@ -172,7 +172,7 @@ fn mutated_problem_files_end_by_the_contract() {
         .collect();
     files.sort();
     let mut record = Record::default();
-    for index in 0..crate::inputs(60) {
+    for index in 0..crate::fuzz::inputs(60) {
         let mut dice = Dice::new("mutations", index);
         let mut text = dice.pick(&files).clone().into_bytes();
         for _ in 0..=dice.below(3) {

@@ -10,9 +10,9 @@ use std::time::Duration;
 use brakewave::affine::course::Course;
 use brakewave::problem::{Any, SystemProblem, parse_any};
 
-use crate::dice::Dice;
-use crate::harness::PROBLEMS;
-use crate::mutations::{bare, mutate};
+use crate::cli::harness::PROBLEMS;
+use crate::fuzz::dice::Dice;
+use crate::fuzz::mutations::{bare, mutate};
 
 /// Words of the format, and pieces of expressions.
 const WORDS: [&str; 36] = [
@@ -111,7 +111,7 @@ fn damaged_systems_are_refused_with_a_place_or_move() {
         .collect();
     files.sort();
     let (mut refused, mut moved, mut faults) = (0, 0, Vec::new());
-    let inputs = crate::inputs(500);
+    let inputs = crate::fuzz::inputs(500);
     for index in 0..inputs {
         let mut dice = Dice::new("systems", index);
         let mut text = dice.pick(&files).clone();

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::harness::Bench;
+use crate::cli::harness::Bench;
 
 /// A run that says nothing of the time it needs ends within this. The slowest input that is not a
 /// fault takes a few seconds on an idle core; tests share theirs with others.

@@ -6,7 +6,7 @@ use brakewave::problem::{self, Map, Problem};
 use brakewave::tube::model::{Model, Parameter};
 use brakewave::tube::wave::start::{Which, least_mismatch, slip_stick};
 
-use crate::problem;
+use crate::map::problem;
 
 fn parse(sections: &str) -> (Problem, Map) {
     let text = problem(sections);

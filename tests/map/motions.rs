@@ -9,7 +9,7 @@ use brakewave::hybrid::OrbitPoint;
 use brakewave::map::{Motions, Outcome, Settled};
 use brakewave::problem::{self, Any, SystemProblem};
 
-use crate::{run, succeed};
+use crate::map::{run, succeed};
 
 /// An oscillator with a stop at d = 1, begun at rest.
 fn oscillator(points: &str) -> String {

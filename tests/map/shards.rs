@@ -3,7 +3,7 @@
 use std::fs;
 use std::sync::OnceLock;
 
-use crate::{MODEL, files, problem, run, succeed};
+use crate::map::{MODEL, files, problem, run, succeed};
 
 fn small() -> String {
     problem(

@@ -9,8 +9,8 @@ use brakewave::tube::model::FrictionLaw;
 use brakewave::tube::wave::precise;
 use brakewave::tube::wave::start::{Which, slip_stick};
 
-use crate::observed;
-use crate::waves::{by_method, difference, fast, tube};
+use crate::methods::observed;
+use crate::methods::waves::{by_method, difference, fast, tube};
 
 const MISMATCHES: [f64; 4] = [0.2, 0.08, 0.045, 0.02];
 
@@ -71,7 +71,7 @@ fn the_exact_flow_against_higher_precision() {
                 4,
                 which,
                 1.0,
-                crate::waves::STEPS,
+                crate::methods::waves::STEPS,
             )
             .expect("a wave");
             let zones = wave.unpack(&point);

@@ -7,8 +7,8 @@ use brakewave::tube::stability::characteristic::Characteristic;
 use brakewave::tube::wave::admissibility::examine;
 use nalgebra::Complex;
 
-use crate::observed;
-use crate::waves::{by_method, difference, fast, tube};
+use crate::methods::observed;
+use crate::methods::waves::{by_method, difference, fast, tube};
 
 /// Shooting and collocation share the right side alone, and agree on a Stribeck wave.
 #[test]

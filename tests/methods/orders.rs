@@ -6,8 +6,8 @@ use brakewave::tube::flow::numeric::{Integrator, NumericalContact};
 use brakewave::tube::model::FrictionLaw;
 use brakewave::tube::model::signature::Regime;
 
-use crate::observed;
-use crate::waves::{fast, tube};
+use crate::methods::observed;
+use crate::methods::waves::{fast, tube};
 
 /// Error of (Y, W) at the end of the slip zone of the mode-4 wave.
 fn error(integrator: Integrator) -> f64 {

@@ -10,7 +10,7 @@ use brakewave::simulation::line::Regime;
 use brakewave::simulation::measure::{Sample, linear_growth, steady_state};
 use brakewave::simulation::motion::Motion;
 
-use crate::{GEOMETRY, scramble};
+use crate::simulation::{GEOMETRY, scramble};
 
 const MODE: u32 = 4;
 

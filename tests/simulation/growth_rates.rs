@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::fs;
 
-use crate::verb::Bench;
+use crate::simulation::verb::Bench;
 
 /// Rows of a table by the names of its columns.
 fn rows(text: &str) -> Vec<HashMap<String, String>> {

@@ -12,8 +12,8 @@ use brakewave::simulation::ring::{Order, Ring, Setup, courant_step};
 use brakewave::tube::model::{Constants, Impact};
 use tempfile::TempDir;
 
-use crate::laws::rough;
-use crate::{compare_grids, parameters, results, setup, wave_at};
+use crate::simulation::laws::rough;
+use crate::simulation::{compare_grids, parameters, results, setup, wave_at};
 
 /// Mode-4 waves with the Coulomb impact, β = 0.
 fn coulomb(mismatch: f64) -> Profile {

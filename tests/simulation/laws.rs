@@ -7,7 +7,7 @@ use brakewave::simulation::ring::kernel::Nodes;
 use brakewave::simulation::ring::{Law, Order, Ring, Setup, courant_step};
 use brakewave::tube::model::{Constants, Impact};
 
-use crate::{parameters, scramble, setup};
+use crate::simulation::{parameters, scramble, setup};
 
 /// A ring with α, β thrown into rough motion, with every regime in it.
 pub fn rough(
@@ -329,7 +329,7 @@ fn smooth_friction_in_contact_has_no_kinks() {
 /// One ring of three stretches, on one thread and on two, in blocks and step by step: the same bits.
 #[test]
 fn cutting_and_threads_change_nothing() {
-    crate::cutting_and_threads_change_nothing(|| {
+    crate::simulation::cutting_and_threads_change_nothing(|| {
         rough(
             2500,
             Order::Fourth,
@@ -339,7 +339,7 @@ fn cutting_and_threads_change_nothing() {
             0.4,
         )
     });
-    crate::cutting_and_threads_change_nothing(|| {
+    crate::simulation::cutting_and_threads_change_nothing(|| {
         rough(
             2500,
             Order::Fourth,

@@ -17,7 +17,7 @@ use brakewave::tube::model::Constants;
 use brakewave::tube::model::coefficients::Geometry;
 use tempfile::TempDir;
 
-use crate::{GEOMETRY, compare_grids, results, scramble, setup, wave_at};
+use crate::simulation::{GEOMETRY, compare_grids, results, scramble, setup, wave_at};
 
 const MISMATCH: f64 = 0.4;
 
@@ -171,7 +171,9 @@ fn energy_is_balanced() {
 /// Three stretches, on one thread and on two, in blocks and step by step: the same bits.
 #[test]
 fn cutting_and_threads_change_nothing() {
-    crate::cutting_and_threads_change_nothing(|| rough(2500, Order::Fourth, 0.002, 0.4));
+    crate::simulation::cutting_and_threads_change_nothing(|| {
+        rough(2500, Order::Fourth, 0.002, 0.4)
+    });
 }
 
 /// The largest step is a sharp bound: at order 2 a zigzag has ω² = 4a/Δφ² + h, and its pressure does not

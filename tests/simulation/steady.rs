@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use brakewave::simulation::motion::steady_growth;
 use brakewave::simulation::ring::{Order, Ring, Setup, courant_step};
 
-use crate::{parameters, setup};
+use crate::simulation::{parameters, setup};
 
 #[test]
 fn steady_sliding_stays() {

@@ -5,7 +5,7 @@
 use brakewave::simulation::growth::{self, Eigenvalue, Request, SETTLING, place};
 use brakewave::simulation::ring::{Order, Ring, courant_step};
 
-use crate::{parameters, setup, wave};
+use crate::simulation::{parameters, setup, wave};
 
 /// Phase speed of the fundamental over the second of two times that the wave takes for its length.
 fn speed(points: usize, order: Order) -> f64 {

@@ -8,7 +8,7 @@ use brakewave::simulation::motion::Motion;
 use brakewave::simulation::profile::Profile;
 use brakewave::simulation::ring::{Order, Ring, courant_step};
 
-use crate::{damped_wave, parameters, setup, wave};
+use crate::simulation::{damped_wave, parameters, setup, wave};
 
 /// Unlikeness of the four waves at the beginning and after a time, perturbed by a harmonic of mode 1.
 fn unlikeness(profile: &Profile, mass_damping: f64, time: f64) -> [f64; 2] {

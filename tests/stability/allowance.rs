@@ -6,7 +6,7 @@ use brakewave::tube::stability::spectrum::Spectrum;
 use brakewave::tube::stability::track::Tracker;
 use brakewave::tube::wave::start::Which;
 
-use crate::waves::{STEPS, mode4, request, wave};
+use crate::stability::waves::{STEPS, mode4, request, wave};
 
 #[test]
 fn a_spectrum_costs_its_eigenvalues_and_none_is_taken_without() {

@@ -3,8 +3,8 @@
 use brakewave::branch::EventType;
 use brakewave::problem;
 
-use crate::observed;
-use crate::waves::follow;
+use crate::stability::observed;
+use crate::stability::waves::follow;
 
 /// HB of sector 0 on the mode-4 branch, by an independent program; and dRe λ/dδ > 0 there.
 const HB: f64 = 0.07107549384407419;

@@ -7,8 +7,8 @@ use brakewave::tube::stability::characteristic::Characteristic;
 use brakewave::tube::stability::spectrum::{Request, spectrum};
 use brakewave::tube::wave::start::Which;
 
-use crate::observed;
-use crate::waves::{C64, linearised, mode4};
+use crate::stability::observed;
+use crate::stability::waves::{C64, linearised, mode4};
 
 const SAMPLES: usize = 20_000;
 

@@ -4,8 +4,8 @@ use brakewave::tube::model::Model;
 use brakewave::tube::stability::spectrum::{Request, spectrum};
 use brakewave::tube::wave::start::Which;
 
-use crate::observed;
-use crate::waves::{C64, linearised, mode4, tube};
+use crate::stability::observed;
+use crate::stability::waves::{C64, linearised, mode4, tube};
 
 /// Both are zeros of the same function, polished from different starts.
 const BOUND: f64 = 1e-12;

@@ -13,8 +13,8 @@ use brakewave::problem::Expectation;
 use brakewave::tube::stability::spectrum::Spectrum;
 use brakewave::tube::stability::track::Remark;
 
-use crate::observed;
-use crate::waves::{Rows, follow, problem};
+use crate::stability::observed;
+use crate::stability::waves::{Rows, follow, problem};
 
 /// Events located and figures known to this, relative to 1.
 const BOUND: f64 = 1e-9;

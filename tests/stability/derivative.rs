@@ -8,8 +8,8 @@ use brakewave::tube::stability::asymptotic::HighFrequency;
 use brakewave::tube::stability::characteristic::{Characteristic, Scaled};
 use brakewave::tube::wave::start::Which;
 
-use crate::observed;
-use crate::waves::{C64, damped, follow, linearised, mode4, problem, tube};
+use crate::stability::observed;
+use crate::stability::waves::{C64, damped, follow, linearised, mode4, problem, tube};
 
 /// h·τ_max.
 const STEP: f64 = 2e-3;

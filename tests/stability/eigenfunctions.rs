@@ -5,8 +5,8 @@ use brakewave::tube::stability::characteristic::Characteristic;
 use brakewave::tube::stability::eigenfunction::{Eigenfunction, eigenfunction};
 use brakewave::tube::wave::start::Which;
 
-use crate::observed;
-use crate::waves::{C64, mode4, tube, wave, window, with_coulomb_impact};
+use crate::stability::observed;
+use crate::stability::waves::{C64, mode4, tube, wave, window, with_coulomb_impact};
 
 const RESOLUTION: usize = 120;
 

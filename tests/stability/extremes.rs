@@ -7,8 +7,8 @@ use brakewave::tube::stability::characteristic::Characteristic;
 use brakewave::tube::wave::Wave;
 use brakewave::tube::wave::start::{Which, fold_in_friction, least_mismatch, slip_stick};
 
-use crate::observed;
-use crate::waves::{C64, damped, tube, wave, window};
+use crate::stability::observed;
+use crate::stability::waves::{C64, damped, tube, wave, window};
 
 /// The slip-stick wave at a mismatch where it is one; stability does not depend on δ then.
 fn slip_stick_wave(model: &Model, mode: u32, which: Which) -> (Wave, Vector) {

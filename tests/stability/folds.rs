@@ -10,8 +10,8 @@ use brakewave::problem;
 use brakewave::tube::stability::characteristic::Characteristic;
 use brakewave::tube::stability::spectrum::{Request, spectrum};
 
-use crate::observed;
-use crate::waves::{C64, Rows, follow, follow_from};
+use crate::stability::observed;
+use crate::stability::waves::{C64, Rows, follow, follow_from};
 
 fn run(text: &str) -> Rows {
     let problem = problem::parse(text, "fold").expect("a problem");

@@ -13,8 +13,8 @@ use brakewave::tube::stability::characteristic::Characteristic;
 use brakewave::tube::stability::spectrum::{Request, spectrum};
 use brakewave::tube::wave::start::Which;
 
-use crate::observed;
-use crate::waves::{damped, linearised, mode4, tube, wave, with_coulomb_impact};
+use crate::stability::observed;
+use crate::stability::waves::{damped, linearised, mode4, tube, wave, with_coulomb_impact};
 
 /// The closed form, by Newton's method on a falling convex function from the left.
 fn closed_form(model: &Model, mode: u32, which: Which) -> f64 {

@@ -10,9 +10,9 @@ use brakewave::tube::stability::characteristic::Characteristic;
 use brakewave::tube::wave::{Scales, Wave};
 use nalgebra::{DMatrix, DVector};
 
-use crate::material::{eigenfunction_defects, leading};
-use crate::observed;
-use crate::waves::{C64, follow, window};
+use crate::stability::material::{eigenfunction_defects, leading};
+use crate::stability::observed;
+use crate::stability::waves::{C64, follow, window};
 
 /// The wave of mode 4 with Coulomb impacts at a mismatch, posed in β at β = 0.
 fn undamped(mismatch: f64) -> (Wave, Vector) {

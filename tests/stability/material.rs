@@ -15,8 +15,8 @@ use brakewave::tube::wave::start::Which;
 use nalgebra::{DMatrix, DVector};
 
 use crate::chebyshev::differentiation;
-use crate::observed;
-use crate::waves::{C64, follow, mode4, tube, wave, window};
+use crate::stability::observed;
+use crate::stability::waves::{C64, follow, mode4, tube, wave, window};
 
 fn with_beta(mismatch: f64, beta: f64) -> Model {
     Model {

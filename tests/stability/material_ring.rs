@@ -6,7 +6,7 @@ use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Damping, Model};
 use faer::c64;
 
-use crate::observed;
+use crate::stability::observed;
 
 /// ε so small that the error is that of the spacing.
 const EPSILON: f64 = 1e-5;

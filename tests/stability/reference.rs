@@ -6,8 +6,8 @@
 use brakewave::tube::model::Model;
 use brakewave::tube::wave::start::Which;
 
-use crate::observed;
-use crate::waves::{C64, damped, linearised, mode4, tube, window};
+use crate::stability::observed;
+use crate::stability::waves::{C64, damped, linearised, mode4, tube, window};
 
 /// Leading eigenvalues (Re λ, Im λ) of sectors 0, 1 and 2.
 type Table = [[(f64, f64); 3]; 3];

@@ -5,8 +5,8 @@
 use brakewave::branch::{Reason, Stability};
 use brakewave::problem;
 
-use crate::observed;
-use crate::waves::{Rows, follow};
+use crate::stability::observed;
+use crate::stability::waves::{Rows, follow};
 
 /// α, β, f, δ at the start, range of δ, `stability` but for the frequency, at s = 1.
 struct Case {

@@ -3,8 +3,8 @@
 use brakewave::tube::stability::spectrum::{Sector, Spectrum, spectrum};
 use brakewave::tube::wave::start::Which;
 
-use crate::observed;
-use crate::waves::{damped, linearised, mode4, request, tube, window};
+use crate::stability::observed;
+use crate::stability::waves::{damped, linearised, mode4, request, tube, window};
 
 /// Both are zeros of the same function, polished from different starts.
 const BOUND: f64 = 1e-12;

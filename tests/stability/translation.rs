@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use brakewave::branch::EventType;
 use brakewave::tube::stability::characteristic::{Characteristic, NotLinearised};
 
-use crate::observed;
-use crate::waves::{C64, follow, problem, problems};
+use crate::stability::observed;
+use crate::stability::waves::{C64, follow, problem, problems};
 
 /// t(0) comes from a product over all zones; durations and switches carry the residual of the wave.
 const BOUND: f64 = 1e-11;

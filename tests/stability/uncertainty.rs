@@ -4,8 +4,8 @@
 use brakewave::branch::{Event, EventType};
 use brakewave::problem;
 
-use crate::observed;
-use crate::waves::follow;
+use crate::stability::observed;
+use crate::stability::waves::follow;
 
 /// Half a unit in the last place.
 fn half_unit(value: f64) -> f64 {

@@ -12,8 +12,8 @@ use brakewave::tube::wave::Wave;
 
 use brakewave::tube::wave::start::Which;
 
-use crate::observed;
-use crate::waves::{C64, tube, wave, window};
+use crate::stability::observed;
+use crate::stability::waves::{C64, tube, wave, window};
 
 const STRIBECK: FrictionLaw = FrictionLaw::Stribeck {
     ratio: 1.1,

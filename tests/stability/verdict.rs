@@ -3,7 +3,7 @@
 use brakewave::branch::{Reason, Stability};
 use brakewave::tube::wave::start::Which;
 
-use crate::waves::{C64, damped, follow, linearised, mode4, window};
+use crate::stability::waves::{C64, damped, follow, linearised, mode4, window};
 
 /// Above α = 0.3151 no eigenvalue grows, and the limit at high frequency is negative.
 #[test]

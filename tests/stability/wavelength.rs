@@ -16,8 +16,8 @@ use brakewave::tube::stability::characteristic::Characteristic;
 use brakewave::tube::wave::Wave;
 use nalgebra::{DMatrix, DVector};
 
-use crate::observed;
-use crate::waves::{C64, follow};
+use crate::stability::observed;
+use crate::stability::waves::{C64, follow};
 
 /// d(cT)/dc: the equations but the last, which sets the wavelength, are solved for dx/d ln e,
 /// |c| = √a(1 + e).

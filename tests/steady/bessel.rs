@@ -7,7 +7,7 @@ use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::steady::radial::Radial;
 use faer::{Mat, c64};
 
-use crate::{observed, tube};
+use crate::steady::{observed, tube};
 
 const EULER: f64 = 0.577_215_664_901_532_9;
 

@@ -8,8 +8,8 @@ use brakewave::tube::steady::radial::Radial;
 use brakewave::tube::steady::{Mode, Settings, Sliding, mode};
 use faer::{Mat, c64};
 
-use crate::bessel::{LARGEST_ARGUMENT, determinant, root};
-use crate::{damping, observed, tube};
+use crate::steady::bessel::{LARGEST_ARGUMENT, determinant, root};
+use crate::steady::{damping, observed, tube};
 
 const MISMATCH: f64 = 0.2;
 

@@ -6,7 +6,7 @@ use brakewave::tube::steady::radial::Radial;
 use brakewave::tube::steady::reduced::Reduced;
 use brakewave::tube::steady::{Settings, Sliding, mode};
 
-use crate::{damping, observed, tube};
+use crate::steady::{damping, observed, tube};
 
 const TUBES: [(f64, f64); 6] = [
     (0.3, 1.5),

@@ -5,7 +5,7 @@ use brakewave::tube::steady::growth::{Wave, eigenvalues};
 use brakewave::tube::steady::reduced::Reduced;
 use faer::{Mat, c64};
 
-use crate::{damping, observed, tube};
+use crate::steady::{damping, observed, tube};
 
 /// Roots of λ² + αλ + (1 + βλ)κ as eigenvalues of the companion matrix, the fastest first.
 fn companion(kappa: c64, Damping { mass, stiffness }: Damping) -> [c64; 2] {

@@ -15,11 +15,11 @@ use brakewave::tube::wave::Wave;
 use brakewave::tube::wave::admissibility::{Watch, examine};
 use brakewave::tube::wave::profile::sample;
 
-use crate::branches::{
+use crate::waves::branches::{
     Case, Run, fast_in_friction, fast_in_mismatch, slow_in_mismatch, with_coulomb_impact,
     with_the_shaft,
 };
-use crate::observed;
+use crate::waves::observed;
 
 /// Intervals per wavelength.
 const RESOLUTION: usize = 2000;

@@ -8,9 +8,9 @@ use brakewave::tube::model::{Model, Parameter};
 use brakewave::tube::wave::admissibility::Watch;
 use brakewave::tube::wave::start::{Which, least_mismatch, slip_stick};
 
-use crate::branches::{Case, Run, fast_in_mismatch, regimes, tube};
-use crate::down_and_up::{back, same};
-use crate::observed;
+use crate::waves::branches::{Case, Run, fast_in_mismatch, regimes, tube};
+use crate::waves::down_and_up::{back, same};
+use crate::waves::observed;
 
 /// The tube whose onset of reverse slip is least in between, mode 3.
 fn model(friction: f64, mismatch: f64) -> Model {

@@ -20,9 +20,9 @@ use brakewave::tube::wave::start::{Which, least_mismatch, slip_stick};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 
-use crate::branches::{Case, STEPS, fast_in_mismatch, lengths, speed, tube};
-use crate::observed;
-use crate::tube::{Coefficients, coefficients};
+use crate::waves::branches::{Case, STEPS, fast_in_mismatch, lengths, speed, tube};
+use crate::waves::observed;
+use crate::waves::tube::{Coefficients, coefficients};
 
 /// A slip zone and the stick zone after it.
 #[derive(Clone, Copy, Debug)]

@@ -9,7 +9,7 @@ use brakewave::branch::special::{Ending, Special};
 use brakewave::continuation::walk::End;
 use brakewave::orbit::follow::Limits;
 
-use crate::branches::{STEPS, fast_in_mismatch, to_the_end};
+use crate::waves::branches::{STEPS, fast_in_mismatch, to_the_end};
 
 /// Goes on from a state with another first point.
 fn with_origin(state: &State, origin: &State, backwards: f64) -> (Vec<Found>, Option<Ending>) {

@@ -11,8 +11,8 @@ use brakewave::tube::model::{Model, Parameter};
 use brakewave::tube::wave::precise;
 use brakewave::tube::wave::start::{Which, fold_in_friction, least_mismatch, slip_stick};
 
-use crate::branches::STEPS;
-use crate::observed;
+use crate::waves::branches::STEPS;
+use crate::waves::observed;
 
 #[test]
 fn expected_error_bounds_the_error() {

@@ -3,9 +3,9 @@
 use brakewave::branch::EventType;
 use brakewave::tube::model::Parameter;
 
-use crate::branches::{Case, fast_in_mismatch, lengths, speed};
-use crate::observed;
-use crate::tube::coefficients;
+use crate::waves::branches::{Case, fast_in_mismatch, lengths, speed};
+use crate::waves::observed;
+use crate::waves::tube::coefficients;
 
 #[test]
 fn stick_vanishes_at_the_hopf_point() {

@@ -9,11 +9,11 @@ use brakewave::orbit::follow::Limits;
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Damping, Impact, Model};
 
-use crate::branches::{
+use crate::waves::branches::{
     Case, Run, STEPS, fast_in_friction, fast_in_mismatch, regimes, slow_in_mismatch, to_the_end,
     tube, with_the_shaft,
 };
-use crate::observed;
+use crate::waves::observed;
 
 /// The same events in the same order. Parameters of events are exact to the uncertainty that the
 /// program states for each, and 1e-10 is a hundred times the largest of these.

@@ -7,8 +7,8 @@ use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Model, Parameter};
 use brakewave::tube::wave::start::Which;
 
-use crate::branches::{Case, STEPS, fast_in_mismatch, slow_in_mismatch};
-use crate::observed;
+use crate::waves::branches::{Case, STEPS, fast_in_mismatch, slow_in_mismatch};
+use crate::waves::observed;
 
 fn slow(geometry: (f64, f64, f64), friction: f64, mismatch: f64, mode: u32) -> Case {
     let (nu, xi, gamma) = geometry;

@@ -9,8 +9,8 @@ use brakewave::problem::parse;
 use brakewave::tube::model::Parameter;
 use brakewave::tube::wave::hopf::{NoHopf, family};
 
-use crate::branches::mode4;
-use crate::observed;
+use crate::waves::branches::mode4;
+use crate::waves::observed;
 
 /// Every member solves the boundary-value problem of one slip zone to rounding: some ten operations
 /// and the sine of an angle of 2π.

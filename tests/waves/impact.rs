@@ -12,9 +12,9 @@ use brakewave::tube::wave::start::{Which, fold_in_friction};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 
-use crate::branches::{Case, Run, STEPS, speed, to_the_end, with_coulomb_impact};
-use crate::observed;
-use crate::tube::coefficients;
+use crate::waves::branches::{Case, Run, STEPS, speed, to_the_end, with_coulomb_impact};
+use crate::waves::observed;
+use crate::waves::tube::coefficients;
 
 /// Rounding of U̇⁻, with |U̇⁻| of the order of the velocities, and of V̇ on both sides.
 const ROUNDING: f64 = 1e-12;

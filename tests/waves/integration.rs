@@ -15,9 +15,9 @@
 
 use brakewave::tube::wave::profile::switches;
 
-use crate::branches::{fast_in_mismatch, speed};
-use crate::observed;
-use crate::tube::{Coefficients, coefficients};
+use crate::waves::branches::{fast_in_mismatch, speed};
+use crate::waves::observed;
+use crate::waves::tube::{Coefficients, coefficients};
 
 const STEPS_PER_PERIOD: f64 = 20000.0;
 

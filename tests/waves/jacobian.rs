@@ -16,11 +16,11 @@ use brakewave::tube::wave::Scales;
 use brakewave::tube::wave::Wave;
 use brakewave::tube::wave::start::Which;
 
-use crate::branches::{
+use crate::waves::branches::{
     Case, STEPS, fast_in_mismatch, slow_in_mismatch, specimens, with_coulomb_impact,
     with_material_damping, with_the_shaft,
 };
-use crate::observed;
+use crate::waves::observed;
 
 /// Step in scaled unknowns: ∛ε balances the two errors.
 const STEP: f64 = 6e-6;

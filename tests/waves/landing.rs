@@ -16,11 +16,11 @@ use brakewave::tube::wave::profile::sample;
 use brakewave::tube::wave::start::Which;
 use brakewave::tube::wave::{Scales, Wave};
 
-use crate::branches::{
+use crate::waves::branches::{
     Case, Run, STEPS, mode4, regimes, speed, to_the_end, tube, with_coulomb_impact,
     with_material_damping,
 };
-use crate::observed;
+use crate::waves::observed;
 
 /// A solved wave.
 type Solved = (Wave, Vector);

@@ -11,11 +11,11 @@ use brakewave::tube::wave::Wave;
 use brakewave::tube::wave::profile::sample;
 use nalgebra::{DMatrix, DVector};
 
-use crate::branches::{
+use crate::chebyshev::differentiation;
+use crate::waves::branches::{
     Case, Run, STEPS, fast_in_mismatch, lengths, mode4, speed, to_the_end, with_material_damping,
 };
-use crate::chebyshev::differentiation;
-use crate::observed;
+use crate::waves::observed;
 
 fn event(run: &Run, kind: EventType) -> &Found {
     run.points

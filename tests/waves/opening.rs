@@ -15,8 +15,8 @@ use brakewave::linalg::Vector;
 use brakewave::tube::model::signature::Regime;
 use brakewave::tube::wave::Wave;
 
-use crate::branches::{exact, fast_in_mismatch, regimes};
-use crate::observed;
+use crate::waves::branches::{exact, fast_in_mismatch, regimes};
+use crate::waves::observed;
 
 /// Least pressure in the first zone, slip after release, of a wave without separation.
 fn least_pressure(wave: &Wave, point: &Vector) -> f64 {
@@ -104,7 +104,7 @@ fn a_reverse_zone_closes_at_the_stiff_end() {
     use brakewave::tube::model::{Model, Parameter};
     use brakewave::tube::wave::start::Which;
 
-    use crate::branches::Case;
+    use crate::waves::branches::Case;
 
     let geometry = Geometry {
         nu: 0.02598376296329008,

@@ -10,11 +10,11 @@ use brakewave::tube::model::{Model, Parameter};
 use brakewave::tube::wave::Wave;
 use brakewave::tube::wave::start::Which;
 
-use crate::branches::{
+use crate::waves::branches::{
     Case, STEPS, fast_in_friction, fast_in_mismatch, lengths, regimes, slow_in_mismatch, speed,
     tube,
 };
-use crate::observed;
+use crate::waves::observed;
 
 /// An event: type, parameter, speed, regimes before and after, zone lengths.
 type Event = (

@@ -6,9 +6,9 @@ use brakewave::tube::model::coefficients::Coefficients;
 use brakewave::tube::model::{Model, Parameter, Source};
 use brakewave::tube::wave::start::{NoWave, Which, slip_stick};
 
-use crate::branches::{STEPS, mode4};
-use crate::observed;
-use crate::tube::coefficients;
+use crate::waves::branches::{STEPS, mode4};
+use crate::waves::observed;
+use crate::waves::tube::coefficients;
 
 fn refusal(model: &Model) -> NoWave {
     let fast = slip_stick(model, 4, Which::Fast).expect_err("there is no wave");

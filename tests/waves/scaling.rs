@@ -6,10 +6,10 @@ use brakewave::continuation::walk::End;
 use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{Damping, Model, Parameter, Source};
 
-use crate::branches::{
+use crate::waves::branches::{
     Case, Run, fast_in_mismatch, lengths, regimes, speed, tube, with_material_damping,
 };
-use crate::observed;
+use crate::waves::observed;
 
 /// A case in units of time that are s times as short.
 fn in_units(case: Case, s: f64) -> Case {

@@ -4,8 +4,8 @@ use brakewave::branch::first_wave::first_wave;
 use brakewave::tube::model::Parameter;
 use brakewave::tube::wave::start::Which;
 
-use crate::branches::{STEPS, fast_in_mismatch, lengths, mode4, speed};
-use crate::observed;
+use crate::waves::branches::{STEPS, fast_in_mismatch, lengths, mode4, speed};
+use crate::waves::observed;
 
 /// Both waves are polished solutions of one system: they differ by rounding times its condition.
 #[test]

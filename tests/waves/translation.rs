@@ -23,11 +23,11 @@ use brakewave::tube::flow::jet::{DURATION, ENTRY_W, ENTRY_Y, Jet};
 use brakewave::tube::model::signature::{Entry, Regime};
 use brakewave::tube::wave::Wave;
 
-use crate::branches::{
+use crate::waves::branches::{
     Case, STEPS, exact, fast_in_friction, fast_in_mismatch, slow_in_mismatch, specimens,
     with_coulomb_impact, with_the_shaft,
 };
-use crate::observed;
+use crate::waves::observed;
 
 /// Operations behind one derivative.
 const OPERATIONS: f64 = 256.0;

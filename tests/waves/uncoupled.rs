@@ -11,9 +11,9 @@ use brakewave::tube::model::coefficients::Geometry;
 use brakewave::tube::model::{FrictionLaw, Model, Parameter};
 use brakewave::tube::wave::start::Which;
 
-use crate::branches::{Case, Run, fast_in_mismatch, lengths, speed};
-use crate::observed;
-use crate::tube::coefficients;
+use crate::waves::branches::{Case, Run, fast_in_mismatch, lengths, speed};
+use crate::waves::observed;
+use crate::waves::tube::coefficients;
 
 const GEOMETRY: Geometry = Geometry {
     nu: 0.369,
@@ -32,7 +32,7 @@ fn case(parameter: Parameter, range: (f64, f64), up: bool) -> Case {
     }
 }
 
-fn at(parameter: Parameter, value: f64) -> crate::tube::Coefficients {
+fn at(parameter: Parameter, value: f64) -> crate::waves::tube::Coefficients {
     match parameter {
         Parameter::Nu => coefficients(value, GEOMETRY.xi, GEOMETRY.gamma),
         _ => coefficients(GEOMETRY.nu, value, GEOMETRY.gamma),

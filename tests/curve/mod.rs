@@ -16,10 +16,7 @@ use brakewave::curve::start::{NoCurve, Start, find};
 use brakewave::curve::{Curve, Run, follow};
 use brakewave::problem::{Problem, parse};
 
-/// Shows the worst error of a claim.
-fn observed(claim: &str, error: f64) {
-    println!("observed: {claim}: {error:.1e}");
-}
+use crate::observed;
 
 /// Mode 4 of the tube ν = 0.3, ξ = 1.5 with further sections.
 fn tube(friction: f64, mismatch: f64, damping: f64, sections: &str) -> Problem {

@@ -1,19 +1,15 @@
 //! Random inputs for the binary: whatever it is given, it ends with an exit code of its contract,
 //! says what is wrong, takes no longer than it says, and loses no file.
 //!
-//! `cargo test --test fuzz` makes a fixed number of inputs from a fixed seed. A longer run by hand:
+//! `cargo test --test all fuzz::` makes a fixed number of inputs from a fixed seed. A longer run by hand:
 //!
 //! ```sh
 //! BRAKEWAVE_FUZZ_INPUTS=20000 BRAKEWAVE_FUZZ_SEED=7 \
-//!     cargo test --release --test fuzz -- --nocapture
+//!     cargo test --release --test all fuzz:: -- --nocapture
 //! ```
 //!
 //! Every input that breaks a rule is printed with what is needed to repeat it; the counts of all
 //! exit codes are printed at the end.
-
-#[path = "../cli/harness.rs"]
-#[allow(dead_code)]
-mod harness;
 
 mod dice;
 mod folders;

@@ -1,10 +1,7 @@
 //! Claims about the waves, through the library alone: figures of an independent program, closed
 //! forms, symmetries, an independent integration, derivatives against differences, and refusals.
 //!
-//! Every module is one claim. `cargo test --test waves -- --nocapture` shows the errors observed.
-
-#[path = "../chebyshev/mod.rs"]
-mod chebyshev;
+//! Every module is one claim. `cargo test --test all waves:: -- --nocapture` shows the errors observed.
 
 mod admissibility;
 mod branches;
@@ -30,7 +27,4 @@ mod translation;
 mod tube;
 mod uncoupled;
 
-/// Shows the worst error of a claim.
-fn observed(claim: &str, error: f64) {
-    println!("observed: {claim}: {error:.1e}");
-}
+use crate::observed;

@@ -1,14 +1,11 @@
 //! Claims about the ways a zone can be solved and about the friction laws: methods that share
 //! nothing but the model agree, each converges at its own order, limits of the laws are met.
 //!
-//! `cargo test --test methods -- --nocapture` shows the errors observed.
+//! `cargo test --test all methods:: -- --nocapture` shows the errors observed.
 
 mod agreement;
 mod laws;
 mod orders;
 mod waves;
 
-/// Shows the worst error of a claim.
-fn observed(claim: &str, error: f64) {
-    println!("observed: {claim}: {error:.1e}");
-}
+use crate::observed;

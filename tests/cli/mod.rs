@@ -11,7 +11,7 @@ mod figures;
 mod files;
 mod first_contact;
 mod folders;
-mod harness;
+pub mod harness;
 mod pipe;
 mod plots;
 mod report;

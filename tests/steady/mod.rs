@@ -10,10 +10,7 @@ mod reduced;
 use brakewave::tube::model::Damping;
 use brakewave::tube::model::coefficients::Geometry;
 
-/// Shows the worst error of a claim.
-fn observed(claim: &str, error: f64) {
-    println!("observed: {claim}: {error:.1e}");
-}
+use crate::observed;
 
 fn tube(nu: f64, xi: f64) -> Geometry {
     Geometry { nu, xi, gamma: 1.0 }

@@ -1,10 +1,7 @@
 //! Claims about the stability of waves, through the library alone: figures of an independent
 //! program, symmetries, counts by a second method, closed forms at high frequency, extremes.
 //!
-//! Every module is one claim. `cargo test --test stability -- --nocapture` shows the errors observed.
-
-#[path = "../chebyshev/mod.rs"]
-mod chebyshev;
+//! Every module is one claim. `cargo test --test all stability:: -- --nocapture` shows the errors observed.
 
 mod allowance;
 mod beside_the_axis;
@@ -29,7 +26,4 @@ mod verdict;
 mod wavelength;
 mod waves;
 
-/// Shows the worst error of a claim.
-fn observed(claim: &str, error: f64) {
-    println!("observed: {claim}: {error:.1e}");
-}
+use crate::observed;
