@@ -11,6 +11,9 @@ const SWEEPS: usize = 20;
 /// Matrices larger than this are squared in blocks: smaller ones take longer to pack than to multiply.
 const SMALL: usize = 32;
 
+/// Largest size of a matrix whose products are compiled for it.
+const COMPILED: usize = 6;
+
 /// E = exp(Mt) for the norm of M, and ∂E/∂p for M′ = `by`: by the series of the balanced matrix over a part of the
 /// time, and squares of it. With (E + εE′)² = E² + ε(EE′ + E′E) the derivative is as exact as the value.
 pub(super) fn propagator(
@@ -79,11 +82,16 @@ fn exponential(
         );
     };
     // what depends on a parameter is often the forcing alone: its columns, and those that it comes to
-    let live = by.map_or_else(Vec::new, |by| columns_through(by, matrix));
+    let live = by.filter(|_| size > COMPILED);
+    let live = live.map(|by| columns_through(by, matrix));
+    let live = live.filter(|live| live.len() < size);
     let add_by = |factor: f64, left: &[f64], right: &[f64], sum: &mut [f64]| {
-        for &j in &live {
+        let Some(live) = &live else {
+            return add(factor, left, right, sum);
+        };
+        for &j in live {
             let sum = &mut sum[j * size..(j + 1) * size];
-            for &k in &live {
+            for &k in live {
                 let weight = right[j * size + k];
                 if weight != 0.0 {
                     let weight = factor * weight;
@@ -122,10 +130,10 @@ fn exponential(
         if size > SMALL {
             if let Some(by) = &mut sum_by {
                 let mut next = &sum * &*by;
-                if live.len() == size {
-                    next += &*by * &sum;
-                } else {
+                if live.is_some() {
                     add_by(1.0, by.as_slice(), sum.as_slice(), next.as_mut_slice());
+                } else {
+                    next += &*by * &sum;
                 }
                 *by = next;
             }
