@@ -1,8 +1,8 @@
 //! The equations of a wave at an event, term by term, and its margins at the ends of zones.
 
+use super::flow::{ACCELERATION, JERK, WHOLE};
 use super::flow::{Flow, GAP, GAP_RATE, W, Y};
 use super::frame::Frame;
-use super::layer::{ACCELERATION, JERK, WHOLE};
 use super::system::{Columns, Condition, EXCESS, PARAMETER, SLOTS, System, TIME};
 use crate::interval::{Gradient, Interval, Number, PI};
 use crate::tube::model::Impact;

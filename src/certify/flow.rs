@@ -10,7 +10,7 @@
 //! A zone is cut into steps with Θ about 1, whose ends are unknowns of the system: nothing wraps.
 
 use super::frame::Frame;
-use crate::interval::{Interval, Number};
+use crate::interval::{Gradient, Interval, Number};
 
 /// Index of Y in a state.
 pub const Y: usize = 0;
@@ -19,6 +19,32 @@ pub const W: usize = 1;
 pub const GAP: usize = 2;
 /// Index of U̇.
 pub const GAP_RATE: usize = 3;
+
+/// Places of G and T among the slots of a step, where a zone that separates has U − δ and U̇.
+pub const AMPLITUDE: usize = 2;
+pub const WHOLE: usize = 3;
+/// Places of V̈ and V⃛ in (Y, W, V̈, V⃛).
+pub const ACCELERATION: usize = 2;
+pub const JERK: usize = 3;
+
+/// What can be proven positive.
+pub trait Positive: Number {
+    fn is_positive(&self) -> bool;
+}
+
+impl Positive for Interval {
+    fn is_positive(&self) -> bool {
+        Interval::is_positive(*self)
+    }
+}
+
+/// A number along a piece of a branch, with its derivative away from an end of the piece at which it is not
+/// negative: beyond that end it is positive where it is so all along, and where it grows all along.
+impl Positive for Gradient<Interval, 1> {
+    fn is_positive(&self) -> bool {
+        self.value.is_positive() || self.by[0].is_positive()
+    }
+}
 
 /// Degree K of the polynomial: 1/(K + 1)! = 4e-23, of second derivatives 2³² times as much.
 pub const DEGREE: usize = 22;

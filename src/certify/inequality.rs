@@ -4,11 +4,11 @@
 //! from a known zero of order m it is tᵐg(t), and g > 0 is proven by subdivision; elsewhere m = 0. A touch
 //! inside a zone, where the margin of an event vanishes, is a known zero of order 2 in both directions.
 
-use super::flow::{Flow, GAP, GAP_RATE, Series, W, Y};
+use super::flow::{Flow, GAP, GAP_RATE, Positive, Series, W, Y};
 use super::frame::Frame;
 use super::layer::Layers;
 use super::system::{Condition, Near, System};
-use crate::interval::{Gradient, Interval, Number};
+use crate::interval::{Interval, Number};
 use crate::tube::model::Impact;
 use crate::tube::model::signature::{Entry, Regime};
 use crate::tube::wave::admissibility::Watch;
@@ -38,25 +38,6 @@ pub enum Unproven {
 
 /// Bisections of half a step.
 const DEEPEST: u32 = 24;
-
-/// What can be proven positive.
-pub trait Positive: Number {
-    fn is_positive(&self) -> bool;
-}
-
-impl Positive for Interval {
-    fn is_positive(&self) -> bool {
-        Interval::is_positive(*self)
-    }
-}
-
-/// A number along a piece of a branch, with its derivative away from an end of the piece at which it is not
-/// negative: beyond that end it is positive where it is so all along, and where it grows all along.
-impl Positive for Gradient<Interval, 1> {
-    fn is_positive(&self) -> bool {
-        self.value.is_positive() || self.by[0].is_positive()
-    }
-}
 
 /// What is looked at in a zone.
 #[derive(Clone, Copy)]

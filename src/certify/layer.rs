@@ -3,19 +3,11 @@
 //! V̈ = v̈ + G e^{(t−T)/ρ}, v solving m̂v̈ + ŝv̇ + hv = σfgδ and G being an unknown of the zone; so V̇ − v̇ and V − v are ρ and ρ²
 //! times that. No number grows with 1/ρ along the zone, for any β > 0. The nodes between steps are those of v.
 
-use super::flow::{Flow, Series, W};
+use super::flow::{AMPLITUDE, Flow, Positive, Series, W, WHOLE};
 use super::frame::{Frame, Layered};
-use super::inequality::Positive;
 use super::system::System;
 use crate::interval::{Interval, Number};
 use crate::tube::model::signature::Regime;
-
-/// Places of G and T among the slots of a step, where a zone that separates has U − δ and U̇.
-pub const AMPLITUDE: usize = 2;
-pub const WHOLE: usize = 3;
-/// Places of V̈ and V⃛ in (Y, W, V̈, V⃛).
-pub const ACCELERATION: usize = 2;
-pub const JERK: usize = 3;
 
 impl System<'_> {
     /// Whether a zone has a layer at its end.

@@ -11,9 +11,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::flow::Flow;
+use super::flow::{AMPLITUDE, Flow, WHOLE};
 use super::frame::{Frame, Origin, Written};
-use super::layer::{AMPLITUDE, WHOLE};
 use crate::interval::{Decimal, Interval, Number};
 use crate::linalg::Vector;
 use crate::tube::flow::Slide;

@@ -10,7 +10,8 @@ use super::open::Unproven;
 use super::system::{End, OrbitSystem, Passing, Stretch};
 use super::zeros::{Source, Vanishing};
 use crate::certify::arc::Moving;
-use crate::certify::inequality::{Positive, bisect};
+use crate::certify::flow::Positive;
+use crate::certify::inequality::bisect;
 use crate::interval::{Interval, Number};
 
 fn values(row: &Row<Enclosure>) -> Vec<Interval> {
