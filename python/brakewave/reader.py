@@ -328,7 +328,7 @@ def draw_map(folder, start=None, axes=None):
     named; of a system the modes of the orbit from start 1, with its number of periods, or what the motion does instead."""
     axes, table = _axes(axes), folder.map
     x, y = (varying(table) + parameters(table))[:2]
-    if "found" in table:
+    if "periods" in table:
         table = table[table["start"].astype(str) == str(start or 1)]
         many = table["periods"].fillna(1) > 1
         times = table["periods"].astype(str).where(many, "") + many.map({True: "T: ", False: ""})
