@@ -55,6 +55,44 @@ fn columns_through(by: &Matrix, matrix: &Matrix) -> Vec<usize> {
     found
 }
 
+/// Adds factor·left·right to a sum, all of this size, which is known where it is compiled.
+#[inline(always)]
+fn add_whole(factor: f64, left: &[f64], right: &[f64], sum: &mut [f64], size: usize) {
+    let numbers = size * size;
+    add_product(
+        factor,
+        &left[..numbers],
+        size,
+        &right[..numbers],
+        &mut sum[..numbers],
+    );
+}
+
+/// The same where all other columns of left are zero.
+#[inline(always)]
+fn add_live(
+    factor: f64,
+    left: &[f64],
+    right: &[f64],
+    sum: &mut [f64],
+    (live, size): (Option<&[usize]>, usize),
+) {
+    let Some(live) = live else {
+        return add_whole(factor, left, right, sum, size);
+    };
+    for &j in live {
+        let sum = &mut sum[j * size..(j + 1) * size];
+        for &k in live {
+            let weight = right[j * size + k];
+            if weight != 0.0 {
+                let weight = factor * weight;
+                let pairs = sum.iter_mut().zip(&left[k * size..(k + 1) * size]);
+                pairs.for_each(|(sum, entry)| *sum += weight * entry);
+            }
+        }
+    }
+}
+
 #[inline(always)]
 fn exponential(
     matrix: &Matrix,
@@ -72,35 +110,11 @@ fn exponential(
         0
     };
     let numbers = size * size;
-    let add = |factor: f64, left: &[f64], right: &[f64], sum: &mut [f64]| {
-        add_product(
-            factor,
-            &left[..numbers],
-            size,
-            &right[..numbers],
-            &mut sum[..numbers],
-        );
-    };
     // what depends on a parameter is often the forcing alone: its columns, and those that it comes to
     let live = by.filter(|_| size > COMPILED);
     let live = live.map(|by| columns_through(by, matrix));
     let live = live.filter(|live| live.len() < size);
-    let add_by = |factor: f64, left: &[f64], right: &[f64], sum: &mut [f64]| {
-        let Some(live) = &live else {
-            return add(factor, left, right, sum);
-        };
-        for &j in live {
-            let sum = &mut sum[j * size..(j + 1) * size];
-            for &k in live {
-                let weight = right[j * size + k];
-                if weight != 0.0 {
-                    let weight = factor * weight;
-                    let pairs = sum.iter_mut().zip(&left[k * size..(k + 1) * size]);
-                    pairs.for_each(|(sum, entry)| *sum += weight * entry);
-                }
-            }
-        }
-    };
+    let live = live.as_deref();
     let add_up = |sum: &mut [f64], term: &[f64]| {
         let pairs = sum[..numbers].iter_mut().zip(&term[..numbers]);
         pairs.for_each(|(sum, term)| *sum += term);
@@ -116,13 +130,13 @@ fn exponential(
         let factor = step / f64::from(k);
         if let Some((by, sum_by)) = by.zip(sum_by.as_mut()) {
             next.fill(0.0);
-            add_by(factor, term_by, matrix, next);
-            add(factor, term, by.as_slice(), next);
+            add_live(factor, term_by, matrix, next, (live, size));
+            add_whole(factor, term, by.as_slice(), next, size);
             std::mem::swap(&mut term_by, &mut next);
             add_up(sum_by.as_mut_slice(), term_by);
         }
         next.fill(0.0);
-        add(factor, term, matrix, next);
+        add_whole(factor, term, matrix, next, size);
         std::mem::swap(&mut term, &mut next);
         add_up(sum.as_mut_slice(), term);
     }
@@ -131,7 +145,13 @@ fn exponential(
             if let Some(by) = &mut sum_by {
                 let mut next = &sum * &*by;
                 if live.is_some() {
-                    add_by(1.0, by.as_slice(), sum.as_slice(), next.as_mut_slice());
+                    add_live(
+                        1.0,
+                        by.as_slice(),
+                        sum.as_slice(),
+                        next.as_mut_slice(),
+                        (live, size),
+                    );
                 } else {
                     next += &*by * &sum;
                 }
@@ -142,12 +162,12 @@ fn exponential(
         }
         if let Some(by) = &mut sum_by {
             next.fill(0.0);
-            add(1.0, sum.as_slice(), by.as_slice(), next);
-            add_by(1.0, by.as_slice(), sum.as_slice(), next);
+            add_whole(1.0, sum.as_slice(), by.as_slice(), next, size);
+            add_live(1.0, by.as_slice(), sum.as_slice(), next, (live, size));
             by.copy_from_slice(next);
         }
         next.fill(0.0);
-        add(1.0, sum.as_slice(), sum.as_slice(), next);
+        add_whole(1.0, sum.as_slice(), sum.as_slice(), next, size);
         sum.copy_from_slice(next);
     }
     (sum, sum_by)
