@@ -317,7 +317,8 @@ pub struct Output<P = Plot> {
     /// and some in between, nine at most.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub labels: Vec<usize>,
-    /// Number of wave profiles to tabulate, at most [`MAX_PROFILES`].
+    /// Number of wave profiles to tabulate, at most [`MAX_PROFILES`]; 9 in a file that does not say so and has a plot
+    /// of them, 0 else.
     pub profiles: usize,
     /// Whether to give the condition number and the expected error of every point.
     pub conditioning: bool,
@@ -334,6 +335,18 @@ impl<P> Default for Output<P> {
             profiles: 0,
             conditioning: false,
             rotation: None,
+        }
+    }
+}
+
+/// Profiles where a plot shows them and the file does not say how many.
+const USUAL_PROFILES: usize = 9;
+
+impl<P> Output<P> {
+    /// Asks for profiles where a plot shows them and the text does not say how many.
+    fn with_profiles(&mut self, outline: &Outline, shows: impl Fn(&P) -> bool) {
+        if !outline.has("output.profiles") && self.plots.iter().any(shows) {
+            self.profiles = USUAL_PROFILES;
         }
     }
 }
@@ -383,6 +396,14 @@ pub enum Plot {
     Friction,
     /// Branch diagram of the named column of `branch.csv`.
     Column(String),
+}
+
+impl Plot {
+    /// Whether it shows waves as tabulated in profiles.
+    pub(crate) fn shows_profiles(&self) -> bool {
+        use Plot::{Displacement, Friction, PhasePlane, Pressure, Wave};
+        matches!(self, Pressure | Displacement | Wave | PhasePlane | Friction)
+    }
 }
 
 /// A problem of either kind.
@@ -557,6 +578,7 @@ fn tube_of(outline: &Outline) -> Result<Problem, Flaw> {
     rules::lengths(written.continuation.as_ref(), &written.expect, outline)?;
     fields::check(&written, outline)?;
     let mut problem = written.problem(outline)?;
+    problem.output.with_profiles(outline, Plot::shows_profiles);
     validation::check(&problem, outline)?;
     if let Some(section) = &mut problem.stability
         && !outline.has("stability.max_frequency")

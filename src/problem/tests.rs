@@ -94,6 +94,11 @@ fn template_parses() {
     assert_eq!(problem.model.impact, Impact::Frictionless);
     assert_eq!(problem.stability, None);
     assert_eq!(problem.output.profiles, 9);
+    // as many where a plot shows some and the file does not say
+    let unsaid = parse(&edited(", profiles: 9", ""), "unsaid").unwrap();
+    assert_eq!(unsaid.output.profiles, 9);
+    let none = edited("PhasePlane, Friction], profiles: 9", "]");
+    assert_eq!(parse(&none, "none").unwrap().output.profiles, 0);
     let mut expected = problem.expect[0].numbers();
     assert!(expected.any(|number| number == ("mismatch", 0.05022841036275642)));
     let continuation = problem.continuation(TEMPLATE, "template.ron").unwrap();
@@ -643,7 +648,7 @@ fn values_are_checked() {
         ("PhasePlane, Friction]", "Column(\"condition\")]", "Column(\"condition\")", "nothing without `conditioning`", "conditioning: true"),
         ("PhasePlane, Friction]", "Column(\"hertz\")]", "Column(\"hertz\")", "the angular velocity", "rotation: 62.8"),
         ("PhasePlane, Friction]", "Column(\"smoothing\")]", "Column(\"smoothing\")", "this parameter", "Regularised"),
-        ("profiles: 9", "profiles: 0", "PhasePlane", "nothing without profiles", "profiles: 9"),
+        ("profiles: 9", "profiles: 0", "PhasePlane", "nothing without profiles", "leave out `profiles: 0`"),
         ("stability: (sectors: Only([0, 2]), eigenvalues: 8, max_frequency: 10.0),\n", "\n", "HB", "no HB is found without the section", "stability: ("),
         ("title: \"", "title: \"\\u{1b}", "\"\\u{1b}Mode 4: (brackets] in a \\\"title\\\"\"", "`title` holds the control character U+001B", "without it"),
         ("title: \"", "title: \"\\n", "\"\\nMode 4: (brackets] in a \\\"title\\\"\"", "U+000A", "one line"),

@@ -45,7 +45,7 @@ impl Problem {
     pub(crate) fn lacks(&self, plot: &Plot) -> Option<(&'static str, String)> {
         const STABILITY: (&str, &str) =
             ("the section `stability`", "add `stability: (sectors: All)`");
-        const PROFILES: (&str, &str) = ("profiles", "add `profiles: 9` to `output`");
+        const PROFILES: (&str, &str) = ("profiles", "leave out `profiles: 0`");
         const CONDITIONING: (&str, &str) =
             ("`conditioning`", "add `conditioning: true` to `output`");
         const ROTATION: (&str, &str) = (
@@ -58,11 +58,6 @@ impl Problem {
         let (needed, given) = match plot {
             Plot::Diagram => return None,
             Plot::Spectrum | Plot::Multipliers => (STABILITY, stability.is_some()),
-            Plot::Pressure
-            | Plot::Displacement
-            | Plot::Wave
-            | Plot::PhasePlane
-            | Plot::Friction => (PROFILES, output.profiles > 0),
             Plot::Column(name) => match name.as_str() {
                 "unstable" | "lead_re" | "lead_im" | "lead_sector" => {
                     (STABILITY, stability.is_some())
@@ -77,6 +72,7 @@ impl Problem {
                     return Some(("this parameter in the model", format!("use `{cure}`")));
                 }
             },
+            _ => (PROFILES, output.profiles > 0 || !plot.shows_profiles()),
         };
         let (needed, cure) = needed;
         (!given).then(|| (needed, cure.to_owned()))

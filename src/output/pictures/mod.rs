@@ -128,7 +128,7 @@ fn of_branch(folder: &Path, problem: &Problem) -> Result<Vec<Named>, StoreError>
     };
     let plots = &problem.output.plots;
     let tables = Tables::read(folder, section.parameter.column())?;
-    let profiles = match plots.iter().any(of_waves) {
+    let profiles = match plots.iter().any(Plot::shows_profiles) {
         true => Profiles::read(folder, &tables, &problem.output.labels)?,
         false => Profiles::default(),
     };
@@ -181,12 +181,6 @@ fn caption(problem: &Problem, axis: Parameter, tables: &Tables) -> String {
         words.push_str(Landing::of(&problem.model, axis).name());
     }
     words
-}
-
-/// Whether a picture shows the waves in the folder of profiles.
-fn of_waves(plot: &Plot) -> bool {
-    use Plot::{Displacement, Friction, PhasePlane, Pressure, Wave};
-    matches!(plot, Pressure | Displacement | Wave | PhasePlane | Friction)
 }
 
 /// The picture that is asked for.

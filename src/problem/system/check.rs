@@ -565,7 +565,7 @@ impl SystemProblem {
             SystemPlot::Diagram => return None,
             SystemPlot::Phase(..) | SystemPlot::Time(_) => {
                 let lacking = self.output.profiles == 0;
-                return lacking.then_some(("profiles", "add `profiles: 9` to `output`"));
+                return lacking.then_some(("profiles", "leave out `profiles: 0`"));
             }
             SystemPlot::Multipliers => true,
             SystemPlot::Column(name) => {

@@ -350,7 +350,9 @@ impl SystemProblem {
         let flawed = |error| mistake::flaw(&written.system, outline, &error);
         let system = System::new(source).map_err(flawed)?;
         system.at(&system.values(), &[]).map_err(flawed)?;
-        let problem = written.with(system);
+        let mut problem = written.with(system);
+        let shows = |plot: &SystemPlot| matches!(plot, SystemPlot::Phase(..) | SystemPlot::Time(_));
+        problem.output.with_profiles(outline, shows);
         check::check(&problem, outline)?;
         Ok(problem)
     }

@@ -277,7 +277,7 @@ fn values_are_checked() {
         ["Column(\"max_x\")", "Column(\"max_y\")", "Column(\"max_y\")", "`output.plots` is", "max_x"],
         ["Diagram, ", "Pressure, ", "Pressure", "unknown choice `Pressure` for `output.plots`", ""],
         ["Diagram, ", "Diagram, Diagram, ", "Diagram", "listed twice", ""],
-        ["profiles: 9", "profiles: 0", "Phase(\"x\", \"v\")", "shows nothing without profiles", "profiles: 9"],
+        ["profiles: 9", "profiles: 0", "Phase(\"x\", \"v\")", "shows nothing without profiles", "leave out `profiles: 0`"],
         ["profiles: 9", "profiles: 9, rotation: 3", "3", "`output.rotation` is for waves", "leave it out"],
         ["event: LP, A: 0.391117", "event: RV, A: 0.391117", "RV", "a RV is an event of waves", "GR"],
         ["event: LP, A: 0.391117", "event: LP, B: 0.391117", "B", "unknown field `B` in `expect`; known: `event`", "known names"],
