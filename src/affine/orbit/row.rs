@@ -249,9 +249,11 @@ impl AffineOrbit {
         };
         let zones = (1..count).take_while(falls).count();
         let found = zones >= LEAST && settled < 1.0 && duration(last) <= NOTHING * period;
-        found.then_some(OrbitStop::Accumulates {
+        // of all: near a graze the last few are longer than their share
+        let all = duration(before(1)) / duration(before(zones + 1));
+        found.then(|| OrbitStop::Accumulates {
             zones,
-            ratio: settled,
+            ratio: all.powf((zones as f64).recip()),
         })
     }
 
