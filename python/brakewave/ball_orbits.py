@@ -424,6 +424,12 @@ def sequence_of(near):
     return sequence[0] if isinstance(sequence, tuple) else sequence
 
 
+def listed(it):
+    """Modes and ways of a sequence."""
+    zones = it[0] if isinstance(it, tuple) else it
+    return [(int(z["mode"]), z["way"] and (int(z["way"]["guard"]), int(z["way"]["exit"]))) for z in zones]
+
+
 class Orbit:
     """The boundary-value problem of an orbit and what singles out a point."""
 
@@ -475,8 +481,11 @@ class Orbit:
         self.place = len(self.guess) - 1
         if self.kind == "Torus":
             self.guess.append(acb(float(condition.value["angle"])))
-        self.events, self.kept = [], None
-        if self.kind == "Margin":
+        self.events, self.closed, self.kept = [], [], None
+        if self.watch == "Duration":
+            must(0 <= self.zone < len(zones), "a margin of no zone")
+            self.closed.append(self.zone)
+        elif self.kind == "Margin":
             self.events.append(self.vanishing(near))
         self.facts = self.known()
 
@@ -521,6 +530,8 @@ class Orbit:
         out = self.cycle(modes, parts)
         if self.kind == "Value":
             out.append(x[self.place] - decimal(self.condition.value))
+        elif self.closed:
+            out.append(x[self.closed[0] * (self.n + 1) + self.n])
         elif self.kind == "Margin":
             index, at_end, row = self.events[0]
             out += apply([modes.row_of(row)], parts[index][4 if at_end else 2])
@@ -582,12 +593,12 @@ class Orbit:
     # ------------------------------------------------------------------------------------------------ what is zero
     def known(self):
         """What is zero at the entry and at the end of every stretch, whatever the parameter."""
-        facts = [[Zeros(), Zeros()] for _ in self.stretches]
+        facts, shut = [[Zeros(), Zeros()] for _ in self.stretches], {}
 
         def add(zeros, index, at_end):
-            for place, side, row in self.events:
-                if (place, side) == (index, at_end):
-                    zeros.insert(row)
+            events = [row for *where, row in self.events if where == [index, at_end]]
+            for row in events + shut.get((index, at_end), []):
+                zeros.insert(row)
 
         while True:
             before = [len(zeros.rows) for pair in facts for zeros in pair]
@@ -606,6 +617,13 @@ class Orbit:
                 facts[index][1] = end
                 follower[0] = end.after(exits[where[1]][1], exact.size) if kind == "exit" else Zeros(r for _, r in end.rows)
                 add(follower[0], (index + 1) % len(facts), False)
+                if index in self.closed:
+                    # what is zero at the end is so at the entry, and at the end before
+                    last, rows = (index - 1) % len(facts), [row for _, row in end.rows]
+                    _, guard, way = self.stretches[last].end
+                    reset = exact.guards[self.stretches[last].mode][guard][1][way][1]
+                    whole = [*reset, *map(exact.unit, range(self.n, exact.size))]
+                    shut[index, False], shut[last, True] = rows, [combine(row, whole) for row in rows]
             if [len(zeros.rows) for pair in facts for zeros in pair] == before:
                 return facts
 
@@ -695,13 +713,13 @@ class Orbit:
         phase half a turn on. For every value of the parameter near the event there is one orbit only in a ball with this
         one and its image; so it is its image."""
         count, n, exact = len(self.stretches), self.n, self.exact
-        if not self.events or not self.symmetric():
+        if not (self.events or self.closed) or not self.symmetric():
             return False
-        index, at_end, wanted = self.events[0]
+        index, at_end, wanted = self.events[0] if self.events else (self.closed[0], None, None)
         other = (index + count // 2) % count
         held = [it for guard in exact.guards[self.stretches[other].mode] for way in guard[1] for it in way[2]]
-        found = [it for it in held if self.images(wanted, it)]
-        if not found:
+        found = [it for it in held if self.events and self.images(wanted, it)]
+        if self.events and not found:
             return False
         fixed = acb(arb(x[self.place].real.mid(), arb(2) ** -200))
         alone = lambda y: self.cycle(*self.parts([*y, fixed]))
@@ -715,26 +733,29 @@ class Orbit:
         near = lambda orbit: all(abs(a - b) < 4 * radius for a, b in zip(orbit, zero_there))
         if not (near(x) and near(image)):
             return False
-        self.events.append((other, at_end, found[0]))
+        if self.events:
+            self.events.append((other, at_end, found[0]))
+        else:
+            self.closed.append(other)
         self.facts = self.known()
         return True
 
     # ------------------------------------------------------------------------------------------------ signs
-    def all_signs(self, x):
+    def all_signs(self, x, closed=()):
         """Every inequality with whether it holds. Along a curve, where unknowns have derivatives away from an end at which it
-        holds or what it is of is zero, it holds where that grows as well."""
+        holds or what it is of is zero, it holds where that grows as well; stretches that are `closed` there grow from nothing."""
         modes, parts = self.parts(x)
         for index, (stretch, (_, time, z, *_)) in enumerate(zip(self.stretches, parts)):
             mode, zone, end = stretch.mode, stretch.zone, self.handed_on(index, parts)
             entry_facts, end_facts = self.facts[index]
             at = lambda row: apply([modes.row_of(row)], end)[0]
-            yield f"the duration of zone {zone}", above(time)
+            yield f"the duration of zone {zone}", index in self.closed or above(time)
             for guard, (exact, _) in enumerate(self.exact.guards[mode]):
                 start = self.order(entry_facts, mode, exact)
                 if start is None:
                     continue
                 stop, row = self.order(end_facts, mode, exact) or 0, modes.row_of(exact)
-                holds = self.positive(modes.matrices[mode], row, z, end, (start, stop), time)
+                holds = self.positive(modes.matrices[mode], row, z, end, (start, stop), time, index in closed)
                 yield f"guard {guard} within zone {zone}", holds
             if stretch.end[0] != "exit":
                 continue
@@ -745,7 +766,8 @@ class Orbit:
                 rows = exits[before][2]
                 # what is about to lead there is zero at the event, and the rest does not say that it fails
                 about = [row for place, at_end, row in self.events if at_end and place == index]
-                if any(row is it for it in about for row in rows):
+                opens = self.closed and any(end_facts.have(row) for row in rows)
+                if opens or any(row is it for it in about for row in rows):
                     continue
                 fails = any(not end_facts.have(row) and above(-at(row)) for row in rows)
                 yield f"that exit {before} is not taken at the end of zone {zone}", fails
@@ -764,9 +786,10 @@ class Orbit:
         both = ((dual(a), dual(b)) for a, b in zip(end[: self.n], after))
         return [Dual(meet(a.v, b.v), meet(a.d, b.d)) for a, b in both] + end[self.n :]
 
-    def positive(self, rows, row, begin, end, orders, time):
+    def positive(self, rows, row, begin, end, orders, time, closed):
         """Whether a form is positive over a stretch, from one state to another, with zeros of these orders there, or grows
-        along a curve. Between the pieces at the ends it is followed from either of them."""
+        along a curve. Between the pieces at the ends it is followed from either of them; where the stretch may be closed, from
+        its end alone."""
         bits, ctx.prec = ctx.prec, SIGNS
         try:
             part = lambda numbers, which: [getattr(dual(x), which) for x in numbers]
@@ -784,6 +807,11 @@ class Orbit:
             shown = lambda way, low, high, order: any(self.over(*flow, low, high, order) for flow in way)
             time, firsts = dual(time).v.real, []
             length = float(time.upper()) * (1 + 2**-40)
+            if closed:
+                return self.over(*ways[1][0], 0, length, orders[1])
+            if length > 1.9 * float(time.lower()):
+                # what grows is in the stretch all along the piece
+                ways = [way[:1] for way in ways]
             for way, order in zip(ways, orders):
                 first = length / 2 if order else 0.0
                 for _ in range(DEPTH):
@@ -838,8 +866,6 @@ def kind_of(point, proof):
     if name != "Margin":
         return {"Fold": "LP", "Doubling": "PD", "Branching": "BP", "Torus": "NS"}[name]
     must(changed is not None, "it is not said what changes")
-    zones = lambda it: [(int(z["mode"]), z["way"] and (int(z["way"]["guard"]), int(z["way"]["exit"]))) for z in it]
-    listed = lambda it: zones(it[0] if isinstance(it, tuple) else it)
     before, near = listed(changed["before"]), listed(proof["near"]["sequence"])
     after = changed["after"] and listed(changed["after"])
     watch = changed["watch"] if isinstance(changed["watch"], str) else changed["watch"].name
@@ -887,6 +913,7 @@ class Arc:
         units = self.orbit.posed["units"]
         self.units = [*map(float, units["states"]), float(units["time"])] * len(self.orbit.stretches)
         self.units += [1.0] * self.orbit.forced + [float(units["parameter"])]
+        self.opening = [k * (self.orbit.n + 1) + self.orbit.n for k in self.first.closed]
 
     def uncut(self, orbit, x):
         """Unknowns with one duration for a zone that is cut."""
@@ -963,7 +990,8 @@ class Arc:
         while count < PIECES:
             tangent, k = self.tangent(x)
             lead = k if self.first.kind == "Fold" else self.place
-            way = sum(a * b for a, b in zip(before, tangent)) if before else tangent[lead] * left(x, lead) * side
+            away = tangent[self.opening[0]] if self.opening else tangent[lead] * left(x, lead)
+            way = sum(a * b for a, b in zip(before, tangent)) if before else away * side
             before = tangent if way > 0 else [-y for y in tangent]
             direction, length = (1 if before[k] > 0 else -1), min(longest, self.units[k])
             rest = left(x, k) * direction
@@ -1035,24 +1063,24 @@ class Arc:
                 return Refused, "there may be a fold on the way"
         sign = 0 if next_to is None else direction if next_to == 0 else -direction
         moving = tube if not sign else [Dual(z, sign * d) for z, d in zip(tube, tangent)]
-        wrong = [what for what, holds in self.orbit.all_signs(moving) if not holds]
+        closed = () if next_to is None else (self.first, self.last)[next_to].closed
+        wrong = [what for what, holds in self.orbit.all_signs(moving, closed) if not holds]
         return (Refused, f"{', '.join(wrong)} is not shown on the way") if wrong else None
 
 
 def join(ends, nears):
     """Shows that between two orbits there is no event."""
     (one, _), (two, _) = ends
-    listed = lambda near: [(int(zone["mode"]), str(zone["way"])) for zone in sequence_of(near)]
     given = lambda orbit: [v for i, v in enumerate(orbit.posed["values"]) if i != int(orbit.posed["parameter"])]
     same = one.posed["system"] == two.posed["system"] and given(one) == given(two)
     same = same and [one.posed[name] for name in ("parameter", "periods")] == [two.posed[name] for name in ("parameter", "periods")]
-    must(same and listed(nears[0]) == listed(nears[1]), "its ends have not one sequence of zones")
+    must(same and listed(nears[0]["sequence"]) == listed(nears[1]["sequence"]), "its ends have not one sequence of zones")
     if one.half or two.half:
         raise NotCovered("arcs at a branch point")
     arc = Arc(ends, nears[0])
     try:
         return arc.follow(1)
     except (Refused, NotCovered):
-        if one.kind != "Fold":
+        if one.kind not in ("Fold", "Margin") or one.closed:
             raise
         return arc.follow(-1)

@@ -19,7 +19,7 @@ try:
     from flint import acb, acb_mat, arb, ctx
 
     from .ball_layers import Layered, LayeredSigns
-    from .ball_orbits import Orbit, join, kind_of, outside
+    from .ball_orbits import Orbit, join, kind_of, listed, outside
     from .ball_spectrum import Perturbed
     from .ball_waves import NotCovered, Refused, Signs, decimal, must, prove_zero
 except ImportError as error:
@@ -385,7 +385,22 @@ class OrbitPoint(Statements):
         before = self.before
         must(before is not None and hasattr(before, "x"), "the point before it is not shown")
         must(before.point.get("leg") == self.point.get("leg"), "the branch does not lead from the point before to this")
-        join([(it.solved, it.x) for it in (before, self)], [it.proof["near"] for it in (before, self)])
+        join(*zip(before.seen("after"), self.seen("before")))
+
+    def seen(self, side):
+        """The orbit in the sequence before a change or after it, where it may be proven in the other, with its data."""
+        proof, changed = self.proof, self.proof.get("changed")
+        sequence = changed[side] if changed else proof["near"]["sequence"]
+        must(sequence is not None, "nothing is known beyond an event")
+        there = (it for it in (proof, *proof.get("seen", [])) if listed(it["near"]["sequence"]) == listed(sequence))
+        seen = next(there, None)
+        must(seen, "its ends have not one sequence of zones")
+        if seen is proof:
+            return (self.solved, self.x), proof["near"]
+        orbit, _, x, *found = self.solve(seen)
+        self.signs(orbit, x)
+        must(all(a.overlaps(b) for a, b in zip(found, (self.value, self.period))), "beyond its event is another orbit")
+        return (orbit, x), seen["near"]
 
     def statements(self):
         """Names of the statements and what checks them."""
@@ -395,23 +410,25 @@ class OrbitPoint(Statements):
             yield "multipliers outside the unit circle", self.outside
 
     def orbit(self):
-        orbit = Orbit(self.posed, self.proof["near"], self.proof["condition"])
         names = list(self.posed["system"]["parameters"])
         must(names[int(self.posed["parameter"])] == self.point["parameter"], "its equations vary another parameter")
-        self.zero = prove_zero(orbit.equations, orbit.guess)
-        middle, radius = self.zero
-        # real equations and a real guess: the zero is real
-        self.x = [acb(arb(y.real, radius)) for y in middle]
+        orbit, self.zero, self.x, self.value, self.period = self.solve(self.proof)
         self.solved = orbit
-        times = [self.x[k * (orbit.n + 1) + orbit.n].real for k in range(len(orbit.stretches))]
-        given = orbit.kind == "Value"
-        self.value = decimal(orbit.condition.value).real if given else self.x[orbit.place].real
-        self.period = (1 + orbit.half) * sum(times, arb(0))
         found = [("the parameter", self.value, self.said["parameter"]), ("the period", self.period, self.said["period"])]
         if orbit.kind == "Torus":
             self.angle = self.x[orbit.place + 1].real
             found.append(("the angle", self.angle, self.said["angle"]))
         self.compare(found)
+
+    def solve(self, of):
+        """The equations of the orbit in a sequence, their zero with its unknowns, the parameter and the period."""
+        orbit = Orbit(self.posed, of["near"], of["condition"])
+        middle, radius = zero = prove_zero(orbit.equations, orbit.guess)
+        # real equations and a real guess: the zero is real
+        x = [acb(arb(y.real, radius)) for y in middle]
+        times = [x[k * (orbit.n + 1) + orbit.n].real for k in range(len(orbit.stretches))]
+        value = decimal(orbit.condition.value).real if orbit.kind == "Value" else x[orbit.place].real
+        return orbit, zero, x, value, (1 + orbit.half) * sum(times, arb(0))
 
     def numbers(self):
         source, posed = self.source, self.posed
@@ -443,10 +460,13 @@ class OrbitPoint(Statements):
         return kind_of(self.point, self.proof)
 
     def inequalities(self):
-        orbit, x = self.solved.whole(self.proof["near"], self.x)
-        wrong = [what for what, holds in orbit.all_signs(x) if not holds]
+        self.signs(*self.solved.whole(self.proof["near"], self.x))
+
+    @staticmethod
+    def signs(orbit, x):
+        wrong = [what for what, holds in orbit.all_signs(x, orbit.closed) if not holds]
         if wrong and orbit.mirror(x):
-            wrong = [what for what, holds in orbit.all_signs(x) if not holds]
+            wrong = [what for what, holds in orbit.all_signs(x, orbit.closed) if not holds]
         must(not wrong, f"{', '.join(wrong)} is not shown")
 
     def outside(self):

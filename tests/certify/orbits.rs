@@ -41,6 +41,13 @@ fn encloses(row: &Row, columns: [&str; 2], value: f64, widest: f64) {
     assert!(high - low <= widest * value.abs(), "{row:?}: {value}");
 }
 
+/// Types of the points, and whether the arc before each is proven.
+fn arcs(rows: &[Row]) -> Vec<[&str; 2]> {
+    rows.iter()
+        .map(|row| [&*row["type"], &*row["arc"]])
+        .collect()
+}
+
 const VALUE: [&str; 2] = ["low", "high"];
 
 fn oscillator(values: &str, rest: &str) -> String {
@@ -106,29 +113,38 @@ fn fold_and_graze_of_an_impact_oscillator() {
     }
 }
 
-/// Between the events of the impact oscillator there is no other, from the fold on both sides. A certificate from which the
-/// fold is left out, and a fold between two points, are refused.
+/// Between the events of the impact oscillator there is no other, from the fold on both sides, and none beyond the graze, where
+/// nothing switches any more. A certificate from which the fold is left out, a fold between two points, and
+/// another orbit beyond the graze are refused.
 #[test]
 fn arcs_to_both_sides_of_a_fold() {
     let folder = TempDir::new().unwrap();
     let text = oscillator(
         r#""c": 0.1, "A": 0.12, "w": 1.0, "d": 1.0, "e": 0.8"#,
         r#"orbit: (start: Given(mode: "free", state: {"x": 1.0, "v": -0.08}, phase: 1.03)),
-    continuation: (parameter: "A", range: (0.05, 0.12), toward: Down, stop_after: [(event: GR, count: 1)]),"#,
+    continuation: (parameter: "A", range: (0.05, 0.12), toward: Down),"#,
     );
     let (code, rows) = certified(&text, folder.path(), &["--arcs"]);
-    let arcs: Vec<[&str; 2]> = rows
-        .iter()
-        .map(|row| [&*row["type"], &*row["arc"]])
-        .collect();
-    assert_eq!(arcs, [["EP", ""], ["LP", "yes"], ["GR", "yes"]], "{rows:?}");
+    let expected = [["EP", ""], ["LP", "yes"], ["GR", "yes"], ["EP", "yes"]];
+    assert_eq!(arcs(&rows), expected, "{rows:?}");
     assert_eq!(code, Some(0), "{rows:?}");
     let file = folder.path().join("out/certificate.ron");
     let honest = fs::read_to_string(&file).unwrap();
     let points: Vec<&str> = honest.split_inclusive("\n        ),\n").collect();
-    assert_eq!(points.len(), 4);
+    assert_eq!(points.len(), 5);
     assert!(points[1].contains("kind: LP"));
-    for (text, code) in [(honest.clone(), 0), (honest.replace(points[1], ""), 1)] {
+    let (point, beyond) = points[2].split_once("seen: [").unwrap();
+    let (near, other) = beyond.split_once("parameter: 0.").unwrap();
+    let other = honest.replace(
+        points[2],
+        &format!("{point}seen: [{near}parameter: 0.2{other}"),
+    );
+    assert_ne!(other, honest);
+    for (text, code) in [
+        (honest.clone(), 0),
+        (honest.replace(points[1], ""), 1),
+        (other, 1),
+    ] {
         fs::write(&file, text).unwrap();
         let verified = brakewave(&["certify", "--verify", file.to_str().unwrap()]);
         assert_eq!(verified.status.code(), Some(code), "{verified:?}");
@@ -229,14 +245,14 @@ fn stick_and_sliding_modes() {
 }
 
 /// Onset of stick between dry friction's two slips, a Filippov sliding mode: it happens in both halves of the symmetric orbit
-/// at once, by the symmetry of the formulas. Closed form of the frequency with 19 digits.
+/// at once, by the symmetry of the formulas. Closed form of the frequency with 19 digits. Beyond it there is no other event.
 #[test]
 fn stick_sets_in_in_both_halves() {
     let folder = TempDir::new().unwrap();
     let text = r#"(
     system: (
         states: ["x", "v"],
-        parameters: {"w": 0.8, "F": 0.6666666666666666, "z": 0.05},
+        parameters: {"w": 0.7227, "F": 0.6666666666666666, "z": 0.05},
         forcing: "w",
         define: {"rest": "cos(phase) - 2*z*v - x"},
         modes: {
@@ -245,12 +261,13 @@ fn stick_sets_in_in_both_halves() {
         },
         sliding: {"stick": ("forth", "back")},
     ),
-    orbit: (start: Given(mode: "forth", state: {"x": -1.4305683932561448, "v": 0.0}, phase: -2.1458443767657066)),
-    continuation: (parameter: "w", range: (0.7, 0.8), toward: Down, stop_at: [0.71]),
+    orbit: (start: Given(mode: "back", state: {"x": 1.3413989268352018, "v": 0.0}, phase: 0.8302632936342363)),
+    continuation: (parameter: "w", range: (0.72266, 0.7227), toward: Down),
     stability: (),
 )"#;
-    let (code, rows) = certified(text, folder.path(), &[]);
+    let (code, rows) = certified(text, folder.path(), &["--arcs"]);
     assert_eq!(code, Some(0), "{rows:?}");
+    assert_eq!(arcs(&rows), [["EP", ""], ["SL", "yes"], ["EP", "yes"]]);
     let onset: Vec<&Row> = rows.iter().filter(|row| row["type"] == "SL").collect();
     assert!(!onset.is_empty(), "{rows:?}");
     for row in onset {

@@ -131,6 +131,10 @@ impl OrbitSystem<'_> {
             let row = vanishing.source.row(mode).ok_or(Open::Sequence)?;
             let place = self.at(x, self.place(vanishing.stretch, vanishing.at_end));
             self.form(&row, &place, &mut terms);
+        } else if let Some(stretch) = self.closed.first() {
+            let duration = self.duration(*stretch);
+            terms.put(terms.residual.len(), duration, N::double(1.0));
+            terms.residual.push(x[duration]);
         }
         Ok(terms)
     }

@@ -64,6 +64,23 @@ impl Exact {
         Some(Exact(sum))
     }
 
+    /// The sum whose product with a single term it is, if there is one.
+    fn over(&self, other: &Exact) -> Option<Exact> {
+        let mut terms = other.0.iter();
+        let (Some((names, by)), None) = (terms.next(), terms.next()) else {
+            return None;
+        };
+        let divided = |(own, factor): (&Vec<String>, &i64)| {
+            let mut rest = own.clone();
+            for name in names {
+                rest.remove(rest.binary_search(name).ok()?);
+            }
+            let whole = factor.checked_rem(*by)? == 0;
+            whole.then(|| (rest, factor / by))
+        };
+        self.0.iter().map(divided).collect::<Option<_>>().map(Exact)
+    }
+
     fn product(&self, other: &Exact) -> Option<Exact> {
         if self.0.len().saturating_mul(other.0.len()) > MOST_TERMS {
             return None;
@@ -107,10 +124,9 @@ impl Algebra for Exact {
             Operation::Minus => self.sum(1.0, other, -1.0),
             Operation::Times => self.times(other),
             // intervals tell that it is not zero
-            Operation::Over => match other.number() {
-                Some(1) => self,
-                Some(-1) => self.negative(),
-                _ => self.times(Exact::named(format!("1/{}", other.text()))),
+            Operation::Over => match self.over(&other) {
+                Some(quotient) => quotient,
+                None => self.times(Exact::named(format!("1/{}", other.text()))),
             },
             Operation::Power => {
                 match Coefficient::whole(&other).filter(|n| (0.0..=MOST_FACTORS).contains(n)) {
@@ -161,5 +177,32 @@ impl Coefficient for Exact {
 
     fn finite(self) -> Result<Exact, Obstacle> {
         Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quotient_is_a_sum_where_every_term_is_divided() {
+        let number = <Exact as Algebra>::number;
+        let rho = Exact::named("rho".to_owned());
+        let over = |one: &Exact, other: &Exact| one.clone().operate(Operation::Over, other.clone());
+        let square = rho.clone().times(rho.clone());
+        let sum = square.sum(-4.0, rho.clone(), 6.0);
+        assert_eq!(
+            over(&sum, &number(-2.0)),
+            Ok(rho.clone().times(rho.clone()).sum(2.0, rho.clone(), -3.0))
+        );
+        assert_eq!(
+            over(&sum, &rho),
+            Ok(rho.clone().sum(-4.0, number(6.0), 1.0))
+        );
+        // as a product with a name of its own, which is not zero and no other's
+        let half = over(&rho, &number(2.0)).unwrap();
+        assert!(half != rho && !half.is_zero());
+        assert_eq!(half, over(&rho, &number(2.0)).unwrap());
+        assert!(over(&rho, &number(0.0)).is_ok_and(|inverse| !inverse.is_zero()));
     }
 }

@@ -2,10 +2,11 @@
 
 use super::Open;
 use super::enclosure::Enclosure;
+use super::exact::Exact;
 use super::flow::Flow;
-use super::modes::Modes;
+use super::modes::{Modes, Row, through};
 use super::system::{Condition, End, Near, OrbitSystem, Stretch, times};
-use super::zeros::{Facts, Source, Vanishing, Zeros};
+use super::zeros::{Event, Facts, Source, Vanishing, Zeros, whole};
 use crate::affine::orbit::Watch;
 use crate::interval::Interval;
 
@@ -15,16 +16,17 @@ impl OrbitSystem<'_> {
         let count = self.stretches.len();
         let states = self.exact.states;
         let mut facts = vec![Facts::default(); count];
-        let event = |facts: &mut Zeros, stretch: usize, at_end: bool| {
-            let mut here = vanishing.iter();
-            let here = here.find(|one| one.stretch == stretch && one.at_end == at_end);
-            let mode = &self.exact.modes[self.stretches[stretch].mode];
-            if let Some(row) = here.and_then(|one| one.source.row(mode)) {
-                facts.insert(&row, states);
-            }
+        // what is zero at an event, at entries and ends
+        let mut zeros = vec![[Vec::new(), Vec::new()]; count];
+        for one in vanishing {
+            let mode = &self.exact.modes[self.stretches[one.stretch].mode];
+            zeros[one.stretch][usize::from(one.at_end)].extend(one.source.row(mode));
+        }
+        let event = |facts: &mut Zeros, rows: &[Row<Exact>]| {
+            rows.iter().for_each(|row| facts.insert(row, states));
         };
-        for (index, facts) in facts.iter_mut().enumerate() {
-            event(&mut facts.entry, index, false);
+        for (facts, [rows, _]) in facts.iter_mut().zip(&zeros) {
+            event(&mut facts.entry, rows);
         }
         loop {
             let before: usize = facts.iter().map(|facts| facts.entry.len()).sum();
@@ -36,23 +38,51 @@ impl OrbitSystem<'_> {
                 match end {
                     End::Exit { guard, exit } => {
                         zero.insert(&mode.guards[guard].row, states);
-                        event(&mut zero, index, true);
+                        event(&mut zero, &zeros[index][1]);
                         facts[next].entry = zero.after(&mode.guards[guard].exits[exit].reset);
                     }
                     End::Touch { guard } => {
                         zero.insert(&mode.derivative(&mode.guards[guard].row, 1), states);
-                        event(&mut zero, index, true);
+                        event(&mut zero, &zeros[index][1]);
                         facts[next].entry = zero.clone();
                     }
                     End::Never => facts[next].entry = Zeros::default(),
                 }
-                event(&mut facts[next].entry, next, false);
+                event(&mut facts[next].entry, &zeros[next][0]);
+                if self.closed.contains(&index) {
+                    // what is zero at the end is so at the entry, and at the end before
+                    let before = (index + count - 1) % count;
+                    let rows: Vec<Row<Exact>> = zero.rows().cloned().collect();
+                    if let Some(reset) = self.reset(before) {
+                        let whole = whole(reset, self.exact.size());
+                        zeros[before][1].extend(rows.iter().map(|row| through(row, &whole)));
+                    }
+                    event(&mut facts[index].entry, &rows);
+                    zeros[index][0] = rows;
+                }
                 facts[index].end = zero;
             }
             if facts.iter().map(|facts| facts.entry.len()).sum::<usize>() <= before {
                 return facts;
             }
         }
+    }
+
+    /// What the switch at the end of a stretch makes of the states, if there is one.
+    pub fn reset(&self, stretch: usize) -> Option<&[Row<Exact>]> {
+        let Stretch { mode, end, .. } = self.stretches[stretch];
+        match end {
+            End::Exit { guard, exit } => {
+                Some(&self.exact.modes[mode].guards[guard].exits[exit].reset)
+            }
+            _ => None,
+        }
+    }
+
+    /// One stretch more has no duration.
+    pub fn close(&mut self, stretch: usize) {
+        self.closed.push(stretch);
+        self.facts = self.known(&self.vanishing);
     }
 
     /// One thing more vanishes.
@@ -62,7 +92,7 @@ impl OrbitSystem<'_> {
     }
 
     /// What vanishes at the event.
-    pub fn event(&self, near: &Near, modes: &Modes<Enclosure>) -> Result<Option<Vanishing>, Open> {
+    pub fn event(&self, near: &Near, modes: &Modes<Enclosure>) -> Result<Option<Event>, Open> {
         let Condition::Margin { watch, zone, .. } = self.condition else {
             return Ok(None);
         };
@@ -124,7 +154,7 @@ impl OrbitSystem<'_> {
                 let index = index.ok_or(Open::Sequence)?;
                 (true, Source::Condition { guard, exit, index })
             }
-            Watch::Duration => return Err(Open::Duration),
+            Watch::Duration => return Ok(Some(Event::Closed(stretch))),
         };
         let vanishing = Vanishing {
             stretch,
@@ -132,7 +162,7 @@ impl OrbitSystem<'_> {
             source,
         };
         match source.row(known) {
-            Some(_) => Ok(Some(vanishing)),
+            Some(_) => Ok(Some(Event::Zero(vanishing))),
             None => Err(Open::Sequence),
         }
     }

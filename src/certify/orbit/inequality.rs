@@ -64,14 +64,38 @@ fn is_positive(
     })
 }
 
+/// What is to grow is followed over half a piece of a zone, which its length must not exceed where it is shortest.
+const LENGTHENS: f64 = 1.9;
+
+/// Whether a form is positive within a stretch that may have no length, with a zero of this order at its end.
+fn is_positive_before(
+    passing: &Passing,
+    row: &Along,
+    pieces: &[Vec<Moving>],
+    order: usize,
+    duration: Interval,
+) -> bool {
+    let end = pieces.last().map_or(&[][..], |z| z);
+    let still: Vec<Moving> = end.iter().map(|z| Moving::constant(z.value)).collect();
+    let length = duration.high.max(f64::MIN_POSITIVE);
+    let polynomial = passing.flow.polynomial(row, &still, length);
+    let value = |time: Interval| polynomial.over(time, order).value;
+    bisect(Interval::point(length), -1.0, |time| match order % 2 {
+        0 => value(time),
+        _ => -value(time),
+    })
+}
+
 impl OrbitSystem<'_> {
     /// Proves the inequalities of the orbit over intervals of its unknowns, but for what vanishes at the event;
-    /// returns how many there are. Along a curve what is not positive may grow from where it is not negative.
+    /// returns how many there are. Along a curve what is not positive may grow from where it is not negative; stretches that are
+    /// `closed` there have nothing to grow from but their duration.
     pub fn inequalities(
         &self,
         modes: &Modes<Enclosure>,
         passings: &[Passing],
         x: &[Moving],
+        closed: &[usize],
     ) -> Result<usize, Unproven> {
         let rate = x[self.parameter()].by[0];
         let mut proven = 0;
@@ -84,8 +108,14 @@ impl OrbitSystem<'_> {
             let known = &self.exact.modes[mode];
             let facts = &self.facts[index];
             let duration = x[self.duration(index)];
-            hold(duration.is_positive(), Unproven::Duration(zone))?;
-            let pieces = self.pieces(passing, index, x);
+            let at_event = self.closed.contains(&index);
+            hold(at_event || duration.is_positive(), Unproven::Duration(zone))?;
+            let mut pieces = self.pieces(passing, index, x);
+            // a time that is in the zone all along the piece is so at its beginning
+            if duration.value.low * LENGTHENS < duration.value.high {
+                let all = pieces.iter_mut().flatten();
+                all.for_each(|z| *z = Moving::constant(z.value));
+            }
             let matrix = passing.flow.moving(rate);
             for (guard, formula) in known.guards.iter().enumerate() {
                 // what is zero all along holds by the equations
@@ -95,7 +125,10 @@ impl OrbitSystem<'_> {
                 let at_end = facts.end.order(&formula.row, known).unwrap_or(0);
                 let row = along(&modes.modes[mode].guards[guard].row, rate);
                 let row = passing.flow.along(&matrix, &row);
-                let positive = is_positive(passing, &row, &pieces, [at_start, at_end]);
+                let positive = match closed.contains(&index) {
+                    true => is_positive_before(passing, &row, &pieces, at_end, duration.value),
+                    false => is_positive(passing, &row, &pieces, [at_start, at_end]),
+                };
                 hold(positive, Unproven::Guard(zone, guard))?;
             }
             let End::Exit { guard, exit } = end else {
@@ -123,10 +156,12 @@ impl OrbitSystem<'_> {
                         matches!(one.source, Source::Condition { exit, .. } if exit == before);
                     one.stretch == index && one.at_end && earlier
                 };
-                if self.vanishing.iter().any(about) {
+                let conditions = 0..other.conditions.len();
+                let opens = !self.closed.is_empty()
+                    && conditions.clone().any(|condition| zero(before, condition));
+                if opens || self.vanishing.iter().any(about) {
                     continue;
                 }
-                let conditions = 0..other.conditions.len();
                 let mut failing = conditions
                     .filter(|condition| !zero(before, *condition))
                     .map(|condition| at(before, condition));

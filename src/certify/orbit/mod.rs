@@ -9,6 +9,7 @@
 //!    multipliers are outside the unit circle ([`multipliers`]).
 
 mod arc;
+mod beyond;
 mod critical;
 mod enclosure;
 mod equations;
@@ -26,7 +27,8 @@ mod zeros;
 
 use serde::{Deserialize, Serialize};
 
-pub use open::{Open, Unproven};
+pub use beyond::Seen;
+pub use open::{NotBeyond, Open, Unproven};
 pub use system::{Condition, Near, Posed};
 
 use super::arc::{Broken, Moving};
@@ -91,6 +93,9 @@ pub struct Proof {
     /// The change of the sequence, at one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub changed: Option<Changed>,
+    /// The orbit in the sequences before and beyond a change, where it is proven in another.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub seen: Vec<Seen>,
     /// The orbit in doubles.
     pub near: Near,
     /// What is proven.
@@ -100,9 +105,9 @@ pub struct Proof {
 impl Provable for Proof {
     type Parameter = String;
     type Unproven = Unproven;
-    type Beyond = Open;
+    type Beyond = NotBeyond;
 
-    fn arc(from: &Proof, to: &Proof) -> Result<usize, Broken<Unproven, Open>> {
+    fn arc(from: &Proof, to: &Proof) -> Result<usize, Broken<Unproven, NotBeyond>> {
         arc::prove(from, to)
     }
 }
@@ -194,6 +199,19 @@ fn changed(
     change: &Change<AffineOrbit>,
 ) -> Result<Proof, Open> {
     let (before, after) = (&change.before, &change.after);
+    // in the sequences in which it is not proven
+    let others = |proof: &Proof| -> Vec<Seen> {
+        let other = |sequence: &&Sequence| **sequence != proof.near.sequence;
+        let before = Some(before).filter(other).and_then(|_| {
+            Some(Seen {
+                condition: (&change.margin).into(),
+                near: near(orbit, point).ok()?,
+            })
+        });
+        let beyond = after.as_ref().filter(other);
+        let beyond = beyond.and_then(|after| beyond::seen(orbit, point, &change.margin, after));
+        before.into_iter().chain(beyond).collect()
+    };
     // where several things happen at once, what was entered before has no duration yet
     let tiny = VANISHES * orbit.setting.scales.time;
     let zones = near(orbit, point)?.zones;
@@ -243,14 +261,12 @@ fn changed(
                 before: before.clone(),
                 after: after.clone(),
             };
-            let condition = Condition::Margin {
-                watch: vanishing.watch,
-                zone: vanishing.zone,
-                time: vanishing.time,
-            };
             let near = near(&orbit, &point)?;
-            match prove(posed.clone(), near, condition, Some(changed)) {
-                Ok(proof) => return Ok(proof),
+            match prove(posed.clone(), near, vanishing.into(), Some(changed)) {
+                Ok(mut proof) => {
+                    proof.seen = others(&proof);
+                    return Ok(proof);
+                }
                 Err(other) => reason = reason.or(Some(other)),
             }
         }
@@ -278,6 +294,7 @@ pub fn prove(
         posed,
         condition,
         changed,
+        seen: Vec::new(),
         near,
         statement,
     })
@@ -304,15 +321,14 @@ fn statement(
     let checked = match system.half {
         true => halved(&system, &zero.at),
         false => system
-            .inequalities(&modes, &passings, &still)
+            .inequalities(&modes, &passings, &still, &system.closed)
             .map_err(Open::from),
     };
     let inequalities = match checked {
         Ok(inequalities) => inequalities,
         Err(reason) => {
-            let vanishing = system.mirrored(&middle, &zero.at).ok_or(reason)?;
-            system.vanish(vanishing);
-            system.inequalities(&modes, &passings, &still)?
+            system.mirror(&middle, &zero.at).ok_or(reason)?;
+            system.inequalities(&modes, &passings, &still, &system.closed)?
         }
     };
     let equations = |x: &[Interval]| system.evaluate(x);
@@ -349,7 +365,7 @@ fn halved(half: &OrbitSystem, x: &[Interval]) -> Result<usize, Open> {
     let modes = system.enclosed(whole[system.parameter()])?;
     let passings = system.passings(&modes, &whole);
     let still: Vec<Moving> = whole.iter().copied().map(Moving::constant).collect();
-    Ok(system.inequalities(&modes, &passings, &still)?)
+    Ok(system.inequalities(&modes, &passings, &still, &[])?)
 }
 
 /// Proves a stored statement again, without continuation.
@@ -363,6 +379,7 @@ pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
         changed,
         near,
         statement: said,
+        ..
     } = proof;
     let mut names = posed.system.source.parameters.names();
     if names.nth(posed.parameter) != Some(&point.parameter) {

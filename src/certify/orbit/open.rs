@@ -17,6 +17,20 @@ pub enum Unproven {
     Before(usize, usize),
 }
 
+/// Why the orbit of an event is not proven in the other sequence of zones.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotBeyond {
+    /// Formulas do not tell.
+    #[error("not covered: how the zones of this event open or close")]
+    Laws,
+    /// It is not proven, or an inequality is not.
+    #[error(transparent)]
+    Open(#[from] Open),
+    /// It may be another.
+    #[error("undecided: the orbit beyond may be another")]
+    Another,
+}
+
 /// Why an orbit is not proven.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Open {

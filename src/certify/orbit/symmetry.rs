@@ -3,7 +3,6 @@
 //! What vanishes at an event vanishes in both halves then, which no interval can tell. A system has the symmetry where
 //! its formulas do, and an orbit where it is the only one next to its image.
 
-use super::Open;
 use super::exact::Exact;
 use super::modes::Row;
 use super::system::{End, OrbitSystem};
@@ -66,17 +65,24 @@ impl OrbitSystem<'_> {
         })
     }
 
-    /// What vanishes in the other half, where the orbit in these intervals is symmetric.
-    pub fn mirrored(&self, middle: &[f64], x: &[Interval]) -> Option<Vanishing> {
-        let event = *self.vanishing.first()?;
-        if !self.is_symmetric() {
-            return None;
-        }
+    /// Where the orbit in these intervals is symmetric, what vanishes at the event vanishes in its other half.
+    pub fn mirror(&mut self, middle: &[f64], x: &[Interval]) -> Option<()> {
         let count = self.stretches.len();
-        let (first, second) = self.steps.split_at(count / 2);
-        if first != second {
+        if !self.is_its_image(middle, x) {
             return None;
         }
+        if let [closed] = self.closed[..] {
+            self.close((closed + count / 2) % count);
+            return Some(());
+        }
+        let vanishing = self.mirrored(*self.vanishing.first()?)?;
+        self.vanish(vanishing);
+        Some(())
+    }
+
+    /// What is the image of something that vanishes.
+    fn mirrored(&self, event: Vanishing) -> Option<Vanishing> {
+        let count = self.stretches.len();
         let other = (event.stretch + count / 2) % count;
         let [mode, image] =
             [event.stretch, other].map(|index| &self.exact.modes[self.stretches[index].mode]);
@@ -99,24 +105,32 @@ impl OrbitSystem<'_> {
         });
         let mut sources = guards.chain(conditions.filter(|_| order.is_none()));
         let source = sources.find(|source| source.row(image).as_ref() == Some(&row))?;
-        // for every value of the parameter there is one orbit only in a box that has this one and its image
-        let mut fixed = OrbitSystem::new(self.posed, self.near, self.condition)
-            .ok()?
-            .0;
-        fixed.fixed = Some(x[self.parameter()]);
-        let equations = |x: &[Interval]| fixed.evaluate(x);
-        let both: Vec<Interval> = self.half_later(x).ok()?;
-        let both: Vec<Interval> = both.iter().zip(x).map(|(a, b)| a.hull(*b)).collect();
-        let alone = krawczyk::is_only_zero(&equations, middle, &both);
-        alone.then_some(Vanishing {
+        Some(Vanishing {
             stretch: other,
             source,
             ..event
         })
     }
 
+    /// Whether the orbit in these intervals is symmetric.
+    fn is_its_image(&self, middle: &[f64], x: &[Interval]) -> bool {
+        let (first, second) = self.steps.split_at(self.stretches.len() / 2);
+        if !self.is_symmetric() || first != second {
+            return false;
+        }
+        // for every value of the parameter there is one orbit only in a box that has this one and its image
+        let Ok((mut fixed, _)) = OrbitSystem::new(self.posed, self.near, self.condition) else {
+            return false;
+        };
+        fixed.fixed = Some(x[self.parameter()]);
+        let equations = |x: &[Interval]| fixed.evaluate(x);
+        let image = self.half_later(x);
+        let both: Vec<Interval> = image.iter().zip(x).map(|(a, b)| a.hull(*b)).collect();
+        krawczyk::is_only_zero(&equations, middle, &both)
+    }
+
     /// The image of an orbit.
-    fn half_later(&self, x: &[Interval]) -> Result<Vec<Interval>, Open> {
+    fn half_later(&self, x: &[Interval]) -> Vec<Interval> {
         let count = self.stretches.len();
         let half = PI * Interval::point(f64::from(self.posed.periods));
         let mut image = x.to_vec();
@@ -135,7 +149,7 @@ impl OrbitSystem<'_> {
             }
             image[self.duration(index)] = x[self.duration(from)];
         }
-        Ok(image)
+        image
     }
 
     /// The whole of a symmetric orbit from its half, in equations that have as many steps; `None` where they have not.
@@ -149,7 +163,7 @@ impl OrbitSystem<'_> {
         all.extend_from_slice(half);
         all.push(x[self.parameter()]);
         // the first half, which stands in both places, gives the second
-        let mut image = whole.half_later(&all).ok()?;
+        let mut image = whole.half_later(&all);
         image[..half.len()].copy_from_slice(half);
         Some(image)
     }

@@ -14,9 +14,9 @@ use super::enclosure::Enclosure;
 use super::exact::Exact;
 use super::flow::{Exponential, Flow};
 use super::modes::{Modes, Structure};
-use super::zeros::{Facts, Vanishing};
+use super::zeros::{Event, Facts, Vanishing};
 use crate::affine::orbit::layout::Scales;
-use crate::affine::orbit::{Sequence, Watch, ZonePoint};
+use crate::affine::orbit::{Margin, Sequence, Watch, ZonePoint};
 use crate::affine::system::System;
 use crate::interval::{Decimal, Interval, Number, PI};
 
@@ -75,6 +75,27 @@ pub enum Condition {
     },
 }
 
+impl Condition {
+    /// A zone has no duration.
+    pub fn closed(zone: usize) -> Condition {
+        Condition::Margin {
+            watch: Watch::Duration,
+            zone,
+            time: 0.0,
+        }
+    }
+}
+
+impl From<&Margin> for Condition {
+    fn from(margin: &Margin) -> Condition {
+        Condition::Margin {
+            watch: margin.watch,
+            zone: margin.zone,
+            time: margin.time,
+        }
+    }
+}
+
 /// How a stretch ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
@@ -106,6 +127,8 @@ pub struct OrbitSystem<'a> {
     pub steps: Vec<usize>,
     /// What vanishes at the event: what its equation says, and what follows by symmetry.
     pub vanishing: Vec<Vanishing>,
+    /// Stretches that have no duration at the event: likewise.
+    pub closed: Vec<usize>,
     /// A value of the parameter in the place of the event.
     pub fixed: Option<Interval>,
     pub facts: Vec<Facts>,
@@ -114,6 +137,8 @@ pub struct OrbitSystem<'a> {
     pub half: bool,
 }
 
+/// A zone that closes has no duration in doubles but for this share of the unit of time.
+const ROUNDING: f64 = 1e-9;
 /// A step spans no more than this of the time scale of its mode.
 const LONGEST: f64 = 4.0;
 /// More unknowns of an orbit than this are not covered: a pair on the unit circle has three times as many, in dense
@@ -161,7 +186,7 @@ impl<'a> OrbitSystem<'a> {
             && zones.len() == near.sequence.len()
             && zones
                 .iter()
-                .all(|zone| zone.state.len() == states && zone.duration > 0.0)
+                .all(|zone| zone.state.len() == states && zone.duration > -ROUNDING * units.time)
             && known.chain([near.parameter]).all(f64::is_finite)
             && posed.values.len() == posed.system.source.parameters.0.len()
             && posed.parameter < posed.values.len()
@@ -181,6 +206,7 @@ impl<'a> OrbitSystem<'a> {
             exact,
             steps: Vec::new(),
             vanishing: Vec::new(),
+            closed: Vec::new(),
             fixed: None,
             facts: Vec::new(),
             critical: None,
@@ -194,8 +220,10 @@ impl<'a> OrbitSystem<'a> {
         }
         let modes = system.enclosed(Interval::point(near.parameter))?;
         system.facts = system.known(&[]);
-        if let Some(vanishing) = system.event(near, &modes)? {
-            system.vanish(vanishing);
+        match system.event(near, &modes)? {
+            Some(Event::Zero(vanishing)) => system.vanish(vanishing),
+            Some(Event::Closed(stretch)) => system.close(stretch),
+            None => {}
         }
         if *condition == Condition::Branching {
             if !system.is_symmetric() {
@@ -277,15 +305,29 @@ impl<'a> OrbitSystem<'a> {
             .collect()
     }
 
-    /// The orbit without what belongs to an event, with zones cut as in other equations.
+    /// The orbit without what belongs to an event, with zones cut as in other equations: a zone that is cut here is not
+    /// cut there.
     pub fn carried(&self, x: &[Interval], to: &OrbitSystem) -> Option<Vec<Interval>> {
+        let own = |index: usize| {
+            let zone = to.stretches[index].zone;
+            let own = 0..self.stretches.len();
+            own.filter(|own| self.stretches[*own].zone == zone)
+                .collect()
+        };
+        self.carried_by(x, to, &own)
+    }
+
+    /// The orbit in other equations, each stretch of which has these parts of this one.
+    pub fn carried_by(
+        &self,
+        x: &[Interval],
+        to: &OrbitSystem,
+        own: &dyn Fn(usize) -> Vec<usize>,
+    ) -> Option<Vec<Interval>> {
         let modes = self.enclosed(x[self.parameter()]).ok()?;
         let mut carried = Vec::new();
         for (index, stretch) in to.stretches.iter().enumerate() {
-            // a zone that is cut here is not cut there
-            let own: Vec<usize> = (0..self.stretches.len())
-                .filter(|own| self.stretches[*own].zone == stretch.zone)
-                .collect();
+            let own = own(index);
             let times = own.iter().map(|own| x[self.duration(*own)]);
             let time = times.fold(Interval::ZERO, |sum, time| sum + time);
             let flow = Flow::new(&modes.modes.get(stretch.mode)?.matrix);
@@ -405,9 +447,6 @@ impl<'a> OrbitSystem<'a> {
                 }
                 _ => zone.duration,
             };
-            if time.is_nan() || time <= 0.0 {
-                return Err(Open::Sequence);
-            }
             let flow = Flow::new(&modes.modes[stretch.mode].matrix);
             let fewest = least.get(index).map_or(1.0, |steps| *steps as f64);
             let steps = (flow.norm * time / LONGEST).ceil().max(fewest);

@@ -6,6 +6,7 @@
 
 use super::exact::Exact;
 use super::modes::{Mode, Row, added, negative, through};
+use crate::affine::expression::Algebra;
 use crate::affine::form::Coefficient;
 
 /// Forms that are zero together.
@@ -27,7 +28,7 @@ impl Zeros {
         self.solved.len() + self.others.len()
     }
 
-    fn rows(&self) -> impl Iterator<Item = &Row<Exact>> {
+    pub fn rows(&self) -> impl Iterator<Item = &Row<Exact>> {
         self.solved.iter().map(|(_, row)| row).chain(&self.others)
     }
 
@@ -104,17 +105,8 @@ impl Zeros {
         let Some(size) = reset.first().map(Vec::len) else {
             return Zeros::default();
         };
-        let unit = |index: usize| {
-            let mut row = vec![Exact::default(); size];
-            row[index] = <Exact as crate::affine::expression::Algebra>::number(1.0);
-            row
-        };
-        // z after the reset in terms of z before
-        let whole: Vec<Row<Exact>> = (0..size)
-            .map(|index| reset.get(index).cloned().unwrap_or_else(|| unit(index)))
-            .collect();
-        let minus = <Exact as crate::affine::expression::Algebra>::number(-1.0);
-        let set = (0..states).map(|state| added(&unit(state), &reset[state], &minus));
+        let whole = whole(reset, size);
+        let set = (0..states).map(|state| less(&unit(state, size), &reset[state]));
         let mut after = Zeros::default();
         for row in self.rows().cloned().chain(set) {
             if self.have(&through(&row, &whole)) {
@@ -135,6 +127,26 @@ impl Zeros {
         }
         None
     }
+}
+
+/// A form that is one component of z.
+pub fn unit(index: usize, size: usize) -> Row<Exact> {
+    let mut row = vec![Exact::default(); size];
+    row[index] = <Exact as Algebra>::number(1.0);
+    row
+}
+
+/// z after a reset in terms of z before.
+pub fn whole(reset: &[Row<Exact>], size: usize) -> Vec<Row<Exact>> {
+    let row = |index| reset.get(index).cloned();
+    (0..size)
+        .map(|index| row(index).unwrap_or_else(|| unit(index, size)))
+        .collect()
+}
+
+/// One form less another.
+pub fn less(one: &[Exact], other: &[Exact]) -> Row<Exact> {
+    added(one, other, &<Exact as Algebra>::number(-1.0))
 }
 
 /// Where a form comes from.
@@ -170,6 +182,13 @@ pub struct Vanishing {
     /// Whether at its end, or at its entry.
     pub at_end: bool,
     pub source: Source,
+}
+
+/// What singles out an event of the inequalities.
+pub enum Event {
+    Zero(Vanishing),
+    /// A stretch has no duration.
+    Closed(usize),
 }
 
 /// Forms that are zero at the entry and at the end of a stretch.

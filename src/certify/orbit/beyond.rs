@@ -1,0 +1,232 @@
+//! The orbit of an event in another sequence of zones.
+//!
+//! At a change of the sequence the orbit is one of the sequence before and of that beyond: one zone more has no duration there,
+//! or is cut where it touches a guard. It is proven in one of them; an arc that begins or ends there in the other takes it as the
+//! zero of that one's equations, and has to know that both are one orbit.
+//!
+//! Cut open at the instant of the event, and without zones of no duration, both are cycles of the same *legs*. What is zero at
+//! the ends of the legs of one, by formulas ([`super::facts`]), makes it a solution of the equations of the other; there it is where these
+//! have one solution only.
+
+use serde::{Deserialize, Serialize};
+
+use super::modes::through;
+use super::open::NotBeyond;
+use super::system::{Condition, End, Near, OrbitSystem, Stretch};
+use super::zeros::{less, unit, whole};
+use super::{Open, Proof, VANISHES, near};
+use crate::affine::orbit::candidates::candidates;
+use crate::affine::orbit::{AffineOrbit, Margin, Sequence};
+use crate::certify::arc::Moving;
+use crate::certify::krawczyk;
+use crate::interval::{Interval, Number, PI};
+use crate::linalg::Vector;
+use crate::orbit::{Examined, Orbit};
+
+/// An orbit in a sequence of zones.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Seen {
+    /// What vanishes there.
+    pub condition: Condition,
+    /// The orbit in doubles.
+    pub near: Near,
+}
+
+/// So many zones at most begin or end at one event: in both halves of a symmetric orbit.
+const INSTANTS: usize = 2;
+
+/// The orbit at the zero of a margin, in another sequence.
+pub(super) fn seen(
+    orbit: &AffineOrbit,
+    point: &Vector,
+    margin: &Margin,
+    sequence: &Sequence,
+) -> Option<Seen> {
+    let mut open = vec![(orbit.clone(), point.clone(), margin.clone())];
+    for _ in 0..INSTANTS {
+        let mut next = Vec::new();
+        for (orbit, point, margin) in open {
+            for candidate in candidates(&orbit, &point, &margin).ok()? {
+                let (orbit, point) = (candidate.orbit, candidate.point);
+                let examination = orbit.examination(&point);
+                let margins = examination.as_ref().map_or(&[][..], Examined::margins);
+                let mut zeros = margins.iter().filter(|one| one.value.abs() <= VANISHES);
+                if orbit.sequence == *sequence {
+                    let nascent = candidate.nascent.first();
+                    let event = match nascent {
+                        Some(zone) => Condition::closed(*zone),
+                        None => zeros.next().map(Condition::from)?,
+                    };
+                    let near = near(&orbit, &point).ok()?;
+                    return Some(Seen {
+                        condition: event,
+                        near,
+                    });
+                }
+                next.extend(zeros.map(|zero| (orbit.clone(), point.clone(), zero.clone())));
+            }
+        }
+        open = next;
+    }
+    None
+}
+
+/// Proves that an orbit seen from another sequence is the one of an event, and that its inequalities hold; returns its stretches of no
+/// duration.
+///
+/// # Errors
+/// It is not proven.
+pub(super) fn prove(proof: &Proof, seen: &Seen) -> Result<Vec<usize>, NotBeyond> {
+    let (posed, open) = (&proof.posed, |reason: Open| NotBeyond::Open(reason));
+    let enclosed = |near, condition| {
+        let (system, middle) = OrbitSystem::new(posed, near, condition).map_err(open)?;
+        let equations = |x: &[Interval]| system.evaluate(x);
+        let zero = krawczyk::enclosed(&equations, &middle, &system.units(&middle));
+        let zero = zero.ok_or(NotBeyond::Open(Open::NotIsolated))?.at;
+        Ok::<_, NotBeyond>((system, middle, zero))
+    };
+    let (mut system, middle, zero) = enclosed(&seen.near, &seen.condition)?;
+    let modes = system.enclosed(zero[system.parameter()]).map_err(open)?;
+    let passings = system.passings(&modes, &zero);
+    let still: Vec<Moving> = zero.iter().copied().map(Moving::constant).collect();
+    let holds =
+        |system: &OrbitSystem| system.inequalities(&modes, &passings, &still, &system.closed);
+    if let Err(reason) = holds(&system) {
+        let reason = open(reason.into());
+        system.mirror(&middle, &zero).ok_or(reason)?;
+        holds(&system).map_err(|reason| open(reason.into()))?;
+    }
+    let (event, guess, orbit) = enclosed(&proof.near, &proof.condition)?;
+    let both = [
+        (&system, &zero, &event, &guess, &orbit),
+        (&event, &orbit, &system, &middle, &zero),
+    ];
+    let mut refused = NotBeyond::Laws;
+    for (from, x, to, guess, other) in both {
+        // at the event of a symmetric orbit it may be cut open at either of two instants
+        for shift in 0..to.stretches.len() {
+            let Some(carried) = from.solved(x, to, guess, shift) else {
+                continue;
+            };
+            let pairs = carried.iter().zip(other);
+            let hull: Vec<Interval> = pairs.map(|(a, b)| a.hull(*b)).collect();
+            let equations = |x: &[Interval]| to.evaluate(x);
+            if krawczyk::is_only_zero(&equations, guess, &hull) {
+                return Ok(system.closed.clone());
+            }
+            refused = NotBeyond::Another;
+        }
+    }
+    Err(refused)
+}
+
+impl OrbitSystem<'_> {
+    /// The stretches that have a duration, from the instant of the event on; those that no switch lies between are together.
+    fn legs(&self) -> Option<Vec<Vec<usize>>> {
+        let count = self.stretches.len();
+        let first = match (self.closed.first(), self.vanishing.first()) {
+            (Some(closed), _) => closed + 1,
+            (None, Some(event)) => event.stretch + usize::from(event.at_end),
+            (None, None) => return None,
+        };
+        let mut legs: Vec<Vec<usize>> = Vec::new();
+        let mut goes_on = false;
+        for index in (first..first + count).map(|index| index % count) {
+            if self.closed.contains(&index) {
+                continue;
+            }
+            match legs.last_mut() {
+                Some(leg) if goes_on => leg.push(index),
+                _ => legs.push(vec![index]),
+            }
+            goes_on = !matches!(self.stretches[index].end, End::Exit { .. });
+        }
+        Some(legs)
+    }
+
+    /// This orbit in the unknowns of other equations that it solves by formulas; `None` if they do not tell.
+    fn solved(
+        &self,
+        x: &[Interval],
+        to: &OrbitSystem,
+        middle: &[f64],
+        shift: usize,
+    ) -> Option<Vec<Interval>> {
+        let (mut legs, theirs) = (self.legs()?, to.legs()?);
+        let shift = shift % legs.len();
+        legs.rotate_left(shift);
+        let alike = |(own, other): (&Vec<usize>, &Vec<usize>)| {
+            other.len() == 1 && self.stretches[own[0]].mode == to.stretches[other[0]].mode
+        };
+        let count = self.stretches.len();
+        let (states, size) = (self.exact.states, self.exact.size());
+        if legs.len() != theirs.len()
+            || !legs.iter().zip(&theirs).all(alike)
+            || !to.closed.is_empty()
+        {
+            return None;
+        }
+        for (index, leg) in legs.iter().enumerate() {
+            let (last, next) = (*leg.last()?, legs[(index + 1) % legs.len()][0]);
+            let facts = &self.facts[last].end;
+            // the states at the next entry as forms at the end of the leg
+            let mut at = last;
+            let mut led: Vec<_> = (0..states).map(|state| unit(state, size)).collect();
+            loop {
+                if let Some(reset) = self.reset(at) {
+                    let before = whole(&led, size);
+                    led = reset.iter().map(|row| through(row, &before)).collect();
+                }
+                at = (at + 1) % count;
+                if at == next {
+                    break;
+                }
+            }
+            let there = theirs[index][0];
+            let Stretch { mode, end, .. } = to.stretches[there];
+            let mode = &self.exact.modes[mode];
+            let ends = match end {
+                End::Exit { guard, .. } => mode.guards[guard].row.clone(),
+                End::Touch { guard } => mode.derivative(&mode.guards[guard].row, 1),
+                End::Never => return None,
+            };
+            let kept: Vec<_> = (0..states).map(|state| unit(state, size)).collect();
+            let reset = to.reset(there).unwrap_or(&kept);
+            let mut pairs = reset.iter().zip(&led);
+            let mut vanishing = to.vanishing.iter().filter(|one| one.stretch == there);
+            let zero = |one: &super::zeros::Vanishing| {
+                let row = one.source.row(mode);
+                let facts = if one.at_end {
+                    facts
+                } else {
+                    &self.facts[leg[0]].entry
+                };
+                row.is_some_and(|row| facts.have(&row))
+            };
+            if !(facts.have(&ends)
+                && pairs.all(|(a, b)| facts.have(&less(a, b)))
+                && vanishing.all(zero))
+            {
+                return None;
+            }
+        }
+        let own = |index: usize| {
+            let leg = theirs.iter().position(|leg| leg[0] == index);
+            leg.map_or(Vec::new(), |leg| legs[leg].clone())
+        };
+        let mut carried = self.carried_by(x, to, &own)?;
+        // phases count from elsewhere
+        let turn = PI * Interval::point(2.0);
+        if self.is_forced() {
+            for (stretch, steps) in to.steps.iter().enumerate() {
+                for step in 0..=*steps {
+                    let phase = to.node(stretch, step) + states;
+                    let turns = (middle[phase] - carried[phase].middle()) / turn.middle();
+                    carried[phase] = carried[phase] + turn * Interval::point(turns.round());
+                }
+            }
+        }
+        Some(carried)
+    }
+}
