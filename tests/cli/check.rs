@@ -16,7 +16,9 @@ fn every_problem_of_the_repository_is_as_expected() {
     let (mut expectations, mut with) = (0, 0);
     for entry in fs::read_dir(PROBLEMS).expect("the problems") {
         let path = entry.expect("an entry").path();
-        if path.extension().is_some_and(|extension| extension == "ron") {
+        // a wave that takes as long as ten others; `.ci/run` checks it with optimisation
+        let is_long = path.ends_with("ring_separation_circle.ron");
+        if path.extension().is_some_and(|extension| extension == "ron") && !is_long {
             let text = fs::read_to_string(&path).expect("a problem");
             let expect = text.split_once("expect:").map(|(_, expect)| expect);
             expectations += expect.map_or(0, |expect| count(expect, "(event:"));
