@@ -320,10 +320,19 @@ impl AffineSystem {
         let [below, above] = sides.map(|side| &self.modes[side].matrix);
         // ∂/∂t of the surface's form along both fields
         let [toward, away] = [below, above].map(|matrix| surface.through(matrix));
-        let difference = MatrixBy {
+        let mut difference = MatrixBy {
             at: &above.at - &below.at,
             by: [0, 1].map(|p| &above.by[p] - &below.by[p]),
         };
+        // friction that is zero at one value of a parameter: only the direction counts, which is that nearby
+        if difference.at.amax() == 0.0 {
+            let slope = difference.by.iter().find(|by| by.amax() > 0.0)?;
+            let at = slope.clone();
+            difference = MatrixBy {
+                at,
+                ..MatrixBy::zero(self.size(), self.size())
+            };
+        }
         // the largest row of F₊ − F₋; the others are multiples of it
         let rows = 0..self.states;
         let largest = rows.max_by(|one, other| {
