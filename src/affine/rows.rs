@@ -55,9 +55,14 @@ impl Row {
             add_product(1.0, row, 1, matrix, sum.as_mut_slice());
         };
         add(&self.at, &matrix.at, &mut through.at);
+        // most derivatives are zero: those of a parameter that does not vary all are
         for p in 0..VARYING {
-            add(&self.by[p], &matrix.at, &mut through.by[p]);
-            add(&self.at, &matrix.by[p], &mut through.by[p]);
+            if self.by[p].iter().any(|by| *by != 0.0) {
+                add(&self.by[p], &matrix.at, &mut through.by[p]);
+            }
+            if matrix.by[p].iter().any(|by| *by != 0.0) {
+                add(&self.at, &matrix.by[p], &mut through.by[p]);
+            }
         }
         through
     }

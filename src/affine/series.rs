@@ -145,6 +145,26 @@ impl Program {
         }
     }
 
+    /// Whether another differs in the values of coefficients only.
+    pub fn has_same_shape(&self, other: &Program) -> bool {
+        let alike = |(one, other): (&Sparse, &Sparse)| {
+            let [one, other] = [one, other].map(|sparse| sparse.0.iter().map(|(c, _)| c));
+            one.eq(other)
+        };
+        let mut steps = self.steps.iter().zip(&other.steps);
+        (self.base, self.made()) == (other.base, other.made())
+            && steps.all(|(one, other)| {
+                let mut operands = one.operands.iter().zip(&other.operands);
+                one.rule == other.rule && operands.all(alike)
+            })
+    }
+
+    /// Whether one of them is an `abs`: what is zero may be another on its other side.
+    pub fn has_kinks(&self) -> bool {
+        let abs = Rule::Function(Function::Abs);
+        self.steps.iter().any(|step| step.rule == abs)
+    }
+
     /// How many components of z are made of others.
     pub fn made(&self) -> usize {
         self.steps.len()
@@ -347,8 +367,14 @@ impl Field {
         for c in (0..series.size).filter(counts) {
             for last in [COEFFICIENTS, COEFFICIENTS + 1] {
                 let tail = series.value(last, c).abs();
-                if tail > 0.0 {
-                    // |z_K|hᴷ is the allowed part of |z_j|hʲ for one j
+                // |z_K|hᴷ is at most the allowed part of |z_j|hʲ for one j: most components hold as long as others
+                let mut power = 1.0;
+                let mut back = (0..last).rev();
+                let long = back.any(|j| {
+                    power *= length;
+                    tail * power <= self.tolerance * series.value(j, c).abs()
+                });
+                if tail > 0.0 && !long {
                     let holds = (0..last).map(|j| {
                         let allowed = self.tolerance * series.value(j, c).abs() / tail;
                         allowed.powf(((last - j) as f64).recip())

@@ -99,6 +99,17 @@ impl Points {
         }
     }
 
+    /// Whether rates have a value at every point that was tried.
+    pub fn are_whole(&self) -> bool {
+        self.all.len() == POINTS
+    }
+
+    /// Gives what is made of states and phase the values that it has at another value of the parameter.
+    pub fn complete(&mut self, system: &AffineSystem) {
+        let field = &system.modes[self.mode].field;
+        self.all.iter_mut().for_each(|z| field.complete(z));
+    }
+
     /// Whether a form of this size is zero at all of them.
     pub fn contain(&self, row: &Row, size: f64) -> bool {
         let zero = |z: &Vector| row.at.dot(z).abs() <= ZERO * size;

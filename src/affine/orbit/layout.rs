@@ -12,7 +12,7 @@ pub use super::signature::ZonePoint;
 use super::structure::{ZoneFacts, facts};
 use crate::affine::exponential::balance;
 use crate::affine::flow::ModeFlow;
-use crate::affine::mode::{AffineMode, AffineSystem, Row};
+use crate::affine::mode::{AffineMode, AffineSystem, Guard, MatrixBy, Row};
 use crate::affine::stiff::STIFF;
 use crate::affine::system::{System, SystemError};
 use crate::linalg::{Matrix, Vector};
@@ -107,24 +107,40 @@ impl Posed {
         self.balances[mode].get_or_init(|| balance(&self.system.modes[mode].matrix.at))
     }
 
-    /// Whether its facts are those of the system at another value of the parameter, too: none of them changes with it,
-    /// and what they follow from is the same there, the rates but for the values of entries that are not zero. A zero
-    /// by chance is no fact, since its derivative in the parameter is none.
-    fn holds_for(&self, other: &AffineSystem) -> bool {
+    /// Its facts, where they are those of the system at another value of the parameter, too: none of them changes with it,
+    /// and what they follow from is the same there, rates and resets but for the values of entries that are not zero. A
+    /// zero by chance is no fact, since its derivative in the parameter is none. Conditions have no part in them.
+    fn facts_for(&self, other: &AffineSystem) -> Option<Arc<Vec<ZoneFacts>>> {
         let known = &self.system;
-        let same_zeros = |one: &Matrix, other: &Matrix| {
+        let zeros = |one: &Matrix, other: &Matrix| {
             let mut pairs = one.iter().zip(other.iter());
-            pairs.all(|(one, other)| (*one == 0.0) == (*other == 0.0))
+            one.shape() == other.shape()
+                && pairs.all(|(one, other)| (*one == 0.0) == (*other == 0.0))
+        };
+        let same_zeros = |one: &MatrixBy, other: &MatrixBy| {
+            let mut slopes = one.by.iter().zip(&other.by);
+            zeros(&one.at, &other.at) && slopes.all(|(one, other)| zeros(one, other))
+        };
+        let same_guards = |(one, other): (&Guard, &Guard)| {
+            let mut exits = one.exits.iter().zip(&other.exits);
+            one.row == other.row
+                && one.exits.len() == other.exits.len()
+                && exits.all(|(one, other)| same_zeros(&one.reset, &other.reset))
         };
         let alike = |(one, other): (&AffineMode, &AffineMode)| {
-            let mut slopes = one.matrix.by.iter().zip(&other.matrix.by);
-            one.guards == other.guards
-                && same_zeros(&one.matrix.at, &other.matrix.at)
-                && slopes.all(|(one, other)| same_zeros(one, other))
+            let mut guards = one.guards.iter().zip(&other.guards);
+            one.guards.len() == other.guards.len()
+                && same_zeros(&one.matrix, &other.matrix)
+                && guards.all(same_guards)
         };
-        self.facts.iter().all(ZoneFacts::is_constant)
-            && known.size() == other.size()
-            && known.modes.iter().zip(&other.modes).all(alike)
+        let same = self.facts.iter().all(ZoneFacts::is_constant)
+            && known.program.has_same_shape(&other.program)
+            && known.modes.iter().zip(&other.modes).all(alike);
+        let told_by_forms = self.facts.iter().all(|facts| facts.generic.is_none());
+        same.then(|| match told_by_forms {
+            true => self.facts.clone(),
+            false => Arc::new(self.facts.iter().map(|facts| facts.at(other)).collect()),
+        })
     }
 
     /// The flow of a mode in pieces.
@@ -291,13 +307,11 @@ impl AffineOrbit {
         if system.size() != self.sizes.len() {
             return Err(OrbitFailure::NoZones);
         }
-        let facts = match last {
-            Some((_, posed)) if posed.holds_for(&system) => posed.facts.clone(),
-            _ => {
-                let zones = self.unpack(point, system.omega.value);
-                Arc::new(facts(&system, &self.sequence, &self.units(), &zones))
-            }
-        };
+        let known = last.and_then(|(_, posed)| posed.facts_for(&system));
+        let facts = known.unwrap_or_else(|| {
+            let zones = self.unpack(point, system.omega.value);
+            Arc::new(facts(&system, &self.sequence, &self.units(), &zones))
+        });
         let posed = Arc::new(Posed {
             facts,
             balances: vec![OnceLock::new(); system.modes.len()],

@@ -34,6 +34,8 @@ pub struct Generic {
     pub pivots: Vec<usize>,
     /// Points of its end.
     pub end: Points,
+    /// Whether other points, at another value of the parameter, tell the same.
+    pub lasts: bool,
 }
 
 impl ZoneFacts {
@@ -41,7 +43,17 @@ impl ZoneFacts {
     pub fn is_constant(&self) -> bool {
         let rows = self.zero.rows.iter().chain(&self.end.rows);
         let mut derivatives = rows.flat_map(|row| &row.by);
-        self.generic.is_none() && derivatives.all(|by| by.iter().all(|by| *by == 0.0))
+        self.generic.as_ref().is_none_or(|generic| generic.lasts)
+            && derivatives.all(|by| by.iter().all(|by| *by == 0.0))
+    }
+
+    /// The same facts at another value of the parameter.
+    pub fn at(&self, system: &AffineSystem) -> ZoneFacts {
+        let mut facts = self.clone();
+        if let Some(generic) = &mut facts.generic {
+            generic.end.complete(system);
+        }
+        facts
     }
 
     /// Whether a form is zero at the end by the structure.
@@ -195,6 +207,13 @@ fn generic(
         first.pivots(system, &mode.guards[way.guard].row, divided, units)
     });
     let pivots = pivots.unwrap_or_default();
+    // the slopes of a derivative of a guard may come to zero elsewhere, and so may those of a guard that is curved
+    let base = mode.field.base();
+    let flat = |row: &Row| (base..row.at.len()).all(|c| !row.has(c));
+    let flat = mode.guards.iter().all(|guard| flat(&guard.row));
+    let lasts = pivots.len() <= usize::from(flat)
+        && [&first, &last].iter().all(|points| points.are_whole())
+        && !system.program.has_kinks();
     ZoneFacts {
         zero,
         end,
@@ -202,6 +221,10 @@ fn generic(
         at_end,
         // a guard of the phase alone has no state
         divided: pivots.len(),
-        generic: Some(Generic { pivots, end: last }),
+        generic: Some(Generic {
+            pivots,
+            end: last,
+            lasts,
+        }),
     }
 }
