@@ -297,7 +297,11 @@ pub(crate) fn named(
     }
     let saved = earlier.labelled(dir, label)?.clone();
     let kind = kind_of(dir, label)?;
-    Ok(Named { saved, kind })
+    Ok(Named {
+        has_shrunk: kind == Some(EventType::BP) && saved.has_shrunk(&earlier.labelled),
+        saved,
+        kind,
+    })
 }
 
 /// The ways a branch can go from its first point: at an end of the range there is but one.

@@ -42,6 +42,14 @@ pub enum NoStart {
         /// Upper end.
         high: f64,
     },
+    /// The orbit has shrunk to a point.
+    #[error(
+        "label {label} is where the orbits shrink to a point: the one there has no size but rounding"
+    )]
+    NoSize {
+        /// The label.
+        label: usize,
+    },
     /// Only at PD and BP another branch passes.
     #[error("label {label} is of type {kind}: another branch begins at PD and BP only")]
     NotBranching {
@@ -68,6 +76,10 @@ impl NoStart {
             NoStart::LabelOutside { .. } => (
                 "continuation.range",
                 "widen the range to contain the point to restart from",
+            ),
+            NoStart::NoSize { .. } => (
+                "orbit.start",
+                "name another label of that branch, or find orbits on the other side with `Simulate` or `Given`",
             ),
             NoStart::NotBranching { .. } => (
                 "orbit.start",
@@ -114,6 +126,8 @@ pub struct Named {
     pub saved: LabelledOrbit,
     /// What it is in `events.csv`; none where it is no event.
     pub kind: Option<EventType>,
+    /// Whether it has shrunk to a point, beside the other orbits of its run.
+    pub has_shrunk: bool,
 }
 
 /// The first orbit of a branch.
@@ -142,7 +156,14 @@ pub(super) fn begin(
         OrbitStart::Given { period, .. } => Search::Guess(period.unwrap_or_default()),
         OrbitStart::Restart { label, .. } | OrbitStart::Switch { label, .. } => {
             let label = *label;
-            let Named { saved, kind } = named.ok_or(NoStart::NoRestart { label })?;
+            let Named {
+                saved,
+                kind,
+                has_shrunk,
+            } = named.ok_or(NoStart::NoRestart { label })?;
+            if *has_shrunk {
+                return Err(NoStart::NoSize { label });
+            }
             let wanted = wanted(problem, continuation, saved.orbit.values.clone())?;
             let (low, high) = continuation.range;
             let within = |values: &[f64]| {

@@ -39,6 +39,35 @@ impl LabelledOrbit {
             && known(values)
     }
 
+    /// Whether no state differs between its switches by more than a part of one million of what it does in the largest
+    /// of other orbits. A state that is the same at all of them, but for rounding, tells nothing.
+    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
+    pub(crate) fn has_shrunk(&self, others: &[LabelledOrbit]) -> bool {
+        const NOTHING: f64 = 1e-6;
+        const ROUNDING: f64 = 1e-9;
+        let at = |orbit: &LabelledOrbit, state: usize| -> (f64, f64) {
+            let zones = orbit.orbit.zones.iter();
+            let all = zones.filter_map(|zone| zone.state.get(state));
+            all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                (x.min(low), x.max(high))
+            })
+        };
+        let largest = |of: fn((f64, f64)) -> f64, state: usize| {
+            let all = others.iter().map(|other| of(at(other, state)));
+            all.fold(0.0, f64::max)
+        };
+        let states = || 0..self.orbit.zones.first().map_or(0, |zone| zone.state.len());
+        let size = states().map(|state| largest(|(low, high)| high.max(-low), state));
+        let least = ROUNDING * size.fold(0.0, f64::max);
+        let moving = states().map(|state| (state, largest(|(low, high)| high - low, state)));
+        let moving: Vec<(usize, f64)> = moving.filter(|(_, spread)| *spread > least).collect();
+        let shrunk = |(state, largest): &(usize, f64)| {
+            let (low, high) = at(self, *state);
+            high - low <= NOTHING * largest
+        };
+        !moving.is_empty() && moving.iter().all(shrunk)
+    }
+
     /// The boundary-value problem of it in these units; `None` where the system has no such sequence.
     pub(super) fn posed(
         &self,

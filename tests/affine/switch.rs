@@ -52,6 +52,7 @@ fn switched(
     let named = Named {
         saved: at.saved.clone().unwrap(),
         kind: at.point.kind,
+        has_shrunk: false,
     };
     Runner::begin(&problem, continuation, Some(&named))
 }
@@ -164,7 +165,11 @@ fn a_doubled_orbit_and_the_way_back() {
         stop_at: Vec::new(),
         ..along.clone()
     };
-    let named = Named { saved, kind: None };
+    let named = Named {
+        saved,
+        kind: None,
+        has_shrunk: false,
+    };
     let items = collect(Runner::begin(&back, &down, Some(&named)).unwrap(), 400);
     let end = items.last().unwrap();
     assert_eq!(end.point.kind, Some(EventType::PD));
@@ -176,6 +181,7 @@ fn a_doubled_orbit_and_the_way_back() {
     let named = Named {
         saved: items[1].saved.clone().or(items[0].saved.clone()).unwrap(),
         kind: Some(EventType::BP),
+        has_shrunk: false,
     };
     let mut wrong = problem.clone();
     wrong.orbit.start = OrbitStart::Switch {
