@@ -1,6 +1,6 @@
 //! Branches of orbits there and back through their events, against figures of an independent program.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use brakewave::EventType;
 use brakewave::affine::orbit::AffineOrbit;
@@ -85,7 +85,7 @@ pub fn meets(seen: &[Seen], expected: &[(EventType, f64, &str)], allowed: f64) {
     }
 }
 
-use EventType::{BP, EP, GR, LP, PD, SL};
+use EventType::{BP, CO, EP, GR, LP, PD, SL};
 
 #[test]
 fn down_to_the_fold_and_through_the_graze() {
@@ -533,4 +533,111 @@ fn a_wheel_that_hardly_comes_over_its_spoke_keeps_its_multiplier() {
     }
     // it stays near its saddle for so long that nothing is known of it in the end
     assert!(largest > 1e-3, "{largest:e}");
+}
+
+/// Friction that is zero at one value slides along the direction that it has nearby: a branch ends there and begins there
+/// as at any other value, with the amplitude of the oscillator without friction.
+#[test]
+fn friction_may_vanish() {
+    let (w, z) = (0.8_f64, 0.05);
+    let amplitude = (1.0 - w * w).hypot(2.0 * z * w).recip();
+    let turns = |orbit: &AffineOrbit, point: &Vector| {
+        let at = orbit.at(point).unwrap();
+        let off = |zone: usize| (at.zones[zone].state[0].abs() - amplitude).abs();
+        off(0).max(off(1))
+    };
+    let dry = |friction: f64| {
+        let replaced = [("w", w), ("F", friction)];
+        settled(FRICTION, &replaced, "F", "forth", &[0.0, 0.5], 60.0)
+    };
+    let (orbit, point) = dry(0.3);
+    let (seen, all) = follow(&orbit, &point, false, (0.0, 0.5), 200);
+    meets(&seen, &[(EP, 0.0, "")], 1e-15);
+    let last = all.last().unwrap();
+    assert!(turns(&last.orbit, &last.node.point) < 1e-12);
+    let (orbit, point) = dry(0.0);
+    assert!(turns(&orbit, &point) < 1e-12);
+    let (seen, _) = follow(&orbit, &point, true, (0.0, 0.3), 200);
+    meets(&seen, &[(EP, 0.3, "")], 1e-15);
+}
+
+/// Friction k and negative damping: x'' − 2sx' + x = −k sign x'. Half a turn takes π/√(1 − s²) and grows by
+/// q = exp(sπ/√(1 − s²)), so that the orbit turns at a = k(q + 1)/(q − 1). Where the focus −k of one half becomes a node, at
+/// s = 1, the period is infinite and a = k: the branch ends short of it, with a distance from the focus that is rounding.
+#[test]
+fn an_orbit_comes_to_an_equilibrium_on_its_boundary() {
+    let text = r#"(
+        states: ["x", "v"],
+        parameters: {"s": 0.5, "k": 1.0},
+        modes: {
+            "forth": (rates: {"x": "v", "v": "2*s*v - x - k"}, until: [(zero: "v", to: "back")]),
+            "back": (rates: {"x": "v", "v": "2*s*v - x + k"}, until: [(zero: "-v", to: "forth")]),
+        },
+        sliding: {"stick": ("forth", "back")},
+    )"#;
+    let half = |s: f64| PI / (1.0 - s * s).sqrt();
+    let turn = |s: f64| {
+        let grown = (s * half(s)).exp();
+        (grown + 1.0) / (grown - 1.0)
+    };
+    let system = system(text);
+    let wanted = Wanted {
+        values: values(&system, &[]),
+        ..Wanted::new(system, "s", (0.0, 2.0)).unwrap()
+    };
+    let beginning = Beginning {
+        mode: 0,
+        state: vec![-turn(0.5), 0.0],
+        phase: 0.0,
+    };
+    let (orbit, point) = first(&wanted, &beginning, Search::Guess(2.0 * half(0.5))).unwrap();
+    let (_, all) = follow(&orbit, &point, true, (0.0, 2.0), 2000);
+    for found in &all {
+        let at = found.orbit.at(&found.node.point).unwrap();
+        let s = found.parameter;
+        // beside the focus rounding grows as the distance does
+        let allowed = 1e-14 * (1.0 + (s * half(s)).exp());
+        assert!(
+            (at.zones[0].duration - half(s)).abs() <= allowed * half(s),
+            "{s}"
+        );
+        assert!((at.zones[0].state[0].abs() - turn(s)).abs() < 1e-12, "{s}");
+    }
+    let last = all.last().unwrap();
+    let why = last.special.as_ref().unwrap().to_string();
+    assert!(
+        why.contains("begins ever nearer to its equilibrium"),
+        "{why}"
+    );
+    let left = 1.0 - last.parameter;
+    assert!(
+        left > 0.0 && left < 1.5 * last.uncertainty && last.uncertainty < 0.05,
+        "{left} {}",
+        last.uncertainty
+    );
+}
+
+/// A hopper whose leg pushes by u where it is shortest leaves the ground while u > (g/k)(1 − q), q what is left of an
+/// amplitude after half a turn: from rest on the ground it sinks by (g/k)(1 + q) and rises to l − g/k + u + (u + qg/k)q.
+#[test]
+fn a_hopper_that_only_just_leaves_the_ground() {
+    let text = r#"(
+        states: ["y", "v"],
+        parameters: {"g": 1.0, "k": 20.0, "c": 0.5, "u": 0.3, "l": 1.0},
+        modes: {
+            "flight": (rates: {"y": "v", "v": "-g"}, until: [(zero: "y - l", to: "squeeze")]),
+            "squeeze": (rates: {"y": "v", "v": "k*(l - y) - g - c*v"}, until: [(zero: "-v", to: "thrust")]),
+            "thrust": (rates: {"y": "v", "v": "k*(l + u - y) - g - c*v"}, until: [(zero: "l - y", to: "flight")]),
+        },
+    )"#;
+    let (orbit, point) = settled(text, &[("u", 0.05)], "u", "flight", &[1.05, 0.0], 60.0);
+    let (seen, all) = follow(&orbit, &point, false, (0.0, 1.0), 500);
+    let turn = (20.0_f64 - 0.0625).sqrt();
+    let least = 0.05 * (1.0 - (-0.25 * PI / turn).exp());
+    meets(&seen, &[(CO, least, "")], 1e-9);
+    let Some(Special::Change(change)) = &all.last().unwrap().special else {
+        panic!("no change");
+    };
+    let why = change.end.as_ref().unwrap().to_string();
+    assert!(why.contains("of `thrust` does not come to zero"), "{why}");
 }

@@ -5,9 +5,10 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::layout::AffineOrbit;
+use super::layout::{AffineOrbit, Scales};
 use super::signature::Zone;
-use super::{CLOSING, Critical, Held};
+use super::{CLOSING, Critical, Held, Watch};
+use crate::affine::mode::Row;
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
 use crate::linalg::Vector;
@@ -38,6 +39,11 @@ pub enum OrbitStop {
         /// The parameter of that orbit, where it is known.
         #[serde(default)]
         limit: Option<f64>,
+    },
+    /// It does, since the orbit comes to begin where nothing moves: an equilibrium on the boundary of its mode.
+    Stalls {
+        /// Name of the mode.
+        mode: String,
     },
     /// The states grow without bound.
     Grows,
@@ -106,6 +112,11 @@ impl fmt::Display for OrbitStop {
                     None => Ok(()),
                 }
             }
+            OrbitStop::Stalls { mode } => write!(
+                formatter,
+                "the period grows without bound: `{mode}` begins ever nearer to its equilibrium, which lies at its boundary, \
+                 and leaves it ever later, until rounding decides when"
+            ),
             OrbitStop::Grows => write!(formatter, "the states grow without bound: a resonance"),
             OrbitStop::Rests { mode } => write!(
                 formatter,
@@ -155,6 +166,9 @@ const GROWING: f64 = 0.9;
 /// succeeds any more.
 const AT_REST: f64 = 1e-8;
 const NEARLY_AT_REST: f64 = 1e-4;
+
+/// An orbit that begins as near as this to an equilibrium, in units of its states, has half of all digits of the distance.
+const AT_EQUILIBRIUM: f64 = 1e-8;
 
 /// States this many times as large as their units grow without bound, if the parameter changes by less than the part
 /// of its range while they grow without end: its slope decays at least like their size, squared.
@@ -235,6 +249,63 @@ impl AffineOrbit {
         (along < stationary || lost()).then(|| self.comes_to(stay, node))
     }
 
+    /// Whether a zone of an orbit without forcing begins within this many units of the states of an equilibrium from which
+    /// everything goes away.
+    fn stalls(&self, point: &Vector, most: f64) -> Option<OrbitStop> {
+        /// What the orbit has gone by when the zone ends, at least.
+        const FAR: f64 = 1e-2;
+        if self.is_forced() {
+            return None;
+        }
+        let at = self.at(point).ok()?;
+        let Scales { states, time, .. } = &self.setting.scales;
+        let units = || states.iter().enumerate();
+        let stalls = |zone: &usize| {
+            // the speed there costs little
+            let Zone { mode, .. } = self.sequence.zone(*zone);
+            let own = &at.zones[*zone].state;
+            let rate = |state: usize| {
+                let jet = at.at_entry(*zone, &Row::unit(at.posed.system.size(), state), 1);
+                jet.value.abs() * time
+            };
+            if units().any(|(state, unit)| rate(state) > 100.0 * most * unit) {
+                return false;
+            }
+            let near = at.posed.system.equilibrium_near(*mode, own);
+            let Some(near) =
+                near.filter(|near| near.eigenvalues.iter().all(|value| value.re > 0.0))
+            else {
+                return false;
+            };
+            let off = |state: usize| (near.state[state] - own[state]).abs();
+            let end = at.passage(*zone, at.zones[*zone].duration);
+            let end = end.map(|passage| passage.end);
+            units().all(|(state, unit)| off(state) <= most * unit)
+                && end.is_ok_and(|end| {
+                    units().any(|(state, unit)| (end[state] - own[state]).abs() >= FAR * unit)
+                })
+        };
+        let zone = (0..self.zones()).find(stalls)?;
+        let mode = self.sequence.zone(zone).name.clone();
+        Some(OrbitStop::Stalls { mode })
+    }
+
+    /// Whether a zone vanishes at a point since the one before it, of another mode than the one after, only just comes to
+    /// its guard: its speed there vanishes with the zone.
+    pub(super) fn barely_reaches(&self, point: &Vector, zone: usize) -> Option<OrbitStop> {
+        let count = self.zones();
+        let before = (zone + count - 1) % count;
+        if count < 3 || self.sequence.zone(before).mode == self.sequence.zone(zone + 1).mode {
+            return None;
+        }
+        let at = self.at(point).ok()?;
+        let passage = at.passage(before, at.zones[before].duration).ok()?;
+        let speed = at.edge(Watch::Speed, before, &passage)?;
+        (speed.value.abs() <= CLOSING).then(|| OrbitStop::Misses {
+            held: self.held(&speed),
+        })
+    }
+
     /// Whether states grow and the parameter comes to a limit.
     fn grows(&self, node: &Node) -> Option<OrbitStop> {
         let Node { point, tangent, .. } = node;
@@ -269,6 +340,7 @@ impl AffineOrbit {
     pub(super) fn ends(&self, node: &Node) -> Option<OrbitStop> {
         let unbounded = self.lengthens(node, STATIONARY);
         unbounded
+            .or_else(|| self.stalls(&node.point, AT_EQUILIBRIUM))
             .or_else(|| self.grows(node))
             .or_else(|| self.rests(node, AT_REST))
             .or_else(|| {
@@ -342,6 +414,7 @@ impl AffineOrbit {
         accumulates
             .or_else(|| self.lengthens(node, NEARLY_STATIONARY))
             .or_else(|| self.rests(node, NEARLY_AT_REST))
+            .or_else(|| self.stalls(&node.point, NEARLY_AT_REST))
             .or_else(|| {
                 let stay = self.stay(&node.point)?;
                 (stay.growth > DIGITS).then(|| self.comes_to(stay, node))
@@ -399,6 +472,15 @@ impl AffineOrbit {
         let slope = tangent[tangent.len() - 1].abs();
         match stop {
             OrbitStop::Unbounded => slope,
+            // the time beside a focus that becomes a node is the inverse root of what the parameter lacks, beside a node
+            // its logarithm, which is less
+            OrbitStop::Stalls { .. } => {
+                let durations = (0..self.zones()).map(|zone| self.duration_index(zone));
+                let (period, growth) = durations.fold((0.0, 0.0), |(period, growth), index| {
+                    (period + point[index], growth + tangent[index])
+                });
+                0.5 * (slope * period / growth).abs()
+            }
             OrbitStop::Homoclinic { limit, .. } => match limit {
                 Some(limit) => {
                     (limit - self.parameter_at(point)).abs() / self.setting.scales.parameter

@@ -345,8 +345,13 @@ impl Orbit for AffineOrbit {
             }
         };
         let accumulates = || self.accumulates(point);
+        let barely = || {
+            let vanishing = Some(margin).filter(|margin| margin.watch == Watch::Duration)?;
+            self.barely_reaches(point, vanishing.zone)
+        };
         centre
             .or_else(accumulates)
+            .or_else(barely)
             .or_else(misses)
             .or_else(|| self.held_at(point, margin))
     }
