@@ -622,6 +622,9 @@ impl Display for Gone {
                 f,
                 "an inequality of the {zone} zone that vanishes along with the event fails"
             ),
+            Gone::Asymmetric => f.write_str(
+                "beyond it the system is not symmetric: no orbit is its own image half a period later",
+            ),
         }
     }
 }

@@ -82,7 +82,10 @@ fn of_system(
             NoCurve::NotFound { .. } => {
                 ("curve.event", "follow the branch further, or another way")
             }
-            NoCurve::Singular(_) => ("curve.event", "begin with another event of the branch"),
+            NoCurve::Unfolds { .. } => ("curve.parameters", "take another parameter"),
+            NoCurve::NotSymmetric | NoCurve::Singular(_) => {
+                ("curve.event", "begin with another event of the branch")
+            }
         };
         let exit = match error {
             NoCurve::Outside { .. } | NoCurve::Kind { .. } => Exit::BadInput,

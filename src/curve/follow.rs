@@ -93,6 +93,8 @@ pub enum Gone {
     Left(String),
     /// Another inequality of the zone, which vanishes along with the event, fails.
     Along(String),
+    /// The system has no symmetry there.
+    Asymmetric,
 }
 
 /// Why an event refuses a step.
@@ -170,6 +172,11 @@ impl<P: Plane> EventCurve<P> {
                 None if itself => Gone::Left(zone),
                 _ => Gone::Along(zone),
             }));
+        }
+        if let Condition::Spectral(spectral) = &self.system.condition
+            && !self.system.plane.is_met(spectral, orbit, unknowns)
+        {
+            return Err(Refusal::Gone(Gone::Asymmetric));
         }
         let slopes = self.slopes(node, examination.margins());
         let mut tests = Tests {

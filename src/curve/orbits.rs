@@ -7,11 +7,12 @@ use serde::{Deserialize, Serialize};
 use super::plane::{Condition, NotEvaluated, Plane, Test};
 use super::point::{Name, PointType, What};
 use crate::affine::orbit::multipliers::{Monodromy, Multiplier};
+use crate::affine::orbit::symmetry::Kept;
 use crate::affine::orbit::{
     AffineOrbit, Examination, Margin, OrbitFailure, Scales, Sequence, Setting, Watch,
 };
 use crate::affine::system::System;
-use crate::linalg::Vector;
+use crate::linalg::{Matrix, Vector};
 use crate::orbit::{EventType, Orbit};
 
 /// All that an orbit needs beside its sequence.
@@ -58,6 +59,11 @@ pub enum Critical {
     PeriodDoubling,
     /// A pair has the product 1.
     Torus,
+    /// That of half a symmetric orbit is −1.
+    Branching {
+        /// The states that keep their sign in the image.
+        kept: Kept,
+    },
 }
 
 /// Why the multipliers do not tell.
@@ -134,6 +140,7 @@ impl Plane for Orbits {
         EventType::LP,
         EventType::PD,
         EventType::NS,
+        EventType::BP,
         EventType::GR,
         EventType::CO,
         EventType::SL,
@@ -241,8 +248,9 @@ impl Plane for Orbits {
         }
     }
 
-    fn beside(&self, _: &Critical, _: Option<f64>) -> Option<()> {
-        Some(())
+    /// At a BP two branches pass, and equations do not tell which is followed.
+    fn beside(&self, spectral: &Critical, _: Option<f64>) -> Option<()> {
+        (!matches!(spectral, Critical::Branching { .. })).then_some(())
     }
 
     fn name_beside(
@@ -261,14 +269,35 @@ impl Plane for Orbits {
         point: &Vector,
         _: &[f64],
     ) -> Result<Vec<f64>, NotEvaluated<Orbits>> {
-        let monodromy = orbit.monodromy(point).map_err(NotEvaluated::Flow)?;
+        let monodromy = match spectral {
+            Critical::Branching { kept } => orbit.half_monodromy(*kept, point),
+            _ => orbit.monodromy(point),
+        };
+        let monodromy = monodromy.map_err(NotEvaluated::Flow)?;
         let infinite = NotEvaluated::Linear(NoMultipliers::Infinite);
         let monodromy = monodromy.ok_or(infinite)?;
         let [doubling, _, torus] = monodromy.tests(&monodromy.multipliers());
         Ok(vec![match spectral {
-            Critical::PeriodDoubling => doubling,
+            Critical::PeriodDoubling | Critical::Branching { .. } => doubling,
             Critical::Torus => torus,
         }])
+    }
+
+    fn restrict(
+        &self,
+        spectral: &Critical,
+        orbit: &AffineOrbit,
+        point: &Vector,
+        residual: &mut [f64],
+        matrix: &mut Matrix,
+    ) {
+        if let Critical::Branching { kept } = *spectral {
+            orbit.close_at_image(kept, point, residual, matrix);
+        }
+    }
+
+    fn is_met(&self, spectral: &Critical, orbit: &AffineOrbit, point: &Vector) -> bool {
+        !matches!(spectral, Critical::Branching { .. }) || orbit.loses_symmetry(point)
     }
 
     fn angular(
@@ -279,7 +308,7 @@ impl Plane for Orbits {
         _: &[f64],
     ) -> Option<f64> {
         match spectral {
-            Critical::PeriodDoubling => None,
+            Critical::PeriodDoubling | Critical::Branching { .. } => None,
             Critical::Torus => monodromy(orbit, point)?.angle_on_circle(),
         }
     }
@@ -338,6 +367,16 @@ impl Plane for Orbits {
             }
             Condition::Spectral(Critical::PeriodDoubling) => vec![pair(2, -1.0)],
             Condition::Fold => vec![doubling, pair(1, 1.0)],
+            // a multiplier −1 of the whole is a pair ±i of the half, which touches and does not cross
+            Condition::Spectral(Critical::Branching { kept }) => {
+                let half = orbit.half_monodromy(*kept, point).ok().flatten();
+                let torus = half.map(|half| half.tests(&half.multipliers())[2]);
+                let value = torus.unwrap_or(f64::NAN);
+                vec![Test {
+                    value,
+                    ..pair(1, 1.0)
+                }]
+            }
             Condition::Margin(_) => vec![doubling, pair(1, f64::NAN)],
         }
     }

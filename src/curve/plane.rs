@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::point::{Name, PointType, What};
 use crate::continuation::newton::System;
-use crate::linalg::Vector;
+use crate::linalg::{Matrix, Vector};
 use crate::orbit::{Data, EventType, Orbit};
 
 /// Margins of the orbits of a plane.
@@ -170,6 +170,22 @@ pub trait Plane: Data {
         point: &Vector,
         further: &[f64],
     ) -> Result<Vec<f64>, NotEvaluated<Self>>;
+
+    /// Puts in the place of equations of the orbit those that the event needs, where it makes them singular.
+    fn restrict(
+        &self,
+        _: &Self::Spectral,
+        _: &Self::Orbit,
+        _: &Vector,
+        _residual: &mut [f64],
+        _matrix: &mut Matrix,
+    ) {
+    }
+
+    /// Whether a solution of them has the event.
+    fn is_met(&self, _: &Self::Spectral, _: &Self::Orbit, _: &Vector) -> bool {
+        true
+    }
 
     /// Its frequency or angle.
     fn angular(

@@ -63,6 +63,20 @@ pub enum NoCurve<P: Plane = Tube> {
         /// Upper end.
         high: f64,
     },
+    /// A BP of an orbit without the symmetry that makes a curve of it.
+    #[error(
+        "the BP is no loss of symmetry: half a period later its orbit is not the same with some signs changed, and other BP have no \
+         curve"
+    )]
+    NotSymmetric,
+    /// A BP of a symmetric orbit in a parameter with which the system has no symmetry.
+    #[error(
+        "with `{parameter}` the system is not symmetric: the BP is a point of the plane and has no curve"
+    )]
+    Unfolds {
+        /// Parameter.
+        parameter: String,
+    },
     /// The equations of the event cannot be posed or solved.
     #[error("the curve cannot begin: {0}")]
     Singular(Singular<P>),
@@ -235,6 +249,20 @@ fn pose_orbit(
     let spectral = match kind {
         EventType::PD => Some((Critical::PeriodDoubling, Vec::new())),
         EventType::NS => Some((Critical::Torus, Vec::new())),
+        EventType::BP => {
+            let kept = orbit.symmetry(point).ok_or(NoCurve::NotSymmetric)?;
+            for index in [0, 1] {
+                let posed = plane.orbit(orbit.signature(), plane.values(), index);
+                let posed = posed.map_err(Singular::flow)?;
+                let mut own = point.clone();
+                own[point.len() - 1] = plane.values()[index] / plane.widths()[index];
+                if !posed.keeps_symmetry(&own) {
+                    let parameter = plane.parameters()[index].clone();
+                    return Err(NoCurve::Unfolds { parameter });
+                }
+            }
+            Some((Critical::Branching { kept }, Vec::new()))
+        }
         _ => None,
     };
     pose(plane, orbit, point, (kind, spectral), limits)

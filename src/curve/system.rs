@@ -8,9 +8,10 @@
 //! | LP | v | F_x v = 0, (v·v − 1)/2 = 0 |
 //! | HB | ω | Re F_j(iω) = Im F_j(iω) = 0 |
 //! | PD, NS | | det(M + 1) = 0; ∏(1 − μᵢμⱼ) = 0 over pairs |
+//! | BP of a symmetric orbit | | det(H + 1) = 0; F of half the orbit, which closes at its image |
 //!
 //! (Moore and Spence for the fold; F_j is the characteristic function of Bloch sector j, M the linearised motion
-//! over a period with the multipliers μ.) An orbit is posed in one parameter: posed in p₁ it gives all columns but
+//! over a period with the multipliers μ, H that over half of it with the image at its end.) An orbit is posed in one parameter: posed in p₁ it gives all columns but
 //! the last, posed in p₂ the last.
 //!
 //! Derivatives of F and m are exact. Those of F_x v, of F_j and of M in x, p₁, p₂ are central differences:
@@ -150,6 +151,11 @@ impl<P: Plane> EventSystem<P> {
             let (orbit, own) = self.orbit(point, index)?;
             let mut matrix = Matrix::zeros(count, count + 1);
             orbit.evaluate(&own, residual.as_mut_slice(), &mut matrix)?;
+            if let Condition::Spectral(spectral) = &self.condition {
+                let residual = residual.as_mut_slice();
+                self.plane
+                    .restrict(spectral, &orbit, &own, residual, &mut matrix);
+            }
             if index == 0 {
                 all.columns_mut(0, count)
                     .copy_from(&matrix.columns(0, count));

@@ -502,7 +502,14 @@ fn crossings<O: Orbit>(
             Some(orbit.across_folds(index, value, node))
         };
         let ends = ((low.0, before), (high.0, after));
-        let (place, _) = locate::zero_along(orbit, step.from, ends, small, tolerance, value)?;
+        let regular = orbit.zero_of(index, step.from, [low.0, high.0], tolerance);
+        let (place, known) = match regular {
+            Some((place, known)) => (place, Some(known)),
+            None => {
+                let found = locate::zero_along(orbit, step.from, ends, small, tolerance, value)?;
+                (found.0, None)
+            }
+        };
         let node = &place.node;
         if orbit.crossing(index, node).is_none() && orbit.repeats(node).is_none() {
             continue;
@@ -511,7 +518,7 @@ fn crossings<O: Orbit>(
             normal: &step.from.tangent,
             through: &place.node.point,
         };
-        let rounding = uncertainty(orbit, &mut plane, &place);
+        let rounding = known.unwrap_or_else(|| uncertainty(orbit, &mut plane, &place));
         // beside a homoclinic orbit a step moves the parameter by less than it is known to: its zeros are rounding
         let last = node.point.len() - 1;
         let moved = [step.from, step.to].map(|end| (end.point[last] - node.point[last]).abs());

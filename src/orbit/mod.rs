@@ -279,6 +279,19 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
+    /// Where a function of [`Examined::tests`] vanishes between two arclengths of the step that sets out from a node, and
+    /// the error of the parameter there, by equations that are regular where those of the orbit are singular. `None` where
+    /// there are none.
+    fn zero_of(
+        &self,
+        _test: usize,
+        _from: &Node,
+        _ends: [f64; 2],
+        _tolerance: f64,
+    ) -> Option<(Place, f64)> {
+        None
+    }
+
     /// The function of [`Examined::tests`] of this place at a node, without the zero that it has at every fold.
     fn across_folds(&self, _test: usize, value: f64, _node: &Node) -> f64 {
         value

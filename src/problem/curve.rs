@@ -47,6 +47,8 @@ pub enum SystemCurveEvent {
     PD,
     /// A pair of multipliers is on the unit circle.
     NS,
+    /// A symmetric orbit loses its symmetry.
+    BP,
     /// A guard is touched from inside.
     GR,
     /// Two switches coalesce.
@@ -69,6 +71,7 @@ impl SystemCurveEvent {
             SystemCurveEvent::LP => Some(EventType::LP),
             SystemCurveEvent::PD => Some(EventType::PD),
             SystemCurveEvent::NS => Some(EventType::NS),
+            SystemCurveEvent::BP => Some(EventType::BP),
             SystemCurveEvent::GR => Some(EventType::GR),
             SystemCurveEvent::CO => Some(EventType::CO),
             SystemCurveEvent::SL => Some(EventType::SL),
@@ -96,7 +99,7 @@ impl CurveEvent {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curve<P = Parameter, E = CurveEvent> {
-    /// LP, GR, RV, CO, ST or HB, or a label of a result folder; of a system LP, PD, NS, GR, CO or SL.
+    /// LP, GR, RV, CO, ST or HB, or a label of a result folder; of a system LP, PD, NS, BP, GR, CO or SL.
     pub event: E,
     /// Which of its type along the branch, from 1.
     #[serde(default = "one")]

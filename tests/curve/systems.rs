@@ -11,6 +11,7 @@ use brakewave::problem::{Any, SystemProblem, parse_any};
 use crate::curve::observed;
 
 const BALL: &str = include_str!("../../problems/bouncing_ball.ron");
+const CHUA: &str = include_str!("../../problems/chua.ron");
 const IMPACT: &str = include_str!("../../problems/impact_oscillator.ron");
 
 /// A problem file with other lines for its start, its branch and its curve.
@@ -406,4 +407,77 @@ fn places_between_fold_and_graze() {
         assert_eq!(region.name.to_string(), name, "{:?}", region.place);
     }
     assert!(regions.len() > 2, "{}", regions.len());
+}
+
+/// A symmetric orbit of Chua's circuit, followed to where it loses its symmetry.
+fn symmetric(values: &[(&str, &str)], curve: &str) -> SystemProblem {
+    let clock = if values.len() > 3 { "\"s\": 0.0, " } else { "" };
+    let start = format!(
+        "start: Given(mode: \"upper\", state: {{{clock}\"x\": 1.0, \"y\": 0.0937, \"z\": -0.8123}}, period: 4.6152)"
+    );
+    let branch = "parameter: \"alpha\", range: (13.5, 15.5), toward: Down";
+    problem(
+        CHUA,
+        values,
+        &start,
+        branch,
+        &format!("event: BP, parameters: {curve}"),
+    )
+}
+
+/// The loss of symmetry of Chua's circuit moves along a curve through the figure of an independent program, and where the
+/// curve ends a run in one parameter finds the same.
+#[test]
+fn loss_of_symmetry_in_two_parameters() {
+    let plane = "(\"alpha\", \"beta\"), range: ((13.0, 14.5), (14.2, 14.4))";
+    let curve = curve(&symmetric(&[("alpha\": 7.5", "alpha\": 13.74")], plane));
+    let [first] = of(&curve, PointType::One(EventType::BP))[..] else {
+        panic!("it begins with one");
+    };
+    let off = (first.parameters[0] - 13.728_817_274_033_318).abs();
+    observed("loss of symmetry of Chua's circuit", off);
+    assert!(off < 1e-11, "{off:e}");
+    let [_, last] = of(&curve, PointType::One(EventType::EP))[..] else {
+        panic!("two ends");
+    };
+    assert_eq!(last.parameters[1], 14.4);
+    let there = [
+        ("alpha\": 7.5", "alpha\": 13.848"),
+        ("beta\": 14.3", "beta\": 14.4"),
+    ];
+    let found = start(&symmetric(&there, plane)).unwrap();
+    let [alpha, _] = found.system.values(&found.point);
+    assert!((alpha - last.parameters[0]).abs() < 1e-11, "{alpha}");
+    assert!(curve.points.iter().all(|point| point.residual < 1e-12));
+}
+
+/// Where a clock runs in every mode from zero on, the image keeps its sign, and nothing else is changed.
+#[test]
+fn an_image_may_keep_a_sign() {
+    let clock = [
+        ("alpha\": 7.5", "alpha\": 13.74"),
+        ("\"z\"]", "\"z\", \"s\"]"),
+        ("rates: {", "rates: {\"s\": \"1\", "),
+        ("er\")", "er\", reset: {\"s\": \"0\"})"),
+    ];
+    let plane = "(\"alpha\", \"beta\"), range: ((13.0, 14.5), (14.2, 14.4))";
+    let found = start(&symmetric(&clock, plane)).unwrap();
+    let [alpha, _] = found.system.values(&found.point);
+    assert!((alpha - 13.728_817_274_033_318).abs() < 1e-11, "{alpha}");
+    let run = Run::begin(&found.system, found.event, &found.point, found.limits);
+    assert!(run.is_ok());
+}
+
+/// With a parameter that takes the symmetry away the event is a point of the plane.
+#[test]
+fn no_curve_without_symmetry() {
+    let biased = [
+        ("alpha\": 7.5", "alpha\": 13.74"),
+        ("857142857142857}", "857142857142857, \"d\": 0.0}"),
+        ("alpha*(y - m*x)", "alpha*(y - m*x) + d"),
+    ];
+    let plane = "(\"alpha\", \"d\"), range: ((13.0, 14.5), (-0.1, 0.1))";
+    let refused = start(&symmetric(&biased, plane)).unwrap_err();
+    let parameter = "d".to_owned();
+    assert_eq!(refused, NoCurve::Unfolds { parameter });
 }

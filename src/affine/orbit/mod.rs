@@ -25,6 +25,7 @@ pub mod signature;
 pub mod start;
 mod structure;
 pub mod switch;
+pub mod symmetry;
 
 use std::fmt;
 use std::sync::Arc;
@@ -33,6 +34,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::affine::system::DEFAULT_FLOW_TOLERANCE;
 use crate::continuation::Node;
+use crate::continuation::locate::Place;
 use crate::continuation::newton;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::{Candidate, EventType, Examined, Orbit};
@@ -459,6 +461,16 @@ impl Orbit for AffineOrbit {
             Some((point.clone(), error))
         };
         self.hopf(point).or_else(beside)
+    }
+
+    fn zero_of(
+        &self,
+        test: usize,
+        from: &Node,
+        ends: [f64; 2],
+        tolerance: f64,
+    ) -> Option<(Place, f64)> {
+        (test == 1).then(|| self.symmetry_lost(from, ends, tolerance))?
     }
 
     /// det(M − 1) vanishes at folds, as the parameter along the unit tangent does; their quotient does not.

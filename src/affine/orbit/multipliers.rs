@@ -148,11 +148,30 @@ impl OrbitAt<'_> {
         }
     }
 
-    /// The linearised motion over a period; `None` where it is infinite, at a graze.
-    pub(super) fn monodromy(&self, passages: &[Passage]) -> Option<Monodromy> {
+    fn links(&self, passages: &[Passage]) -> Vec<Link> {
         let passages = passages.iter().enumerate();
         let links = passages.map(|(zone, passage)| self.link(zone, passage));
-        let links: Vec<Link> = links.collect();
+        links.collect()
+    }
+
+    /// The linearised motion over half a period, with the image at its end: some states change their sign.
+    pub(super) fn half_monodromy(&self, passages: &[Passage], signs: &Vector) -> Option<Monodromy> {
+        let mut links = self.links(passages);
+        let last = links.last_mut()?;
+        let image = Matrix::from_diagonal(signs);
+        last.jump = &image * &last.jump;
+        last.after.component_mul_assign(signs);
+        last.backward = last.backward.take().map(|back| back * &image);
+        self.over(&links)
+    }
+
+    /// The linearised motion over a period; `None` where it is infinite, at a graze.
+    pub(super) fn monodromy(&self, passages: &[Passage]) -> Option<Monodromy> {
+        self.over(&self.links(passages))
+    }
+
+    /// The linearised motion over links in a row.
+    fn over(&self, links: &[Link]) -> Option<Monodromy> {
         let finite = |matrix: &Matrix| matrix.iter().all(|x| x.is_finite());
         if !links
             .iter()
@@ -183,7 +202,7 @@ impl OrbitAt<'_> {
                 )
             }
             None => {
-                let (basis, factors) = reduced(&links, n);
+                let (basis, factors) = reduced(links, n);
                 let rank = basis.ncols();
                 let matrix = factors
                     .iter()

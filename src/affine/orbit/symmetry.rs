@@ -1,0 +1,193 @@
+//! Orbits that are their own image: half a period later some states have the other sign, the others the same.
+//!
+//! Where they lose this symmetry the multiplier of their half, with the image at its end, is −1: that of the orbit
+//! passes 1, the parameter does not turn back, and the equations are singular. Those of half the orbit are not.
+
+use super::layout::{AffineOrbit, OrbitFailure};
+use super::multipliers::Monodromy;
+use crate::continuation::Node;
+use crate::continuation::locate::{self, Place};
+use crate::continuation::newton::{self, Plane, System};
+use crate::linalg::{self, Matrix, Vector};
+use crate::orbit::Orbit;
+
+/// A located event is its own image to this in scaled unknowns: at a threefold zero Newton's method comes to the
+/// cube root of rounding.
+const IMAGE: f64 = 1e-4;
+
+/// An orbit of half the equations solves all of them to this, and they are singular to this part of the largest
+/// singular value.
+const SOLVED: f64 = 1e-9;
+const SINGULAR: f64 = 1e-7;
+
+/// The states that keep their sign in an image, bit by bit: there are fewer than 64. At least one does not.
+pub type Kept = u64;
+
+/// The equations of half a symmetric orbit.
+struct Half<'a> {
+    orbit: &'a AffineOrbit,
+    kept: Kept,
+}
+
+impl System for Half<'_> {
+    type Failure = OrbitFailure;
+
+    fn unknowns(&self) -> usize {
+        self.orbit.unknowns()
+    }
+
+    fn evaluate(
+        &self,
+        point: &Vector,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+    ) -> Result<(), OrbitFailure> {
+        self.orbit.evaluate(point, residual, jacobian)?;
+        self.orbit
+            .close_at_image(self.kept, point, residual, jacobian);
+        Ok(())
+    }
+}
+
+/// The sign of a state in an image.
+fn sign(kept: Kept, state: usize) -> f64 {
+    if kept >> state & 1 == 1 { 1.0 } else { -1.0 }
+}
+
+impl AffineOrbit {
+    /// The image under which an orbit is its own half a period later, as far as a located event may tell. A state that is
+    /// zero at every entry is told by its rate.
+    pub fn symmetry(&self, point: &Vector) -> Option<Kept> {
+        let half = self.zones_of_half()?;
+        let at = self.at(point).ok()?;
+        let scales = &self.setting.scales;
+        let rates = (0..self.zones()).map(|zone| at.mode(zone).matrix.at.clone() * at.entry(zone));
+        let rates: Vec<Vector> = rates.collect();
+        let is = |state: usize, sign: f64| {
+            let unit = scales.states[state];
+            (0..half).all(|zone| {
+                let place = |zone: usize| at.zones[zone].state[state] / unit;
+                let rate = |zone: usize| rates[zone][state] * scales.time / unit;
+                let values = (place(zone + half) - sign * place(zone)).abs();
+                let slopes = (rate(zone + half) - sign * rate(zone)).abs();
+                values <= IMAGE && slopes <= IMAGE * rate(zone).abs().max(1.0)
+            })
+        };
+        let mut kept = 0;
+        for state in 0..self.states() {
+            if is(state, -1.0) {
+                continue;
+            }
+            kept |= u64::from(is(state, 1.0)) << state;
+            if sign(kept, state) < 0.0 {
+                return None;
+            }
+        }
+        let turns = (0..self.states()).any(|state| sign(kept, state) < 0.0);
+        let durations = (0..half)
+            .map(|zone| point[self.duration_index(zone + half)] - point[self.duration_index(zone)]);
+        let alike = durations.fold(0.0, |most: f64, off| most.max(off.abs())) <= IMAGE;
+        (turns && alike).then_some(kept)
+    }
+
+    /// Where a symmetric orbit loses its symmetry between two arclengths of a step, and the error of the parameter there.
+    pub(super) fn symmetry_lost(
+        &self,
+        from: &Node,
+        [low, high]: [f64; 2],
+        tolerance: f64,
+    ) -> Option<(Place, f64)> {
+        let kept = self.symmetry(&from.point)?;
+        let half = Half { orbit: self, kept };
+        let test = |node: &Node| {
+            let monodromy = self.half_monodromy(kept, &node.point).ok()??;
+            Some(monodromy.tests(&monodromy.multipliers())[0])
+        };
+        let at = |s: f64| Some((s, test(&locate::node_at(&half, from, s, tolerance)?)?));
+        let (low, high) = (at(low)?, at(high)?);
+        if low.1 * high.1 >= 0.0 {
+            return None;
+        }
+        let small = (0.0, 4.0 * f64::EPSILON * (high.0 - low.0));
+        let (place, _) = locate::zero_along(&half, from, (low, high), small, tolerance, test)?;
+        let point = &place.node.point;
+        let mut plane = Plane {
+            normal: &from.tangent,
+            through: point,
+        };
+        let matrix = newton::bordered(&half, &mut plane, point).ok()?.matrix;
+        let rounding = newton::rounding(&matrix, &point.abs(), None)?[point.len() - 1];
+        let error = rounding * self.unit().abs();
+        Some((place, error))
+    }
+
+    /// Number of zones in half a period, where the second half may be the image of the first.
+    fn zones_of_half(&self) -> Option<usize> {
+        let even = self.zones().is_multiple_of(2);
+        let odd = !self.is_forced() || self.setting.periods % 2 == 1;
+        (even && odd).then_some(self.zones() / 2)
+    }
+
+    /// Puts in the place of the equations of the second half that it is the image of the first.
+    pub fn close_at_image(
+        &self,
+        kept: Kept,
+        point: &Vector,
+        residual: &mut [f64],
+        matrix: &mut Matrix,
+    ) {
+        let half = self.width() * self.zones_of_half().unwrap_or(0);
+        matrix.rows_mut(half, half).fill(0.0);
+        for index in 0..half {
+            let place = index % self.width();
+            let sign = if place == self.states() {
+                1.0
+            } else {
+                sign(kept, place)
+            };
+            residual[half + index] = point[half + index] - sign * point[index];
+            matrix[(half + index, index)] = -sign;
+            matrix[(half + index, half + index)] = 1.0;
+        }
+    }
+
+    /// Whether symmetric orbits go on with the parameter from where one loses its symmetry: the derivative of the
+    /// equations has nothing of their left null vector there, which changes its sign in the image.
+    pub fn keeps_symmetry(&self, point: &Vector) -> bool {
+        newton::jacobian(self, point).is_ok_and(|(matrix, _)| {
+            let count = matrix.nrows();
+            let square = matrix.columns(0, count).clone_owned();
+            let by = matrix.column(count);
+            let least = linalg::least(&square);
+            least.is_some_and(|least| least.left.dot(&by).abs() <= IMAGE * by.norm())
+        })
+    }
+
+    /// Whether a symmetric orbit of half the equations solves all of them, with a multiplier 1.
+    pub fn loses_symmetry(&self, point: &Vector) -> bool {
+        newton::jacobian(self, point).is_ok_and(|(matrix, residual)| {
+            let square = matrix.columns(0, matrix.nrows()).clone_owned();
+            let least = linalg::least(&square);
+            let singular = least.is_some_and(|least| least.value <= SINGULAR * least.largest);
+            residual <= SOLVED && singular
+        })
+    }
+
+    /// The linearised motion over half a period, with the image at its end; `None` where it is infinite or there is
+    /// no half.
+    ///
+    /// # Errors
+    /// The flow cannot be evaluated there.
+    pub fn half_monodromy(
+        &self,
+        kept: Kept,
+        point: &Vector,
+    ) -> Result<Option<Monodromy>, OrbitFailure> {
+        let at = self.at(point)?;
+        let half = self.zones_of_half().unwrap_or(0);
+        let passages = (0..half).map(|zone| at.passage(zone, at.zones[zone].duration));
+        let passages: Vec<_> = passages.collect::<Result<_, _>>()?;
+        let signs = Vector::from_fn(self.states(), |state, _| sign(kept, state));
+        Ok(at.half_monodromy(&passages, &signs))
+    }
+}
