@@ -14,6 +14,8 @@ pub struct Equilibrium {
     pub state: Vec<f64>,
     /// Eigenvalues of ∂f/∂x, the fastest growing first; a sliding mode has one zero for the direction it takes away.
     pub eigenvalues: Vec<Complex<f64>>,
+    /// ∂f/∂x.
+    pub slopes: Matrix,
     /// The guard that is negative there, the most negative one: the equilibrium is virtual. `None` where it is
     /// admissible.
     pub violated: Option<usize>,
@@ -95,8 +97,11 @@ impl AffineSystem {
             .ok_or(NoEquilibrium::NotFound)
     }
 
-    /// The equilibrium of a mode that Newton's method finds from a state.
+    /// The equilibrium of a mode that Newton's method finds from a state; of an affine mode the only one.
     pub(super) fn equilibrium_near(&self, mode: usize, state: &[f64]) -> Option<Equilibrium> {
+        if self.modes[mode].field.is_exact {
+            return self.equilibria(mode).ok()?.pop();
+        }
         let mut state = Vector::from_column_slice(state);
         let slopes = self.settle(mode, &mut state)?;
         Some(self.equilibrium(mode, &state, &slopes))
@@ -169,6 +174,7 @@ impl AffineSystem {
             mode,
             state,
             eigenvalues,
+            slopes: slopes.clone(),
             violated: worst
                 .filter(|(_, value)| *value < 0.0)
                 .map(|(guard, _)| guard),

@@ -32,10 +32,13 @@ pub enum OrbitStop {
     },
     /// The period grows without bound.
     Unbounded,
-    /// It does, beside a saddle that the orbit leaves and returns to in the limit.
+    /// It does, beside a saddle that the orbit leaves and returns to in the limit, from others where it comes to more.
     Homoclinic {
         /// Name of the mode of the saddle.
         mode: String,
+        /// Name of the mode of the next saddle, where it leads to another one.
+        #[serde(default)]
+        next: Option<String>,
         /// The parameter of that orbit, where it is known.
         #[serde(default)]
         limit: Option<f64>,
@@ -101,12 +104,22 @@ impl fmt::Display for OrbitStop {
                 "beyond it nothing switches: a family of orbits at one value of the parameter"
             ),
             OrbitStop::Unbounded => write!(formatter, "the period grows without bound"),
-            OrbitStop::Homoclinic { mode, limit } => {
+            OrbitStop::Homoclinic { mode, next, limit } => {
                 write!(
                     formatter,
-                    "the period grows without bound: the orbit comes to one that leaves the saddle of `{mode}` and \
-                     returns to it, a homoclinic orbit"
+                    "the period grows without bound: the orbit comes to "
                 )?;
+                match next {
+                    None => write!(
+                        formatter,
+                        "one that leaves the saddle of `{mode}` and returns to it, a homoclinic orbit"
+                    )?,
+                    Some(next) => write!(
+                        formatter,
+                        "a cycle of connections between saddles, from that of `{mode}` to that of `{next}` first, a \
+                         heteroclinic cycle"
+                    )?,
+                }
                 match limit {
                     Some(limit) => write!(formatter, " at {limit}"),
                     None => Ok(()),
@@ -179,13 +192,17 @@ const SETTLED: f64 = 1e-4;
 const DIGITS: f64 = 18.0;
 
 /// A stay beside a saddle.
-struct Stay {
+pub(super) struct Stay {
+    /// Its zone.
+    pub zone: usize,
     /// Name of its mode.
-    mode: String,
+    pub mode: String,
+    /// The saddle.
+    pub rest: Vec<f64>,
     /// How much a perturbation grows meanwhile, as a power of e.
-    growth: f64,
+    pub growth: f64,
     /// Time in which the slowest decay falls by a factor e, or turns by half.
-    turn: f64,
+    pub turn: f64,
 }
 
 impl AffineOrbit {
@@ -196,35 +213,42 @@ impl AffineOrbit {
     }
 
     /// The saddle beside which an orbit without forcing spends its longest zone.
-    fn stay(&self, point: &Vector) -> Option<Stay> {
+    fn longest_stay(&self, point: &Vector) -> Option<Stay> {
+        self.stay(point, self.longest(point)?)
+    }
+
+    /// The saddle beside which an orbit without forcing spends a zone.
+    fn stay(&self, point: &Vector, zone: usize) -> Option<Stay> {
         /// It comes as near as this, in units of the states, and half way in time between decay and growth.
         const NEAR: f64 = 1e-2;
         if self.is_forced() {
             return None;
         }
         let at = self.at(point).ok()?;
-        let longest = self.longest(point)?;
-        let Zone { mode, name, .. } = self.sequence.zone(longest);
+        let Zone { mode, name, .. } = self.sequence.zone(zone);
         let units = &self.setting.scales.states;
-        let list = at.posed.system.equilibria(*mode).ok()?;
-        list.into_iter().find_map(|equilibrium| {
-            let values = &equilibrium.eigenvalues;
-            let growing = values.first().filter(|value| value.re > 0.0)?.re;
-            let decaying = values.iter().find(|value| value.re < 0.0)?;
-            let decay = -decaying.re;
-            let time = at.zones[longest].duration;
-            let half_way = time * growing / (growing + decay);
-            let z = at.passage(longest, half_way).ok()?.end;
-            let mut off = z.iter().zip(&equilibrium.state).zip(units);
-            off.all(|((x, rest), unit)| (x - rest).abs() < NEAR * unit)
-                .then(|| Stay {
-                    mode: name.clone(),
-                    growth: growing * time,
-                    turn: match decaying.im.abs() {
-                        0.0 => decay.recip(),
-                        turns => PI / turns,
-                    },
-                })
+        let time = at.zones[zone].duration;
+        let place = |time: f64| Some(at.passage(zone, time).ok()?.end);
+        // so long a stay is near it in its middle, too
+        let middle = place(0.5 * time)?;
+        let system = &at.posed.system;
+        let equilibrium = system.equilibrium_near(*mode, &middle.as_slice()[..units.len()])?;
+        let values = &equilibrium.eigenvalues;
+        let growing = values.first().filter(|value| value.re > 0.0)?.re;
+        let decaying = values.iter().find(|value| value.re < 0.0)?;
+        let decay = -decaying.re;
+        let half_way = place(time * growing / (growing + decay))?;
+        let mut off = half_way.iter().zip(&equilibrium.state).zip(units);
+        let is_near = off.all(|((x, rest), unit)| (x - rest).abs() < NEAR * unit);
+        is_near.then(|| Stay {
+            zone,
+            mode: name.clone(),
+            growth: growing * time,
+            turn: match decaying.im.abs() {
+                0.0 => decay.recip(),
+                turns => PI / turns,
+            },
+            rest: equilibrium.state,
         })
     }
 
@@ -240,7 +264,7 @@ impl AffineOrbit {
         if !free || along >= NEARLY_STATIONARY || growth <= GROWING {
             return None;
         }
-        let Some(stay) = self.stay(&node.point) else {
+        let Some(stay) = self.longest_stay(&node.point) else {
             return (along < stationary).then_some(OrbitStop::Unbounded);
         };
         // of a unit of the branch, of which a step is a small part
@@ -416,7 +440,7 @@ impl AffineOrbit {
             .or_else(|| self.rests(node, NEARLY_AT_REST))
             .or_else(|| self.stalls(&node.point, NEARLY_AT_REST))
             .or_else(|| {
-                let stay = self.stay(&node.point)?;
+                let stay = self.longest_stay(&node.point)?;
                 (stay.growth > DIGITS).then(|| self.comes_to(stay, node))
             })
     }
@@ -428,15 +452,17 @@ impl AffineOrbit {
         self.last_turn(node).unwrap_or(slope)
     }
 
-    /// The homoclinic orbit of a stay.
+    /// The homoclinic orbit of a stay, or the cycle of connections where there are others on the way round.
     fn comes_to(&self, stay: Stay, node: &Node) -> OrbitStop {
         let here = self.parameter_at(&node.point);
+        let zones = (1..self.zones()).map(|zone| (stay.zone + zone) % self.zones());
+        let next = zones.filter_map(|zone| self.stay(&node.point, zone)).next();
         let most = self.left_beside_a_saddle(node) * self.setting.scales.parameter;
         let near = |limit: &f64| (limit - here).abs() <= most;
-        let limit = self.longest(&node.point);
-        let limit = limit.and_then(|zone| self.homoclinic(zone, here));
+        let limit = self.connection([&stay, next.as_ref().unwrap_or(&stay)], here);
         OrbitStop::Homoclinic {
             limit: limit.filter(near),
+            next: next.map(|next| next.mode),
             mode: stay.mode,
         }
     }
@@ -447,7 +473,7 @@ impl AffineOrbit {
         const STEP: f64 = 0.02;
         const COARSE: f64 = 1e-6;
         const MOST: usize = 200;
-        let turn = self.stay(&node.point)?.turn / self.setting.scales.time;
+        let turn = self.longest_stay(&node.point)?.turn / self.setting.scales.time;
         let period = |node: &Node| -> f64 {
             let durations = (0..self.zones()).map(|zone| node.point[self.duration_index(zone)]);
             durations.sum()
