@@ -130,7 +130,7 @@ impl Plane for Orbits {
     type Beside = ();
 
     const ORBIT: &'static str = "orbit";
-    const ALL_STEPS: usize = 600;
+    const ALL_STEPS: usize = 1800;
     const LONGEST_BESIDE: f64 = f64::INFINITY;
     const MEASURE: &'static str = "period";
     const ANGULAR: &'static str = "angle";
