@@ -114,6 +114,9 @@ const PIECES: usize = 1000;
 const SHORTEST: f64 = 1e-7;
 /// The end is tried from so many lengths of a piece away.
 const REACH: f64 = 16.0;
+/// A point is not about to reach the end where an unknown is so many times farther from it, in units, than the coordinate: that
+/// passes its value there on the way.
+const PASSES: f64 = 1000.0;
 /// Tubes are at least this much wider than the points between them are known, and than this in units of the
 /// unknowns.
 const WIDER: f64 = 8.0;
@@ -269,7 +272,10 @@ fn follow<C: Curve>(
         let left = (last.near[coordinate] - joint.near[coordinate]) * direction;
         let shortest = SHORTEST * whole(coordinate).abs().max(SHORTEST * unit);
         let mut length = longest.min(unit);
-        if left > 0.0 {
+        let apart =
+            |index: &usize| (last.near[*index] - joint.near[*index]).abs() / curve.units()[*index];
+        let far = coordinates.iter().map(apart).fold(0.0, f64::max);
+        if left > 0.0 && far < PASSES * left / unit {
             length = length.min(0.5 * left);
             if count > 0 && left < REACH * length {
                 match piece(curve, [&joint, last], coordinate, direction, Some(1)) {
