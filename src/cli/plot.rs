@@ -169,11 +169,11 @@ fn plot_orbits(
     }
     if arguments.view() {
         refuse_drawn(arguments, store, format)?;
-        let first = problem.system.source.states.first();
-        let column = first.map_or("period".to_owned(), |state| format!("max_{state}"));
-        let (x, view) = (arguments.x.as_deref(), arguments.shown(&column));
+        let (x, shown) = (arguments.x.as_deref(), |column: &str| {
+            arguments.shown(column)
+        });
         return list(&pictures::orbits::draw_view(
-            store, &problem, x, &view, format,
+            store, &problem, x, shown, format,
         )?);
     }
     // a run that asked for no pictures still has its diagram

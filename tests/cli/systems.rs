@@ -285,6 +285,9 @@ fn a_branch_of_orbits_is_followed_through_its_graze() {
     ] {
         assert!(bench.path("out").join(name).exists(), "{name}");
     }
+    // the mass is held at the stop: its greatest x says nothing
+    let diagram = std::fs::read_to_string(bench.path("out/diagram.svg")).unwrap();
+    assert!(diagram.contains("min x") && !diagram.contains("max x"));
 }
 
 /// Another run, a resumed run, and one on from a label: the same orbits.

@@ -6,7 +6,8 @@ use crate::output::render::{
 };
 use plotters::style::RGBColor;
 
-use super::names::{event, event_mark, quantity, short_signature, signature_colour};
+use super::colours::RARE;
+use super::names::{event, event_mark, quantity, sequence, short_signature, signature_colour};
 use super::tables::{Tables, column, kind, number};
 use crate::orbit::EventType;
 use crate::orbit::Stability;
@@ -327,12 +328,16 @@ fn bands<'a>(stretches: &[Stretch<'a>]) -> Vec<Band<'a>> {
 }
 
 /// Pale bands behind the curve with their names above them.
-fn named_bands(bands: &[Band<'_>], signatures: &[&str]) -> Vec<Layer> {
+fn named_bands(
+    bands: &[Band<'_>],
+    signatures: &[&str],
+    colour: &dyn Fn(&str) -> RGBColor,
+) -> Vec<Layer> {
     if bands.is_empty() {
         return Vec::new();
     }
     let cell = |band: &Band<'_>| {
-        let colour = mix(WHITE, signature_colour(band.signature), BAND);
+        let colour = mix(WHITE, colour(band.signature), BAND);
         Cell::upright(band.ends[0], band.ends[1], colour)
     };
     let heading = |band: &Band<'_>| {
@@ -389,9 +394,14 @@ pub(super) fn picture(tables: &Tables, view: &View) -> Result<Picture, StoreErro
     }
     let colour = |signature: &str| match signature {
         "" => BLACK,
-        signature => signature_colour(signature),
+        // modes of a user's own have no colour of their own
+        of_modes if sequence(of_modes).contains(&None) => {
+            let place = signatures.iter().position(|known| *known == of_modes);
+            RARE[place.unwrap_or(0) % RARE.len()]
+        }
+        of_regimes => signature_colour(of_regimes),
     };
-    let mut layers = named_bands(&bands, &signatures);
+    let mut layers = named_bands(&bands, &signatures, &colour);
     for stretch in &stretches {
         let pen = stretch.standing.pen(colour(stretch.signature));
         let points = stretch.points.clone();

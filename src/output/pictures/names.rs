@@ -92,7 +92,7 @@ pub(super) fn event(kind: EventType) -> &'static str {
         EventType::RV => "reverse slip",
         EventType::CO => "coalescence",
         EventType::ST => "stick vanishes",
-        EventType::SL => "leads elsewhere",
+        EventType::SL => "switch condition",
     }
 }
 

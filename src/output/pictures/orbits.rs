@@ -22,6 +22,10 @@ const MOST: usize = 6;
 
 const WIDTH: f64 = 1.8;
 
+/// Points along a branch differ by less than this share of the largest value where a column stays the same: far
+/// above rounding, far below what a picture shows.
+const STILL: f64 = 1e-9;
+
 /// What an empty picture says.
 const NONE: &str = "no orbit was sampled: ask for `profiles` in `output`";
 const UNKNOWN: &str = "no multiplier is known: ask for `stability: ()`";
@@ -68,7 +72,8 @@ pub(crate) fn draw(
     )
 }
 
-/// Draws one column of the branch over another one, or over the parameter.
+/// Draws one column of the branch over another one, or over the parameter. `shown` is the view, given the
+/// column that a diagram shows unless told otherwise.
 ///
 /// # Errors
 /// As [`draw`].
@@ -76,14 +81,15 @@ pub(crate) fn draw_view(
     store: &Store,
     problem: &SystemProblem,
     x: Option<&str>,
-    view: &View,
+    shown: impl Fn(&str) -> View,
     format: Format,
 ) -> Result<Vec<PathBuf>, PlotError> {
     let section = problem.continuation.as_ref();
     let parameter = section.map_or("", |section| section.parameter.as_str());
     let tables = Tables::read(store.path(), x.unwrap_or(parameter))?;
+    let view = shown(&ordinate(&problem.system.source, &tables.branch));
     tables.check_column(&view.column)?;
-    let drawn = diagram::picture(&tables, view)?;
+    let drawn = diagram::picture(&tables, &view)?;
     let subtitle = constants(&problem.system.source, &[parameter]);
     let drawn = drawn.titled(problem.title.as_deref()).subtitled(&subtitle);
     put(store, None, format, [(layout::VIEW.to_owned(), Ok(drawn))])
@@ -115,11 +121,8 @@ fn describe(
 ) -> Result<Picture, StoreError> {
     match plot {
         SystemPlot::Diagram => {
-            let first = source
-                .states
-                .first()
-                .map_or("period".to_owned(), |state| format!("max_{state}"));
-            diagram::picture(tables, &View::whole(&first))
+            let column = ordinate(source, &tables.branch);
+            diagram::picture(tables, &View::whole(&column))
         }
         SystemPlot::Column(name) => diagram::picture(tables, &View::whole(name)),
         SystemPlot::Phase(one, other) => Ok(curves(orbits, one, other, &tables.parameter)),
@@ -130,6 +133,24 @@ fn describe(
             Ok(circle(table.as_ref(), tables))
         }
     }
+}
+
+/// The column that a diagram shows: the greatest value of the first state, unless it stays the same along most of
+/// the branch, as at a stop; then the first of its least value and those of the other states that does not.
+fn ordinate(source: &Source, branch: &Table) -> String {
+    let extremes = |state: &String| [format!("max_{state}"), format!("min_{state}")];
+    let mut columns = source.states.iter().flat_map(extremes);
+    let changes = |name: &String| {
+        let values = column(branch, name);
+        let size = values
+            .iter()
+            .fold(0.0, |size: f64, value| size.max(value.abs()));
+        let still = |pair: &&[f64]| (pair[1] - pair[0]).abs() <= STILL * size;
+        2 * values.windows(2).filter(still).count() < values.len()
+    };
+    let first = columns.clone().next();
+    let chosen = columns.find(changes).or(first);
+    chosen.unwrap_or("period".to_owned())
 }
 
 /// The parameters that stay as they are.

@@ -230,6 +230,26 @@ fn bands_are_where_their_waves_are() {
     );
 }
 
+/// Sequences of a user's own modes differ in colour within a picture.
+#[test]
+fn sequences_of_modes_have_colours() {
+    let names = [
+        "plus-minus",
+        "plus-slide-minus-slide",
+        "plus-minus-plus-minus",
+    ];
+    let rows: Vec<String> = (0..6)
+        .map(|place| {
+            let row = row("", "", 0.1 * f64::from(place), "yes", 1);
+            row.replace("slip-stick", names[place as usize / 2])
+        })
+        .collect();
+    let pens = pens(&picture(&folder(&rows), Plot::Diagram));
+    let mut colours: Vec<_> = pens.iter().map(|pen| pen.colour).collect();
+    colours.dedup();
+    assert_eq!(colours.len(), names.len());
+}
+
 /// Values far apart get a logarithmic axis, unless one is asked for or not.
 #[test]
 fn wide_branches_have_a_logarithmic_axis() {
