@@ -59,6 +59,7 @@ pub(crate) fn halt(system: &System, halt: &Halt) -> String {
         Halt::Chattering { .. } => {
             format!("{words}; `rest` of a switch names the mode that begins there")
         }
+        Halt::Fast { .. } => format!("{words}; ask for less time, or scale what is so fast"),
         _ => words,
     }
 }

@@ -89,6 +89,13 @@ pub enum Halt {
         /// The guard that ends it.
         guard: usize,
     },
+    /// The flow is so fast that the time asked for would take too many pieces of it.
+    Fast {
+        /// Its time.
+        time: f64,
+        /// Length of a piece.
+        piece: f64,
+    },
     /// The state grows beyond all numbers, or comes to where an expression has no value.
     Unbounded {
         /// Time of the last state that was finite.
@@ -103,7 +110,7 @@ impl Halt {
             Halt::NoExit { mode, guard, .. }
             | Halt::Undecided { mode, guard, .. }
             | Halt::Livelock { mode, guard, .. } => Some((mode, guard)),
-            Halt::Chattering { .. } | Halt::Unbounded { .. } => None,
+            Halt::Chattering { .. } | Halt::Fast { .. } | Halt::Unbounded { .. } => None,
         }
     }
 
@@ -112,22 +119,26 @@ impl Halt {
         match self {
             Halt::NoExit { time, .. } => {
                 format!(
-                    "at t = {time} {guard} of {mode} is zero, and no `if` of its switches holds"
+                    "at t = {time:?} {guard} of {mode} is zero, and no `if` of its switches holds"
                 )
             }
             Halt::Undecided { time, .. } => format!(
-                "at t = {time} {guard} of {mode} is zero and stays so: nothing tells whether the mode lasts"
+                "at t = {time:?} {guard} of {mode} is zero and stays so: nothing tells whether the mode lasts"
             ),
             Halt::Chattering { time, ratio } => format!(
-                "switches accumulate at t = {time}: chattering, each zone {ratio:.4} times as long as the one before"
+                "switches accumulate at t = {time:?}: chattering, each zone {ratio:.4} times as long as the one before"
             ),
             Halt::Livelock { time, .. } => format!(
-                "at t = {time} modes follow one another without any time passing: {guard} of {mode} is negative, or \
+                "at t = {time:?} modes follow one another without any time passing: {guard} of {mode} is negative, or \
                  falls from zero, as it begins, and so on: the state lies in none of them, or slides between two that \
                  no mode of `sliding` names"
             ),
+            Halt::Fast { time, piece } => format!(
+                "at t = {time:?} the motion changes within {piece:.1e}: so fast that the time asked for would take \
+                 millions of steps"
+            ),
             Halt::Unbounded { time } => format!(
-                "by t = {time} the motion grows without bound, or comes to where its rates have no value"
+                "by t = {time:?} the motion grows without bound, or comes to where its rates have no value"
             ),
         }
     }
@@ -141,6 +152,13 @@ impl fmt::Display for Halt {
 }
 
 impl std::error::Error for Halt {}
+
+/// Pieces after which a motion asks how many are left.
+const PATIENCE: u32 = 100_000;
+
+/// It does not go on where there are more than these: with an exact flow, and with an integrated one, whose pieces take
+/// hundreds of times as long. Either is a minute at least. What is fast at the beginning only has died out before.
+const HOPELESS: [f64; 2] = [1e8, 1e6];
 
 /// Zones shorter than this, in units of a piece of their mode, are those of a chattering that ends: the next
 /// digits of the state are rounding.
@@ -320,14 +338,21 @@ impl<'a> Motion<'a> {
             orders.resize(count + 2, order);
         }
         let (mut time, mut begun) = (start, 0.0);
+        let is_integrated = !self.system.modes[mode].field.is_exact;
+        let (mut pieces, hopeless) = (0, HOPELESS[usize::from(is_integrated)]);
         while time < until {
             self.unit = piece.length;
+            pieces += 1;
             if !piece.is_defined() {
                 return Err(Halt::Unbounded {
                     time: start + begun,
                 });
             }
             let rest = until - time;
+            if pieces > PATIENCE && rest > hopeless * piece.length {
+                let piece = piece.length;
+                return Err(Halt::Fast { time, piece });
+            }
             let part = (rest / piece.length).min(1.0);
             let mut first: Option<(f64, usize)> = None;
             for guard in watched.into_iter().chain(guards.clone()) {

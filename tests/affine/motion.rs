@@ -213,6 +213,30 @@ fn chattering_ends_at_its_limit() {
     }
 }
 
+/// Oscillations of 10⁻¹² would take 10¹² pieces: the motion says so and ends, whether its flow is exact or integrated.
+#[test]
+fn motions_that_are_too_fast_end() {
+    for cubic in ["0", "x^3"] {
+        let text = format!(
+            r#"(
+                states: ["x", "v"],
+                modes: {{"free": (
+                    rates: {{"x": "v", "v": "-1e24*x - {cubic}"}},
+                    until: [(zero: "2 - x", to: "free", reset: {{"v": "-v"}})],
+                )}},
+            )"#
+        );
+        let system = system(&text);
+        let affine = at(&system, &[]);
+        let mut motion = Motion::new(&affine, place(&system, "free", &[1.0, 0.0], 0.0), 1.0);
+        let halt = motion.step(1.0);
+        assert!(
+            matches!(halt, Err(Halt::Fast { piece, .. }) if piece < 1e-11),
+            "{cubic}: {halt:?}"
+        );
+    }
+}
+
 /// Without forcing and damping the energy of x'' = −x between two elastic walls stays what it is.
 #[test]
 fn elastic_walls_keep_the_energy() {
