@@ -40,6 +40,8 @@ pub struct Guard {
 /// A mode at given parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AffineMode {
+    /// How many of the components of z are states: the others are constant, turn with the phase, or are made of these.
+    pub states: usize,
     /// M of ż = Mz.
     pub matrix: MatrixBy,
     /// Everything that is positive in it.
@@ -148,6 +150,7 @@ impl System {
         let modes = modes.iter().map(|mode| {
             let matrix = shape.matrix(&mode.rates, omega);
             AffineMode {
+                states: shape.states,
                 field: Field::default(),
                 guards: shape.guards(&mode.switches),
                 surface: None,
@@ -178,8 +181,8 @@ impl System {
                 .chain(conditions)
                 .chain(reset)
                 .chain(mode.surface.clone());
-            mode.field = Field::new(&program, &mode.matrix, watched, self.flow_tolerance());
-            mode.field.is_exact &= !self.integrated;
+            let how = (self.flow_tolerance(), self.integrated);
+            mode.field = Field::new(&program, &mode.matrix, watched, how);
         }
         Ok(system)
     }
@@ -253,7 +256,9 @@ impl Shape {
     fn matrix(&self, rates: &[Form], omega: Dual) -> MatrixBy {
         let mut matrix = MatrixBy::zero(self.size(), self.size());
         for (state, rate) in rates.iter().enumerate() {
-            matrix.set_row(state, &self.row(rate));
+            for (column, value) in self.terms.coefficients(rate) {
+                matrix.add(state, column, value);
+            }
         }
         for h in 1..=self.harmonics {
             let cosine = self.states + 2 * h - 1;
@@ -290,7 +295,10 @@ impl Shape {
         let mut reset = MatrixBy::zero(self.states, self.size());
         reset.at.fill_with_identity();
         for (state, form) in &switch.reset {
-            reset.set_row(*state, &self.row(form));
+            reset.at[(*state, *state)] = 0.0;
+            for (column, value) in self.terms.coefficients(form) {
+                reset.add(*state, column, value);
+            }
         }
         Exit {
             to: switch.switch.to,
@@ -456,6 +464,7 @@ impl AffineSystem {
             exits.insert(0, exit(own, vec![held]));
         }
         self.modes.push(AffineMode {
+            states: self.states,
             matrix,
             guards,
             surface: Some(surface),

@@ -107,13 +107,13 @@ impl Posed {
         self.balances[mode].get_or_init(|| balance(&self.system.modes[mode].matrix.at))
     }
 
-    /// Its facts, where they are those of the system at another value of the parameter, too: none of them changes with it,
-    /// and what they follow from is the same there, rates and resets but for the values of entries that are not zero. A
-    /// zero by chance is no fact, since its derivative in the parameter is none. Conditions have no part in them.
-    fn facts_for(&self, other: &AffineSystem) -> Option<Arc<Vec<ZoneFacts>>> {
+    /// Whether what facts follow from is the same in the system at another value of the parameter: rates and resets but
+    /// for the values of entries that are not zero. A zero by chance is no fact, since its derivative in the parameter is
+    /// none. Conditions have no part in them.
+    fn has_same_zeros(&self, other: &AffineSystem) -> bool {
         let known = &self.system;
         let zeros = |one: &Matrix, other: &Matrix| {
-            let mut pairs = one.iter().zip(other.iter());
+            let mut pairs = one.as_slice().iter().zip(other.as_slice());
             one.shape() == other.shape()
                 && pairs.all(|(one, other)| (*one == 0.0) == (*other == 0.0))
         };
@@ -133,11 +133,15 @@ impl Posed {
                 && same_zeros(&one.matrix, &other.matrix)
                 && guards.all(same_guards)
         };
-        let same = self.facts.iter().all(ZoneFacts::is_constant)
-            && known.program.has_same_shape(&other.program)
-            && known.modes.iter().zip(&other.modes).all(alike);
+        known.program.has_same_shape(&other.program)
+            && known.modes.iter().zip(&other.modes).all(alike)
+    }
+
+    /// Its facts for a system with the same zeros, where none of them changes with the parameter.
+    fn lasting_facts(&self, other: &AffineSystem) -> Option<Arc<Vec<ZoneFacts>>> {
         let told_by_forms = self.facts.iter().all(|facts| facts.generic.is_none());
-        same.then(|| match told_by_forms {
+        let last = self.facts.iter().all(ZoneFacts::is_constant);
+        last.then(|| match told_by_forms {
             true => self.facts.clone(),
             false => Arc::new(self.facts.iter().map(|facts| facts.at(other)).collect()),
         })
@@ -172,7 +176,8 @@ pub struct AffineOrbit {
 
 impl PartialEq for AffineOrbit {
     fn eq(&self, other: &AffineOrbit) -> bool {
-        (&self.setting, &self.sequence) == (&other.setting, &other.sequence)
+        let same = |one: &Arc<Setting>, other| Arc::ptr_eq(one, other) || one == other;
+        self.sequence == other.sequence && same(&self.setting, &other.setting)
     }
 }
 
@@ -307,10 +312,16 @@ impl AffineOrbit {
         if system.size() != self.sizes.len() {
             return Err(OrbitFailure::NoZones);
         }
-        let known = last.and_then(|(_, posed)| posed.facts_for(&system));
-        let facts = known.unwrap_or_else(|| {
+        let known = last.map(|(_, posed)| posed);
+        let known = known.filter(|posed| posed.has_same_zeros(&system));
+        let lasting = known
+            .as_ref()
+            .and_then(|posed| posed.lasting_facts(&system));
+        let facts = lasting.unwrap_or_else(|| {
             let zones = self.unpack(point, system.omega.value);
-            Arc::new(facts(&system, &self.sequence, &self.units(), &zones))
+            let known = known.as_ref().map(|posed| posed.facts.as_slice());
+            let (sequence, units) = (&self.sequence, self.units());
+            Arc::new(facts(&system, sequence, &units, &zones, known))
         });
         let posed = Arc::new(Posed {
             facts,
@@ -392,7 +403,7 @@ impl OrbitAt<'_> {
         let stiff = is_long.then(|| posed.flow(mode).split(time)).flatten();
         let entry = self.entry(zone);
         let passage = Passage::new(&posed.system.modes[mode], norm, stiff, entry, time);
-        let finite = passage.flow.iter().all(|x| x.is_finite());
+        let finite = passage.flow.as_slice().iter().all(|x| x.is_finite());
         finite
             .then_some(passage)
             .ok_or_else(|| OrbitFailure::Overflow {

@@ -26,6 +26,7 @@ pub mod start;
 mod structure;
 pub mod switch;
 pub mod symmetry;
+mod turning;
 
 use std::fmt;
 use std::sync::Arc;
