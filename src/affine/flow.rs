@@ -191,7 +191,8 @@ impl Exact {
             next.fill(0.0);
             self.rate(time / f64::from(k), term.as_slice(), next.as_mut_slice());
             std::mem::swap(&mut term, &mut next);
-            sum += &term;
+            let pairs = sum.as_mut_slice().iter_mut().zip(term.as_slice());
+            pairs.for_each(|(sum, term)| *sum += term);
         }
         sum
     }

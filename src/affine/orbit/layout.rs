@@ -99,9 +99,30 @@ pub struct Posed {
     flows: Vec<OnceLock<ModeFlow>>,
     /// Longest piece of a flow: the unit of time.
     longest: f64,
+    /// Whether the system was led to from its origin.
+    moved: bool,
 }
 
 impl Posed {
+    fn new(system: AffineSystem, facts: Arc<Vec<ZoneFacts>>, longest: f64, moved: bool) -> Posed {
+        Posed {
+            facts,
+            balances: vec![OnceLock::new(); system.modes.len()],
+            flows: system.modes.iter().map(|_| OnceLock::new()).collect(),
+            longest,
+            moved,
+            system,
+        }
+    }
+
+    /// The same at another value of the parameter; `None` where that takes more than other numbers.
+    fn moved_to(mut self, origin: &AffineSystem, value: f64) -> Option<Posed> {
+        let linear = |facts: &ZoneFacts| facts.is_constant() && facts.generic.is_none();
+        let lasts = self.moved && self.facts.iter().all(linear);
+        let moved = lasts && self.system.move_to(origin, value);
+        moved.then(|| Posed::new(self.system, self.facts, self.longest, true))
+    }
+
     /// The scales of z that balance the matrix of a mode, and its norm then.
     fn balance(&self, mode: usize) -> &(Vector, f64) {
         self.balances[mode].get_or_init(|| balance(&self.system.modes[mode].matrix.at))
@@ -172,6 +193,8 @@ pub struct AffineOrbit {
     /// Sizes of the components of z.
     sizes: Vector,
     last: Last,
+    /// The system where the parameter is zero, if all of it is affine in that.
+    origin: Arc<OnceLock<Option<AffineSystem>>>,
 }
 
 impl PartialEq for AffineOrbit {
@@ -237,6 +260,7 @@ impl AffineOrbit {
         (known && fits).then(|| AffineOrbit {
             sizes: sizes(&system, &setting.scales.states),
             last: Last::default(),
+            origin: Arc::default(),
             setting,
             sequence,
         })
@@ -244,7 +268,9 @@ impl AffineOrbit {
 
     /// The same problem for another sequence.
     pub fn with_sequence(&self, sequence: Sequence) -> Option<AffineOrbit> {
-        AffineOrbit::new(self.setting.clone(), sequence)
+        let other = AffineOrbit::new(self.setting.clone(), sequence)?;
+        let origin = self.origin.clone();
+        Some(AffineOrbit { origin, ..other })
     }
 
     /// Number of zones.
@@ -300,19 +326,55 @@ impl AffineOrbit {
     fn posed(&self, point: &Vector) -> Result<Arc<Posed>, OrbitFailure> {
         let value = self.parameter_at(point);
         let bits = value.to_bits();
-        let last = self.last.lock().ok().and_then(|last| last.clone());
-        if let Some((_, posed)) = last.as_ref().filter(|(known, _)| *known == bits) {
-            return Ok(posed.clone());
+        let last = self.last.lock().ok().and_then(|mut last| last.take());
+        let posed = match last {
+            Some((known, posed)) if known == bits => posed,
+            last => Arc::new(self.posed_at(point, value, last.map(|(_, posed)| posed))?),
+        };
+        if let Ok(mut last) = self.last.lock() {
+            *last = Some((bits, posed.clone()));
         }
+        Ok(posed)
+    }
+
+    /// The same, where it has been posed at another value.
+    fn posed_at(
+        &self,
+        point: &Vector,
+        value: f64,
+        last: Option<Arc<Posed>>,
+    ) -> Result<Posed, OrbitFailure> {
         let setting = &self.setting;
-        let values = setting.values_at(value);
-        let system = setting.system.at(&values, &[setting.parameter]);
+        let of_origin = || setting.system.origin(&setting.values, setting.parameter);
+        let origin = self.origin.get_or_init(of_origin).as_ref();
+        let mut known = last;
+        if let Some(origin) = origin {
+            match known.take().map(Arc::try_unwrap) {
+                Some(Ok(own)) => {
+                    if let Some(posed) = own.moved_to(origin, value) {
+                        return Ok(posed);
+                    }
+                }
+                Some(Err(shared)) => known = Some(shared),
+                None => {}
+            }
+        }
+        let moved = origin.and_then(|origin| {
+            let mut system = origin.clone();
+            system.move_to(origin, value).then_some(system)
+        });
+        let is_moved = moved.is_some();
+        let at = |value| {
+            setting
+                .system
+                .at(&setting.values_at(value), &[setting.parameter])
+        };
+        let system = moved.map_or_else(|| at(value), Ok);
         let system = system.map_err(OrbitFailure::System)?;
         // where an expression has no value z may have other components
         if system.size() != self.sizes.len() {
             return Err(OrbitFailure::NoZones);
         }
-        let known = last.map(|(_, posed)| posed);
         let known = known.filter(|posed| posed.has_same_zeros(&system));
         let lasting = known
             .as_ref()
@@ -323,17 +385,7 @@ impl AffineOrbit {
             let (sequence, units) = (&self.sequence, self.units());
             Arc::new(facts(&system, sequence, &units, &zones, known))
         });
-        let posed = Arc::new(Posed {
-            facts,
-            balances: vec![OnceLock::new(); system.modes.len()],
-            flows: system.modes.iter().map(|_| OnceLock::new()).collect(),
-            longest: setting.scales.time,
-            system,
-        });
-        if let Ok(mut last) = self.last.lock() {
-            *last = Some((bits, posed.clone()));
-        }
-        Ok(posed)
+        Ok(Posed::new(system, facts, setting.scales.time, is_moved))
     }
 
     /// The orbit at a point.

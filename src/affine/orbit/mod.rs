@@ -202,6 +202,11 @@ impl Orbit for AffineOrbit {
         }
     }
 
+    fn slope(&self, margin: &Margin, direction: &Vector) -> f64 {
+        let pairs = margin.gradient.iter().zip(direction);
+        pairs.map(|(by, along)| by * along).sum()
+    }
+
     fn is_same(one: &Margin, other: &Margin) -> bool {
         (one.watch, one.zone) == (other.watch, other.zone)
     }
