@@ -1,5 +1,7 @@
 //! Exponentials of matrices, with their derivatives, and the scales in which a matrix is small.
 
+use std::iter::repeat_n;
+
 use nalgebra::{DMatrixView as MatrixView, DMatrixViewMut as MatrixViewMut};
 
 use crate::linalg::{Matrix, Vector};
@@ -54,7 +56,7 @@ fn live_columns(
     entries: &[(usize, usize, f64)],
     size: usize,
 ) -> Vec<bool> {
-    let mut live = vec![false; size];
+    let mut live: Vec<bool> = repeat_n(false, size).collect();
     by.iter().for_each(|(_, column, _)| live[*column] = true);
     loop {
         let mut grown = false;
@@ -81,9 +83,8 @@ fn add_sparse(
     for (from, to, weight) in right {
         let weight = factor * weight;
         let (sum, left) = (&mut sum[to * rows..][..rows], &left[from * rows..][..rows]);
-        for row in 0..rows {
-            sum[row] += weight * left[row];
-        }
+        let pairs = sum.iter_mut().zip(left);
+        pairs.for_each(|(sum, entry)| *sum += weight * entry);
     }
 }
 
@@ -98,25 +99,35 @@ fn add_square(left: &[f64], right: &[f64], sum: &mut [f64], size: usize) {
     } else {
         let left = &left[..size * size];
         for (sum, right) in sum.chunks_exact_mut(size).zip(right.chunks_exact(size)) {
-            for column in 0..size {
-                let (weight, left) = (right[column], &left[column * size..][..size]);
+            let sum = &mut sum[..size];
+            for (weight, left) in right[..size].iter().zip(left.chunks_exact(size)) {
                 // of large matrices many columns are zero
-                if size <= 4 || weight != 0.0 {
-                    for row in 0..size {
-                        sum[row] += weight * left[row];
-                    }
+                if size <= 4 || *weight != 0.0 {
+                    let pairs = sum.iter_mut().zip(&left[..size]);
+                    pairs.for_each(|(sum, entry)| *sum += weight * entry);
                 }
             }
         }
     }
 }
 
-/// What of z turns by itself: where a pair of components stands, its angular frequency, and the derivative of that.
+/// What of z turns by itself: where a pair of components stands, its angular frequency, and the derivative of that;
+/// the angle after a time by its sine and cosine, and the derivative of the angle.
 #[derive(Clone, Copy)]
 struct Turn {
     cosine: usize,
     speed: f64,
     by: f64,
+    angle: ((f64, f64), f64),
+}
+
+impl Turn {
+    fn at(self, time: f64) -> Turn {
+        Turn {
+            angle: ((self.speed * time).sin_cos(), self.by * time),
+            ..self
+        }
+    }
 }
 
 /// The components of z beyond the states: pairs that turn, the others being constant.
@@ -126,18 +137,19 @@ fn turns(matrix: &Matrix, by: Option<&Matrix>, states: usize) -> Vec<Turn> {
         cosine,
         speed: matrix[(cosine + 1, cosine)],
         by: by.map_or(0.0, |by| by[(cosine + 1, cosine)]),
+        angle: ((0.0, 1.0), 0.0),
     });
     turns.collect()
 }
 
 /// Adds to a sum G·W, where W = exp(Mt) of the components beyond the states and G are the columns of these.
 #[inline(always)]
-fn add_turned(turns: &[Turn], time: f64, left: &[f64], sum: &mut [f64], rows: usize) {
+fn add_turned(turns: &[Turn], left: &[f64], sum: &mut [f64], rows: usize) {
     let pairs = sum[rows * rows..].iter_mut().zip(&left[rows * rows..]);
     pairs.for_each(|(sum, entry)| *sum += entry);
-    for Turn { cosine, speed, .. } in turns {
-        let (sine, cosine_less) = (speed * time).sin_cos();
-        let cosine_less = cosine_less - 1.0;
+    for Turn { cosine, angle, .. } in turns {
+        let ((sine, cosine_at), _) = angle;
+        let cosine_less = cosine_at - 1.0;
         for row in 0..rows {
             let [c, s] = [cosine * rows + row, (cosine + 1) * rows + row];
             sum[c] += cosine_less * left[c] + sine * left[s];
@@ -148,13 +160,13 @@ fn add_turned(turns: &[Turn], time: f64, left: &[f64], sum: &mut [f64], rows: us
 
 /// Adds to a sum G·∂W/∂p.
 #[inline(always)]
-fn add_turned_by(turns: &[Turn], time: f64, left: &[f64], sum: &mut [f64], rows: usize) {
-    for Turn { cosine, speed, by } in turns.iter().filter(|turn| turn.by != 0.0) {
-        let (sine, cosine_at) = (speed * time).sin_cos();
+fn add_turned_by(turns: &[Turn], left: &[f64], sum: &mut [f64], rows: usize) {
+    for Turn { cosine, angle, .. } in turns.iter().filter(|turn| turn.by != 0.0) {
+        let ((sine, cosine_at), by) = angle;
         for row in 0..rows {
             let [c, s] = [cosine * rows + row, (cosine + 1) * rows + row];
-            sum[c] += by * time * (cosine_at * left[s] - sine * left[c]);
-            sum[s] -= by * time * (cosine_at * left[c] + sine * left[s]);
+            sum[c] += by * (cosine_at * left[s] - sine * left[c]);
+            sum[s] -= by * (cosine_at * left[c] + sine * left[s]);
         }
     }
 }
@@ -193,7 +205,7 @@ fn exponential(
     }
     let size = matrix.nrows();
     let numbers = states * size;
-    let turns = turns(matrix, by, states);
+    let mut turns = turns(matrix, by, states);
     let all = entries(matrix);
     // what depends on a parameter is often the forcing alone: its columns, and those that it comes to
     let by_entries = by.map(entries).unwrap_or_default();
@@ -203,7 +215,8 @@ fn exponential(
         .copied()
         .filter(|(from, ..)| live[*from])
         .collect();
-    let mut room = vec![0.0; 5 * numbers];
+    // memory filled here is had faster than zeros of the system
+    let mut room: Vec<f64> = repeat_n(0.0, 5 * numbers).collect();
     let mut parts = room.chunks_exact_mut(numbers);
     let [
         Some(mut sum),
@@ -239,27 +252,29 @@ fn exponential(
     }
     let mut reached = step;
     for _ in 0..doublings {
+        turns.iter_mut().for_each(|turn| *turn = turn.at(reached));
         if by.is_some() {
             next.fill(0.0);
             add_square(sum, sum_by, next, states);
             if live[..states].contains(&true) {
                 add_square(sum_by, sum, next, states);
             }
-            add_turned(&turns, reached, sum_by, next, states);
-            add_turned_by(&turns, reached, sum, next, states);
+            add_turned(&turns, sum_by, next, states);
+            add_turned_by(&turns, sum, next, states);
             std::mem::swap(&mut sum_by, &mut next);
         }
         next.fill(0.0);
         add_square(sum, sum, next, states);
-        add_turned(&turns, reached, sum, next, states);
+        add_turned(&turns, sum, next, states);
         std::mem::swap(&mut sum, &mut next);
         reached *= 2.0;
     }
     let mut flow = whole(sum, states, size);
     (states..size).for_each(|own| flow[(own, own)] = 1.0);
     let mut flow_by = by.map(|_| whole(sum_by, states, size));
-    for Turn { cosine, speed, by } in turns {
-        let (sine, at) = (speed * time).sin_cos();
+    for turn in turns {
+        let Turn { cosine, angle, .. } = turn.at(time);
+        let ((sine, at), by) = angle;
         let both = [
             (cosine, cosine),
             (cosine, cosine + 1),
@@ -272,7 +287,7 @@ fn exponential(
         {
             flow[place] = value;
             if let Some(flow_by) = &mut flow_by {
-                flow_by[place] = by * time * slope;
+                flow_by[place] = by * slope;
             }
         }
     }
@@ -291,6 +306,9 @@ pub(crate) fn balance(matrix: &Matrix) -> (Vector, f64) {
     scaled.fill_diagonal(0.0);
     // the power of two nearest to √(row/column)
     let wanted = |row: f64, column: f64| {
+        if row < 2.0 * column && column < 2.0 * row {
+            return None;
+        }
         let exponent = (0.5 * (row / column).log2()).round();
         let wanted = row > 0.0 && column > 0.0 && exponent != 0.0 && exponent.abs() < 100.0;
         wanted.then(|| exponent.exp2())

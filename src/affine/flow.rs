@@ -206,8 +206,9 @@ impl Exact {
 
     fn expansion(&self, z: &Vector, part: f64) -> Expansion {
         let size = z.len();
-        let mut terms = vec![0.0; size * COEFFICIENTS];
-        terms[..size].copy_from_slice(z.as_slice());
+        let mut terms = Vec::with_capacity(size * COEFFICIENTS);
+        terms.extend_from_slice(z.as_slice());
+        terms.resize(size * COEFFICIENTS, 0.0);
         for k in 1..COEFFICIENTS {
             let (known, next) = terms.split_at_mut(k * size);
             let last = &known[(k - 1) * size..];
@@ -216,7 +217,7 @@ impl Exact {
         let (error, rounding) = self.errors(z, part);
         Expansion {
             terms,
-            left_out: self.scales.iter().map(|d| d * error).collect(),
+            left_out: self.scales.as_slice().iter().map(|d| d * error).collect(),
             of_form: Some(error + rounding),
         }
     }
@@ -224,7 +225,8 @@ impl Exact {
     /// What the coefficients of a form leave out over the beginning of a piece, and the rounding of the products that
     /// they are made of, where its greatest |cᵢ|dᵢ is 1.
     fn errors(&self, z: &Vector, part: f64) -> (f64, f64) {
-        let amplitude: f64 = z.iter().zip(&self.scales).map(|(z, d)| z.abs() / d).sum();
+        let pairs = z.as_slice().iter().zip(self.scales.as_slice());
+        let amplitude: f64 = pairs.map(|(z, d)| z.abs() / d).sum();
         // Σ_{k>16} 1/k! < 1.06/17!
         let left_out = 1.06 * REMAINDER * part.powi(COEFFICIENTS as i32);
         (left_out * amplitude, 2.0 * f64::EPSILON * amplitude)

@@ -489,10 +489,9 @@ fn crossings<O: Orbit>(
     }
     let mut located = Vec::new();
     for (index, (&before, &after)) in low.1.iter().zip(&high.1).enumerate() {
-        let told = [step.before, step.after]
-            .iter()
-            .all(|examination| examination.is_told(index));
-        let differ = before * after < 0.0 && told;
+        let ends = [step.before, step.after];
+        let told = || ends.iter().all(|end| end.is_told(index));
+        let differ = before * after < 0.0 && told();
         // nor where one of them is no number
         if !differ || low.0 >= high.0 {
             continue;

@@ -10,8 +10,6 @@ const STEPS: usize = 12;
 pub(super) struct Smooth<'a> {
     taylor: &'a [f64; COEFFICIENTS],
     left_out: f64,
-    /// Bound of what its values may be off by.
-    noise: f64,
 }
 
 /// What its coefficients tell of the slope.
@@ -27,11 +25,12 @@ enum Slope {
 impl<'a> Smooth<'a> {
     /// The polynomial Σ aₖtᵏ on \[0, 1\], but for what it leaves out.
     pub fn new(taylor: &'a [f64; COEFFICIENTS], left_out: f64) -> Smooth<'a> {
-        Smooth {
-            taylor,
-            left_out,
-            noise: Bernstein::noise(taylor, left_out),
-        }
+        Smooth { taylor, left_out }
+    }
+
+    /// Bound of what its values may be off by.
+    fn noise(&self) -> f64 {
+        Bernstein::noise(self.taylor, self.left_out)
     }
 
     fn bernstein(&self) -> Bernstein {
@@ -53,7 +52,7 @@ impl<'a> Smooth<'a> {
 
     fn slope(&self, [_, first, second]: [f64; 3]) -> Slope {
         // slopes in the unit of the differences of Bernstein coefficients
-        let noise = DEGREE as f64 * self.noise;
+        let noise = DEGREE as f64 * self.noise();
         let begin = self.taylor[1];
         if first > noise {
             return Slope::Keeps(begin);
@@ -104,7 +103,7 @@ impl<'a> Smooth<'a> {
     ) -> (Verdict, Vec<f64>) {
         let kept = self.kept();
         let mut bernstein = None;
-        let verdict = if at_start + at_end == 0 && kept[0] > self.noise {
+        let verdict = if at_start + at_end == 0 && kept[0] > self.noise() {
             match self.taylor[0] > 0.0 {
                 true => Verdict::Positive,
                 false => Verdict::Negative,
