@@ -160,3 +160,49 @@ impl<'a> Smooth<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the first coefficients tell is what Bernstein polynomials do, for pieces of cosines at all phases.
+    #[test]
+    fn coefficients_tell_what_bernstein_polynomials_do() {
+        let mut told = 0;
+        for step in 0..200 {
+            let (phase, length) = (0.0317 * f64::from(step), 0.2 + 0.004 * f64::from(step));
+            // derivatives of cos(phase + length·t)
+            let mut factor = 1.0;
+            let taylor: [f64; COEFFICIENTS] = std::array::from_fn(|k| {
+                let derivative = (phase + k as f64 * std::f64::consts::FRAC_PI_2).cos();
+                let coefficient = factor * derivative;
+                factor *= length / (k + 1) as f64;
+                coefficient
+            });
+            let smooth = Smooth::new(&taylor, 1e-15);
+            let bernstein = smooth.bernstein();
+            for falling in [false, true] {
+                let (mut one, mut other) = (falling, falling);
+                let (verdict, places) = smooth.examined(0, 0, &mut one);
+                let expected = bernstein.minima(&mut other);
+                assert_eq!(verdict, bernstein.verdict(0, 0));
+                assert_eq!((one, places.len()), (other, expected.len()), "{phase}");
+                for (place, expected) in places.iter().zip(expected) {
+                    assert!((place - expected).abs() < 1e-13, "{place} for {expected}");
+                }
+            }
+            let ends = [phase.cos(), (phase + length).cos()];
+            let mut bounds = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+            let turns = (phase / std::f64::consts::PI).ceil() * std::f64::consts::PI;
+            let expected = match turns < phase + length {
+                true => (bounds.0.min(turns.cos()), bounds.1.max(turns.cos())),
+                false => bounds,
+            };
+            smooth.widen(&mut bounds);
+            assert!((bounds.0 - expected.0).abs() < 1e-14, "{phase}");
+            assert!((bounds.1 - expected.1).abs() < 1e-14, "{phase}");
+            told += usize::from(!matches!(smooth.slope(smooth.kept()), Slope::Open));
+        }
+        assert!(told > 150, "{told}");
+    }
+}
