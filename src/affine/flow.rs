@@ -1,7 +1,9 @@
 //! The flow of a mode at fixed parameters, piece by piece: exact states where it is linear, those of a series where it
 //! is not, and every guard as a polynomial whose sign is proven over the whole piece.
 
-use super::exponential::{TERMS, balance, propagator};
+use std::sync::OnceLock;
+
+use super::exponential::{TERMS, balance, entries, propagator};
 use super::mode::{AffineMode, Row};
 use super::series::{Field, ORDER, Series};
 use super::stiff::{GAP, Splitting, Vanished};
@@ -52,10 +54,22 @@ struct Exact {
 /// A guard over a piece.
 #[derive(Clone, Debug)]
 struct GuardSeries {
-    /// Its Taylor coefficients in time/`length` as linear forms of z at the beginning, one in each column.
-    coefficients: Matrix,
+    form: Vector,
+    /// Its Taylor coefficients in time/`length` as linear forms of z at the beginning, one in each column: of many
+    /// flows only the values of guards are wanted.
+    coefficients: OnceLock<Matrix>,
     /// max |cᵢ|dᵢ.
     size: f64,
+}
+
+/// z over the beginning of a piece: coefficients of powers of time/`length`/`part`.
+pub(super) struct Expansion {
+    /// Of every component in a row; of the states alone where the mode is not linear.
+    terms: Vec<f64>,
+    /// What they leave out.
+    pub left_out: Vec<f64>,
+    /// That of a form whose greatest |cᵢ|dᵢ is 1; none where forms have coefficients of their own.
+    of_form: Option<f64>,
 }
 
 /// A piece of a motion.
@@ -79,6 +93,14 @@ enum Course {
     Series(Series),
 }
 
+impl Expansion {
+    /// The coefficients of a component.
+    pub fn taylor(&self, component: usize) -> [f64; COEFFICIENTS] {
+        let size = self.left_out.len();
+        std::array::from_fn(|k| self.terms[k * size + component])
+    }
+}
+
 /// What a guard does at the beginning of a zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Onset {
@@ -98,25 +120,20 @@ impl Piece {
 }
 
 impl Exact {
-    fn new(matrix: Matrix, longest: f64, (scales, norm): (Vector, f64)) -> Exact {
+    fn new(matrix: Matrix, states: usize, longest: f64, (scales, norm): (Vector, f64)) -> Exact {
         let length = if norm * longest > 1.0 {
             norm.recip()
         } else {
             longest
         };
-        let (step, _) = propagator(&matrix, None, norm, length);
-        let columns = matrix.column_iter().enumerate();
-        let entries = columns.flat_map(|(column, values)| {
-            let values = values.into_iter().enumerate();
-            values.map(move |(row, value)| (row, column, *value))
-        });
+        let (step, _) = propagator(&matrix, None, states, norm, length);
         Exact {
             guards: Vec::new(),
             stiff: Vec::new(),
             step,
             length,
             scales,
-            entries: entries.filter(|(.., value)| *value != 0.0).collect(),
+            entries: entries(&matrix),
             matrix,
         }
     }
@@ -125,9 +142,10 @@ impl Exact {
     fn of(mode: &AffineMode, longest: f64, (scales, norm): (Vector, f64)) -> Exact {
         let matrix = &mode.matrix.at;
         let ways = Splitting::all(matrix, &scales, norm, longest);
-        let mut flow = Exact::new(matrix.clone(), longest, (scales, norm));
+        let mut flow = Exact::new(matrix.clone(), mode.states, longest, (scales, norm));
         let stiff = ways.into_iter().map(|way| {
-            let slow = Exact::new(way.slow.clone(), longest, way.balance.clone());
+            let size = way.slow.nrows();
+            let slow = Exact::new(way.slow.clone(), size, longest, way.balance.clone());
             (way, slow)
         });
         flow.stiff = stiff
@@ -143,64 +161,87 @@ impl Exact {
         for (way, slow) in &mut self.stiff {
             slow.watch(way.along.tr_mul(&form));
         }
-        let size = form.component_mul(&self.scales).amax();
-        let mut coefficients = Matrix::zeros(form.len(), COEFFICIENTS);
-        coefficients.set_column(0, &form);
-        for k in 1..COEFFICIENTS {
-            let (known, next) = coefficients.as_mut_slice().split_at_mut(k * form.len());
-            let (last, next) = (&known[(k - 1) * form.len()..], &mut next[..form.len()]);
-            let part = self.length / k as f64;
-            add_product(part, last, 1, self.matrix.as_slice(), next);
-        }
-        self.guards.push(GuardSeries { coefficients, size });
+        self.guards.push(GuardSeries {
+            size: form.component_mul(&self.scales).amax(),
+            coefficients: OnceLock::new(),
+            form,
+        });
+    }
+
+    fn coefficients(&self, guard: usize) -> &Matrix {
+        let GuardSeries {
+            form, coefficients, ..
+        } = &self.guards[guard];
+        coefficients.get_or_init(|| {
+            let mut coefficients = Matrix::zeros(form.len(), COEFFICIENTS);
+            coefficients.set_column(0, form);
+            for k in 1..COEFFICIENTS {
+                let (known, next) = coefficients.as_mut_slice().split_at_mut(k * form.len());
+                let (last, next) = (&known[(k - 1) * form.len()..], &mut next[..form.len()]);
+                let part = self.length / k as f64;
+                add_product(part, last, 1, self.matrix.as_slice(), next);
+            }
+            coefficients
+        })
     }
 
     fn within(&self, z: &Vector, time: f64) -> Vector {
         let (mut sum, mut term, mut next) = (z.clone(), z.clone(), z.clone());
         for k in 1..=TERMS {
-            self.rate(time / f64::from(k), &term, &mut next);
+            next.fill(0.0);
+            self.rate(time / f64::from(k), term.as_slice(), next.as_mut_slice());
             std::mem::swap(&mut term, &mut next);
-            sum += &term;
+            let pairs = sum.as_mut_slice().iter_mut().zip(term.as_slice());
+            pairs.for_each(|(sum, term)| *sum += term);
         }
         sum
     }
 
-    /// Mz times a factor.
-    fn rate(&self, factor: f64, z: &Vector, rate: &mut Vector) {
-        rate.fill(0.0);
+    /// Adds Mz times a factor.
+    fn rate(&self, factor: f64, z: &[f64], rate: &mut [f64]) {
         for (row, column, value) in &self.entries {
             rate[*row] += value * (factor * z[*column]);
         }
     }
 
-    /// z over the beginning of a piece: Taylor coefficients, a column each, and what they leave out of each component.
-    fn expansion(&self, z: &Vector, part: f64) -> (Matrix, Vector) {
-        let mut taylor = Matrix::zeros(z.len(), COEFFICIENTS);
-        let (mut term, mut next) = (z.clone(), z.clone());
-        for k in 0..COEFFICIENTS {
-            if k > 0 {
-                self.rate(part * self.length / k as f64, &term, &mut next);
-                std::mem::swap(&mut term, &mut next);
-            }
-            taylor.column_mut(k).copy_from(&term);
+    fn expansion(&self, z: &Vector, part: f64) -> Expansion {
+        let size = z.len();
+        let mut terms = Vec::with_capacity(size * COEFFICIENTS);
+        terms.extend_from_slice(z.as_slice());
+        terms.resize(size * COEFFICIENTS, 0.0);
+        for k in 1..COEFFICIENTS {
+            let (known, next) = terms.split_at_mut(k * size);
+            let last = &known[(k - 1) * size..];
+            self.rate(part * self.length / k as f64, last, &mut next[..size]);
         }
-        let amplitude: f64 = z.iter().zip(&self.scales).map(|(z, d)| z.abs() / d).sum();
-        let error = 1.06 * REMAINDER * part.powi(COEFFICIENTS as i32) * amplitude;
-        (taylor, &self.scales * error)
+        let (error, rounding) = self.errors(z, part);
+        Expansion {
+            terms,
+            left_out: self.scales.as_slice().iter().map(|d| d * error).collect(),
+            of_form: Some(error + rounding),
+        }
+    }
+
+    /// What the coefficients of a form leave out over the beginning of a piece, and the rounding of the products that
+    /// they are made of, where its greatest |cᵢ|dᵢ is 1.
+    fn errors(&self, z: &Vector, part: f64) -> (f64, f64) {
+        let pairs = z.as_slice().iter().zip(self.scales.as_slice());
+        let amplitude: f64 = pairs.map(|(z, d)| z.abs() / d).sum();
+        // Σ_{k>16} 1/k! < 1.06/17!
+        let left_out = 1.06 * REMAINDER * part.powi(COEFFICIENTS as i32);
+        (left_out * amplitude, 2.0 * f64::EPSILON * amplitude)
     }
 
     fn taylor(&self, guard: usize, z: &Vector, part: f64) -> ([f64; COEFFICIENTS], f64) {
-        let GuardSeries { coefficients, size } = &self.guards[guard];
+        let coefficients = self.coefficients(guard);
         let mut power = 1.0;
         let taylor = std::array::from_fn(|k| {
             let coefficient = coefficients.column(k).dot(z) * power;
             power *= part;
             coefficient
         });
-        let amplitude: f64 = z.iter().zip(&self.scales).map(|(z, d)| z.abs() / d).sum();
-        // Σ_{k>16} 1/k! < 1.06/17!, and rounding of the products that each coefficient is made of
-        let error = 1.06 * REMAINDER * power + 2.0 * f64::EPSILON;
-        (taylor, error * size * amplitude)
+        let (left_out, rounding) = self.errors(z, part);
+        (taylor, (left_out + rounding) * self.guards[guard].size)
     }
 }
 
@@ -361,34 +402,71 @@ impl ModeFlow {
         }
     }
 
-    /// Every state over the beginning of a piece, as coefficients of powers of time/`length`/`part`, and what they leave
-    /// out.
-    pub(super) fn states(
-        &self,
-        piece: &Piece,
-        part: f64,
-        states: usize,
-    ) -> Vec<([f64; COEFFICIENTS], f64)> {
-        let rows = |(taylor, left_out): (Matrix, Vector)| {
-            let of = |state| (std::array::from_fn(|k| taylor[(state, k)]), left_out[state]);
-            (0..states).map(of).collect()
-        };
+    /// z over the beginning of a piece, of so many states.
+    pub(super) fn expansion(&self, piece: &Piece, part: f64, states: usize) -> Expansion {
         match (&self.exact, &piece.course) {
             (Some(exact), Course::Slow(index, at)) => {
                 let (way, slow) = &exact.stiff[*index];
-                let (taylor, left_out) = slow.expansion(&at.slow, part);
-                rows((&way.along * taylor, way.along.abs() * left_out))
+                let of_slow = slow.expansion(&at.slow, part);
+                let sum = |state: usize, of: &dyn Fn(usize, f64) -> f64| -> f64 {
+                    let along = way.along.row(state);
+                    along.iter().enumerate().map(|(c, by)| of(c, *by)).sum()
+                };
+                let terms = of_slow.terms.chunks_exact(at.slow.len());
+                let term = |(of_slow, state): (&[f64], usize)| sum(state, &|c, by| by * of_slow[c]);
+                let left_out = |state| sum(state, &|c, by| by.abs() * of_slow.left_out[c]);
+                Expansion {
+                    terms: terms
+                        .flat_map(|of_slow| (0..states).map(move |state| (of_slow, state)))
+                        .map(term)
+                        .collect(),
+                    left_out: (0..states).map(left_out).collect(),
+                    of_form: None,
+                }
             }
-            (Some(exact), _) => rows(exact.expansion(&piece.z, part)),
+            (Some(exact), _) => exact.expansion(&piece.z, part),
             (None, Course::Series(series)) => {
                 let of = |state: usize| {
                     let row = Row::unit(piece.z.len(), state).at;
                     polynomial(series, &row, part * piece.length)
                 };
-                (0..states).map(of).collect()
+                let (taylor, left_out): (Vec<_>, _) = (0..states).map(of).unzip();
+                let orders = 0..COEFFICIENTS;
+                Expansion {
+                    terms: orders
+                        .flat_map(|k| taylor.iter().map(move |taylor| taylor[k]))
+                        .collect(),
+                    left_out,
+                    of_form: None,
+                }
             }
-            (None, _) => Vec::new(),
+            (None, _) => Expansion {
+                terms: Vec::new(),
+                left_out: Vec::new(),
+                of_form: None,
+            },
         }
+    }
+
+    /// A guard over the beginning of a piece over which z is known.
+    pub(super) fn guard_of(
+        &self,
+        guard: usize,
+        (piece, part): (&Piece, f64),
+        expansion: &Expansion,
+    ) -> ([f64; COEFFICIENTS], f64) {
+        let (Some(exact), Some(of_form)) = (&self.exact, expansion.of_form) else {
+            return self.taylor(guard, piece, part);
+        };
+        let GuardSeries { form, size, .. } = &exact.guards[guard];
+        let mut taylor = [0.0; COEFFICIENTS];
+        for (component, weight) in form.as_slice().iter().enumerate() {
+            if *weight != 0.0 {
+                let pairs = taylor.iter_mut().zip(expansion.taylor(component));
+                pairs.for_each(|(sum, a)| *sum += weight * a);
+            }
+        }
+        (taylor, of_form * size)
     }
 
     /// A guard over the beginning of a piece, as a polynomial in time/`length`/`part`.
@@ -452,7 +530,7 @@ impl ModeFlow {
         let z = self.within(piece, time);
         let [value, slope] = match &self.exact {
             Some(exact) => {
-                let coefficients = &exact.guards[guard].coefficients;
+                let coefficients = exact.coefficients(guard);
                 [
                     coefficients.column(0).dot(&z),
                     coefficients.column(1).dot(&z) / exact.length,

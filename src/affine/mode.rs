@@ -40,6 +40,8 @@ pub struct Guard {
 /// A mode at given parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AffineMode {
+    /// How many of the components of z are states: the others are constant, turn with the phase, or are made of these.
+    pub states: usize,
     /// M of ż = Mz.
     pub matrix: MatrixBy,
     /// Everything that is positive in it.
@@ -91,6 +93,47 @@ impl AffineSystem {
     pub fn size(&self) -> usize {
         self.program.size()
     }
+
+    /// Leads a system that is affine in a parameter from one value to another; `origin` is it at zero. False where it
+    /// makes no sense there, or an entry that changes is zero by chance.
+    pub fn move_to(&mut self, origin: &AffineSystem, value: f64) -> bool {
+        self.omega.value = origin.omega.value + value * origin.omega.by[0];
+        let mut regular = origin.omega == Dual::default() || self.omega.value > 0.0;
+        let mut to = |at: &mut [f64], origin: &[f64], by: &[f64]| {
+            for ((at, origin), by) in at.iter_mut().zip(origin).zip(by) {
+                if *by != 0.0 {
+                    *at = origin + value * by;
+                    regular &= *at != 0.0 && at.is_finite();
+                }
+            }
+        };
+        let mut row = |own: &mut Row, origin: &Row| {
+            let by = origin.by[0].as_slice();
+            to(own.at.as_mut_slice(), origin.at.as_slice(), by);
+        };
+        for (mode, known) in self.modes.iter_mut().zip(&origin.modes) {
+            for (guard, known) in mode.guards.iter_mut().zip(&known.guards) {
+                row(&mut guard.row, &known.row);
+                for (exit, known) in guard.exits.iter_mut().zip(&known.exits) {
+                    let conditions = exit.conditions.iter_mut().zip(&known.conditions);
+                    conditions.for_each(|(own, origin)| row(own, origin));
+                }
+            }
+        }
+        let mut matrix = |own: &mut MatrixBy, origin: &MatrixBy| {
+            let by = origin.by[0].as_slice();
+            to(own.at.as_mut_slice(), origin.at.as_slice(), by);
+        };
+        for (mode, known) in self.modes.iter_mut().zip(&origin.modes) {
+            matrix(&mut mode.matrix, &known.matrix);
+            for (guard, known) in mode.guards.iter_mut().zip(&known.guards) {
+                for (exit, known) in guard.exits.iter_mut().zip(&known.exits) {
+                    matrix(&mut exit.reset, &known.reset);
+                }
+            }
+        }
+        regular
+    }
 }
 
 impl System {
@@ -100,16 +143,67 @@ impl System {
     /// An expression that is not affine in the states or has no finite value, with its place; two modes that
     /// cannot slide.
     pub fn at(&self, values: &[f64], varying: &[usize]) -> Result<AffineSystem, SystemError> {
+        let system = self.evaluated(values, varying)?;
+        match self.forcing.is_some() && system.omega.value <= 0.0 {
+            true => {
+                let mistake = Mistake::Frequency(system.omega.value);
+                Err(SystemError::at("forcing", mistake))
+            }
+            false => Ok(system),
+        }
+    }
+
+    /// The system where one parameter is zero, whatever that does to the forcing, if all of it is affine in that parameter:
+    /// [`AffineSystem::move_to`] leads from it to other values.
+    pub fn origin(&self, values: &[f64], parameter: usize) -> Option<AffineSystem> {
+        if self.integrated || !self.is_affine_in(parameter) {
+            return None;
+        }
+        let mut values = values.to_vec();
+        values[parameter] = 0.0;
+        let origin = self.evaluated(&values, &[parameter]).ok()?;
+        // a sliding field is affine, too, where the surface stays and with it the difference of the fields on its sides
+        let stays = |by: &Vector| by.iter().all(|by| *by == 0.0);
+        let surfaces = origin.modes.iter().filter_map(|mode| mode.surface.as_ref());
+        let flat = surfaces.flat_map(|row| &row.by).all(stays);
+        let alike = self.sliding.iter().all(|sides| {
+            let [below, above] =
+                sides.map(|side| origin.modes[side].matrix.by[0].rows(0, origin.states));
+            below == above
+        });
+        (flat && alike && origin.program.made() == 0).then_some(origin)
+    }
+
+    /// Whether every expression is affine in a parameter.
+    fn is_affine_in(&self, parameter: usize) -> bool {
+        let name = self.source.parameters.names().nth(parameter);
+        let mut known: Vec<(&str, Option<u32>)> = Vec::new();
+        for (define, expression) in self.source.define.names().zip(&self.define) {
+            let degree = expression.degree(&|one| degree_of(one, name, &known));
+            known.push((define, degree));
+        }
+        let of = |one: &str| degree_of(one, name, &known);
+        let switches = self.modes.iter().flat_map(|mode| &mode.switches);
+        let of_switches = switches.flat_map(|switch| {
+            let reset = switch.reset.iter().map(|(_, expression)| expression);
+            [&switch.zero]
+                .into_iter()
+                .chain(reset)
+                .chain(&switch.conditions)
+        });
+        let rates = self.modes.iter().flat_map(|mode| &mode.rates);
+        let mut all = rates.chain(of_switches).chain(&self.forcing);
+        all.all(|expression| expression.degree(&of).is_some())
+    }
+
+    /// The same as [`System::at`] for a forcing of any frequency.
+    fn evaluated(&self, values: &[f64], varying: &[usize]) -> Result<AffineSystem, SystemError> {
         let parameter = |index: usize| {
             let varies = varying.iter().position(|varying| *varying == index);
             Dual::parameter(values[index], varies)
         };
         let evaluation = Evaluation::new(self, &parameter, Dual::number(PI))?;
         let omega = evaluation.frequency()?;
-        if self.forcing.is_some() && omega.value <= 0.0 {
-            let mistake = Mistake::Frequency(omega.value);
-            return Err(SystemError::at("forcing", mistake));
-        }
         let modes = evaluation.modes()?;
         let mut numerical = vec![None; self.sliding.len()];
         loop {
@@ -148,6 +242,7 @@ impl System {
         let modes = modes.iter().map(|mode| {
             let matrix = shape.matrix(&mode.rates, omega);
             AffineMode {
+                states: shape.states,
                 field: Field::default(),
                 guards: shape.guards(&mode.switches),
                 surface: None,
@@ -178,10 +273,19 @@ impl System {
                 .chain(conditions)
                 .chain(reset)
                 .chain(mode.surface.clone());
-            mode.field = Field::new(&program, &mode.matrix, watched, self.flow_tolerance());
-            mode.field.is_exact &= !self.integrated;
+            let how = (self.flow_tolerance(), self.integrated);
+            mode.field = Field::new(&program, &mode.matrix, watched, how);
         }
         Ok(system)
+    }
+}
+
+/// The degree in a parameter of what a name stands for.
+fn degree_of(one: &str, parameter: Option<&str>, known: &[(&str, Option<u32>)]) -> Option<u32> {
+    let mut known = known.iter();
+    match known.find(|(name, _)| *name == one) {
+        Some((_, degree)) => *degree,
+        None => Some(u32::from(Some(one) == parameter)),
     }
 }
 
@@ -253,7 +357,9 @@ impl Shape {
     fn matrix(&self, rates: &[Form], omega: Dual) -> MatrixBy {
         let mut matrix = MatrixBy::zero(self.size(), self.size());
         for (state, rate) in rates.iter().enumerate() {
-            matrix.set_row(state, &self.row(rate));
+            for (column, value) in self.terms.coefficients(rate) {
+                matrix.add(state, column, value);
+            }
         }
         for h in 1..=self.harmonics {
             let cosine = self.states + 2 * h - 1;
@@ -290,7 +396,10 @@ impl Shape {
         let mut reset = MatrixBy::zero(self.states, self.size());
         reset.at.fill_with_identity();
         for (state, form) in &switch.reset {
-            reset.set_row(*state, &self.row(form));
+            reset.at[(*state, *state)] = 0.0;
+            for (column, value) in self.terms.coefficients(form) {
+                reset.add(*state, column, value);
+            }
         }
         Exit {
             to: switch.switch.to,
@@ -456,6 +565,7 @@ impl AffineSystem {
             exits.insert(0, exit(own, vec![held]));
         }
         self.modes.push(AffineMode {
+            states: self.states,
             matrix,
             guards,
             surface: Some(surface),

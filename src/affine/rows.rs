@@ -57,10 +57,10 @@ impl Row {
         add(&self.at, &matrix.at, &mut through.at);
         // most derivatives are zero: those of a parameter that does not vary all are
         for p in 0..VARYING {
-            if self.by[p].iter().any(|by| *by != 0.0) {
+            if self.by[p].as_slice().iter().any(|by| *by != 0.0) {
                 add(&self.by[p], &matrix.at, &mut through.by[p]);
             }
-            if matrix.by[p].iter().any(|by| *by != 0.0) {
+            if matrix.by[p].as_slice().iter().any(|by| *by != 0.0) {
                 add(&self.at, &matrix.by[p], &mut through.by[p]);
             }
         }
@@ -93,10 +93,17 @@ impl MatrixBy {
         }
     }
 
+    pub(super) fn add(&mut self, row: usize, column: usize, value: Dual) {
+        self.at[(row, column)] += value.value;
+        for (by, derivative) in self.by.iter_mut().zip(value.by) {
+            by[(row, column)] += derivative;
+        }
+    }
+
     pub(super) fn set_row(&mut self, row: usize, values: &Row) {
-        self.at.set_row(row, &values.at.transpose());
+        self.at.row_mut(row).tr_copy_from(&values.at);
         for (by, values) in self.by.iter_mut().zip(&values.by) {
-            by.set_row(row, &values.transpose());
+            by.row_mut(row).tr_copy_from(values);
         }
     }
 

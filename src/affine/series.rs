@@ -183,7 +183,7 @@ pub struct Field {
     program: Arc<Program>,
     /// Which components beyond states and phase the mode has to do with: others may have no value in it.
     needed: Vec<bool>,
-    /// Rates of the components before them.
+    /// Rates of the components before them; none where everything is linear.
     rates: Vec<Sparse>,
     /// Whether the mode has to do with none of them.
     pub is_exact: bool,
@@ -226,7 +226,7 @@ impl Field {
         program: &Arc<Program>,
         matrix: &MatrixBy,
         watched: impl Iterator<Item = Row>,
-        tolerance: f64,
+        (tolerance, integrated): (f64, bool),
     ) -> Field {
         let base = program.base;
         let mut needed = vec![false; program.made()];
@@ -243,12 +243,16 @@ impl Field {
             value: matrix.at[(row, c)],
             by: matrix.by.each_ref().map(|by| by[(row, c)]),
         };
+        let is_exact = !integrated && !needed.contains(&true);
+        let rate = |row| Sparse::new((0..program.size()).map(|c| (c, entry(row, c))));
         Field {
-            rates: (0..base)
-                .map(|row| Sparse::new((0..program.size()).map(|c| (c, entry(row, c)))))
-                .collect(),
+            rates: if needed.is_empty() && !integrated {
+                Vec::new()
+            } else {
+                (0..base).map(rate).collect()
+            },
             program: program.clone(),
-            is_exact: !needed.contains(&true),
+            is_exact,
             needed,
             tolerance,
         }
@@ -263,11 +267,12 @@ impl Field {
         self.is_exact &= !self.needed.contains(&true);
     }
 
-    /// Whether the rates of the first components, so many, depend on the phase.
-    pub fn is_forced(&self, states: usize) -> bool {
+    /// Whether the rates of the first components, so many, depend on the phase, in the mode with this matrix.
+    pub fn is_forced(&self, matrix: &MatrixBy, states: usize) -> bool {
         let phases: Vec<usize> = (states + 1..self.program.base).collect();
-        let mut rates = self.rates[..states].iter().flat_map(|rate| &rate.0);
-        rates.any(|(c, _)| self.program.depends(*c, &phases))
+        let occurs = |c: usize| (0..states).any(|row| matrix.row(row).has(c));
+        let mut components = (0..self.program.size()).filter(|c| occurs(*c));
+        components.any(|c| self.program.depends(c, &phases))
     }
 
     /// Gives every component of z that is made of others its value.

@@ -57,8 +57,8 @@ impl AffineSystem {
     /// Why there is none, or a family of them.
     pub fn equilibria(&self, mode: usize) -> Result<Vec<Equilibrium>, NoEquilibrium> {
         let n = self.states;
-        let field = &self.modes[mode].field;
-        if field.is_forced(n) {
+        let AffineMode { field, matrix, .. } = &self.modes[mode];
+        if field.is_forced(matrix, n) {
             return Err(NoEquilibrium::Forced);
         }
         let zero = Vector::zeros(n);

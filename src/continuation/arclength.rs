@@ -82,7 +82,15 @@ impl Node {
     /// A point of the zero set with the null vector of the Jacobian of its system as tangent, either way round;
     /// `None` where that cannot be evaluated.
     pub fn on<S: System>(system: &S, point: Vector) -> Option<Node> {
+        Node::within(system, point, f64::INFINITY)
+    }
+
+    /// The same where no residual is larger than this.
+    pub(crate) fn within<S: System>(system: &S, point: Vector, most: f64) -> Option<Node> {
         let (matrix, residual) = newton::jacobian(system, &point).ok()?;
+        if residual > most {
+            return None;
+        }
         let tangent = linalg::kernel(&matrix)?.null_vector;
         Some(Node {
             residual,

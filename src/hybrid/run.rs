@@ -348,7 +348,7 @@ pub(crate) fn point(
         parameters,
         period,
         switches,
-        extremes: orbit.extremes(unknowns).unwrap_or_default(),
+        extremes: examination.extremes.clone(),
         stable,
         unstable: outside,
         multipliers: multipliers.unwrap_or_default(),

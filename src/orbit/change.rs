@@ -141,7 +141,7 @@ pub fn beyond_together<O: Orbit>(
     for margins in rest {
         let mut longer: Vec<(&O::Margin, O::Signature, Candidate<O>)> = Vec::new();
         for (margin, between, candidate) in list {
-            let solved = Node::on(&candidate.orbit, candidate.point.clone()).filter(solves);
+            let solved = solved(&candidate.orbit, &candidate.point);
             let examination = solved.map(|node| candidate.orbit.examination(&node.point));
             let Some(Ok(examination)) = examination else {
                 continue;
@@ -217,7 +217,7 @@ pub fn beyond_both<O: Orbit>(
     for first in margins {
         for candidate in orbit.candidates(point, first).ok()? {
             let between = candidate.orbit;
-            let Some(node) = Node::on(&between, candidate.point).filter(solves) else {
+            let Some(node) = solved(&between, &candidate.point) else {
                 continue;
             };
             let Ok(examination) = between.examination(&node.point) else {
@@ -254,9 +254,9 @@ pub fn beyond_both<O: Orbit>(
     None
 }
 
-/// Whether an event is a orbit of the equations that it is a node of.
-fn solves(node: &Node) -> bool {
-    node.residual <= RESIDUAL_AT_EVENT
+/// The node of an event that is an orbit of these equations.
+fn solved<O: Orbit>(orbit: &O, point: &Vector) -> Option<Node> {
+    Node::within(orbit, point.clone(), RESIDUAL_AT_EVENT)
 }
 
 /// Why a candidate is not entered.
@@ -280,8 +280,7 @@ pub fn enter<O: Orbit>(
     tolerance: f64,
 ) -> Result<Beyond<O>, NotEntered<O>> {
     let orbit = &candidate.orbit;
-    let node = Node::on(orbit, candidate.point.clone());
-    let mut node = node.filter(solves).ok_or(NotEntered::NoSolution)?;
+    let mut node = solved(orbit, &candidate.point).ok_or(NotEntered::NoSolution)?;
     let common = alike(candidate);
     let is_only = common.is_none();
     if let Some(tangent) = common {

@@ -118,21 +118,22 @@ pub(super) fn within<O: Orbit>(
     let end = end.unwrap_or(f64::INFINITY);
     let mut close: Option<(f64, Close<O::Held>)> = None;
     let mut pair = f64::INFINITY;
-    let mut take =
-        |least: Least, what: Close<O::Held>, rounding: &dyn Fn(&Place) -> f64| match least {
-            Least::Found(place, value) if place.s < end => {
-                let rounding = rounding(&place);
-                if value < -BELOW_ROUNDING * rounding {
-                    pair = pair.min(place.s);
-                } else if value <= rounding {
-                    close.get_or_insert((place.s, what));
-                }
+    let mut take = |least: Least,
+                    what: &dyn Fn() -> Close<O::Held>,
+                    rounding: &dyn Fn(&Place) -> f64| match least {
+        Least::Found(place, value) if place.s < end => {
+            let rounding = rounding(&place);
+            if value < -BELOW_ROUNDING * rounding {
+                pair = pair.min(place.s);
+            } else if value <= rounding {
+                close.get_or_insert_with(|| (place.s, what()));
             }
-            Least::NotFound if step.ds < end => {
-                close.get_or_insert((step.ds, what));
-            }
-            _ => {}
-        };
+        }
+        Least::NotFound if step.ds < end => {
+            close.get_or_insert_with(|| (step.ds, what()));
+        }
+        _ => {}
+    };
     for before in step.before.margins() {
         let Some(after) = find::<O>(step.after, before) else {
             continue;
@@ -151,9 +152,10 @@ pub(super) fn within<O: Orbit>(
             Some((O::value(margin), orbit.slope(margin, &node.tangent)))
         });
         let rounding = |place: &Place| blur(orbit, step, &at.margin, place);
-        take(least, Close::Margin(orbit.held(before)), &rounding);
+        let what = || Close::Margin(orbit.held(before));
+        take(least, &what, &rounding);
     }
-    take(folds(orbit, step), Close::Fold, &|_| locate::FOLD_SLOPE);
+    take(folds(orbit, step), &|| Close::Fold, &|_| locate::FOLD_SLOPE);
     if pair.is_finite() {
         return Within::Pair(pair);
     }
@@ -487,10 +489,9 @@ fn crossings<O: Orbit>(
     }
     let mut located = Vec::new();
     for (index, (&before, &after)) in low.1.iter().zip(&high.1).enumerate() {
-        let told = [step.before, step.after]
-            .iter()
-            .all(|examination| examination.is_told(index));
-        let differ = before * after < 0.0 && told;
+        let ends = [step.before, step.after];
+        let told = || ends.iter().all(|end| end.is_told(index));
+        let differ = before * after < 0.0 && told();
         // nor where one of them is no number
         if !differ || low.0 >= high.0 {
             continue;

@@ -91,11 +91,16 @@ impl Bernstein {
             let sums = coefficients.iter_mut().zip(row);
             sums.for_each(|(sum, c)| *sum += c * a);
         }
-        let size = taylor.iter().fold(0.0_f64, |size, a| size.max(a.abs()));
         Bernstein {
             coefficients,
-            noise: remainder + ROUNDING * size,
+            noise: Bernstein::noise(taylor, remainder),
         }
+    }
+
+    /// Bound of what the polynomial of these coefficients leaves out, and of its rounding.
+    pub(crate) fn noise(taylor: &[f64; COEFFICIENTS], remainder: f64) -> f64 {
+        let size = taylor.iter().fold(0.0_f64, |size, a| size.max(a.abs()));
+        remainder + ROUNDING * size
     }
 
     /// The two halves, by de Casteljau's scheme.

@@ -62,3 +62,38 @@ fn derivatives_in_every_parameter_are_those_of_differences() {
         }
     }
 }
+
+/// What is affine in a parameter is led to any value of it; what is not is never taken for it.
+#[test]
+fn affine_systems_are_led_to_other_values_of_a_parameter() {
+    for (text, affine) in [
+        (IMPACT, &["c", "A", "w", "d", "e"][..]),
+        (FRICTION, &["w", "z"]),
+        (CHUA, &["alpha", "beta", "m", "n"]),
+        (RELAY, &[]),
+        (BUCK, &["low", "high", "ref", "a", "E"]),
+    ] {
+        let system = system(text);
+        let here = values(&system, &[]);
+        let mut found = Vec::new();
+        for (index, name) in system.source.parameters.names().enumerate() {
+            let Some(origin) = system.origin(&here, index) else {
+                continue;
+            };
+            found.push(name.to_owned());
+            let mut moved = origin.clone();
+            for factor in [0.3, 1.0, 1.7] {
+                let mut values = here.clone();
+                values[index] *= factor;
+                assert!(moved.move_to(&origin, values[index]), "{name}");
+                let at = numbers(&system.at(&values, &[index]).unwrap());
+                for (one, other) in numbers(&moved).iter().flatten().zip(at.iter().flatten()) {
+                    // a few roundings of the terms
+                    let allowed = 1e-15 * (1.0 + other.abs());
+                    assert!((one - other).abs() <= allowed, "{name}: {one} for {other}");
+                }
+            }
+        }
+        assert_eq!(found, affine);
+    }
+}

@@ -397,7 +397,7 @@ impl AffineOrbit {
             others.all(|zone| (entry(zone) - entry(0)).amax() <= most)
         } else {
             let at = self.at(point).ok()?;
-            let (duration, rate) = (at.zones[0].duration, at.passage(0, 0.0).ok()?.rate());
+            let (duration, rate) = (at.zones[0].duration, &at.mode(0).matrix.at * at.entry(0));
             (0..n).all(|state| (duration * rate[state] / units[state]).abs() <= SLOW * most)
         };
         if !small {

@@ -4,11 +4,13 @@ use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
 use super::margin::{Margin, Watch};
 use super::multipliers::{Multiplier, is_told};
 use super::passage::Passage;
-use crate::affine::flow::{MOST_PIECES, ModeFlow, Piece};
+use super::turning::Smooth;
+use crate::affine::flow::{Expansion, MOST_PIECES, ModeFlow, Piece};
+use crate::affine::mode::{Guard, Row};
 use crate::linalg::Vector;
 use crate::orbit::Examined;
 use crate::orbit::events::AT_ZERO;
-use crate::orbit::sign::{Bernstein, Verdict};
+use crate::orbit::sign::Verdict;
 
 /// What an examination found.
 #[derive(Clone, Debug)]
@@ -17,6 +19,8 @@ pub struct Examination {
     pub margins: Vec<Margin>,
     /// Whether every inequality holds everywhere.
     pub verdict: Verdict,
+    /// Least and largest value of every state.
+    pub extremes: Vec<(f64, f64)>,
     /// Functions that change their sign where the stability changes: those of
     /// [`super::multipliers::Monodromy::tests`]. Empty where it is not looked for.
     pub tests: Vec<f64>,
@@ -137,17 +141,19 @@ impl OrbitAt<'_> {
         })
     }
 
-    /// Margins and verdict.
+    /// Margins and verdict, and the least and the largest value of every state.
     pub(super) fn examine(&self) -> Result<Examination, OrbitFailure> {
+        let passages = self.passages()?;
+        let parts = self.all_parts()?;
         let mut examination = Examination {
             margins: Vec::new(),
             verdict: Verdict::Positive,
+            extremes: self.extremes_of_ends(&passages, &parts),
             tests: Vec::new(),
             multipliers: Vec::new(),
         };
-        let passages = self.passages()?;
-        for (zone, passage) in passages.iter().enumerate() {
-            self.examine_zone(zone, passage, &mut examination)?;
+        for (zone, (passage, parts)) in passages.iter().zip(&parts).enumerate() {
+            self.examine_zone(zone, passage, parts, &mut examination)?;
         }
         if self.orbit.setting.stability {
             examination.tests = vec![0.0; 3];
@@ -159,14 +165,37 @@ impl OrbitAt<'_> {
         Ok(examination)
     }
 
+    fn all_parts(&self) -> Result<Vec<Vec<Part>>, OrbitFailure> {
+        (0..self.zones.len()).map(|zone| self.parts(zone)).collect()
+    }
+
+    /// Least and largest value of every state where parts of the zones meet: few go further between.
+    fn extremes_of_ends(&self, passages: &[Passage], parts: &[Vec<Part>]) -> Vec<(f64, f64)> {
+        let mut extremes = vec![(f64::INFINITY, f64::NEG_INFINITY); self.orbit.states()];
+        for (passage, parts) in passages.iter().zip(parts) {
+            let end = parts.last().map_or(&passage.entry, |_| &passage.end);
+            let within = parts.iter().skip(1).map(|part| &part.piece.z);
+            for z in [&passage.entry, end].into_iter().chain(within) {
+                for ((low, high), value) in extremes.iter_mut().zip(z) {
+                    (*low, *high) = (low.min(*value), high.max(*value));
+                }
+            }
+        }
+        extremes
+    }
+
     fn examine_zone(
         &self,
         zone: usize,
         passage: &Passage,
+        parts: &[Part],
         examination: &mut Examination,
     ) -> Result<(), OrbitFailure> {
         let Examination {
-            margins, verdict, ..
+            margins,
+            verdict,
+            extremes,
+            ..
         } = examination;
         let mut judge = |one: Verdict| *verdict = verdict.and(one);
         let first = margins.len();
@@ -192,29 +221,49 @@ impl OrbitAt<'_> {
         let way = self.orbit.sequence.zone(zone).way;
         let facts = &self.posed.facts[zone];
         let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
-        let parts = self.parts(zone)?;
-        let mut inside = Vec::new();
-        for guard in 0..self.mode(zone).guards.len() {
-            let Some(order) = facts.at_entry[guard] else {
-                continue;
-            };
-            let row = &self.mode(zone).guards[guard].row;
+        let guards = self.mode(zone).guards.iter().enumerate();
+        let watched = guards.filter_map(|(guard, Guard { row, .. })| {
             // without switches the beginning is a place like any other: a minimum may lie there
             let rate = || flow.slopes(&row.at, &passage.entry)[1];
             let slow = AT_BEGINNING * self.orbit.size(row) / self.orbit.setting.scales.time;
-            let mut falling = way.is_none() && rate() <= slow;
-            let mut places = Vec::new();
-            for part in &parts {
-                let (mut taylor, remainder) = flow.taylor(guard, &part.piece, part.part);
-                let at_start = if part.is_first { order } else { 0 };
+            Some(Watched {
+                guard,
+                row,
+                order: facts.at_entry[guard]?,
+                falling: way.is_none() && rate() <= slow,
+                places: Vec::new(),
+            })
+        });
+        let mut watched: Vec<Watched> = watched.collect();
+        for part in parts {
+            let Part { piece, begun, .. } = part;
+            let expansion = flow.expansion(piece, part.part, extremes.len());
+            for one in &mut watched {
+                let (mut taylor, remainder) =
+                    flow.guard_of(one.guard, (piece, part.part), &expansion);
+                let at_start = if part.is_first { one.order } else { 0 };
                 taylor[..at_start].fill(0.0);
-                let at_end = facts.at_end[guard].filter(|_| part.is_last && way.is_some());
-                let bernstein = Bernstein::from_taylor(&taylor, remainder);
-                judge(bernstein.verdict(at_start, at_end.unwrap_or(0)));
-                let minima = bernstein.minima(&mut falling).into_iter();
-                let time = |place: f64| part.begun + place * part.part * part.piece.length;
-                places.extend(minima.map(time));
+                let at_end = facts.at_end[one.guard].filter(|_| part.is_last && way.is_some());
+                let (holds, minima) = Smooth::new(&taylor, remainder).examined(
+                    at_start,
+                    at_end.unwrap_or(0),
+                    &mut one.falling,
+                );
+                judge(holds);
+                let time = |place: f64| begun + place * part.part * piece.length;
+                one.places.extend(minima.into_iter().map(time));
             }
+            expansion.widen(extremes);
+        }
+        let mut inside = Vec::new();
+        for Watched {
+            guard,
+            row,
+            order,
+            mut places,
+            ..
+        } in watched
+        {
             let entry = parts.first().map(|part| &part.piece.z);
             let value = |time: &f64| {
                 let z = entry.map(|z| flow.after(z, *time));
@@ -246,6 +295,27 @@ impl OrbitAt<'_> {
     }
 }
 
+/// A guard while a zone is gone through.
+struct Watched<'a> {
+    guard: usize,
+    row: &'a Row,
+    /// Order of its zero at the entry.
+    order: usize,
+    /// Whether it falls.
+    falling: bool,
+    /// Times of its local minima.
+    places: Vec<f64>,
+}
+
+impl Expansion {
+    /// Widens bounds of the states that hold at both ends of a part so that they hold in between.
+    fn widen(&self, extremes: &mut [(f64, f64)]) {
+        for (state, (extremes, left_out)) in extremes.iter_mut().zip(&self.left_out).enumerate() {
+            Smooth::new(&self.taylor(state), *left_out).widen(extremes);
+        }
+    }
+}
+
 impl AffineOrbit {
     /// Least and largest value of every state over the orbit.
     ///
@@ -253,45 +323,13 @@ impl AffineOrbit {
     /// The flow cannot be evaluated there.
     pub fn extremes(&self, point: &Vector) -> Result<Vec<(f64, f64)>, OrbitFailure> {
         let at = self.at(point)?;
-        let n = self.states();
-        let mut extremes = vec![(f64::INFINITY, f64::NEG_INFINITY); n];
-        let visit = |(low, high): &mut (f64, f64), value: f64| {
-            (*low, *high) = (low.min(value), high.max(value));
-        };
-        // first where pieces meet: few go further between
-        let mut pieces = Vec::new();
-        for zone in 0..self.zones() {
+        let parts = at.all_parts()?;
+        let mut extremes = at.extremes_of_ends(&at.passages()?, &parts);
+        for (zone, parts) in parts.iter().enumerate() {
             let flow = at.posed.flow(self.sequence.zone(zone).mode);
-            let parts = at.parts(zone)?;
-            let end = parts
-                .last()
-                .map(|last| flow.within(&last.piece, last.part * last.piece.length));
-            let ends = std::iter::once(at.entry(zone)).chain(end);
-            for z in ends.chain(parts.iter().skip(1).map(|part| part.piece.z.clone())) {
-                let pairs = extremes.iter_mut().zip(&z);
-                pairs.for_each(|(extremes, value)| visit(extremes, *value));
-            }
-            pieces.extend(parts.into_iter().map(|part| (flow, part)));
-        }
-        for (flow, Part { piece, part, .. }) in &pieces {
-            let states = flow.states(piece, *part, n);
-            for ((taylor, left_out), extremes) in states.into_iter().zip(&mut extremes) {
-                let reach: f64 = taylor[1..].iter().map(|a| a.abs()).sum();
-                if taylor[0] - reach >= extremes.0 && taylor[0] + reach <= extremes.1 {
-                    continue;
-                }
-                let polynomial = Bernstein::from_taylor(&taylor, left_out);
-                let (low, high) = polynomial.bounds();
-                let mut turns = Vec::new();
-                if low < extremes.0 {
-                    turns = polynomial.minima(&mut false);
-                }
-                if high > extremes.1 {
-                    turns.extend(polynomial.affine(-1.0, 0.0).minima(&mut false));
-                }
-                for place in turns {
-                    visit(extremes, polynomial.value(place));
-                }
+            for Part { piece, part, .. } in parts {
+                let expansion = flow.expansion(piece, *part, extremes.len());
+                expansion.widen(&mut extremes);
             }
         }
         Ok(extremes)

@@ -63,7 +63,9 @@ fn subtract(row: &mut Row, factor: Dual, other: &Row) {
     }
     for (by, (slope, other_by)) in row.by.iter_mut().zip(factor.by.iter().zip(&other.by)) {
         by.axpy(-factor.value, other_by, 1.0);
-        by.axpy(-slope, &other.at, 1.0);
+        if *slope != 0.0 {
+            by.axpy(-slope, &other.at, 1.0);
+        }
     }
     row.at.axpy(-factor.value, &other.at, 1.0);
 }
@@ -209,14 +211,18 @@ impl Forms {
 /// Size of the numbers of which a form times a matrix is made.
 fn bound(row: &Row, matrix: &MatrixBy, units: &Units) -> f64 {
     let terms = |row: &Vector, matrix: &Matrix, column: usize| -> f64 {
-        let entries = row.iter().zip(matrix.column(column));
+        let column = &matrix.as_slice()[column * row.len()..][..row.len()];
+        let entries = row.as_slice().iter().zip(column);
         entries.map(|(c, entry)| (c * entry).abs()).sum()
     };
+    let changes = |by: &[f64]| by.iter().any(|by| *by != 0.0);
+    let varies = |p: &usize| changes(row.by[*p].as_slice()) || changes(matrix.by[*p].as_slice());
+    let varying: Vec<usize> = (0..VARYING).filter(varies).collect();
     let largest = |column: usize| {
         let derivative = |p: usize| {
             terms(&row.by[p], &matrix.at, column) + terms(&row.at, &matrix.by[p], column)
         };
-        let derivatives = (0..VARYING).map(|p| units.parameter * derivative(p));
+        let derivatives = varying.iter().map(|p| units.parameter * derivative(*p));
         let size = derivatives.fold(terms(&row.at, &matrix.at, column), f64::max);
         size * units.z[column]
     };

@@ -99,21 +99,42 @@ pub struct Posed {
     flows: Vec<OnceLock<ModeFlow>>,
     /// Longest piece of a flow: the unit of time.
     longest: f64,
+    /// Whether the system was led to from its origin.
+    moved: bool,
 }
 
 impl Posed {
+    fn new(system: AffineSystem, facts: Arc<Vec<ZoneFacts>>, longest: f64, moved: bool) -> Posed {
+        Posed {
+            facts,
+            balances: vec![OnceLock::new(); system.modes.len()],
+            flows: system.modes.iter().map(|_| OnceLock::new()).collect(),
+            longest,
+            moved,
+            system,
+        }
+    }
+
+    /// The same at another value of the parameter; `None` where that takes more than other numbers.
+    fn moved_to(mut self, origin: &AffineSystem, value: f64) -> Option<Posed> {
+        let linear = |facts: &ZoneFacts| facts.is_constant() && facts.generic.is_none();
+        let lasts = self.moved && self.facts.iter().all(linear);
+        let moved = lasts && self.system.move_to(origin, value);
+        moved.then(|| Posed::new(self.system, self.facts, self.longest, true))
+    }
+
     /// The scales of z that balance the matrix of a mode, and its norm then.
     fn balance(&self, mode: usize) -> &(Vector, f64) {
         self.balances[mode].get_or_init(|| balance(&self.system.modes[mode].matrix.at))
     }
 
-    /// Its facts, where they are those of the system at another value of the parameter, too: none of them changes with it,
-    /// and what they follow from is the same there, rates and resets but for the values of entries that are not zero. A
-    /// zero by chance is no fact, since its derivative in the parameter is none. Conditions have no part in them.
-    fn facts_for(&self, other: &AffineSystem) -> Option<Arc<Vec<ZoneFacts>>> {
+    /// Whether what facts follow from is the same in the system at another value of the parameter: rates and resets but
+    /// for the values of entries that are not zero. A zero by chance is no fact, since its derivative in the parameter is
+    /// none. Conditions have no part in them.
+    fn has_same_zeros(&self, other: &AffineSystem) -> bool {
         let known = &self.system;
         let zeros = |one: &Matrix, other: &Matrix| {
-            let mut pairs = one.iter().zip(other.iter());
+            let mut pairs = one.as_slice().iter().zip(other.as_slice());
             one.shape() == other.shape()
                 && pairs.all(|(one, other)| (*one == 0.0) == (*other == 0.0))
         };
@@ -133,11 +154,15 @@ impl Posed {
                 && same_zeros(&one.matrix, &other.matrix)
                 && guards.all(same_guards)
         };
-        let same = self.facts.iter().all(ZoneFacts::is_constant)
-            && known.program.has_same_shape(&other.program)
-            && known.modes.iter().zip(&other.modes).all(alike);
+        known.program.has_same_shape(&other.program)
+            && known.modes.iter().zip(&other.modes).all(alike)
+    }
+
+    /// Its facts for a system with the same zeros, where none of them changes with the parameter.
+    fn lasting_facts(&self, other: &AffineSystem) -> Option<Arc<Vec<ZoneFacts>>> {
         let told_by_forms = self.facts.iter().all(|facts| facts.generic.is_none());
-        same.then(|| match told_by_forms {
+        let last = self.facts.iter().all(ZoneFacts::is_constant);
+        last.then(|| match told_by_forms {
             true => self.facts.clone(),
             false => Arc::new(self.facts.iter().map(|facts| facts.at(other)).collect()),
         })
@@ -168,11 +193,14 @@ pub struct AffineOrbit {
     /// Sizes of the components of z.
     sizes: Vector,
     last: Last,
+    /// The system where the parameter is zero, if all of it is affine in that.
+    origin: Arc<OnceLock<Option<AffineSystem>>>,
 }
 
 impl PartialEq for AffineOrbit {
     fn eq(&self, other: &AffineOrbit) -> bool {
-        (&self.setting, &self.sequence) == (&other.setting, &other.sequence)
+        let same = |one: &Arc<Setting>, other| Arc::ptr_eq(one, other) || one == other;
+        self.sequence == other.sequence && same(&self.setting, &other.setting)
     }
 }
 
@@ -232,6 +260,7 @@ impl AffineOrbit {
         (known && fits).then(|| AffineOrbit {
             sizes: sizes(&system, &setting.scales.states),
             last: Last::default(),
+            origin: Arc::default(),
             setting,
             sequence,
         })
@@ -239,7 +268,9 @@ impl AffineOrbit {
 
     /// The same problem for another sequence.
     pub fn with_sequence(&self, sequence: Sequence) -> Option<AffineOrbit> {
-        AffineOrbit::new(self.setting.clone(), sequence)
+        let other = AffineOrbit::new(self.setting.clone(), sequence)?;
+        let origin = self.origin.clone();
+        Some(AffineOrbit { origin, ..other })
     }
 
     /// Number of zones.
@@ -295,34 +326,66 @@ impl AffineOrbit {
     fn posed(&self, point: &Vector) -> Result<Arc<Posed>, OrbitFailure> {
         let value = self.parameter_at(point);
         let bits = value.to_bits();
-        let last = self.last.lock().ok().and_then(|last| last.clone());
-        if let Some((_, posed)) = last.as_ref().filter(|(known, _)| *known == bits) {
-            return Ok(posed.clone());
+        let last = self.last.lock().ok().and_then(|mut last| last.take());
+        let posed = match last {
+            Some((known, posed)) if known == bits => posed,
+            last => Arc::new(self.posed_at(point, value, last.map(|(_, posed)| posed))?),
+        };
+        if let Ok(mut last) = self.last.lock() {
+            *last = Some((bits, posed.clone()));
         }
+        Ok(posed)
+    }
+
+    /// The same, where it has been posed at another value.
+    fn posed_at(
+        &self,
+        point: &Vector,
+        value: f64,
+        last: Option<Arc<Posed>>,
+    ) -> Result<Posed, OrbitFailure> {
         let setting = &self.setting;
-        let values = setting.values_at(value);
-        let system = setting.system.at(&values, &[setting.parameter]);
+        let of_origin = || setting.system.origin(&setting.values, setting.parameter);
+        let origin = self.origin.get_or_init(of_origin).as_ref();
+        let mut known = last;
+        if let Some(origin) = origin {
+            match known.take().map(Arc::try_unwrap) {
+                Some(Ok(own)) => {
+                    if let Some(posed) = own.moved_to(origin, value) {
+                        return Ok(posed);
+                    }
+                }
+                Some(Err(shared)) => known = Some(shared),
+                None => {}
+            }
+        }
+        let moved = origin.and_then(|origin| {
+            let mut system = origin.clone();
+            system.move_to(origin, value).then_some(system)
+        });
+        let is_moved = moved.is_some();
+        let at = |value| {
+            setting
+                .system
+                .at(&setting.values_at(value), &[setting.parameter])
+        };
+        let system = moved.map_or_else(|| at(value), Ok);
         let system = system.map_err(OrbitFailure::System)?;
         // where an expression has no value z may have other components
         if system.size() != self.sizes.len() {
             return Err(OrbitFailure::NoZones);
         }
-        let known = last.and_then(|(_, posed)| posed.facts_for(&system));
-        let facts = known.unwrap_or_else(|| {
+        let known = known.filter(|posed| posed.has_same_zeros(&system));
+        let lasting = known
+            .as_ref()
+            .and_then(|posed| posed.lasting_facts(&system));
+        let facts = lasting.unwrap_or_else(|| {
             let zones = self.unpack(point, system.omega.value);
-            Arc::new(facts(&system, &self.sequence, &self.units(), &zones))
+            let known = known.as_ref().map(|posed| posed.facts.as_slice());
+            let (sequence, units) = (&self.sequence, self.units());
+            Arc::new(facts(&system, sequence, &units, &zones, known))
         });
-        let posed = Arc::new(Posed {
-            facts,
-            balances: vec![OnceLock::new(); system.modes.len()],
-            flows: system.modes.iter().map(|_| OnceLock::new()).collect(),
-            longest: setting.scales.time,
-            system,
-        });
-        if let Ok(mut last) = self.last.lock() {
-            *last = Some((bits, posed.clone()));
-        }
-        Ok(posed)
+        Ok(Posed::new(system, facts, setting.scales.time, is_moved))
     }
 
     /// The orbit at a point.
@@ -392,7 +455,7 @@ impl OrbitAt<'_> {
         let stiff = is_long.then(|| posed.flow(mode).split(time)).flatten();
         let entry = self.entry(zone);
         let passage = Passage::new(&posed.system.modes[mode], norm, stiff, entry, time);
-        let finite = passage.flow.iter().all(|x| x.is_finite());
+        let finite = passage.flow.as_slice().iter().all(|x| x.is_finite());
         finite
             .then_some(passage)
             .ok_or_else(|| OrbitFailure::Overflow {

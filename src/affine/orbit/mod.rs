@@ -2,7 +2,8 @@
 //!
 //! [`signature`] is the sequence of zones, [`layout`] has the unknowns, [`residual`] the equations; [`passage`] is
 //! the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends whatever the
-//! parameter, as [`forms`] tell, or [`generic`] points. [`margin`] measures the inequalities, [`examine`] decides them; [`candidates`] finds
+//! parameter, as [`forms`] tell, or [`generic`] points. [`margin`] measures the inequalities, [`examine`] decides them, by
+//! what [`turning`] tells of smooth functions; [`candidates`] finds
 //! what lies beyond an event, [`ends`] why nothing does; [`multipliers`] has the stability; [`start`] finds the first
 //! orbit, [`switch`] that of the other branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`]
 //! that at which they take for ever, and
@@ -26,6 +27,7 @@ pub mod start;
 mod structure;
 pub mod switch;
 pub mod symmetry;
+mod turning;
 
 use std::fmt;
 use std::sync::Arc;
@@ -199,6 +201,11 @@ impl Orbit for AffineOrbit {
         for (sum, by) in gradient.iter_mut().zip(&margin.gradient) {
             *sum += by;
         }
+    }
+
+    fn slope(&self, margin: &Margin, direction: &Vector) -> f64 {
+        let pairs = margin.gradient.iter().zip(direction);
+        pairs.map(|(by, along)| by * along).sum()
     }
 
     fn is_same(one: &Margin, other: &Margin) -> bool {

@@ -92,22 +92,20 @@ const SINGULAR: f64 = 1e-10;
 impl OrbitAt<'_> {
     fn link(&self, zone: usize, passage: &Passage) -> Link {
         let n = self.orbit.states();
-        let states = |matrix: &Matrix| matrix.view((0, 0), (n, n)).into_owned();
-        let flow = states(&passage.flow);
-        let back = || states(&passage.backward());
+        let flow = passage.forward();
         let exit = exit_of(&self.posed.system, &self.orbit.sequence, zone);
         let (Some(exit), Some(way)) = (exit, self.orbit.sequence.zone(zone).way) else {
             return Link {
                 flow,
                 jump: Matrix::identity(n, n),
-                backward: Some(back()),
+                backward: Some(passage.backward()),
                 fall: 1.0,
-                after: passage.rate().rows(0, n).into_owned(),
+                after: passage.rate.rows(0, n).into_owned(),
             };
         };
         let row = &self.mode(zone).guards[way.guard].row;
-        let rate = passage.rate();
-        let fall = row.at.dot(&rate);
+        let rate = &passage.rate;
+        let fall = row.at.dot(rate);
         let next = zone + 1;
         // what the reset makes of the state: at a graze the entry of the next zone has lost the speed in rounding
         let mut entry = passage.end.clone();
@@ -117,7 +115,7 @@ impl OrbitAt<'_> {
         self.mode(next).field.complete(&mut entry);
         let matrix = &self.mode(next).matrix.at;
         let after = (matrix * &entry).rows(0, n).into_owned();
-        let mut shift = &after - &exit.reset.at * &rate;
+        let mut shift = &after - &exit.reset.at * rate;
         // fields that meet without a jump differ by rounding, which a graze would magnify without bound
         let sizes = (matrix.abs() * entry.abs()).rows(0, n).into_owned();
         for (shift, size) in shift.iter_mut().zip(&sizes) {
@@ -136,7 +134,8 @@ impl OrbitAt<'_> {
             let divisor = fall + terms.sum::<f64>();
             let singular =
                 divisor.abs() <= SINGULAR * size || undone.amax() * reset.amax() > SINGULAR.recip();
-            let back = back() * (&undone - moved * (normal.transpose() * &undone) / divisor);
+            let back =
+                passage.backward() * (&undone - moved * (normal.transpose() * &undone) / divisor);
             (!singular).then_some(back)
         };
         Link {

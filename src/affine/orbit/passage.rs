@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::affine::exponential::{TERMS, propagator};
 use crate::affine::flow::MOST_PIECES;
-use crate::affine::mode::{AffineMode, Row};
+use crate::affine::mode::{AffineMode, MatrixBy, Row};
 use crate::affine::series::{ORDER, Series};
 use crate::affine::stiff::Splitting;
 use crate::linalg::{Matrix, Vector};
@@ -76,6 +76,8 @@ pub struct Passage<'a> {
     by_parameter: Vector,
     /// z at the time.
     pub end: Vector,
+    /// ż there.
+    pub rate: Vector,
     /// Where the mode is not linear.
     numerical: Option<Numerical>,
 }
@@ -101,10 +103,13 @@ impl<'a> Passage<'a> {
         if !mode.field.is_exact {
             return Passage::numerical(mode, entry, time);
         }
-        let (flow, by) = propagator(&mode.matrix.at, Some(&mode.matrix.by[0]), norm, time);
+        let MatrixBy { at, by } = &mode.matrix;
+        let (flow, by) = propagator(at, Some(&by[0]), mode.states, norm, time);
         let flow = stiff.map_or(flow, |way| way.propagator(time));
+        let end = &flow * &entry;
         Passage {
-            end: &flow * &entry,
+            rate: at * &end,
+            end,
             by_parameter: by.map_or_else(|| Vector::zeros(entry.len()), |by| by * &entry),
             flow,
             norm,
@@ -157,6 +162,7 @@ impl<'a> Passage<'a> {
         Passage {
             flow: all,
             by_parameter: slopes * by_parameter + by,
+            rate: Vector::from_fn(size, |c, _| last.value(1, c)),
             end: z,
             norm: 0.0,
             mode,
@@ -170,20 +176,26 @@ impl<'a> Passage<'a> {
         }
     }
 
-    /// The flow back from the end to the entry.
-    pub fn backward(&self) -> Matrix {
-        if self.numerical.is_some() {
-            return Passage::numerical(self.mode, self.end.clone(), -self.time).flow;
-        }
-        propagator(&self.mode.matrix.at, None, self.norm, -self.time).0
+    /// Of a matrix for z that of the states.
+    fn of_states(&self, matrix: &Matrix) -> Matrix {
+        let states = self.mode.states;
+        matrix.view((0, 0), (states, states)).into_owned()
     }
 
-    /// ż at the end.
-    pub fn rate(&self) -> Vector {
-        match &self.numerical {
-            Some(numerical) => Vector::from_fn(self.end.len(), |c, _| numerical.last.value(1, c)),
-            None => &self.mode.matrix.at * &self.end,
+    /// ∂x/∂x₀ of the states x.
+    pub fn forward(&self) -> Matrix {
+        self.of_states(&self.flow)
+    }
+
+    /// The inverse of that: the flow back from the end to the entry.
+    pub fn backward(&self) -> Matrix {
+        if self.numerical.is_some() {
+            let back = Passage::numerical(self.mode, self.end.clone(), -self.time);
+            return back.forward();
         }
+        // what is not a state moves by itself
+        let matrix = self.of_states(&self.mode.matrix.at);
+        propagator(&matrix, None, self.mode.states, self.norm, -self.time).0
     }
 
     /// The gradient of a form at the end, in z there.
@@ -211,13 +223,7 @@ impl<'a> Passage<'a> {
     /// The derivative of this order of a form, at the end.
     pub fn derivative_at_end(&self, row: &Row, order: usize) -> Jet {
         let Some(Numerical { last, .. }) = &self.numerical else {
-            let row = self.derivative(row, order);
-            return Jet {
-                value: row.at.dot(&self.end),
-                by_z: self.flow.tr_mul(&row.at),
-                by_time: self.mode.matrix.at.tr_mul(&row.at).dot(&self.end),
-                by_parameter: row.by[0].dot(&self.end) + row.at.dot(&self.by_parameter),
-            };
+            return self.linear_at_end(&self.derivative(row, order));
         };
         let (value, gradient, by) = last.jet(row, order);
         let jet = Jet {
@@ -227,6 +233,16 @@ impl<'a> Passage<'a> {
             by_z: self.flow.tr_mul(&gradient),
         };
         jet.scaled(factorial(order))
+    }
+
+    /// A form at the end of a linear mode.
+    fn linear_at_end(&self, row: &Row) -> Jet {
+        Jet {
+            value: row.at.dot(&self.end),
+            by_z: self.flow.tr_mul(&row.at),
+            by_time: row.at.dot(&self.rate),
+            by_parameter: row.by[0].dot(&self.end) + row.at.dot(&self.by_parameter),
+        }
     }
 
     /// The derivatives of a form at the entry, from an order on: so many, or as many as are known.
@@ -279,7 +295,10 @@ impl<'a> Passage<'a> {
             return self.divided_series(row, order);
         }
         // P(t) = tᵐq(t) and Ṗ(t)
-        let mut forms = [0, 1].map(|k| self.derivative_at_end(row, k));
+        let mut forms = match &self.numerical {
+            Some(_) => [0, 1].map(|k| self.derivative_at_end(row, k)),
+            None => [row, &row.through(&self.mode.matrix)].map(|row| self.linear_at_end(row)),
+        };
         let mut second = forms[1].by_time;
         // tᵏ/k!, and the powers below
         let (mut power, mut before) = (1.0, [0.0, 0.0]);

@@ -83,13 +83,16 @@ pub fn section(mode: &AffineMode) -> usize {
 }
 
 /// The facts of every zone of a sequence that the system has; its zones next to these are looked at where that is not
-/// linear.
+/// linear. Of a linear system that differs from one with `known` facts in the values of the parameter alone they are as
+/// many, and of the same orders.
 pub fn facts(
     system: &AffineSystem,
     sequence: &Sequence,
     units: &Units,
     zones: &[ZonePoint],
+    known: Option<&[ZoneFacts]>,
 ) -> Vec<ZoneFacts> {
+    let known = known.filter(|_| system.program.made() == 0);
     let count = sequence.len();
     let mode = |zone: usize| &system.modes[sequence.zone(zone).mode];
     let mut entries = vec![Forms::default(); count];
@@ -125,12 +128,32 @@ pub fn facts(
             }
             ends[zone] = end;
         }
-        if entries.iter().map(Forms::len).sum::<usize>() <= before {
+        let complete = |known: &[ZoneFacts]| {
+            let found = entries.iter().zip(&ends).zip(known);
+            let count = |forms: &Forms| forms.pivots.len();
+            found.into_iter().all(|((entry, end), known)| {
+                count(entry) == count(&known.zero) && count(end) == count(&known.end)
+            })
+        };
+        if entries.iter().map(Forms::len).sum::<usize>() <= before || known.is_some_and(complete) {
             break;
         }
     }
     let of = |index: usize| {
         let (zero, end) = (entries[index].clone(), ends[index].clone());
+        let same = |known: &&ZoneFacts| {
+            (&known.zero.pivots, &known.end.pivots) == (&zero.pivots, &end.pivots)
+        };
+        if let Some(known) = known.map(|known| &known[index]).filter(same) {
+            return ZoneFacts {
+                zero,
+                end,
+                at_entry: known.at_entry.clone(),
+                at_end: known.at_end.clone(),
+                divided: known.divided,
+                generic: None,
+            };
+        }
         let AffineMode { matrix, guards, .. } = mode(index);
         if system.program.made() > 0 {
             return generic(system, sequence, index, units, zones, (zero, end));
