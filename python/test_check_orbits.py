@@ -18,8 +18,8 @@ from test_check import BINARY, check
 try:
     from flint import acb, acb_mat, acb_poly, fmpq_poly
 
-    from brakewave.ball_orbits import Form, Ratio, Zeros, determinant, evaluate, outside
-    from brakewave.ball_waves import Dual, NotCovered, Refused
+    from brakewave.ball_orbits import Form, Ratio, Zeros, evaluate, outside
+    from brakewave.balls import Dual, NotCovered, Refused, determinant
 except ImportError as error:
     print(f"tests of python/brakewave/ball_orbits.py skipped: {error}")
     sys.exit(0)
