@@ -232,6 +232,10 @@ class Certificates(unittest.TestCase):
         unseen = lambda text: re.sub(r"seen: \[.*?\],\n(\s+near:)", r"\1", text, count=1, flags=re.S)
         self.refused("graze", "EP arc", unseen)
 
+    def test_names_of_modes_beyond_a_change(self):
+        another = lambda text: re.sub('(after: .*?)name: "stick"', r'\1name: "forth"', text, count=1, flags=re.S)
+        self.refused("friction", "type", another, verify=False)
+
     def test_a_condition_that_does_not_hold(self):
         # the orbit solves all equations still, but is too slow for the exit that it takes
         self.refused(

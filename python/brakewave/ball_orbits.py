@@ -401,16 +401,15 @@ def above(x):
     return dual(x).v.real > 0 or isinstance(x, Dual) and x.d.real > 0
 
 
-def sequence_of(near):
-    """The zones of an orbit."""
-    sequence = near["sequence"]
+def zones_of(sequence):
+    """The zones of a sequence."""
     return sequence[0] if isinstance(sequence, tuple) else sequence
 
 
-def listed(it):
+def listed(sequence):
     """Modes and ways of a sequence."""
-    zones = it[0] if isinstance(it, tuple) else it
-    return [(int(z["mode"]), z["way"] and (int(z["way"]["guard"]), int(z["way"]["exit"]))) for z in zones]
+    ways = lambda way: way and (int(way["guard"]), int(way["exit"]))
+    return [(int(zone["mode"]), ways(zone["way"])) for zone in zones_of(sequence)]
 
 
 class Orbit:
@@ -423,7 +422,7 @@ class Orbit:
         watch = margin.get("watch")
         self.watch = watch if watch is None or isinstance(watch, str) else watch.name
         self.which = None if isinstance(watch, str) or watch is None else int(watch.value)
-        self.zone, sequence, zones = int(margin.get("zone", -1)), sequence_of(near), near["zones"]
+        self.zone, sequence, zones = int(margin.get("zone", -1)), zones_of(near["sequence"]), near["zones"]
         must(sequence and len(sequence) == len(zones), "zones without a state")
         self.forced, self.periods = posed["system"].get("forcing") is not None, int(posed["periods"])
         self.exact = Modes(posed)

@@ -19,7 +19,7 @@ try:
     from flint import acb, acb_mat, arb, ctx
 
     from .ball_layers import Layered, LayeredSigns
-    from .ball_orbits import Orbit, join, kind_of, listed, outside
+    from .ball_orbits import Orbit, join, kind_of, listed, outside, zones_of
     from .ball_spectrum import Perturbed
     from .ball_waves import Signs
     from .balls import NotCovered, Refused, decimal, must, prove_zero
@@ -444,6 +444,10 @@ class OrbitPoint(Statements):
             self.asked(given[self.point["parameter"]])
 
     def kind(self):
+        names, changed = self.solved.exact.names, self.proof.get("changed") or {}
+        for sequence in filter(None, (changed.get("before"), changed.get("after"))):
+            fits = all(0 <= mode < len(names) and zone["name"] == names[mode] for zone, mode in ((zone, int(zone["mode"])) for zone in zones_of(sequence)))
+            must(fits, "a mode has another name")
         return kind_of(self.point, self.proof)
 
     def inequalities(self):
