@@ -236,6 +236,17 @@ class Certificates(unittest.TestCase):
         another = lambda text: re.sub('(after: .*?)name: "stick"', r'\1name: "forth"', text, count=1, flags=re.S)
         self.refused("friction", "type", another, verify=False)
 
+    def test_a_change_that_is_none(self):
+        # with one sequence before and after another type would follow
+        def forged(text):
+            before = re.search(r"before: (.*?),\s*after: ", text, re.S)[1]
+            after = re.search(r"after: Some\(\(\[.*?\]\)\)", text, re.S)[0]
+            return text.replace("kind: SL", "kind: CO").replace(after, f"after: Some({before})", 1)
+
+        table = lambda text: text.replace(",SL,", ",CO,")
+        change = lambda text: table(text) if text.startswith("label") else forged(text)
+        self.refused("friction", "type", change, ["certificate.ron", "certificates.csv"], verify=False)
+
     def test_a_condition_that_does_not_hold(self):
         # the orbit solves all equations still, but is too slow for the exit that it takes
         self.refused(

@@ -784,6 +784,7 @@ def kind_of(point, proof):
         return "GR"
     if after is None:
         return "SL" if watch in ("Condition", "Before") else "CO"
+    must(not any(after == before[k:] + before[:k] for k in range(len(before))), "it is said that nothing changes")
     if splits(before, after) or splits(after, before):
         return "GR"
     keys = {(mode, way[0]) for mode, way in before if way}
