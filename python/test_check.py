@@ -22,8 +22,8 @@ try:
     import flint
 
     import check_certificate
-    from ball_spectrum import Perturbed
-    from ball_waves import Dual, Refused, least_norm, exponential, prove_zero, tail
+    from brakewave.ball_spectrum import Perturbed
+    from brakewave.balls import Dual, Refused, exponential, least_norm, prove_zero, tail
     from brakewave.ball_layers import root
 except (ImportError, SystemExit) as error:
     print(f"tests of python/check_certificate.py skipped: {error}")

@@ -18,8 +18,8 @@ from test_check import BINARY, check
 try:
     from flint import acb, acb_mat, acb_poly, fmpq_poly
 
-    from brakewave.ball_orbits import Form, Ratio, Zeros, determinant, evaluate, outside
-    from brakewave.ball_waves import Dual, NotCovered, Refused
+    from brakewave.ball_orbits import Form, Ratio, Zeros, evaluate, outside
+    from brakewave.balls import Dual, NotCovered, Refused, determinant
 except ImportError as error:
     print(f"tests of python/brakewave/ball_orbits.py skipped: {error}")
     sys.exit(0)
@@ -231,6 +231,21 @@ class Certificates(unittest.TestCase):
         # of the orbit beyond the graze, where nothing switches, nothing is said
         unseen = lambda text: re.sub(r"seen: \[.*?\],\n(\s+near:)", r"\1", text, count=1, flags=re.S)
         self.refused("graze", "EP arc", unseen)
+
+    def test_names_of_modes_beyond_a_change(self):
+        another = lambda text: re.sub('(after: .*?)name: "stick"', r'\1name: "forth"', text, count=1, flags=re.S)
+        self.refused("friction", "type", another, verify=False)
+
+    def test_a_change_that_is_none(self):
+        # with one sequence before and after another type would follow
+        def forged(text):
+            before = re.search(r"before: (.*?),\s*after: ", text, re.S)[1]
+            after = re.search(r"after: Some\(\(\[.*?\]\)\)", text, re.S)[0]
+            return text.replace("kind: SL", "kind: CO").replace(after, f"after: Some({before})", 1)
+
+        table = lambda text: text.replace(",SL,", ",CO,")
+        change = lambda text: table(text) if text.startswith("label") else forged(text)
+        self.refused("friction", "type", change, ["certificate.ron", "certificates.csv"], verify=False)
 
     def test_a_condition_that_does_not_hold(self):
         # the orbit solves all equations still, but is too slow for the exit that it takes

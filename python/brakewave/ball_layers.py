@@ -7,9 +7,10 @@ v̈ + Bv̇ + C(v − V*) = 0. R is large: a zone is followed from its end, where
 
 from collections import namedtuple
 
-from flint import acb, arb, arb_mat
+from flint import acb, arb
 
-from .ball_waves import Dual, NotCovered, Signs, V, W, Wave, apply, dual, exponential, must
+from .ball_waves import Signs, W, Wave, real
+from .balls import Dual, NotCovered, apply, dual, exponential, must
 
 Q = 0
 """Place of q in the state (q, 0, v, v̇, 1)."""
@@ -163,36 +164,25 @@ class Layered(Wave):
 class LayeredSigns(Signs):
     """The inequalities of a wave with layers."""
 
-    def __init__(self, wave, x):
-        real = lambda y: y.real if isinstance(y, acb) else arb(y)
-        self.wave, self.parts = wave, wave.parts(x)
-        self.zones = [[real(y) for y in zone] for zone in self.parts.zones]
-        self.touch = real(x[wave.base]) if wave.watch in ("Pressure", "Rate") else None
-        self.matrices = [s and arb_mat([[real(y) for y in row] for row in s.matrix]) for s in self.parts.sliding]
+    def matrix(self, zone):
+        """A of x′ = Ax for the state (q, 0, v, v̇, 1)."""
+        return self.parts.sliding[zone].matrix
 
     def state(self, zone, time):
         """The state at a time after the beginning of a zone."""
-        sliding, end = self.parts.sliding[zone], self.parts.ends[zone]
-        return [acb(y).real for y in self.wave.before(sliding, end, acb(self.zones[zone][2] - time))]
+        return self.wave.before(self.parts.sliding[zone], self.parts.ends[zone], acb(self.zones[zone][2] - time))
 
     def all(self):
         """(what, whether it is shown) of every inequality but the one that vanishes at the event."""
-        wave, real = self.wave, lambda y: y.real if isinstance(y, acb) else arb(y)
-        m, c, none = type(self.parts.m)(*map(real, self.parts.m)), real(self.parts.c), wave.vanishing
-        front = m.d / c
-        contact = m.g * m.mismatch + front
-        event = lambda watch, i: wave.watch == watch and wave.zone == i % wave.count
-        yield "c² > a > b > 0", c * c > m.a and m.a > m.b and m.b > 0
-        yield "g > 0 and h > 0", m.g > 0 and m.h > 0
-        yield "the direction of D", front > 0
-        yield "f > 0 and β > 0", m.friction > 0 and m.material > 0
-        if self.touch is not None:
-            yield "the time of the touch", self.touch > 0 and self.touch < self.zones[wave.zone][2]
+        wave, m, event = self.wave, self.m, self.event
+        contact = m.g * m.mismatch + m.d / self.c
+        yield from self.model_signs()
+        yield "β > 0", m.material > 0
         for i, (regime, entry) in enumerate(wave.zones):
             after = (i + 1) % wave.count
             (_, acceleration, t), switch = self.zones[i], wave.zones[after][1]
             first = real(self.parts.begins[i][0])
-            if i == none:
+            if i == wave.vanishing:
                 continue
             yield "a duration", t > 0
             if regime == "Stick":
@@ -204,7 +194,7 @@ class LayeredSigns(Signs):
                 continue
             left = 2 if entry == "Release" else 1 + event("UpperForce", i - 1)
             right = 2 if switch == "Arrest" else 1 + event("UpperForce", i)
-            rate, press = ([real(y) for y in wave.row(self.parts, i, watch)] for watch in ("Rate", "Pressure"))
+            rate, press = (wave.row(self.parts, i, watch) for watch in ("Rate", "Pressure"))
             lag = [-y for y in rate] if regime == "Slip" else rate
             yield "the sign of 1 − V̇", self.positive(i, lag, left, right, event("Rate", i))
             yield "P > 0 in sliding", self.positive(i, press, 0, 0, event("Pressure", i))

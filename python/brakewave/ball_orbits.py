@@ -9,22 +9,15 @@ stretch. Multipliers are the eigenvalues of the linearised return to the first e
 import ast
 import re
 from collections import namedtuple
+from contextlib import suppress
 from copy import copy
 from fractions import Fraction
 from math import inf
 
 from flint import acb, acb_mat, acb_poly, arb, ctx, fmpq, fmpq_poly
 
-from .ball_waves import Dual, NotCovered, Refused, apply, decimal, dual, exponential, injective, must, prove_zero
+from .balls import SIGNS, Dual, NotCovered, Refused, apply, decimal, distance, dual, exponential, injective, jacobian, must, positive, prove_zero, times
 
-SIGNS = 128
-"""Bits in which signs are shown."""
-TAYLOR = 12
-"""Order of the Taylor polynomials by which signs are shown."""
-DEPTH = 40
-"""Bisections of a stretch after which a sign counts as not shown."""
-DEEPEST = (DEPTH, 12)
-"""The same at a point, and along a curve, of which a shorter piece may do."""
 PIECES, SHORTEST, BY_FAR = 2000, 1e-6, 64.0
 """Pieces of a curve; their least length in units; the parameter is their coordinate unless another moves so much more."""
 
@@ -390,16 +383,6 @@ Stretch = namedtuple("Stretch", "zone mode end")
 """A zone, or a part of one: `end` is ("exit", guard, exit), ("touch", guard) or ("never",)."""
 
 
-def determinant(rows):
-    """Of numbers, or of numbers with derivatives."""
-    values, slopes = ([[getattr(dual(x), part) for x in row] for row in rows] for part in "vd")
-    value = acb_mat(values).det()
-    if not any(isinstance(x, Dual) for row in rows for x in row):
-        return value
-    # row by row
-    return Dual(value, sum(acb_mat(values[:k] + [row] + values[k + 1 :]).det() for k, row in enumerate(slopes)))
-
-
 def outside(polynomial):
     """How many zeros of a polynomial, from its constant term on, are outside the unit circle (Schur and Cohn)."""
     first, last = polynomial[0], polynomial[-1]
@@ -418,16 +401,15 @@ def above(x):
     return dual(x).v.real > 0 or isinstance(x, Dual) and x.d.real > 0
 
 
-def sequence_of(near):
-    """The zones of an orbit."""
-    sequence = near["sequence"]
+def zones_of(sequence):
+    """The zones of a sequence."""
     return sequence[0] if isinstance(sequence, tuple) else sequence
 
 
-def listed(it):
+def listed(sequence):
     """Modes and ways of a sequence."""
-    zones = it[0] if isinstance(it, tuple) else it
-    return [(int(z["mode"]), z["way"] and (int(z["way"]["guard"]), int(z["way"]["exit"]))) for z in zones]
+    ways = lambda way: way and (int(way["guard"]), int(way["exit"]))
+    return [(int(zone["mode"]), ways(zone["way"])) for zone in zones_of(sequence)]
 
 
 class Orbit:
@@ -440,7 +422,7 @@ class Orbit:
         watch = margin.get("watch")
         self.watch = watch if watch is None or isinstance(watch, str) else watch.name
         self.which = None if isinstance(watch, str) or watch is None else int(watch.value)
-        self.zone, sequence, zones = int(margin.get("zone", -1)), sequence_of(near), near["zones"]
+        self.zone, sequence, zones = int(margin.get("zone", -1)), zones_of(near["sequence"]), near["zones"]
         must(sequence and len(sequence) == len(zones), "zones without a state")
         self.forced, self.periods = posed["system"].get("forcing") is not None, int(posed["periods"])
         self.exact = Modes(posed)
@@ -537,10 +519,10 @@ class Orbit:
             out += apply([modes.row_of(row)], parts[index][4 if at_end else 2])
         elif self.kind == "Torus":
             back = self.returned(modes, parts)
-            one, two = (self.distance(back, (acb(0, sign) * x[self.place + 1]).exp()) for sign in (1, -1))
+            one, two = (distance(back, (acb(0, sign) * x[self.place + 1]).exp()) for sign in (1, -1))
             out += [(one + two) / 2, (one - two) / acb(0, 2)]
         else:
-            out.append(self.distance(self.returned(modes, parts), acb(1 if self.kind == "Fold" else -1)))
+            out.append(distance(self.returned(modes, parts), acb(1 if self.kind == "Fold" else -1)))
         return out
 
     def cycle(self, modes, parts):
@@ -562,11 +544,6 @@ class Orbit:
         if self.forced:
             out.append(modes.omega * sum(part[1] for part in parts) - (2 - self.half) * self.periods * acb.pi())
         return out
-
-    @staticmethod
-    def distance(matrix, number):
-        """det(P − μ)."""
-        return determinant([[x - number if i == j else x for j, x in enumerate(row)] for i, row in enumerate(matrix)])
 
     def returned(self, modes, parts):
         """The linearised return P to the first entry, in the states and the phase."""
@@ -755,7 +732,7 @@ class Orbit:
                 if start is None:
                     continue
                 stop, row = self.order(end_facts, mode, exact) or 0, modes.row_of(exact)
-                holds = self.positive(modes.matrices[mode], row, z, end, (start, stop), time, index in closed)
+                holds = positive(modes.matrices[mode], row, z, end, time, (start, stop), index in closed)
                 yield f"guard {guard} within zone {zone}", holds
             if stretch.end[0] != "exit":
                 continue
@@ -786,76 +763,6 @@ class Orbit:
         both = ((dual(a), dual(b)) for a, b in zip(end[: self.n], after))
         return [Dual(meet(a.v, b.v), meet(a.d, b.d)) for a, b in both] + end[self.n :]
 
-    def positive(self, rows, row, begin, end, orders, time, closed):
-        """Whether a form is positive over a stretch, from one state to another, with zeros of these orders there, or grows
-        along a curve. Between the pieces at the ends it is followed from either of them; where the stretch may be closed, from
-        its end alone."""
-        bits, ctx.prec = ctx.prec, SIGNS
-        try:
-            part = lambda numbers, which: [getattr(dual(x), which) for x in numbers]
-            ways = []
-            for z, sign in ((begin, 1), (end, -1)):
-                # backwards in time the flow is that of −M
-                values, slopes = ([[sign * x for x in part(line, which)] for line in rows] for which in "vd")
-                flows = [(acb_mat(values), acb_mat([part(row, "v")]), acb_mat([[y] for y in part(z, "v")]))]
-                if not all(acb(y) == 0 for y in part(z, "d")):
-                    # derivatives of z flow along with it
-                    both = [line + [0] * len(line) for line in values] + [a + b for a, b in zip(slopes, values)]
-                    moving = acb_mat([[y] for y in part(z, "v") + part(z, "d")])
-                    flows.append((acb_mat(both), acb_mat([part(row, "d") + part(row, "v")]), moving))
-                ways.append([(*flow, max(float(abs(y).upper()) for y in flow[0].entries())) for flow in flows])
-            shown = lambda way, low, high, order: any(self.over(*flow, low, high, order) for flow in way)
-            time, firsts = dual(time).v.real, []
-            length = float(time.upper()) * (1 + 2**-40)
-            if closed:
-                return self.over(*ways[1][0], 0, length, orders[1])
-            if length > 1.9 * float(time.lower()):
-                # what grows is in the stretch all along the piece
-                ways = [way[:1] for way in ways]
-            for way, order in zip(ways, orders):
-                first = length / 2 if order else 0.0
-                for _ in range(DEPTH):
-                    if order == 0 or shown(way, 0, first, order):
-                        break
-                    first /= 2
-                else:
-                    return False
-                firsts.append(first)
-            back = lambda t: float((time - arb(t)).lower()) * (1 - 2**-40), lambda t: float((time - arb(t)).upper()) * (1 + 2**-40)
-            open_ones = [(firsts[0], (length - firsts[1]) * (1 + 2**-40), 0)]
-            while open_ones:
-                low, high, depth = open_ones.pop()
-                middle = (low + high) / 2
-                from_end = max(back[0](high), 0.0), back[1](low)
-                if low >= high or shown(ways[0], low, high, 0) or shown(ways[1], *from_end, 0):
-                    continue
-                if depth == DEEPEST[len(ways[0]) - 1]:
-                    return False
-                open_ones += [(low, middle, depth + 1), (middle, high, depth + 1)]
-            return True
-        finally:
-            ctx.prec = bits
-
-    @staticmethod
-    def over(matrix, form, state, largest, low, high, order):
-        """Whether f(t)/(t − low)^order is positive from low to high, f's Taylor polynomial from low with the rest of
-        Lagrange over all of it."""
-        span = arb(high) - arb(low)
-        if span * largest > 4:
-            return False
-        start = (matrix * acb(low)).exp() * state if low else state
-        every = (matrix * acb(arb(0).union(span))).exp() * start
-        total, factor, step, power = arb(0), form, arb(0).union(span), arb(1)
-        factorial = 1
-        for k in range(TAYLOR + order + 1):
-            factorial *= max(k, 1)
-            last = k == TAYLOR + order
-            if k >= order:
-                value = (factor * (every if last else start)).entries()[0].real / factorial
-                total, power = total + value * power, power * step
-            factor = factor * matrix
-        return bool(total > 0)
-
 
 def kind_of(point, proof):
     """Type of a point by what singles it out."""
@@ -877,6 +784,7 @@ def kind_of(point, proof):
         return "GR"
     if after is None:
         return "SL" if watch in ("Condition", "Before") else "CO"
+    must(not any(after == before[k:] + before[:k] for k in range(len(before))), "it is said that nothing changes")
     if splits(before, after) or splits(after, before):
         return "GR"
     keys = {(mode, way[0]) for mode, way in before if way}
@@ -931,31 +839,49 @@ class Arc:
 
     def slope(self, x):
         """The Jacobian, without the row of a coordinate."""
-        x = [acb(y) for y in x]
-        seeds = ([Dual(y, 1) if i == j else y for i, y in enumerate(x)] for j in range(len(x)))
-        return acb_mat([[dual(y).d for y in self.orbit.cycle(*self.orbit.parts(seed))] for seed in seeds]).transpose()
+        return jacobian(lambda y: self.orbit.cycle(*self.orbit.parts(y)), x)
+
+    def stack(self, x, k):
+        """The Jacobian with the row of coordinate k."""
+        return acb_mat([*self.slope(x).tolist(), [int(j == k) for j in range(len(x))]])
+
+    def inverse(self, x, k):
+        """About the inverse of that."""
+        try:
+            return self.stack([y.mid() for y in x], k).mid().inv().mid()
+        except ZeroDivisionError:
+            raise NotCovered("the equations are singular on the way") from None
+
+    def tube(self, middle, chord, reach, inverse, k, least):
+        """Krawczyk's operator with coordinate k as a parameter maps a tube about middle + t·chord, |t| ≤ reach, into its
+        interior, which so has one zero for each t: the tube and its radii, in units at least as large as `least`."""
+        error = times(inverse, self.equations(middle, k, middle[k]))
+        radii = [(2 * abs(e)).upper() + arb(u) * least for e, u in zip(error, self.units)]
+        for _ in range(8):
+            tube = [acb((m + t * arb(0, 1) * reach).real + arb(0, 1) * r) for m, t, r in zip(middle, chord, radii)]
+            steep = self.stack(tube, k)
+            drift = times(inverse, [*times(steep, chord)[:-1], 0])
+            defect = (inverse * steep).tolist()
+            spread = lambda i: sum(abs(z - int(i == j)) * radii[j] for j, z in enumerate(defect[i]))
+            image = [(abs(e) + abs(d) * reach + spread(i)).upper() for i, (e, d) in enumerate(zip(error, drift))]
+            if all(a < b for a, b in zip(image, radii)):
+                return tube, radii
+            radii = [r.max(a * 1.25).upper() for r, a in zip(radii, image)]
+            if not all(r < u for r, u in zip(radii, self.units)):
+                break
+        raise NotCovered("no tube has exactly one curve")
 
     def point(self, guess, k):
-        """The orbit next to a guess with its value of a coordinate: Newton's method, then Krawczyk's operator."""
-        row = [int(j == k) for j in range(len(guess))]
+        """The orbit next to a guess with its value of a coordinate, by Newton's method: a tube without length."""
         value, middle = guess[k].mid(), guess
-        stack = lambda x: acb_mat([*self.slope(x).tolist(), row])
-        try:
-            for _ in range(12):
-                inverse = stack(middle).mid().inv().mid()
-                steps = (inverse * acb_mat([[y] for y in self.equations(middle, k, value)])).entries()
-                if all(abs(step) < u * arb(2) ** -80 for step, u in zip(steps, self.units)):
-                    break
-                middle = [(y - step).mid() for y, step in zip(middle, steps)]
-        except ZeroDivisionError:
-            raise Refused("the equations are singular on the way") from None
-        radii = [(2 * abs(step)).upper() + arb(u) * arb(2) ** -70 for step, u in zip(steps, self.units)]
-        box = [acb(m.real + arb(0, 1) * r) for m, r in zip(middle, radii)]
-        defect = (inverse * stack(box)).tolist()
-        spread = (sum(abs(z - int(i == j)) * r for j, (z, r) in enumerate(zip(line, radii))) for i, line in enumerate(defect))
-        must(all(abs(step) + s < r for step, s, r in zip(steps, spread, radii)), "no orbit is found")
-        box[k] = value
-        return box
+        for _ in range(12):
+            inverse = self.inverse(middle, k)
+            steps = times(inverse, self.equations(middle, k, value))
+            if all(abs(step) < u * arb(2) ** -80 for step, u in zip(steps, self.units)):
+                break
+            middle = [(y - step).mid() for y, step in zip(middle, steps)]
+        box, _ = self.tube([*middle[:k], value, *middle[k + 1 :]], [acb(0)] * len(middle), arb(0), inverse, k, arb(2) ** -70)
+        return [*box[:k], value, *box[k + 1 :]]
 
     def tangent(self, x):
         """The tangent in units at numbers, and the coordinate that moves most."""
@@ -976,15 +902,9 @@ class Arc:
                 return [y / size for y in scaled], coordinate
         raise NotCovered("a curve whose tangent is not found")
 
+    @ctx.workprec(SIGNS)
     def follow(self, side):
         """Shows the curve from one end to the other. Returns the number of pieces."""
-        bits, ctx.prec = ctx.prec, SIGNS
-        try:
-            return self.followed(side)
-        finally:
-            ctx.prec = bits
-
-    def followed(self, side):
         (x, last), before, count = self.ends, None, 0
         longest, calm, left = inf, 0, lambda x, k: float((last[k] - x[k]).real.mid())
         while count < PIECES:
@@ -999,73 +919,52 @@ class Arc:
             far = max(abs(left(x, i)) / unit for i, unit in enumerate(self.units))
             if rest > 0 and far < 1000 * rest / self.units[k]:
                 length = min(length, rest / 2)
-                if count and rest < 16 * length and not self.piece(x, last, k, direction, 1):
-                    return count + 1
+                if count and rest < 16 * length:
+                    with suppress(Refused, NotCovered):
+                        self.piece(x, last, k, direction, 1)
+                        return count + 1
             calm += 1
             while True:
                 value = acb((x[k].real.mid() + direction * length).mid())
                 step = float((value - x[k]).real.mid()) / (before[k] * self.units[k])
                 guess = [y.mid() + step * b * u for y, b, u in zip(x, before, self.units)]
+                guess[k] = value
                 try:
-                    guess[k] = value
                     there = self.point(guess, k)
-                    why = self.piece(x, there, k, direction, None if count else 0)
-                except Refused:
-                    why = None, "no orbit is found"
-                if not why:
+                    self.piece(x, there, k, direction, None if count else 0)
                     break
-                if length < SHORTEST * self.units[k]:
-                    raise why[0](why[1]) if why[0] else NotCovered(why[1])
+                except (Refused, NotCovered):
+                    if length < SHORTEST * self.units[k]:
+                        raise
                 length, calm = length / 2, 0
             # a longer one is tried after some that held
             x, count, longest = there, count + 1, length * (2 if calm % 4 == 3 else 1)
         raise NotCovered("more pieces than are tried")
 
     def piece(self, x, y, k, direction, next_to):
-        """Why a piece is not shown: what it amounts to, and a reason; None where it is."""
+        """Shows a piece of the curve from one orbit to another, of which the first end of the arc is one at `next_to` = 0, its
+        last at 1: that it is one curve without a fold, with all inequalities."""
         reach = (abs(y[k] - x[k]) / 2).upper() * (1 + arb(2) ** -40)
         middle = [((a + b) / 2).mid() for a, b in zip(x, y)]
         slope = [((b - a) / (y[k] - x[k])).mid() for a, b in zip(x, y)]
         slope[k] = acb(1)
-        row = acb_mat([[int(j == k) for j in range(len(x))]])
-        stack = lambda matrix: acb_mat(matrix.tolist() + row.tolist())
-        try:
-            inverse = stack(self.slope(middle)).mid().inv().mid()
-        except ZeroDivisionError:
-            return None, "the equations are singular on the way"
-        error = (inverse * acb_mat([[z] for z in self.equations(middle, k, middle[k])])).entries()
-        radii = [(2 * abs(e)).upper() + arb(u) * arb(2) ** -60 for e, u in zip(error, self.units)]
-        for _ in range(8):
-            tube = [acb((m + t * arb(0, 1) * reach).real + arb(0, 1) * r) for m, t, r in zip(middle, slope, radii)]
-            steep = self.slope(tube)
-            drift = (inverse * acb_mat((steep * acb_mat([[t] for t in slope])).tolist() + [[0]])).entries()
-            defect = (inverse * stack(steep)).tolist()
-            spread = lambda i: sum(abs(z - int(i == j)) * radii[j] for j, z in enumerate(defect[i]))
-            image = [(abs(e) + abs(d) * reach + spread(i)).upper() for i, (e, d) in enumerate(zip(error, drift))]
-            if all(a < b for a, b in zip(image, radii)):
-                break
-            radii = [r.max(a * 1.25).upper() for r, a in zip(radii, image)]
-            if not all(r < u for r, u in zip(radii, self.units)):
-                return None, "no tube has exactly one curve"
-        else:
-            return None, "no tube has exactly one curve"
+        tube, radii = self.tube(middle, slope, reach, self.inverse(middle, k), k, arb(2) ** -60)
         off = lambda z, i: abs(z[i] - middle[i] - (z[k] - middle[k]) * slope[i])
         if not all(off(z, i) < radii[i] for z in (x, y) for i in range(len(x)) if i != k):
-            return None, "no tube has both ends"
+            raise NotCovered("no tube has both ends")
         tangent = [t + arb(0, 1) * (r / reach) for t, r in zip(slope, radii)]
         tangent[k] = acb(1)
         # det(P − 1) vanishes at folds: at an end, and if it is monotone there only
         if k != self.place and tangent[self.place].real.contains(0):
             end = (self.first, self.last)[next_to or 0]
             along = [Dual(z, d) for z, d in zip(tube, tangent)]
-            fold = self.orbit.distance(self.orbit.returned(*self.orbit.parts(along)), acb(1))
-            if next_to is None or end.kind != "Fold" or fold.d.real.contains(0):
-                return Refused, "there may be a fold on the way"
+            fold = distance(self.orbit.returned(*self.orbit.parts(along)), acb(1))
+            must(next_to is not None and end.kind == "Fold" and not fold.d.real.contains(0), "there may be a fold on the way")
         sign = 0 if next_to is None else direction if next_to == 0 else -direction
         moving = tube if not sign else [Dual(z, sign * d) for z, d in zip(tube, tangent)]
         closed = () if next_to is None else (self.first, self.last)[next_to].closed
         wrong = [what for what, holds in self.orbit.all_signs(moving, closed) if not holds]
-        return (Refused, f"{', '.join(wrong)} is not shown on the way") if wrong else None
+        must(not wrong, f"{', '.join(wrong)} is not shown on the way")
 
 
 def join(ends, nears):

@@ -8,7 +8,8 @@ from math import log
 
 from flint import acb, acb_mat, acb_poly, arb
 
-from .ball_waves import DU, W, Dual, NotCovered, Wave, apply, exponential, least_norm, must, prove_zero, size
+from .ball_waves import DU, W, Wave
+from .balls import Dual, NotCovered, apply, distance, exponential, least_norm, must, prove_zero, size
 
 FIRST = 1e-2
 """Half the width of the strip around the imaginary axis that is tried first, by the inverse of the period."""
@@ -91,12 +92,6 @@ class Perturbed(Wave):
         gap = [0, -after[DU] * late] if entry == "Touch" else []
         return [*gap, column[2], column[3] - (after[W] - before[W]) * late]
 
-    def determinant(self, matrix, root):
-        """F_j(λ) = det(M(λ)e^{−λT} − z)."""
-        if len(matrix) == 1:
-            return matrix[0][0] - root
-        return (matrix[0][0] - root) * (matrix[1][1] - root) - matrix[0][1] * matrix[1][0]
-
     def root(self, sector):
         """z = e^{2πij/k}."""
         return (acb(0, 2) * arb.pi() * int(sector) / int(self.posed["mode"])).exp()
@@ -105,7 +100,7 @@ class Perturbed(Wave):
         """F_j(iω) = 0, and the same for the conjugate: both are analytic in ω."""
         root, growth = self.root(self.condition.value["sector"]), acb(0, 1) * x[self.base]
         pairs = (growth, root), (-growth, root.conjugate())
-        return [self.determinant(self.period(parts, at), z) for at, z in pairs]
+        return [distance(self.period(parts, at), z) for at, z in pairs]
 
     def swings(self, parts, window):
         """How many of ±i√h are known to be eigenvalues of sector 0 with |Im λ| ≤ window. Without damping, stick and
@@ -121,7 +116,7 @@ class Perturbed(Wave):
         """A regular zero of F_j as a complex ball."""
         root = self.root(sector)
         guess = acb(float(near[0]), float(near[1]))
-        zero = prove_zero(lambda at: [self.determinant(self.period(parts, at[0]), root)], [guess])
+        zero = prove_zero(lambda at: [distance(self.period(parts, at[0]), root)], [guess])
         return zero.middle[0] + acb(arb(0, zero.radius), arb(0, zero.radius))
 
     # counting
@@ -239,7 +234,7 @@ class Perturbed(Wave):
                 error = error * (sum(abs(y.v) for row in balls for y in row) + 2 + 2 * error if n == 2 else 1)
             else:
                 exact, balls = self.period(parts, middle), self.period(parts, Dual(over, acb(1)))
-            exact, balls = ([self.determinant(matrix, root) for root in roots] for matrix in (exact, balls))
+            exact, balls = ([distance(matrix, root) for root in roots] for matrix in (exact, balls))
             # on the piece F/F(middle) is 1 + tw with −1 ≤ t ≤ 1 and w in a ball, but for the error
             if all(abs((z.d * half / y).real) + error / abs(y) < 1 for y, z in zip(exact, balls)):
                 values.append(exact)

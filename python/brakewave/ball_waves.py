@@ -1,218 +1,18 @@
-"""Waves of brakewave in balls of Arb (python-flint): their equations, zeros of them that are proven, inequalities.
+"""Waves of brakewave in balls of Arb: their equations and inequalities.
 
 Written from the equations of docs/theory.md, apart from the program. check.py says what it is for.
 """
 
 from collections import namedtuple
 from fractions import Fraction
-from itertools import product
 
-from flint import acb, acb_mat, arb, arb_mat, ctx, fmpq
+from flint import acb, arb
 
-ctx.prec = 256
-POLYDISC = arb(2) ** -40
-"""Radius of the polydisc over which the equations are bounded: far below the scale on which they change."""
-STEP = arb(2) ** -120
-"""Step of differences: their error is of order STEP/POLYDISC², and roundings of 2^-256 are far below it."""
-CLOSE = arb(2) ** -170
-"""Newton's method ends with a step below this: far above rounding, far below the interval of any statement."""
-PARTS = (1, 2, 4)
-"""Into how many parts the ranges of the speed and the parameter are divided where uniqueness is shown."""
-DEPTH = 30
-"""Bisections of a zone after which a sign counts as not shown."""
-ORDER = 4
-"""Order of the Taylor polynomials by which signs are shown."""
-
-
-class Refused(Exception):
-    """A statement is false, or cannot be shown."""
-
-
-class NotCovered(Exception):
-    """A statement that is not treated."""
-
-
-def must(holds, reason):
-    """Refuses for a reason unless something holds."""
-    if not holds:
-        raise Refused(reason)
-
-
-# ---------------------------------------------------------------------------- numbers with derivatives, matrices
-class Dual:
-    """v + dε with ε² = 0."""
-
-    def __init__(self, v, d=0):
-        self.v, self.d = v, d
-
-    def __add__(self, other):
-        other = dual(other)
-        return Dual(self.v + other.v, self.d + other.d)
-
-    def __mul__(self, other):
-        other = dual(other)
-        return Dual(self.v * other.v, self.v * other.d + self.d * other.v)
-
-    def __truediv__(self, other):
-        other = dual(other)
-        value = self.v / other.v
-        return Dual(value, (self.d - value * other.d) / other.v)
-
-    __radd__, __rmul__ = __add__, __mul__
-    __neg__ = lambda self: Dual(-self.v, -self.d)
-    __sub__ = lambda self, other: self + -other
-    __rsub__ = lambda self, other: -self + other
-    __rtruediv__ = lambda self, other: dual(other) / self
-    log = lambda self: Dual(self.v.log(), self.d / self.v)
-
-    def sqrt(self):
-        root = self.v.sqrt()
-        return Dual(root, self.d / (2 * root))
-
-    def exp(self):
-        value = self.v.exp()
-        return Dual(value, value * self.d)
-
-    cos = lambda self: Dual(self.v.cos(), -self.d * self.v.sin())
-    sin = lambda self: Dual(self.v.sin(), self.d * self.v.cos())
-
-
-def dual(number):
-    """A number as one with a derivative."""
-    return number if isinstance(number, Dual) else Dual(number)
-
-
-def exponential(rows, time=1):
-    """e^{At} of a square matrix, a list of rows of numbers or of numbers with derivatives."""
-    n, rows = len(rows), [[entry * time for entry in row] for row in rows]
-    if not any(isinstance(entry, Dual) for row in rows for entry in row):
-        return acb_mat(rows).exp().tolist()
-    rows = [[dual(entry) for entry in row] for row in rows]
-    if all(acb(entry.d) == 0 for row in rows for entry in row):
-        return [[Dual(y) for y in row] for row in acb_mat([[entry.v for entry in row] for row in rows]).exp().tolist()]
-    top = [[entry.v for entry in row] + [entry.d for entry in row] for row in rows]
-    both = acb_mat(top + [[0] * n + row[:n] for row in top]).exp().tolist()
-    return [[Dual(row[j], row[j + n]) for j in range(n)] for row in both[:n]]
-
-
-def apply(rows, vector):
-    """A matrix times a vector; entries that are the integer 0 are left out."""
-    return [sum(a * x for a, x in zip(row, vector) if not (isinstance(a, int) and a == 0)) for row in rows]
-
-
-def tail(matrix, time, state, order):
-    """(x(t) − Σ_{j<order} (tA)ʲx(0)/j!)/t^order, which is analytic at t = 0 too: φ_order(tA)A^order x(0)."""
-    n, vector = len(matrix), state
-    for _ in range(order):
-        vector = apply(matrix, vector)
-    rows = [[entry * time for entry in row] + [x] + [0] * (order - 1) for row, x in zip(matrix, vector)]
-    rows += [[0] * n + [int(j == i + 1) for j in range(order)] for i in range(order)]
-    return [row[n + order - 1] for row in exponential(rows)[:n]]
-
-
-def least_norm(bounds):
-    """A matrix without negative entries in about the least weighted maximum norm, to which the power iteration tends."""
-    bounds, weight = arb_mat(bounds), arb_mat([[1]] * len(bounds))
-    for _ in range(60):
-        weight = (bounds * weight + weight).mid()
-        weight = (weight / sum(weight.entries())).mid()
-    return size(image / y for image, y in zip((bounds * weight).entries(), weight.entries()))
-
-
-# ------------------------------------------------------------------------------------------------ zeros, proven
-Zero = namedtuple("Zero", "middle radius")
-"""A zero: its middle in exact complex numbers, and a bound of the distance of every unknown from it."""
-
-
-def size(numbers):
-    """The largest modulus, from above; not a number where one is not."""
-    largest = arb(0)
-    for x in numbers:
-        largest = largest.max(abs(acb(x)).upper())
-    return largest
-
-
-def differences(equations, at):
-    """The Jacobian by differences of the step STEP."""
-    value = equations(at)
-    moved = (equations([x + STEP if i == j else x for i, x in enumerate(at)]) for j in range(len(at)))
-    return acb_mat([[(new - old) / STEP for new, old in zip(column, value)] for column in moved]).transpose()
-
-
-def prove_zero(equations, guess):
-    """The zero of an analytic map next to `guess`, by Newton's method and the theorem of Newton and Kantorovich.
-
-    The map takes complex numbers. Bounded by M over the polydisc |x − m| ≤ R it has, by Cauchy's estimate,
-    a second derivative of at most 16M/R² in |x − m| ≤ R/2, and differences of step h err by Mh/R²/(1 − h/R).
-    Its zero is regular.
-    """
-    middle = [acb(x) for x in guess]
-    times = lambda matrix, values: (matrix * acb_mat([[y] for y in values])).entries()
-    try:
-        inverse = differences(equations, middle).mid().inv().mid()
-        for _ in range(40):
-            steps = times(inverse, equations(middle))
-            middle = [(x - step).mid() for x, step in zip(middle, steps)]
-            if size(steps) < CLOSE:
-                break
-        slope = differences(equations, middle)
-        inverse = slope.mid().inv().mid()
-    except ZeroDivisionError:
-        raise Refused("the equations are singular next to the wave") from None
-    disc = acb(arb(0, POLYDISC), arb(0, POLYDISC))
-    bounds = [abs(acb(y)).upper() for y in equations([x + disc for x in middle])]
-    must(all(bound.is_finite() for bound in bounds), "the equations cannot be enclosed next to the wave")
-    error = STEP / POLYDISC**2 / (1 - STEP / POLYDISC)
-    contraction = curvature = arb(0)
-    for i, row in enumerate(inverse.tolist()):
-        spread = sum(abs(y) * bound for y, bound in zip(row, bounds))
-        defect = [sum(y * slope[k, j] for k, y in enumerate(row)) - int(i == j) for j in range(len(row))]
-        contraction = contraction.max(sum(abs(y) for y in defect) + len(row) * spread * error)
-        curvature = curvature.max(16 * spread / POLYDISC**2)
-    radius = 2 * size(times(inverse, equations(middle))) + arb(2) ** -240
-    # four times as far there is no other: a real map has a real zero, for its conjugate would be one too
-    proven = contraction + 4 * curvature * radius < arb(0.5) and 4 * radius < POLYDISC / 2
-    must(proven, "no zero of the equations is found next to the wave")
-    return Zero(middle, radius.upper())
-
-
-def injective(equations, middle, radii, divided):
-    """How far a Jacobian over the box of these radii, times an inverse, is from 1: where by less than 1, equations have at
-    most one zero there. The ranges of some unknowns are divided: less is lost to their repeated use."""
-
-    def slope(at):
-        at = [acb(x) for x in at]
-        seeds = ([Dual(x, radii[i]) if i == j else x for i, x in enumerate(at)] for j in range(len(at)))
-        return acb_mat([[dual(y).d for y in equations(x)] for x in seeds]).transpose()
-
-    try:
-        inverse = slope(middle).mid().inv().mid()
-    except ZeroDivisionError:
-        return arb("inf")
-    for parts in PARTS:
-        bounds = [[arb(0)] * len(radii) for _ in radii]
-        for ranges in product([arb(i, 1) / parts for i in range(1 - parts, parts, 2)], repeat=len(divided)):
-            shares = dict(zip(divided, ranges))
-            box = [y + radius * shares.get(i, arb(0, 1)) for i, (y, radius) in enumerate(zip(middle, radii))]
-            defect = (inverse * slope(box)).tolist()
-            for i, j in product(range(len(radii)), repeat=2):
-                bounds[i][j] = bounds[i][j].max(abs(defect[i][j] - int(i == j)).upper())
-        # it falls about in proportion to the box, or faster
-        norm = least_norm(bounds)
-        if norm < 1 or not norm * parts < 1.5 * PARTS[-1]:
-            break
-    return norm
-
+from .balls import Dual, NotCovered, apply, decimal, differences, dual, exponential, injective, must, positive, size, tail, times
 
 # ------------------------------------------------------------------------------------------------ the model
 Model = namedtuple("Model", "a b d g h friction static mismatch damping material")
 NAMES = ["Nu", "Xi", "Gamma"]
-
-
-def decimal(text):
-    """A decimal as it was written."""
-    ratio = Fraction(text)
-    return acb(arb(fmpq(ratio.numerator, ratio.denominator)))
 
 
 def model(posed, parameter):
@@ -308,7 +108,7 @@ class Wave:
             # F_x v = 0 with the largest entry of v put to 1; next to a fold F_x is nearly singular
             count = self.base - 1
             slope = differences(lambda x: self.switches(x + self.guess[count:])[0], self.guess[:count])
-            null = (slope.mid().inv().mid() * acb_mat([[1]] * count)).mid().entries()
+            null = [y.mid() for y in times(slope.mid().inv().mid(), [1] * count)]
             self.largest = max(range(count), key=lambda j: float(abs(null[j]).mid()))
             self.guess += [(y / null[self.largest]).mid() for y in null]
 
@@ -434,56 +234,36 @@ class Wave:
 
 
 # ------------------------------------------------------------------------------------------------ inequalities
+def real(number):
+    """A number that is known to be real."""
+    return acb(number).real
+
+
 class Signs:
     """The inequalities of a wave whose unknowns are enclosed."""
 
     def __init__(self, wave, x):
-        real = lambda y: y.real if isinstance(y, acb) else y
-        m, c, zones, matrices, begins, *_ = wave.parts(x)
-        self.wave, self.m, self.c = wave, Model(*map(real, m)), real(c)
-        self.zones = [[real(y) for y in zone] for zone in zones]
-        self.matrices = [arb_mat([[real(y) for y in row] for row in rows]) for rows in matrices]
-        self.begins = [arb_mat([[real(y)] for y in begin]) for begin in begins]
+        self.wave, self.parts = wave, wave.parts(x)
+        self.m, self.c = Model(*map(real, self.parts.m)), real(self.parts.c)
+        self.zones = [[real(y) for y in zone] for zone in self.parts.zones]
         self.touch = real(x[wave.base]) if wave.watch in TOUCHES else None
+
+    def matrix(self, zone):
+        """A of x′ = Ax."""
+        return self.parts.matrices[zone]
 
     def state(self, zone, time):
         """The state at a time after the beginning of a zone."""
-        return ((self.matrices[zone] * time).exp() * self.begins[zone]).entries()
+        return apply(exponential(self.matrix(zone), time), self.parts.begins[zone])
 
     def positive(self, zone, row, left, right, touched=False):
         """Whether a row of the state is positive inside a zone, with zeros of known order at its ends and, where
         it is touched, one of order 2 at the time of the touch."""
         length = self.zones[zone][2]
-        if touched:
-            halves = (arb(0), self.touch, left, 2), (self.touch, length, 2, right)
-            return all(self.shown(zone, row, *half) for half in halves)
-        return self.shown(zone, row, arb(0), length, left, right)
-
-    def shown(self, zone, row, begin, end, left, right):
-        """Whether a row of the state is positive from begin to end, with zeros of known order there: on a piece at
-        such an end the derivative of that order has a sign, by its Taylor polynomial with the last term enclosed."""
-        rows = [arb_mat([row])]
-        for _ in range(max(left, right) + ORDER):
-            rows.append(rows[-1] * self.matrices[zone])
-        pieces = [(0, 0)]
-        while pieces:
-            place, depth = pieces.pop()
-            first, last = place == 0 and left, place + 1 == 1 << depth and right
-            if not (first and last):
-                order, sign = (first, 1) if first else (last, (-1) ** last) if last else (0, 1)
-                middle, low = (begin + (end - begin) * arb(2 * place + i) / (2 << depth) for i in (1, 0))
-                step = (middle - low) * arb(0, 1)
-                inside, over = (arb_mat([[y] for y in self.state(zone, t)]) for t in (middle, middle + step))
-                value, power = arb(0), arb(sign)
-                for k in range(ORDER + 1):
-                    value += (rows[order + k] * (inside if k < ORDER else over))[0, 0] * power
-                    power = power * step / (k + 1)
-                if value > 0:
-                    continue
-                if value < 0 or depth == DEPTH:
-                    return False
-            pieces += [(2 * place + 1, depth + 1), (2 * place, depth + 1)]
-        return True
+        times, orders = ([arb(0), self.touch, length], [left, 2, right]) if touched else ([arb(0), length], [left, right])
+        states, span = [self.state(zone, time) for time in times], range(len(times) - 1)
+        between = lambda i: positive(self.matrix(zone), row, *states[i : i + 2], times[i + 1] - times[i], orders[i : i + 2])
+        return all(map(between, span))
 
     def lands_still(self, zone):
         """Whether a flight that begins and ends at P = 0 lands without speed.
@@ -496,26 +276,35 @@ class Signs:
         free = wave.posed["parameter"] != "MassDamping" and not Fraction(wave.posed["written"]["damping"])
         if not (closes and free and wave.zones[zone][1] == "TakeOff"):
             return False
-        half = (self.matrices[zone] * (self.zones[zone][2] / 2)).exp()
-        return not (half[U, DU] * half[W, V] - half[U, V] * half[W, DU]).contains(0)
+        half = exponential(self.matrix(zone), self.zones[zone][2] / 2)
+        return not (half[U][DU] * half[W][V] - half[U][V] * half[W][DU]).contains(0)
+
+    def event(self, watch, zone):
+        """Whether this margin of a zone is the one that vanishes."""
+        return self.wave.watch == watch and self.wave.zone == zone % self.wave.count
+
+    def model_signs(self):
+        """What holds of the model, the speed and the time of a touch."""
+        m, c = self.m, self.c
+        yield "c² > a > b > 0", c * c > m.a and m.a > m.b and m.b > 0
+        yield "g > 0 and h > 0", m.g > 0 and m.h > 0
+        yield "the direction of D", m.d / c > 0
+        yield "f > 0", m.friction > 0 and Fraction(self.wave.posed["written"]["ratio"] or 1) >= 1
+        if self.touch is not None:
+            yield "the time of the touch", self.touch > 0 and self.touch < self.zones[self.wave.zone][2]
 
     def all(self):
         """(what, whether it is shown) of every inequality but the one that vanishes at the event."""
         wave, m, c, none = self.wave, self.m, self.c, self.wave.vanishing
         front, steady = m.d / c, m.g * m.mismatch
         contact, pressure = steady + front, [0, 0, 0, front, steady]
-        event = lambda watch, i: wave.watch == watch and wave.zone == i % wave.count
-        yield "c² > a > b > 0", c * c > m.a and m.a > m.b and m.b > 0
-        yield "g > 0 and h > 0", m.g > 0 and m.h > 0
-        yield "the direction of D", front > 0
-        yield "f > 0", m.friction > 0 and Fraction(wave.posed["written"]["ratio"] or 1) >= 1
-        if self.touch is not None:
-            yield "the time of the touch", self.touch > 0 and self.touch < self.zones[wave.zone][2]
+        event = self.event
+        yield from self.model_signs()
         for i, (regime, entry) in enumerate(wave.zones):
             before, after = (i - 1) % wave.count, (i + 1) % wave.count
             (v, _, t), (came, via), (goes, switch) = self.zones[i], wave.zones[before], wave.zones[after]
             force, limit = m.h * v + m.damping, m.static * contact
-            landed = self.state(before, self.zones[before][2])
+            landed = [real(y) for y in self.parts.ends[before]]
             if came == "Separation" and before != none and not self.lands_still(before):
                 yield "U̇ < 0 at landing", landed[DU] < 0
             if entry == "ArrestedLanding" and not event("Impulse", before):

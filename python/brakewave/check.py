@@ -19,9 +19,10 @@ try:
     from flint import acb, acb_mat, arb, ctx
 
     from .ball_layers import Layered, LayeredSigns
-    from .ball_orbits import Orbit, join, kind_of, listed, outside
+    from .ball_orbits import Orbit, join, kind_of, listed, outside, zones_of
     from .ball_spectrum import Perturbed
-    from .ball_waves import NotCovered, Refused, Signs, decimal, must, prove_zero
+    from .ball_waves import Signs
+    from .balls import NotCovered, Refused, decimal, must, prove_zero
 except ImportError as error:
     sys.exit(f"{error}: `pip install python-flint` gives the balls that this check needs")
 
@@ -37,6 +38,7 @@ TOKEN = re.compile(
     r"|(?P<name>[A-Za-z_]\w*)|(?P<mark>[()\[\]{}:,])|(?P<end>\Z))",
     re.S,
 )
+CLOSING = {"(": ")", "[": "]", "{": "}"}
 
 
 class Number(float):
@@ -50,42 +52,35 @@ class Number(float):
 
 def read_ron(text):
     """The value of a RON text: dict, tuple, list, str, Number, bool, None or Tagged."""
-    tokens, place = [("end", "")], 0
-    while not tokens[-1][0] == "end" or place == 0:
+    tokens, place = [], 0
+    while not tokens or tokens[-1][0] != "end":
         found = TOKEN.match(text, place)
         if not found:
             raise ValueError(f"no RON at character {place}")
         tokens.append((found.lastgroup, found[found.lastgroup]))
-        place = found.end() or 1
-    tokens = tokens[:0:-1]
+        place = found.end()
+    tokens.reverse()
 
-    def sequence(close):
-        items, names = [], []
+    def sequence(opening):
+        """What follows a bracket: a dict where names or keys stand, else a list or a tuple."""
+        items, pairs, close = [], [], CLOSING[opening]
         while tokens[-1][1] != close:
-            if close == ")" and tokens[-1][0] == "name" and tokens[-2][1] == ":":
-                names.append(tokens.pop()[1])
+            item = value()
+            if tokens[-1][1] == ":" and opening != "[":
                 tokens.pop()
-            items.append(value())
+                pairs.append((item, value()))
+            else:
+                items.append(item)
             if tokens[-1][1] == ",":
                 tokens.pop()
             elif tokens[-1][1] != close:
                 raise ValueError(f"found {tokens[-1][1]!r}, not `,` or `{close}`")
         tokens.pop()
-        if names and len(set(names)) != len(items):
-            raise ValueError("a field is there twice, or has no name")
-        return dict(zip(names, items)) if names else items if close == "]" else tuple(items)
-
-    def table():
-        found = {}
-        while tokens[-1][1] != "}":
-            name = value()
-            if tokens.pop()[1] != ":" or name in found:
-                raise ValueError(f"no map at {name!r}")
-            found[name] = value()
-            if tokens[-1][1] == ",":
-                tokens.pop()
-        tokens.pop()
-        return found
+        if opening == "{" or pairs:
+            if items or len(dict(pairs)) != len(pairs):
+                raise ValueError("a field is there twice, or has no name")
+            return dict(pairs)
+        return items if opening == "[" else tuple(items)
 
     def value():
         kind, token = tokens.pop()
@@ -93,16 +88,14 @@ def read_ron(text):
             return re.sub(r"\\(.)", r"\1", token[1:-1])
         if kind == "number":
             return Number(token.replace("_", ""))
-        if token in ("(", "["):
-            return sequence(")" if token == "(" else "]")
-        if token == "{":
-            return table()
+        if token in CLOSING:
+            return sequence(token)
         if kind != "name":
             raise ValueError(f"found {token!r}, not a value")
         if tokens[-1][1] != "(":
             return {"true": True, "false": False, "None": None}.get(token, token)
         tokens.pop()
-        held = sequence(")")
+        held = sequence("(")
         if isinstance(held, tuple) and len(held) == 1:
             held = held[0]
         return held if token == "Some" else Tagged(token, held)
@@ -338,20 +331,13 @@ class Point(Statements):
             sector = int(self.solved.condition.value["sector"])
             known[sector] += 2 if 2 * sector in (0, mode) else 1
         known[0] += self.solved.swings(self.parts, window)
-        found = self.counted(lambda: self.solved.growing(self.parts, sectors, window, known, self.discs))
+        with ctx.workprec(COUNTING):
+            found = self.solved.growing(self.parts, sectors, window, known, self.discs)
         must(found == [int(count) for count in growth["counts"]], f"they are {found}")
         if self.source is not None and "max_frequency" in (self.source.get("stability") or {}):
             asked = self.source["stability"]["max_frequency"]
             must(asked == window, "the window is not that of the problem")
         self.found = found
-
-    def counted(self, how):
-        """A count in fewer bits."""
-        bits, ctx.prec = ctx.prec, COUNTING
-        try:
-            return how()
-        finally:
-            ctx.prec = bits
 
     def leads(self, said):
         sector, line, mode = int(said["sector"]), float(said["line"]), int(self.posed["mode"])
@@ -363,7 +349,8 @@ class Point(Statements):
         must(ball.real > line, "the eigenvalue is left of the line")
         paired = 2 * sector in (0, mode) and not ball.imag.contains(0)
         expected = 1 + int(paired) + int(sector == 0 and line < 0)
-        found = self.counted(lambda: self.solved.right_of(self.parts, [sector], window, line, self.discs)[0])
+        with ctx.workprec(COUNTING):
+            (found,) = self.solved.right_of(self.parts, [sector], window, line, self.discs)
         must(found == expected, f"{found} eigenvalues are right of the line, not {expected}")
 
     def verdict(self):
@@ -457,6 +444,10 @@ class OrbitPoint(Statements):
             self.asked(given[self.point["parameter"]])
 
     def kind(self):
+        names, changed = self.solved.exact.names, self.proof.get("changed") or {}
+        for sequence in filter(None, (changed.get("before"), changed.get("after"))):
+            fits = all(0 <= mode < len(names) and zone["name"] == names[mode] for zone, mode in ((zone, int(zone["mode"])) for zone in zones_of(sequence)))
+            must(fits, "a mode has another name")
         return kind_of(self.point, self.proof)
 
     def inequalities(self):
