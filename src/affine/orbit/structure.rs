@@ -83,8 +83,8 @@ pub fn section(mode: &AffineMode) -> usize {
 }
 
 /// The facts of every zone of a sequence that the system has; its zones next to these are looked at where that is not
-/// linear. Of a linear system that differs from one with `known` facts in the values of the parameter alone they are as
-/// many, and of the same orders.
+/// linear. Of a linear system that differs from one with `known` facts in the values of the parameter alone they are
+/// of the same orders.
 pub fn facts(
     system: &AffineSystem,
     sequence: &Sequence,
@@ -128,14 +128,7 @@ pub fn facts(
             }
             ends[zone] = end;
         }
-        let complete = |known: &[ZoneFacts]| {
-            let found = entries.iter().zip(&ends).zip(known);
-            let count = |forms: &Forms| forms.pivots.len();
-            found.into_iter().all(|((entry, end), known)| {
-                count(entry) == count(&known.zero) && count(end) == count(&known.end)
-            })
-        };
-        if entries.iter().map(Forms::len).sum::<usize>() <= before || known.is_some_and(complete) {
+        if entries.iter().map(Forms::len).sum::<usize>() <= before {
             break;
         }
     }
