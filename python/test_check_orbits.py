@@ -234,7 +234,7 @@ class Certificates(unittest.TestCase):
 
     def test_names_of_modes_beyond_a_change(self):
         another = lambda text: re.sub('(after: .*?)name: "stick"', r'\1name: "forth"', text, count=1, flags=re.S)
-        self.refused("friction", "type", another, verify=False)
+        self.refused("friction", "type", another)
 
     def test_a_change_that_is_none(self):
         # with one sequence before and after another type would follow
@@ -245,7 +245,7 @@ class Certificates(unittest.TestCase):
 
         table = lambda text: text.replace(",SL,", ",CO,")
         change = lambda text: table(text) if text.startswith("label") else forged(text)
-        self.refused("friction", "type", change, ["certificate.ron", "certificates.csv"], verify=False)
+        self.refused("friction", "type", change, ["certificate.ron", "certificates.csv"])
 
     def test_a_condition_that_does_not_hold(self):
         # the orbit solves all equations still, but is too slow for the exit that it takes

@@ -363,7 +363,7 @@ impl System {
     }
 
     /// Names of the modes of the file, then of the sliding ones.
-    fn mode_names(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn mode_names(&self) -> impl Iterator<Item = &str> {
         self.source.modes.names().chain(self.source.sliding.names())
     }
 

@@ -36,6 +36,7 @@ use super::certificate::{Point, Provable, Refused};
 use super::{krawczyk, wider};
 use crate::affine::orbit::candidates::candidates;
 use crate::affine::orbit::{AffineOrbit, Critical, Margin, Sequence, Watch};
+use crate::affine::system::System;
 use crate::hybrid::Item;
 use crate::interval::{Decimal, Interval, Number};
 use crate::linalg::Vector;
@@ -385,7 +386,7 @@ pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
     if names.nth(posed.parameter) != Some(&point.parameter) {
         return Err(Refused::Statement("the parameter"));
     }
-    check_kind(point.kind, near, condition, changed.as_ref())?;
+    check_kind(&posed.system, point.kind, near, condition, changed.as_ref())?;
     let open = |open: Open| Refused::NoProof(open.to_string());
     let proven = statement(posed, near, condition, Some(said.unique)).map_err(open)?;
     super::compared("the parameter", said.parameter, proven.parameter)?;
@@ -407,8 +408,16 @@ pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
     Ok(())
 }
 
+/// Whether the zones of a sequence are modes of a system, by their numbers and their names.
+fn are_modes(system: &System, sequence: &Sequence) -> bool {
+    let names: Vec<&str> = system.mode_names().collect();
+    let mut zones = sequence.0.iter();
+    zones.all(|zone| names.get(zone.mode) == Some(&zone.name.as_str()))
+}
+
 /// Whether the type of an event follows from what vanishes there.
 fn check_kind(
+    system: &System,
     said: EventType,
     near: &Near,
     condition: &Condition,
@@ -429,6 +438,15 @@ fn check_kind(
                 before,
                 after,
             } = changed;
+            let named = |one: &Sequence| are_modes(system, one);
+            let is_none = |after: &Sequence| after.is_rotation_of(before);
+            if !named(before)
+                || after
+                    .as_ref()
+                    .is_some_and(|one| !named(one) || is_none(one))
+            {
+                return Err(Refused::Statement("the change of the sequence"));
+            }
             // what vanishes in the sequence before, or in one that does without its zone of no duration
             let same = near.sequence == *before && (watch, zone) == (seen, there);
             let cut = matches!(seen, Watch::Inside(_) | Watch::Speed);
