@@ -32,7 +32,6 @@ fn figure(value: f64) -> String {
     }
 }
 
-/// The report of the folder of a run, from its tables: a run that was resumed is reported as a whole.
 /// The columns of a branch that its summary shows: the parameter, and a number of the orbit.
 struct Shown<'a> {
     parameter: &'a str,
@@ -154,6 +153,8 @@ pub(crate) fn orbits(folder: &Path, parameter: &str) -> Result<String, StoreErro
     Ok(listed(&points, &events, &shown))
 }
 
+/// The report of the folder of a run, from its tables: a run that was resumed is reported as a whole.
+///
 /// `model` is that of the first wave.
 pub(crate) fn branch(
     folder: &Path,
