@@ -212,14 +212,21 @@ pub(super) fn located<O: Orbit>(
     let fold = fold(orbit, step).ok_or(Refusal::NotFound)?;
     let targets = targets(orbit, range, stop_at, step, fold.as_ref()).ok_or(Refusal::NotFound)?;
     let changes = changes(orbit, step)?;
-    // where a zone closes the parameter is stationary along the arc: that is the event itself
+    // where a zone closes, or a guard is met at no speed that is squared in the equations, the parameter is stationary
+    // along the arc: that is the event itself
     let apart = |fold: &(Place, Located<O>)| {
         let value = |place: &Place| orbit.value_at(&place.node.point);
         changes.iter().all(|(place, change)| {
             let rounding = change.uncertainty + fold.1.uncertainty;
             let same = (value(place) - value(&fold.0)).abs() <= rounding;
-            (place.s - fold.0.s).abs() > step.at_once()
-                && !(same && orbit.closes(&place.node.point))
+            let stationary = || {
+                let grazes = match (&change.event, &fold.1.event) {
+                    (Event::Change(margin), Event::Fold) => O::grazes(margin),
+                    _ => false,
+                };
+                grazes || orbit.closes(&place.node.point)
+            };
+            (place.s - fold.0.s).abs() > step.at_once() && !(same && stationary())
         }) && (changes.is_empty() || !orbit.closes(&fold.0.node.point))
     };
     let fold = fold.filter(&apart);

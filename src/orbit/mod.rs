@@ -181,6 +181,11 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         false
     }
 
+    /// Whether the parameter may be stationary where a margin vanishes, since a guard is met at no speed there.
+    fn grazes(_margin: &Self::Margin) -> bool {
+        false
+    }
+
     /// How many times longer than elsewhere steps from a point may be: more than 1 where unknowns are much larger
     /// than their units.
     fn stretch(&self, _point: &Vector) -> f64 {

@@ -255,3 +255,28 @@ fn all_equilibria_are_found() {
     }
     assert_eq!(found("1 + x^2"), Err(NoEquilibrium::NotFound));
 }
+
+/// Where a relay with hysteresis only just switches, the equations are even in the speed at the switch: their
+/// parameter is stationary there, which is no fold. Where the graze lies was computed with
+/// half orbits of an independent integration (DOP853), whose k(v) − k(0) is 0.209·v².
+#[test]
+fn a_relay_that_only_just_switches_ends_without_a_fold() {
+    let text = r#"(
+        states: ["x", "v"],
+        parameters: {"c": 0.2, "de": 0.8, "k": 0.4},
+        modes: {
+            "plus": (rates: {"x": "v", "v": "k - c*v - sin(x)"}, until: [(zero: "de - x", to: "minus")]),
+            "minus": (rates: {"x": "v", "v": "-k - c*v - sin(x)"}, until: [(zero: "x + de", to: "plus")]),
+        },
+    )"#;
+    let (orbit, point) = settled(text, &[], "k", "plus", &[-0.8, 1.5], 300.0);
+    let (seen, all) = follow(&orbit, &point, false, (0.02, 0.5), 2000);
+    let kinds: Vec<_> = seen.iter().map(|one| one.kind).collect();
+    assert_eq!(kinds, [GR]);
+    let last = all.last().unwrap();
+    assert!(
+        (last.parameter - 0.121068221830).abs() < 1e-11,
+        "{}",
+        last.parameter
+    );
+}

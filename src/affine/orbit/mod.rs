@@ -287,6 +287,10 @@ impl Orbit for AffineOrbit {
         (0..self.zones()).any(|zone| point[self.duration_index(zone)].abs() <= CLOSING)
     }
 
+    fn grazes(margin: &Margin) -> bool {
+        margin.watch == Watch::Speed
+    }
+
     /// The units are those of the first orbit, beside which another may be a thousand times as large: steps are then
     /// relative to its size.
     fn stretch(&self, point: &Vector) -> f64 {
