@@ -107,28 +107,23 @@ impl AffineSystem {
                 }
             }
         };
-        let mut row = |own: &mut Row, origin: &Row| {
-            let by = origin.by[0].as_slice();
-            to(own.at.as_mut_slice(), origin.at.as_slice(), by);
-        };
         for (mode, known) in self.modes.iter_mut().zip(&origin.modes) {
+            let (own, by) = (&mut mode.matrix.at, &known.matrix.by[0]);
+            to(
+                own.as_mut_slice(),
+                known.matrix.at.as_slice(),
+                by.as_slice(),
+            );
             for (guard, known) in mode.guards.iter_mut().zip(&known.guards) {
-                row(&mut guard.row, &known.row);
+                let (own, by) = (&mut guard.row.at, &known.row.by[0]);
+                to(own.as_mut_slice(), known.row.at.as_slice(), by.as_slice());
                 for (exit, known) in guard.exits.iter_mut().zip(&known.exits) {
-                    let conditions = exit.conditions.iter_mut().zip(&known.conditions);
-                    conditions.for_each(|(own, origin)| row(own, origin));
-                }
-            }
-        }
-        let mut matrix = |own: &mut MatrixBy, origin: &MatrixBy| {
-            let by = origin.by[0].as_slice();
-            to(own.at.as_mut_slice(), origin.at.as_slice(), by);
-        };
-        for (mode, known) in self.modes.iter_mut().zip(&origin.modes) {
-            matrix(&mut mode.matrix, &known.matrix);
-            for (guard, known) in mode.guards.iter_mut().zip(&known.guards) {
-                for (exit, known) in guard.exits.iter_mut().zip(&known.exits) {
-                    matrix(&mut exit.reset, &known.reset);
+                    let (own, by) = (&mut exit.reset.at, &known.reset.by[0]);
+                    to(own.as_mut_slice(), known.reset.at.as_slice(), by.as_slice());
+                    for (row, known) in exit.conditions.iter_mut().zip(&known.conditions) {
+                        let (own, by) = (&mut row.at, &known.by[0]);
+                        to(own.as_mut_slice(), known.at.as_slice(), by.as_slice());
+                    }
                 }
             }
         }
