@@ -24,7 +24,9 @@ use crate::problem::{Continuation, Problem};
 use crate::tube::flow::method::Method;
 use crate::tube::model::{Model, Parameter};
 use crate::tube::stability::spectrum::Spectrum;
-use crate::tube::stability::track::{ALLOWANCE, Crossing, PER_POINT, Passed, Tracked, Tracker};
+use crate::tube::stability::track::{
+    ALLOWANCE, Crossing, Growing, PER_POINT, Passed, Remark, Tracked, Tracker,
+};
 use crate::tube::wave::Wave;
 use crate::tube::wave::admissibility::examine;
 use crate::tube::wave::hopf::Family;
@@ -173,12 +175,14 @@ impl Runner {
         wave: &Arc<Wave>,
         found: Vec<Found>,
         tracked: Tracked,
+        mut growing: Option<Growing>,
     ) -> bool {
         let Tracked {
             crossings,
             spectra,
             mut remark,
         } = tracked;
+        let is_lost = matches!(remark, Some(Remark::Lost | Remark::Unpaid));
         let parameter = self.continuation.parameter;
         let last = found.len().saturating_sub(1);
         let mut spectra = spectra.into_iter();
@@ -190,6 +194,9 @@ impl Runner {
         for (index, mut found) in found.into_iter().enumerate() {
             let value = found.parameter;
             while let Some(crossing) = crossings.next_if(|(located, _)| located.s < found.s) {
+                if let Some(growing) = &mut growing {
+                    growing.cross(&crossing.0);
+                }
                 let item = self.crossing(wave, crossing);
                 if item.is_none() {
                     self.notes.push(Note::CrossingLeftOut { parameter, value });
@@ -222,8 +229,15 @@ impl Runner {
                 });
             }
             let kind = found.kind();
+            let folds = matches!(found.special, Some(Special::Fold(_)));
             let spectrum = spectra.next().flatten();
-            items.push(self.item(found, spectrum.as_ref()));
+            let mut item = self.item(found, spectrum.as_ref());
+            let here = spectrum.as_ref().map(Growing::new).filter(|_| !folds);
+            if let (Some(before), Some(here)) = (&growing, &here) {
+                item.point.why.extend(before.unexplained(here, is_lost));
+            }
+            growing = here;
+            items.push(item);
             if self.legs.stops_at(kind) {
                 return true;
             }
@@ -429,13 +443,14 @@ impl Run for Runner {
             end,
         } = self.legs.step();
         let mut tracked = Tracked::default();
+        let growing = tracker.as_ref().and_then(Tracker::last).map(Growing::new);
         if let Some(tracker) = &mut tracker {
             let passed: Vec<Passed> = found.iter().map(passed).collect();
             tracked = tracker.step(&orbit, &node, &passed);
             self.take_over(tracker);
         }
         let mut items = Vec::with_capacity(found.len() + tracked.crossings.len());
-        let stopped = self.add(&mut items, &orbit, found, tracked);
+        let stopped = self.add(&mut items, &orbit, found, tracked, growing);
         if stopped || end.is_some() {
             self.legs.finish(end, stopped);
         } else {

@@ -4,11 +4,11 @@
 //! consecutive rows the unstable count on the full circle changes by two with every HB: in sectors
 //! 0 and k/2 by a conjugate pair, in the others by an eigenvalue and its conjugate in sector k − j.
 //! It may jump where the spectrum does, as the event then says, and change where an eigenvalue
-//! enters or leaves the window through its upper edge.
+//! enters or leaves the window through its upper edge, as the row then says.
 
 use brakewave::branch::run::Item;
 use brakewave::branch::special::{OfWaves, Special};
-use brakewave::branch::{Event, EventType};
+use brakewave::branch::{Event, EventType, Reason};
 use brakewave::problem::Expectation;
 use brakewave::tube::stability::spectrum::Spectrum;
 use brakewave::tube::stability::track::Remark;
@@ -132,6 +132,10 @@ fn accounted(name: &str, rows: &Rows, mode: usize) -> usize {
             let jump = announced(previous, mode);
             let old = previous.point.unstable.unwrap_or(0) as i64;
             let left = count - old - crossed - jump;
+            // the row says so, and no other row does
+            let mut reasons = item.point.why.iter();
+            let said = reasons.any(|reason| matches!(reason, Reason::Count { is_lost: false, .. }));
+            assert_eq!(said, left != 0, "{name}: point {}", item.point.point);
             if left != 0 {
                 let near = [before, index]
                     .iter()

@@ -14,7 +14,10 @@ use nalgebra::Complex;
 
 use super::characteristic::Characteristic;
 use super::crossing::uncertainty;
-use super::spectrum::{Eigenvalue, Request, Spectrum, beside_translation, margin, spectrum};
+use super::spectrum::{
+    Eigenvalue, Request, Spectrum, beside_translation, margin, spectrum, symmetric,
+};
+use super::verdict::Reason;
 use crate::continuation::Node;
 use crate::continuation::arclength::advance;
 use crate::continuation::locate::node_at;
@@ -68,6 +71,53 @@ pub enum Remark {
         /// (Bloch sector, growing eigenvalues in it) after the change.
         after: Vec<(usize, usize)>,
     },
+}
+
+/// Growing eigenvalues of every sector within the window.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Growing {
+    /// (Bloch sector, growing eigenvalues in it).
+    counts: Vec<(usize, usize)>,
+    mode: u32,
+}
+
+impl Growing {
+    /// Those of a spectrum.
+    pub fn new(spectrum: &Spectrum) -> Growing {
+        let sectors = spectrum.sectors.iter();
+        let counts = sectors.map(|sector| (sector.sector, spectrum.unstable_in(sector)));
+        Growing {
+            counts: counts.collect(),
+            mode: spectrum.mode,
+        }
+    }
+
+    /// Passes a crossing of the imaginary axis. A complex pair of a sector that is its own conjugate counts twice.
+    pub fn cross(&mut self, crossing: &Located) {
+        let pair = symmetric(crossing.sector, self.mode) && crossing.omega != 0.0;
+        let members = if pair { 2 } else { 1 };
+        let mut counts = self.counts.iter_mut();
+        if let Some((_, count)) = counts.find(|(sector, _)| *sector == crossing.sector) {
+            *count = match crossing.grows {
+                true => *count + members,
+                false => count.saturating_sub(members),
+            };
+        }
+    }
+
+    /// What the located crossings leave unexplained in every sector at the next point: eigenvalues that pass the edge
+    /// of the window, or, where `is_lost`, a crossing that was not located.
+    pub fn unexplained(&self, next: &Growing, is_lost: bool) -> Vec<Reason> {
+        let pairs = self.counts.iter().zip(&next.counts);
+        let differ = pairs.filter(|(before, here)| before.1 != here.1);
+        let reasons = differ.map(|(&(sector, before), &(_, here))| Reason::Count {
+            sector,
+            before,
+            here,
+            is_lost,
+        });
+        reasons.collect()
+    }
 }
 
 /// A point that a step of the branch passes.
@@ -287,13 +337,7 @@ impl Tracker {
         // a little way into the new signature
         self.last = self.beyond(wave, node, BEYOND * s.abs().max(1e-3));
         let (before, after) = (before.as_ref()?, self.last.as_ref()?);
-        let counts = |spectrum: &Spectrum| -> Vec<(usize, usize)> {
-            let sectors = spectrum.sectors.iter();
-            sectors
-                .map(|sector| (sector.sector, spectrum.unstable_in(sector)))
-                .collect()
-        };
-        let (before, after) = (counts(before), counts(after));
+        let [before, after] = [before, after].map(|spectrum| Growing::new(spectrum).counts);
         (before != after).then_some(Remark::Jump { before, after })
     }
 }

@@ -30,6 +30,17 @@ pub enum Reason {
         /// Growing ones by the argument principle, where they could be counted.
         counted: Option<usize>,
     },
+    /// The number of growing eigenvalues of a sector is not that at the point before with what crosses the axis between.
+    Count {
+        /// Bloch sector.
+        sector: usize,
+        /// Growing ones at the point before, and what crosses.
+        before: usize,
+        /// Growing ones here.
+        here: usize,
+        /// Whether a crossing was not located; otherwise they pass the edge of the window.
+        is_lost: bool,
+    },
     /// An eigenvalue lies on the imaginary axis.
     OnAxis,
     /// No window could be searched: a zone without length makes its switch 0/0.
@@ -80,6 +91,21 @@ impl fmt::Display for Reason {
                     "incomplete: {listed} growing eigenvalues listed and not counted: a lower bound"
                 ),
             },
+            Reason::Count {
+                sector,
+                before,
+                here,
+                is_lost,
+            } => {
+                let cause = match is_lost {
+                    true => "a crossing that was not located",
+                    false => "they pass max_frequency and not the imaginary axis",
+                };
+                write!(
+                    f,
+                    "sector {sector} goes from {before} growing eigenvalues to {here} since the point before: {cause}"
+                )
+            }
             Reason::OnAxis => f.write_str("an eigenvalue is on the imaginary axis"),
             Reason::NoWindow => f.write_str("a zone without length makes the spectrum singular"),
             Reason::Spent => f.write_str("the eigenvalues that a run may compute are used up"),
