@@ -4,11 +4,12 @@ use super::Open;
 use super::enclosure::Enclosure;
 use super::exact::Exact;
 use super::flow::Flow;
-use super::modes::{Modes, Row, through};
+use super::modes::{Mode, Modes, Row, through};
 use super::system::{Condition, End, Near, OrbitSystem, Stretch, times};
 use super::zeros::{Event, Facts, Source, Vanishing, Zeros, whole};
 use crate::affine::orbit::Watch;
 use crate::interval::Interval;
+use crate::orbit::EventType;
 
 impl OrbitSystem<'_> {
     /// What is zero at the entries and ends, with what vanishes at an event.
@@ -89,6 +90,42 @@ impl OrbitSystem<'_> {
     pub fn vanish(&mut self, vanishing: Vanishing) {
         self.vanishing.push(vanishing);
         self.facts = self.known(&self.vanishing);
+    }
+
+    /// The type of a change of the sequence, by all that vanishes there and not on the branch, whichever of it is the condition of
+    /// the event: a guard together with its rate, a condition of an exit, or else another guard at an end.
+    pub fn change(&self) -> Option<EventType> {
+        let Condition::Margin { watch, .. } = self.condition else {
+            return None;
+        };
+        if *watch == Watch::Duration {
+            return None;
+        }
+        let vanish = |of: &dyn Fn(&Mode<Exact>, usize, usize) -> Vec<Row<Exact>>| {
+            self.stretches.iter().enumerate().any(|(index, stretch)| {
+                let End::Exit { guard, exit } = stretch.end else {
+                    return false;
+                };
+                let rows = of(&self.exact.modes[stretch.mode], guard, exit);
+                let [facts, lasting] = [&self.facts, &self.lasting].map(|all| &all[index].end);
+                let mut rows = rows.iter();
+                rows.any(|row| facts.have(row) && !lasting.have(row))
+            })
+        };
+        let speed = |mode: &Mode<Exact>, guard: usize, _: usize| {
+            vec![mode.derivative(&mode.guards[guard].row, 1)]
+        };
+        let conditions = |mode: &Mode<Exact>, guard: usize, exit: usize| {
+            let exits = mode.guards[guard].exits.iter().take(exit + 1);
+            exits.flat_map(|exit| exit.conditions.clone()).collect()
+        };
+        Some(if matches!(watch, Watch::Inside(_)) || vanish(&speed) {
+            EventType::GR
+        } else if vanish(&conditions) {
+            EventType::SL
+        } else {
+            EventType::CO
+        })
     }
 
     /// What vanishes at the event.

@@ -8,7 +8,7 @@ use super::flow::{Along, Exponential, Rows, dot, moving, product};
 use super::modes::{Modes, Row};
 use super::open::Unproven;
 use super::system::{End, OrbitSystem, Passing, Stretch};
-use super::zeros::{Source, Vanishing};
+use super::zeros::{Source, Vanishing, less};
 use crate::certify::arc::Moving;
 use crate::certify::flow::Positive;
 use crate::certify::inequality::bisect;
@@ -106,7 +106,7 @@ impl OrbitSystem<'_> {
         for (index, passing) in passings.iter().enumerate() {
             let Stretch { zone, mode, end } = self.stretches[index];
             let known = &self.exact.modes[mode];
-            let facts = &self.facts[index];
+            let (facts, lasting) = (&self.facts[index], &self.lasting[index]);
             let duration = x[self.duration(index)];
             let at_event = self.closed.contains(&index);
             hold(at_event || duration.is_positive(), Unproven::Duration(zone))?;
@@ -118,8 +118,11 @@ impl OrbitSystem<'_> {
             }
             let matrix = passing.flow.moving(rate);
             for (guard, formula) in known.guards.iter().enumerate() {
-                // what is zero all along holds by the equations
                 let Some(at_start) = facts.entry.order(&formula.row, known) else {
+                    // in a zone of no duration it may be so at the event only
+                    let opens = self.closed.contains(&index)
+                        && lasting.entry.order(&formula.row, known).is_some();
+                    hold(opens, Unproven::Zero(zone, guard))?;
                     continue;
                 };
                 let at_end = facts.end.order(&formula.row, known).unwrap_or(0);
@@ -144,6 +147,22 @@ impl OrbitSystem<'_> {
                     .end
                     .have(&known.guards[guard].exits[exit].conditions[condition])
             };
+            // of several guards that are zero at once none is the first
+            for (other, formula) in known.guards.iter().enumerate() {
+                if other == guard || !lasting.end.have(&formula.row) {
+                    continue;
+                }
+                let taken = &known.guards[guard].exits[exit];
+                let others = &modes.modes[mode].guards[other].exits;
+                let agree = formula.exits.iter().zip(others).all(|(known, other)| {
+                    let mut conditions = other.conditions.iter();
+                    let fails = |row| (-dot(&along(row, rate), &z)).is_positive();
+                    let mut resets = known.reset.iter().zip(&taken.reset);
+                    conditions.any(fails)
+                        || known.to == taken.to && resets.all(|(a, b)| facts.end.have(&less(a, b)))
+                });
+                hold(agree, Unproven::Together(zone, other))?;
+            }
             for condition in 0..exits[exit].conditions.len() {
                 if !zero(exit, condition) {
                     let holds = at(exit, condition).is_positive();
@@ -157,8 +176,13 @@ impl OrbitSystem<'_> {
                     one.stretch == index && one.at_end && earlier
                 };
                 let conditions = 0..other.conditions.len();
-                let opens = !self.closed.is_empty()
-                    && conditions.clone().any(|condition| zero(before, condition));
+                // where a zone of no duration begins or ends, what is zero at the event may open another
+                let next = (index + 1) % self.stretches.len();
+                let opens = [index, next].iter().any(|one| self.closed.contains(one))
+                    && conditions.clone().any(|condition| {
+                        let row = &known.guards[guard].exits[before].conditions[condition];
+                        zero(before, condition) && !lasting.end.have(row)
+                    });
                 if opens || self.vanishing.iter().any(about) {
                     continue;
                 }

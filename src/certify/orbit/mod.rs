@@ -38,7 +38,7 @@ use crate::affine::orbit::candidates::candidates;
 use crate::affine::orbit::{AffineOrbit, Critical, Margin, Sequence, Watch};
 use crate::affine::system::System;
 use crate::hybrid::Item;
-use crate::interval::{Decimal, Interval, Number};
+use crate::interval::{Decimal, Interval, Number, PI};
 use crate::linalg::Vector;
 use crate::orbit::special::{Change, Special};
 use crate::orbit::{EventType, Examined, Orbit};
@@ -110,6 +110,14 @@ impl Provable for Proof {
 
     fn arc(from: &Proof, to: &Proof) -> Result<usize, Broken<Unproven, NotBeyond>> {
         arc::prove(from, to)
+    }
+}
+
+impl Proof {
+    /// The type of a change of the sequence by what vanishes there.
+    fn change(&self) -> Option<EventType> {
+        let (system, _) = OrbitSystem::new(&self.posed, &self.near, &self.condition).ok()?;
+        system.change()
     }
 }
 
@@ -264,6 +272,9 @@ fn changed(
             };
             let near = near(&orbit, &point)?;
             match prove(posed.clone(), near, vanishing.into(), Some(changed)) {
+                Ok(proof) if proof.change() != Some(change.kind) => {
+                    reason = reason.or(Some(Open::Kind));
+                }
                 Ok(mut proof) => {
                     proof.seen = others(&proof);
                     return Ok(proof);
@@ -316,6 +327,17 @@ fn statement(
     let equations = |x: &[Interval]| system.evaluate(x);
     let zero = krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(Open::NotIsolated)?;
     let parameter = system.parameter();
+    let angle = match condition {
+        Condition::Torus { .. } => zero.at.last().copied(),
+        _ => None,
+    };
+    // at 0 and π the equations of a pair are those of one multiplier, with any complex multiple of its vector
+    if angle.is_some_and(|angle| !(angle.is_positive() && (PI - angle).is_positive())) {
+        return Err(Open::Angle);
+    }
+    if !system.is_primitive(&zero.at) {
+        return Err(Open::Repeated);
+    }
     let modes = system.enclosed(zero.at[parameter])?;
     let passings = system.passings(&modes, &zero.at);
     let still: Vec<Moving> = zero.at.iter().copied().map(Moving::constant).collect();
@@ -348,10 +370,7 @@ fn statement(
         },
         period: wider(period),
         unique,
-        angle: match condition {
-            Condition::Torus { .. } => zero.at.last().copied().map(wider),
-            _ => None,
-        },
+        angle: angle.map(wider),
         inequalities,
         outside: monodromy.and_then(|monodromy| multipliers::outside(&monodromy)),
     })
@@ -386,8 +405,8 @@ pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
     if names.nth(posed.parameter) != Some(&point.parameter) {
         return Err(Refused::Statement("the parameter"));
     }
-    check_kind(&posed.system, point.kind, near, condition, changed.as_ref())?;
     let open = |open: Open| Refused::NoProof(open.to_string());
+    check_kind(posed, point.kind, near, condition, changed.as_ref())?;
     let proven = statement(posed, near, condition, Some(said.unique)).map_err(open)?;
     super::compared("the parameter", said.parameter, proven.parameter)?;
     super::compared("the period", said.period, proven.period)?;
@@ -417,7 +436,7 @@ fn are_modes(system: &System, sequence: &Sequence) -> bool {
 
 /// Whether the type of an event follows from what vanishes there.
 fn check_kind(
-    system: &System,
+    posed: &Posed,
     said: EventType,
     near: &Near,
     condition: &Condition,
@@ -438,7 +457,7 @@ fn check_kind(
                 before,
                 after,
             } = changed;
-            let named = |one: &Sequence| are_modes(system, one);
+            let named = |one: &Sequence| are_modes(&posed.system, one);
             let is_none = |after: &Sequence| after.is_rotation_of(before);
             if !named(before)
                 || after
@@ -454,14 +473,11 @@ fn check_kind(
             if !(same || shorter) {
                 return Err(Refused::Statement("the change of the sequence"));
             }
-            let margin = Margin {
-                watch: *seen,
-                zone: *there,
-                time: 0.0,
-                value: 0.0,
-                gradient: Vec::new(),
-            };
-            AffineOrbit::classify(before, after.as_ref(), &margin)
+            let (system, _) = OrbitSystem::new(posed, near, condition)
+                .map_err(|open| Refused::NoProof(open.to_string()))?;
+            system
+                .change()
+                .ok_or_else(|| Refused::NoProof(Open::Duration.to_string()))?
         }
         _ => return Err(Refused::Statement("the change of the sequence")),
     };

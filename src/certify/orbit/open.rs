@@ -9,6 +9,14 @@ pub enum Unproven {
     /// A guard within a zone.
     #[error("that guard {1} of zone {0} is positive within it")]
     Guard(usize, usize),
+    /// A guard that is zero all along a zone.
+    #[error("guard {1} of zone {0}, which is zero all along it: whether its switch is taken")]
+    Zero(usize, usize),
+    /// Another guard that is zero at the end of a zone.
+    #[error(
+        "that guard {1}, which is zero at the end of zone {0} too, leads on like the one taken"
+    )]
+    Together(usize, usize),
     /// A condition of the exit taken.
     #[error("condition {1} at the end of zone {0}")]
     Condition(usize, usize),
@@ -66,6 +74,15 @@ pub enum Open {
         "not covered: a zone of no duration, without which the orbit has no sequence that is proven"
     )]
     Duration,
+    /// The angle of a pair is 0 or π, or is not told from that.
+    #[error("undecided: the angle of a pair of multipliers is not known to lie between 0 and π")]
+    Angle,
+    /// An orbit that closes after a part of its period.
+    #[error("undecided: the orbit may be one of a part of its period, traversed several times")]
+    Repeated,
+    /// A change of the sequence whose type does not follow from what vanishes.
+    #[error("undecided: what vanishes does not make it an event of its type")]
+    Kind,
     /// Too long an orbit.
     #[error("not covered: an orbit so long that its equations have more than 1000 unknowns")]
     Long,

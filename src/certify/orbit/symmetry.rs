@@ -152,6 +152,46 @@ impl OrbitSystem<'_> {
         image
     }
 
+    /// Whether the orbit in these intervals closes after its whole period and no part of it: where its sequence repeats itself
+    /// after a part, it is elsewhere then.
+    pub fn is_primitive(&self, x: &[Interval]) -> bool {
+        let zones = &self.near.sequence.0;
+        let count = zones.len();
+        let periods = usize::try_from(self.posed.periods).unwrap_or(usize::MAX);
+        if zones[0].way.is_none() {
+            // without a switch the equations are those of every part
+            return periods == 1;
+        }
+        // states and duration of a zone; those of the second half of a symmetric orbit from the first
+        let of = |zone: usize| -> Vec<Interval> {
+            let later = self.half && zone >= count / 2;
+            let zone = if later { zone - count / 2 } else { zone };
+            let parts = (0..self.stretches.len()).filter(|part| self.stretches[*part].zone == zone);
+            let mut time = Interval::ZERO;
+            let mut found = Vec::new();
+            for part in parts {
+                if found.is_empty() {
+                    let state = x[self.node(part, 0)..][..self.exact.states].iter();
+                    found.extend(state.map(|x| if later { -*x } else { *x }));
+                }
+                time = time + x[self.duration(part)];
+            }
+            found.push(time);
+            found
+        };
+        (2..=count)
+            .filter(|times| count.is_multiple_of(*times))
+            .filter(|times| !self.is_forced() || periods.is_multiple_of(*times))
+            .all(|times| {
+                let on = |zone: usize| (zone + count / times) % count;
+                let apart = |zone: usize| {
+                    let both = of(zone).into_iter().zip(of(on(zone)));
+                    both.into_iter().any(|(a, b)| !(a - b).contains(0.0))
+                };
+                (0..count).any(|zone| zones[zone] != zones[on(zone)] || apart(zone))
+            })
+    }
+
     /// The whole of a symmetric orbit from its half, in equations that have as many steps; `None` where they have not.
     pub fn whole(&self, x: &[Interval], whole: &OrbitSystem) -> Option<Vec<Interval>> {
         let steps = [&self.steps[..], &self.steps].concat();

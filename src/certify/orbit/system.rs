@@ -132,6 +132,8 @@ pub struct OrbitSystem<'a> {
     /// A value of the parameter in the place of the event.
     pub fixed: Option<Interval>,
     pub facts: Vec<Facts>,
+    /// What is zero on the branch, apart from the event.
+    pub lasting: Vec<Facts>,
     pub critical: Option<Critical>,
     /// Whether the stretches are those of half a symmetric orbit, which closes at its image.
     pub half: bool,
@@ -209,6 +211,7 @@ impl<'a> OrbitSystem<'a> {
             closed: Vec::new(),
             fixed: None,
             facts: Vec::new(),
+            lasting: Vec::new(),
             critical: None,
             half: false,
         };
@@ -220,6 +223,7 @@ impl<'a> OrbitSystem<'a> {
         }
         let modes = system.enclosed(Interval::point(near.parameter))?;
         system.facts = system.known(&[]);
+        system.lasting = system.facts.clone();
         match system.event(near, &modes)? {
             Some(Event::Zero(vanishing)) => system.vanish(vanishing),
             Some(Event::Closed(stretch)) => system.close(stretch),
@@ -230,6 +234,7 @@ impl<'a> OrbitSystem<'a> {
                 return Err(Open::Branching);
             }
             system.half = true;
+            system.lasting.truncate(system.stretches.len() / 2);
             system.stretches.truncate(system.stretches.len() / 2);
         }
         let mut guess = system.guess(near, &modes, condition, least)?;
