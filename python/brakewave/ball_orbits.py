@@ -18,8 +18,17 @@ from flint import acb, acb_mat, acb_poly, arb, ctx, fmpq, fmpq_poly
 
 from .balls import SIGNS, Dual, NotCovered, Refused, apply, decimal, distance, dual, exponential, injective, jacobian, must, positive, prove_zero, times
 
+NEAR = 1e-6
+"""What is zero at a point is found for all values of the parameter so near, in its unit."""
 PIECES, SHORTEST, BY_FAR = 2000, 1e-6, 64.0
 """Pieces of a curve; their least length in units; the parameter is their coordinate unless another moves so much more."""
+
+
+def whole(number, below=inf):
+    """A whole number from 0 on, less than another."""
+    found = isinstance(number, float) and 0 <= number < below and number == int(number)
+    must(found, f"{number} is no whole number from 0 on" + (f" below {below}" if below < inf else ""))
+    return int(number)
 
 
 # ---------------------------------------------------------------------------------------------------- expressions
@@ -61,6 +70,11 @@ class Ratio:
         """The whole number that it is, or None."""
         number = self.over[0] / self.under[0] if self.over.degree() <= 0 and self.under.degree() == 0 else None
         return int(number.p) if number is not None and number.q == 1 else None
+
+    def clear(self, domain):
+        """Whether it is not zero over an interval of the parameter."""
+        over, under = (acb_poly(it)(acb(domain)) for it in (self.over, self.under))
+        return not over.contains(0) and not under.contains(0)
 
     def at(self, parameter):
         """Its value at a number, with the derivative where that has one."""
@@ -173,8 +187,9 @@ OPERATORS = {
 }  # fmt: skip
 
 
-def evaluate(text, names):
-    """The form of an expression, where names stand for forms. Operators bind as in Python, `^` as `**` there."""
+def evaluate(text, names, divisors):
+    """The form of an expression, where names stand for forms; what it divides by joins the divisors. Operators bind as in
+    Python, `^` as `**` there."""
     # a sign before each name keeps those that are words of Python
     spelled = re.sub(r"(?<![\w.])(?=[^\W\d])", "_", " ".join(text.split())).replace("^", "**")
     try:
@@ -201,7 +216,12 @@ def evaluate(text, names):
         parts = [node.left, node.right] if isinstance(node, ast.BinOp) else [getattr(node, "operand", None)]
         operator = OPERATORS.get(type(getattr(node, "op", None)))
         must(operator, f"`{text}` cannot be read")
-        return operator(*map(form, parts))
+        parts = [form(part) for part in parts]
+        result = operator(*parts)
+        inverse = operator is Form.__pow__ and not (parts[1].constant().whole() or 0) >= 0
+        if operator is Form.__truediv__ or inverse:
+            divisors.append(parts[0 if inverse else 1].constant())
+        return result
 
     return form(tree)
 
@@ -221,18 +241,18 @@ class Modes:
     """The modes of a system: ż = Mz, z = (x, 1, cos φ, sin φ, …), with guards, exits and resets as forms of z."""
 
     def __init__(self, posed):
-        system, parameter = posed["system"], int(posed["parameter"])
-        given = list(system["parameters"])
-        must(len(given) == len(posed["values"]) and parameter < len(given), "there is not a value for every parameter")
+        system, given = posed["system"], list(posed["system"]["parameters"])
+        parameter, self.divisors = whole(posed["parameter"], len(given)), []
+        must(len(given) == len(posed["values"]), "there is not a value for every parameter")
         names = {name: Form.number(text) for name, text in zip(given, posed["values"])}
         names[given[parameter]] = Form.number(Ratio(fmpq_poly([0, 1])))
         self.states, forced = list(system["states"]), system.get("forcing")
         n = self.count = len(self.states)
-        self.omega = evaluate(forced, names).constant() if forced else ratio(0)
+        self.omega = evaluate(forced, names, self.divisors).constant() if forced else ratio(0)
         must(self.omega is not None, "a frequency that moves")
         names |= {name: Form(states={index: Ratio(1)}) for index, name in enumerate(self.states)}
         names |= {"phase": Form(phase=1)} if forced else {}
-        form = lambda text: evaluate(text, names)
+        form = lambda text: evaluate(text, names, self.divisors)
         for name, text in system.get("define", {}).items():
             names[name] = form(text)
         self.names = list(system["modes"])
@@ -306,6 +326,7 @@ class Modes:
         along = [ratio(gap[j]) / pivot[j] if gap[j] else 0 for gap in gaps]
         toward, away = combine(normal, below), combine(normal, above)
         across = sum((a * d for a, d in zip(normal, along)), ratio(0))
+        self.divisors.append(across * pivot[j])
         rows = [[x - t * d / across for x, t in zip(line, toward)] for line, d in zip(below, along)]
         self.matrices.append(rows + below[self.count :])
         stay, own, ends = [self.unit(i) for i in range(self.count)], len(self.guards), [-x for x in toward]
@@ -322,6 +343,9 @@ class Modes:
     def at(self, parameter):
         """The modes in numbers, at a value of the parameter."""
         there = copy(self)
+        # a common factor may hide that something is divided by zero
+        value = parameter.v if isinstance(parameter, Dual) else parameter
+        must(all(ratio(it).clear(value) for it in self.divisors), "a division by what may be zero")
         number = lambda x: x.at(parameter) if isinstance(x, Ratio) else x
         there.row_of = lambda row: [number(x) for x in row]
         rows = lambda lines: [there.row_of(line) for line in lines]
@@ -332,38 +356,50 @@ class Modes:
 
 
 class Zeros:
-    """Forms of z over the quotients that are zero together, in echelon form: pivot and row."""
+    """Forms of z over the quotients that are zero together: in echelon form, pivot and row, where a pivot is known not to be zero
+    over an interval of the parameter, and others."""
 
-    def __init__(self, rows=()):
-        self.rows = []
+    def __init__(self, domain, rows=()):
+        self.domain, self.solved, self.others = domain, [], []
         for row in rows:
             self.insert(row)
 
+    def rows(self):
+        return [row for _, row in self.solved] + self.others
+
     def rest(self, row):
-        for pivot, known in self.rows:
+        for pivot, known in self.solved:
             factor = row[pivot]
             if factor:
                 row = [x - factor * y for x, y in zip(row, known)]
         return row
 
     def have(self, row):
-        return not any(self.rest(row))
+        rest = self.rest(row)
+        return not any(rest) or any(not any(x - sign * y for x, y in zip(rest, other)) for other in self.others for sign in (1, -1))
 
     def insert(self, row):
         row = self.rest(row)
-        pivot = next((j for j, x in enumerate(row) if x), None)
-        if pivot is not None:
-            row = [ratio(x) / row[pivot] if x else 0 for x in row]
-            self.rows = [(k, [x - known[pivot] * y for x, y in zip(known, row)]) for k, known in self.rows]
-            self.rows.append((pivot, row))
+        if self.have(row):
+            return
+        pivot = next((j for j, x in enumerate(row) if x and ratio(x).clear(self.domain)), None)
+        if pivot is None:
+            self.others.append(row)
+            return
+        row = [ratio(x) / row[pivot] if x else 0 for x in row]
+        self.solved = [(k, [x - known[pivot] * y for x, y in zip(known, row)]) for k, known in self.solved]
+        self.solved.append((pivot, row))
+        again, self.others = self.others, []
+        for other in again:
+            self.insert(other)
 
     def along(self, matrix, surface):
         """Those that stay zero along a flow, row by row."""
-        kept = [row for _, row in self.rows]
+        kept = self.rows()
         if surface is not None and self.have(surface):
             kept.append(surface)
         while True:
-            known = Zeros(kept)
+            known = Zeros(self.domain, kept)
             fewer = [row for row in kept if row is surface or known.have(combine(row, matrix))]
             if len(fewer) == len(kept):
                 return known
@@ -372,10 +408,10 @@ class Zeros:
     def after(self, reset, size):
         """Those that are zero after a reset."""
         unit = lambda j: [int(j == k) for k in range(size)]
-        whole = list(reset) + [unit(j) for j in range(len(reset), size)]
+        every = list(reset) + [unit(j) for j in range(len(reset), size)]
         new = [[a - b for a, b in zip(unit(i), row)] for i, row in enumerate(reset)]
-        both = [row for _, row in self.rows] + new
-        return Zeros(row for row in both if self.have(combine(row, whole)))
+        both = self.rows() + new
+        return Zeros(self.domain, (row for row in both if self.have(combine(row, every))))
 
 
 # ---------------------------------------------------------------------------------------------------- orbits
@@ -408,31 +444,33 @@ def zones_of(sequence):
 
 def listed(sequence):
     """Modes and ways of a sequence."""
-    ways = lambda way: way and (int(way["guard"]), int(way["exit"]))
-    return [(int(zone["mode"]), ways(zone["way"])) for zone in zones_of(sequence)]
+    ways = lambda way: way and (whole(way["guard"]), whole(way["exit"]))
+    return [(whole(zone["mode"]), ways(zone["way"])) for zone in zones_of(sequence)]
 
 
 class Orbit:
     """The boundary-value problem of an orbit and what singles out a point."""
 
-    def __init__(self, posed, near, condition):
+    def __init__(self, posed, near, condition, domain=None):
         self.posed, self.condition = posed, condition
         self.kind = condition if isinstance(condition, str) else condition.name
         margin = condition.value if self.kind == "Margin" else {}
         watch = margin.get("watch")
         self.watch = watch if watch is None or isinstance(watch, str) else watch.name
-        self.which = None if isinstance(watch, str) or watch is None else int(watch.value)
-        self.zone, sequence, zones = int(margin.get("zone", -1)), zones_of(near["sequence"]), near["zones"]
+        self.which = None if isinstance(watch, str) or watch is None else whole(watch.value)
+        sequence, zones, self.sequence = zones_of(near["sequence"]), near["zones"], listed(near["sequence"])
         must(sequence and len(sequence) == len(zones), "zones without a state")
-        self.forced, self.periods = posed["system"].get("forcing") is not None, int(posed["periods"])
+        self.zone = whole(margin["zone"], len(zones)) if margin else None
+        self.forced, self.periods = posed["system"].get("forcing") is not None, whole(posed["periods"])
+        # what vanishes at the event is looked for next to it
+        self.domain = domain or arb(float(near["parameter"]), NEAR * float(posed["units"]["parameter"]))
         self.exact = Modes(posed)
         self.n, self.stretches, self.guess = self.exact.count, [], []
         middle = self.exact.at(decimal(repr(float(near["parameter"]))))
-        for index, (zone, at) in enumerate(zip(sequence, zones)):
-            mode, way = int(zone["mode"]), zone["way"]
-            must(0 <= mode < len(middle.names) and zone["name"] == middle.names[mode], "a mode has another name")
+        for index, (zone, (mode, way), at) in enumerate(zip(sequence, self.sequence, zones)):
+            must(mode < len(middle.names) and zone["name"] == middle.names[mode], "a mode has another name")
             must(way is not None or len(zones) == 1 and self.forced, "a zone that does not end")
-            end = ("never",) if way is None else ("exit", int(way["guard"]), int(way["exit"]))
+            end = ("never",) if way is None else ("exit", *way)
             state, time = [acb(float(x)) for x in at["state"]], float(at["duration"])
             must(len(state) == self.n, "a zone has not as many states as the system")
             if self.watch == "Inside" and index == self.zone:
@@ -464,12 +502,20 @@ class Orbit:
         if self.kind == "Torus":
             self.guess.append(acb(float(condition.value["angle"])))
         self.events, self.closed, self.kept = [], [], None
+        # what is zero on the branch, and what is so at the event
+        self.facts = self.lasting = self.known()
         if self.watch == "Duration":
-            must(0 <= self.zone < len(zones), "a margin of no zone")
             self.closed.append(self.zone)
         elif self.kind == "Margin":
-            self.events.append(self.vanishing(near))
-        self.facts = self.known()
+            self.events.append(self.vanishing())
+        if self.kind == "Margin":
+            self.facts = self.known()
+
+    def settle(self, domain):
+        """Sees that what is zero is so over an interval of the parameter, on a curve without an event."""
+        if not self.domain.contains(domain):
+            self.domain = self.domain.union(domain)
+            self.facts = self.lasting = self.known()
 
     def lift(self, state, phase):
         z = list(state) + [acb(1)]
@@ -570,7 +616,7 @@ class Orbit:
     # ------------------------------------------------------------------------------------------------ what is zero
     def known(self):
         """What is zero at the entry and at the end of every stretch, whatever the parameter."""
-        facts, shut = [[Zeros(), Zeros()] for _ in self.stretches], {}
+        facts, shut = [[Zeros(self.domain), Zeros(self.domain)] for _ in self.stretches], {}
 
         def add(zeros, index, at_end):
             events = [row for *where, row in self.events if where == [index, at_end]]
@@ -578,7 +624,7 @@ class Orbit:
                 zeros.insert(row)
 
         while True:
-            before = [len(zeros.rows) for pair in facts for zeros in pair]
+            before = [len(zeros.rows()) for pair in facts for zeros in pair]
             for index, stretch in enumerate(self.stretches):
                 exact, mode = self.exact, stretch.mode
                 add(facts[index][0], index, False)
@@ -592,16 +638,16 @@ class Orbit:
                 end.insert(row if kind == "exit" else exact.derivative(mode, row, 1))
                 add(end, index, True)
                 facts[index][1] = end
-                follower[0] = end.after(exits[where[1]][1], exact.size) if kind == "exit" else Zeros(r for _, r in end.rows)
+                follower[0] = end.after(exits[where[1]][1], exact.size) if kind == "exit" else Zeros(self.domain, end.rows())
                 add(follower[0], (index + 1) % len(facts), False)
                 if index in self.closed:
                     # what is zero at the end is so at the entry, and at the end before
-                    last, rows = (index - 1) % len(facts), [row for _, row in end.rows]
+                    last, rows = (index - 1) % len(facts), end.rows()
                     _, guard, way = self.stretches[last].end
                     reset = exact.guards[self.stretches[last].mode][guard][1][way][1]
-                    whole = [*reset, *map(exact.unit, range(self.n, exact.size))]
-                    shut[index, False], shut[last, True] = rows, [combine(row, whole) for row in rows]
-            if [len(zeros.rows) for pair in facts for zeros in pair] == before:
+                    every = [*reset, *map(exact.unit, range(self.n, exact.size))]
+                    shut[index, False], shut[last, True] = rows, [combine(row, every) for row in rows]
+            if [len(zeros.rows()) for pair in facts for zeros in pair] == before:
                 return facts
 
     def order(self, zeros, mode, row):
@@ -612,11 +658,10 @@ class Orbit:
             row = combine(row, self.exact.matrices[mode])
         return None
 
-    def vanishing(self, near):
+    def vanishing(self):
         """The stretch, whether at its end, and the form of the margin that vanishes."""
-        must(0 <= self.zone < len(near["zones"]), "a margin of no zone")
         index = next(i for i, stretch in enumerate(self.stretches) if stretch.zone == self.zone)
-        stretch, which, facts = self.stretches[index], self.which, self.known()[index]
+        stretch, which, facts = self.stretches[index], self.which, self.lasting[index]
         mode = stretch.mode
         guards = self.exact.guards[mode]
         guard = lambda k, order: self.exact.derivative(mode, guards[k][0], order)
@@ -642,6 +687,52 @@ class Orbit:
             which = open_ones[0]
         must(which < len(held), "a margin of no condition")
         return index, True, held[which]
+
+    def change(self):
+        """The type of a change of the sequence, by all that is zero at the event and not on the branch."""
+        if self.watch == "Duration":
+            raise NotCovered("the type of a change that is stated with a zone of no duration")
+        new = set()
+        for stretch, (_, facts), (_, lasting) in zip(self.stretches, self.facts, self.lasting):
+            if stretch.end[0] == "touch":
+                new.add("GR")
+            if stretch.end[0] != "exit":
+                continue
+            row, exits = self.exact.guards[stretch.mode][stretch.end[1]]
+            held = [it for _, _, rows in exits[: stretch.end[2] + 1] for it in rows]
+            for kind, forms in ("GR", [self.exact.derivative(stretch.mode, row, 1)]), ("SL", held):
+                if any(facts.have(it) and not lasting.have(it) for it in forms):
+                    new.add(kind)
+        return next((kind for kind in ("GR", "SL") if kind in new), "CO")
+
+    def primitive(self, x):
+        """Whether the orbit closes after its period and not after a part of it, where its sequence repeats itself."""
+        count, parts = len(self.sequence), self.parts(x)[1]
+        if self.sequence[0][1] is None:
+            # without a switch every part obeys the same equations
+            return self.periods == 1
+        entries = {}
+        for stretch, (_, _, z, *_) in zip(self.stretches, parts):
+            entries.setdefault(stretch.zone, z[: self.n])
+        if self.half:
+            entries |= {zone + count // 2: [-y for y in state] for zone, state in entries.items()}
+        for times in range(2, count + 1):
+            if count % times or self.forced and self.periods % times:
+                continue
+            later = lambda zone: (zone + count // times) % count
+            apart = lambda zone: any(not a.overlaps(b) for a, b in zip(entries[zone], entries[later(zone)]))
+            if not any(self.sequence[zone] != self.sequence[later(zone)] or apart(zone) for zone in range(count)):
+                return False
+        return True
+
+    def legs(self, x):
+        """Mode, entry and duration of what has one, in order; the phase is there by its cosine and sine."""
+        found = []
+        for index, (stretch, (phase, time, z, *_)) in enumerate(zip(self.stretches, self.parts(x)[1])):
+            if index not in self.closed:
+                turn = [phase.cos(), phase.sin()] if self.forced else []
+                found.append((stretch.mode, z[: self.n] + turn, time))
+        return found
 
     # ------------------------------------------------------------------------------------------------ uniqueness
     def unique(self, zero, distance):
@@ -724,29 +815,45 @@ class Orbit:
         modes, parts = self.parts(x)
         for index, (stretch, (_, time, z, *_)) in enumerate(zip(self.stretches, parts)):
             mode, zone, end = stretch.mode, stretch.zone, self.handed_on(index, parts)
-            entry_facts, end_facts = self.facts[index]
+            (entry_facts, end_facts), lasting = self.facts[index], self.lasting[index]
             at = lambda row: apply([modes.row_of(row)], end)[0]
             yield f"the duration of zone {zone}", index in self.closed or above(time)
             for guard, (exact, _) in enumerate(self.exact.guards[mode]):
                 start = self.order(entry_facts, mode, exact)
                 if start is None:
+                    # in a zone of no duration it may be so at the event only
+                    once = index in self.closed and self.order(lasting[0], mode, exact) is not None
+                    yield f"guard {guard}, zero all along zone {zone}, whether its switch is taken", once
                     continue
                 stop, row = self.order(end_facts, mode, exact) or 0, modes.row_of(exact)
                 holds = positive(modes.matrices[mode], row, z, end, time, (start, stop), index in closed)
                 yield f"guard {guard} within zone {zone}", holds
             if stretch.end[0] != "exit":
                 continue
-            exits = self.exact.guards[mode][stretch.end[1]][1]
-            for which, row in enumerate(exits[stretch.end[2]][2]):
-                yield f"condition {which} at the end of zone {zone}", end_facts.have(row) or above(at(row))
-            for before in range(stretch.end[2]):
+            own, way = stretch.end[1:]
+            exits, negative = self.exact.guards[mode][own][1], lambda row: dual(at(row)).v.real < 0
+            for other, (row, ways) in enumerate(self.exact.guards[mode]):
+                if other == own or not lasting[1].have(row):
+                    continue
+                # of guards that are zero at once none is the first
+                to, reset, _ = exits[way]
+                same = lambda it: it[0] == to and all(end_facts.have([a - b for a, b in zip(*rows)]) for rows in zip(it[1], reset))
+                agree = all(same(it) or any(map(negative, it[2])) for it in ways)
+                yield f"that guard {other}, zero at the end of zone {zone} too, leads on like the one taken", agree
+            for which, row in enumerate(exits[way][2]):
+                if not end_facts.have(row):
+                    yield f"condition {which} at the end of zone {zone}", above(at(row))
+            for before in range(way):
                 rows = exits[before][2]
                 # what is about to lead there is zero at the event, and the rest does not say that it fails
                 about = [row for place, at_end, row in self.events if at_end and place == index]
-                opens = self.closed and any(end_facts.have(row) for row in rows)
+                beside = index in self.closed or (index + 1) % len(parts) in self.closed
+                opens = beside and any(end_facts.have(row) and not lasting[1].have(row) for row in rows)
                 if opens or any(row is it for it in about for row in rows):
                     continue
-                fails = any(not end_facts.have(row) and above(-at(row)) for row in rows)
+                rows = [row for row in rows if not end_facts.have(row)]
+                # of several that may be what fails at the end of a curve none is known to grow from there
+                fails = above(-at(rows[0])) if len(rows) == 1 else any(map(negative, rows))
                 yield f"that exit {before} is not taken at the end of zone {zone}", fails
 
     def handed_on(self, index, parts):
@@ -764,49 +871,43 @@ class Orbit:
         return [Dual(meet(a.v, b.v), meet(a.d, b.d)) for a, b in both] + end[self.n :]
 
 
-def kind_of(point, proof):
+def kind_of(point, proof, orbit):
     """Type of a point by what singles it out."""
-    condition, changed = proof["condition"], proof.get("changed")
-    name = condition if isinstance(condition, str) else condition.name
-    if name == "Value":
+    changed = proof.get("changed")
+    must((changed is not None) == (orbit.kind == "Margin"), "what changes is said where a margin vanishes, and only there")
+    if orbit.kind == "Value":
         return point["kind"] if point["kind"] in ("UZ", "EP") else "UZ or EP"
-    if name != "Margin":
-        return {"Fold": "LP", "Doubling": "PD", "Branching": "BP", "Torus": "NS"}[name]
-    must(changed is not None, "it is not said what changes")
+    if orbit.kind != "Margin":
+        return {"Fold": "LP", "Doubling": "PD", "Branching": "BP", "Torus": "NS"}[orbit.kind]
     before, near = listed(changed["before"]), listed(proof["near"]["sequence"])
     after = changed["after"] and listed(changed["after"])
     watch = changed["watch"] if isinstance(changed["watch"], str) else changed["watch"].name
-    seen, there = condition.value["watch"], changed["watch"]
-    same = near == before and seen == there and condition.value["zone"] == changed["zone"]
+    margin = orbit.condition.value
+    same = near == before and margin["watch"] == changed["watch"] and margin["zone"] == changed["zone"]
     shorter = watch not in ("Inside", "Speed") and len(near) < len(before)
     must(same or shorter, "the change is another than what is proven")
-    if watch in ("Inside", "Speed"):
-        return "GR"
-    if after is None:
-        return "SL" if watch in ("Condition", "Before") else "CO"
-    must(not any(after == before[k:] + before[:k] for k in range(len(before))), "it is said that nothing changes")
-    if splits(before, after) or splits(after, before):
-        return "GR"
-    keys = {(mode, way[0]) for mode, way in before if way}
-    taken = lambda it, key: sorted(way[1] for mode, way in it if way and (mode, way[0]) == key)
-    pairs = [(taken(before, key), taken(after, key)) for key in keys]
-    return "SL" if any(len(a) == len(b) and a != b for a, b in pairs) else "CO"
+    turned = [before[k:] + before[:k] for k in range(len(before))]
+    must(after not in turned, "it is said that nothing changes")
+    must(after is None or near in turned or near in [after[k:] + after[:k] for k in range(len(after))], "it changes between two others")
+    return orbit.change()
 
 
-def splits(short, long):
-    """Whether one zone of a sequence is cut in two in another, with others between."""
-    if len(short) == 1 and short[0][1] is None:
-        return any(mode == short[0][0] for mode, _ in long)
-    more = len(long) - len(short)
-    if more <= 0:
-        return False
-    at = lambda it, k: it[k % len(it)]
-    fits = lambda shift, start: (
-        at(long, start)[0] == at(short, shift)[0]
-        and at(long, start + more) == at(short, shift)
-        and all(at(short, shift + k) == at(long, start + more + k) for k in range(1, len(short)))
-    )
-    return any(fits(shift, start) for shift in range(len(short)) for start in range(len(long)))
+def agree(one, two):
+    """Whether two orbits have the same modes, states, phases and durations, cut at the same instants or one at more of them."""
+    few, many = sorted((one, two), key=len)
+    overlap = lambda a, b: all(acb(x).overlaps(acb(y)) for x, y in zip(a, b))
+    for shift in range(len(many)):
+        rest = many[shift:] + many[:shift]
+        for mode, entry, time in few:
+            total, taken = acb(0), rest[:1]
+            while rest and rest[0][0] == mode and not total.overlaps(acb(time)):
+                total += rest.pop(0)[2]
+            if not (taken and total.overlaps(acb(time)) and overlap(entry, taken[0][1])):
+                break
+        else:
+            if not rest:
+                return True
+    return False
 
 
 # ---------------------------------------------------------------------------------------------------- arcs
@@ -815,7 +916,8 @@ class Arc:
 
     def __init__(self, ends, near):
         (self.first, one), (self.last, other) = ends
-        self.orbit = Orbit(self.first.posed, near, "Value")
+        domain = one[self.first.place].real.union(other[self.last.place].real)
+        self.orbit = Orbit(self.first.posed, near, "Value", domain)
         self.ends = [self.uncut(*end) for end in ends]
         self.place = self.orbit.place
         units = self.orbit.posed["units"]
@@ -962,6 +1064,7 @@ class Arc:
             must(next_to is not None and end.kind == "Fold" and not fold.d.real.contains(0), "there may be a fold on the way")
         sign = 0 if next_to is None else direction if next_to == 0 else -direction
         moving = tube if not sign else [Dual(z, sign * d) for z, d in zip(tube, tangent)]
+        self.orbit.settle(tube[self.place].real)
         closed = () if next_to is None else (self.first, self.last)[next_to].closed
         wrong = [what for what, holds in self.orbit.all_signs(moving, closed) if not holds]
         must(not wrong, f"{', '.join(wrong)} is not shown on the way")
@@ -970,7 +1073,7 @@ class Arc:
 def join(ends, nears):
     """Shows that between two orbits there is no event."""
     (one, _), (two, _) = ends
-    given = lambda orbit: [v for i, v in enumerate(orbit.posed["values"]) if i != int(orbit.posed["parameter"])]
+    given = lambda orbit: [v for i, v in enumerate(orbit.posed["values"]) if i != whole(orbit.posed["parameter"])]
     same = one.posed["system"] == two.posed["system"] and given(one) == given(two)
     same = same and [one.posed[name] for name in ("parameter", "periods")] == [two.posed[name] for name in ("parameter", "periods")]
     must(same and listed(nears[0]["sequence"]) == listed(nears[1]["sequence"]), "its ends have not one sequence of zones")

@@ -275,14 +275,12 @@ def positive(matrix, row, begin, end, time, orders, closed=False):
     its end alone."""
     # backwards in time the flow is that of −M
     ways = flows(matrix, row, begin), flows([[-x for x in line] for line in matrix], row, end)
-    shown = lambda way, low, high, order: any(over(*flow, low, high, order) for flow in way)
     time, firsts = acb(dual(time).v).real, []
-    length = float(time.upper()) * (1 + 2**-40)
+    length, shortest = (float(end) * (1 + sign * 2**-40) for end, sign in ((time.upper(), 1), (time.lower(), -1)))
+    # an instant that the shortest zone does not have has nothing to grow from at the end of the curve
+    shown = lambda way, low, high, order: any(over(*flow, low, high, order) for k, flow in enumerate(way) if not k or high <= shortest)
     if closed:
         return over(*ways[1][0], 0, length, orders[1])
-    if length > 1.9 * float(time.lower()):
-        # what grows is in the zone all along the piece
-        ways = [way[:1] for way in ways]
     for way, order in zip(ways, orders):
         first = length / 2 if order else 0.0
         while order and not shown(way, 0, first, order):

@@ -4,8 +4,9 @@
 
 It takes nothing from the program but the statements and, as a first guess, the waves in doubles. It poses the
 equations of docs/theory.md again from the decimals of the problem, solves them in balls of Arb (python-flint) and
-prints a line for every statement: `proven again`, `refused: reason` or `not covered: reason`. Exit code: 0, 1 if a
-statement is refused, 2 if the certificate cannot be read. docs/certify.md says what is covered, and how.
+prints a line for every statement: `proven again`, `refused: reason` or `not covered: reason`. Exit code: 0 if everything
+that is stated was proven again, 1 if a statement is refused, 2 if the certificate cannot be read, 3 if none is refused but
+something is not covered. docs/certify.md says what is covered, and how.
 """
 
 import csv
@@ -19,7 +20,7 @@ try:
     from flint import acb, acb_mat, arb, ctx
 
     from .ball_layers import Layered, LayeredSigns
-    from .ball_orbits import Orbit, join, kind_of, listed, outside, zones_of
+    from .ball_orbits import Orbit, agree, join, kind_of, listed, outside, whole, zones_of
     from .ball_spectrum import Perturbed
     from .ball_waves import Signs
     from .balls import NotCovered, Refused, decimal, must, prove_zero
@@ -32,12 +33,15 @@ COUNTING = 96
 # ---------------------------------------------------------------------------------------------------- RON
 Tagged = namedtuple("Tagged", "name value")
 """A name of an enum and what it holds."""
-BLANK = r"\s*(?:(?://[^\n]*|/\*.*?\*/)\s*)*"
+BLANK = re.compile("[ \\t\\n\\v\\f\\r\\x85\\u200e\\u200f\\u2028\\u2029]+|//[^\\n]*")
 TOKEN = re.compile(
-    BLANK + r'(?:(?P<string>"(?:[^"\\]|\\.)*")|(?P<number>[-+]?(?:\d|\.\d)[\d._]*(?:[eE][-+]?\d+)?)'
-    r"|(?P<name>[A-Za-z_]\w*)|(?P<mark>[()\[\]{}:,])|(?P<end>\Z))",
+    r'(?P<raw>r(?P<hashes>#*)".*?"(?P=hashes))|(?P<string>"(?:[^"\\]|\\.)*")'
+    r"|(?P<number>[-+]?(?:inf\b|NaN\b|(?:[0-9]|\.[0-9])[0-9._]*(?:[eE][-+]?[0-9_]+)?))"
+    r"|(?P<name>[A-Za-z_]\w*)|(?P<mark>[()\[\]{}:,])|(?P<end>\Z)",
     re.S,
 )
+ESCAPE = re.compile(r"\\(?:x([0-9a-fA-F]{2})|u\{([0-9a-fA-F]{1,6})\}|(.))", re.S)
+ESCAPED = {"n": "\n", "r": "\r", "t": "\t", "0": "\0", "\\": "\\", '"': '"', "'": "'"}
 CLOSING = {"(": ")", "[": "]", "{": "}"}
 
 
@@ -50,14 +54,45 @@ class Number(float):
         return self
 
 
+def blank(text, place):
+    """Where blanks and comments end, of which those in /* */ may hold others."""
+    while True:
+        found = BLANK.match(text, place)
+        if found:
+            place = found.end()
+        elif text.startswith("/*", place):
+            depth, place = 1, place + 2
+            while depth:
+                mark = re.compile(r"/\*|\*/").search(text, place)
+                if not mark:
+                    raise ValueError("a comment does not end")
+                depth, place = depth + (1 if mark[0] == "/*" else -1), mark.end()
+        else:
+            return place
+
+
+def unescaped(string):
+    """What stands between the quotes of a string."""
+
+    def character(found):
+        code = found[1] or found[2]
+        if not code and found[3] not in ESCAPED:
+            raise ValueError(f"no escape in RON: {found[0]!r}")
+        return chr(int(code, 16)) if code else ESCAPED[found[3]]
+
+    return ESCAPE.sub(character, string)
+
+
 def read_ron(text):
     """The value of a RON text: dict, tuple, list, str, Number, bool, None or Tagged."""
     tokens, place = [], 0
     while not tokens or tokens[-1][0] != "end":
+        place = blank(text, place)
         found = TOKEN.match(text, place)
         if not found:
             raise ValueError(f"no RON at character {place}")
-        tokens.append((found.lastgroup, found[found.lastgroup]))
+        kind = "raw" if found["raw"] else found.lastgroup
+        tokens.append((kind, found[kind]))
         place = found.end()
     tokens.reverse()
 
@@ -85,7 +120,9 @@ def read_ron(text):
     def value():
         kind, token = tokens.pop()
         if kind == "string":
-            return re.sub(r"\\(.)", r"\1", token[1:-1])
+            return unescaped(token[1:-1])
+        if kind == "raw":
+            return token[token.index('"') + 1 : token.rindex('"')]
         if kind == "number":
             return Number(token.replace("_", ""))
         if token in CLOSING:
@@ -107,6 +144,16 @@ def read_ron(text):
 
 
 # ------------------------------------------------------------------------------------------------ statements
+def fields(record, needed, optional=""):
+    """Refuses a record with other fields than these, all of which but the optional ones it has."""
+    must(isinstance(record, dict), "something else stands in the place of a record")
+    needed, optional = needed.split(), optional.split()
+    for name in needed:
+        must(name in record, f"`{name}` is not there")
+    for name in record:
+        must(name in needed or name in optional, f"`{name}` is no field of it")
+
+
 def inside(ball, low, high):
     """Whether a ball lies between two numbers, taken as they are."""
     return bool(arb(low) <= ball and ball <= arb(high))
@@ -199,7 +246,9 @@ class Statements:
         for what, (low, high), ball in intervals:
             must(inside(ball, row[low], row[high]), f"the {what} is not in its interval")
         must(float(row["unique"]) == self.said["unique"], "`unique` is not that of the certificate")
-        stated |= {"inequalities": self.said["inequalities"], "arc": "" if arc is None else {"Proven": "yes"}.get(arc.name, "no")}
+        opened = arc is not None and arc.name == "Open"
+        stated |= {"inequalities": self.said["inequalities"], "arc": "" if arc is None else "no" if opened else "yes"}
+        stated |= {"why": "", "pieces": None if arc is None or opened else arc.value, "arc_why": arc.value if opened else ""}
         for column, value in stated.items():
             told = value if isinstance(value, str) else "" if value is None else str(int(value))
             must(row[column] == told, f"`{column}` is not that of the certificate")
@@ -365,8 +414,15 @@ class Point(Statements):
         must(verdict == follows, f"what is counted makes it {follows}")
 
 
+def condition_of(proof):
+    """Name of what singles out a point."""
+    return proof["condition"] if isinstance(proof["condition"], str) else proof["condition"].name
+
+
 class OrbitPoint(Statements):
     """A point of a branch of orbits of a system."""
+
+    COLUMNS = "label type parameter low high period_low period_high unique inequalities proven why outside angle_low angle_high arc pieces arc_why"
 
     def arc(self):
         before = self.before
@@ -384,26 +440,71 @@ class OrbitPoint(Statements):
         must(seen, "its ends have not one sequence of zones")
         if seen is proof:
             return (self.solved, self.x), proof["near"]
-        orbit, _, x, *found = self.solve(seen)
+        orbit, _, x, *_ = self.solve(seen)
         self.signs(orbit, x)
-        must(all(a.overlaps(b) for a, b in zip(found, (self.value, self.period))), "beyond its event is another orbit")
+        must(self.value.overlaps(x[orbit.place].real), "beyond its event is another orbit")
+        must(agree(self.solved.legs(self.x), orbit.legs(x)), "beyond its event is another orbit")
         return (orbit, x), seen["near"]
 
     def statements(self):
         """Names of the statements and what checks them."""
+        yield "fields", self.fields
         yield "orbit, in its intervals", self.orbit
+        yield "period, traversed once", self.once
         yield from self.common()
         if self.said.get("outside") is not None:
             yield "multipliers outside the unit circle", self.outside
 
+    def fields(self):
+        """That nothing is stated but what is proven here, and that it is of its kind."""
+        point, proof, said = self.point, self.proof, self.said
+        fields(point, "label kind parameter leg outcome", "arc")
+        fields(proof, "posed condition near statement", "changed seen")
+        fields(self.posed, "system values parameter periods units")
+        fields(self.posed["units"], "states time parameter")
+        fields(said, "parameter period unique inequalities", "angle outside")
+        whole(point["label"]), whole(said["inequalities"])
+        must(said["unique"] >= 0, "a distance is negative")
+        # the box is to lie where its units mean something
+        must(said["unique"] <= float(self.posed["units"]["parameter"]), "a distance exceeds the range of the parameter")
+        angles = [said[name] for name in ["angle"] if said.get(name) is not None]
+        for interval in [said["parameter"], said["period"], *angles]:
+            fields(interval, "low high")
+        changed, seen = proof.get("changed"), proof.get("seen", [])
+        if changed is not None:
+            fields(changed, "watch zone before after")
+        for one in seen:
+            fields(one, "condition near")
+        for condition in [it["condition"] for it in (proof, *seen)]:
+            name, value = (condition, None) if isinstance(condition, str) else condition
+            plain = name in ("Fold", "Doubling", "Branching") and value is None
+            must(plain or name in ("Value", "Torus", "Margin") and value is not None, "a condition that there is not")
+            if isinstance(value, dict):
+                fields(value, "angle" if name == "Torus" else "watch zone time")
+        must((said.get("angle") is not None) == (condition_of(proof) == "Torus"), "an angle is stated where no pair crosses, or none where one does")
+        sequences = [it["near"]["sequence"] for it in (proof, *seen)]
+        for near in [it["near"] for it in (proof, *seen)]:
+            fields(near, "sequence zones parameter")
+            for zone in near["zones"]:
+                fields(zone, "state duration phase")
+        for sequence in filter(None, sequences + [changed[side] for side in ("before", "after") if changed]):
+            for zone in zones_of(sequence):
+                fields(zone, "mode way name")
+                if zone["way"] is not None:
+                    fields(zone["way"], "guard exit")
+
+    def once(self):
+        must(self.solved.primitive(self.x), "it may be an orbit of a part of it")
+
     def orbit(self):
         names = list(self.posed["system"]["parameters"])
-        must(names[int(self.posed["parameter"])] == self.point["parameter"], "its equations vary another parameter")
+        must(names[whole(self.posed["parameter"], len(names))] == self.point["parameter"], "its equations vary another parameter")
         orbit, self.zero, self.x, self.value, self.period = self.solve(self.proof)
         self.solved = orbit
         found = [("the parameter", self.value, self.said["parameter"]), ("the period", self.period, self.said["period"])]
         if orbit.kind == "Torus":
             self.angle = self.x[orbit.place + 1].real
+            must(0 < self.angle and self.angle < arb.pi(), "the angle of a pair lies between 0 and π")
             found.append(("the angle", self.angle, self.said["angle"]))
         self.compare(found)
 
@@ -413,21 +514,21 @@ class OrbitPoint(Statements):
         middle, radius = zero = prove_zero(orbit.equations, orbit.guess)
         # real equations and a real guess: the zero is real
         x = [acb(arb(y.real, radius)) for y in middle]
+        must(orbit.domain.contains(x[orbit.place].real), "the parameter in doubles is that of another orbit")
         times = [x[k * (orbit.n + 1) + orbit.n].real for k in range(len(orbit.stretches))]
         value = decimal(orbit.condition.value).real if orbit.kind == "Value" else x[orbit.place].real
         return orbit, zero, x, value, (1 + orbit.half) * sum(times, arb(0))
 
     def numbers(self):
         source, posed = self.source, self.posed
-        if source is None or "system" not in source or "Restart" in str(source["orbit"]["start"]):
+        if source is None or "system" not in source or source["orbit"]["start"].name not in ("Given", "Simulate"):
             raise NotCovered("numbers that do not stand in a problem file")
         written, system = dict(source["system"]), dict(posed["system"])
         given, held = written.pop("parameters", {}), system.pop("parameters")
         must(list(given) == list(held), "the parameters are not those of the problem")
-        for (name, number), value, inner in zip(given.items(), posed["values"], held.values()):
+        for (name, number), value in zip(given.items(), posed["values"]):
             varies = name == self.point["parameter"]
             must(Fraction(number.text) == Fraction(value) or varies, f"{name} is {number.text} in the problem")
-            must(float(inner) == float(value) or varies, f"{name} is there with two values")
         plain = lambda it: (
             {k: plain(v) for k, v in it.items() if v not in (None, [], {}, ())}
             if isinstance(it, dict)
@@ -440,25 +541,33 @@ class OrbitPoint(Statements):
         must(continuation["parameter"] == self.point["parameter"], "the parameter is not that of the problem")
         low, high = continuation["range"]
         must(float(posed["units"]["parameter"]) == high - low, "the unit of the parameter is not the width of its range")
+        asked = whole(source["orbit"].get("periods", Number("1")))
+        # a doubling of an orbit that is found on the branch of the doubled one is stated of the shorter orbit
+        periods = self.solved.periods
+        must(periods == asked or self.solved.kind == "Doubling" and periods and asked % periods == 0, "the problem asks for another number of periods")
         if self.solved.kind == "Value":
             self.asked(given[self.point["parameter"]])
 
     def kind(self):
         names, changed = self.solved.exact.names, self.proof.get("changed") or {}
         for sequence in filter(None, (changed.get("before"), changed.get("after"))):
-            fits = all(0 <= mode < len(names) and zone["name"] == names[mode] for zone, mode in ((zone, int(zone["mode"])) for zone in zones_of(sequence)))
-            must(fits, "a mode has another name")
-        return kind_of(self.point, self.proof)
+            for zone in zones_of(sequence):
+                must(zone["name"] == names[whole(zone["mode"], len(names))], "a mode has another name")
+        return kind_of(self.point, self.proof, self.solved)
 
     def inequalities(self):
-        self.signs(*self.solved.whole(self.proof["near"], self.x))
+        found = self.signs(*self.solved.whole(self.proof["near"], self.x))
+        must(found == whole(self.said["inequalities"]), f"there are {found} of them")
 
     @staticmethod
     def signs(orbit, x):
-        wrong = [what for what, holds in orbit.all_signs(x, orbit.closed) if not holds]
-        if wrong and orbit.mirror(x):
-            wrong = [what for what, holds in orbit.all_signs(x, orbit.closed) if not holds]
+        """Shows every inequality. Returns how many there are."""
+        signs = list(orbit.all_signs(x, orbit.closed))
+        if not all(holds for _, holds in signs) and orbit.mirror(x):
+            signs = list(orbit.all_signs(x, orbit.closed))
+        wrong = [what for what, holds in signs if not holds]
         must(not wrong, f"{', '.join(wrong)} is not shown")
+        return len(signs)
 
     def outside(self):
         orbit = self.solved
@@ -467,10 +576,12 @@ class OrbitPoint(Statements):
         must(found == int(self.said["outside"]), f"{found} are outside")
 
     def table(self):
+        must(self.row is None or " ".join(self.row) == self.COLUMNS, "the columns are others")
         intervals = [("parameter", ("low", "high"), self.value), ("period", ("period_low", "period_high"), self.period)]
+        angles = {} if self.solved.kind == "Torus" else {"angle_low": "", "angle_high": ""}
         if self.solved.kind == "Torus":
             intervals.append(("angle", ("angle_low", "angle_high"), self.angle))
-        self.compare_row(self.point["parameter"], intervals, outside=self.said.get("outside"))
+        self.compare_row(self.point["parameter"], intervals, outside=self.said.get("outside"), **angles)
 
 
 def main(folder):
@@ -479,11 +590,22 @@ def main(folder):
     path = folder / "certificate.ron" if folder.is_dir() else folder
     name = path
     try:
-        points = read_ron(path.read_text(encoding="utf-8"))["points"]
+        certificate = read_ron(path.read_text(encoding="utf-8"))
+        points = certificate["points"]
+        if set(certificate) - {"version", "points", "system"}:
+            print("certificate: refused: it has fields that there are not")
+            return 1
+        for point in points:
+            # the system stands once
+            if "system" in certificate and point["outcome"].name == "Proven":
+                point["outcome"].value["posed"]["system"] = certificate["system"]
         source, table = path.with_name("source.ron"), path.with_name("certificates.csv")
         source = read_ron(source.read_text(encoding="utf-8")) if source.is_file() else None
         rows = list(csv.DictReader(table.read_text(encoding="utf-8").splitlines())) if table.is_file() else None
-        refused = 0
+        refused = uncovered = 0
+        if not points:
+            print("points: refused: nothing is stated")
+            refused += 1
         labels = [int(point["label"]) for point in points]
         listed = list(map(str, labels)) if rows is None else [row["label"] for row in rows]
         if labels != sorted(set(labels)) or listed != list(map(str, labels)):
@@ -495,7 +617,8 @@ def main(folder):
             name = f"{int(point['label']):4} {point['kind']}"
             row = by_label and by_label.get(int(point["label"]))
             if point["outcome"].name != "Proven":
-                if row is not None and row["proven"] != "no":
+                said = row is not None and [row["proven"], row["why"], *(row[it] for it in ("low", "high", "unique", "inequalities"))]
+                if said and said != ["no", point["outcome"].value, "", "", "", ""]:
                     print(f"{name} row of certificates.csv: refused: it is not proven in the certificate")
                     refused += 1
                 before = None
@@ -508,16 +631,17 @@ def main(folder):
                     outcome = "proven again"
                 except NotCovered as reason:
                     outcome = f"not covered: {reason}"
+                    uncovered += 1
                 except Refused as reason:
                     outcome = f"refused: {reason}"
                     refused += 1
                 print(f"{name} {what}: {outcome}", flush=True)
-                if what.startswith(("wave", "orbit")) and outcome != "proven again":
+                if what.startswith(("wave", "orbit", "fields")) and outcome != "proven again":
                     break
     except (OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         print(f"{name}: cannot be read: {error!r}", file=sys.stderr)
         return 2
-    return 1 if refused else 0
+    return 1 if refused else 3 if uncovered else 0
 
 
 def command(arguments):
