@@ -419,8 +419,23 @@ Stretch = namedtuple("Stretch", "zone mode end")
 """A zone, or a part of one: `end` is ("exit", guard, exit), ("touch", guard) or ("never",)."""
 
 
+def counted(polynomial):
+    """How many zeros of a polynomial, from its constant term on, are outside the unit circle."""
+    try:
+        return outside(polynomial)
+    except Refused:
+        pass
+    # where the product of some is on the circle, each of them may be off it
+    try:
+        moduli = [abs(root) for root in acb_poly(polynomial).roots(maxprec=ctx.prec)]
+    except ValueError:
+        moduli = [arb(1)]
+    must(all(modulus < 1 or modulus > 1 for modulus in moduli), "a multiplier may be on the circle")
+    return sum(bool(modulus > 1) for modulus in moduli)
+
+
 def outside(polynomial):
-    """How many zeros of a polynomial, from its constant term on, are outside the unit circle (Schur and Cohn)."""
+    """The same by the recursion of Schur and Cohn."""
     first, last = polynomial[0], polynomial[-1]
     if len(polynomial) == 1:
         return 0
