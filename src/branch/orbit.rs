@@ -132,6 +132,11 @@ impl Orbit for Wave {
 
     /// The same from either side, one of which sees open what the other sees close.
     fn classify(before: &Signature, after: Option<&Signature>, margin: &Margin) -> EventType {
+        // reverse slip that begins at V̇ = 1: what lands in reverse slip is arrested before it closes
+        let begins_at_rest = |zone: Zone| {
+            zone.regime == Regime::Reverse
+                && matches!(zone.entry, Entry::Reversal | Entry::ArrestedLanding)
+        };
         let closed = (margin.watch == Watch::Duration).then(|| before.zone(margin.zone));
         // a zone that begins with a touch closes on the impact, not at zero pressure
         let lifts = |zone: Zone| zone.regime == Regime::Separation && zone.entry != Entry::Touch;
@@ -139,22 +144,22 @@ impl Orbit for Wave {
             return EventType::GR;
         }
         let Some(after) = after else {
+            let reverses = closed.is_some_and(begins_at_rest)
+                && before.zone(margin.zone + 1).regime == Regime::Stick;
             return match (closed.map(|zone| zone.regime), margin.watch) {
-                (Some(Regime::Stick), _) => EventType::ST,
+                (Some(Regime::Stick), _) | (None, Watch::UpperForce | Watch::Rate) => EventType::ST,
                 (None, Watch::LowerForce) => EventType::RV,
+                _ if reverses => EventType::RV,
                 _ => EventType::CO,
             };
         };
         if before.count(Regime::Stick) != after.count(Regime::Stick) {
             return EventType::ST;
         }
-        // reverse slip that begins at V̇ = 1: what lands in reverse slip is arrested before it closes
         let reverses = |signature: &Signature| {
             let before_stick = |index: &usize| {
                 let (zone, next) = (signature.zone(*index), signature.zone(index + 1));
-                zone.regime == Regime::Reverse
-                    && matches!(zone.entry, Entry::Reversal | Entry::ArrestedLanding)
-                    && next.regime == Regime::Stick
+                begins_at_rest(zone) && next.regime == Regime::Stick
             };
             (0..signature.len()).filter(before_stick).count()
         };

@@ -199,6 +199,9 @@ pub enum Refused {
     /// What it says is not what is proven.
     #[error("{0} is said otherwise than what is proven")]
     Statement(&'static str),
+    /// It is not that of the problem file.
+    #[error("{0} is not that of the problem file")]
+    Problem(&'static str),
     /// The type does not follow.
     #[error("its type is {said}, but what vanishes there makes it {found}")]
     Kind {

@@ -273,6 +273,9 @@ pub enum NotBeyond {
     Open(#[from] Open),
     #[error("undecided: the wave beyond may be another")]
     Another,
+    /// The certificate of the event has none beyond it.
+    #[error("in no other sequence of zones the wave is proven")]
+    None,
 }
 
 /// Proves that the wave of an event is a wave of the signature beyond it.

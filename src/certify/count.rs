@@ -60,6 +60,7 @@ pub struct Leading {
 
 /// Stability, as far as it is proven.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum Verdict {
     /// On the full circle: no eigenvalue but λ = 0 of translation has Re λ ≥ 0.
     Stable {
@@ -100,6 +101,9 @@ pub enum Uncounted {
     /// β > 0.
     #[error("not covered: eigenvalues of waves with material damping")]
     MaterialDamping,
+    /// What crosses is not counted in the window.
+    #[error("undecided: what crosses the imaginary axis lies beyond the window")]
+    Beyond,
     /// Too long a zone.
     #[error("undecided: the characteristic function cannot be enclosed")]
     NotEnclosed,
@@ -526,6 +530,9 @@ impl System<'_> {
         let characteristic = Characteristic::new(self, wave).ok_or(Uncounted::NotEnclosed)?;
         if !(window > 0.0 && window.is_finite()) {
             return Err(Uncounted::NotEnclosed);
+        }
+        if self.crossing().is_some() && wave[self.waves()].magnitude() > window {
+            return Err(Uncounted::Beyond);
         }
         let counts = characteristic.growing(window)?;
         let lead = |eigenvalue: &Eigenvalue| {

@@ -21,6 +21,7 @@ pub enum Origin {
 
 /// The numbers of a model as the decimals that were written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Written {
     /// Origin of the coefficients.
     pub origin: Origin,

@@ -366,6 +366,7 @@ impl<N: Positive> Proof<'_, N> {
 
     /// A condition of the switching table at an end of a zone, unless it is the one that vanishes.
     fn edge(&mut self, watch: Watch, index: usize) -> Result<(), Unproven> {
+        let index = index % self.system.near.zones.len();
         if self.vanishing.is(watch, index) {
             return Ok(());
         }
@@ -426,12 +427,27 @@ impl<N: Positive> Proof<'_, N> {
                 self.hold(holds, Unproven::Switch(index, Watch::LowerForce))?;
             }
         }
+        if zone.entry == Entry::ArrestedLanding && self.system.sticks() {
+            self.arrested(index)?;
+        }
         self.direction(index, if slips { 1.0 } else { -1.0 })?;
         if slips || next.entry == Entry::TakeOff {
             self.pressure(index)
         } else {
             self.pressed(index)
         }
+    }
+
+    /// |Q| > rfP where a landing is arrested and slides at once: what static friction could hold would stick.
+    fn arrested(&mut self, index: usize) -> Result<(), Unproven> {
+        if self.system.near.signature.zone(index).regime == Regime::Slip {
+            return self.edge(Watch::UpperForce, self.before(index));
+        }
+        let force = self
+            .system
+            .edge_at(self.frame, self.x, Watch::LowerForce, index);
+        let holds = force.is_some_and(|force| (-force).is_positive());
+        self.hold(holds, Unproven::Switch(index, Watch::LowerForce))
     }
 
     /// A sliding zone with a layer: V̈ = 0 where it is released and where it is arrested, and P jumps there.
@@ -538,6 +554,15 @@ impl<N: Positive> Proof<'_, N> {
         let next = self.system.near.signature.zone(index + 1);
         if self.system.impact() == Impact::Coulomb && next.entry == Entry::ArrestedLanding {
             self.edge(Watch::Impulse, index)?;
+        }
+        if self.system.impact() == Impact::Coulomb && next.entry == Entry::Touch {
+            // friction takes V̇ towards 1, not past it
+            let after = (index + 1) % self.system.near.zones.len();
+            let lag = self
+                .system
+                .edge_at(self.frame, self.x, Watch::LandingRate, after);
+            let holds = lag.is_some_and(|lag| lag.is_positive());
+            self.hold(holds, Unproven::Switch(after, Watch::LandingRate))?;
         }
         let vanishing = &self.vanishing;
         let at_start = order + usize::from(vanishing.is(Watch::Tension, index));

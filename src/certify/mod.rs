@@ -25,10 +25,12 @@ mod frame;
 mod inequality;
 mod krawczyk;
 mod layer;
+mod meaning;
 mod open;
 pub mod orbit;
 mod perturbation;
 mod propagator;
+mod requested;
 mod stretch;
 mod system;
 mod tail;
@@ -40,8 +42,10 @@ pub use change::Beyond;
 pub use count::{Growth, Leading, Uncounted, Verdict};
 pub use frame::{Origin, Written};
 pub use inequality::Unproven;
+pub use meaning::repeated;
 pub use open::Open;
 pub use perturbation::Eigenvalue;
+pub(crate) use requested::Requested;
 pub use system::{Condition, Near, Posed};
 
 use crate::branch::row::EigenvalueRow;
@@ -49,13 +53,13 @@ use crate::branch::run::Item;
 use crate::branch::special::{OfWaves, Special};
 use crate::interval::{Decimal, Interval};
 use crate::linalg::Vector;
-use crate::orbit::{EventType, Orbit};
+use crate::orbit::EventType;
 use crate::problem::{decimal_at, decimal_of};
 use crate::tube::flow::method::Method;
 use crate::tube::model::signature::{Entry, Regime, switches};
 use crate::tube::model::{Impact, Parameter};
 use crate::tube::wave::Wave;
-use crate::tube::wave::admissibility::{Margin, Watch};
+use crate::tube::wave::admissibility::Watch;
 use arc::Broken;
 use change::NotBeyond;
 use inequality::Part;
@@ -97,6 +101,7 @@ pub fn certify(item: &Item, text: &str) -> Option<Point> {
             unit: wave.scales.parameter.abs(),
         };
         let proof = prove(posed, Near::new(wave, point), condition, beyond)?;
+        meaning::check_type(kind, &proof.near, &proof.condition).map_err(|_| Open::Type)?;
         let eigenvalues = match &proof.condition {
             Condition::Value(_) => eigenvalues(&proof, &leading(&item.eigenvalues))?,
             _ => Vec::new(),
@@ -121,10 +126,7 @@ impl Point {
     /// Counts the growing eigenvalues with |Im λ| up to a window; `None` but at user points, ends and crossings.
     pub fn counted(&self, window: f64) -> Option<Counted> {
         let proof = self.proof()?;
-        if !matches!(
-            proof.condition,
-            Condition::Value(_) | Condition::Crossing { .. }
-        ) {
+        if !proof.condition.is_counted() {
             return None;
         }
         Some(match growth(proof, window, None) {
@@ -134,7 +136,7 @@ impl Point {
     }
 }
 
-/// Proves the point next to a wave in doubles.
+/// Proves the point next to a wave in doubles; the wave beyond it is left out where it is not proven.
 ///
 /// # Errors
 /// It is not covered, or not proven.
@@ -150,6 +152,8 @@ pub fn prove(
     let (near, condition) = (system.refined(&found), system.located(&found));
     // from what is stored, as a check does it
     let statement = statement(&posed, &near, &condition, None)?;
+    let beyond =
+        beyond.filter(|beyond| meaning::check_beyond(&posed, &near, &condition, beyond).is_ok());
     Ok(Proof {
         posed,
         condition,
@@ -311,6 +315,20 @@ fn system<'a>(
     condition: &Condition,
 ) -> Result<(System<'a>, Vec<f64>), Open> {
     let signature = &near.signature;
+    meaning::is_posed(posed)?;
+    match condition {
+        Condition::Margin { watch, zone, .. }
+            if !meaning::is_condition(posed, signature, *watch, *zone) =>
+        {
+            return Err(Open::Margin);
+        }
+        Condition::Crossing { sector, .. }
+            if !u32::try_from(*sector).is_ok_and(|sector| sector < posed.mode) =>
+        {
+            return Err(Open::Sector);
+        }
+        _ => {}
+    }
     let crosses = matches!(condition, Condition::Crossing { .. });
     if posed.written.material.is_some() {
         if signature.has(Regime::Separation) {
@@ -356,9 +374,14 @@ fn statement(
     let units = units(&system, &middle, near, posed.unit);
     let equations = |x: &[Interval]| system.evaluate(x);
     let zero = krawczyk::known(&equations, &middle, &units, KNOWN).ok_or(Open::NotIsolated)?;
+    if !meaning::is_primitive(&system, &zero.at) {
+        return Err(Open::Repeats);
+    }
+    meaning::crosses_where_said(&system, &middle, &zero.at)?;
     let inequalities = inequality::prove(&system, condition, Part::All, &zero.at)?;
     let frame = system.frame_at(&zero.at).ok_or(Open::NotEnclosed)?;
     let [_, parameter] = system.tail();
+    meaning::is_model(posed, zero.at[parameter], &frame)?;
     let unique = zero.distance(&equations, &middle, &units, parameter, stored);
     let length = |zone: usize| wider(zero.at[system.duration(zone)] * frame.speed);
     Ok(Statement {
@@ -393,7 +416,7 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
     if !(posed.unit > 0.0 && posed.unit.is_finite()) {
         return Err(Refused::Statement("the unit of the parameter"));
     }
-    check_kind(point.kind, near, condition, beyond.as_ref())?;
+    meaning::check_type(point.kind, near, condition)?;
     let proven = statement(posed, near, condition, Some(said.unique))?;
     compared("the parameter", said.parameter, proven.parameter)?;
     compared("the speed", said.speed, proven.speed)?;
@@ -415,10 +438,19 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
         .collect();
     let found = eigenvalues(proof, &wanted)?;
     let mut both = spectrum.iter().zip(&found);
+    let sectors = 0..usize::try_from(posed.mode).unwrap_or(usize::MAX);
     if found.len() != spectrum.len()
+        || !spectrum.iter().all(|said| sectors.contains(&said.sector))
         || !both.all(|(a, b)| same(a.growth, b.growth) && same(a.omega, b.omega))
     {
         return Err(Refused::Statement("an eigenvalue"));
+    }
+    if let Some(beyond) = beyond {
+        meaning::check_beyond(posed, near, condition, beyond)?;
+    }
+    let counted = point.growth.is_some() && !condition.is_counted();
+    if counted || !spectrum.is_empty() && !matches!(condition, Condition::Value(_)) {
+        return Err(Refused::Statement("where eigenvalues are looked for"));
     }
     if let Some(Counted::Proven(said)) = &point.growth
         && growth(proof, said.window, Some(said)).as_ref() != Ok(said)
@@ -447,41 +479,5 @@ fn compared_unique(said: f64, proven: f64) -> Result<(), Refused> {
     match said >= 0.0 && said <= proven * (1.0 + 1e-9) {
         true => Ok(()),
         false => Err(Refused::Statement("the distance of uniqueness")),
-    }
-}
-
-/// Whether the type of an event follows from what vanishes there.
-fn check_kind(
-    said: EventType,
-    near: &Near,
-    condition: &Condition,
-    beyond: Option<&Beyond>,
-) -> Result<(), Refused> {
-    let found = match condition {
-        // of a value the certificate does not say who asked for it
-        Condition::Value(_) if said == EventType::EP => EventType::EP,
-        Condition::Value(_) => EventType::UZ,
-        Condition::Fold => EventType::LP,
-        Condition::Crossing { omega: 0.0, .. } => EventType::BP,
-        Condition::Crossing { .. } => EventType::HB,
-        Condition::Margin { watch, zone, time } => {
-            if *zone >= near.signature.len() {
-                return Err(Refused::Statement("the zone of the event"));
-            }
-            let margin = Margin {
-                watch: *watch,
-                zone: *zone,
-                time: *time,
-                jet: Default::default(),
-                beyond: Default::default(),
-            };
-            let after = beyond.map(|beyond| beyond.near.signature.clone());
-            Wave::classify(&near.signature, after.as_ref(), &margin)
-        }
-    };
-    if found == said {
-        Ok(())
-    } else {
-        Err(Refused::Kind { said, found })
     }
 }

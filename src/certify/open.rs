@@ -32,6 +32,24 @@ pub enum Open {
     /// The perturbation of a Coulomb impact.
     #[error("not covered: eigenvalues of waves with a Coulomb impact")]
     CoulombImpact,
+    /// The equations do not depend on the continuation parameter.
+    #[error("not covered: a parameter that is not in the equations")]
+    Parameter,
+    /// A coefficient outside its range.
+    #[error("undecided: the numbers of the model are not known to be in their ranges")]
+    Model,
+    /// A margin elsewhere than where it is watched.
+    #[error("what vanishes is no condition of that zone")]
+    Margin,
+    /// A sector that the mode has not.
+    #[error("there is no such Bloch sector")]
+    Sector,
+    /// The sign of ω, or that it is 0.
+    #[error("undecided: whether an eigenvalue crosses the axis at 0 or off it")]
+    AtZero,
+    /// What is said of an event is not what vanishes there.
+    #[error("undecided: the type of the event does not follow from what vanishes")]
+    Type,
     /// D = 0.
     #[error("not covered: where D = 0 there is no wave")]
     Undriven,

@@ -87,12 +87,11 @@ struct Arc<'a> {
 /// lies; returns the number of pieces.
 pub fn prove(from: &Proof, to: &Proof) -> Result<usize, Undecided> {
     let posed = &from.posed;
-    let begin = match &from.beyond {
-        Some(beyond) => {
-            change::prove(posed, &from.near, &from.condition, beyond).map_err(Broken::Beyond)?;
-            Place::new(&beyond.near, &beyond.condition)
-        }
-        None => Place::new(&from.near, &from.condition),
+    // what is beyond is proven with the point
+    let begin = match (&from.beyond, &from.condition) {
+        (Some(beyond), _) => Place::new(&beyond.near, &beyond.condition),
+        (None, Condition::Margin { .. }) => return Err(Broken::Beyond(NotBeyond::None)),
+        (None, condition) => Place::new(&from.near, condition),
     };
     let end = Place::new(&to.near, &to.condition);
     if posed.fixed() != to.posed.fixed() || begin.near.signature != end.near.signature {

@@ -23,6 +23,7 @@ use crate::tube::wave::admissibility::{Margin, Watch};
 
 /// What singles out a point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum Condition {
     /// The parameter has a value, asked for or an end of the branch.
     Value(Decimal),
@@ -46,6 +47,13 @@ pub enum Condition {
     },
 }
 
+impl Condition {
+    /// Whether growing eigenvalues are counted there: not where the spectrum may jump, or λ = 0 is double.
+    pub(super) fn is_counted(&self) -> bool {
+        matches!(self, Condition::Value(_) | Condition::Crossing { .. })
+    }
+}
+
 impl From<Margin> for Condition {
     fn from(margin: Margin) -> Condition {
         let Margin {
@@ -57,6 +65,7 @@ impl From<Margin> for Condition {
 
 /// A model and the parameter of a branch, in decimals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Posed {
     /// Numbers of the model, but for the continuation parameter.
     pub written: Written,
@@ -100,6 +109,7 @@ impl Posed {
 
 /// The wave next to which the solution is sought.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Near {
     /// Sequence of zones.
     pub signature: Signature,

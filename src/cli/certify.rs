@@ -12,11 +12,12 @@ use super::progress::each;
 use super::{print, stopped};
 use crate::branch::run::Item;
 use crate::certify::{
-    self, Certificate, Counted, Outcome, Point, Provable, Refused, Stretch, orbit,
+    self, Certificate, Counted, Outcome, Point, Provable, Refused, Requested, Stretch, orbit,
 };
 use crate::hybrid;
-use crate::output::certify::{CertificateFolder, Certified, Read, read};
-use crate::output::store::Kind;
+use crate::output::certify::{CertificateFolder, Certified, Read, read, table_agrees};
+use crate::output::layout::CERTIFICATES;
+use crate::output::store::{Kind, SOURCE};
 use crate::problem::{Any, StabilitySection};
 
 #[derive(Debug, Args)]
@@ -151,20 +152,49 @@ fn finish<P: Certified>(
     Ok(if all { Exit::Done } else { Exit::Unmet })
 }
 
-/// Checks a stored certificate.
+/// Checks a stored certificate, with the table and the problem file beside it.
 fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
-    let certificate = match path.is_dir() {
-        true => read(&path.join(CertificateFolder::FILE))?,
-        false => read(path)?,
+    let file = match path.is_dir() {
+        true => path.join(CertificateFolder::FILE),
+        false => path.to_owned(),
     };
-    match certificate {
-        Read::Waves(certificate) => told(&certificate.points, quiet, certify::verify),
-        Read::Orbits(certificate) => told(&certificate.points, quiet, orbit::verify),
+    match read(&file)? {
+        Read::Waves(certificate) => {
+            let points = &certificate.points;
+            let source = file.with_file_name(SOURCE);
+            let problem = source.is_file().then(|| read_any(&source)).transpose()?;
+            let requested = match &problem {
+                Some((Any::Tube(problem), text)) => Requested::new(problem, text),
+                Some((Any::System(_), _)) => {
+                    return said_of_all("it is not that of the problem file", quiet);
+                }
+                None => None,
+            };
+            let again = certify::repeated(points);
+            told(&file, points, quiet, |point, proof| {
+                if again.contains(&point.label) {
+                    return Err(Refused::Statement("that it is not an earlier point"));
+                }
+                let request = requested.as_ref().map(|it| it.check(point, proof));
+                request.unwrap_or(Ok(()))?;
+                certify::verify(point, proof)
+            })
+        }
+        Read::Orbits(certificate) => told(&file, &certificate.points, quiet, orbit::verify),
     }
+}
+
+/// Says why a certificate as a whole is none.
+fn said_of_all(reason: &str, quiet: bool) -> Result<Exit, Failure> {
+    if !quiet {
+        print(&format!("certificate: refused: {reason}\n"))?;
+    }
+    Ok(Exit::Unmet)
 }
 
 /// Says of every stored point whether it holds.
 fn told<P: Certified + Sync>(
+    file: &Path,
     points: &[Point<P>],
     quiet: bool,
     verify: impl Fn(&Point<P>, &P) -> Result<(), Refused> + Sync,
@@ -172,6 +202,12 @@ fn told<P: Certified + Sync>(
 where
     Point<P>: Sync,
 {
+    if points.is_empty() {
+        return said_of_all("nothing is stated", quiet);
+    }
+    if !table_agrees(&file.with_file_name(CERTIFICATES), points)? {
+        return said_of_all("the table beside it says something else", quiet);
+    }
     let indices: Vec<usize> = (0..points.len()).collect();
     let verdicts: Vec<String> = each(quiet, &indices, "points", |&index| {
         let before = index.checked_sub(1).map(|before| &points[before]);
@@ -205,6 +241,13 @@ fn verdict<P: Provable>(
 ) -> String {
     let refused = match &point.outcome {
         Outcome::Proven(proof) => verify(point, proof),
+        Outcome::Open(_)
+            if point.growth.is_some() || matches!(point.arc, Some(Stretch::Proven(_))) =>
+        {
+            Err(Refused::Statement(
+                "what follows from a point that is not proven",
+            ))
+        }
         Outcome::Open(reason) => return format!("not proven: {reason}"),
     };
     match (refused, &point.arc) {

@@ -24,6 +24,7 @@ pub use taylor::TaylorModel;
 
 /// The real numbers from `low` to `high`; none where low > high.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Interval {
     /// Lower end; −∞ if there is none.
     pub low: f64,

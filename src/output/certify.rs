@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::layout::CERTIFICATES as TABLE;
-use super::store::{Growing, Store, StoreError, damaged, decode};
+use super::store::{self, Growing, Store, StoreError, damaged, decode};
 use crate::certify::{
     Certificate, Counted, Eigenvalue, Growth, Outcome, Point, Proof, Provable, Stretch, Verdict,
     orbit,
@@ -366,6 +366,35 @@ impl CertificateFolder {
         let text = text.map_err(|error| damaged(&path, error.to_string()))?;
         self.store.replace(Self::FILE, text.as_bytes())
     }
+}
+
+/// Whether a table beside a certificate, if there is one, has the rows of its points: the same cells, but for ends of intervals
+/// that may lie farther out.
+///
+/// # Errors
+/// When it cannot be read.
+pub(crate) fn table_agrees<P: Certified>(
+    path: &Path,
+    points: &[Point<P>],
+) -> Result<bool, StoreError> {
+    if !path.is_file() {
+        return Ok(true);
+    }
+    let expected = table::table(points.iter().map(P::row));
+    let expected = table::Table::parse(expected.as_bytes());
+    let expected = expected.map_err(|error| damaged(path, error.to_string()))?;
+    let stored = store::table(path)?;
+    let agrees = |row: usize, column: &str| {
+        let ends: [Option<f64>; 2] = [&stored, &expected].map(|table| table.field(row, column));
+        match ends {
+            [Some(stored), Some(expected)] if column.ends_with("low") => stored <= expected,
+            [Some(stored), Some(expected)] if column.ends_with("high") => stored >= expected,
+            _ => stored.text(row, column) == expected.text(row, column),
+        }
+    };
+    Ok(stored.columns().eq(expected.columns())
+        && stored.len() == expected.len()
+        && (0..stored.len()).all(|row| expected.columns().all(|column| agrees(row, column))))
 }
 
 /// A certificate of either kind.

@@ -102,6 +102,7 @@ pub enum Entry {
 
 /// One zone of a signature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Zone {
     /// Regime that holds in the zone.
     pub regime: Regime,
