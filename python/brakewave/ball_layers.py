@@ -9,7 +9,7 @@ from collections import namedtuple
 
 from flint import acb, arb
 
-from .ball_waves import Signs, W, Wave, real
+from .ball_waves import SLIDING, Signs, W, Wave, real
 from .balls import Dual, NotCovered, apply, dual, exponential, must
 
 Q = 0
@@ -55,6 +55,7 @@ class Layered(Wave):
         must(not self.static, "static friction with material damping")
         if self.kind == "Crossing":
             raise NotCovered("eigenvalues with material damping")
+        must(self.watch != "UpperForce" or self.zones[self.zone][0] == "Reverse", "a margin of a landing")
         if self.vanishing is not None and self.zones[self.zone][0] != "Stick":
             raise NotCovered("a sliding zone that opens or closes with material damping")
         entries = self.guess[:]
@@ -69,6 +70,20 @@ class Layered(Wave):
                     self.guess[3 * i + 1] = acb(trial)
                     starts.append(self.parts(self.guess).begins[i][1])
                 self.guess[3 * i + 1] = ((entries[3 * i + 1] - starts[0]) / (starts[1] - starts[0])).mid()
+
+    def is_condition(self, watch, zone):
+        """P may be least in reverse slip, too."""
+        sliding = watch == "Pressure" and self.zones[zone][0] in SLIDING
+        return sliding or super().is_condition(watch, zone)
+
+    def legs(self, parts):
+        """(regime, (V, V̇, V̈) at the beginning and at the end, duration) of the zones that have a length."""
+        legs = []
+        for i, (regime, _) in enumerate(self.zones):
+            v, _, time = parts.zones[i]
+            end = [v, 1, 0] if regime == "Stick" else apply(parts.sliding[i].rows, parts.ends[i])
+            legs += [(regime, parts.begins[i], end, time)] if i != self.vanishing else []
+        return legs
 
     @staticmethod
     def sliding(m, c, regime):
@@ -131,7 +146,7 @@ class Layered(Wave):
             else:
                 out += [begin[1] - 1, begin[2] - acceleration]
         whole = sum(t for _, _, t in parts.zones) * parts.c * self.sign
-        return out + [whole - 2 * arb.pi() / int(self.posed["mode"])], parts
+        return out + [whole - 2 * arb.pi() / self.mode], parts
 
     def margin(self, x, parts):
         """The margin that vanishes, and where it is a minimum its derivative."""
@@ -176,7 +191,6 @@ class LayeredSigns(Signs):
         """(what, whether it is shown) of every inequality but the one that vanishes at the event."""
         wave, m, event = self.wave, self.m, self.event
         contact = m.g * m.mismatch + m.d / self.c
-        yield from self.model_signs()
         yield "β > 0", m.material > 0
         for i, (regime, entry) in enumerate(wave.zones):
             after = (i + 1) % wave.count
@@ -187,11 +201,14 @@ class LayeredSigns(Signs):
             yield "a duration", t > 0
             if regime == "Stick":
                 yield "P > 0 in stick", contact > 0
-                force = m.h * (first + m.material) + m.damping
                 if not event("LowerForce", i):
-                    yield "Q > −fP in stick", force > -m.friction * contact
-                yield "Q < fP in stick", force + m.h * t < m.friction * contact
+                    yield "Q > −fP in stick", m.h * (first + m.material) + m.damping > -m.friction * contact
                 continue
+            if entry == "Release":
+                # Q at the end of stick: by as much as it is less than fP V⃛ is less than 0
+                yield "Q < fP in stick", m.h * (first + m.material) + m.damping < m.friction * contact
+            if switch == "Reversal" and regime == "Reverse" and not event("UpperForce", i):
+                yield "V̈ < 0 where slip begins", acceleration < 0
             left = 2 if entry == "Release" else 1 + event("UpperForce", i - 1)
             right = 2 if switch == "Arrest" else 1 + event("UpperForce", i)
             rate, press = (wave.row(self.parts, i, watch) for watch in ("Rate", "Pressure"))

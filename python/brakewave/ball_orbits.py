@@ -16,19 +16,12 @@ from math import inf
 
 from flint import acb, acb_mat, acb_poly, arb, ctx, fmpq, fmpq_poly
 
-from .balls import SIGNS, Dual, NotCovered, Refused, apply, decimal, distance, dual, exponential, injective, jacobian, must, positive, prove_zero, times
+from .balls import SIGNS, Dual, NotCovered, Refused, apply, decimal, distance, dual, exponential, injective, jacobian, must, positive, prove_zero, times, whole
 
 NEAR = 1e-6
 """What is zero at a point is found for all values of the parameter so near, in its unit."""
 PIECES, SHORTEST, BY_FAR = 2000, 1e-6, 64.0
 """Pieces of a curve; their least length in units; the parameter is their coordinate unless another moves so much more."""
-
-
-def whole(number, below=inf):
-    """A whole number from 0 on, less than another."""
-    found = isinstance(number, float) and 0 <= number < below and number == int(number)
-    must(found, f"{number} is no whole number from 0 on" + (f" below {below}" if below < inf else ""))
-    return int(number)
 
 
 # ---------------------------------------------------------------------------------------------------- expressions

@@ -8,7 +8,22 @@ from fractions import Fraction
 
 from flint import acb, arb
 
-from .balls import Dual, NotCovered, apply, decimal, differences, dual, exponential, injective, must, positive, size, tail, times
+from .balls import (
+    Dual,
+    NotCovered,
+    apply,
+    decimal,
+    differences,
+    dual,
+    exponential,
+    injective,
+    must,
+    positive,
+    size,
+    tail,
+    times,
+    whole,
+)
 
 # ------------------------------------------------------------------------------------------------ the model
 Model = namedtuple("Model", "a b d g h friction static mismatch damping material")
@@ -20,6 +35,8 @@ def model(posed, parameter):
     written, varies = posed["written"], posed["parameter"]
     if varies not in [*NAMES, "Friction", "Mismatch", "MassDamping", "StiffnessDamping"]:
         raise NotCovered(f"branches in {varies}")
+    must(varies not in NAMES or written["origin"].name == "Geometry", f"{varies} is not in the equations")
+    must(varies != "StiffnessDamping" or written.get("material") is not None, f"{varies} is not in the equations")
     number = lambda name, text: parameter if name == varies else decimal(text)
     origin = written["origin"]
     if origin.name == "Given":
@@ -63,6 +80,21 @@ KNOWN_ZEROS = {W: {"Reversal": 1, "ArrestedLanding": 1}, U: {"TakeOff": 3, "Touc
 """Order of the zero that V̇ − 1 or U − δ has where a zone begins."""
 TOUCHES = ("Pressure", "Rate", "Gap")
 """Margins with a minimum at a time of its own."""
+CONDITIONS = {
+    "Duration": lambda regime, entry, goes, via: True,
+    "Pressure": lambda regime, entry, goes, via: regime == "Slip",
+    "Rate": lambda regime, entry, goes, via: regime in SLIDING,
+    "Gap": lambda regime, entry, goes, via: regime == "Separation",
+    "LandingSpeed": lambda regime, entry, goes, via: regime == "Separation",
+    "LandingRate": lambda regime, entry, goes, via: regime in SLIDING and entry == "Landing",
+    "LandingPressure": lambda regime, entry, goes, via: regime == "Slip" and entry == "Landing",
+    "Tension": lambda regime, entry, goes, via: entry == "Touch",
+    "LowerForce": lambda regime, entry, goes, via: regime == "Stick",
+    "UpperForce": lambda regime, entry, goes, via: goes == "Slip" and via in ("Reversal", "ArrestedLanding"),
+    "Impulse": lambda regime, entry, goes, via: via == "ArrestedLanding",
+}
+"""Of which zones a margin is a condition, by their regime, the switch before them, the regime after them and the switch to it:
+P > 0 where V̇ < 1; what lands; Q > −fP where stick begins, Q > fP where slip begins that does not come from stick."""
 Parts = namedtuple("Parts", "m c zones matrices begins ends rises falls")
 """Model, speed, (V, V̇, T) of the zones, and of every zone A, x at its beginning and end, and x′ there."""
 
@@ -73,7 +105,10 @@ class Wave:
 
     def __init__(self, posed, near, condition):
         self.posed, self.condition, self.static = posed, condition, posed["written"]["ratio"] is not None
+        must(len(near["signature"]) == 1, "a sequence of zones is one list")
         self.zones = [(zone["regime"], zone["entry"]) for zone in near["signature"][0]]
+        self.mode = whole(posed["mode"])
+        must(self.mode > 0, "there is no mode")
         self.count = len(self.zones)
         must(self.count and len(near["zones"]) == self.count, "zones without a state")
         for (before, _), (regime, entry) in zip(self.zones[-1:] + self.zones, self.zones):
@@ -90,8 +125,10 @@ class Wave:
         must(self.coulomb or not arrests, "an impact without friction arrests")
         self.kind = condition if isinstance(condition, str) else condition.name
         margin = condition.value if self.kind == "Margin" else {}
-        self.watch, self.zone = margin.get("watch"), int(margin.get("zone", -1))
-        must(not self.watch or 0 <= self.zone < self.count, "a margin of no zone")
+        self.watch, self.zone = margin.get("watch"), -1
+        if self.kind == "Margin":
+            self.zone = whole(margin["zone"], self.count)
+            must(self.is_condition(self.watch, self.zone), f"{self.watch} is no condition of zone {self.zone}")
         self.vanishing = self.zone if self.watch == "Duration" else None
         # waves run in the direction of D
         self.sign = 1 if model(posed, decimal(repr(float(near["parameter"])))).d.real > 0 else -1
@@ -101,9 +138,11 @@ class Wave:
         if self.watch in TOUCHES:
             self.guess.append(acb(float(margin["time"])))
         elif self.kind == "Crossing":
-            if not float(condition.value["omega"]):
-                raise NotCovered("an eigenvalue that crosses the axis at λ = 0")
-            self.guess.append(acb(float(condition.value["omega"])))
+            self.sector, omega = whole(condition.value["sector"], self.mode), float(condition.value["omega"])
+            self.at_zero = not omega
+            must(not self.at_zero or self.is_real(self.sector), "0 is no eigenvalue of one sector alone")
+            if not self.at_zero:
+                self.guess.append(acb(omega))
         elif self.kind == "Fold":
             # F_x v = 0 with the largest entry of v put to 1; next to a fold F_x is nearly singular
             count = self.base - 1
@@ -111,6 +150,42 @@ class Wave:
             null = [y.mid() for y in times(slope.mid().inv().mid(), [1] * count)]
             self.largest = max(range(count), key=lambda j: float(abs(null[j]).mid()))
             self.guess += [(y / null[self.largest]).mid() for y in null]
+
+    def is_condition(self, watch, zone):
+        """Whether a margin is a condition of a zone."""
+        if watch not in CONDITIONS:
+            raise NotCovered(f"the margin {watch}")
+        (regime, entry), (goes, via) = self.zones[zone], self.zones[(zone + 1) % self.count]
+        return CONDITIONS[watch](regime, entry, goes, via)
+
+    def is_real(self, sector):
+        """Whether e^{2πij/k} is real, so that eigenvalues of a sector come in conjugate pairs."""
+        return 2 * sector in (0, self.mode)
+
+    def primitive(self, x):
+        """Whether 2π/k is the least period: where the zones repeat themselves, entries or durations differ."""
+        zones = [[acb(y) for y in x[3 * i : 3 * i + 3]] for i in range(self.count)]
+        like = lambda i, j: self.zones[i] == self.zones[j] and all(y.overlaps(z) for y, z in zip(zones[i], zones[j]))
+        parts = [part for part in range(1, self.count) if self.count % part == 0]
+        return not any(all(like(i, (i + part) % self.count) for i in range(self.count)) for part in parts)
+
+    def legs(self, parts):
+        """(regime, state at the beginning, at the end, duration) of the zones that have a length."""
+        return [
+            (regime, parts.begins[i], parts.ends[i], parts.zones[i][2])
+            for i, (regime, _) in enumerate(self.zones)
+            if i != self.vanishing
+        ]
+
+    def motion(self, parts):
+        """The same as (regime, state at the beginning, duration), where what follows in the same regime and the same state is one."""
+        legs = self.legs(parts)
+        for k in range(len(legs) - 1, -1, -1):
+            (regime, begin, state, time), (follows, start, end, rest) = legs[k - 1], legs[k]
+            if len(legs) > 1 and regime == follows and all(acb(y).overlaps(acb(z)) for y, z in zip(state, start)):
+                legs[k - 1] = (regime, begin, end, time + rest)
+                del legs[k]
+        return [(regime, begin, time) for regime, begin, _, time in legs]
 
     def prepare(self):
         """What another choice of unknowns makes of the first guess."""
@@ -184,7 +259,7 @@ class Wave:
             else:
                 moves = [w - 1, stop]
             out += [end[V] - v, *moves]
-        return out + [sum(t for _, _, t in zones) * c * self.sign - 2 * arb.pi() / int(self.posed["mode"])], parts
+        return out + [sum(t for _, _, t in zones) * c * self.sign - 2 * arb.pi() / self.mode], parts
 
     def margin(self, x, parts):
         """The margin that vanishes, and where it is a minimum its derivative."""
@@ -204,11 +279,10 @@ class Wave:
             "Tension": contact + front * (w - 1),
             "LandingRate": w - 1,
             "LowerForce": force + m.static * contact,
-            "UpperForce": force - m.static * contact,
+            "UpperForce": m.h * ends[i][V] + m.damping - m.static * contact,
+            "LandingSpeed": ends[i][DU],
             "Impulse": self.impulse(m, c, ends[i][DU]) - (over if acb(dual(over).v).real.mid() > 0 else -over),
         }
-        if watch not in margins:
-            raise NotCovered(f"the margin {watch}")
         return [margins[watch]]
 
     def enclosed(self, zero):
@@ -228,7 +302,7 @@ class Wave:
         zones = [middle[3 * i : 3 * i + 3] for i in range(self.count)]
         period, rate = sum(abs(t) for _, _, t in zones), size([1] + [w for _, w, _ in zones])
         units = [unit for y, _, t in zones for unit in (abs(y).max(period), rate, abs(t).max(period))]
-        units += [arb(1), arb(float(self.posed["unit"]))] + [abs(y).max(arb(1)) for y in middle[self.base :]]
+        units += [middle[self.base - 2], arb(float(self.posed["unit"]))] + [abs(y).max(arb(1)) for y in middle[self.base :]]
         radii = [unit * (arb(float(distance)) / units[self.base - 1]) for unit in units]
         return injective(self.equations, middle, radii, [self.base - 2, self.base - 1])
 
@@ -247,6 +321,7 @@ class Signs:
         self.m, self.c = Model(*map(real, self.parts.m)), real(self.parts.c)
         self.zones = [[real(y) for y in zone] for zone in self.parts.zones]
         self.touch = real(x[wave.base]) if wave.watch in TOUCHES else None
+        self.parameter = real(x[wave.base - 1])
 
     def matrix(self, zone):
         """A of x′ = Ax."""
@@ -272,7 +347,9 @@ class Signs:
         the equations without forces and have U = V̇ = 0 at both ends: they vanish unless a determinant does.
         """
         wave, after = self.wave, (zone + 1) % self.wave.count
-        closes = wave.zones[after][1] == "Touch" and wave.vanishing == after and not wave.coulomb
+        closes = wave.zones[after][1] == "Touch" and wave.vanishing == after or self.event("LandingPressure", after)
+        # a Coulomb impact changes V̇
+        closes = closes and not wave.coulomb
         free = wave.posed["parameter"] != "MassDamping" and not Fraction(wave.posed["written"]["damping"])
         if not (closes and free and wave.zones[zone][1] == "TakeOff"):
             return False
@@ -283,15 +360,26 @@ class Signs:
         """Whether this margin of a zone is the one that vanishes."""
         return self.wave.watch == watch and self.wave.zone == zone % self.wave.count
 
-    def model_signs(self):
-        """What holds of the model, the speed and the time of a touch."""
-        m, c = self.m, self.c
-        yield "c² > a > b > 0", c * c > m.a and m.a > m.b and m.b > 0
-        yield "g > 0 and h > 0", m.g > 0 and m.h > 0
-        yield "the direction of D", m.d / c > 0
-        yield "f > 0", m.friction > 0 and Fraction(self.wave.posed["written"]["ratio"] or 1) >= 1
+    def presumed(self):
+        """What holds of the model, of the place of an event and, by other inequalities, of the forces."""
+        m, wave, written = self.m, self.wave, self.wave.posed["written"]
+        yield "b > 0, g > 0 and h > 0", m.b > 0 and m.g > 0 and m.h > 0
+        yield "δ > 0, f > 0, α ≥ 0", m.mismatch > 0 and m.friction > 0 and (m.damping > 0 or m.damping.is_zero())
+        yield "static friction is not less than kinetic friction", Fraction(written["ratio"] or 1) >= 1
+        if written["origin"].name == "Geometry":
+            of = lambda name, text: self.parameter if name == wave.posed["parameter"] else decimal(text).real
+            nu, xi, gamma = (of(name, text) for name, text in zip(NAMES, written["origin"].value))
+            yield "−1 < ν < ½, ξ > 1, γ > 0", nu > -1 and 2 * nu < 1 and xi > 1 and gamma > 0
         if self.touch is not None:
-            yield "the time of the touch", self.touch > 0 and self.touch < self.zones[self.wave.zone][2]
+            yield "the time of the touch", self.touch > 0 and self.touch < self.zones[wave.zone][2]
+
+    def model_signs(self):
+        """What the speed is to be."""
+        m, c = self.m, self.c
+        yield "c² > a", c * c > m.a
+        yield "c² > b", c * c > m.b
+        yield "a > b", m.a > m.b
+        yield "the direction of D", m.d / c > 0
 
     def all(self):
         """(what, whether it is shown) of every inequality but the one that vanishes at the event."""
@@ -299,35 +387,39 @@ class Signs:
         front, steady = m.d / c, m.g * m.mismatch
         contact, pressure = steady + front, [0, 0, 0, front, steady]
         event = self.event
-        yield from self.model_signs()
         for i, (regime, entry) in enumerate(wave.zones):
             before, after = (i - 1) % wave.count, (i + 1) % wave.count
             (v, _, t), (came, via), (goes, switch) = self.zones[i], wave.zones[before], wave.zones[after]
             force, limit = m.h * v + m.damping, m.static * contact
             landed = [real(y) for y in self.parts.ends[before]]
-            if came == "Separation" and before != none and not self.lands_still(before):
+            if came == "Separation" and before != none and not event("LandingSpeed", before) and not self.lands_still(before):
                 yield "U̇ < 0 at landing", landed[DU] < 0
             if entry == "ArrestedLanding" and not event("Impulse", before):
                 yield "the impulse that arrests", wave.impulse(m, c, landed[DU]) > abs(1 - landed[W])
-            if entry in KNOWN_ZEROS[W] and i != none and regime == "Reverse":
-                yield "Q < −fP where reverse slip begins", -force > limit
-            if entry in KNOWN_ZEROS[W] and i != none and regime == "Slip" and not event("UpperForce", i):
-                yield "Q > fP where slip begins", force > limit
+            if entry == "Touch" and wave.coulomb:
+                yield "V̇ < 1 after the impulse of a touch", self.zones[i][1] < 1
+            # without static friction the sign of V̈ says as much where a landing slides at once
+            slides = entry == "Reversal" or entry == "ArrestedLanding" and wave.static
+            if slides and i != none and regime == "Reverse" and wave.static:
+                yield "Q < −rfP where reverse slip begins", -force > limit
+            if slides and i != none and regime == "Slip" and not event("UpperForce", before):
+                yield "Q > rfP where slip begins", force > limit
             if i == none:
                 continue
             yield "a duration", t > 0
             touched = lambda watch, zone=i: event(watch, zone)
             if regime == "Stick":
                 yield "P > 0 in stick", contact > 0
-                if not (event("LowerForce", i) or before == none and via in KNOWN_ZEROS[W]):
+                if not (event("LowerForce", i) or before == none and came == "Reverse" and via in KNOWN_ZEROS[W]):
                     yield "Q > −fP in stick", force > -limit
             elif regime == "Separation":
-                left, right = KNOWN_ZEROS[U][entry] + event("Tension", i), 3 if self.lands_still(i) else 1
+                left, right = KNOWN_ZEROS[U][entry] + event("Tension", i), 1 + event("LandingSpeed", i)
+                right = 3 if self.lands_still(i) else right
                 yield "U > δ in separation", self.positive(i, [1, 0, 0, 0, 0], left, right, touched("Gap"))
             else:
                 # with V̇ = 1 and Q = fP at an end V̈ vanishes there
                 left = {"Release": 1 if wave.static else 2, "Landing": int(event("LandingRate", i))}.get(entry, 1)
-                left += event("UpperForce", i) and not wave.static
+                left += event("UpperForce", before) and not wave.static
                 right = int(switch in ("Arrest", "Reversal"))
                 right += switch == "Arrest" and after == none and regime == "Slip" and not wave.static
                 lag = [0, 0, 0, -1, 1] if regime == "Slip" else [0, 0, 0, 1, -1]

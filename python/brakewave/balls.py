@@ -7,6 +7,7 @@ Written from the mathematics that the functions state, apart from the program. c
 from collections import namedtuple
 from fractions import Fraction
 from itertools import product
+from math import inf
 
 from flint import acb, acb_mat, arb, arb_mat, ctx, fmpq
 
@@ -41,6 +42,13 @@ def must(holds, reason):
     """Refuses for a reason unless something holds."""
     if not holds:
         raise Refused(reason)
+
+
+def whole(number, below=inf):
+    """A whole number from 0 on, less than another."""
+    found = isinstance(number, float) and 0 <= number < below and number == int(number)
+    must(found, f"{number} is no whole number from 0 on" + (f" below {below}" if below < inf else ""))
+    return int(number)
 
 
 def decimal(text):

@@ -14,16 +14,17 @@ import re
 import sys
 from collections import namedtuple
 from fractions import Fraction
+from math import inf
 from pathlib import Path
 
 try:
     from flint import acb, acb_mat, arb, ctx
 
     from .ball_layers import Layered, LayeredSigns
-    from .ball_orbits import Orbit, agree, counted, join, kind_of, listed, whole, zones_of
+    from .ball_orbits import Orbit, agree, counted, join, kind_of, listed, zones_of
     from .ball_spectrum import Perturbed
     from .ball_waves import Signs
-    from .balls import NotCovered, Refused, decimal, must, prove_zero
+    from .balls import NotCovered, Refused, decimal, must, prove_zero, whole
 except ImportError as error:
     sys.exit(f"{error}: `pip install python-flint` gives the balls that this check needs")
 
@@ -254,12 +255,23 @@ class Statements:
             must(row[column] == told, f"`{column}` is not that of the certificate")
 
 
+UNDECIDED = {
+    "Neutral": "undecided: an eigenvalue is on the imaginary axis",
+    "HighFrequency": "undecided: growth beyond the window is not excluded",
+}
+"""Why a verdict does not say whether a wave is stable, in the table."""
+
+
 class Point(Statements):
     """A point of a branch of waves."""
 
+    COLUMNS = "label type parameter low high speed_low speed_high unique inequalities proven why unstable arc pieces arc_why growing stable stable_why"
+
     def statements(self):
         """Names of the statements and what checks them."""
+        yield "fields", self.fields
         yield "wave, in its intervals", self.wave
+        yield "wavelength, traversed once", self.once
         yield from self.common()
         if self.proof["beyond"] is not None:
             yield "the same wave beyond", self.beyond
@@ -270,6 +282,51 @@ class Point(Statements):
             for leading in self.growth.value["leading"]:
                 yield f"leading eigenvalue of sector {int(leading['sector'])}", lambda it=leading: self.leads(it)
             yield "stability", self.verdict
+
+    def fields(self):
+        """That nothing is stated but what is proven here, and that it is of its kind."""
+        point, proof, said, condition = self.point, self.proof, self.said, self.proof["condition"]
+        fields(point, "label kind parameter leg outcome", "arc growth")
+        fields(proof, "posed condition beyond near statement", "eigenvalues")
+        fields(self.posed, "written impact parameter mode unit")
+        fields(self.posed["written"], "origin friction mismatch damping ratio", "material")
+        fields(said, "parameter speed lengths unique inequalities", "omega")
+        whole(point["label"]), whole(said["inequalities"])
+        unit = float(self.posed["unit"])
+        must(0 < unit < inf, "the unit of the parameter is no length")
+        # at this share of the units |c| comes down to √a, where the equations end
+        must(0 <= said["unique"] < unit, "a distance is negative, or reaches beyond the equations")
+        crossing = isinstance(condition, Tagged) and condition.name == "Crossing"
+        must((said.get("omega") is not None) == crossing, "ω is stated where nothing crosses, or not where it does")
+        for interval in [said["parameter"], said["speed"], *said["lengths"], *filter(None, [said.get("omega")])]:
+            fields(interval, "low high")
+        for of in filter(None, (proof, proof["beyond"])):
+            if of is not proof:
+                fields(of, "condition near")
+            fields(of["near"], "signature zones excess parameter", "layers")
+            for zone in of["near"]["signature"][0]:
+                fields(zone, "regime entry")
+            name, value = (of["condition"], None) if isinstance(of["condition"], str) else of["condition"]
+            must(name in ("Value", "Fold", "Crossing", "Margin") and (value is None) == (name == "Fold"), "a condition that there is not")
+            if isinstance(value, dict):
+                fields(value, "sector omega" if name == "Crossing" else "watch zone time")
+        for one in proof.get("eigenvalues", []):
+            fields(one, "sector near growth omega")
+            fields(one["growth"], "low high"), fields(one["omega"], "low high")
+        counted = self.growth is not None and self.growth.name == "Proven"
+        fixed = isinstance(condition, Tagged) and condition.name == "Value"
+        must(fixed or not proof.get("eigenvalues"), "eigenvalues are enclosed at values of the parameter")
+        must(fixed or crossing or self.growth is None, "eigenvalues are counted at values of the parameter and crossings")
+        if counted:
+            growth = self.growth.value
+            fields(growth, "window mode counts leading verdict")
+            must(0 < growth["window"] < inf, "the window has no height, or no end")
+            for one in growth["leading"]:
+                fields(one, "sector line")
+            leading = [whole(one["sector"]) for one in growth["leading"]]
+            must(len(set(leading)) == len(leading), "two eigenvalues lead one sector")
+            if isinstance(growth["verdict"], Tagged):
+                fields(growth["verdict"].value, "beyond")
 
     def posing(self, of):
         """The equations of the point itself, or of it as the wave beyond."""
@@ -288,9 +345,28 @@ class Point(Statements):
         must(len(lengths) == len(self.said["lengths"]), "there are not as many lengths as zones")
         found += [("the length of a zone", *both) for both in zip(lengths, self.said["lengths"])]
         if wave.kind == "Crossing":
-            found += [("ω", self.x[wave.base].real, self.said["omega"])]
+            self.omega = arb(0) if wave.at_zero else self.x[wave.base].real
+            must(wave.at_zero or not self.omega.contains(0), "it may cross at λ = 0")
+            must(not wave.at_zero or wave.is_simple(self.parts), "λ = 0 may be a double eigenvalue")
+            found += [("ω", self.omega, self.said["omega"])]
         self.compare(found)
         self.solved = wave
+
+    def once(self):
+        must(self.solved.primitive(self.x), "it may be a wave of a part of the wavelength")
+        for other in self.earlier:
+            must(not hasattr(other, "solved") or not self.is_event_of(other), f"it is that of label {whole(other.point['label'])}")
+
+    def is_event_of(self, other):
+        """Whether the event of another point may be the same. Values of the parameter are none."""
+        one, two = self.solved, other.solved
+        if (one.kind, one.watch, one.zone, one.zones) != (two.kind, two.watch, two.zone, two.zones) or one.kind == "Value":
+            return False
+        same = all(a.overlaps(b) for a, b in zip(self.x[: one.base], other.x[: two.base]))
+        if one.kind != "Crossing":
+            return same
+        conjugate = (one.sector + two.sector) % one.mode == 0 and self.omega.overlaps(-other.omega)
+        return same and (conjugate or one.sector == two.sector and self.omega.overlaps(other.omega))
 
     def numbers(self):
         source, posed, written = self.source, self.posed, self.posed["written"]
@@ -318,7 +394,9 @@ class Point(Statements):
         ratios = [Fraction(text or 1) for text in (ratio and ratio.text, written["ratio"])]
         must(ratios[0] == ratios[1], "static friction is not that of the problem")
         must(model.get("impact", "Frictionless") == posed["impact"], "impacts are not those of the problem")
-        must(int(source["wave"]["mode"]) == int(posed["mode"]), "the mode is not that of the problem")
+        must(whole(source["wave"]["mode"]) == whole(posed["mode"]), "the mode is not that of the problem")
+        material = any(Fraction(number) for number in [text(damping.get("stiffness"))]) or posed["parameter"] == "StiffnessDamping"
+        must(material == (written.get("material") is not None), "β is in the equations of one, not of the other")
         must(continuation["parameter"] == posed["parameter"], "the parameter is not that of the problem")
         low, high = continuation["range"]
         must(float(posed["unit"]) == high - low, "the unit of the parameter is not the width of its range")
@@ -329,16 +407,37 @@ class Point(Statements):
         return type_of(self.solved, self.point["kind"])
 
     def inequalities(self):
-        signs = LayeredSigns if isinstance(self.solved, Layered) else Signs
-        for what, holds in signs(self.solved, self.x).all():
-            must(holds, f"{what} is not shown")
+        found = self.signs(self.solved, self.x)
+        must(found == whole(self.said["inequalities"]), f"there are {found} of them")
+
+    @staticmethod
+    def signs(wave, x):
+        """Shows every inequality of a wave. Returns how many there are, but for those of its model."""
+        signs = (LayeredSigns if isinstance(wave, Layered) else Signs)(wave, x)
+        count = 0
+        for counted, inequalities in (0, signs.presumed()), (1, signs.model_signs()), (1, signs.all()):
+            for what, holds in inequalities:
+                must(holds, f"{what} is not shown")
+                count += counted
+        return count
 
     def beyond(self):
-        beyond = self.posing(self.proof["beyond"])
+        """That the wave is one in another sequence of zones, in which an event of its type is at the same place."""
+        solved, beyond = self.solved, self.posing(self.proof["beyond"])
+        must(solved.watch, "the sequence of zones changes where a margin vanishes")
+        turned = [beyond.zones[i:] + beyond.zones[:i] for i in range(beyond.count)]
+        must(solved.zones not in turned, "the sequence of zones beyond is that before")
         x = beyond.enclosed(prove_zero(beyond.equations, beyond.guess))
-        parts, shares = beyond.parts(x), (x[beyond.base - 1], self.x[self.solved.base - 1])
-        must(shares[0].overlaps(shares[1]) and parts.c.overlaps(self.parts.c), "it is another wave")
-        must(type_of(beyond, self.point["kind"]) == self.point["kind"], "it is an event of another type")
+        must(beyond.watch and type_of(beyond, self.point["kind"]) == self.point["kind"], "it is an event of another type")
+        must(beyond.primitive(x), "it may be a wave of a part of the wavelength")
+        self.signs(beyond, x)
+        parts, pairs = beyond.parts(x), [(x[beyond.base - 1], self.x[solved.base - 1])]
+        meet = lambda pairs: all(acb(one).overlaps(acb(other)) for one, other in pairs)
+        must(meet([*pairs, (parts.c, self.parts.c)]), "it is another wave")
+        here, there = solved.motion(self.parts), beyond.motion(parts)
+        same = lambda one, other: one[0] == other[0] and meet([*zip(one[1], other[1]), (one[2], other[2])])
+        turned = [there[i:] + there[:i] for i in range(len(there))]
+        must(len(here) == len(there) and any(all(map(same, here, turn)) for turn in turned), "it is another wave")
 
     def unique(self):
         if self.solved.kind == "Fold":
@@ -346,14 +445,18 @@ class Point(Statements):
         super().unique()
 
     def table(self):
+        must(self.row is None or " ".join(self.row) == self.COLUMNS, "the columns are others")
         grows = any(it["growth"]["low"] > 0 for it in self.proof.get("eigenvalues", []))
-        stable = growing = ""
+        stable = growing = why = ""
+        if self.growth is not None and self.growth.name == "Open":
+            why = self.growth.value
         if self.growth is not None and self.growth.name == "Proven":
             verdict, mode = self.growth.value["verdict"], int(self.posed["mode"])
             name = verdict.name if isinstance(verdict, Tagged) else verdict
             stable = {"Stable": "yes", "Unstable": "no"}.get(name, "")
             # a sector between 0 and k/2 counts for its conjugate too
             counts = enumerate(self.growth.value["counts"])
+            why = UNDECIDED.get(name, "")
             growing = str(sum(int(count) * (1 if 2 * sector in (0, mode) else 2) for sector, count in counts))
         self.compare_row(
             snake(self.point["parameter"]),
@@ -361,7 +464,7 @@ class Point(Statements):
                 ("parameter", ("low", "high"), self.x[self.solved.base - 1].real),
                 ("speed", ("speed_low", "speed_high"), self.parts.c.real),
             ],
-            unstable="yes" if grows else "", stable=stable, growing=growing,
+            unstable="yes" if grows else "", stable=stable, growing=growing, stable_why=why,
         )  # fmt: skip
 
     def eigenvalue(self, said):
@@ -370,32 +473,36 @@ class Point(Statements):
         must(holds, f"it is {ball.str(15, radius=False)}")
 
     def counts(self):
-        growth, mode, crossing = self.growth.value, int(self.posed["mode"]), self.solved.kind == "Crossing"
+        growth, mode, crossing = self.growth.value, self.solved.mode, self.solved.kind == "Crossing"
         sectors, window = range(mode // 2 + 1), float(growth["window"])
         must(
-            int(growth["mode"]) == mode and len(growth["counts"]) == len(sectors), "there are not as many as sectors"
+            whole(growth["mode"]) == mode and len(growth["counts"]) == len(sectors), "there are not as many as sectors"
         )
         known = [int(sector == 0) for sector in sectors]
         if crossing:
-            sector = int(self.solved.condition.value["sector"])
-            known[sector] += 2 if 2 * sector in (0, mode) else 1
+            # of a sector above k/2 the conjugate
+            sector = min(self.solved.sector, mode - self.solved.sector)
+            must(abs(self.omega) < window, "what crosses lies beyond the window")
+            known[sector] += 2 if self.solved.is_real(sector) and not self.solved.at_zero else 1
         known[0] += self.solved.swings(self.parts, window)
         with ctx.workprec(COUNTING):
             found = self.solved.growing(self.parts, sectors, window, known, self.discs)
-        must(found == [int(count) for count in growth["counts"]], f"they are {found}")
+        must(found == [whole(count) for count in growth["counts"]], f"they are {found}")
         if self.source is not None and "max_frequency" in (self.source.get("stability") or {}):
             asked = self.source["stability"]["max_frequency"]
             must(asked == window, "the window is not that of the problem")
         self.found = found
 
     def leads(self, said):
-        sector, line, mode = int(said["sector"]), float(said["line"]), int(self.posed["mode"])
+        mode = self.solved.mode
+        sector, line = whole(said["sector"], mode // 2 + 1), float(said["line"])
         window = float(self.growth.value["window"])
         near = [it["near"] for it in self.proof.get("eigenvalues", []) if it["sector"] == sector]
         must(len(near) == 1, "no eigenvalue of this sector is enclosed")
-        ball = self.solved.eigenvalue(self.parts, sector, near[0])
+        ball = self.solved.eigenvalue(self.parts, said["sector"], near[0])
         must(sector or not ball.contains(0), "it is the translation mode")
         must(ball.real > line, "the eigenvalue is left of the line")
+        must(abs(ball.imag) < window, "the eigenvalue lies beyond the window")
         paired = 2 * sector in (0, mode) and not ball.imag.contains(0)
         expected = 1 + int(paired) + int(sector == 0 and line < 0)
         with ctx.workprec(COUNTING):
@@ -409,6 +516,8 @@ class Point(Statements):
             raise NotCovered("stability without a count")
         at_rest = "Neutral" if self.solved.kind == "Crossing" else "HighFrequency"
         follows = "Unstable" if any(found) else at_rest
+        damped = self.parts.m.damping.real > 0
+        must(damped or not isinstance(verdict, Tagged), "without damping no frequency is too high to grow")
         if isinstance(verdict, Tagged) and verdict.name == "Stable" and follows == "HighFrequency":
             raise NotCovered("eigenvalues of high frequency")
         must(verdict == follows, f"what is counted makes it {follows}")
@@ -584,6 +693,10 @@ class OrbitPoint(Statements):
         self.compare_row(self.point["parameter"], intervals, outside=self.said.get("outside"), **angles)
 
 
+EMPTY = "low high speed_low speed_high period_low period_high unique inequalities unstable pieces growing stable outside angle_low angle_high".split()
+"""Columns of which a point that is not proven has none."""
+
+
 def main(folder):
     """Prints a line for every statement of a certificate. Returns the exit code."""
     folder = Path(folder)
@@ -612,19 +725,22 @@ def main(folder):
             print("labels: refused: they do not ascend as those of the table do")
             refused += 1
         by_label = None if rows is None else {int(row["label"]): row for row in rows}
-        before = None
+        before, shown = None, []
         for point in points:
             name = f"{int(point['label']):4} {point['kind']}"
             row = by_label and by_label.get(int(point["label"]))
             if point["outcome"].name != "Proven":
-                said = row is not None and [row["proven"], row["why"], *(row[it] for it in ("low", "high", "unique", "inequalities"))]
-                if said and said != ["no", point["outcome"].value, "", "", "", ""]:
+                claims = point.get("growth") is not None or getattr(point.get("arc"), "name", "Open") != "Open"
+                filled = row is not None and any(row.get(it) for it in EMPTY)
+                if claims or filled or row is not None and [row["proven"], row["why"]] != ["no", point["outcome"].value]:
                     print(f"{name} row of certificates.csv: refused: it is not proven in the certificate")
                     refused += 1
                 before = None
                 continue
             of_system = "system" in point["outcome"].value["posed"]
             before = (OrbitPoint if of_system else Point)(point, source, row, before)
+            before.earlier = list(shown)
+            shown += [before]
             for what, statement in before.statements():
                 try:
                     statement()
@@ -636,7 +752,7 @@ def main(folder):
                     outcome = f"refused: {reason}"
                     refused += 1
                 print(f"{name} {what}: {outcome}", flush=True)
-                if what.startswith(("wave", "orbit", "fields")) and outcome != "proven again":
+                if what.startswith(("wave,", "orbit", "fields")) and outcome != "proven again":
                     break
     except (OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         print(f"{name}: cannot be read: {error!r}", file=sys.stderr)

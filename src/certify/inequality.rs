@@ -547,7 +547,9 @@ impl<N: Positive> Proof<'_, N> {
         // P = 0 where it lands
         let lifted = vanishing.is(Watch::LandingPressure, index + 1)
             || vanishing.closed_as(index + 1, Regime::Separation, Entry::Touch);
-        let mirrored = lifted && self.zone_at(index)?.is_mirrored();
+        // a Coulomb impact changes V̇
+        let rigid = self.system.impact() != Impact::Coulomb;
+        let mirrored = lifted && rigid && self.zone_at(index)?.is_mirrored();
         if !mirrored {
             self.edge(Watch::LandingSpeed, index)?;
         }
