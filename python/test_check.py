@@ -242,6 +242,109 @@ class Certificates(unittest.TestCase):
         interval = (r"low: 0\.1\d*,\s*high: 0\.2\d*,", "low: 0.04999999999999999, high: 0.05000000000000002,")
         self.refuses("layered", "inequalities", *point, interval)
 
+    def test_margins_belong_to_their_zones(self):
+        # Q + fP has a zero in slip, too, where no switch asks for it; so has W − 1 where nothing lands
+        for watch in ["LandingRate", "UpperForce", "Impulse", "Tension", "Gap"]:
+            self.refuses("waves", "wave", ("watch: LowerForce", f"watch: {watch}"), after="kind: RV")
+        for zone in ["0", "1.5", "-1", "9"]:
+            self.refuses("waves", "wave", (r"zone: \d", f"zone: {zone}"), after="kind: RV")
+
+    def test_what_is_beyond(self):
+        text = (self.folders["waves"] / "certificate.ron").read_text(encoding="utf-8")
+        for kind in ["RV", "GR"]:
+            event = text[text.index(f"kind: {kind}") :]
+            found = re.search(r"condition: (Margin\(.*?\)),\s*beyond: Some\(.*?\)\),\s*near: (\(.*?\)),\s*statement", event, re.S)
+            same = f"beyond: Some((condition: {found[1]}, near: {found[2]})), near: {found[2]}, statement"
+            change = (r"beyond: Some\(.*?\)\),\s*near: \(.*?\),\s*statement", lambda _: same)
+            # the sequence of the wave itself, and states of another wave
+            self.refuses("waves", "the same wave beyond", change, after=f"kind: {kind}")
+            self.refuses("waves", "the same wave beyond", (r"(beyond: .*?zones: \[\s*\(\s*)-?[\d.e-]+", r"\g<1>7.5"), after=f"kind: {kind}")
+            # at a value of the parameter nothing changes
+            value = (r"beyond: None", lambda _: f"beyond: Some((condition: {found[1]}, near: {found[2]}))")
+            self.refuses("waves", "the same wave beyond", value, after="kind: UZ")
+            # without it less is said
+            row = (r"beyond: Some\(.*?\)\),\s*near", "beyond: None, near")
+            self.assertEqual(self.forged("waves", row, after=f"kind: {kind}"), check(self.folders["waves"])[:1] + (self.without_beyond(kind),))
+
+    def without_beyond(self, kind):
+        """What the checker prints of the certificate that says nothing of what is beyond an event."""
+        lines = check(self.folders["waves"])[1].splitlines(keepends=True)
+        return "".join(line for line in lines if not (f" {kind} the same" in line))
+
+    def test_whole_numbers(self):
+        for folder, statement, change, after in [
+            ("waves", "wave", ("mode: 4", "mode: 4.5"), ""),
+            ("counted", "wave", (r"sector: \d", "sector: 6"), "kind: HB"),
+            ("counted", "wave", (r"sector: \d", "sector: -2"), "kind: HB"),
+            ("counted", "eigenvalue", (r"sector: 1", "sector: 1.5"), "eigenvalues: ["),
+            ("counted", "eigenvalue", (r"sector: 1", "sector: 5"), "eigenvalues: ["),
+            ("counted", "growing", (r"counts: \[\s*0,\s*1", "counts: [0, 1.2"), ""),
+            ("counted", "growing", ("mode: 4,\\s*counts", "mode: 4.2, counts"), ""),
+        ]:
+            with self.subTest(change=change):
+                self.refuses(folder, statement, change, after=after)
+
+    def test_a_wave_traversed_twice(self):
+        # one of mode 8 is no wave of mode 4
+        text = (self.folders["waves"] / "certificate.ron").read_text(encoding="utf-8")
+        sequence, zones = (re.search(pattern, text, re.S)[1] for pattern in (r"signature: \(\[(.*?)\]\)", r"zones: \[(.*?\)),\s*\]"))
+        lengths = re.search(r"lengths: \[(.*?\)),\s*\]", text, re.S)[1]
+        twice = [
+            (r"mode: 4", "mode: 2"),
+            (r"signature: \(\[.*?\]\)", lambda _: f"signature: ([{sequence} {sequence}])"),
+            (r"zones: \[.*?\),\s*\]", lambda _: f"zones: [{zones}, {zones}]"),
+            (r"lengths: \[.*?\),\s*\]", lambda _: f"lengths: [{lengths}, {lengths}]"),
+        ]
+        self.refuses("waves", "wavelength", *twice)
+
+    def test_numbers_of_a_model(self):
+        # β without a layer, ν where the coefficients are given
+        self.refuses("waves", "wave", ("parameter: Mismatch", "parameter: StiffnessDamping"))
+        given = 'origin: Given(("1.08757120692928", "0.3107346305512234", "-0.8109523622920903", "17.8555456457278", "8.4578900427131"))'
+        self.refuses("waves", "wave", (r"origin: Geometry\(.*?\)\)", given), ("parameter: Mismatch", "parameter: Nu"))
+        # α < 0, r < 1
+        for change in [('damping: "0.0"', 'damping: "-0.05"'), ("ratio: None", 'ratio: Some("0.9")')]:
+            code, output = self.forged("waves", change)
+            self.assertEqual(code, 1, output)
+        # the window, and a distance over which the equations end
+        for window in ["-1.5", "0.0", "inf"]:
+            self.refuses("counted", "fields", ("window: 1.5", f"window: {window}"))
+        for distance in ["-0.001", "1e300", "inf"]:
+            self.refuses("waves", "fields", (r"unique: [\d.e-]+", f"unique: {distance}"), after="kind: GR")
+        self.refuses("counted", "growing", ("window: 1.5", "window: 0.5"), after="kind: HB")
+
+    def test_one_event_twice(self):
+        text = (self.folders["counted"] / "certificate.ron").read_text(encoding="utf-8")
+        begin = text.index("kind: HB")
+        begin = text.rindex("(", 0, begin)
+        end = text.index("(label: 3") if "(label: 3" in text else text.rindex("(", 0, text.index("label: 3"))
+        point = text[begin:end]
+        copy = self.work / "twice"
+        shutil.copytree(self.folders["counted"], copy)
+        self.addCleanup(shutil.rmtree, copy)
+        later = point.replace("label: 2", "label: 3", 1)
+        changed = text[:end] + later + text[end:].replace("label: 3", "label: 4", 1)
+        (copy / "certificate.ron").write_text(changed, encoding="utf-8")
+        (copy / "certificates.csv").unlink()
+        code, output = check(copy)
+        self.assertEqual(code, 1, output)
+        self.assertRegex(output, "3 HB wavelength[^\n]*: refused: it is that of label 2")
+
+    def test_what_leads_lies_in_the_window(self):
+        # the eigenvalue of the sector is at more than 1.2
+        found = re.search(r"omega: \(\s*low: (-?[\d.]+)", (self.folders["counted"] / "certificate.ron").read_text(encoding="utf-8")[:])
+        self.assertIsNotNone(found)
+        self.refuses("counted", "leading", ("window: 1.5", "window: 0.001"))
+
+    def test_other_fields(self):
+        for place, change in [
+            ("near: (", ("near: \\(", "near: (chaotic: true, ")),
+            ("posed: (", ("posed: \\(", "posed: (tilt: 1.0, ")),
+            ("statement: (", ("statement: \\(", "statement: (stable: true, ")),
+            ("label: 1", ("label: 1,", "label: 1, best: true,")),
+        ]:
+            self.refuses("waves", "fields", change, after=place[:-1] if place.endswith("(") else place)
+
     def test_swapped_labels(self):
         labels = re.findall(r"label: (\d+),", (self.folders["waves"] / "certificate.ron").read_text(encoding="utf-8"))
         swap = (rf"label: {labels[1]},(.*?)label: {labels[2]},", rf"label: {labels[2]},\1label: {labels[1]},")

@@ -295,7 +295,7 @@ class Point(Statements):
         unit = float(self.posed["unit"])
         must(0 < unit < inf, "the unit of the parameter is no length")
         # at this share of the units |c| comes down to √a, where the equations end
-        must(0 <= said["unique"] < unit, "a distance is negative, or reaches beyond the equations")
+        must(0 <= float(said["unique"]) < unit, "a distance is negative, or reaches beyond the equations")
         crossing = isinstance(condition, Tagged) and condition.name == "Crossing"
         must((said.get("omega") is not None) == crossing, "ω is stated where nothing crosses, or not where it does")
         for interval in [said["parameter"], said["speed"], *said["lengths"], *filter(None, [said.get("omega")])]:
@@ -320,7 +320,7 @@ class Point(Statements):
         if counted:
             growth = self.growth.value
             fields(growth, "window mode counts leading verdict")
-            must(0 < growth["window"] < inf, "the window has no height, or no end")
+            must(0 < float(growth["window"]) < inf, "the window has no height, or no end")
             for one in growth["leading"]:
                 fields(one, "sector line")
             leading = [whole(one["sector"]) for one in growth["leading"]]
