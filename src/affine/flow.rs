@@ -3,11 +3,11 @@
 
 use std::sync::OnceLock;
 
-use super::exponential::{TERMS, balance, entries, propagator};
+use super::exponential::{TERMS, entries, propagator};
 use super::mode::{AffineMode, Row};
 use super::series::{Field, ORDER, Series};
 use super::stiff::{GAP, Splitting, Vanished};
-use crate::linalg::{Matrix, Vector, add_product};
+use crate::linalg::{Matrix, Vector, add_product, balance};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS, REMAINDER};
 
 /// A guard is zero at the beginning of a zone within this many units of the noise of its polynomial: the

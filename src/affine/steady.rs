@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 
 use super::mode::{AffineMode, AffineSystem};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, condition, eigenvalues, solve};
 
 /// An equilibrium of a mode: f(x) = 0; of a sliding mode, also on its surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,9 +45,6 @@ const STEPS: usize = 60;
 /// A step of this part of the state is rounding, and equilibria this close are one.
 const STILL: f64 = 1e-13;
 const SAME: f64 = 1e-8;
-
-/// Least singular value, in units of the largest, below which a matrix is singular to rounding.
-const SINGULAR: f64 = 1e-13;
 
 impl AffineSystem {
     /// The equilibria of a mode: the one of an affine mode; of another all that Newton's method finds where no state
@@ -145,16 +142,21 @@ impl AffineSystem {
         if !left.iter().chain(&right).all(|x| x.is_finite()) {
             return Err(NoEquilibrium::Singular);
         }
-        let decomposition = left.svd(true, true);
-        let (largest, least) = (
-            decomposition.singular_values.max(),
-            decomposition.singular_values.min(),
-        );
-        if least.is_nan() || least <= SINGULAR * largest {
-            return Err(NoEquilibrium::Singular);
-        }
-        let solved = decomposition.solve(&right, 0.0);
-        Ok((solved.map_err(|_| NoEquilibrium::Singular)?, own))
+        let replaced = |row: usize| {
+            let (mut square, mut values) = (own.clone(), right.rows(0, n).into_owned());
+            if surface.is_some() {
+                square.set_row(row, &left.row(n));
+                values[row] = right[n];
+            }
+            (square, values)
+        };
+        // rates along the normal of a surface are zero in it: the row that makes the best system gives way to its equation
+        let candidates = if surface.is_some() { 0..n } else { 0..1 };
+        let systems = candidates.map(replaced);
+        let best =
+            systems.min_by(|(one, _), (other, _)| condition(one).total_cmp(&condition(other)));
+        let solved = best.and_then(|(square, values)| solve(&square, &values));
+        Ok((solved.ok_or(NoEquilibrium::Singular)?, own))
     }
 
     fn equilibrium(&self, mode: usize, state: &Vector, slopes: &Matrix) -> Equilibrium {
@@ -163,8 +165,7 @@ impl AffineSystem {
         let guards = &self.modes[mode].guards;
         let values = guards.iter().map(|guard| guard.row.at.dot(&z)).enumerate();
         let worst = values.min_by(|one, other| one.1.total_cmp(&other.1));
-        let mut eigenvalues: Vec<Complex<f64>> =
-            slopes.complex_eigenvalues().iter().copied().collect();
+        let mut eigenvalues = eigenvalues(slopes).unwrap_or_default();
         eigenvalues.sort_by(|one, other| {
             let key = |value: &Complex<f64>| (-value.re, -value.im);
             let (one, other) = (key(one), key(other));

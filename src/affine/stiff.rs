@@ -4,8 +4,8 @@
 //! With z = (z₁, z₂) and ż = Mz the slow part lies in z₂ = Xz₁, where M₂₁ + M₂₂X = X(M₁₁ + M₁₂X), and f = z₂ − Xz₁ has
 //! ḟ = Ff, F = M₂₂ − XM₁₂. With YF = M₁₂ + BY, B = M₁₁ + M₁₂X, the rest is s = z₁ − Yf with ṡ = Bs.
 
-use super::exponential::{balance, propagator};
-use crate::linalg::{Factors, Matrix, Vector};
+use super::exponential::propagator;
+use crate::linalg::{Factors, Matrix, Vector, balance, eigenvalues};
 
 /// Zones of fewer time scales of their mode are left as they are: what is fast takes half of them to vanish.
 pub(super) const STIFF: f64 = 64.0;
@@ -61,7 +61,7 @@ impl Splitting {
         }
         let entry = |row, column| matrix[(row, column)] * scales[column] / scales[row];
         let scaled = Matrix::from_fn(matrix.nrows(), matrix.ncols(), entry);
-        let mut values: Vec<_> = scaled.complex_eigenvalues().iter().copied().collect();
+        let mut values = eigenvalues(&scaled).unwrap_or_default();
         values.sort_by(|one, other| other.norm().total_cmp(&one.norm()));
         let mut decay = f64::INFINITY;
         let mut all = Vec::new();

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::linalg::{Factors, Matrix, Vector};
+use crate::linalg::{Factors, Matrix, Vector, pseudo_inverse};
 
 /// n equations R(u) = 0 in n + 1 unknowns, scaled so that unknowns and residuals are of order one.
 pub trait System {
@@ -207,7 +207,7 @@ pub fn rounding(matrix: &Matrix, sizes: &Vector, noise: Option<&Vector>) -> Opti
     let inverse = if matrix.is_square() {
         Factors::new(matrix.clone()).inverse()?
     } else {
-        matrix.clone().pseudo_inverse(f64::EPSILON).ok()?
+        pseudo_inverse(matrix, f64::EPSILON)?
     };
     let share = |unknown: usize, residual: &dyn Fn(usize) -> f64| -> f64 {
         let rows = 0..matrix.nrows();

@@ -424,7 +424,7 @@ fn alike<O: Orbit>(candidate: &Candidate<O>) -> Option<Vector> {
         space[(orbit.duration_index(nascent[row]), column)]
     });
     let ones = Vector::repeat(nascent.len(), 1.0);
-    let direction = space * (growths.pseudo_inverse(NULL).ok()? * ones);
+    let direction = space * (linalg::pseudo_inverse(&growths, NULL)? * ones);
     (direction.norm() > 0.0).then(|| direction.normalize())
 }
 

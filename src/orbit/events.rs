@@ -6,7 +6,7 @@ use crate::continuation::arclength::{self, Node};
 use crate::continuation::locate::{self, Least, Place, Target};
 use crate::continuation::newton::{self, Constraint, Plane};
 use crate::continuation::walk::{Segment, Within};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, pseudo_inverse};
 
 /// What is located within a step.
 #[derive(Clone, Debug, PartialEq)]
@@ -583,7 +583,7 @@ pub(super) fn together<O: Orbit>(
                 matrix[(row, column)] = *by;
             }
         }
-        let blur = matrix.clone().pseudo_inverse(f64::EPSILON).ok()? * &right;
+        let blur = pseudo_inverse(&matrix, f64::EPSILON)? * &right;
         if blur.amax() > TOGETHER {
             point -= blur;
             continue;

@@ -96,11 +96,11 @@ pub fn is_in_family<O: Orbit>(orbit: &O, at: &Vector) -> bool {
     let Some(null) = null.filter(|least| least.value <= ZERO * least.largest) else {
         return false;
     };
-    let (largest, along) = (null.largest, null.right.insert_row(last, 0.0));
+    let along = null.right.insert_row(last, 0.0);
     let mut point = at + &along * AWAY;
     for _ in 0..STEPS {
         let step = evaluated(&point).and_then(|(square, residual)| {
-            let inverse = square.pseudo_inverse(ZERO * largest).ok()?;
+            let inverse = linalg::pseudo_inverse(&square, ZERO)?;
             Some((inverse * residual).insert_row(last, 0.0))
         });
         let Some(step) = step else {

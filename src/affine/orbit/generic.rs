@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use super::forms::{Forms, Units};
 use crate::affine::mode::{AffineSystem, Row};
 use crate::affine::series::ORDER;
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, pseudo_inverse};
 
 /// Points that are tried.
 const POINTS: usize = 3;
@@ -82,8 +82,7 @@ impl Points {
                     return None;
                 }
                 let right = Vector::from_vec(values);
-                let least = 1e-10 * matrix.amax();
-                let step = matrix.svd(true, true).solve(&right, least).ok()?;
+                let step = pseudo_inverse(&matrix, 1e-10)? * right;
                 for (index, x) in state.iter_mut().enumerate() {
                     *x -= units.z[index] * step[index];
                 }

@@ -10,12 +10,11 @@ use super::passage::{Jet, Passage};
 use super::signature::Sequence;
 pub use super::signature::ZonePoint;
 use super::structure::{ZoneFacts, facts};
-use crate::affine::exponential::balance;
 use crate::affine::flow::ModeFlow;
 use crate::affine::mode::{AffineMode, AffineSystem, Guard, MatrixBy, Row};
 use crate::affine::stiff::STIFF;
 use crate::affine::system::{System, SystemError};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, balance};
 
 /// Units of the unknowns, constant along a branch: they make every scaled unknown of order one. The phase is in
 /// radians.

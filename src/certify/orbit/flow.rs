@@ -9,10 +9,9 @@
 
 use super::enclosure::Enclosure;
 use super::modes::Row;
-use crate::affine::exponential::balance;
 use crate::certify::arc::Moving;
 use crate::interval::{Interval, Number};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, balance};
 
 /// Degree K of the polynomials: 1/(K + 1)! = 4e-23.
 pub const DEGREE: usize = 22;

@@ -49,6 +49,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::dual::{Dual, determinant, simultaneous};
 use super::perturbation::{C64, Characteristic, Jump, LinearZone, ONE, Scaled, Value, ZERO};
+use crate::linalg::least_vector;
 use crate::tube::model::signature::Regime;
 use part::{BEND, ETA, GROWTH, LEFT, Part, RATE, Shape, U, U_BEND, U_LEFT, U_RATE};
 
@@ -448,8 +449,7 @@ impl Characteristic {
             let solved = if self.stick {
                 matrix.lu().solve(&right)
             } else {
-                let rows = matrix.svd(false, true).v_t;
-                rows.map(|rows| rows.row(count - 1).adjoint())
+                least_vector(&matrix)
             };
             let amplitudes = solved.unwrap_or_else(|| DVector::repeat(count, C64::from(f64::NAN)));
             let mut first = 0;

@@ -2,9 +2,19 @@
 //!
 //! Newton systems have 8 to 40 unknowns and are solved by nalgebra's LU with partial pivoting,
 //! which at that size is two to three times faster than faer's blocked one; null vectors and
-//! condition numbers, wanted only at events, come from faer's singular value decomposition.
+//! condition numbers, wanted only at events, come from faer's singular value decomposition. That of
+//! nalgebra loses matrices of condition 1e5 whose entries differ in size, and is not used.
 
+mod balance;
+mod eigenvalues;
+mod solve;
+
+use faer::traits::ComplexField;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
+
+pub use balance::balance;
+pub use eigenvalues::{Eigenvalue, eigenvalues, known_eigenvalues};
+pub use solve::{condition, pseudo_inverse, solve};
 
 /// Dense matrix, column-major.
 pub type Matrix = DMatrix<f64>;
@@ -94,6 +104,21 @@ pub fn null_space(matrix: &Matrix, part: f64) -> Option<Matrix> {
         .count();
     Some(Matrix::from_fn(columns, columns - rank, |i, j| {
         right[(i, rank + j)]
+    }))
+}
+
+/// Right vector of the least singular value of a matrix with at least as many rows as columns, real or complex.
+/// `None` if the decomposition fails.
+pub fn least_vector<T: ComplexField + nalgebra::Scalar>(matrix: &DMatrix<T>) -> Option<DVector<T>> {
+    let (rows, columns) = matrix.shape();
+    if rows < columns || columns == 0 {
+        return None;
+    }
+    let view = faer::MatRef::from_column_major_slice(matrix.as_slice(), rows, columns);
+    let decomposition = view.svd().ok()?;
+    let right = decomposition.V();
+    Some(DVector::from_fn(columns, |i, _| {
+        right[(i, columns - 1)].clone()
     }))
 }
 
