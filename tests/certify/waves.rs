@@ -2,7 +2,8 @@
 
 use brakewave::branch::run::Runner;
 use brakewave::certify::{
-    self, Condition, Near, Open, Outcome, Point, Posed, Proof, Refused, Unproven, Written,
+    self, Beyond, Condition, Near, Open, Origin, Outcome, Point, Posed, Proof, Refused, Unproven,
+    Written,
 };
 use brakewave::interval::{Decimal, Interval};
 use brakewave::orbit::EventType;
@@ -270,6 +271,19 @@ fn crossings_of_the_imaginary_axis_are_proven() {
     let mut other = honest.clone();
     other.statement.omega = Some(Interval::point(5.0));
     assert_eq!(certify::verify(point, &other), Err(Refused::Statement("ω")));
+    // of mode 4 there are sectors 0 to 3
+    let mut other = honest.clone();
+    if let Condition::Crossing { sector, .. } = &mut other.condition {
+        *sector += 4;
+    }
+    let none = Refused::NoProof(Open::Sector.to_string());
+    assert_eq!(certify::verify(point, &other), Err(none));
+    // a pair does not cross at 0, and what crosses at 0 is no pair
+    let mut other = honest.clone();
+    if let Condition::Crossing { omega, .. } = &mut other.condition {
+        *omega = 1e-300;
+    }
+    assert!(certify::verify(point, &other).is_err());
 }
 
 /// Every special point of the exact flow without material damping is proven. In `positive_coupling` the second of
@@ -576,4 +590,173 @@ fn falsified_certificates_are_refused() {
             *zone = 7;
         }
     });
+}
+
+fn decimal(text: &str) -> Decimal {
+    Decimal::try_from(text.to_owned()).unwrap()
+}
+
+/// What is said of a point, changed; it is to be refused.
+fn refused(point: &Point, change: impl Fn(&mut Point, &mut Proof)) -> Refused {
+    let (mut point, mut proof) = (point.clone(), proof(point).clone());
+    change(&mut point, &mut proof);
+    certify::verify(&point, &proof).expect_err("a falsified certificate")
+}
+
+/// A margin is stated only of a zone that has it as a condition: Q + fP or Q − fP may vanish elsewhere, too, where nothing
+/// switches.
+#[test]
+fn a_margin_belongs_to_its_zone() {
+    let points = points_of("mode4_mismatch", &[]);
+    let no_condition = Refused::NoProof(Open::Margin.to_string());
+    let of = |kind| points.iter().find(|point| point.kind == kind).unwrap();
+    let (force, landing) = (of(EventType::RV), of(EventType::CO));
+    for (point, watch, zone) in [
+        (force, Watch::LowerForce, 0),
+        (force, Watch::UpperForce, 1),
+        (force, Watch::LandingRate, 0),
+        (force, Watch::Impulse, 0),
+        (force, Watch::Gap, 0),
+        (landing, Watch::LowerForce, 1),
+        (landing, Watch::LandingRate, 0),
+        (landing, Watch::Tension, 1),
+        (landing, Watch::Release, 0),
+    ] {
+        let found = refused(point, |point, proof| {
+            point.kind = match watch {
+                Watch::LowerForce => EventType::RV,
+                Watch::UpperForce => EventType::ST,
+                _ => EventType::CO,
+            };
+            let time = 0.0;
+            proof.condition = Condition::Margin { watch, zone, time };
+            proof.beyond = None;
+        });
+        assert_eq!(found, no_condition, "{watch:?} {zone}");
+    }
+}
+
+/// What is beyond a change of regime is another sequence of zones with the same wave and an event of the same type, or is
+/// left out.
+#[test]
+fn what_is_beyond_is_proven() {
+    let points = points_of("mode4_mismatch", &[]);
+    let of = |kind| points.iter().find(|point| point.kind == kind).unwrap();
+    for point in points.iter().filter(|point| proof(point).beyond.is_some()) {
+        // the event itself
+        let itself = refused(point, |_, proof| {
+            proof.beyond = Some(Beyond {
+                condition: proof.condition.clone(),
+                near: proof.near.clone(),
+            });
+        });
+        assert_eq!(itself, Refused::Statement("the sequence of zones beyond"));
+        // other states
+        refused(point, |_, proof| {
+            if let Some(beyond) = &mut proof.beyond {
+                beyond.near.zones[0] = [7.5; 3];
+            }
+        });
+        // less
+        let (mut less, mut said) = (point.clone(), proof(point).clone());
+        said.beyond = None;
+        less.arc = None;
+        assert_eq!(certify::verify(&less, &said), Ok(()));
+    }
+    let changes = points
+        .iter()
+        .filter(|point| matches!(proof(point).condition, Condition::Margin { .. }));
+    assert!(changes.clone().all(|point| proof(point).beyond.is_some()));
+    assert!(changes.count() > 3);
+    // no change of regime, no other sequence
+    let other = proof(of(EventType::GR)).beyond.clone();
+    let at_value = refused(of(EventType::UZ), |_, proof| proof.beyond = other.clone());
+    assert_eq!(at_value, Refused::Statement("that the regimes change"));
+    // the type is that of what vanishes, whatever is beyond
+    let typed = refused(of(EventType::CO), |point, proof| {
+        point.kind = EventType::ST;
+        if let Some(beyond) = &mut proof.beyond {
+            beyond.near.signature = Signature::slip_stick();
+        }
+    });
+    assert!(matches!(typed, Refused::Kind { .. }));
+}
+
+/// Numbers that are those of no model, and a parameter that is not in the equations.
+#[test]
+fn the_numbers_are_those_of_a_model() {
+    let points = points_of("mode4_curve", &[]);
+    let point = &points[0];
+    let named = |reason: Open| Refused::NoProof(reason.to_string());
+    for parameter in [Parameter::StiffnessDamping, Parameter::Smoothing] {
+        let found = refused(point, |point, proof| {
+            (point.parameter, proof.posed.parameter) = (parameter, parameter);
+        });
+        assert_eq!(found, named(Open::Parameter));
+    }
+    let given = refused(point, |point, proof| {
+        let numbers = [
+            "1.0875712069293",
+            "0.31073463055122",
+            "-0.81095236229209",
+            "17.855545645728",
+            "8.4578900427131",
+        ];
+        proof.posed.written.origin = Origin::Given(numbers.map(decimal));
+        (point.parameter, proof.posed.parameter) = (Parameter::Nu, Parameter::Nu);
+    });
+    assert_eq!(given, named(Open::Parameter));
+    refused(point, |_, proof| {
+        proof.posed.written.damping = decimal("-0.05")
+    });
+    refused(point, |_, proof| {
+        proof.posed.written.ratio = Some(decimal("0.9"))
+    });
+    // a wave with α < 0 solves the equations of that α, but they are those of no brake
+    let model = tube(0.5, 0.2);
+    let closed = slip_stick(&model, 4, Which::Fast).unwrap();
+    let posed = |damping: &str, mode| Posed {
+        written: Written {
+            damping: decimal(damping),
+            ..Written::new(&model, false, |_| None)
+        },
+        impact: Impact::Frictionless,
+        parameter: Parameter::Mismatch,
+        mode,
+        unit: 1.0,
+    };
+    let near = |times: usize| Near {
+        signature: Signature(Signature::slip_stick().0.repeat(times)),
+        zones: [
+            [closed.release, 1.0, closed.slip],
+            [closed.release - closed.stick, 1.0, closed.stick],
+        ]
+        .repeat(times),
+        layers: Vec::new(),
+        excess: closed.excess,
+        parameter: 0.2,
+    };
+    let value = || Condition::Value(decimal("0.2"));
+    assert!(certify::prove(posed("0.0", 4), near(1), value(), None).is_ok());
+    let negative = certify::prove(posed("-1e-12", 4), near(1), value(), None);
+    assert_eq!(negative.err(), Some(Open::Model));
+    // the same wave traversed twice is none of half the mode
+    let twice = certify::prove(posed("0.0", 2), near(2), value(), None);
+    assert_eq!(twice.err(), Some(Open::Repeats));
+}
+
+/// An event stands in a certificate once.
+#[test]
+fn an_event_is_stated_once() {
+    let mut points = points_of("mode4_curve", &[]);
+    assert_eq!(certify::repeated(&points), Vec::<usize>::new());
+    let at = points
+        .iter()
+        .position(|point| point.kind == EventType::GR)
+        .unwrap();
+    let mut again = points[at].clone();
+    again.label += 100;
+    let label = again.label;
+    points.push(again);
+    assert_eq!(certify::repeated(&points), vec![label]);
 }

@@ -22,6 +22,7 @@ use crate::continuation::Node;
 use crate::continuation::arclength::advance;
 use crate::continuation::locate::node_at;
 use crate::continuation::zero::{Bracket, Zero, zero};
+use crate::tube::model::signature::Regime;
 use crate::tube::wave::Wave;
 
 type C64 = Complex<f64>;
@@ -162,9 +163,21 @@ const DEEPEST: u32 = 24;
 /// and pass it within 1e-14 of their collision.
 const REAL: f64 = 1e-7;
 
-/// Part of the first step beyond a change of regime at which its spectrum is first taken: at the
-/// event itself a nascent zone has no length and its jump is 0/0.
+/// Part of the first step beyond a change of regime at which its spectrum is first taken, and of the step to one where a
+/// flight closes before which it is last taken: at the event itself a zone has no length and its jump is 0/0.
 const BEYOND: f64 = 1e-3;
+
+/// A flight shorter than this, in units of the period, is one without length: events are located to 1e-12.
+const CLOSED: f64 = 1e-9;
+
+/// Whether a flight has no length at a point.
+fn has_closed_flight(wave: &Wave, node: &Node) -> bool {
+    let closed = |zone: usize| {
+        wave.signature.zone(zone).regime == Regime::Separation
+            && wave.duration_at(&node.point, zone).abs() < CLOSED * wave.scales.time
+    };
+    (0..wave.zones()).any(closed)
+}
 
 /// Most halvings of one step: an interval whose counts do not agree at any depth is given up.
 const MOST_HALVINGS: usize = 120;
@@ -274,6 +287,14 @@ impl Tracker {
         None
     }
 
+    /// The spectrum a little before a change of regime at an arclength from a node.
+    fn short_of(&self, wave: &Wave, from: &Node, s: f64) -> Option<End> {
+        let s = (1.0 - BEYOND) * s;
+        let node = node_at(wave, from, s, self.tolerance)?;
+        let spectrum = self.spectrum_near(wave, &node, self.last.as_ref())?;
+        Some(End { s, node, spectrum })
+    }
+
     /// The step from `from` through the points found.
     pub fn step(&mut self, wave: &Wave, from: &Node, found: &[Passed]) -> Tracked {
         let mut tracked = Tracked::default();
@@ -282,14 +303,25 @@ impl Tracker {
         let Some(end) = entered.or(found.last()) else {
             return tracked;
         };
-        let after = self.at(wave, end.node);
-        if let (Some(before), Some(after), true) = (&self.last, &after, end.s > 0.0) {
-            let ends = [(0.0, from, before), (end.s, end.node, after)];
-            let [one, other] = ends.map(|(s, node, spectrum)| End {
-                s,
-                node: node.clone(),
-                spectrum: spectrum.clone(),
-            });
+        // the jump where a flight without length lands is 0/0, and rounding alone gives it a length
+        let closes = end.entered.is_some() && has_closed_flight(wave, end.node);
+        let reached = match closes {
+            true => self.short_of(wave, from, end.s),
+            false => self.at(wave, end.node).map(|spectrum| End {
+                s: end.s,
+                node: end.node.clone(),
+                spectrum,
+            }),
+        };
+        if closes && reached.is_none() && self.last.is_some() {
+            tracked.remark = Some(Remark::Lost);
+        }
+        if let (Some(before), Some(other), true) = (&self.last, &reached, end.s > 0.0) {
+            let one = End {
+                s: 0.0,
+                node: from.clone(),
+                spectrum: before.clone(),
+            };
             let folds = found.iter().filter(|point| point.folds);
             let mut search = Search {
                 tracker: self,
@@ -302,13 +334,14 @@ impl Tracker {
                 lost: false,
                 crossings: Vec::new(),
             };
-            search.between(&one, &other, 0);
+            search.between(&one, other, 0);
             tracked.remark = search.lost.then_some(match search.short {
                 true => Remark::Unpaid,
                 false => Remark::Lost,
             });
             tracked.crossings = search.crossings;
         }
+        let after = reached.map(|end| end.spectrum);
         tracked
             .crossings
             .sort_by(|(one, _), (other, _)| one.s.total_cmp(&other.s));
@@ -316,7 +349,7 @@ impl Tracker {
             .iter()
             .map(|point| {
                 if point.s == end.s {
-                    after.clone()
+                    after.clone().filter(|_| !closes)
                 } else {
                     self.at(point.wave, point.node)
                 }
