@@ -160,6 +160,18 @@ pub(super) fn crosses_where_said(
     }
 }
 
+/// Whether the minimum of an event lies inside the step of its zone, not at its ends or beyond them.
+pub(super) fn lies_inside(system: &System, x: &[Interval]) -> Result<(), Open> {
+    let Some((zone, step, place)) = system.minimum(x) else {
+        return Ok(());
+    };
+    let (_, time) = system.step_at(x, zone, step);
+    match place.is_positive() && (time - place).is_positive() {
+        true => Ok(()),
+        false => Err(Open::Margin),
+    }
+}
+
 /// Whether e^{2πij/k} is real.
 fn is_real(sector: usize, mode: u32) -> bool {
     u64::try_from(sector).is_ok_and(|sector| (2 * sector).is_multiple_of(u64::from(mode)))
