@@ -445,7 +445,7 @@ class Point(Statements):
         super().unique()
 
     def table(self):
-        must(self.row is None or " ".join(self.row) == self.COLUMNS, "the columns are others")
+        must(self.row is None or " ".join(map(str, self.row)) == self.COLUMNS, "the columns are others")
         grows = any(it["growth"]["low"] > 0 for it in self.proof.get("eigenvalues", []))
         stable = growing = why = ""
         if self.growth is not None and self.growth.name == "Open":
@@ -685,7 +685,7 @@ class OrbitPoint(Statements):
         must(found == int(self.said["outside"]), f"{found} are outside")
 
     def table(self):
-        must(self.row is None or " ".join(self.row) == self.COLUMNS, "the columns are others")
+        must(self.row is None or " ".join(map(str, self.row)) == self.COLUMNS, "the columns are others")
         intervals = [("parameter", ("low", "high"), self.value), ("period", ("period_low", "period_high"), self.period)]
         angles = {} if self.solved.kind == "Torus" else {"angle_low": "", "angle_high": ""}
         if self.solved.kind == "Torus":

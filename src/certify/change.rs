@@ -8,7 +8,7 @@
 //! |---|---|
 //! | stick | W = 1 and Q = fP |
 //! | slip, reverse slip after a landing | U = δ, and W = 1 or P = 0 as it ends |
-//! | slip, reverse slip after a reversal, (W − 1)/T → Ẇ | W = 1 and Q = fP, Q = −fP |
+//! | slip, reverse slip after a reversal, or reverse slip after a landing that arrests, (W − 1)/T → Ẇ | W = 1 and Q = fP, Q = −fP |
 //! | separation after a take-off, (U − δ)/T³ → U⃛/6 = −κẆ/6m_b | P = 0 and Ẇ = 0 |
 //! | separation after a touch, (U − δ)/T² → Ü/2 = −P/2m_b | U = δ and P = 0 |
 //!
@@ -110,13 +110,16 @@ fn laws(posed: &Posed, signature: &Signature, watch: Watch, index: usize) -> Opt
         {
             [Sticking, force]
         }
+        (Watch::Duration, Regime::Reverse, Entry::ArrestedLanding) if next == Entry::Arrest => {
+            [Sticking, Lower]
+        }
         (Watch::Duration, Regime::Separation, Entry::TakeOff) if next == Entry::Landing => {
             [Lifted, Level]
         }
         (Watch::Duration, Regime::Separation, Entry::Touch) => [Lifted, Landed],
         (Watch::LandingRate, ..) => [Sticking, Landed],
         (Watch::LandingPressure | Watch::Tension, ..) => [Lifted, Landed],
-        (Watch::LowerForce, _, Entry::Arrest) => [Sticking, Lower],
+        (Watch::LowerForce, _, Entry::Arrest | Entry::ArrestedLanding) => [Sticking, Lower],
         (Watch::UpperForce, ..) => [Sticking, Upper],
         (Watch::LandingSpeed | Watch::Gap, ..) => [Landed, Grazing],
         (Watch::Pressure, ..) => [Lifted, Level],
