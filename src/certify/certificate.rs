@@ -10,6 +10,7 @@ use super::count::Growth;
 use super::open::Open;
 use super::perturbation::Eigenvalue;
 use super::system::{Condition, Near, Posed};
+use crate::affine::system::System;
 use crate::interval::Interval;
 use crate::orbit::{Data, EventType};
 
@@ -27,6 +28,14 @@ pub trait Provable: Data {
     /// # Errors
     /// It is not proven.
     fn arc(from: &Self, to: &Self) -> Result<usize, Broken<Self::Unproven, Self::Beyond>>;
+
+    /// Takes out the system that its equations are of, where that is a user's.
+    fn take_system(&mut self) -> Option<System> {
+        None
+    }
+
+    /// Gives it the system of the certificate, where it has none of its own.
+    fn give_system(&mut self, _: &System) {}
 }
 
 /// All that was proven of a branch, and what proves it.
@@ -35,17 +44,34 @@ pub trait Provable: Data {
 pub struct Certificate<P: Provable = Proof> {
     /// Version of the program.
     pub version: String,
+    /// The user's system that all points are of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub system: Option<System>,
     /// The special points in their order.
     pub points: Vec<Point<P>>,
 }
 
 impl<P: Provable> Certificate<P> {
     /// The certificate of a branch.
-    pub fn new(points: Vec<Point<P>>) -> Certificate<P> {
+    pub fn new(mut points: Vec<Point<P>>) -> Certificate<P> {
+        let mut system = None;
+        for proof in points.iter_mut().filter_map(Point::proof_mut) {
+            system = proof.take_system().or(system);
+        }
         Certificate {
             version: env!("CARGO_PKG_VERSION").to_owned(),
+            system,
             points,
         }
+    }
+
+    /// With the system at every point.
+    pub(crate) fn spread(mut self) -> Certificate<P> {
+        if let Some(system) = &self.system {
+            let proofs = self.points.iter_mut().filter_map(Point::proof_mut);
+            proofs.for_each(|proof| proof.give_system(system));
+        }
+        self
     }
 }
 
@@ -90,6 +116,13 @@ impl<P: Provable> Point<P> {
 
     pub(crate) fn proof(&self) -> Option<&P> {
         match &self.outcome {
+            Outcome::Proven(proof) => Some(proof),
+            Outcome::Open(_) => None,
+        }
+    }
+
+    fn proof_mut(&mut self) -> Option<&mut P> {
+        match &mut self.outcome {
             Outcome::Proven(proof) => Some(proof),
             Outcome::Open(_) => None,
         }

@@ -410,7 +410,7 @@ pub(crate) enum Read {
 pub(crate) fn read(path: &Path) -> Result<Read, StoreError> {
     // that of waves says what is wrong with one of neither kind
     match decode(path) {
-        Ok(certificate) => Ok(Read::Orbits(certificate)),
+        Ok(certificate) => Ok(Read::Orbits(Certificate::spread(certificate))),
         Err(_) => Ok(Read::Waves(decode(path)?)),
     }
 }

@@ -156,7 +156,7 @@ impl OrbitSystem<'_> {
                 let others = &modes.modes[mode].guards[other].exits;
                 let agree = formula.exits.iter().zip(others).all(|(known, other)| {
                     let mut conditions = other.conditions.iter();
-                    let fails = |row| (-dot(&along(row, rate), &z)).is_positive();
+                    let fails = |row| (-dot(&along(row, rate), &z).value).is_positive();
                     let mut resets = known.reset.iter().zip(&taken.reset);
                     conditions.any(fails)
                         || known.to == taken.to && resets.all(|(a, b)| facts.end.have(&less(a, b)))
@@ -186,10 +186,15 @@ impl OrbitSystem<'_> {
                 if opens || self.vanishing.iter().any(about) {
                     continue;
                 }
-                let mut failing = conditions
+                let failing: Vec<Moving> = conditions
                     .filter(|condition| !zero(before, *condition))
-                    .map(|condition| at(before, condition));
-                let fails = failing.any(|value| (-value).is_positive());
+                    .map(|condition| -at(before, condition))
+                    .collect();
+                let fails = match &failing[..] {
+                    [only] => only.is_positive(),
+                    // which of several fails at an end of a curve, and so may grow from there, is not known
+                    several => several.iter().any(|one| one.value.is_positive()),
+                };
                 hold(fails, Unproven::Before(zone, before))?;
             }
         }

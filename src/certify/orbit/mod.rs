@@ -21,6 +21,7 @@ mod inequality;
 mod modes;
 mod multipliers;
 mod open;
+mod requested;
 mod symmetry;
 mod system;
 mod zeros;
@@ -29,6 +30,7 @@ use serde::{Deserialize, Serialize};
 
 pub use beyond::Seen;
 pub use open::{NotBeyond, Open, Unproven};
+pub(crate) use requested::Requested;
 pub use system::{Condition, Near, Posed};
 
 use super::arc::{Broken, Moving};
@@ -42,7 +44,7 @@ use crate::interval::{Decimal, Interval, Number, PI};
 use crate::linalg::Vector;
 use crate::orbit::special::{Change, Special};
 use crate::orbit::{EventType, Examined, Orbit};
-use crate::problem::{decimal_at, decimal_of};
+use crate::problem::decimal_of;
 use system::OrbitSystem;
 
 /// A margin of order one that is smaller than this at an event may vanish there; whether it does is proven.
@@ -111,6 +113,14 @@ impl Provable for Proof {
     fn arc(from: &Proof, to: &Proof) -> Result<usize, Broken<Unproven, NotBeyond>> {
         arc::prove(from, to)
     }
+
+    fn take_system(&mut self) -> Option<System> {
+        self.posed.system.take()
+    }
+
+    fn give_system(&mut self, system: &System) {
+        self.posed.system.get_or_insert_with(|| system.clone());
+    }
 }
 
 impl Proof {
@@ -145,15 +155,10 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
     let setting = &orbit.setting;
     let at = setting.parameter;
     let names = setting.system.source.parameters.names();
-    // a parameter that a restart has changed is the decimal of its double
-    let written = |(name, value): (&str, &f64)| {
-        let there = decimal_at(text, &format!("system.parameters.{name}"));
-        let there = there.filter(|decimal| decimal.nearest() == *value);
-        there.unwrap_or_else(|| Decimal::of(*value))
-    };
+    let values = names.zip(setting.values.iter().copied());
     let mut posed = Posed {
-        system: setting.system.clone(),
-        values: names.zip(&setting.values).map(written).collect(),
+        system: Some(setting.system.clone()),
+        values: requested::decimals(values, text),
         parameter: at,
         periods: setting.periods,
         units: setting.scales.clone(),
@@ -241,6 +246,10 @@ fn changed(
         list = found
             .into_iter()
             .filter(|candidate| candidate.nascent.is_empty())
+            .filter(|candidate| {
+                let mut sides = [before].into_iter().chain(after);
+                sides.any(|side| side.is_rotation_of(&candidate.orbit.sequence))
+            })
             .map(|candidate| (candidate.orbit, candidate.point))
             .collect();
         // that of the branch beyond first
@@ -401,11 +410,11 @@ pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
         statement: said,
         ..
     } = proof;
-    let mut names = posed.system.source.parameters.names();
+    let open = |open: Open| Refused::NoProof(open.to_string());
+    let mut names = posed.system().map_err(open)?.source.parameters.names();
     if names.nth(posed.parameter) != Some(&point.parameter) {
         return Err(Refused::Statement("the parameter"));
     }
-    let open = |open: Open| Refused::NoProof(open.to_string());
     check_kind(posed, point.kind, near, condition, changed.as_ref())?;
     let proven = statement(posed, near, condition, Some(said.unique)).map_err(open)?;
     super::compared("the parameter", said.parameter, proven.parameter)?;
@@ -419,7 +428,7 @@ pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
     if said.inequalities != proven.inequalities {
         return Err(Refused::Statement("the number of inequalities"));
     }
-    if said.outside != proven.outside {
+    if said.outside.is_some() && said.outside != proven.outside {
         return Err(Refused::Statement(
             "the number of multipliers outside the unit circle",
         ));
@@ -442,6 +451,7 @@ fn check_kind(
     condition: &Condition,
     changed: Option<&Changed>,
 ) -> Result<(), Refused> {
+    let open = |open: Open| Refused::NoProof(open.to_string());
     let found = match (condition, changed) {
         // of a value the certificate does not say who asked for it
         (Condition::Value(_), None) if said == EventType::EP => EventType::EP,
@@ -457,7 +467,8 @@ fn check_kind(
                 before,
                 after,
             } = changed;
-            let named = |one: &Sequence| are_modes(&posed.system, one);
+            let of = posed.system().map_err(open)?;
+            let named = |one: &Sequence| are_modes(of, one);
             let is_none = |after: &Sequence| after.is_rotation_of(before);
             if !named(before)
                 || after
@@ -473,11 +484,13 @@ fn check_kind(
             if !(same || shorter) {
                 return Err(Refused::Statement("the change of the sequence"));
             }
-            let (system, _) = OrbitSystem::new(posed, near, condition)
-                .map_err(|open| Refused::NoProof(open.to_string()))?;
-            system
-                .change()
-                .ok_or_else(|| Refused::NoProof(Open::Duration.to_string()))?
+            // it changes from this sequence, or to it
+            let mut sides = [before].into_iter().chain(after);
+            if !sides.any(|side| side.is_rotation_of(&near.sequence)) {
+                return Err(Refused::Statement("the change of the sequence"));
+            }
+            let (system, _) = OrbitSystem::new(posed, near, condition).map_err(open)?;
+            system.change().ok_or_else(|| open(Open::Duration))?
         }
         _ => return Err(Refused::Statement("the change of the sequence")),
     };

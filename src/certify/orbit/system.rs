@@ -24,8 +24,10 @@ use crate::interval::{Decimal, Interval, Number, PI};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Posed {
-    /// The system as it is written; of the values of its parameters those below count.
-    pub system: System,
+    /// The system as it is written; of the values of its parameters those below count. In a certificate it stands once, for all
+    /// points.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub system: Option<System>,
     /// Values of the parameters in order, as they are written.
     pub values: Vec<Decimal>,
     /// Index of the continuation parameter.
@@ -34,6 +36,16 @@ pub struct Posed {
     pub periods: u32,
     /// Units in which uniqueness is measured.
     pub units: Scales,
+}
+
+impl Posed {
+    /// The system.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn system(&self) -> Result<&System, Open> {
+        self.system.as_ref().ok_or(Open::Sequence)
+    }
 }
 
 /// An orbit in doubles.
@@ -118,6 +130,7 @@ pub struct Stretch {
 /// The equations of a point.
 pub struct OrbitSystem<'a> {
     pub posed: &'a Posed,
+    pub system: &'a System,
     pub near: &'a Near,
     pub condition: &'a Condition,
     pub structure: Structure,
@@ -175,7 +188,8 @@ impl<'a> OrbitSystem<'a> {
         condition: &'a Condition,
         least: &[usize],
     ) -> Result<(OrbitSystem<'a>, Vec<f64>), Open> {
-        let (structure, exact) = Structure::of(&posed.system)?;
+        let of = posed.system()?;
+        let (structure, exact) = Structure::of(of)?;
         let states = exact.states;
         let zones = &near.zones;
         let known = zones.iter().flat_map(|zone| {
@@ -190,7 +204,7 @@ impl<'a> OrbitSystem<'a> {
                 .iter()
                 .all(|zone| zone.state.len() == states && zone.duration > -ROUNDING * units.time)
             && known.chain([near.parameter]).all(f64::is_finite)
-            && posed.values.len() == posed.system.source.parameters.0.len()
+            && posed.values.len() == of.source.parameters.0.len()
             && posed.parameter < posed.values.len()
             && units.states.len() == states
             && positive
@@ -202,6 +216,7 @@ impl<'a> OrbitSystem<'a> {
         let mut system = OrbitSystem {
             stretches: stretches(near, condition)?,
             posed,
+            system: of,
             near,
             condition,
             structure,
@@ -281,7 +296,7 @@ impl<'a> OrbitSystem<'a> {
         };
         let modes = self
             .structure
-            .modes(&self.posed.system, &of, Enclosure::constant(PI))?;
+            .modes(self.system, &of, Enclosure::constant(PI))?;
         let forced = self.is_forced();
         match !forced || modes.omega.value.is_positive() {
             true => Ok(modes),
@@ -369,7 +384,7 @@ impl<'a> OrbitSystem<'a> {
     }
 
     pub fn is_forced(&self) -> bool {
-        self.posed.system.source.forcing.is_some()
+        self.system.source.forcing.is_some()
     }
 
     /// States, and the phase where there is a forcing.

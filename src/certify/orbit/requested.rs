@@ -1,0 +1,122 @@
+//! What a problem file says of the statements on its branch: its system, its numbers, and the values that it asks for.
+
+use super::system::{Condition, Posed};
+use super::{Proof, Refused};
+use crate::affine::system::Source;
+use crate::certify::Point;
+use crate::interval::Decimal;
+use crate::orbit::EventType;
+use crate::problem::{Continuation, OrbitStart, SystemProblem, decimal_at, decimal_of};
+
+/// What the branch of a problem file is about.
+pub(crate) struct Requested {
+    source: Source,
+    /// Values of the parameters in order, as they are written.
+    values: Vec<Decimal>,
+    /// Index of the continuation parameter.
+    parameter: usize,
+    /// Width of its range.
+    unit: f64,
+    /// Periods of the forcing in an orbit, or the most that are looked for.
+    periods: usize,
+    /// Whether an orbit of fewer periods may be found.
+    at_most: bool,
+    /// `stop_at`.
+    stops: Vec<Decimal>,
+    /// The range, and the value of the file.
+    ends: Vec<Decimal>,
+}
+
+impl Requested {
+    /// Of a problem with its text; `None` where the branch begins with an orbit of an earlier run, whose parameters do not
+    /// stand there.
+    pub(crate) fn new(problem: &SystemProblem, text: &str) -> Option<Requested> {
+        let at_most = match problem.orbit.start {
+            OrbitStart::Simulate { .. } => true,
+            OrbitStart::Given { .. } => false,
+            OrbitStart::Restart { .. } | OrbitStart::Switch { .. } => return None,
+        };
+        let source = &problem.system.source;
+        let Continuation {
+            parameter,
+            range: (low, high),
+            stop_at,
+            ..
+        } = problem.continuation.as_ref()?;
+        let given = source.parameters.0.iter();
+        let values = decimals(given.map(|(name, value)| (&**name, *value)), text);
+        let parameter = source
+            .parameters
+            .names()
+            .position(|name| name == parameter)?;
+        let of = |value: &f64| decimal_of(text, "continuation", *value);
+        let start = values[parameter].clone();
+        Some(Requested {
+            source: source.clone(),
+            values,
+            parameter,
+            unit: high - low,
+            periods: problem.orbit.periods,
+            at_most,
+            stops: stop_at.iter().map(of).collect(),
+            ends: [low, high].map(of).into_iter().chain([start]).collect(),
+        })
+    }
+
+    /// Whether a proven point is one of the branch.
+    ///
+    /// # Errors
+    /// Its equations, or the value of its parameter, are not those of the problem.
+    pub(crate) fn check(&self, point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
+        let Posed {
+            system,
+            values,
+            parameter,
+            periods,
+            units,
+        } = &proof.posed;
+        if !system
+            .as_ref()
+            .is_some_and(|system| system.source.is_same(&self.source))
+        {
+            return Err(Refused::Problem("the system"));
+        }
+        let mut both = values.iter().zip(&self.values).enumerate();
+        let equal = values.len() == self.values.len()
+            && both.all(|(index, (one, other))| index == self.parameter || one == other);
+        if !equal || *parameter != self.parameter || units.parameter != self.unit {
+            return Err(Refused::Problem("the numbers"));
+        }
+        let periods = usize::try_from(*periods).unwrap_or(usize::MAX);
+        // a doubling on the branch of the doubled orbit is one of the shorter orbit
+        let part = proof.condition == Condition::Doubling
+            && periods > 0
+            && self.periods.is_multiple_of(periods);
+        let fewer = self.at_most && periods <= self.periods;
+        if periods != self.periods && !part && !fewer {
+            return Err(Refused::Problem("the number of periods"));
+        }
+        let asked = match &proof.condition {
+            Condition::Value(value) if point.kind == EventType::EP => self.ends.contains(value),
+            Condition::Value(value) => self.stops.contains(value),
+            _ => true,
+        };
+        match asked {
+            true => Ok(()),
+            false => Err(Refused::Problem("the value of the parameter")),
+        }
+    }
+}
+
+/// Values of parameters as a text has them; one that is another there, after a restart, is the decimal of its double.
+pub(super) fn decimals<'a>(
+    parameters: impl Iterator<Item = (&'a str, f64)>,
+    text: &str,
+) -> Vec<Decimal> {
+    let written = |(name, value): (&str, f64)| {
+        let there = decimal_at(text, &format!("system.parameters.{name}"));
+        let there = there.filter(|decimal| decimal.nearest() == value);
+        there.unwrap_or_else(|| Decimal::of(value))
+    };
+    parameters.map(written).collect()
+}
