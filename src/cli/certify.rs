@@ -158,17 +158,18 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
         true => path.join(CertificateFolder::FILE),
         false => path.to_owned(),
     };
-    match read(&file)? {
-        Read::Waves(certificate) => {
+    let source = file.with_file_name(SOURCE);
+    let problem = source.is_file().then(|| read_any(&source)).transpose()?;
+    match (read(&file)?, &problem) {
+        (Read::Waves(_), Some((Any::System(_), _)))
+        | (Read::Orbits(_), Some((Any::Tube(_), _))) => {
+            said_of_all("it is not that of the problem file", quiet)
+        }
+        (Read::Waves(certificate), problem) => {
             let points = &certificate.points;
-            let source = file.with_file_name(SOURCE);
-            let problem = source.is_file().then(|| read_any(&source)).transpose()?;
-            let requested = match &problem {
+            let requested = match problem {
                 Some((Any::Tube(problem), text)) => Requested::new(problem, text),
-                Some((Any::System(_), _)) => {
-                    return said_of_all("it is not that of the problem file", quiet);
-                }
-                None => None,
+                _ => None,
             };
             let again = certify::repeated(points);
             told(&file, points, quiet, |point, proof| {
@@ -180,7 +181,17 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
                 certify::verify(point, proof)
             })
         }
-        Read::Orbits(certificate) => told(&file, &certificate.points, quiet, orbit::verify),
+        (Read::Orbits(certificate), problem) => {
+            let requested = match problem {
+                Some((Any::System(problem), text)) => orbit::Requested::new(problem, text),
+                _ => None,
+            };
+            told(&file, &certificate.points, quiet, |point, proof| {
+                let request = requested.as_ref().map(|it| it.check(point, proof));
+                request.unwrap_or(Ok(()))?;
+                orbit::verify(point, proof)
+            })
+        }
     }
 }
 
