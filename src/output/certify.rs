@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::layout::CERTIFICATES as TABLE;
 use super::store::{self, Growing, Store, StoreError, damaged, decode};
+use super::theorem::{Stated, theorems};
 use crate::certify::{
     Certificate, Counted, Eigenvalue, Growth, Outcome, Point, Proof, Provable, Stretch, Verdict,
     orbit,
@@ -14,7 +15,7 @@ use crate::interval::Interval;
 use crate::table;
 
 /// What is proven of a kind of orbits, as a table and in words.
-pub(crate) trait Certified: Provable {
+pub(crate) trait Certified: Stated {
     /// A row of the table.
     type Row: Serialize + Default;
 
@@ -288,7 +289,8 @@ fn enclosing(Interval { low, high }: Interval) -> Interval {
     Interval::new(low.next_down(), high.next_up())
 }
 
-fn written(interval: Interval) -> String {
+/// An interval in words.
+pub(super) fn written(interval: Interval) -> String {
     let Interval { low, high } = enclosing(interval);
     format!("[{low:?}, {high:?}]")
 }
@@ -339,13 +341,14 @@ pub(crate) struct CertificateFolder {
 
 impl CertificateFolder {
     pub(crate) const FILE: &'static str = "certificate.ron";
+    const THEOREMS: &'static str = "theorem.md";
 
     /// Begins in place of an earlier one.
     ///
     /// # Errors
     /// When a file cannot be written, like all that follow.
     pub(crate) fn create<P: Certified>(store: Store) -> Result<CertificateFolder, StoreError> {
-        store.begin(&[TABLE, Self::FILE], Vec::new(), None)?;
+        store.begin(&[TABLE, Self::FILE, Self::THEOREMS], Vec::new(), None)?;
         let table = store.table(TABLE, &table::header::<P::Row>(), None)?;
         Ok(CertificateFolder { store, table })
     }
@@ -358,6 +361,8 @@ impl CertificateFolder {
         &self,
         certificate: &Certificate<P>,
     ) -> Result<(), StoreError> {
+        let theorems = theorems(&certificate.points, certificate.system.as_ref());
+        self.store.replace(Self::THEOREMS, theorems.as_bytes())?;
         let path = self.store.path().join(Self::FILE);
         let text = ron::ser::to_string_pretty(
             certificate as &dyn erased_serde::Serialize,

@@ -19,5 +19,6 @@ pub(crate) mod scan;
 pub(crate) mod simulation;
 pub(crate) mod steady;
 pub mod store;
+pub(crate) mod theorem;
 pub(crate) mod vtk;
 pub(crate) mod waves;

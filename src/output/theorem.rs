@@ -1,0 +1,221 @@
+//! What is proven of a branch in words, so that it can be cited: hypothesis and conclusion for every point.
+
+use super::certify::written;
+use crate::affine::orbit::Watch;
+use crate::affine::system::System;
+use crate::certify::{self, Counted, Outcome, Point, Proof, Provable, Stretch, Verdict, orbit};
+use crate::interval::Decimal;
+
+/// A point as a theorem.
+pub(crate) trait Stated: Provable {
+    /// What lies on a branch between two points.
+    const CURVE: &'static str;
+
+    /// Hypothesis and conclusion for a proven point.
+    fn theorem(&self, point: &Point<Self>, system: Option<&System>) -> String;
+}
+
+/// All theorems of a certificate, with headings.
+pub(crate) fn theorems<P: Stated>(points: &[Point<P>], system: Option<&System>) -> String {
+    let mut text = "# What is proven\n\nIn `certificate.ron` stands what proves these statements, in `source.ron` the \
+        problem. Its numbers are the decimals that are written there. An interval is closed, and its ends are doubles.\n"
+        .to_owned();
+    let mut before = None;
+    for point in points {
+        let Point { label, kind, .. } = point;
+        text.push_str(&format!("\n## {label}: {kind}\n\n"));
+        match &point.outcome {
+            Outcome::Proven(proof) => text.push_str(&proof.theorem(point, system)),
+            Outcome::Open(reason) => text.push_str(&format!("Nothing is proven here. {reason}.\n")),
+        }
+        if let (Some(Stretch::Proven(_)), Some(before)) = (&point.arc, before) {
+            text.push_str(&format!(
+                "\n**From {before} to {label}.** {} Every inequality holds on all of it.\n",
+                P::CURVE
+            ));
+        }
+        before = Some(label);
+    }
+    text
+}
+
+/// Names and values, joined as in a sentence.
+fn listed<'a>(pairs: impl Iterator<Item = (&'a str, &'a Decimal)>) -> String {
+    let pairs: Vec<String> = pairs
+        .map(|(name, value)| format!("{name} = {value}"))
+        .collect();
+    pairs.join(", ")
+}
+
+impl Stated for orbit::Proof {
+    const CURVE: &'static str = "The orbits between these two are one curve without a fold, and all have one sequence \
+        of zones. Of multipliers that pass −1 or the unit circle nothing is said.";
+
+    fn theorem(&self, point: &Point<Self>, system: Option<&System>) -> String {
+        let (said, name) = (&self.statement, &point.parameter);
+        let names = system.map(|system| system.source.parameters.names());
+        let values = names.into_iter().flatten().zip(&self.posed.values);
+        let given = listed(values.filter(|(other, _)| other != name));
+        let forced = system.is_some_and(|system| system.source.forcing.is_some());
+        let closes = match (forced, self.posed.periods) {
+            (false, _) => "It closes after its period and no part of it.".to_owned(),
+            (true, 1) => "It closes after one period of the forcing.".to_owned(),
+            (true, n) => format!("It closes after {n} periods of the forcing and no part of them."),
+        };
+        let ends =
+            |way: &crate::affine::orbit::Way| format!("guard {}, exit {}", way.guard, way.exit);
+        let zones = self.near.sequence.0.iter();
+        let zones: Vec<String> = zones
+            .map(|zone| match &zone.way {
+                Some(way) => format!("{} ({})", zone.name, ends(way)),
+                None => zone.name.clone(),
+            })
+            .collect();
+        let given = match given.is_empty() {
+            true => String::new(),
+            false => format!(" with {given}"),
+        };
+        format!(
+            "**Hypothesis.** The system of `source.ron`{given}; {name} is free. A guard is positive in its mode; where it is \
+             zero the first of its exits is taken whose conditions are not negative.\n\n\
+             **Conclusion.** There are a number {name} in {} and a periodic orbit with a period in {} and the zones {}. {closes} \
+             Every guard is positive within every zone, except what vanishes at the event; every condition of an exit that is \
+             taken holds, and none before it is; where two guards of a mode are zero at once, both lead on alike \
+             ({} inequalities). {} No other orbit with these zones that satisfies the equations of the point has its parameter \
+             within {:e} and its other unknowns within the same share of their units.\n",
+            written(said.parameter),
+            written(said.period),
+            zones.join(" → "),
+            said.inequalities,
+            self.singled_out(),
+            said.unique,
+        )
+    }
+}
+
+impl orbit::Proof {
+    /// What makes the point a special one.
+    fn singled_out(&self) -> String {
+        let said = &self.statement;
+        match &self.condition {
+            orbit::Condition::Value(value) => {
+                let outside = said.outside.map(|outside| match outside {
+                    0 => " All its multipliers, but the trivial one of an orbit without forcing, are inside the unit circle."
+                        .to_owned(),
+                    _ => format!(" {outside} of its multipliers are outside the unit circle."),
+                });
+                format!(
+                    "The parameter is {value}; the orbit is one of a curve on which the parameter is the coordinate.{}",
+                    outside.unwrap_or_default()
+                )
+            }
+            orbit::Condition::Fold => "The orbit is one of a curve along which the parameter is stationary there and has a \
+                second derivative that is not zero: a quadratic fold."
+                .to_owned(),
+            orbit::Condition::Doubling => "With P the linearised return to the first entry at the same phase, −1 is a \
+                geometrically simple eigenvalue of P, and det(P + 1) passes through zero along the branch with a slope that is not \
+                zero. That −1 is algebraically simple is not said."
+                .to_owned(),
+            orbit::Condition::Branching => "The orbit is −x half a period later. With P the linearised map of that half, \
+                followed by x → −x, −1 is a geometrically simple eigenvalue of P, and det(P + 1) passes through zero along the \
+                branch with a slope that is not zero."
+                .to_owned(),
+            orbit::Condition::Torus { .. } => {
+                let angle = said.angle.map(written).unwrap_or_default();
+                format!(
+                    "With P the linearised return to the first entry at the same phase, e^(iθ) and e^(−iθ) with θ in {angle}, inside \
+                     (0, π), are simple eigenvalues of P; their modulus passes 1 along the branch with a slope that is not zero."
+                )
+            }
+            orbit::Condition::Margin { watch, zone, .. } => {
+                let what = match watch {
+                    Watch::Inside(guard) => format!("guard {guard} touches zero within zone {zone}"),
+                    Watch::Onset(guard) => {
+                        format!("the first derivative of guard {guard} that is not zero on the branch vanishes at the entry of zone {zone}")
+                    }
+                    Watch::End(guard) => format!("guard {guard}, or its first derivative that is not zero on the branch, vanishes at the end of zone {zone}"),
+                    Watch::Speed => format!("the guard that ends zone {zone} is zero with a rate of zero"),
+                    Watch::Condition(index) => {
+                        format!("condition {index} of the exit taken at the end of zone {zone} is zero")
+                    }
+                    Watch::Before(exit) => {
+                        format!("the condition by which exit {exit} is not taken at the end of zone {zone} is zero")
+                    }
+                    Watch::Duration => format!("zone {zone} has no duration"),
+                };
+                format!(
+                    "There {what}, and along the branch in this sequence of zones that passes through zero with a slope that is not zero."
+                )
+            }
+        }
+    }
+}
+
+impl Stated for Proof {
+    const CURVE: &'static str = "The waves between these two are one curve without a fold, and all have one sequence of \
+        regimes. Of eigenvalues that cross the imaginary axis nothing is said.";
+
+    fn theorem(&self, point: &Point<Self>, _: Option<&System>) -> String {
+        let (said, posed) = (&self.statement, &self.posed);
+        let symbol = point.parameter.symbol();
+        let singled = match &self.condition {
+            certify::Condition::Value(value) => format!(
+                "{symbol} is {value}; the wave is one of a curve on which {symbol} is the coordinate."
+            ),
+            certify::Condition::Fold => format!(
+                "The wave is one of a curve along which {symbol} is stationary there and has a second derivative that is not \
+                 zero: a quadratic fold."
+            ),
+            certify::Condition::Crossing { sector, .. } => {
+                let omega = said.omega.map(written).unwrap_or_default();
+                format!(
+                    "In Bloch sector {sector}, iω with ω in {omega} is a simple eigenvalue of the linearised equations, and \
+                     crosses the imaginary axis along the branch with a speed that is not zero."
+                )
+            }
+            certify::Condition::Margin { watch, zone, .. } => format!(
+                "The inequality {watch:?} of zone {zone} vanishes there, and along the branch in this sequence of regimes passes \
+                 through zero with a slope that is not zero."
+            ),
+        };
+        let lengths: Vec<String> = said.lengths.iter().copied().map(written).collect();
+        let mut text = format!(
+            "**Hypothesis.** The model of `source.ron`; {symbol} is free.\n\n\
+             **Conclusion.** There are a number {symbol} in {} and a travelling wave of mode {} with a speed c in {} and the regimes \
+             {}, whose zones have lengths in {}. Every inequality of contact and friction holds over whole zones, except what \
+             vanishes at the event ({} inequalities). {singled} No other wave with these regimes that satisfies the equations of \
+             the point has its parameter within {:e} and its other unknowns within the same share of their units.\n",
+            written(said.parameter),
+            posed.mode,
+            written(said.speed),
+            self.near.signature,
+            lengths.join(", "),
+            said.inequalities,
+            said.unique,
+        );
+        for eigenvalue in &self.eigenvalues {
+            text.push_str(&format!(
+                "\nIn Bloch sector {} there is an eigenvalue with Re λ in {} and Im λ in {}.\n",
+                eigenvalue.sector,
+                written(eigenvalue.growth),
+                written(eigenvalue.omega),
+            ));
+        }
+        if let Some(Counted::Proven(growth)) = &point.growth {
+            let counts: Vec<String> = growth.counts.iter().map(usize::to_string).collect();
+            let follows = match growth.verdict {
+                Verdict::Stable { .. } => {
+                    " No other has Re λ ≥ 0 but λ = 0 of translation: the wave is stable."
+                }
+                Verdict::Unstable => " The wave is unstable.",
+                Verdict::Neutral | Verdict::HighFrequency => " Stability is not decided by that.",
+            };
+            text.push_str(&format!(
+                "\nIn the Bloch sectors from 0 on, {} eigenvalues have Re λ > 0 and |Im λ| up to {}.{follows}\n",
+                counts.join(", "),
+                growth.window,
+            ));
+        }
+        text
+    }
+}
