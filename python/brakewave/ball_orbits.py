@@ -522,7 +522,8 @@ class Orbit:
     def settle(self, domain):
         """Sees that what is zero is so over an interval of the parameter, on a curve without an event."""
         if not self.domain.contains(domain):
-            self.domain = self.domain.union(domain)
+            both = self.domain.union(domain)
+            self.domain = arb(both.mid(), 2 * both.rad())
             self.facts = self.lasting = self.known()
 
     def lift(self, state, phase):

@@ -17,6 +17,8 @@ pub(crate) struct Requested {
     parameter: usize,
     /// Width of its range.
     unit: f64,
+    /// Whether there is a forcing; without, periods of it have no meaning.
+    forced: bool,
     /// Periods of the forcing in an orbit, or the most that are looked for.
     periods: usize,
     /// Whether an orbit of fewer periods may be found.
@@ -56,6 +58,7 @@ impl Requested {
             values,
             parameter,
             unit: high - low,
+            forced: source.forcing.is_some(),
             periods: problem.orbit.periods,
             at_most,
             stops: stop_at.iter().map(of).collect(),
@@ -92,8 +95,8 @@ impl Requested {
         let part = proof.condition == Condition::Doubling
             && periods > 0
             && self.periods.is_multiple_of(periods);
-        let fewer = self.at_most && periods <= self.periods;
-        if periods != self.periods && !part && !fewer {
+        let fewer = self.at_most && periods > 0 && periods <= self.periods;
+        if self.forced && periods != self.periods && !part && !fewer {
             return Err(Refused::Problem("the number of periods"));
         }
         let asked = match &proof.condition {
