@@ -600,6 +600,56 @@ class Orbit:
             out.append(modes.omega * sum(part[1] for part in parts) - (2 - self.half) * self.periods * acb.pi())
         return out
 
+    def slope(self, x):
+        """The Jacobian of the equations of the orbit, row by row: perturbations of what a stretch begins with, carried to its
+        end by its matrix exponential."""
+        modes, parts = self.parts(x)
+        n, size, count, width = self.n, self.exact.size, len(parts), self.place + 1
+        rows = [[acb(0)] * width for _ in self.cycle(modes, parts)]
+        moving = self.exact.at(Dual(x[self.place], acb(1)))
+        elapsed, turn = acb(0), dual(moving.omega).d
+        row, phase = 0, self.place - 1
+        for index, (stretch, (_, time, z, step, end)) in enumerate(zip(self.stretches, parts)):
+            kind, *where = stretch.end
+            matrix, by = modes.matrices[stretch.mode], moving.matrices[stretch.mode]
+            first, place = index * (n + 1), (index + 1) % count * (n + 1)
+            turned = self.turned(z)
+            # columns that move the end of the stretch, with what they make of it
+            columns = {first + i: [line[i] for line in step] for i in range(n)}
+            columns[first + n] = apply(matrix, end)
+            swing = apply(step, turned) if self.forced else None
+            changed = exponential([[dual(entry) for entry in line] for line in by], time)
+            along = [sum((dual(a).d * y for a, y in zip(line, z)), acb(0)) for line in changed]
+            columns[self.place] = [a + turn * elapsed * b for a, b in zip(along, swing)] if self.forced else along
+            if self.forced:
+                columns[phase] = swing
+                for before in range(index):
+                    columns[before * (n + 1) + n] = [modes.omega * y for y in swing]
+            guards, forms = modes.guards[stretch.mode], moving.guards[stretch.mode]
+            reset = guards[where[0]][1][where[1]][1] if kind == "exit" else [modes.unit(i) for i in range(n)]
+            lines, own = list(reset), list(forms[where[0]][1][where[1]][1]) if kind == "exit" else None
+            if kind == "exit":
+                lines, own = lines + [guards[where[0]][0]], own + [forms[where[0]][0]]
+            elif kind == "touch":
+                lines, own = lines + [combine(guards[where[0]][0], matrix)], [modes.unit(i) for i in range(n)] + [combine(forms[where[0]][0], by)]
+            for k, line in enumerate(lines):
+                for column, moved in columns.items():
+                    rows[row + k][column] += apply([line], moved)[0]
+                if own is not None:
+                    rows[row + k][self.place] += sum((dual(a).d * y for a, y in zip(own[k], end)), acb(0))
+            sign = -1 if self.half and index + 1 == count else 1
+            for i in range(n):
+                rows[row + i][place + i] -= sign
+            if kind == "never":
+                rows[row + n][phase] += 1
+            row += n + 1
+            elapsed += time
+        if self.forced:
+            for index in range(count):
+                rows[row][index * (n + 1) + n] += modes.omega
+            rows[row][self.place] += turn * elapsed
+        return acb_mat(rows)
+
     def returned(self, modes, parts):
         """The linearised return P to the first entry, in the states and the phase."""
         n, width = self.n, self.n + int(self.forced)
@@ -950,7 +1000,7 @@ class Arc:
 
     def slope(self, x):
         """The Jacobian, without the row of a coordinate."""
-        return jacobian(lambda y: self.orbit.cycle(*self.orbit.parts(y)), x)
+        return self.orbit.slope(x)
 
     def stack(self, x, k):
         """The Jacobian with the row of coordinate k."""
