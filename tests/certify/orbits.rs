@@ -306,3 +306,71 @@ fn a_zone_that_closes() {
     encloses(&rows[2], VALUE, 36.353_237_064_076_766, 1e-11);
     assert_eq!((&*rows[0]["outside"], &*rows[3]["outside"]), ("0", "1"));
 }
+
+/// Two guards that are zero at the same instants of every orbit, by what is zero and not by their formulas: with different
+/// impacts nothing is proven, with the same all of it. Nor is anything where a guard is zero for ever.
+#[test]
+fn no_guard_is_the_first_of_two() {
+    let folder = TempDir::new().unwrap();
+    let text = |switch: &str| {
+        format!(
+            r#"(
+    system: (
+        states: ["x", "v", "q"],
+        parameters: {{"c": 0.1, "A": 0.12, "w": 1.0, "d": 1.0, "e": 0.8}},
+        forcing: "w",
+        modes: {{"free": (
+            rates: {{"x": "v", "v": "A*cos(phase) - c*v - x", "q": "0"}},
+            until: [(zero: "d - x", to: "free", reset: {{"v": "-e*v", "q": "0"}}), {switch}],
+        )}},
+    ),
+    orbit: (start: Given(mode: "free", state: {{"x": 1.0, "v": -0.08, "q": 0.0}}, phase: 1.03)),
+    continuation: (parameter: "A", range: (0.11, 0.12), toward: Down),
+    stability: (),
+)"#
+        )
+    };
+    for (reset, proven) in [("-0.5*v", "no"), ("q - e*v", "yes")] {
+        let switch =
+            format!(r#"(zero: "d - x + q", to: "free", reset: {{"v": "{reset}", "q": "0"}})"#);
+        let (code, rows) = certified(&text(&switch), folder.path(), &["--force"]);
+        assert_eq!(code, Some(i32::from(proven == "no")), "{rows:?}");
+        assert_eq!(rows.len(), 2);
+        assert!(rows.iter().all(|row| row["proven"] == proven), "{rows:?}");
+    }
+}
+
+/// Without damping the multipliers of an orbit have the product 1: −1 is double where it doubles, in one Jordan block. What is
+/// stated is what is proven. The system stands in the certificate once.
+#[test]
+fn a_doubling_without_damping() {
+    let folder = TempDir::new().unwrap();
+    let text = r#"(
+    system: (
+        states: ["x", "v"],
+        parameters: {"A": 0.3, "w": 1.3, "d": 1.0},
+        forcing: "w",
+        modes: {"free": (
+            rates: {"x": "v", "v": "A*cos(phase) - x"},
+            until: [(zero: "d - x", to: "free", reset: {"v": "-v"})],
+        )},
+    ),
+    orbit: (start: Given(mode: "free", state: {"x": 1.0, "v": -1.7}, phase: 0.0)),
+    continuation: (parameter: "w", range: (0.9, 1.3), toward: Down),
+    stability: (),
+)"#;
+    let (code, rows) = certified(text, folder.path(), &[]);
+    assert_eq!(code, Some(0), "{rows:?}");
+    let doubling = rows.iter().find(|row| row["type"] == "PD").unwrap();
+    encloses(doubling, VALUE, 1.0, 1e-12);
+    let read = |file: &str| fs::read_to_string(folder.path().join("out").join(file)).unwrap();
+    let theorem = read("theorem.md");
+    let (_, theorem) = theorem.split_once(": PD\n").unwrap();
+    let (theorem, _) = theorem.split_once("\n## ").unwrap();
+    assert!(theorem.contains("geometrically simple"), "{theorem}");
+    assert!(theorem.contains("det(P + 1)"), "{theorem}");
+    assert_eq!(
+        read("certificate.ron").matches("A*cos(phase) - x").count(),
+        1
+    );
+}
