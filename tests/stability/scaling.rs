@@ -156,3 +156,35 @@ fn the_whole_answer_scales() {
     }
     observed("eigenvalues of a scaled model", worst);
 }
+
+/// Where a flight closes the jump of a perturbation at its end is 0/0, and rounding alone gives it a length: what is said of the
+/// spectrum there, and up to there, does not depend on the units.
+#[test]
+fn where_a_flight_closes_the_units_do_not_matter() {
+    let counts = |s: f64| -> Vec<String> {
+        let [low, high] = [0.0358, 0.13150263936514733].map(|delta| delta * s);
+        let text = format!(
+            "(model: (coefficients: Geometry(nu: 0.014, xi: 1.781, gamma: {:?}), friction: 0.284, mismatch: {high:?}), \
+             wave: (mode: 4, start: Fast), \
+             continuation: (parameter: Mismatch, range: ({low:?}, {high:?}), toward: Down, tolerance: 1e-13, ds_max: 0.1), \
+             stability: (sectors: Only([0]), eigenvalues: 1, max_frequency: {:?}), output: (plots: []))",
+            0.916 * s * s,
+            2.0 / s,
+        );
+        let problem = problem::parse(&text, "a flight that closes").expect("a problem");
+        let rows = follow(&problem, &text);
+        let row = |point: &brakewave::branch::BranchPoint| {
+            format!("{:?} {} {:?}", point.kind, point.regimes, point.unstable)
+        };
+        rows.items.iter().map(|item| row(&item.point)).collect()
+    };
+    let here = counts(1.0);
+    // two flights, one of which closes, and then one
+    let closes = "Some(CO) slip-separation-separation-slip-reverse-stick";
+    let closed: Vec<&String> = here.iter().filter(|row| row.starts_with(closes)).collect();
+    assert!(closed.len() > 1, "{here:?}");
+    assert!(closed.iter().any(|row| row.ends_with("None")), "{closed:?}");
+    for s in [0.37, 1e3] {
+        assert_eq!(counts(s), here, "s = {s}");
+    }
+}
