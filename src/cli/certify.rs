@@ -216,21 +216,25 @@ where
     if points.is_empty() {
         return said_of_all("nothing is stated", quiet);
     }
-    if !table_agrees(&file.with_file_name(CERTIFICATES), points)? {
-        return said_of_all("the table beside it says something else", quiet);
-    }
     let indices: Vec<usize> = (0..points.len()).collect();
     let verdicts: Vec<String> = each(quiet, &indices, "points", |&index| {
         let before = index.checked_sub(1).map(|before| &points[before]);
         verdict(&points[index], before, &verify)
     });
+    let agrees = table_agrees(&file.with_file_name(CERTIFICATES), points)?;
     let lines = points.iter().zip(&verdicts);
     let lines =
         lines.map(|(point, verdict)| format!("{} {}: {verdict}\n", point.label, point.kind));
-    if !quiet {
-        print(&lines.collect::<String>())?;
+    let mut report: String = lines.collect();
+    if !agrees {
+        report.push_str(&format!(
+            "{CERTIFICATES}: refused: it says something else than the certificate\n"
+        ));
     }
-    let all = verdicts.iter().all(|verdict| verdict == VERIFIED);
+    if !quiet {
+        print(&report)?;
+    }
+    let all = agrees && verdicts.iter().all(|verdict| verdict == VERIFIED);
     Ok(if all { Exit::Done } else { Exit::Unmet })
 }
 
