@@ -50,7 +50,7 @@ impl Requested {
     /// Its equations, or the value of its parameter, are not those of the problem.
     pub(crate) fn check(&self, point: &Point, proof: &Proof) -> Result<(), Refused> {
         if proof.posed.fixed() != self.posed.fixed() {
-            return Err(Refused::Problem("the numbers"));
+            return Err(Refused::Problem("the model"));
         }
         let asked = match &proof.condition {
             Condition::Value(value) if point.kind == EventType::EP => self.ends.contains(value),

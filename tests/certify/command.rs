@@ -72,6 +72,43 @@ fn a_certificate_is_written_and_verified() {
         assert_eq!(refused.status.code(), Some(1), "{old}: {refused:?}");
         assert!(text(&refused).contains("refused"));
     }
+    fs::write(&file, &honest).unwrap();
+    // another decimal of the same double, another type of the same value, another table
+    for (name, old, new, reason) in [
+        (
+            "certificate.ron",
+            "friction: \"0.5\"",
+            "friction: \"0.50000000000000001\"",
+            "problem file",
+        ),
+        ("certificate.ron", "kind: EP", "kind: UZ", "problem file"),
+        (
+            "certificates.csv",
+            "label,",
+            "label,best,",
+            "certificates.csv: refused",
+        ),
+        (
+            "certificates.csv",
+            ",yes,,",
+            ",yes,stable,",
+            "certificates.csv: refused",
+        ),
+    ] {
+        let file = Path::new(out).join(name);
+        let honest = fs::read_to_string(&file).unwrap();
+        assert!(honest.contains(old), "{old}");
+        fs::write(&file, honest.replacen(old, new, 1)).unwrap();
+        let refused = brakewave(&["certify", "--verify", out]);
+        assert_eq!(refused.status.code(), Some(1), "{old}: {refused:?}");
+        assert!(text(&refused).contains(reason), "{refused:?}");
+        fs::write(&file, &honest).unwrap();
+    }
+    let head = honest.split("points: [").next().unwrap();
+    fs::write(&file, format!("{head}points: [])")).unwrap();
+    let empty = brakewave(&["certify", "--verify", out]);
+    assert_eq!(empty.status.code(), Some(1), "{empty:?}");
+    assert!(text(&empty).contains("nothing is stated"));
     fs::write(&file, "(points: )").unwrap();
     assert_eq!(
         brakewave(&["certify", "--verify", out]).status.code(),
