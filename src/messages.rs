@@ -699,6 +699,11 @@ impl<P: curve::Plane> Display for curve::Reason<P> {
                 "the last {steps} steps are all shorter than {longest:.0e}: Newton's method hardly \
                  converges beside a {zone} zone of length {length:.1e}"
             ),
+            curve::Reason::Stands { points, moved } => write!(
+                f,
+                "over the last {points} points the parameters move by no more than {moved:.0e} of their ranges: its steps \
+                 do not lead on"
+            ),
             curve::Reason::NoStep { ds_min, reason } => {
                 write!(
                     f,

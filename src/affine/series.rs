@@ -205,6 +205,8 @@ pub struct Series {
     data: Vec<f64>,
     /// Signs of the operands of `abs`.
     signs: Vec<f64>,
+    /// Which of the parameters derivatives are asked for.
+    parameter: usize,
 }
 
 impl Default for Field {
@@ -327,6 +329,7 @@ impl Field {
             order,
             data: vec![0.0; width * (order + 1)],
             signs: signs.to_vec(),
+            parameter: 0,
         };
         for c in 0..base {
             series.data[c * lanes] = z[c];
@@ -596,14 +599,22 @@ impl Series {
         orders.fold(0.0, |sum, k| sum * time + self.data[k * self.width + place])
     }
 
-    /// Derivatives of z at a time in the components before the terms, and in the first parameter.
-    pub fn derivatives(&self, time: f64) -> (Matrix, Vector) {
+    /// Derivatives of z at a time in the components before the terms, and in the parameters.
+    pub fn derivatives(&self, time: f64) -> (Matrix, [Vector; VARYING]) {
         let lane = |c: usize, lane: usize| self.horner(c * self.lanes + lane, time);
         let at = Matrix::from_fn(self.size, self.base, |row, column| lane(row, 1 + column));
-        (
-            at,
-            Vector::from_fn(self.size, |row, _| lane(row, 1 + self.base)),
-        )
+        let by = std::array::from_fn(|parameter| {
+            Vector::from_fn(self.size, |row, _| lane(row, 1 + self.base + parameter))
+        });
+        (at, by)
+    }
+
+    /// The same series, of which derivatives in another parameter are asked for.
+    pub fn in_parameter(&self, parameter: usize) -> Series {
+        Series {
+            parameter,
+            ..self.clone()
+        }
     }
 
     /// Σ cᵢzᵢ of the coefficients of an order.
@@ -612,7 +623,8 @@ impl Series {
         all.map(|(index, c)| c * self.value(k, index)).sum()
     }
 
-    /// The same for a row, with its derivatives in the components of z at the beginning, and in the first parameter.
+    /// The same for a row of a system in one parameter, with its derivatives in the components of z at the beginning, and in
+    /// that parameter.
     pub fn jet(&self, row: &Row, k: usize) -> (f64, Vector, f64) {
         let mut by_z = Vector::zeros(self.size);
         let mut by_parameter = self.of(&row.by[0], k);
@@ -621,7 +633,7 @@ impl Series {
             for (by, lane) in by_z.iter_mut().zip(&lanes[1..=self.base]) {
                 *by += c * lane;
             }
-            by_parameter += c * lanes[1 + self.base];
+            by_parameter += c * lanes[1 + self.base + self.parameter];
         }
         (self.of(&row.at, k), by_z, by_parameter)
     }

@@ -196,6 +196,7 @@ impl Plane for Orbits {
             system: self.system.clone(),
             values: all,
             parameter: self.parameters[index],
+            second: Some(self.parameters[1 - index]),
             periods: self.periods,
             // what is asked of the multipliers is asked for below
             stability: false,
@@ -205,7 +206,13 @@ impl Plane for Orbits {
             },
         };
         let orbit = AffineOrbit::new(Arc::new(setting), sequence.clone());
-        let orbit = orbit.ok_or(OrbitFailure::NoZones)?;
+        let mut orbit = orbit.ok_or(OrbitFailure::NoZones)?;
+        // what is integrated for one of the two is known for the other
+        if let Some(other) = &known[1 - index]
+            && other.orbit.sequence == *sequence
+        {
+            orbit = orbit.with_memory_of(&other.orbit);
+        }
         known[index] = Some(Known {
             bits,
             orbit: orbit.clone(),
@@ -260,6 +267,14 @@ impl Plane for Orbits {
         _: Option<EventType>,
     ) -> Option<Option<Name>> {
         Some(growing(orbit, point).map(Name::Outside))
+    }
+
+    fn is_doubling(spectral: &Critical) -> bool {
+        *spectral == Critical::PeriodDoubling
+    }
+
+    fn closing(orbit: &AffineOrbit, point: &Vector) -> Result<Matrix, OrbitFailure> {
+        orbit.closing(point)
     }
 
     fn spectral(
@@ -345,6 +360,11 @@ impl Plane for Orbits {
             };
             passed(kind, torus)
         };
+        let double = |multiplier: f64| orbit.is_double(point, multiplier);
+        let without = |test: Test, met: f64| Test {
+            value: test.value / met,
+            ..test
+        };
         match condition {
             Condition::Spectral(Critical::Torus) => {
                 let met = |order, value| Test {
@@ -365,8 +385,23 @@ impl Plane for Orbits {
                     },
                 ]
             }
-            Condition::Spectral(Critical::PeriodDoubling) => vec![pair(2, -1.0)],
-            Condition::Fold => vec![doubling, pair(1, 1.0)],
+            // the multiplier of the event is a double one where the derivative of its own equations in the multiplier vanishes;
+            // another pair with the product 1 is an event of its own
+            Condition::Spectral(Critical::PeriodDoubling) => double(-1.0).map_or_else(
+                || vec![pair(2, -1.0)],
+                |met| {
+                    let kind = Some(PointType::Resonance(2));
+                    vec![passed(kind, met), without(pair(2, f64::NAN), met)]
+                },
+            ),
+            Condition::Fold => double(1.0).map_or_else(
+                || vec![doubling, pair(1, 1.0)],
+                |met| {
+                    let kind = Some(PointType::Resonance(1));
+                    let other = without(pair(1, f64::NAN), met);
+                    vec![doubling, passed(kind, met), other]
+                },
+            ),
             // a multiplier −1 of the whole is a pair ±i of the half, which touches and does not cross
             Condition::Spectral(Critical::Branching { kept }) => {
                 let half = orbit.half_monodromy(*kept, point).ok().flatten();

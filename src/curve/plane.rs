@@ -159,6 +159,20 @@ pub trait Plane: Data {
         0
     }
 
+    /// Whether a perturbation of the event has the other sign after a period: its equations are those of a null vector then,
+    /// which is as long as the unknowns of the orbit.
+    fn is_doubling(_spectral: &Self::Spectral) -> bool {
+        false
+    }
+
+    /// What of the derivatives of the equations of an orbit is that of the beginning of the next period.
+    ///
+    /// # Errors
+    /// They cannot be evaluated.
+    fn closing(_: &Self::Orbit, point: &Vector) -> Result<Matrix, FailureOf<Self>> {
+        Ok(Matrix::zeros(point.len() - 1, point.len()))
+    }
+
     /// Its equations.
     ///
     /// # Errors

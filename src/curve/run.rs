@@ -212,6 +212,10 @@ impl<P: Plane> Run<P> {
             false => self.walker.step(),
         };
         half.extend(found.iter().cloned());
+        let standing = end
+            .is_none()
+            .then(|| standing(half, &self.head.limits))
+            .flatten();
         let found = found.into_iter().map(|solved| Found {
             point: solved.point,
             signature: solved.system.signature().clone(),
@@ -219,9 +223,10 @@ impl<P: Plane> Run<P> {
             unknowns: solved.unknowns.as_slice().to_vec(),
         });
         let found = found.collect();
-        let next = match end {
-            Some(end) => {
-                let end = End::new(self.reason(end));
+        let reason = end.map(|end| self.reason(end)).or(standing);
+        let next = match reason {
+            Some(reason) => {
+                let end = End::new(reason);
                 self.end(end.clone())?;
                 Next::Ended(end)
             }
@@ -338,6 +343,29 @@ impl<P: Plane> Head<P> {
         let node = if half == 0 { node.backwards() } else { node };
         walker(&self.system, self.event, node, self.limits)
     }
+}
+
+/// Whether the last points of a curve have come so little further in both parameters that going on is of no use.
+fn standing<P: Plane>(half: &[Solved<P>], limits: &Limits) -> Option<Reason<P>> {
+    /// So many points, and the part of what as many of the longest steps would do, in units of the ranges. A curve that
+    /// lets its orbits grow without bound comes to a limit, and one that turns sharply is beyond the turn after so many.
+    const POINTS: usize = 300;
+    const PART: f64 = 2.5e-3;
+    let last = half.get(half.len().checked_sub(POINTS)?..)?;
+    let widths = limits.widths();
+    let moved = [0, 1].map(|index| {
+        let values = last.iter().map(|solved| solved.point.parameters[index]);
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        (high - low) / widths[index]
+    });
+    let moved = moved[0].max(moved[1]);
+    let full = POINTS as f64 * limits.steps.ds_max;
+    (moved <= PART * full).then_some(Reason::Stands {
+        points: POINTS,
+        moved,
+    })
 }
 
 /// A walker from a node.

@@ -90,6 +90,13 @@ pub enum Reason<P: Plane = Tube> {
         /// Name and length of the shortest zone.
         beside: (String, f64),
     },
+    /// It hardly moves in the plane.
+    Stands {
+        /// Points in a row.
+        points: usize,
+        /// How far apart they are at most, in units of the ranges.
+        moved: f64,
+    },
     /// No step succeeds.
     NoStep {
         /// The shortest one.

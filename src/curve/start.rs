@@ -247,7 +247,14 @@ fn pose_orbit(
     let pair = [index(&curve.parameters.0), index(&curve.parameters.1)];
     let plane = Orbits::new(orbit, point, pair, limits.widths());
     let spectral = match kind {
-        EventType::PD => Some((Critical::PeriodDoubling, Vec::new())),
+        EventType::PD => {
+            let (matrix, _) = newton::jacobian(orbit, point).map_err(Singular::flow)?;
+            let twice = matrix - orbit.closing(point).map_err(Singular::flow)? * 2.0;
+            let square = twice.columns(0, twice.nrows()).clone_owned();
+            let least = linalg::least(&square).ok_or(Singular::NoNullVector)?;
+            let null = least.right.as_slice().to_vec();
+            Some((Critical::PeriodDoubling, null))
+        }
         EventType::NS => Some((Critical::Torus, Vec::new())),
         EventType::BP => {
             let kept = orbit.symmetry(point).ok_or(NoCurve::NotSymmetric)?;

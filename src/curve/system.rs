@@ -7,15 +7,18 @@
 //! | GR, RV, CO, ST, SL | | m(x, p₁, p₂) = 0, the margin that vanishes |
 //! | LP | v | F_x v = 0, (v·v − 1)/2 = 0 |
 //! | HB | ω | Re F_j(iω) = Im F_j(iω) = 0 |
-//! | PD, NS | | det(M + 1) = 0; ∏(1 − μᵢμⱼ) = 0 over pairs |
+//! | PD | v | (F_x − 2C)v = 0, (v·v − 1)/2 = 0 |
+//! | NS | | ∏(1 − μᵢμⱼ) = 0 over pairs |
 //! | BP of a symmetric orbit | | det(H + 1) = 0; F of half the orbit, which closes at its image |
 //!
-//! (Moore and Spence for the fold; F_j is the characteristic function of Bloch sector j, M the linearised motion
+//! (Moore and Spence for the fold; C is the part of F_x that belongs to the beginning of the next period, where a
+//! perturbation that doubles has the other sign: F_x − 2C is singular where F_x of the orbit traversed twice has a null
+//! vector (v, −v); F_j is the characteristic function of Bloch sector j, M the linearised motion
 //! over a period with the multipliers μ, H that over half of it with the image at its end.) An orbit is posed in one parameter: posed in p₁ it gives all columns but
 //! the last, posed in p₂ the last.
 //!
-//! Derivatives of F and m are exact. Those of F_x v, of F_j and of M in x, p₁, p₂ are central differences:
-//! they bend the way of Newton's iterates and not the equations, which are exact.
+//! Derivatives of F and m are exact. Those of F_x v are one-sided differences, those of F_j and of M in x, p₁, p₂ central
+//! ones: they bend the way of Newton's iterates and not the equations, which are exact.
 
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +33,10 @@ use crate::orbit::AtZero;
 /// Step of central differences in scaled unknowns of order one: truncation and rounding both stay
 /// near 1e-10 of the derivative, far below what keeps Newton's convergence fast.
 const DIFFERENCE: f64 = 1e-5;
+
+/// Step of the one-sided difference along a null vector: truncation and rounding leave 1e-6 of the derivative, by which the
+/// error of an iterate falls, at half the price.
+const ALONG: f64 = 1e-6;
 
 /// The equations of an event in two parameters. Unknowns: the orbit's without its parameter, those of
 /// the condition, both parameters.
@@ -103,7 +110,9 @@ impl<P: Plane> EventSystem<P> {
     fn further<'a>(&self, point: &'a Vector) -> &'a [f64] {
         let count = self.orbit_unknowns();
         match &self.condition {
-            Condition::Spectral(spectral) => &point.as_slice()[count..count + P::further(spectral)],
+            Condition::Spectral(spectral) if !P::is_doubling(spectral) => {
+                &point.as_slice()[count..count + P::further(spectral)]
+            }
             _ => &[],
         }
     }
@@ -166,6 +175,34 @@ impl<P: Plane> EventSystem<P> {
         Ok((residual, all))
     }
 
+    /// Whether the condition is a null vector of the equations over a period.
+    fn has_null_vector(&self) -> bool {
+        match &self.condition {
+            Condition::Fold => true,
+            Condition::Spectral(spectral) => P::is_doubling(spectral),
+            Condition::Margin(_) => false,
+        }
+    }
+
+    /// (F_x, F_p₁, F_p₂) as the null vector of the condition sees them, from those of the orbit.
+    fn linearised(&self, point: &Vector, by: &Matrix) -> Result<Matrix, FailureOf<P>> {
+        let mut by = by.clone();
+        if self.condition != Condition::Fold {
+            let count = self.orbit_unknowns();
+            for index in 0..2 {
+                let (orbit, own) = self.orbit(point, index)?;
+                let closing = P::closing(&orbit, &own)? * 2.0;
+                if index == 0 {
+                    let mut states = by.columns_mut(0, count);
+                    states -= closing.columns(0, count);
+                }
+                let mut parameter = by.column_mut(count + index);
+                parameter -= closing.column(count);
+            }
+        }
+        Ok(by)
+    }
+
     /// The equations of an event of the spectrum.
     fn spectral(
         &self,
@@ -210,9 +247,9 @@ impl<P: Plane> System for EventSystem<P> {
     fn unknowns(&self) -> usize {
         let count = self.orbit_unknowns();
         match &self.condition {
-            Condition::Margin(_) => count + 2,
-            Condition::Fold => 2 * count + 2,
+            _ if self.has_null_vector() => 2 * count + 2,
             Condition::Spectral(spectral) => count + P::further(spectral) + 2,
+            _ => count + 2,
         }
     }
 
@@ -248,35 +285,7 @@ impl<P: Plane> System for EventSystem<P> {
                     jacobian[(count, last + index)] = gradient[count];
                 }
             }
-            Condition::Fold => {
-                let null = point.rows(count, count).clone_owned();
-                let linear = by.columns(0, count);
-                residual[count..2 * count].copy_from_slice((linear * &null).as_slice());
-                residual[2 * count] = 0.5 * (null.norm_squared() - 1.0);
-                // ∂(F_x v)/∂(x, p) is the derivative of (F_x, F_p) along v
-                let moved = |sign: f64| {
-                    let mut there = point.clone();
-                    for index in 0..count {
-                        there[index] += sign * DIFFERENCE * null[index];
-                    }
-                    let equations = self.orbit_equations(&there).map_err(NotEvaluated::Flow);
-                    equations.map(|(_, by)| by)
-                };
-                let second = (moved(1.0)? - moved(-1.0)?) / (2.0 * DIFFERENCE);
-                jacobian
-                    .view_mut((count, 0), (count, count))
-                    .copy_from(&second.columns(0, count));
-                jacobian
-                    .view_mut((count, count), (count, count))
-                    .copy_from(&linear);
-                jacobian
-                    .view_mut((count, last), (count, 2))
-                    .copy_from(&second.columns(count, 2));
-                for index in 0..count {
-                    jacobian[(2 * count, count + index)] = null[index];
-                }
-            }
-            Condition::Spectral(spectral) => {
+            Condition::Spectral(spectral) if !P::is_doubling(spectral) => {
                 let value = self.spectral(spectral, point)?;
                 residual[count..].copy_from_slice(&value);
                 for column in 0..self.unknowns() {
@@ -296,6 +305,34 @@ impl<P: Plane> System for EventSystem<P> {
                     for (row, (above, below)) in ends.enumerate() {
                         jacobian[(count + row, column)] = (above - below) / (DIFFERENCE + down);
                     }
+                }
+            }
+            _ => {
+                let flow = NotEvaluated::Flow;
+                let null = point.rows(count, count).clone_owned();
+                let seen = self.linearised(point, &by).map_err(flow)?;
+                let linear = seen.columns(0, count);
+                residual[count..2 * count].copy_from_slice((linear * &null).as_slice());
+                residual[2 * count] = 0.5 * (null.norm_squared() - 1.0);
+                // ∂(F_x v)/∂(x, p) is the derivative of (F_x, F_p) along v
+                let mut there = point.clone();
+                for index in 0..count {
+                    there[index] += ALONG * null[index];
+                }
+                let (_, moved) = self.orbit_equations(&there).map_err(flow)?;
+                let moved = self.linearised(&there, &moved).map_err(flow)?;
+                let second = (moved - &seen) / ALONG;
+                jacobian
+                    .view_mut((count, 0), (count, count))
+                    .copy_from(&second.columns(0, count));
+                jacobian
+                    .view_mut((count, count), (count, count))
+                    .copy_from(&linear);
+                jacobian
+                    .view_mut((count, last), (count, 2))
+                    .copy_from(&second.columns(count, 2));
+                for index in 0..count {
+                    jacobian[(2 * count, count + index)] = null[index];
                 }
             }
         }

@@ -86,6 +86,7 @@ impl LabelledOrbit {
             system: problem.system.clone(),
             values: self.orbit.values.clone(),
             parameter,
+            second: None,
             periods: self.orbit.periods,
             stability: problem.stability.is_some(),
             scales,

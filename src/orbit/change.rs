@@ -116,7 +116,7 @@ pub struct Together<O: Orbit> {
     pub search: Search<O>,
 }
 
-/// Candidates kept of those that make some of several changes.
+/// Candidates kept, or tried, of those that make some of several changes.
 const MOST_TOGETHER: usize = 64;
 
 /// Looks for the admissible continuation that makes a change at every instant at which margins vanish together, as
@@ -214,6 +214,8 @@ pub fn beyond_both<O: Orbit>(
     tolerance: f64,
 ) -> Option<Both<O>> {
     let point = &at.point;
+    // margins of different zones may be alike, and different margins lead to the same orbit between
+    let mut tried: Vec<(O, O::Margin)> = Vec::new();
     for first in margins {
         for candidate in orbit.candidates(point, first).ok()? {
             let between = candidate.orbit;
@@ -229,6 +231,13 @@ pub fn beyond_both<O: Orbit>(
                         && O::value(margin).abs() <= RESIDUAL_AT_EVENT
                 });
                 let entered = zeros.find_map(|second| {
+                    let same = |(orbit, margin): &(O, O::Margin)| {
+                        O::is_same(margin, second) && *orbit == between
+                    };
+                    if tried.len() >= MOST_TOGETHER || tried.iter().any(same) {
+                        return None;
+                    }
+                    tried.push((between.clone(), second.clone()));
                     let search = beyond(&between, &node.point, second, ds, tolerance);
                     // not back again by the same event
                     let after = search.beyond.as_ref()?.orbit.signature();

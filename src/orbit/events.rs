@@ -1,7 +1,7 @@
 //! What happens within a step of a branch: where it is, and how well that is known.
 
 use super::special::{Close, Refusal};
-use super::{AtZero, Examined, Orbit, Verdict, find, retrace, uncertainty};
+use super::{AtZero, Examined, Orbit, Shrinking, Verdict, find, retrace, uncertainty};
 use crate::continuation::arclength::{self, Node};
 use crate::continuation::locate::{self, Least, Place, Target};
 use crate::continuation::newton::{self, Constraint, Plane};
@@ -15,6 +15,8 @@ pub enum Event<O: Orbit> {
     Fold,
     /// A fold beyond which the branch retraces itself: what it is, and why the branch ends there.
     Image(O::Special, O::Stop),
+    /// The orbit shrinks to an equilibrium: what that is, and why the branch ends there.
+    Shrinks(O::Special, O::Stop),
     /// A value that was asked for.
     User(f64),
     /// An edge of the range.
@@ -110,8 +112,12 @@ pub(super) fn within<O: Orbit>(
     located: &[(Place, Located<O>)],
 ) -> Within<Close<O::Held>> {
     let tolerance = step.steps.tolerance;
-    let ends =
-        |event: &Event<O>| matches!(event, Event::Change(_) | Event::Edge(_) | Event::Image(..));
+    let ends = |event: &Event<O>| {
+        matches!(
+            event,
+            Event::Change(_) | Event::Edge(_) | Event::Image(..) | Event::Shrinks(..)
+        )
+    };
     let mut ends = located.iter().filter(|(_, located)| ends(&located.event));
     // what is even in the duration of a zone that closes vanishes with it, and is no pair
     let end = ends.next().map(|(place, _)| place.s - step.at_once());
@@ -209,6 +215,9 @@ pub(super) fn located<O: Orbit>(
     stop_at: &[f64],
     step: &Step<O>,
 ) -> Result<Vec<(Place, Located<O>)>, Refusal<O>> {
+    if let Some(shrinks) = shrinks(orbit, range, stop_at, step) {
+        return shrinks;
+    }
     let fold = fold(orbit, step).ok_or(Refusal::NotFound)?;
     let targets = targets(orbit, range, stop_at, step, fold.as_ref()).ok_or(Refusal::NotFound)?;
     let changes = changes(orbit, step)?;
@@ -268,6 +277,50 @@ pub(super) fn located<O: Orbit>(
     }
     let exact = fold.into_iter().chain(targets);
     Ok(exact.chain(changes).chain(crossings).collect())
+}
+
+/// The end of a branch within a step, and user points and edges before it, where its orbits shrink to an equilibrium
+/// there. Beyond that every inequality has the other sign: nothing else is looked for.
+#[allow(clippy::type_complexity)] // what `located` gives, or none
+fn shrinks<O: Orbit>(
+    orbit: &O,
+    range: (f64, f64),
+    stop_at: &[f64],
+    step: &Step<O>,
+) -> Option<Result<Vec<(Place, Located<O>)>, Refusal<O>>> {
+    match orbit.shrinks([step.from, step.to], step.ds, step.steps.tolerance) {
+        Shrinking::Not => None,
+        Shrinking::Far => Some(Err(Refusal::NotFound)),
+        Shrinking::At {
+            s,
+            node,
+            special,
+            stop,
+            uncertainty,
+        } => {
+            let end = Located {
+                event: Event::Shrinks(special, stop),
+                uncertainty,
+            };
+            let to = Node {
+                tangent: step.from.tangent.clone(),
+                ..*node
+            };
+            let place = Place {
+                s,
+                node: to.clone(),
+                blur: 0.0,
+            };
+            let before: Step<O> = Segment {
+                to: &to,
+                ds: s,
+                ..*step
+            };
+            let targets = targets(orbit, range, stop_at, &before, None);
+            let all = targets.map(|targets| targets.into_iter().chain([(place, end)]).collect());
+            Some(all.ok_or(Refusal::NotFound))
+        }
+    }
 }
 
 /// The fold inside a step at whose ends the parameter moves in opposite directions: a zero of the last

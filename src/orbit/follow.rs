@@ -297,6 +297,16 @@ impl<O: Orbit> Curve for Track<O> {
     ) -> Result<Outcome<Track<O>>, Refusal<O>> {
         let Located { event, uncertainty } = &together[0];
         let orbit = self.orbit.as_ref();
+        if let Event::Shrinks(special, stop) = event {
+            let examination = orbit.examination(&place.node.point);
+            let found = Found {
+                uncertainty: *uncertainty,
+                special: Some(Special::Own(special.clone())),
+                ..self.point(place.s, &place.node, &examination.map_err(Refusal::Flow)?)
+            };
+            let end = walk::End::Own(Stop::Own(stop.clone()));
+            return Ok(Outcome::Ended(vec![found], end));
+        }
         if let Some(ended) = self.vanished(step, place) {
             return Ok(ended);
         }
@@ -329,6 +339,7 @@ impl<O: Orbit> Curve for Track<O> {
             found.close = fails.map(|margin| Close::Margin(orbit.held(margin)));
         }
         match event {
+            Event::Shrinks(..) => {}
             Event::Fold => {
                 if let Some(ended) = self.repeated(&found) {
                     return Ok(ended);

@@ -75,6 +75,28 @@ pub struct Candidate<O> {
     pub nascent: Vec<usize>,
 }
 
+/// Whether an orbit shrinks to an equilibrium within a step.
+#[derive(Clone, Debug)]
+pub enum Shrinking<O: Orbit> {
+    /// It does not.
+    Not,
+    /// It does, and sets out so far from it that shorter steps are asked for.
+    Far,
+    /// It does.
+    At {
+        /// The arclength of the equilibrium from the beginning of the step.
+        s: f64,
+        /// An orbit of next to no size, at its parameter.
+        node: Box<Node>,
+        /// What it is.
+        special: O::Special,
+        /// Why the branch ends there.
+        stop: O::Stop,
+        /// The error of the parameter, in physical units.
+        uncertainty: f64,
+    },
+}
+
 /// The boundary-value problem of one signature in scaled unknowns, of which the last is the parameter.
 pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
     /// Sequence of zones.
@@ -282,6 +304,11 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
     /// so near no inequality tells anything. `None` where it does not shrink so, or is not yet small.
     fn vanishes(&self, _node: &Node) -> Option<(f64, f64)> {
         None
+    }
+
+    /// Whether an orbit shrinks to an equilibrium within a step of length `ds`, beyond which the branch would retrace itself.
+    fn shrinks(&self, _step: [&Node; 2], _ds: f64, _tolerance: f64) -> Shrinking<Self> {
+        Shrinking::Not
     }
 
     /// Where a function of [`Examined::tests`] vanishes between two arclengths of the step that sets out from a node, and

@@ -191,6 +191,31 @@ const SETTLED: f64 = 1e-4;
 /// Growth in the longest zone, as a power of e, that has taken half of all digits.
 const DIGITS: f64 = 18.0;
 
+/// Where an orbit that switches has no size.
+pub(super) struct Vanishing {
+    /// The parameter there, and its error.
+    pub parameter: f64,
+    pub error: f64,
+    /// Whether the switches make no difference there: it is a Hopf point.
+    is_hopf: bool,
+}
+
+impl Vanishing {
+    pub(super) fn special(&self) -> Critical {
+        match self.is_hopf {
+            true => Critical::Shrinking,
+            false => Critical::Vanishing,
+        }
+    }
+
+    pub(super) fn stop(&self) -> OrbitStop {
+        match self.is_hopf {
+            true => OrbitStop::Shrinks,
+            false => OrbitStop::Vanishes,
+        }
+    }
+}
+
 /// A stay beside a saddle.
 pub(super) struct Stay {
     /// Its zone.
@@ -369,15 +394,16 @@ impl AffineOrbit {
             .or_else(|| self.rests(node, AT_REST))
             .or_else(|| {
                 let vanishes = self.comes_to_a_point(node, AT_REST);
-                vanishes.map(|_| OrbitStop::Vanishes)
+                vanishes.map(|vanishing| vanishing.stop())
             })
     }
 
     /// The parameter where an orbit through several modes has no size, and its error. Beside a point where they meet,
     /// their fields are linear and their boundaries straight: the orbit is there the same but for its size, which is
     /// proportional to the distance of the parameter, and its durations remain. They change, as the slope does, by no
-    /// more than in proportion to its size. `None` where that is more than `most`, in units of the states.
-    pub(super) fn comes_to_a_point(&self, node: &Node, most: f64) -> Option<(f64, f64)> {
+    /// more than in proportion to its size; where the switches make no difference the point is that of the smooth law.
+    /// `None` where that is more than `most`, in units of the states.
+    pub(super) fn comes_to_a_point(&self, node: &Node, most: f64) -> Option<Vanishing> {
         /// Most that a duration changes by on the way left, as a part of it.
         const LITTLE: f64 = 1e-3;
         /// A size that a located event may have at the point itself.
@@ -413,6 +439,13 @@ impl AffineOrbit {
             )
         };
         let here = size(point).filter(|here| *here <= most)?;
+        if let Some(hopf) = self.smooth_hopf(point) {
+            return Some(Vanishing {
+                parameter: hopf.parameter,
+                error: hopf.error,
+                is_hopf: true,
+            });
+        }
         let left = if here > TINY {
             let before = size(&(point - tangent * here))?;
             here * here / (before - here)
@@ -429,7 +462,11 @@ impl AffineOrbit {
         let is_zero = limit.abs() <= 4.0 * f64::EPSILON * point[last].abs();
         let value = if is_zero { 0.0 } else { limit * unit };
         let error = left * left * unit.abs() + 2.0 * f64::EPSILON * value.abs();
-        (left > 0.0 && remain).then_some((value, error))
+        (left > 0.0 && remain).then_some(Vanishing {
+            parameter: value,
+            error,
+            is_hopf: false,
+        })
     }
 
     /// The same where no step succeeds any more.

@@ -1,13 +1,20 @@
-//! Where an orbit that never switches shrinks to an equilibrium: the parameter at which a pair of its eigenvalues is
-//! imaginary.
+//! Where an orbit shrinks to an equilibrium: the parameter at which a pair of its eigenvalues is imaginary.
 //!
 //! An orbit of amplitude a is off by a² there, and its equations are singular to a: the equilibrium's own are not.
+//! An orbit that switches may pass such a point where the switches make no difference: all of its modes have one
+//! equilibrium there, with the same derivatives, and no reset moves a state. The branch then goes through it, and the
+//! orbit beyond is the one before, begun half a turn later.
 
 use std::f64::consts::TAU;
 
 use super::layout::{AffineOrbit, ZonePoint};
+use super::structure::exit_of;
+use super::{Critical, OrbitStop};
+use crate::continuation::Node;
+use crate::continuation::locate::node_at;
 use crate::continuation::zero::{Bracket, zero};
-use crate::linalg::Vector;
+use crate::linalg::{Matrix, Vector};
+use crate::orbit::Shrinking;
 
 /// An equilibrium with a pair of eigenvalues.
 struct Pair {
@@ -18,33 +25,44 @@ struct Pair {
     frequency: f64,
 }
 
+/// An equilibrium with a pair of imaginary eigenvalues.
+pub(super) struct HopfPoint {
+    /// The parameter there, and its error.
+    pub parameter: f64,
+    pub error: f64,
+    state: Vec<f64>,
+    frequency: f64,
+}
+
 impl AffineOrbit {
-    /// The Hopf point next to an orbit that is nearly one, as an orbit of no size, and the error of the parameter there.
-    pub(super) fn hopf(&self, point: &Vector) -> Option<(Vector, f64)> {
+    /// The equilibrium of the first mode next to a state, and that of its pairs of eigenvalues which turns most nearly with
+    /// a frequency.
+    fn pair(&self, value: f64, state: &[f64], frequency: f64) -> Option<Pair> {
+        let setting = &self.setting;
+        let system = setting.system.at(&setting.values_at(value), &[]).ok()?;
+        let rest = system.equilibrium_near(self.sequence.zone(0).mode, state)?;
+        let size = rest.eigenvalues.iter().map(|one| one.norm());
+        let size = size.fold(0.0, f64::max);
+        let off = |one: f64| (one - frequency).abs();
+        let nearest = rest.eigenvalues.iter();
+        let nearest = nearest.min_by(|one, other| off(one.im).total_cmp(&off(other.im)))?;
+        Some(Pair {
+            growth: nearest.re,
+            frequency: nearest.im,
+            size,
+            state: rest.state,
+        })
+    }
+
+    /// The Hopf point of the first mode next to a state and a value of the parameter.
+    fn hopf_point(&self, middle: f64, state: &[f64], frequency: f64) -> Option<HopfPoint> {
         /// Parts of the range to either side within which it is looked for.
         const NEAR: [f64; 4] = [1e-8, 1e-6, 1e-4, 1e-2];
-        let at = self.at(point).ok()?;
-        let ZonePoint {
-            state, duration, ..
-        } = at.zones.first()?;
-        let (setting, frequency) = (&self.setting, TAU / duration);
-        let mode = self.sequence.zone(0).mode;
-        let pair = |value: f64| -> Option<Pair> {
-            let system = setting.system.at(&setting.values_at(value), &[]).ok()?;
-            let rest = system.equilibrium_near(mode, state)?;
-            let size = rest.eigenvalues.iter().map(|one| one.norm());
-            let size = size.fold(0.0, f64::max);
-            let off = |one: f64| (one - frequency).abs();
-            let nearest = rest.eigenvalues.iter();
-            let nearest = nearest.min_by(|one, other| off(one.im).total_cmp(&off(other.im)))?;
-            Some(Pair {
-                growth: nearest.re,
-                frequency: nearest.im,
-                size,
-                state: rest.state,
-            })
-        };
-        let (middle, unit) = (self.parameter_at(point), setting.scales.parameter.abs());
+        /// Values beside it at which the growth is compared with a straight line, and how many roundings they are apart.
+        const SAMPLES: i32 = 4;
+        const APART: f64 = 64.0;
+        let pair = |value: f64| self.pair(value, state, frequency);
+        let unit = self.setting.scales.parameter.abs();
         NEAR.into_iter().find_map(|near| {
             let ends = [middle - near * unit, middle + near * unit];
             let [low, high] = ends.map(|value| pair(value).map(|pair| pair.growth));
@@ -62,20 +80,181 @@ impl AffineOrbit {
             let bracket = Bracket::new((ends[0], low), (ends[1], high));
             let width = 4.0 * f64::EPSILON * middle.abs();
             let found = zero(bracket, width, growth).ok()?;
-            let Pair {
-                state,
-                size,
-                frequency,
-                ..
-            } = found.found;
-            let slope = (high - low).abs() / (ends[1] - ends[0]);
-            let zone = ZonePoint {
-                state,
-                duration: TAU / frequency,
+            let (parameter, here) = (found.place, found.found);
+            let slope = (high - low) / (ends[1] - ends[0]);
+            // what of the growth is not a straight line so near is rounding
+            let samples = (-SAMPLES..=SAMPLES).map(|sample| {
+                let off = f64::from(sample) * APART * f64::EPSILON * unit.max(parameter.abs());
+                let there = pair(parameter + off)?.growth;
+                Some((there - here.growth - slope * off).abs())
+            });
+            let noise = samples.sum::<Option<f64>>()? / f64::from(SAMPLES);
+            Some(HopfPoint {
+                parameter,
+                error: (2.0 * rounding(here.size) + noise) / slope.abs() + width,
+                state: here.state,
+                frequency: here.frequency,
+            })
+        })
+    }
+
+    /// The Hopf point next to an orbit that never switches and is nearly one, as an orbit of no size, and the error of the
+    /// parameter there.
+    pub(super) fn hopf(&self, point: &Vector) -> Option<(Vector, f64)> {
+        let at = self.at(point).ok()?;
+        let ZonePoint {
+            state, duration, ..
+        } = at.zones.first()?;
+        let hopf = self.hopf_point(self.parameter_at(point), state, TAU / duration)?;
+        let zone = ZonePoint {
+            state: hopf.state,
+            duration: TAU / hopf.frequency,
+            phase: 0.0,
+        };
+        Some((self.pack(&[zone], hopf.parameter), hopf.error))
+    }
+
+    /// The Hopf point next to a small orbit that switches where its switches make no difference.
+    pub(super) fn smooth_hopf(&self, point: &Vector) -> Option<HopfPoint> {
+        if self.is_forced() || self.sequence.switches() == 0 {
+            return None;
+        }
+        let at = self.at(point).ok()?;
+        let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
+        let state = &at.zones.first()?.state;
+        let hopf = self.hopf_point(self.parameter_at(point), state, TAU / period)?;
+        self.is_smooth_at(&hopf)?.then_some(hopf)
+    }
+
+    /// Whether all modes of the orbit have one equilibrium at a point, with the same derivatives, and no reset moves a
+    /// state.
+    fn is_smooth_at(&self, point: &HopfPoint) -> Option<bool> {
+        /// States in their units, and derivatives in those of the largest, are the same to this: equilibria and derivatives
+        /// of formulas that are not the same to the letter differ by some roundings.
+        const SAME: f64 = 1e-10;
+        let setting = &self.setting;
+        let system = setting.system.at(&setting.values_at(point.parameter), &[]);
+        let (system, units) = (system.ok()?, &setting.scales.states);
+        let n = self.states();
+        let scaled = |slopes: &Matrix| {
+            Matrix::from_fn(n, n, |row, column| {
+                slopes[(row, column)] * units[column] / units[row]
+            })
+        };
+        let near =
+            |zone: usize| system.equilibrium_near(self.sequence.zone(zone).mode, &point.state);
+        let first = scaled(&near(0)?.slopes);
+        let smooth = |zone: usize| {
+            let Some(own) = near(zone) else { return false };
+            let mut off = own.state.iter().zip(&point.state).zip(units);
+            let at_one_place = off.all(|((own, here), unit)| (own - here).abs() <= SAME * unit);
+            let alike = (scaled(&own.slopes) - &first).amax() <= SAME * first.amax();
+            let exit = exit_of(&system, &self.sequence, zone);
+            let stays = exit.is_none_or(|exit| {
+                let reset = &exit.reset.at;
+                let (rows, columns) = reset.shape();
+                *reset == Matrix::identity(rows, columns)
+            });
+            at_one_place && alike && stays
+        };
+        Some((0..self.zones()).all(smooth))
+    }
+
+    /// Where an orbit that switches shrinks to an equilibrium within a step of length `ds`.
+    pub(super) fn shrinks_within(
+        &self,
+        [from, to]: [&Node; 2],
+        ds: f64,
+        tolerance: f64,
+    ) -> Shrinking<AffineOrbit> {
+        self.shrinks_there([from, to], ds, tolerance)
+            .unwrap_or(Shrinking::Not)
+    }
+
+    /// The same; `None` where it does not.
+    fn shrinks_there(
+        &self,
+        [from, to]: [&Node; 2],
+        ds: f64,
+        tolerance: f64,
+    ) -> Option<Shrinking<AffineOrbit>> {
+        /// Beyond the point everything is on its other side: the rates at the first entry have turned round, to this cosine.
+        const TURNED: f64 = -0.9;
+        /// An orbit that sets out as far from its equilibrium as this, in units of its states, has no fold on the way left
+        /// that a shorter step would show.
+        const SMALL: f64 = 1e-3;
+        /// How near the point an orbit is found that tells what it is: its multipliers are off by that, squared, and by
+        /// rounding divided by it.
+        const BESIDE: f64 = 1e-5;
+        /// How large the orbit that stands for the point is.
+        const TINY: f64 = 1e-8;
+        if self.is_forced() || self.sequence.switches() == 0 {
+            return None;
+        }
+        let units = Vector::from_column_slice(&self.setting.scales.states);
+        let (n, last) = (self.states(), from.point.len() - 1);
+        let rate = |point: &Vector| {
+            let at = self.at(point).ok()?;
+            let rate = (&at.mode(0).matrix.at * at.entry(0))
+                .rows(0, n)
+                .into_owned();
+            Some(rate.component_div(&units))
+        };
+        let (one, other) = (rate(&from.point)?, rate(&to.point)?);
+        let (before, after) = (one.norm(), other.norm());
+        if one.dot(&other) >= TURNED * before * after {
+            return None;
+        }
+        let hopf = self.smooth_hopf(&from.point)?;
+        // the orbit is as far from its own equilibrium as its rate says
+        let rest = |point: &Vector| {
+            let at = self.at(point).ok()?;
+            let value = self.parameter_at(point);
+            Some(self.pair(value, &at.zones[0].state, hopf.frequency)?.state)
+        };
+        let off = |point: &Vector, rest: &[f64]| {
+            let at = self.at(point).ok()?;
+            let pairs = at.zones[0].state.iter().zip(rest).zip(&units);
+            let off = pairs.map(|((x, rest), unit)| (x - rest).abs() / unit);
+            Some(off.fold(0.0, f64::max))
+        };
+        let size = off(&from.point, &rest(&from.point)?)?;
+        // the parameter is even in the size: it goes to the point at half its slope
+        let s = ds * before / (before + after);
+        let left = hopf.parameter / self.setting.scales.parameter - from.point[last];
+        let expected = 0.5 * from.tangent[last] * s;
+        let comes = left * expected > 0.0 && left / expected < 2.0 && expected / left < 2.0;
+        if size > SMALL || !comes && size > BESIDE {
+            return Some(Shrinking::Far);
+        }
+        let nearer = (size > BESIDE)
+            .then(|| node_at(self, from, s * (1.0 - BESIDE / size), tolerance))
+            .flatten();
+        let node = nearer.unwrap_or_else(|| from.clone());
+        let at = self.at(&node.point).ok()?;
+        let rest = rest(&node.point)?;
+        let size = off(&node.point, &rest)?;
+        let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
+        let zones = at.zones.iter().map(|zone| {
+            let places = zone.state.iter().zip(&rest).zip(&hopf.state);
+            ZonePoint {
+                state: places
+                    .map(|((x, rest), here)| here + (x - rest) * TINY / size)
+                    .collect(),
+                duration: zone.duration / period * (TAU / hopf.frequency),
                 phase: 0.0,
-            };
-            let error = 2.0 * rounding(size) / slope + width;
-            Some((self.pack(&[zone], found.place), error))
+            }
+        });
+        let zones: Vec<ZonePoint> = zones.collect();
+        Some(Shrinking::At {
+            s,
+            node: Box::new(Node {
+                point: self.pack(&zones, hopf.parameter),
+                ..node
+            }),
+            special: Critical::Shrinking,
+            stop: OrbitStop::Shrinks,
+            uncertainty: hopf.error,
         })
     }
 }

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use serde::{Deserialize, Serialize};
 
 use super::forms::Units;
+use super::memory::Memory;
 use super::passage::{Jet, Passage};
 use super::signature::Sequence;
 pub use super::signature::ZonePoint;
@@ -37,6 +38,9 @@ pub struct Setting {
     pub values: Vec<f64>,
     /// Index of the continuation parameter.
     pub parameter: usize,
+    /// That of another one, of orbits that are posed in it at the same points: derivatives of integrated flows are had in both
+    /// at once.
+    pub second: Option<usize>,
     /// Forcing periods in one orbit; without forcing it has no meaning.
     pub periods: u32,
     /// Whether changes of stability are looked for.
@@ -46,6 +50,11 @@ pub struct Setting {
 }
 
 impl Setting {
+    /// The parameters of which derivatives are asked for, that of continuation first.
+    pub fn varying(&self) -> Vec<usize> {
+        std::iter::once(self.parameter).chain(self.second).collect()
+    }
+
     /// Values of all parameters at one of the continuation parameter.
     pub fn values_at(&self, value: f64) -> Vec<f64> {
         let mut values = self.values.clone();
@@ -192,6 +201,8 @@ pub struct AffineOrbit {
     /// Sizes of the components of z.
     sizes: Vector,
     last: Last,
+    /// Passages through its zones that are known.
+    memory: Arc<Memory>,
     /// The system where the parameter is zero, if all of it is affine in that.
     origin: Arc<OnceLock<Option<AffineSystem>>>,
 }
@@ -236,6 +247,8 @@ pub struct OrbitAt<'a> {
     pub posed: Arc<Posed>,
     /// Its zones.
     pub zones: Vec<ZonePoint>,
+    /// The parameter.
+    value: f64,
 }
 
 impl AffineOrbit {
@@ -244,7 +257,7 @@ impl AffineOrbit {
     pub fn new(setting: Arc<Setting>, sequence: Sequence) -> Option<AffineOrbit> {
         let system = setting
             .system
-            .at(&setting.values, &[setting.parameter])
+            .at(&setting.values, &setting.varying())
             .ok()?;
         let states = system.states;
         let known = |zone: &super::signature::Zone| {
@@ -259,6 +272,7 @@ impl AffineOrbit {
         (known && fits).then(|| AffineOrbit {
             sizes: sizes(&system, &setting.scales.states),
             last: Last::default(),
+            memory: Arc::default(),
             origin: Arc::default(),
             setting,
             sequence,
@@ -270,6 +284,14 @@ impl AffineOrbit {
         let other = AffineOrbit::new(self.setting.clone(), sequence)?;
         let origin = self.origin.clone();
         Some(AffineOrbit { origin, ..other })
+    }
+
+    /// The same with the passages of other orbits of its zones.
+    pub fn with_memory_of(self, other: &AffineOrbit) -> AffineOrbit {
+        AffineOrbit {
+            memory: other.memory.clone(),
+            ..self
+        }
     }
 
     /// Number of zones.
@@ -344,7 +366,11 @@ impl AffineOrbit {
         last: Option<Arc<Posed>>,
     ) -> Result<Posed, OrbitFailure> {
         let setting = &self.setting;
-        let of_origin = || setting.system.origin(&setting.values, setting.parameter);
+        // what is led there has its derivatives in one parameter
+        let of_origin = || match setting.second {
+            None => setting.system.origin(&setting.values, setting.parameter),
+            Some(_) => None,
+        };
         let origin = self.origin.get_or_init(of_origin).as_ref();
         let mut known = last;
         if let Some(origin) = origin {
@@ -366,7 +392,7 @@ impl AffineOrbit {
         let at = |value| {
             setting
                 .system
-                .at(&setting.values_at(value), &[setting.parameter])
+                .at(&setting.values_at(value), &setting.varying())
         };
         let system = moved.map_or_else(|| at(value), Ok);
         let system = system.map_err(OrbitFailure::System)?;
@@ -395,6 +421,7 @@ impl AffineOrbit {
         let posed = self.posed(point)?;
         Ok(OrbitAt {
             zones: self.unpack(point, posed.system.omega.value),
+            value: self.parameter_at(point),
             orbit: self,
             posed,
         })
@@ -453,7 +480,10 @@ impl OrbitAt<'_> {
         let is_long = posed.system.modes[mode].field.is_exact && norm * time > STIFF;
         let stiff = is_long.then(|| posed.flow(mode).split(time)).flatten();
         let entry = self.entry(zone);
-        let passage = Passage::new(&posed.system.modes[mode], norm, stiff, entry, time);
+        let passage = match posed.system.modes[mode].field.is_exact {
+            true => Passage::new(&posed.system.modes[mode], norm, stiff, entry, time),
+            false => self.integrated(mode, entry, time),
+        };
         let finite = passage.flow.as_slice().iter().all(|x| x.is_finite());
         finite
             .then_some(passage)
@@ -461,6 +491,17 @@ impl OrbitAt<'_> {
                 mode: name.clone(),
                 duration: time,
             })
+    }
+
+    /// The passage through a mode that is integrated.
+    fn integrated(&self, number: usize, entry: Vector, time: f64) -> Passage<'_> {
+        let setting = &self.orbit.setting;
+        let mode = &self.posed.system.modes[number];
+        let (values, varying) = (setting.values_at(self.value), setting.varying());
+        let parameters = (values.as_slice(), varying.as_slice());
+        let memory = &self.orbit.memory;
+        let (known, place) = memory.passage((number, mode), parameters, &entry, time);
+        Passage::integrated(mode, entry, time, &known, place)
     }
 
     /// The passages through all zones.
@@ -489,7 +530,12 @@ impl OrbitAt<'_> {
             return Jet::at_entry(row, &entry);
         }
         // none passes yet
-        let jets = Passage::new(mode, 0.0, None, entry, 0.0).derivatives_at_entry(row, order, 1);
+        let number = self.orbit.sequence.zone(zone).mode;
+        let passage = match mode.field.is_exact {
+            true => Passage::new(mode, 0.0, None, entry, 0.0),
+            false => self.integrated(number, entry, 0.0),
+        };
+        let jets = passage.derivatives_at_entry(row, order, 1);
         jets.into_iter()
             .next()
             .unwrap_or_else(|| Jet::nothing(row.at.len()))

@@ -9,6 +9,7 @@
 //! that at which they take for ever, and
 //! [`row`] has what results keep of one.
 
+mod branch_point;
 pub mod candidates;
 mod ends;
 pub mod examine;
@@ -18,6 +19,7 @@ mod homoclinic;
 mod hopf;
 pub mod layout;
 pub mod margin;
+mod memory;
 pub mod multipliers;
 mod passage;
 mod residual;
@@ -39,7 +41,7 @@ use crate::continuation::Node;
 use crate::continuation::locate::Place;
 use crate::continuation::newton;
 use crate::linalg::{Matrix, Vector};
-use crate::orbit::{Candidate, EventType, Examined, Orbit};
+use crate::orbit::{Candidate, EventType, Examined, Orbit, Shrinking};
 
 pub use ends::OrbitStop;
 pub use examine::Examination;
@@ -423,12 +425,17 @@ impl Orbit for AffineOrbit {
         if self.is_point(&node.point) {
             return Some((Critical::Shrinking, OrbitStop::Shrinks));
         }
-        self.vanishes(node)
-            .map(|_| (Critical::Vanishing, OrbitStop::Vanishes))
+        let vanishing = self.comes_to_a_point(node, NEARLY_A_POINT)?;
+        Some((vanishing.special(), vanishing.stop()))
     }
 
     fn vanishes(&self, node: &Node) -> Option<(f64, f64)> {
-        self.comes_to_a_point(node, NEARLY_A_POINT)
+        let vanishing = self.comes_to_a_point(node, NEARLY_A_POINT)?;
+        Some((vanishing.parameter, vanishing.error))
+    }
+
+    fn shrinks(&self, step: [&Node; 2], ds: f64, tolerance: f64) -> Shrinking<AffineOrbit> {
+        self.shrinks_within(step, ds, tolerance)
     }
 
     fn has_images(&self) -> bool {
@@ -481,7 +488,10 @@ impl Orbit for AffineOrbit {
         ends: [f64; 2],
         tolerance: f64,
     ) -> Option<(Place, f64)> {
-        (test == 1).then(|| self.symmetry_lost(from, ends, tolerance))?
+        (test == 1).then(|| {
+            let lost = self.symmetry_lost(from, ends, tolerance);
+            lost.or_else(|| self.branch_point(from, ends, tolerance))
+        })?
     }
 
     /// det(M − 1) vanishes at folds, as the parameter along the unit tangent does; their quotient does not.

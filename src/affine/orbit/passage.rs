@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use crate::affine::exponential::{TERMS, propagator};
 use crate::affine::flow::MOST_PIECES;
+use crate::affine::form::VARYING;
 use crate::affine::mode::{AffineMode, MatrixBy, Row};
 use crate::affine::series::{ORDER, Series};
 use crate::affine::stiff::Splitting;
@@ -91,6 +92,80 @@ struct Numerical {
     last: Series,
 }
 
+/// A passage through pieces of series, with its derivatives in all that vary.
+#[derive(Clone, Debug)]
+pub struct Integrated {
+    /// ∂z/∂z₀.
+    flow: Matrix,
+    /// ∂z/∂p of every parameter.
+    by: [Vector; VARYING],
+    /// z and ż at the end.
+    end: Vector,
+    rate: Vector,
+    /// The series at both ends, and the time up to which the first holds.
+    first: Series,
+    length: f64,
+    last: Series,
+}
+
+impl Integrated {
+    /// The passage from z through a mode that is integrated.
+    pub fn new(mode: &AffineMode, entry: &Vector, time: f64) -> Integrated {
+        let field = &mode.field;
+        let (size, base) = (entry.len(), field.base());
+        let forward = time >= 0.0;
+        let series = |z: &Vector| field.series(z, ORDER, true, forward);
+        let first = series(entry);
+        let length = field.length(&first, time.abs(), forward);
+        let mut flow = Matrix::identity(base, base);
+        let mut by: [Vector; VARYING] = std::array::from_fn(|_| Vector::zeros(base));
+        let (mut last, mut z, mut rest) = (first.clone(), entry.clone(), time.abs());
+        let (mut pieces, mut before) = (0_u32, f64::INFINITY);
+        while rest > 0.0 {
+            let part = match pieces {
+                0 => length,
+                _ => field.length(&last, rest, forward),
+            };
+            // what is not finite gives a passage that is not
+            pieces += 1;
+            let count = f64::from(pieces) + rest / part.max(before);
+            if part.is_nan() || part <= 0.0 || count > MOST_PIECES {
+                by.iter_mut().for_each(|by| by.fill(f64::NAN));
+                flow.fill(f64::NAN);
+                break;
+            }
+            before = part;
+            rest -= part;
+            let part = part.copysign(time);
+            let (along, own) = last.derivatives(part);
+            let along = along.rows(0, base);
+            flow = along * flow;
+            for (by, own) in by.iter_mut().zip(own) {
+                *by = along * &*by + own.rows(0, base);
+            }
+            z = last.at(part);
+            last = series(&z);
+        }
+        if pieces > 0 {
+            z.copy_from_slice(last.at(0.0).as_slice());
+        }
+        // what is made of other components follows them
+        let (slopes, own) = last.derivatives(0.0);
+        let mut all = Matrix::zeros(size, size);
+        all.columns_mut(0, base).copy_from(&(&slopes * flow));
+        let mut own = own.into_iter();
+        Integrated {
+            flow: all,
+            by: by.map(|by| &slopes * by + own.next().unwrap_or_else(|| Vector::zeros(size))),
+            rate: Vector::from_fn(size, |c, _| last.value(1, c)),
+            end: z,
+            first,
+            length,
+            last,
+        }
+    }
+}
+
 impl<'a> Passage<'a> {
     /// The passage from z through a mode whose matrix has this norm; what is slow of it, where it is stiff.
     pub fn new(
@@ -101,7 +176,8 @@ impl<'a> Passage<'a> {
         time: f64,
     ) -> Passage<'a> {
         if !mode.field.is_exact {
-            return Passage::numerical(mode, entry, time);
+            let known = Integrated::new(mode, &entry, time);
+            return Passage::integrated(mode, entry, time, &known, 0);
         }
         let MatrixBy { at, by } = &mode.matrix;
         let (flow, by) = propagator(at, Some(&by[0]), mode.states, norm, time);
@@ -120,58 +196,28 @@ impl<'a> Passage<'a> {
         }
     }
 
-    /// The passage through pieces of a series.
-    fn numerical(mode: &'a AffineMode, entry: Vector, time: f64) -> Passage<'a> {
-        let field = &mode.field;
-        let (size, base) = (entry.len(), field.base());
-        let forward = time >= 0.0;
-        let series = |z: &Vector| field.series(z, ORDER, true, forward);
-        let first = series(&entry);
-        let length = field.length(&first, time.abs(), forward);
-        let mut flow = Matrix::identity(base, base);
-        let mut by_parameter = Vector::zeros(base);
-        let (mut last, mut z, mut rest) = (first.clone(), entry.clone(), time.abs());
-        let (mut pieces, mut before) = (0_u32, f64::INFINITY);
-        while rest > 0.0 {
-            let part = field.length(&last, rest, forward);
-            // what is not finite gives a passage that is not
-            pieces += 1;
-            let count = f64::from(pieces) + rest / part.max(before);
-            if part.is_nan() || part <= 0.0 || count > MOST_PIECES {
-                by_parameter.fill(f64::NAN);
-                flow.fill(f64::NAN);
-                break;
-            }
-            before = part;
-            rest -= part;
-            let part = part.copysign(time);
-            let (along, by) = last.derivatives(part);
-            let along = along.rows(0, base);
-            flow = along * flow;
-            by_parameter = along * by_parameter + by.rows(0, base);
-            z = last.at(part);
-            last = series(&z);
-        }
-        if pieces > 0 {
-            z.copy_from_slice(last.at(0.0).as_slice());
-        }
-        // what is made of other components follows them
-        let (slopes, by) = last.derivatives(0.0);
-        let mut all = Matrix::zeros(size, size);
-        all.columns_mut(0, base).copy_from(&(&slopes * flow));
+    /// The passage through a mode that is integrated; `parameter` is the place of that of its derivatives among those of
+    /// the integration.
+    pub fn integrated(
+        mode: &'a AffineMode,
+        entry: Vector,
+        time: f64,
+        known: &Integrated,
+        parameter: usize,
+    ) -> Passage<'a> {
         Passage {
-            flow: all,
-            by_parameter: slopes * by_parameter + by,
-            rate: Vector::from_fn(size, |c, _| last.value(1, c)),
-            end: z,
+            flow: known.flow.clone(),
+            by_parameter: known.by[parameter].clone(),
+            rate: known.rate.clone(),
+            end: known.end.clone(),
             norm: 0.0,
             mode,
             entry,
             time,
             numerical: Some(Numerical {
-                first,
-                length,
-                last,
+                first: known.first.in_parameter(parameter),
+                length: known.length,
+                last: known.last.in_parameter(parameter),
             }),
         }
     }
@@ -190,8 +236,8 @@ impl<'a> Passage<'a> {
     /// The inverse of that: the flow back from the end to the entry.
     pub fn backward(&self) -> Matrix {
         if self.numerical.is_some() {
-            let back = Passage::numerical(self.mode, self.end.clone(), -self.time);
-            return back.forward();
+            let back = Integrated::new(self.mode, &self.end, -self.time);
+            return self.of_states(&back.flow);
         }
         // what is not a state moves by itself
         let matrix = self.of_states(&self.mode.matrix.at);

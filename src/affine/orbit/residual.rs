@@ -6,14 +6,16 @@ use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, Scales};
 use super::passage::Jet;
 use super::structure::{exit_of, section};
 use crate::affine::mode::Row;
-use crate::continuation::newton::System;
-use crate::linalg::{Matrix, Vector};
+use crate::continuation::newton::{self, System};
+use crate::linalg::{self, Matrix, Vector};
 
 /// Where the equations are written.
 struct Equations<'a> {
     at: &'a OrbitAt<'a>,
     residual: &'a mut [f64],
     jacobian: &'a mut Matrix,
+    /// What of the Jacobian is that of the beginning of the next period, where it is asked for.
+    closing: Option<&'a mut Matrix>,
 }
 
 impl Equations<'_> {
@@ -24,6 +26,17 @@ impl Equations<'_> {
         let mut add = |column: usize, by: f64| jacobian[(row, column)] += by;
         self.at.spread(zone, jet, factor, &mut add);
     }
+
+    /// The same of a jet at the entry of the zone after the one that the equation is about.
+    fn add_next(&mut self, row: usize, zone: usize, jet: &Jet, factor: f64) {
+        self.add(row, zone, jet, factor);
+        if zone == 0
+            && let Some(closing) = &mut self.closing
+        {
+            let mut add = |column: usize, by: f64| closing[(row, column)] += by;
+            self.at.spread(zone, jet, factor, &mut add);
+        }
+    }
 }
 
 impl System for AffineOrbit {
@@ -33,14 +46,57 @@ impl System for AffineOrbit {
         self.count()
     }
 
-    /// Per zone: the states at the next entry, where what is zero by the structure takes the place of what the
-    /// reset would give; and its guard at the end, divided by the power of the duration by which it vanishes
-    /// with it. With forcing ΣT = periods·2π/ω.
     fn evaluate(
         &self,
         point: &Vector,
         residual: &mut [f64],
         jacobian: &mut Matrix,
+    ) -> Result<(), OrbitFailure> {
+        self.equations(point, residual, jacobian, None)
+    }
+}
+
+impl AffineOrbit {
+    /// What of the Jacobian is that of the beginning of the next period: where a perturbation is multiplied by μ over the
+    /// period the equations have the null vector of F_x + (μ − 1)C.
+    ///
+    /// # Errors
+    /// They cannot be evaluated.
+    pub fn closing(&self, point: &Vector) -> Result<Matrix, OrbitFailure> {
+        let unknowns = self.count();
+        let mut closing = Matrix::zeros(unknowns - 1, unknowns);
+        let mut residual = vec![0.0; unknowns - 1];
+        let mut jacobian = closing.clone();
+        self.equations(point, &mut residual, &mut jacobian, Some(&mut closing))?;
+        Ok(closing)
+    }
+
+    /// The derivative in μ of det(F_x + (μ − 1)C) where that is zero, but for a positive factor, 1 or −1: it vanishes where
+    /// the multiplier is a double one. With the null vectors v and w of the matrix it is ±w·Cv, the sign that of the
+    /// determinant bordered by both.
+    pub fn is_double(&self, point: &Vector, multiplier: f64) -> Option<f64> {
+        let (matrix, _) = newton::jacobian(self, point).ok()?;
+        let count = matrix.nrows();
+        let closing = self.closing(point).ok()?.columns(0, count).into_owned();
+        let matrix = matrix.columns(0, count) + &closing * (multiplier - 1.0);
+        let linalg::Least { left, right, .. } = linalg::least(&matrix)?;
+        let mut bordered = matrix.resize(count + 1, count + 1, 0.0);
+        bordered.view_mut((0, count), (count, 1)).copy_from(&left);
+        bordered
+            .view_mut((count, 0), (1, count))
+            .copy_from(&right.transpose());
+        Some(-bordered.determinant().signum() * left.dot(&(closing * right)))
+    }
+
+    /// Per zone: the states at the next entry, where what is zero by the structure takes the place of what the
+    /// reset would give; and its guard at the end, divided by the power of the duration by which it vanishes
+    /// with it. With forcing ΣT = periods·2π/ω.
+    fn equations(
+        &self,
+        point: &Vector,
+        residual: &mut [f64],
+        jacobian: &mut Matrix,
+        closing: Option<&mut Matrix>,
     ) -> Result<(), OrbitFailure> {
         let at = self.at(point)?;
         let Scales { states, time, .. } = &self.setting.scales;
@@ -51,6 +107,7 @@ impl System for AffineOrbit {
             at: &at,
             residual,
             jacobian,
+            closing,
         };
         for zone in 0..count {
             let passage = at.passage(zone, at.zones[zone].duration)?;
@@ -69,17 +126,17 @@ impl System for AffineOrbit {
                     if let Some((order, way)) = order.zip(way) {
                         let guard = &at.mode(next).guards[way.guard].row;
                         let factor = time.powi(order as i32) / self.size(guard);
-                        equations.add(row, next, &at.at_entry(next, guard, order), factor);
+                        equations.add_next(row, next, &at.at_entry(next, guard, order), factor);
                         continue;
                     }
                 } else if let Some(form) = pivot.map(|index| &facts.zero.rows[index]) {
-                    equations.add(row, next, &at.at_entry(next, form, 0), unit.recip());
+                    equations.add_next(row, next, &at.at_entry(next, form, 0), unit.recip());
                     continue;
                 }
                 let own = Row::unit(entry.len(), state);
                 let arrives = exit.map_or_else(|| own.clone(), |exit| exit.reset.row(state));
                 equations.add(row, zone, &passage.at_end(&arrives), unit.recip());
-                equations.add(row, next, &Jet::at_entry(&own, &entry), -unit.recip());
+                equations.add_next(row, next, &Jet::at_entry(&own, &entry), -unit.recip());
             }
             let row = first + n;
             let mode = &at.posed.system.modes[self.sequence.zone(zone).mode];
@@ -98,8 +155,12 @@ impl System for AffineOrbit {
                 equations.add(row, zone, &at.at_entry(zone, &rate, 0), factor);
             }
         }
-        if self.is_forced() {
+        if let Some(index) = self.phase_index() {
             let row = width * count;
+            // the phase is the same after the period, and perturbed as everything is
+            if let Some(closing) = equations.closing {
+                closing[(row, index)] = -TAU.recip();
+            }
             let omega = at.posed.system.omega;
             let turns = f64::from(self.setting.periods);
             let total: f64 = at.zones.iter().map(|zone| zone.duration).sum();

@@ -142,6 +142,9 @@ const RETURNED: f64 = 1e-6;
 /// One that settles slowly has returned, too, where it is off by no more than this: Newton's method does the rest.
 const NEARLY: f64 = 1e-3;
 
+/// A state smaller than this part of its size over the whole motion has decayed to zero: Newton's method does the rest.
+const DECAYED: f64 = 1e-9;
+
 /// Most switches of one orbit.
 const MOST_SWITCHES: usize = 200;
 
@@ -207,7 +210,7 @@ fn found(
         None => settle.max(1.0),
     };
     let mut motion = Motion::new(&system, place, longest);
-    run(&mut motion, settle)?;
+    let whole = sizes(&beginning.state, &run(&mut motion, settle)?);
     let time = guess.map(|time| {
         if is_forced {
             f64::from(wanted.periods.max(1)) * period
@@ -221,7 +224,13 @@ fn found(
             at_zero: None,
             periods: wanted.periods.max(1),
         },
-        _ if is_forced => forced(wanted, &system, &mut motion, period, guess.is_some())?,
+        _ if is_forced => forced(
+            wanted,
+            &system,
+            &mut motion,
+            (period, guess.is_some()),
+            &whole,
+        )?,
         Some(time) => {
             /// How much later than the time the last switch may come.
             const LATE: f64 = 1.01;
@@ -238,13 +247,15 @@ fn found(
                 periods: 1,
             }
         }
-        None => free(wanted, &system, &mut motion, longest).map_err(|reason| match reason {
-            NoStart::Leaves { time } if rests(&system, motion.place(), &beginning.state) => {
-                let place = motion.place().clone();
-                NoStart::Rests { time, place }
-            }
-            reason => reason,
-        })?,
+        None => {
+            free(wanted, &system, &mut motion, longest, &whole).map_err(|reason| match reason {
+                NoStart::Leaves { time } if rests(&system, motion.place(), &beginning.state) => {
+                    let place = motion.place().clone();
+                    NoStart::Rests { time, place }
+                }
+                reason => reason,
+            })?
+        }
     };
     let parts = course.zones.iter().map(|(place, switching, duration)| {
         // a switch that leads to where infinitely many others end
@@ -362,7 +373,16 @@ fn run(motion: &mut Motion, until: f64) -> Result<Switches, NoStart> {
 /// How far a place is from another one that should be the same, relative to the states on the way and to what their
 /// rates, and those of the rates, make of the time between: a state may be zero at all of the switches, begin and end a
 /// zone of sliding with no rate, or be at rest at the beginning.
-fn distance(system: &AffineSystem, begin: &Place, here: &Place, switches: &Switches) -> f64 {
+///
+/// A state whose size is next to nothing of the one in `whole`, that over the whole motion, has decayed to zero: it is the
+/// same as before however fast it decays.
+fn distance(
+    system: &AffineSystem,
+    begin: &Place,
+    here: &Place,
+    switches: &Switches,
+    whole: &[f64],
+) -> f64 {
     let ends = switches
         .iter()
         .flat_map(|(Switching { from, before, .. }, place)| {
@@ -383,12 +403,32 @@ fn distance(system: &AffineSystem, begin: &Place, here: &Place, switches: &Switc
             sizes[state] = sizes[state].max(size);
         }
     }
-    let pairs = begin.state.iter().zip(&here.state).zip(sizes);
-    let off = |((x, y), size): ((&f64, &f64), f64)| {
+    let pairs = begin
+        .state
+        .iter()
+        .zip(&here.state)
+        .zip(sizes.iter().zip(whole));
+    let off = |((x, y), (size, whole)): ((&f64, &f64), (&f64, &f64))| {
         let off = (x - y).abs();
-        if off == 0.0 { 0.0 } else { off / size }
+        let decayed = *size <= DECAYED * whole;
+        if off == 0.0 || decayed {
+            0.0
+        } else {
+            off / size
+        }
     };
     pairs.map(off).fold(0.0, f64::max)
+}
+
+/// The largest value of every state where a motion begins and at its switches.
+fn sizes(begin: &[f64], switches: &Switches) -> Vec<f64> {
+    let mut sizes: Vec<f64> = begin.iter().map(|x| x.abs()).collect();
+    for (Switching { before, .. }, place) in switches {
+        for (size, (x, y)) in sizes.iter_mut().zip(before.iter().zip(&place.state)) {
+            *size = size.max(x.abs()).max(y.abs());
+        }
+    }
+    sizes
 }
 
 /// The zones of a motion that has returned after `time` to where it was: from its first switch on.
@@ -427,8 +467,8 @@ fn forced(
     wanted: &Wanted,
     system: &AffineSystem,
     motion: &mut Motion,
-    period: f64,
-    is_guess: bool,
+    (period, is_guess): (f64, bool),
+    whole: &[f64],
 ) -> Result<Course, NoStart> {
     let begin = motion.place().clone();
     let most = wanted.periods.max(1);
@@ -442,7 +482,7 @@ fn forced(
         }
         counts.push(switches.len());
         let here = motion.place();
-        let off = distance(system, &begin, here, &switches);
+        let off = distance(system, &begin, here, &switches, whole);
         let returned = here.mode == begin.mode;
         tried.push(if returned { off } else { f64::INFINITY });
         if tried.last().is_some_and(|off| *off <= RETURNED) && !is_guess {
@@ -492,6 +532,7 @@ fn free(
     system: &AffineSystem,
     motion: &mut Motion,
     longest: f64,
+    whole: &[f64],
 ) -> Result<Course, NoStart> {
     let mut next = || {
         let since = motion.place().time;
@@ -515,7 +556,7 @@ fn free(
             return Err(NoStart::Switches(switches.len()));
         }
         if returned {
-            tried.push(distance(system, &begin, &here, &switches));
+            tried.push(distance(system, &begin, &here, &switches, whole));
             counts.push(switches.len());
             if tried.last().is_some_and(|off| *off <= RETURNED) {
                 break;
@@ -624,6 +665,7 @@ pub(super) fn scaled(
         system: wanted.system.clone(),
         values: wanted.values.clone(),
         parameter: wanted.parameter,
+        second: None,
         periods,
         stability: wanted.stability,
         scales,
