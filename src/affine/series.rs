@@ -391,6 +391,9 @@ impl Field {
                 }
             }
         }
+        if series.lanes > 1 {
+            length = self.length_of_derivatives(series, length);
+        }
         let direction = if forward { 1.0 } else { -1.0 };
         for (index, step) in self.program.steps.iter().enumerate() {
             if step.rule == Rule::Function(Function::Abs) && self.needed[index] {
@@ -404,6 +407,46 @@ impl Field {
                 taylor.rotate_left(order.min(COEFFICIENTS));
                 if let Some(place) = Bernstein::from_taylor(&taylor, 0.0).first_crossing() {
                     length *= place;
+                }
+            }
+        }
+        length
+    }
+}
+
+impl Field {
+    /// How long the polynomials of the derivatives of the components before the terms hold, and at most. A motion on a slow
+    /// manifold is smooth however fast perturbations of it decay: where a piece is long for these, their polynomials grow
+    /// instead, and of the flow nothing is left.
+    ///
+    /// What perturbations of the sizes of the components make of one is looked at, against the largest of its own orders.
+    fn length_of_derivatives(&self, series: &Series, longest: f64) -> f64 {
+        /// Part that may be left out: more than of the motion, so that no piece is shorter for it where perturbations are as
+        /// smooth as the motion.
+        const LEFT_OUT: f64 = 1e-12;
+        let base = self.program.base;
+        let powers = |j: usize| longest.powi(j as i32);
+        let sizes: Vec<f64> = (0..base)
+            .map(|l| {
+                let terms = (0..=COEFFICIENTS).map(|j| series.value(j, l).abs() * powers(j));
+                terms.fold(0.0, f64::max)
+            })
+            .collect();
+        let mut length = longest;
+        for c in 0..base {
+            let size = |j: usize| {
+                let lanes = series.get(j, c)[1..=base].iter().zip(&sizes);
+                lanes.fold(0.0_f64, |most, (by, size)| most.max(by.abs() * size))
+            };
+            for last in [COEFFICIENTS, COEFFICIENTS + 1] {
+                let tail = size(last);
+                let holds = |j: usize| {
+                    let allowed = LEFT_OUT * size(j) / tail;
+                    allowed.powf(((last - j) as f64).recip())
+                };
+                let long = tail * length.powi(last as i32) <= LEFT_OUT * sizes[c];
+                if tail > 0.0 && !long {
+                    length = length.min((0..last).map(holds).fold(0.0, f64::max));
                 }
             }
         }

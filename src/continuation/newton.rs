@@ -1,5 +1,7 @@
 //! Newton's method for a system of n equations in n + 1 unknowns closed by one constraint.
 
+use std::cell::Cell;
+
 use serde::{Deserialize, Serialize};
 
 use crate::linalg::{Factors, Matrix, Vector, pseudo_inverse};
@@ -140,6 +142,15 @@ pub struct Bordered {
     pub right_side: Vector,
 }
 
+thread_local! {
+    static EVALUATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// How many bordered systems have been evaluated on this thread: a measure of work that is the same on every machine.
+pub(crate) fn evaluations() -> u64 {
+    EVALUATIONS.with(Cell::get)
+}
+
 /// The system together with a constraint at a point.
 ///
 /// # Errors
@@ -149,6 +160,7 @@ pub fn bordered<S: System>(
     constraint: &mut impl Constraint<S>,
     point: &Vector,
 ) -> Result<Bordered, S::Failure> {
+    EVALUATIONS.with(|count| count.set(count.get() + 1));
     let n = system.unknowns();
     let mut matrix = Matrix::zeros(n, n);
     let mut right_side = Vector::zeros(n);

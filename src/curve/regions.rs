@@ -25,6 +25,7 @@ use super::system::EventSystem;
 use crate::continuation::Node;
 use crate::continuation::arclength::advance;
 use crate::continuation::locate::retangent;
+use crate::continuation::newton;
 use crate::continuation::walk;
 use crate::linalg::Vector;
 use crate::orbit::EventType::{EP, LP, UZ};
@@ -50,6 +51,8 @@ const ACROSS: f64 = 0.35;
 /// those of slow waves which chatter; nothing near the curve is missed with them.
 const MOST_STEPS: usize = 1200;
 const MOST_ZONES: usize = 10;
+/// Evaluations of the equations of an orbit that a step of an arm may take, with an event in it, to count as one.
+const PER_STEP: u64 = 64;
 /// The shortest step of an arm: shorter ones are those of an arm about to fail.
 const SHORTEST: f64 = 1e-6;
 
@@ -354,9 +357,13 @@ impl<B> Walked<'_, B> {
         let most = MOST_STEPS.min(*self.budget);
         let (mut steps, mut end) = (0, End::Closed);
         while steps < most {
+            let before = newton::evaluations();
             let (found, ended) = arm.step();
-            steps += 1;
-            *self.budget -= 1;
+            // an event from which many orbits are tried takes as long as many steps
+            let work = (newton::evaluations() - before) / PER_STEP;
+            let cost = 1 + usize::try_from(work).unwrap_or(most);
+            steps += cost;
+            *self.budget = self.budget.saturating_sub(cost);
             for found in found {
                 let kind = found.kind();
                 let Found {

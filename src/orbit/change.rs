@@ -116,8 +116,11 @@ pub struct Together<O: Orbit> {
     pub search: Search<O>,
 }
 
-/// Candidates kept, or tried, of those that make some of several changes.
+/// Candidates kept of those that make some of several changes.
 const MOST_TOGETHER: usize = 64;
+
+/// Second changes tried of all pairs: beside an event of many zones there are hundreds, and none leads on.
+const MOST_PAIRS: usize = 16;
 
 /// Looks for the admissible continuation that makes a change at every instant at which margins vanish together, as
 /// they do in both halves of a symmetric orbit. `instants` are the margins of each.
@@ -234,7 +237,7 @@ pub fn beyond_both<O: Orbit>(
                     let same = |(orbit, margin): &(O, O::Margin)| {
                         O::is_same(margin, second) && *orbit == between
                     };
-                    if tried.len() >= MOST_TOGETHER || tried.iter().any(same) {
+                    if tried.len() >= MOST_PAIRS || tried.iter().any(same) {
                         return None;
                     }
                     tried.push((between.clone(), second.clone()));

@@ -481,3 +481,34 @@ fn no_curve_without_symmetry() {
     let parameter = "d".to_owned();
     assert_eq!(refused, NoCurve::Unfolds { parameter });
 }
+
+/// A predator and its prey through a year, doubled at −1: on the curve of doublings the second multiplier comes to −1 too.
+/// The place of the resonance 1:2 is that of an independent program in 16 digits.
+#[test]
+fn a_doubling_comes_to_its_resonance() {
+    let text = r#"(
+        title: "seasons",
+        system: (
+            states: ["x", "y"],
+            parameters: {"r": 6.28, "K": 1.0, "a": 12.56, "b0": 0.36, "e": 1.0, "d": 6.28, "eps": 0.3, "w": 6.283185307179586},
+            forcing: "w",
+            define: {"q": "a*x/(b0*(1 + eps*cos(phase)) + x)"},
+            modes: {"only": (rates: {"x": "r*(1 - x/K)*x - q*y", "y": "e*q*y - d*y"}, until: [])},
+        ),
+        orbit: (start: Simulate(mode: "only", state: {"x": 0.3, "y": 0.3}, settle: 300)),
+        continuation: (parameter: "eps", range: (0.2, 0.5), toward: Up),
+        stability: (),
+        curve: (event: PD, parameters: ("b0", "eps"), range: ((0.32, 0.4), (0.2, 0.5))),
+    )"#;
+    let Any::System(problem) = parse_any(text, "test").unwrap() else {
+        panic!("a system");
+    };
+    let curve = curve(&problem);
+    let met = of(&curve, PointType::Resonance(2));
+    assert_eq!(met.len(), 1, "{} {}", curve.end(0), curve.end(1));
+    let expected = [0.340_130_111_780_859_4, 0.336_221_646_704_923_2];
+    for (found, expected) in met[0].parameters.iter().zip(expected) {
+        let off = (found - expected).abs();
+        assert!(off < 2e-13, "{off:e}");
+    }
+}
