@@ -490,7 +490,7 @@ fn a_doubling_comes_to_its_resonance() {
         title: "seasons",
         system: (
             states: ["x", "y"],
-            parameters: {"r": 6.28, "K": 1.0, "a": 12.56, "b0": 0.36, "e": 1.0, "d": 6.28, "eps": 0.3, "w": 6.283185307179586},
+            parameters: {"r": 6.28, "K": 1.0, "a": 12.56, "b0": 0.36, "e": 1.0, "d": 6.28, "eps": 0.28, "w": 6.283185307179586},
             forcing: "w",
             define: {"q": "a*x/(b0*(1 + eps*cos(phase)) + x)"},
             modes: {"only": (rates: {"x": "r*(1 - x/K)*x - q*y", "y": "e*q*y - d*y"}, until: [])},
