@@ -373,6 +373,9 @@ impl<O: Orbit> Display for orbit::special::Refusal<O> {
                 O::column(parameter)
             ),
             Refusal::Order => f.write_str("the order of two events is not resolved"),
+            Refusal::NoSolution => {
+                f.write_str("the orbit of the event does not solve its equations")
+            }
         }
     }
 }
@@ -384,10 +387,36 @@ impl<O: Orbit> Display for orbit::special::Stop<O> {
             Stop::NoSignature => {
                 f.write_str("no sequence of regimes solves the equations beyond this event")
             }
-            Stop::NoneAdmissible(tried) => write!(
+            Stop::NoneAdmissible(tried) => {
+                f.write_str("no admissible signature continues beyond this event; tried ")?;
+                let (no_solutions, refused): (Vec<_>, Vec<_>) =
+                    tried.iter().partition(|tried| tried.is_no_solution());
+                f.write_str(&list(&refused, "; "))?;
+                let signatures = no_solutions
+                    .iter()
+                    .filter_map(|tried| tried.signature.as_ref());
+                let signatures: Vec<_> = signatures.collect();
+                if signatures.is_empty() {
+                    return Ok(());
+                }
+                let between = if refused.is_empty() { "" } else { "; " };
+                write!(
+                    f,
+                    "{between}of {} the orbit of the event does not solve the equations",
+                    list(&signatures, ", ")
+                )
+            }
+            Stop::Converges {
+                kind,
+                changes,
+                ratio,
+                parameter,
+                limit,
+                error,
+            } => write!(
                 f,
-                "no admissible signature continues beyond this event; tried {}",
-                list(tried, "; ")
+                "a sequence without end: {changes} events {kind} in a row add the same zones each, and the distances of                  their values fall by {ratio:.3} from one to the next; they converge at {} = {limit:.9} ± {error:.0e}",
+                O::column(parameter)
             ),
             Stop::Flow(error) => error.fmt(f),
             Stop::Own(stop) => stop.fmt(f),

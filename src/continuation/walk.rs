@@ -98,6 +98,12 @@ pub trait Curve: Sized {
     /// comes to `reached`.
     fn closing(&self, s: f64, first: &Node, reached: Self::Found) -> Self::Found;
 
+    /// The first node of the curve by every set of unknowns next to a node that gives the same point: an angle has many,
+    /// and a cycle that repeats itself may begin at several places.
+    fn aliases(&self, first: &Node, _near: &Node) -> Vec<Node> {
+        vec![first.clone()]
+    }
+
     /// Why the curve does not go on from a node that was reached.
     fn exhausted(&self, _node: &Node) -> Option<Self::End> {
         None
@@ -402,16 +408,16 @@ impl<C: Curve> Walker<C> {
                 }
             }
         }
-        let closed = self.closes(&step);
+        let passed = self.closes(&step);
         let from = std::mem::replace(&mut self.node, taken.node);
         self.travelled += ds;
         self.watched = watched;
         self.ds = taken.next;
         self.curve.arrive(&self.node);
         let here = |walker: &Walker<C>| walker.curve.point(ds, &walker.node, &walker.watched);
-        if closed {
+        if let Some(passed) = passed {
             let (_, first) = &self.origin;
-            let s = from.tangent.dot(&(&first.point - &from.point));
+            let s = from.tangent.dot(&(&passed.point - &from.point));
             found.push(self.curve.closing(s, first, here(self)));
             return Ok((found, Some(End::Closed)));
         }
@@ -433,17 +439,20 @@ impl<C: Curve> Walker<C> {
         (self.creeping >= steps).then_some(End::Creeps { steps, longest })
     }
 
-    /// Whether a step passes the first point again.
-    fn closes(&self, step: &Segment<C::Watched>) -> bool {
+    /// The first point, as one of its aliases, where a step passes it again.
+    fn closes(&self, step: &Segment<C::Watched>) -> Option<Node> {
         let (name, first) = &self.origin;
         if self.travelled < 4.0 * step.ds || name != self.curve.name() {
-            return false;
+            return None;
         }
-        let side = |node: &Node| first.tangent.dot(&(&node.point - &first.point));
-        side(step.from) < 0.0
-            && side(step.to) >= 0.0
-            && (&step.to.point - &first.point).norm() <= CLOSED * step.ds
-            && step.to.tangent.dot(&first.tangent) > 0.9
+        let passes = |first: &Node| {
+            let side = |node: &Node| first.tangent.dot(&(&node.point - &first.point));
+            side(step.from) < 0.0
+                && side(step.to) >= 0.0
+                && (&step.to.point - &first.point).norm() <= CLOSED * step.ds
+                && step.to.tangent.dot(&first.tangent) > 0.9
+        };
+        self.curve.aliases(first, step.to).into_iter().find(passes)
     }
 }
 

@@ -72,14 +72,40 @@ pub fn beyond<O: Orbit>(
                     }
                 }
             },
-            Err(NotEntered::Refused(reason)) => search.refused.push(Tried {
-                signature: Some(candidate.orbit.signature().clone()),
-                reason,
-            }),
-            Err(NotEntered::NoSolution) => {}
+            Err(reason) => {
+                let reason = match reason {
+                    NotEntered::Refused(reason) => reason,
+                    NotEntered::NoSolution => Refused::Curve(Refusal::NoSolution),
+                };
+                search.add_refused([Tried {
+                    signature: Some(candidate.orbit.signature().clone()),
+                    reason,
+                }]);
+            }
         }
     }
     search
+}
+
+impl<O: Orbit> Search<O> {
+    /// Adds signatures that were refused, each once: how near it came to an admissible one counts.
+    pub(super) fn add_refused(&mut self, refused: impl IntoIterator<Item = Tried<O>>) {
+        for one in refused {
+            let mut known = self.refused.iter_mut();
+            match known.find(|known| known.signature == one.signature) {
+                Some(known) if known.is_no_solution() => *known = one,
+                Some(_) => {}
+                None => self.refused.push(one),
+            }
+        }
+    }
+}
+
+impl<O: Orbit> Tried<O> {
+    /// Whether the orbit of the event does not solve its equations.
+    pub fn is_no_solution(&self) -> bool {
+        matches!(self.reason, Refused::Curve(Refusal::NoSolution))
+    }
 }
 
 /// Margins by the instant of the period at which each is looked at, in their order.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::cascade::Cascade;
 use super::change::{self, Beyond, Both};
 use super::events::{self, Event, Located};
 use super::special::{Change, Close, Ending, Failure, NoFollower, Refusal, Special, Stop};
@@ -127,6 +128,9 @@ pub struct State<S> {
     /// Steps in a row that creep.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub creeping: usize,
+    /// Changes of signature in a row that are alike.
+    #[serde(default, skip_serializing_if = "Cascade::is_empty")]
+    pub cascade: Cascade,
 }
 
 fn is_zero(count: &usize) -> bool {
@@ -141,6 +145,8 @@ pub struct Track<O> {
     limits: Arc<Limits>,
     /// Direction of the parameter: +1 or −1.
     heading: f64,
+    /// Changes of signature in a row that are alike.
+    cascade: Cascade,
 }
 
 /// A branch being followed.
@@ -170,6 +176,7 @@ impl<O: Orbit> Walker<Track<O>> {
             orbit: Arc::new(orbit),
             limits: Arc::new(limits.ordered()),
             heading,
+            cascade: Cascade::default(),
         };
         Ok(Walker::begin(branch, node, steps)?)
     }
@@ -203,6 +210,7 @@ impl<O: Orbit> Walker<Track<O>> {
             orbit: Arc::new(posed),
             limits: Arc::new(limits.ordered()),
             heading: state.heading,
+            cascade: state.cascade,
         };
         Ok(Walker {
             ds: state.ds,
@@ -226,6 +234,7 @@ impl<O: Orbit> Walker<Track<O>> {
             origin: (signature.clone(), list(&first.point), list(&first.tangent)),
             travelled: self.travelled,
             creeping: self.creeping,
+            cascade: self.curve.cascade.clone(),
         }
     }
 }
@@ -408,6 +417,10 @@ impl<O: Orbit> Curve for Track<O> {
         self.orbit.stretch(&node.point)
     }
 
+    fn aliases(&self, first: &Node, near: &Node) -> Vec<Node> {
+        self.orbit.aliases(first, near)
+    }
+
     fn arrive(&mut self, node: &Node) {
         if node.tangent[node.tangent.len() - 1] * self.heading < 0.0 {
             self.heading = -self.heading;
@@ -564,8 +577,10 @@ impl<O: Orbit> Track<O> {
         margins: &[O::Margin],
         step: &Segment<O::Examination>,
     ) -> Outcome<Track<O>> {
-        let ds = step.ds.clamp(INTO * step.steps.ds, step.steps.ds);
         let point = &found.node.point;
+        // of unknowns much larger than their units a step is a part of their size
+        let longest = step.steps.ds * self.orbit.stretch(point);
+        let ds = step.ds.clamp(INTO * longest, longest);
         let search = |margin: &O::Margin| {
             change::beyond(self.orbit.as_ref(), point, margin, ds, step.steps.tolerance)
         };
@@ -585,6 +600,8 @@ impl<O: Orbit> Track<O> {
             let found = search(other);
             if found.beyond.is_some() {
                 (margin, search_there) = (other.clone(), found);
+            } else {
+                search_there.add_refused(found.refused);
             }
         }
         let mut passed = Vec::new();
@@ -621,7 +638,7 @@ impl<O: Orbit> Track<O> {
         let Some(Beyond { orbit, node, ds }) = beyond else {
             let stop = change::ending(self.orbit.as_ref(), &found.node.point, &margin, refused);
             change.end = Some(stop.clone());
-            let completes = matches!(&stop, Stop::Own(stop) if O::completes(stop));
+            let completes = stop.completes();
             let end = walk::End::Own(stop);
             found.special = Some(Special::Change(Box::new(change)));
             if completes {
@@ -662,6 +679,26 @@ impl<O: Orbit> Track<O> {
             passed.push(found);
             return Outcome::Ended(passed, walk::End::Own(Stop::Own(stop)));
         }
+        let mut cascade = self.cascade.clone();
+        let more = orbit.unknowns().saturating_sub(self.orbit.unknowns());
+        cascade.take(change.kind, more, found.parameter);
+        let (low, high) = self.limits.range;
+        let limit = cascade.limit();
+        if let Some(limit) = limit.filter(|limit| low < limit.value && limit.value < high) {
+            let stop = Stop::Converges {
+                kind: change.kind,
+                changes: limit.changes,
+                ratio: limit.ratio,
+                parameter: self.orbit.parameter(),
+                limit: limit.value,
+                error: limit.error,
+            };
+            change.end = Some(stop.clone());
+            found.special = Some(Special::Change(Box::new(change)));
+            found.entered = Some((Arc::new(orbit), node));
+            passed.push(found);
+            return Outcome::Ended(passed, walk::End::Own(stop));
+        }
         let drift = node.tangent[node.tangent.len() - 1];
         change.turned_back = drift * self.heading < 0.0 && !events::is_vertical(&orbit, &node);
         let orbit = Arc::new(orbit);
@@ -673,6 +710,7 @@ impl<O: Orbit> Track<O> {
             } else {
                 self.heading
             },
+            cascade,
         };
         found.entered = Some((orbit, node.clone()));
         found.special = Some(Special::Change(Box::new(change)));

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::follow::{Follower, Found, Limits, State};
-use super::special::{Ending, Failure, ResumeMismatch, Special, Stop};
+use super::special::{Ending, Failure, ResumeMismatch, Special};
 use super::{EventType, Orbit};
 use crate::continuation::walk::End as WalkEnd;
 use crate::continuation::{Node, Steps};
@@ -266,16 +266,18 @@ impl<O: Orbit> Legs<O> {
 
     /// Takes note of how a leg ended; `stopped` where the whole run is to.
     pub fn finish(&mut self, end: Option<Ending<O>>, stopped: bool) {
+        let closed = end == Some(WalkEnd::Closed);
         let done = |end: &Ending<O>| match end {
             WalkEnd::Edge | WalkEnd::Closed => true,
-            WalkEnd::Own(Stop::Own(stop)) => O::completes(stop),
+            WalkEnd::Own(stop) => stop.completes(),
             _ => false,
         };
         if let Some(end) = end.filter(|end| !stopped && !done(end)) {
             let failure = Failure::Ended(Box::new(end));
             self.progress.failure.get_or_insert(failure);
         }
-        if self.progress.leg < self.plan.directions.len() && !stopped {
+        // a closed branch is the same either way
+        if self.progress.leg < self.plan.directions.len() && !stopped && !closed {
             let next = Progress {
                 leg: self.progress.leg + 1,
                 before_leg: self.progress.points,

@@ -9,9 +9,11 @@
 //! - [`sign`] tells the sign of a function over a whole interval;
 //! - [`event`] has the types of special points, [`special`] what makes a point special and why a branch ends;
 //! - [`events`] locates what happens within a step, `retrace` where the branch would retrace itself, [`change`] finds the signature beyond a change;
+//! - [`cascade`] recognises changes that follow one another without end;
 //! - [`follow`] puts them together into a curve for the walker of [`crate::continuation`];
 //! - [`legs`] goes both ways from a first orbit, and numbers points, labels and events.
 
+pub mod cascade;
 pub mod change;
 pub mod event;
 pub mod events;
@@ -212,6 +214,11 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
     /// than their units.
     fn stretch(&self, _point: &Vector) -> f64 {
         1.0
+    }
+
+    /// A node by every set of unknowns next to another node that gives the same orbit with the same tangent.
+    fn aliases(&self, node: &Node, _near: &Node) -> Vec<Node> {
+        vec![node.clone()]
     }
 
     /// Whether thin layers may turn the branch within a step: the first step into a signature is then tried

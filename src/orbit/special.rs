@@ -117,6 +117,8 @@ pub enum Refusal<O: Orbit> {
     },
     /// Another inequality fails where an event is.
     Order,
+    /// The orbit of an event does not solve the equations of a signature tried beyond it.
+    NoSolution,
 }
 
 impl<O: Orbit> std::error::Error for Refusal<O> {}
@@ -131,8 +133,34 @@ pub enum Stop<O: Orbit> {
     NoneAdmissible(Vec<Tried<O>>),
     /// The first point beyond an event cannot be evaluated.
     Flow(O::Failure),
+    /// Changes of one type follow one another without end, each with more zones than the one before.
+    Converges {
+        /// Their type.
+        kind: EventType,
+        /// How many were seen.
+        changes: usize,
+        /// Limit of the ratio of successive distances of their values.
+        ratio: f64,
+        /// Parameter of the branch.
+        parameter: O::Parameter,
+        /// The value to which theirs converge.
+        limit: f64,
+        /// Its error.
+        error: f64,
+    },
     /// Something that the system knows of.
     Own(O::Stop),
+}
+
+impl<O: Orbit> Stop<O> {
+    /// Whether the end leaves nothing undone: it is no failure.
+    pub fn completes(&self) -> bool {
+        match self {
+            Stop::Converges { .. } => true,
+            Stop::Own(stop) => O::completes(stop),
+            Stop::NoSignature | Stop::NoneAdmissible(_) | Stop::Flow(_) => false,
+        }
+    }
 }
 
 /// A signature tried beyond an event and refused.

@@ -5,6 +5,7 @@
 
 mod branches;
 mod crossings;
+mod ending;
 mod matrices;
 mod motion;
 mod nonlinear;

@@ -7,11 +7,11 @@
 
 use std::f64::consts::TAU;
 
-use super::OrbitStop;
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, ZonePoint};
 use super::margin::{Margin, Watch};
 use super::signature::{Sequence, Way, Zone};
 use super::structure::section;
+use super::{CLOSING, OrbitStop};
 use crate::affine::mode::Row;
 use crate::linalg::Vector;
 use crate::orbit::Candidate;
@@ -60,9 +60,6 @@ pub fn candidates(
     margin: &Margin,
 ) -> Result<Vec<Candidate<AffineOrbit>>, OrbitFailure> {
     let at = orbit.at(point)?;
-    let Some(opened) = at.open(margin)? else {
-        return Ok(Vec::new());
-    };
     let parameter = orbit.parameter_at(point);
     let mut found: Vec<Candidate<AffineOrbit>> = Vec::new();
     let mut add = |pieces: Vec<Piece>| {
@@ -91,43 +88,8 @@ pub fn candidates(
             found.push(candidate);
         }
     };
-    let Some((first, last)) = opened.pieces.first().zip(opened.pieces.last()) else {
-        return Ok(Vec::new());
-    };
-    let same = first.zone.mode == last.zone.mode && at.agree(&opened.z, &first.at.state);
-    // without forcing what switches no more rests, or is one of a family that the parameter does not tell apart, where
-    // the mode is linear
-    let family = at.posed.system.modes[first.zone.mode].field.is_exact;
-    let alone = opened.pieces.len() == 1 && !orbit.is_forced() && family;
-    if same && !opened.joined && !alone {
-        add(at.merged(&opened.pieces));
-    }
-    for chain in at.chains(last.zone.mode, &opened, &first.at.state, first.zone.mode) {
-        let mut pieces = opened.pieces.clone();
-        let mut way = None;
-        for (index, stage) in chain.iter().enumerate() {
-            if let Some(last) = pieces.last_mut() {
-                last.zone.way = Some(stage.way);
-            }
-            if index + 1 == chain.len() {
-                way = Some(stage.way);
-                break;
-            }
-            pieces.push(Piece {
-                zone: Zone {
-                    mode: stage.mode,
-                    way: None,
-                    name: orbit.setting.system.mode_name(stage.mode).to_owned(),
-                },
-                at: ZonePoint {
-                    state: stage.state.clone(),
-                    duration: 0.0,
-                    phase: opened.phase,
-                },
-                nascent: true,
-            });
-        }
-        if way.is_some() {
+    for opened in at.open(margin)? {
+        for pieces in at.closed(&opened) {
             add(pieces);
         }
     }
@@ -178,53 +140,122 @@ impl OrbitAt<'_> {
         }
     }
 
-    /// Cuts the orbit open where a margin is zero; `None` where nothing is left.
-    fn open(&self, margin: &Margin) -> Result<Option<Opened>, OrbitFailure> {
+    /// The cycles that join the two sides of an orbit cut open, without a switch or by a chain of exits.
+    fn closed(&self, opened: &Opened) -> Vec<Vec<Piece>> {
+        let Some((first, last)) = opened.pieces.first().zip(opened.pieces.last()) else {
+            return Vec::new();
+        };
+        let mut cycles = Vec::new();
+        let same = first.zone.mode == last.zone.mode && self.agree(&opened.z, &first.at.state);
+        // without forcing what switches no more rests, or is one of a family that the parameter does not tell apart,
+        // where the mode is linear
+        let family = self.posed.system.modes[first.zone.mode].field.is_exact;
+        let alone = opened.pieces.len() == 1 && !self.orbit.is_forced() && family;
+        if same && !opened.joined && !alone {
+            cycles.push(self.merged(&opened.pieces));
+        }
+        for chain in self.chains(last.zone.mode, opened, &first.at.state, first.zone.mode) {
+            let mut pieces = opened.pieces.clone();
+            for (index, stage) in chain.iter().enumerate() {
+                if let Some(last) = pieces.last_mut() {
+                    last.zone.way = Some(stage.way);
+                }
+                if index + 1 < chain.len() {
+                    pieces.push(self.nascent(stage, opened.phase));
+                }
+            }
+            cycles.push(pieces);
+        }
+        cycles
+    }
+
+    /// The zone of a mode on the way, which has no length yet.
+    fn nascent(&self, stage: &Stage, phase: f64) -> Piece {
+        Piece {
+            zone: Zone {
+                mode: stage.mode,
+                way: None,
+                name: self.orbit.setting.system.mode_name(stage.mode).to_owned(),
+            },
+            at: ZonePoint {
+                state: stage.state.clone(),
+                duration: 0.0,
+                phase,
+            },
+            nascent: true,
+        }
+    }
+
+    /// The orbit cut open where a margin is zero; also without the zones beside that instant that have come to no
+    /// length by then, since zones may vanish together. Empty where nothing is left.
+    fn open(&self, margin: &Margin) -> Result<Vec<Opened>, OrbitFailure> {
         let count = self.zones.len();
         let zone = margin.zone;
-        let omega = self.posed.system.omega.value;
-        // between the end of one zone and the entry of another
-        let between = |before: usize, first: usize, pieces: usize| {
-            let before = before % count;
-            let ends = &self.zones[before];
-            Ok(Some(Opened {
-                pieces: (first..first + pieces)
-                    .map(|zone| self.piece(zone))
-                    .collect(),
-                z: self.passage(before, ends.duration)?.end,
-                phase: ends.phase + omega * ends.duration,
-                joined: false,
-            }))
+        // the zone before the instant, how many vanish there, and how many are left
+        let (before, vanishing) = match margin.watch {
+            Watch::Inside(_) => return Ok(vec![self.opened_within(zone, margin.time)?]),
+            Watch::Duration => (zone + count - 1, 1),
+            Watch::Onset(_) => (zone + count - 1, 0),
+            Watch::End(_) | Watch::Speed | Watch::Condition(_) | Watch::Before(_) => (zone, 0),
         };
-        match margin.watch {
-            Watch::Duration if count < 2 => Ok(None),
-            Watch::Duration => between(zone + count - 1, zone + 1, count - 1),
-            Watch::Onset(_) => between(zone + count - 1, zone, count),
-            Watch::End(_) | Watch::Speed | Watch::Condition(_) | Watch::Before(_) => {
-                between(zone, zone + 1, count)
-            }
-            Watch::Inside(_) => {
-                let z = self.passage(zone, margin.time)?.end;
-                let phase = self.zones[zone].phase + omega * margin.time;
-                let mut second = self.piece(zone);
-                second.at.state = z.rows(0, self.orbit.states()).iter().copied().collect();
-                second.at.phase = phase;
-                let mut pieces = vec![second];
-                if self.orbit.sequence.zone(zone).way.is_some() {
-                    pieces[0].at.duration -= margin.time;
-                    pieces.extend((zone + 1..zone + count).map(|zone| self.piece(zone)));
-                    let mut first = self.piece(zone);
-                    first.at.duration = margin.time;
-                    pieces.push(first);
-                }
-                Ok(Some(Opened {
-                    pieces,
-                    z,
-                    phase,
-                    joined: true,
-                }))
+        let scale = self.orbit.setting.scales.time;
+        let vanishes = |zone: &usize| self.zones[zone % count].duration.abs() <= CLOSING * scale;
+        let further = (0..count)
+            .map(|back| before + count - back)
+            .take_while(vanishes)
+            .count();
+        let later = (before + 1 + vanishing..before + 1 + count)
+            .take_while(vanishes)
+            .count();
+        let mut opened = Vec::new();
+        for (back, vanishing) in [(0, vanishing), (further, vanishing + further + later)] {
+            let known = opened.len() == 1 && further + later == 0;
+            if vanishing < count && !known {
+                let before = before + count - back;
+                opened.push(self.opened_between(before, vanishing)?);
             }
         }
+        Ok(opened)
+    }
+
+    /// The orbit cut open at the end of a zone, without so many zones that follow.
+    fn opened_between(&self, before: usize, vanishing: usize) -> Result<Opened, OrbitFailure> {
+        let count = self.zones.len();
+        let first = before + 1 + vanishing;
+        let before = before % count;
+        let ends = &self.zones[before];
+        Ok(Opened {
+            pieces: (first..first + count - vanishing)
+                .map(|zone| self.piece(zone))
+                .collect(),
+            z: self.passage(before, ends.duration)?.end,
+            phase: ends.phase + self.posed.system.omega.value * ends.duration,
+            joined: false,
+        })
+    }
+
+    /// The orbit cut open within a zone.
+    fn opened_within(&self, zone: usize, time: f64) -> Result<Opened, OrbitFailure> {
+        let count = self.zones.len();
+        let z = self.passage(zone, time)?.end;
+        let phase = self.zones[zone].phase + self.posed.system.omega.value * time;
+        let mut second = self.piece(zone);
+        second.at.state = z.rows(0, self.orbit.states()).iter().copied().collect();
+        second.at.phase = phase;
+        let mut pieces = vec![second];
+        if self.orbit.sequence.zone(zone).way.is_some() {
+            pieces[0].at.duration -= time;
+            pieces.extend((zone + 1..zone + count).map(|zone| self.piece(zone)));
+            let mut first = self.piece(zone);
+            first.at.duration = time;
+            pieces.push(first);
+        }
+        Ok(Opened {
+            pieces,
+            z,
+            phase,
+            joined: true,
+        })
     }
 
     /// Whether z has these states.

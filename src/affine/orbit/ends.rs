@@ -6,6 +6,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::layout::{AffineOrbit, Scales};
+use super::passage::Passage;
 use super::signature::Zone;
 use super::{CLOSING, Critical, Held, Watch};
 use crate::affine::mode::Row;
@@ -58,8 +59,28 @@ pub enum OrbitStop {
     Slides,
     /// The motion comes to rest: zones in which it moves shrink to nothing together.
     Rests {
-        /// Name of the mode that is left.
+        /// Names of the modes that are left, each once.
+        modes: Vec<String>,
+    },
+    /// The return map is discontinuous: on the one side of the event motions come back to its orbit, on the other they
+    /// come to a place at a finite distance.
+    Discontinuous {
+        /// That distance, in units of the range of the states.
+        apart: f64,
+    },
+    /// What a motion is off grows within a zone until too few digits are left, as along what repels it: a canard.
+    LosesDigits {
+        /// Name of the mode.
         mode: String,
+        /// How many times it grows.
+        growth: f64,
+    },
+    /// On the other side motions do not go on: modes follow one another at one instant, or no switch is allowed.
+    Halts {
+        /// Name of the mode in which they stop.
+        mode: String,
+        /// The guard that is zero there, as the file has it.
+        guard: String,
     },
     /// The motion only just reaches a guard: beyond it, it misses the switch, and no orbit is near.
     Misses {
@@ -131,9 +152,32 @@ impl fmt::Display for OrbitStop {
                  and leaves it ever later, until rounding decides when"
             ),
             OrbitStop::Grows => write!(formatter, "the states grow without bound: a resonance"),
-            OrbitStop::Rests { mode } => write!(
+            OrbitStop::Rests { modes } => {
+                let names: Vec<String> = modes.iter().map(|mode| format!("`{mode}`")).collect();
+                let (names, last) = (
+                    names.join(", "),
+                    if modes.len() == 1 { "lasts" } else { "last" },
+                );
+                write!(
+                    formatter,
+                    "the motion comes to rest: beyond it {names} {last} for ever, wherever it begins"
+                )
+            }
+            OrbitStop::Discontinuous { apart } => write!(
                 formatter,
-                "the motion comes to rest: beyond it `{mode}` lasts for ever, wherever it begins"
+                "the return map is discontinuous there: motions beside its orbit on the one side of the event come back \
+                 to it after a period, on the other they jump to {apart:.1e} of the range of the states away, however \
+                 near they begin, and no orbit is near"
+            ),
+            OrbitStop::LosesDigits { mode, growth } => write!(
+                formatter,
+                "what a motion is off grows {growth:.0e} times within a zone of `{mode}`, since it follows what repels it \
+                 for long (as a canard does): too few digits are left to go on"
+            ),
+            OrbitStop::Halts { mode, guard } => write!(
+                formatter,
+                "beyond it motions beside its orbit stop where {guard} of `{mode}` is zero: no mode of the system goes on \
+                 from there; a mode, a switch or an entry of `sliding` is missing, such as stick"
             ),
             OrbitStop::Misses { held } => write!(
                 formatter,
@@ -244,8 +288,13 @@ impl AffineOrbit {
 
     /// The saddle beside which an orbit without forcing spends a zone.
     fn stay(&self, point: &Vector, zone: usize) -> Option<Stay> {
-        /// It comes as near as this, in units of the states, and half way in time between decay and growth.
+        /// It comes as near as this.
         const NEAR: f64 = 1e-2;
+        self.stay_within(point, zone, NEAR)
+    }
+
+    /// The same, where it comes so near, in units of the states, half way in time between decay and growth.
+    fn stay_within(&self, point: &Vector, zone: usize, most: f64) -> Option<Stay> {
         if self.is_forced() {
             return None;
         }
@@ -264,7 +313,7 @@ impl AffineOrbit {
         let decay = -decaying.re;
         let half_way = place(time * growing / (growing + decay))?;
         let mut off = half_way.iter().zip(&equilibrium.state).zip(units);
-        let is_near = off.all(|((x, rest), unit)| (x - rest).abs() < NEAR * unit);
+        let is_near = off.all(|((x, rest), unit)| (x - rest).abs() < most * unit);
         is_near.then(|| Stay {
             zone,
             mode: name.clone(),
@@ -371,12 +420,31 @@ impl AffineOrbit {
         const SHORT: f64 = 1e-2;
         let Node { point, tangent, .. } = node;
         let duration = |zone: &usize| point[self.duration_index(*zone)];
-        let Zone { mode, name, .. } = self.sequence.zone(self.longest(point)?);
-        let mut others = (0..self.zones()).filter(|zone| self.sequence.zone(*zone).mode != *mode);
         let shrinks =
-            |zone: usize| duration(&zone) < SHORT && tangent[self.duration_index(zone)] < 0.0;
-        let shrink = self.zones() > 1 && others.all(shrinks);
-        (shrink && self.varies_within(point, most)).then(|| OrbitStop::Rests { mode: name.clone() })
+            |zone: &usize| duration(zone) < SHORT && tangent[self.duration_index(*zone)] < 0.0;
+        let (moving, resting): (Vec<usize>, Vec<usize>) = (0..self.zones()).partition(shrinks);
+        if moving.is_empty() || resting.is_empty() {
+            return None;
+        }
+        let at = self.at(point).ok()?;
+        let longest = self.sequence.zone(self.longest(point)?).mode;
+        // nothing moves in modes whose rates are all zero
+        let rests = |mode: usize| {
+            let rates = &at.posed.system.modes[mode].matrix.at;
+            mode == longest || rates.rows(0, self.states()).iter().all(|rate| *rate == 0.0)
+        };
+        let mut modes: Vec<String> = Vec::new();
+        for zone in resting {
+            let Zone { mode, name, .. } = self.sequence.zone(zone);
+            if !rests(*mode) {
+                return None;
+            }
+            if !modes.contains(name) {
+                modes.push(name.clone());
+            }
+        }
+        self.varies_within(point, most)
+            .then_some(OrbitStop::Rests { modes })
     }
 
     /// Whether no zone lasts at a point: no sequence of zones goes on from there.
@@ -480,6 +548,50 @@ impl AffineOrbit {
                 let stay = self.longest_stay(&node.point)?;
                 (stay.growth > DIGITS).then(|| self.comes_to(stay, node))
             })
+            .or_else(|| self.comes_slowly(node))
+            .or_else(|| self.loses_digits(&node.point))
+    }
+
+    /// The homoclinic orbit to which an orbit comes that has lost its digits to growth beside a saddle before it comes
+    /// near: where decay is much slower than growth. The orbit itself is computed and tells.
+    fn comes_slowly(&self, node: &Node) -> Option<OrbitStop> {
+        /// In units of the states.
+        const NEAR: f64 = 0.2;
+        let stay = self.stay_within(&node.point, self.longest(&node.point)?, NEAR)?;
+        let stop = (stay.growth > DIGITS).then(|| self.comes_to(stay, node))?;
+        matches!(&stop, OrbitStop::Homoclinic { limit: Some(_), .. }).then_some(stop)
+    }
+
+    /// Whether what a motion is off grows within a zone until half of all digits are lost.
+    fn loses_digits(&self, point: &Vector) -> Option<OrbitStop> {
+        /// Places from which growth to the end of a zone is measured.
+        const PLACES: usize = 32;
+        let at = self.at(point).ok()?;
+        let units = &self.setting.scales.states;
+        let of_zone = |zone: usize| {
+            let duration = at.zones[zone].duration;
+            let time = |place: usize| duration * place as f64 / PLACES as f64;
+            let along = at.along(zone, (0..PLACES).map(time)).ok()?;
+            let mode = at.mode(zone);
+            let growth = along.into_iter().enumerate().map(|(place, z)| {
+                let norm = mode.matrix.at.norm();
+                let passage = Passage::new(mode, norm, None, z, duration - time(place));
+                let forward = passage.forward();
+                let entries = (0..units.len())
+                    .flat_map(|row| (0..units.len()).map(move |column| (row, column)));
+                entries
+                    .map(|(row, column)| forward[(row, column)].abs() * units[column] / units[row])
+                    .fold(0.0, f64::max)
+            });
+            Some((zone, growth.fold(0.0, f64::max)))
+        };
+        let (zone, growth) = (0..self.zones())
+            .filter_map(of_zone)
+            .max_by(|(_, one), (_, other)| one.total_cmp(other))?;
+        (growth > DIGITS.exp()).then(|| OrbitStop::LosesDigits {
+            mode: self.sequence.zone(zone).name.clone(),
+            growth,
+        })
     }
 
     /// What is left to a homoclinic orbit, at most: the parameter swings about its own or comes from one side, and
@@ -528,8 +640,8 @@ impl AffineOrbit {
     }
 
     /// Without bound: what the parameter changes by while the unknowns do by their units, since its slope decays in
-    /// the time that growth beside a saddle takes, or by their size where that grows. At rest: it is even in the
-    /// durations that vanish.
+    /// the time that growth beside a saddle takes, or by their size where that grows. At rest: it changes by a power of the
+    /// durations that vanish, of order one at least.
     pub(super) fn to_limit(&self, stop: &OrbitStop, node: &Node) -> f64 {
         let Node { point, tangent, .. } = node;
         let slope = tangent[tangent.len() - 1].abs();
@@ -551,12 +663,12 @@ impl AffineOrbit {
                 None => self.left_beside_a_saddle(node),
             },
             OrbitStop::Grows => slope * self.stretch(point),
-            OrbitStop::Rests { mode } => {
-                let zones =
-                    (0..self.zones()).filter(|zone| self.sequence.zone(*zone).name != *mode);
+            OrbitStop::Rests { modes } => {
+                let moves = |zone: &usize| !modes.contains(&self.sequence.zone(*zone).name);
+                let zones = (0..self.zones()).filter(moves);
                 let rest = |zone| {
                     let index = self.duration_index(zone);
-                    0.5 * (slope * point[index] / tangent[index]).abs()
+                    (slope * point[index] / tangent[index]).abs()
                 };
                 zones.map(rest).fold(0.0, f64::max)
             }

@@ -15,6 +15,7 @@ use crate::affine::flow::ModeFlow;
 use crate::affine::mode::{AffineMode, AffineSystem, Guard, MatrixBy, Row};
 use crate::affine::stiff::STIFF;
 use crate::affine::system::{System, SystemError};
+use crate::continuation::Node;
 use crate::linalg::{Matrix, Vector, balance};
 
 /// Units of the unknowns, constant along a branch: they make every scaled unknown of order one. The phase is in
@@ -444,6 +445,52 @@ impl AffineOrbit {
         }
         point.push(parameter / unit);
         Vector::from_vec(point)
+    }
+
+    /// The same orbit begun with another zone, in a sequence that is the same from there on: zone k + `shift` becomes k.
+    pub(super) fn rotated(&self, node: &Node, shift: usize) -> Option<Node> {
+        if shift == 0 {
+            return Some(node.clone());
+        }
+        let (width, count) = (self.width(), self.zones());
+        let mut rotated = node.clone();
+        for zone in 0..count {
+            let (to, from) = (width * zone, width * ((zone + shift) % count));
+            let of = |vector: &Vector| vector.rows(from, width).into_owned();
+            rotated
+                .point
+                .rows_mut(to, width)
+                .copy_from(&of(&node.point));
+            let tangent = of(&node.tangent);
+            rotated.tangent.rows_mut(to, width).copy_from(&tangent);
+        }
+        if let Some(index) = self.phase_index() {
+            // φ + ω(p)·(durations before)
+            let omega = self.at(&node.point).ok()?.posed.system.omega;
+            let Scales {
+                time, parameter, ..
+            } = self.setting.scales;
+            let before = |vector: &Vector| -> f64 {
+                let durations = (0..shift).map(|zone| vector[width * zone + self.states()]);
+                time * durations.sum::<f64>()
+            };
+            let last = node.tangent.len() - 1;
+            let by_parameter = parameter * node.tangent[last] * omega.by[0];
+            rotated.point[index] += omega.value * before(&node.point);
+            rotated.tangent[index] +=
+                omega.value * before(&node.tangent) + by_parameter * before(&node.point);
+            rotated.tangent.normalize_mut();
+        }
+        Some(rotated)
+    }
+
+    /// The same node with the phase, up to whole turns, next to that of another one.
+    pub(super) fn turned(&self, mut node: Node, near: &Node) -> Node {
+        if let Some(index) = self.phase_index() {
+            let apart = near.point[index] - node.point[index];
+            node.point[index] += TAU * (apart / TAU).round();
+        }
+        node
     }
 
     fn unpack(&self, point: &Vector, omega: f64) -> Vec<ZonePoint> {

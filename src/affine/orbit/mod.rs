@@ -4,13 +4,14 @@
 //! the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends whatever the
 //! parameter, as [`forms`] tell, or [`generic`] points. [`margin`] measures the inequalities, [`examine`] decides them, by
 //! what [`turning`] tells of smooth functions; [`candidates`] finds
-//! what lies beyond an event, [`ends`] why nothing does; [`multipliers`] has the stability; [`start`] finds the first
+//! what lies beyond an event, [`ends`] why nothing does, by the motions beside it as [`discontinuity`] has them; [`multipliers`] has the stability; [`start`] finds the first
 //! orbit, [`switch`] that of the other branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`]
 //! that at which they take for ever, and
 //! [`row`] has what results keep of one.
 
 mod branch_point;
 pub mod candidates;
+mod discontinuity;
 mod ends;
 pub mod examine;
 mod forms;
@@ -299,6 +300,13 @@ impl Orbit for AffineOrbit {
         point.rows(0, self.width() * self.zones()).amax().max(1.0)
     }
 
+    /// The phase of the first entry counts up to a turn, and a sequence that repeats itself may begin with each part.
+    fn aliases(&self, node: &Node, near: &Node) -> Vec<Node> {
+        let rotations = self.sequence.rotations().into_iter();
+        let aliases = rotations.filter_map(|shift| self.rotated(node, shift));
+        aliases.map(|node| self.turned(node, near)).collect()
+    }
+
     fn rounding(&self, matrix: &Matrix, point: &Vector, last: f64) -> Option<f64> {
         let parameter = point.len() - 1;
         // the phase has the rounding of a turn
@@ -369,6 +377,7 @@ impl Orbit for AffineOrbit {
             .or_else(barely)
             .or_else(misses)
             .or_else(|| self.held_at(point, margin))
+            .or_else(|| self.jumps(point))
     }
 
     fn instant(&self, point: &Vector, margin: &Margin) -> f64 {
@@ -413,8 +422,12 @@ impl Orbit for AffineOrbit {
         }
     }
 
-    fn completes(_: &OrbitStop) -> bool {
-        true
+    /// Where motions beyond it stop for lack of a mode the model is at fault, and where digits are lost the branch goes on.
+    fn completes(stop: &OrbitStop) -> bool {
+        !matches!(
+            stop,
+            OrbitStop::Halts { .. } | OrbitStop::LosesDigits { .. }
+        )
     }
 
     fn repeats(&self, node: &Node) -> Option<(Critical, OrbitStop)> {

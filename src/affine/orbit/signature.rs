@@ -67,6 +67,13 @@ impl Sequence {
             && (0..count).any(|shift| (0..count).all(|k| self.zone(k + shift) == other.zone(k)))
     }
 
+    /// Zones with which the sequence may begin and be the same: the first, and more where it repeats itself.
+    pub fn rotations(&self) -> Vec<usize> {
+        let count = self.len();
+        let same = |shift: &usize| (0..count).all(|k| self.zone(k + shift) == self.zone(k));
+        (0..count).filter(same).collect()
+    }
+
     /// Zones with which the name may begin, so that it comes first in the order of the modes: more than one
     /// where the sequence repeats itself.
     pub fn beginnings(&self) -> Vec<usize> {

@@ -1,0 +1,129 @@
+//! Whether the return map is discontinuous at an event beyond which no orbit goes on.
+//!
+//! Motions begin on the orbit of the event, in the middle of its longest zone, at values p ± δ of the parameter: the
+//! event lies between them, but for chance. Where the map is continuous both come back next to where they began after one
+//! period, and nearer the smaller δ is. Where motions of one side do and those of the other come, however small δ is, to
+//! one place at a finite distance, or do not go on, the map jumps at the orbit: no sequence of zones goes on from there.
+
+use super::OrbitStop;
+use super::layout::AffineOrbit;
+use crate::affine::motion::{Halt, Motion, Place, Step};
+use crate::linalg::Vector;
+use crate::orbit::Orbit;
+
+/// δ, as parts of the range of the parameter.
+const BESIDE: [f64; 3] = [1e-5, 1e-7, 1e-9];
+
+/// A motion has come back where it is off by less than this at the least δ, as a part of the range of each state, and by
+/// less than the second part of what it is off at the largest, or by nothing but rounding: √δ falls to a hundredth.
+const NEAR: f64 = 1e-3;
+const FALLS: f64 = 0.1;
+const ROUNDING: f64 = 1e-8;
+
+/// It has gone elsewhere where it is off by more than this whatever δ is, and at the least by half of what it is off at
+/// the largest: what grows with δ, or with its root, falls to a hundredth at most.
+const FAR: f64 = 1e-2;
+const STAYS: f64 = 0.5;
+
+/// Most switches of a period.
+const MOST_SWITCHES: usize = 10_000;
+
+/// What becomes of motions that begin at values of the parameter ever nearer to the event, on one of its sides.
+enum Fate {
+    /// They come back.
+    Returns,
+    /// They come to a place that is this far off.
+    Elsewhere(f64),
+    /// They do not go on.
+    Halts(Halt),
+}
+
+impl AffineOrbit {
+    /// Why no orbit is near beyond an event, by the motions beside it; `None` where they do not tell.
+    pub(super) fn jumps(&self, point: &Vector) -> Option<OrbitStop> {
+        let fates = [-1.0, 1.0].map(|side| self.fate(point, side));
+        let other = match fates {
+            [Some(Fate::Returns), Some(other)] | [Some(other), Some(Fate::Returns)] => other,
+            _ => return None,
+        };
+        match other {
+            Fate::Returns => None,
+            Fate::Elsewhere(apart) => Some(OrbitStop::Discontinuous { apart }),
+            Fate::Halts(halt) => {
+                let (mode, guard) = halt.place()?;
+                Some(OrbitStop::Halts {
+                    mode: self.setting.system.mode_name(mode).to_owned(),
+                    guard: self.setting.system.guard_name(mode, guard),
+                })
+            }
+        }
+    }
+
+    /// The fate of motions on one side; `None` where there is none.
+    fn fate(&self, point: &Vector, side: f64) -> Option<Fate> {
+        let offs = BESIDE.map(|part| self.off_after_a_period(point, side * part));
+        let [first, between, last] = offs;
+        match (first?, last?) {
+            (Ok(first), Ok(last)) => {
+                let between = between.and_then(Result::ok).unwrap_or(0.0);
+                let least = first.min(between).min(last);
+                if last <= NEAR && last <= (FALLS * first).max(ROUNDING) {
+                    Some(Fate::Returns)
+                } else if least >= FAR && last >= STAYS * first {
+                    Some(Fate::Elsewhere(last))
+                } else {
+                    None
+                }
+            }
+            (Err(one), Err(halt)) => {
+                let same = std::mem::discriminant(&one) == std::mem::discriminant(&halt);
+                same.then_some(Fate::Halts(halt))
+            }
+            _ => None,
+        }
+    }
+
+    /// How far a motion is off after a period that begins on the orbit of a point at another value of the parameter, in
+    /// units of the range of each state; why it does not go on. `None` where it cannot be looked at.
+    fn off_after_a_period(&self, point: &Vector, by: f64) -> Option<Result<f64, Halt>> {
+        let at = self.at(point).ok()?;
+        let zones = at.zones.iter().enumerate();
+        let longest = zones.max_by(|(_, one), (_, other)| one.duration.total_cmp(&other.duration));
+        let (zone, longest) = longest?;
+        let half = 0.5 * longest.duration;
+        let z = at.along(zone, std::iter::once(half)).ok()?.pop()?;
+        let begin = Place {
+            time: 0.0,
+            phase: longest.phase + at.posed.system.omega.value * half,
+            mode: self.sequence.zone(zone).mode,
+            state: z.rows(0, self.states()).iter().copied().collect(),
+        };
+        let value = self.parameter_at(point) + by * self.unit();
+        let setting = &self.setting;
+        let values = setting.values_at(value);
+        let system = setting.system.at(&values, &[setting.parameter]).ok()?;
+        let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
+        let mut motion = Motion::new(&system, begin.clone(), period);
+        for _ in 0..MOST_SWITCHES {
+            match motion.step(period) {
+                Ok(Step::Reached) => {
+                    let extremes = self.extremes(point).ok()?;
+                    let states = begin.state.iter().zip(&motion.place().state).zip(&extremes);
+                    let units = &setting.scales.states;
+                    let offs = states
+                        .zip(units)
+                        .map(|(((one, other), (low, high)), unit)| {
+                            let range = high - low;
+                            // a state that does not move has its own unit
+                            let size = if range > NEAR * unit { range } else { *unit };
+                            (one - other).abs() / size
+                        });
+                    return Some(Ok(offs.fold(0.0, f64::max)));
+                }
+                Ok(Step::Switched(_) | Step::Section) => {}
+                Err(halt) => return Some(Err(halt)),
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,215 @@
+//! Branches that end, or do not end: the same events from both sides, closed branches on which the phase winds, events
+//! without end, and jumps of the return map.
+
+use std::f64::consts::TAU;
+
+use brakewave::EventType::{CO, EP, GR, LP, MX, SL};
+use brakewave::affine::orbit::AffineOrbit;
+use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
+use brakewave::orbit::follow::Found;
+use brakewave::orbit::special::Special;
+
+use crate::affine::branches::{follow, meets, settled};
+use crate::affine::systems::{FRICTION, system, values};
+
+/// Why a branch ends, as its last point says.
+fn why(all: &[Found<AffineOrbit>]) -> String {
+    let special = all.last().and_then(|last| last.special.as_ref());
+    match special.expect("the last point is special") {
+        Special::Change(change) => change.end.as_ref().map(ToString::to_string).unwrap(),
+        special => special.to_string(),
+    }
+}
+
+/// A mass with a brake that is let go while sin φ > h: friction falls from f to g, and stick lasts in both.
+const BRAKE: &str = r#"(
+    states: ["x", "v"],
+    parameters: {"A": 0.3, "w": 0.5, "f": 0.4, "g": 0.02, "h": 0.8},
+    forcing: "w",
+    define: {"a": "A*sin(phase) - x - 0.1*v", "s": "A*sin(phase) - x"},
+    modes: {
+        "p": (rates: {"x": "v", "v": "a - f"}, until: [(zero: "v", to: "n", if: ["-s - f"]), (zero: "v", to: "hold"), (zero: "h - sin(phase)", to: "P")]),
+        "n": (rates: {"x": "v", "v": "a + f"}, until: [(zero: "-v", to: "p", if: ["s - f"]), (zero: "-v", to: "hold"), (zero: "h - sin(phase)", to: "N")]),
+        "P": (rates: {"x": "v", "v": "a - g"}, until: [(zero: "v", to: "N", if: ["-s - g"]), (zero: "v", to: "Hold"), (zero: "sin(phase) - h", to: "p")]),
+        "N": (rates: {"x": "v", "v": "a + g"}, until: [(zero: "-v", to: "P", if: ["s - g"]), (zero: "-v", to: "Hold"), (zero: "sin(phase) - h", to: "n")]),
+        "hold": (rates: {"x": "0", "v": "0"}, until: [(zero: "f - s", to: "p"), (zero: "f + s", to: "n"), (zero: "h - sin(phase)", to: "P", if: ["s - g"]), (zero: "h - sin(phase)", to: "N", if: ["-s - g"]), (zero: "h - sin(phase)", to: "Hold")]),
+        "Hold": (rates: {"x": "0", "v": "0"}, until: [(zero: "g - s", to: "P"), (zero: "g + s", to: "N"), (zero: "sin(phase) - h", to: "hold")]),
+    },
+)"#;
+
+/// Two zones that vanish together, of which the shorter one falls like the square of the other, are passed in either
+/// direction. The branch ends where the mass comes to rest: at A = 1/5, where both A − g ≤ x ≤ hA + g and x + A = f hold
+/// for the first time.
+#[test]
+fn zones_that_vanish_together_are_passed_both_ways() {
+    let events = [
+        0.225_415_022_708_337_7,
+        0.220_792_685_844_998_2,
+        0.220_348_214_554_937_1,
+        0.218_627_364_676_733_6,
+        0.213_059_396_019_525_4,
+        0.212_216_960_382_876_8,
+        0.210_064_380_372_856_1,
+    ];
+    let high = settled(BRAKE, &[], "A", "p", &[0.0, 0.5], 100.0);
+    let (seen, all) = follow(&high.0, &high.1, false, (0.05, 1.5), 2000);
+    let changes: Vec<_> = seen.iter().filter(|one| one.kind != MX).collect();
+    assert_eq!(changes.len(), events.len());
+    for (one, value) in changes.iter().zip(events) {
+        assert!(
+            (one.value - value).abs() < 1e-12,
+            "{} for {value}",
+            one.value
+        );
+    }
+    let reason = why(&all);
+    assert!(
+        reason.contains("comes to rest: beyond it `Hold`"),
+        "{reason}"
+    );
+    let last = all.last().unwrap();
+    assert!(
+        (last.parameter - 0.2).abs() < 2.0 * last.uncertainty && last.uncertainty < 1e-4,
+        "{} {:e}",
+        last.parameter,
+        last.uncertainty
+    );
+    let low = settled(BRAKE, &[("A", 0.216)], "A", "p", &[0.0, 0.5], 100.0);
+    let (seen, _) = follow(&low.0, &low.1, true, (0.05, 0.3), 2000);
+    let expected = [
+        (CO, events[3], ""),
+        (SL, events[2], ""),
+        (CO, events[1], ""),
+        (SL, events[0], ""),
+        (EP, 0.3, "p-hold-n-hold-P"),
+    ];
+    meets(&seen, &expected, 1e-12);
+}
+
+/// A mass on dry ground, whose static friction S is above the kinetic one F.
+const STATIC: &str = r#"(
+    states: ["x", "v"],
+    parameters: {"w": 0.4, "F": 0.5, "S": 0.6},
+    forcing: "w",
+    define: {"s": "cos(phase) - x"},
+    modes: {
+        "forth": (rates: {"x": "v", "v": "s - F"}, until: [(zero: "v", to: "back", if: ["-s - S"]), (zero: "v", to: "stick")]),
+        "back": (rates: {"x": "v", "v": "s + F"}, until: [(zero: "-v", to: "forth", if: ["s - S"]), (zero: "-v", to: "stick")]),
+        "stick": (rates: {"x": "0", "v": "0"}, until: [(zero: "S - s", to: "forth"), (zero: "S + s", to: "back")]),
+    },
+)"#;
+
+/// Where stick touches its other bound the mass slips off with a jump of its friction: the return map is discontinuous.
+/// The same with S = F is passed: the slip that is born lasts no time.
+#[test]
+fn a_jump_of_the_return_map_is_an_end() {
+    let jump = settled(STATIC, &[], "w", "forth", &[0.0, 0.5], 100.0);
+    let (seen, all) = follow(&jump.0, &jump.1, false, (0.05, 1.0), 2000);
+    meets(&seen, &[(GR, 0.136_814_545_601_076_25, "")], 1e-12);
+    let reason = why(&all);
+    assert!(reason.contains("return map is discontinuous"), "{reason}");
+    let passed = settled(STATIC, &[("S", 0.5)], "w", "forth", &[0.0, 0.5], 100.0);
+    let (seen, _) = follow(&passed.0, &passed.1, false, (0.1, 1.0), 2000);
+    let kinds: Vec<_> = seen.iter().map(|one| one.kind).collect();
+    assert!(
+        kinds.contains(&GR) && kinds.last() == Some(&EP),
+        "{kinds:?}"
+    );
+}
+
+/// Andronov's clock, which has no stick: where its pendulum only just comes up to the kick, friction holds it.
+#[test]
+fn a_mode_that_is_missing_is_named() {
+    let text = r#"(
+        states: ["x", "v"],
+        parameters: {"f": 0.05, "z": 0.02, "p": 0.6},
+        modes: {
+            "right": (rates: {"x": "v", "v": "-sin(x) - 2*z*v - f"}, until: [(zero: "v", to: "left")]),
+            "left": (rates: {"x": "v", "v": "-sin(x) - 2*z*v + f"}, until: [(zero: "-v", to: "pre")]),
+            "pre": (rates: {"x": "v", "v": "-sin(x) - 2*z*v - f"}, until: [(zero: "-x", to: "right", reset: {"v": "sqrt(v^2 + p^2)"}), (zero: "v", to: "left")]),
+        },
+    )"#;
+    let clock = settled(text, &[], "p", "right", &[0.0, 1.0], 400.0);
+    let (seen, all) = follow(&clock.0, &clock.1, false, (0.05, 1.0), 2000);
+    assert_eq!(seen[0].kind, GR);
+    assert!((seen[0].value - 0.265_111_038_339_12).abs() < 1e-12);
+    let reason = why(&all);
+    assert!(reason.contains("is missing, such as stick"), "{reason}");
+}
+
+/// A neuron with leak and drive I + k sin φ fires once in a period: a closed branch on which the phase of its spike winds
+/// once. It fires where z = k/√(1 + w²)·sin(φ − atan w) has I − 1 + z − (I + z)e^(−T) = 0 for z between its bounds, which
+/// are the folds.
+#[test]
+fn a_branch_on_which_the_phase_winds_closes() {
+    let text = r#"(
+        states: ["v"],
+        parameters: {"I": 1.55, "k": 0.3, "w": 6.0},
+        forcing: "w",
+        modes: {"rest": (rates: {"v": "I - v + k*sin(phase)"}, until: [(zero: "1 - v", to: "rest", reset: {"v": "0"})])},
+    )"#;
+    // 1 = (I + z)(1 − q) with q = exp(−2π/w)
+    let fired = (1.0 - (-TAU / 6.0).exp()).recip();
+    let swing = 0.3 / 37.0_f64.sqrt();
+    let (orbit, point) = settled(text, &[], "I", "rest", &[0.0], 500.0);
+    for up in [true, false] {
+        let (seen, _) = follow(&orbit, &point, up, (0.8, 3.0), 4000);
+        let mut folds = [(LP, fired + swing, ""), (LP, fired - swing, "")];
+        if !up {
+            folds.reverse();
+        }
+        let expected = [folds[0], folds[1], (EP, 1.55, "rest")];
+        meets(&seen, &expected, 1e-12);
+    }
+}
+
+/// Rinzel and Keller's wave trains come to the pulse, beside a saddle that is left five times as fast as it is come to:
+/// their digits are lost before they are near it, and the pulse itself is computed. Its speed is that of an independent
+/// program.
+#[test]
+fn a_branch_that_loses_its_digits_names_the_pulse() {
+    let text = r#"(
+        states: ["v", "y", "w"],
+        parameters: {"c": 0.25416445, "a": 0.25, "b": 0.05},
+        modes: {
+            "low": (rates: {"v": "y", "y": "c*y + v + w", "w": "b*v/c"}, until: [(zero: "a - v", to: "high")]),
+            "high": (rates: {"v": "y", "y": "c*y + v - 1 + w", "w": "b*v/c"}, until: [(zero: "v - a", to: "low")]),
+        },
+    )"#;
+    let system = system(text);
+    let wanted = Wanted {
+        values: values(&system, &[]),
+        ..Wanted::new(system, "c", (0.1, 1.5)).unwrap()
+    };
+    let beginning = Beginning {
+        mode: wanted.system.mode("high").unwrap(),
+        state: vec![0.25, 0.329_770_82, 0.060_267_64],
+        phase: 0.0,
+    };
+    let (orbit, point) = first(&wanted, &beginning, Search::Guess(14.0)).unwrap();
+    let (_, all) = follow(&orbit, &point, true, (0.1, 1.5), 4000);
+    let reason = why(&all);
+    let pulse = reason.rsplit("a homoclinic orbit at ").next().unwrap();
+    let pulse: f64 = pulse.parse().expect(&reason);
+    assert!((pulse - 0.257_671_772_127).abs() < 1e-11, "{reason}");
+}
+
+/// An orbit of dry friction that is begun where it is a five-hundredth of what it comes to meets the same events.
+#[test]
+fn an_orbit_begun_small_meets_the_same_events() {
+    let parameters = [("F", 0.57521), ("z", 0.054631)];
+    let branch = |w: f64, settle: f64| {
+        let values = [&parameters[..], &[("w", w)]].concat();
+        let (orbit, point) = settled(FRICTION, &values, "w", "forth", &[0.0, 0.5], settle);
+        let (seen, _) = follow(&orbit, &point, false, (0.1, 30.0), 4000);
+        seen
+    };
+    let (near, far) = (branch(2.4, 100.0), branch(24.0, 2000.0));
+    assert_eq!(near.last().unwrap().kind, EP);
+    assert_eq!(near.len(), far.len());
+    for (one, other) in near.iter().zip(&far) {
+        assert_eq!(one.kind, other.kind);
+        let off = (one.value - other.value).abs();
+        assert!(off < 1e-9 * one.value, "{} {off:e}", one.value);
+    }
+}
