@@ -415,7 +415,8 @@ impl<O: Orbit> Display for orbit::special::Stop<O> {
                 error,
             } => write!(
                 f,
-                "a sequence without end: {changes} events {kind} in a row add the same zones each, and the distances of                  their values fall by {ratio:.3} from one to the next; they converge at {} = {limit:.9} ± {error:.0e}",
+                "a sequence without end: {changes} events {kind} in a row add the same zones each, and the distances of \
+                 their values fall by {ratio:.3} from one to the next; they converge at {} = {limit:.9} ± {error:.0e}",
                 O::column(parameter)
             ),
             Stop::Flow(error) => error.fmt(f),
