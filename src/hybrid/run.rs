@@ -12,7 +12,7 @@ use crate::linalg::Vector;
 use crate::orbit::follow::Found;
 use crate::orbit::legs::{self, Legs, Run, Stretch};
 use crate::orbit::special::{ResumeMismatch, Special};
-use crate::orbit::{EventType, Stability};
+use crate::orbit::{EventType, Orbit, Stability};
 use crate::problem::SystemProblem;
 use crate::problem::{Continuation, DEFAULT_MAX_POINTS};
 
@@ -184,6 +184,10 @@ impl Runner {
             values,
             asked,
         );
+        let there = match (&found.special, &found.entered) {
+            (Some(Special::Change(_)), Some((orbit, node))) => jumping(there, orbit, &node.point),
+            _ => there,
+        };
         let point = OrbitPoint {
             point: numbers.point,
             label: numbers.label,
@@ -306,6 +310,26 @@ impl Run for Runner {
 fn plan(problem: &SystemProblem, continuation: &Continuation<String>) -> legs::Plan {
     let most = continuation.max_points.unwrap_or(DEFAULT_MAX_POINTS);
     continuation.plan(most, problem.output.profiles)
+}
+
+/// The row of a change of the sequence beyond which the orbit is this one: where multipliers jump so that stability does,
+/// neither side tells it.
+fn jumping(point: OrbitPoint, beyond: &AffineOrbit, unknowns: &Vector) -> OrbitPoint {
+    let asked = point.stable.is_some();
+    let examination = asked.then(|| beyond.examination(unknowns).ok()).flatten();
+    let Some(examination) = examination else {
+        return point;
+    };
+    let other = self::point((beyond, unknowns), &examination, None, Vec::new(), true);
+    let told = other.stable == point.stable;
+    OrbitPoint {
+        stable: if told {
+            point.stable
+        } else {
+            Some(Stability::Undecided)
+        },
+        ..point
+    }
 }
 
 /// The row of a point, without its place on a branch. What cannot be evaluated there is left out.

@@ -7,6 +7,7 @@
 
 mod balance;
 mod eigenvalues;
+pub mod periodic_schur;
 mod solve;
 
 use faer::traits::ComplexField;

@@ -388,6 +388,13 @@ impl<O: Orbit> Curve for Track<O> {
                 }
                 found.special = orbit.crossing(*test, &place.node).map(Special::Own);
             }
+            Event::Passing { outside, between } => {
+                if let Some(ended) = self.repeated(&found) {
+                    return Ok(ended);
+                }
+                let special = orbit.passing(&place.node, *outside, *between);
+                found.special = special.map(Special::Own);
+            }
             Event::Change(margin) => {
                 if let Some(stop) = orbit.barred(margin) {
                     let end = walk::End::Own(Stop::Own(stop));

@@ -64,6 +64,22 @@ pub trait Examined: Clone + Debug {
     fn is_told(&self, _test: usize) -> bool {
         true
     }
+
+    /// How all perturbations grow that may, the fastest first: `None` where that has no limit, or is found otherwise.
+    fn growths(&self) -> Option<Vec<Growth>> {
+        None
+    }
+}
+
+/// Growth of a perturbation over a period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Growth {
+    /// Logarithm of the modulus of its multiplier.
+    pub log: f64,
+    /// Error of that.
+    pub error: f64,
+    /// Whether more than rounding tells its sign.
+    pub told: bool,
 }
 
 /// A signature to try from an event.
@@ -349,6 +365,17 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
 
     /// What the zero of a function of [`Examined::tests`] is at a node: none where it is no event.
     fn crossing(&self, _test: usize, _node: &Node) -> Option<Self::Special> {
+        None
+    }
+
+    /// What passes the unit circle at a node, where the number of multipliers outside is the first before it and the second
+    /// beyond; `between` are values of the parameter between which that happens, where it is not located.
+    fn passing(
+        &self,
+        _node: &Node,
+        _outside: [usize; 2],
+        _between: Option<[f64; 2]>,
+    ) -> Option<Self::Special> {
         None
     }
 

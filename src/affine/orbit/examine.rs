@@ -2,15 +2,15 @@
 
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
 use super::margin::{Margin, Watch};
-use super::multipliers::{Multiplier, is_told};
+use super::multipliers::{Multiplier, is_told, own};
 use super::passage::Passage;
 use super::turning::Smooth;
 use crate::affine::flow::{Expansion, MOST_PIECES, ModeFlow, Piece};
 use crate::affine::mode::{Guard, Row};
 use crate::linalg::Vector;
-use crate::orbit::Examined;
 use crate::orbit::events::AT_ZERO;
 use crate::orbit::sign::Verdict;
+use crate::orbit::{Examined, Growth};
 
 /// What an examination found.
 #[derive(Clone, Debug)]
@@ -45,6 +45,16 @@ impl Examined for Examination {
 
     fn is_told(&self, test: usize) -> bool {
         is_told(&self.multipliers, test)
+    }
+
+    fn growths(&self) -> Option<Vec<Growth>> {
+        let growth = |one: &Multiplier| Growth {
+            log: one.value.norm().ln(),
+            error: one.error / one.value.norm(),
+            told: !one.is_on_circle(),
+        };
+        let known = !self.multipliers.is_empty();
+        known.then(|| own(&self.multipliers).map(growth).collect())
     }
 }
 

@@ -35,6 +35,7 @@ mod turning;
 use std::fmt;
 use std::sync::Arc;
 
+use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use crate::affine::system::DEFAULT_FLOW_TOLERANCE;
@@ -108,6 +109,28 @@ pub enum Critical {
     Shrinking,
     /// The orbit has no size: a point on the boundaries of its modes.
     Vanishing,
+    /// So many multipliers pass −1 together.
+    Doublings {
+        /// Two or more.
+        count: usize,
+    },
+    /// So many pass 1 together.
+    Branchings {
+        /// Two or more.
+        count: usize,
+    },
+    /// So many pass the unit circle together, not all of them at −1 or all at 1, nor as one pair.
+    Several {
+        /// Two or more.
+        count: usize,
+    },
+    /// The number of those outside the unit circle changes, and where is not known.
+    Unlocated {
+        /// Number before and beyond.
+        outside: [usize; 2],
+        /// Between these values of the parameter.
+        between: [f64; 2],
+    },
     /// A pair passes the unit circle at this angle.
     Torus {
         /// In radians, between 0 and π.
@@ -120,6 +143,25 @@ impl fmt::Display for Critical {
         match self {
             Critical::PeriodDoubling => write!(formatter, "a multiplier passes -1"),
             Critical::Branching => write!(formatter, "a multiplier passes 1"),
+            Critical::Doublings { count } => {
+                write!(formatter, "{} multipliers pass -1", in_words(*count))
+            }
+            Critical::Branchings { count } => {
+                write!(formatter, "{} multipliers pass 1", in_words(*count))
+            }
+            Critical::Several { count } => write!(
+                formatter,
+                "{} multipliers pass the unit circle together",
+                in_words(*count)
+            ),
+            Critical::Unlocated {
+                outside: [before, after],
+                between: [from, to],
+            } => write!(
+                formatter,
+                "the number of multipliers outside the unit circle changes from {before} to {after} between {from} and {to}: \
+                 where is not known"
+            ),
             Critical::Shrinking => {
                 write!(
                     formatter,
@@ -139,6 +181,12 @@ impl fmt::Display for Critical {
             }
         }
     }
+}
+
+fn in_words(count: usize) -> String {
+    const WORDS: [&str; 6] = ["one", "two", "three", "four", "five", "six"];
+    let word = count.checked_sub(1).and_then(|index| WORDS.get(index));
+    word.map_or_else(|| count.to_string(), |word| (*word).to_owned())
 }
 
 /// A zone shorter than this, in units of the period, is about to close.
@@ -528,11 +576,44 @@ impl Orbit for AffineOrbit {
         }
     }
 
+    fn passing(
+        &self,
+        node: &Node,
+        outside: [usize; 2],
+        between: Option<[f64; 2]>,
+    ) -> Option<Critical> {
+        /// One that is located on the circle is ±1 to this.
+        const REAL: f64 = 1e-6;
+        if let Some(between) = between {
+            return Some(Critical::Unlocated { outside, between });
+        }
+        let [before, after] = outside;
+        let all = self.multipliers(&node.point).ok()?;
+        let own: Vec<Complex<f64>> = multipliers::own(&all).map(|one| one.value).collect();
+        let passing = own.get(before.min(after)..before.max(after))?;
+        let count = passing.len();
+        let near = |to: f64| passing.iter().all(|one| (one - to).norm() <= REAL);
+        Some(match passing {
+            [_] if near(-1.0) => Critical::PeriodDoubling,
+            [_] if near(1.0) => Critical::Branching,
+            _ if near(-1.0) => Critical::Doublings { count },
+            _ if near(1.0) => Critical::Branchings { count },
+            [one, other] if *one == other.conj() => Critical::Torus {
+                angle: one.arg().abs(),
+            },
+            _ => Critical::Several { count },
+        })
+    }
+
     fn kind(special: &Critical) -> EventType {
         match special {
-            Critical::PeriodDoubling => EventType::PD,
-            Critical::Branching | Critical::Shrinking | Critical::Vanishing => EventType::BP,
-            Critical::Torus { .. } => EventType::NS,
+            Critical::PeriodDoubling | Critical::Doublings { .. } => EventType::PD,
+            Critical::Branching
+            | Critical::Branchings { .. }
+            | Critical::Shrinking
+            | Critical::Vanishing => EventType::BP,
+            Critical::Unlocated { .. } => EventType::MX,
+            Critical::Torus { .. } | Critical::Several { .. } => EventType::NS,
         }
     }
 }

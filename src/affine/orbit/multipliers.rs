@@ -1,15 +1,17 @@
-//! Floquet multipliers: the product of the flows of the zones and of the jumps between them.
+//! Floquet multipliers: eigenvalues of the product of the flows of the zones and of the jumps between them, which is
+//! never formed.
 //!
-//! A perturbation reaches a guard earlier or later; compared at equal time it jumps by S = Rₓ + (f⁺ − Rż⁻)gᵀ/ġ.
-//! Where no jump is singular the product of the inverses is formed, too: of multipliers of very different size
-//! the large ones are exact in the one product, the small ones in the other.
+//! A perturbation reaches a guard earlier or later; compared at equal time it jumps by S = Rₓ + (f⁺ − Rż⁻)gᵀ/ġ. States are
+//! in units that balance all factors, so that nothing depends on those of the file. Without forcing the shift in time is
+//! divided out of every factor, since each takes ẋ at its beginning to ẋ at its end.
 
 use nalgebra::Complex;
 
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
 use super::passage::Passage;
 use super::structure::exit_of;
-use crate::linalg::{Factors, Matrix, Vector};
+use crate::linalg::periodic_schur::{Factor, balance, eigenvalues, regular_part};
+use crate::linalg::{Matrix, Vector};
 use crate::orbit::events::AT_ZERO;
 
 /// A Floquet multiplier.
@@ -20,8 +22,7 @@ pub struct Multiplier {
     /// Whether it is what it is for every orbit of its kind: 1 for the shift in time of an orbit without forcing,
     /// 0 for a dimension that a sliding mode or a reset takes away.
     pub trivial: bool,
-    /// What rounding may have left in it: the long products of an orbit that stays near a saddle have entries so
-    /// large that multipliers of order one are lost in them.
+    /// Radius of a disc about it that holds the multiplier of the orbit as it is known.
     pub error: f64,
 }
 
@@ -49,28 +50,33 @@ impl Multiplier {
     }
 }
 
+/// A jump at a switch, in the states.
+struct Jump {
+    /// S.
+    matrix: Matrix,
+    /// Number of states less its rank.
+    lost: usize,
+    /// ẋ just after it.
+    after: Vector,
+}
+
 /// From just after one switch to just after the next, in the states.
 struct Link {
     /// Along the zone.
     flow: Matrix,
-    /// Through the switch.
-    jump: Matrix,
-    /// The inverse, where there is one.
-    backward: Option<Matrix>,
+    /// ẋ at its entry and at its end.
+    rates: [Vector; 2],
+    /// At its end, where there is a switch.
+    jump: Option<Jump>,
     /// How fast the guard falls, scaled to order one.
     fall: f64,
-    /// ẋ just after the switch.
-    after: Vector,
 }
 
-/// The linearised motion over a period, without what is trivial.
+/// The linearised motion over a period, by its multipliers.
 #[derive(Clone, Debug)]
 pub struct Monodromy {
-    /// In coordinates of the perturbations that are left.
-    pub matrix: Matrix,
-    inverse: Option<Matrix>,
-    /// Sizes of the two products before the shift was divided out: their rounding is relative to these.
-    sizes: [f64; 2],
+    /// Multipliers that are not trivial, the largest first.
+    own: Vec<Multiplier>,
     /// How fast every guard falls at the end of its zone, scaled to order one.
     falls: Vec<f64>,
     /// Dimensions that are taken away.
@@ -79,28 +85,68 @@ pub struct Monodromy {
     shifts: bool,
 }
 
-/// Rounding of a multiplier relative to the product it comes from: that of some dozens of factors.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Error of a factor relative to its norm: the rounding of an exponential, or of a series.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Rates on both sides of a switch are the same to this part of the terms of one of them: those of states that are known
 /// to a few roundings.
 const CONTINUOUS: f64 = 16.0 * f64::EPSILON;
 
-/// A jump is singular where its determinant is this part of the numbers it is made of.
-const SINGULAR: f64 = 1e-10;
+/// An entry is zero where it is less than this part of the terms it is made of.
+const NOTHING: f64 = 16.0 * f64::EPSILON;
+
+/// Rank of a square matrix whose entries are known to bounds, whatever the units of its rows and columns: what is
+/// eliminated first is known best, and what is left at the end may be zero.
+fn rank(mut matrix: Matrix, mut bounds: Matrix) -> usize {
+    let n = matrix.nrows();
+    for step in 0..n {
+        let places = (step..n).flat_map(|j| (step..n).map(move |i| (i, j)));
+        let known = |&(i, j): &(usize, usize)| matrix[(i, j)].abs() / bounds[(i, j)];
+        let told = places.filter(|place| matrix[*place].abs() > bounds[*place]);
+        let Some((row, column)) = told.max_by(|one, other| known(one).total_cmp(&known(other)))
+        else {
+            return step;
+        };
+        for all in [&mut matrix, &mut bounds] {
+            all.swap_rows(step, row);
+            all.swap_columns(step, column);
+        }
+        let (pivot, off) = (
+            matrix[(step, step)],
+            bounds[(step, step)] / matrix[(step, step)].abs(),
+        );
+        for i in step + 1..n {
+            let part = matrix[(i, step)] / pivot;
+            let part_off = bounds[(i, step)] / pivot.abs() + part.abs() * off;
+            for j in step + 1..n {
+                let by = matrix[(step, j)];
+                bounds[(i, j)] += part.abs() * bounds[(step, j)]
+                    + part_off * by.abs()
+                    + f64::EPSILON * (part * by).abs();
+                matrix[(i, j)] -= part * by;
+            }
+        }
+    }
+    n
+}
 
 impl OrbitAt<'_> {
     fn link(&self, zone: usize, passage: &Passage) -> Link {
         let n = self.orbit.states();
-        let flow = passage.forward();
+        let rates = |after: &Vector| {
+            let before = &self.mode(zone).matrix.at * &passage.entry;
+            [
+                before.rows(0, n).into_owned(),
+                after.rows(0, n).into_owned(),
+            ]
+        };
         let exit = exit_of(&self.posed.system, &self.orbit.sequence, zone);
         let (Some(exit), Some(way)) = (exit, self.orbit.sequence.zone(zone).way) else {
             return Link {
-                flow,
-                jump: Matrix::identity(n, n),
-                backward: Some(passage.backward()),
+                flow: passage.forward(),
+                rates: rates(&passage.rate),
+                jump: None,
                 fall: 1.0,
-                after: passage.rate.rows(0, n).into_owned(),
             };
         };
         let row = &self.mode(zone).guards[way.guard].row;
@@ -125,25 +171,19 @@ impl OrbitAt<'_> {
         }
         let normal = passage.gradient(row).rows(0, n).into_owned();
         let reset = passage.slopes(&exit.reset.at);
+        let known = exit.reset.at.abs() * rate.abs() + sizes;
+        let bounds = (reset.abs() + known * (normal.transpose() / fall).abs()) * NOTHING;
         let jump = &reset + &shift * normal.transpose() / fall;
-        let inverse = || {
-            let undone = Factors::new(reset.clone()).inverse()?;
-            let moved = &undone * &shift;
-            let terms = normal.iter().zip(&moved).map(|(g, w)| g * w);
-            let size: f64 = terms.clone().map(f64::abs).sum::<f64>() + fall.abs();
-            let divisor = fall + terms.sum::<f64>();
-            let singular =
-                divisor.abs() <= SINGULAR * size || undone.amax() * reset.amax() > SINGULAR.recip();
-            let back =
-                passage.backward() * (&undone - moved * (normal.transpose() * &undone) / divisor);
-            (!singular).then_some(back)
-        };
+        let lost = n - rank(jump.clone(), bounds);
         Link {
-            backward: inverse(),
+            flow: passage.forward(),
+            rates: rates(rate),
+            jump: Some(Jump {
+                matrix: jump,
+                lost,
+                after,
+            }),
             fall: -fall * self.orbit.setting.scales.time / self.orbit.size(row),
-            jump,
-            flow,
-            after,
         }
     }
 
@@ -156,247 +196,145 @@ impl OrbitAt<'_> {
     /// The linearised motion over half a period, with the image at its end: some states change their sign.
     pub(super) fn half_monodromy(&self, passages: &[Passage], signs: &Vector) -> Option<Monodromy> {
         let mut links = self.links(passages);
-        let last = links.last_mut()?;
-        let image = Matrix::from_diagonal(signs);
-        last.jump = &image * &last.jump;
-        last.after.component_mul_assign(signs);
-        last.backward = last.backward.take().map(|back| back * &image);
-        self.over(&links)
+        let jump = links.last_mut()?.jump.as_mut()?;
+        jump.matrix = Matrix::from_diagonal(signs) * &jump.matrix;
+        jump.after.component_mul_assign(signs);
+        self.over(links)
     }
 
     /// The linearised motion over a period; `None` where it is infinite, at a graze.
     pub(super) fn monodromy(&self, passages: &[Passage]) -> Option<Monodromy> {
-        self.over(&self.links(passages))
+        self.over(self.links(passages))
+    }
+
+    /// What is left out of the flow of a mode, relative to its size.
+    fn error_of_flow(&self, zone: usize) -> f64 {
+        match self.mode(zone).field.is_exact {
+            true => ROUNDING,
+            // that of some dozens of pieces
+            false => 4.0 * ROUNDING + self.orbit.setting.system.flow_tolerance(),
+        }
     }
 
     /// The linearised motion over links in a row.
-    fn over(&self, links: &[Link]) -> Option<Monodromy> {
-        let finite = |matrix: &Matrix| matrix.iter().all(|x| x.is_finite());
-        if !links
-            .iter()
-            .all(|link| finite(&link.flow) && finite(&link.jump))
-        {
+    fn over(&self, links: Vec<Link>) -> Option<Monodromy> {
+        let falls = links.iter().map(|link| link.fall).collect();
+        let mut factors = Vec::with_capacity(2 * links.len());
+        // ẋ at the beginning, and after every factor
+        let mut rates: Vec<Vector> = Vec::with_capacity(2 * links.len() + 1);
+        for (zone, link) in links.into_iter().enumerate() {
+            let [before, after] = link.rates;
+            if rates.is_empty() {
+                rates.push(before);
+            }
+            rates.push(after);
+            factors.push(Factor {
+                matrix: link.flow,
+                lost: 0,
+                error: self.error_of_flow(zone),
+                size: 0.0,
+            });
+            // of a switch that only leads from one law to another nothing is left
+            if let Some(jump) = link.jump.filter(|jump| !jump.matrix.is_identity(0.0)) {
+                rates.push(jump.after);
+                factors.push(Factor {
+                    matrix: jump.matrix,
+                    lost: jump.lost,
+                    error: ROUNDING,
+                    size: 0.0,
+                });
+            }
+        }
+        let finite = |one: &Factor| one.matrix.iter().all(|x| x.is_finite());
+        if !factors.iter().all(finite) {
             return None;
         }
-        let n = self.orbit.states();
-        let rate = &self.mode(0).matrix.at * self.entry(0);
-        let rate = rate.rows(0, n).into_owned();
-        let after = links.last().map_or(&rate, |link| &link.after);
-        let back: Option<Vec<&Matrix>> = links.iter().map(|link| link.backward.as_ref()).collect();
-        let identity = Matrix::identity(n, n);
-        let (matrix, inverse, [rate, after], zeros) = match back {
-            Some(back) => {
-                let matrix = links.iter().fold(identity.clone(), |product, link| {
-                    &link.jump * (&link.flow * product)
-                });
-                let inverse = back
-                    .into_iter()
-                    .rev()
-                    .fold(identity, |product, back| back * product);
-                (
-                    matrix,
-                    Some(inverse).filter(finite),
-                    [rate.clone(), after.clone()],
-                    0,
-                )
+        let matrices: Vec<&Matrix> = factors.iter().map(|one| &one.matrix).collect();
+        let scales = balance(&matrices);
+        for factor in &mut factors {
+            for (j, by) in scales.iter().enumerate() {
+                factor.matrix.column_mut(j).scale_mut(*by);
+                factor.matrix.row_mut(j).scale_mut(by.recip());
             }
-            None => {
-                let (basis, factors) = reduced(links, n);
-                let rank = basis.ncols();
-                let matrix = factors
-                    .iter()
-                    .fold(Matrix::identity(rank, rank), |product, one| one * product);
-                let inverses: Option<Vec<Matrix>> = factors
-                    .into_iter()
-                    .map(|one| Factors::new(one).inverse())
-                    .collect();
-                let inverse = inverses.map(|inverses| {
-                    let inverses = inverses.into_iter().rev();
-                    inverses.fold(Matrix::identity(rank, rank), |product, one| one * product)
-                });
-                (
-                    matrix,
-                    inverse.filter(finite),
-                    [&rate, after].map(|rate| basis.tr_mul(rate)),
-                    n - rank,
-                )
-            }
+            factor.size = factor.matrix.norm();
+        }
+        for rate in &mut rates {
+            let scaled = rate.iter_mut().zip(&scales);
+            scaled.for_each(|(rate, by)| *rate /= by);
+        }
+        let shifts = !self.orbit.is_forced() && rates.iter().all(|rate| rate.norm() > 0.0);
+        let factors = match shifts {
+            true => across(factors, &rates),
+            false => factors,
         };
-        let sizes = [
-            matrix.norm(),
-            inverse.as_ref().map_or(0.0, |inverse| inverse.norm()),
-        ];
-        let shifts = !self.orbit.is_forced() && rate.norm() > 0.0;
-        // M takes ẋ at the beginning to ẋ at the end: what is across the one goes to what is across the other. They
-        // differ by how well the orbit closes, which M would carry into the rest multiplied by its size
-        let bases = shifts.then(|| {
-            let axis = rate.iamax();
-            [&rate, &after].map(|rate| complement(rate, axis))
+        let (factors, zeros) = regular_part(factors);
+        let own = eigenvalues(&factors);
+        let own = own.iter().map(|one| Multiplier {
+            value: one.value(),
+            trivial: false,
+            error: one.error(),
         });
-        let (matrix, inverse) = match &bases {
-            None => (matrix, inverse),
-            Some([begin, end]) => (
-                end.tr_mul(&(matrix * begin)),
-                inverse.map(|inverse| begin.tr_mul(&(inverse * end))),
-            ),
-        };
         Some(Monodromy {
-            matrix,
-            inverse,
-            sizes,
-            falls: links.iter().map(|link| link.fall).collect(),
+            own: own.collect(),
+            falls,
             zeros,
             shifts,
         })
     }
 }
 
-/// An orthonormal basis of the perturbations that are left after a period, and the links in coordinates of such
-/// bases.
-fn reduced(links: &[Link], states: usize) -> (Matrix, Vec<Matrix>) {
-    let mut basis = Matrix::identity(states, states);
-    loop {
-        let before = basis.ncols();
-        let first = basis.clone();
-        let mut factors = Vec::with_capacity(links.len());
-        for link in links {
-            // a flow takes nothing away, however much it contracts
-            let moved = &link.flow * &basis;
-            let middle = range(&moved, 0.0);
-            let image = &link.jump * &middle;
-            let next = range(&image, SINGULAR);
-            factors.push(next.tr_mul(&image) * middle.tr_mul(&moved));
-            basis = next;
-        }
-        if basis.ncols() == before {
-            // the last basis in coordinates of the first: both span the same
-            let turn = first.tr_mul(&basis);
-            if let Some(last) = factors.last_mut() {
-                *last = turn * &*last;
-            }
-            return (first, factors);
-        }
-    }
-}
-
-/// An orthonormal basis of the range of a matrix; columns of less than a part of the largest are nothing.
-fn range(matrix: &Matrix, least: f64) -> Matrix {
-    let mut columns: Vec<Vector> = Vec::new();
-    let mut rest: Vec<Vector> = matrix
-        .column_iter()
-        .map(|column| column.into_owned())
-        .collect();
-    let largest = rest
+/// Factors in coordinates of what is across the rate at their beginnings and ends, that of the first and after every one.
+///
+/// The rate at the end differs from that at the beginning by how well the orbit closes, which a product would carry into
+/// the rest multiplied by its size: what is across the one goes to what is across the other.
+fn across(factors: Vec<Factor>, rates: &[Vector]) -> Vec<Factor> {
+    let Some(first) = rates.first() else {
+        return factors;
+    };
+    let axis = first.iamax();
+    let last = rates.len() - 1;
+    let bases: Vec<Matrix> = rates
         .iter()
-        .fold(0.0_f64, |largest, column| largest.max(column.norm()));
-    loop {
-        let length = |index: &usize| rest[*index].norm();
-        let longest = (0..rest.len()).max_by(|one, other| length(one).total_cmp(&length(other)));
-        let Some(index) = longest else { break };
-        let mut column = rest.swap_remove(index);
-        if column.norm() <= least * largest {
-            break;
+        .enumerate()
+        .map(|(index, rate)| {
+            let own = if index == last { axis } else { rate.iamax() };
+            complement(rate, own)
+        })
+        .collect();
+    let all = factors.into_iter().enumerate().map(|(index, factor)| {
+        let [begin, end] = [&bases[index], &bases[index + 1]];
+        let rate = &rates[index];
+        let left = end.tr_mul(&(&factor.matrix * rate)).norm() / (factor.size * rate.norm());
+        Factor {
+            matrix: end.tr_mul(&(&factor.matrix * begin)),
+            error: factor.error + left,
+            ..factor
         }
-        // twice is enough
-        for _ in 0..2 {
-            for known in &columns {
-                let along = known.dot(&column);
-                column.axpy(-along, known, 1.0);
-            }
-            column /= column.norm();
-        }
-        for other in &mut rest {
-            let along = column.dot(other);
-            other.axpy(-along, &column, 1.0);
-        }
-        columns.push(column);
-    }
-    if columns.is_empty() {
-        return Matrix::zeros(matrix.nrows(), 0);
-    }
-    Matrix::from_columns(&columns)
+    });
+    all.collect()
 }
 
 /// An orthonormal basis of what is perpendicular to a vector, which is not zero: the reflection that takes it to an
-/// axis, along which it is long, without the column of the axis.
+/// axis without the column of the axis.
 fn complement(vector: &Vector, axis: usize) -> Matrix {
     let n = vector.len();
     let mut mirror = vector / vector.norm();
-    mirror[axis] += mirror[axis].signum();
+    mirror[axis] += 1.0_f64.copysign(mirror[axis]);
     let scale = 2.0 / mirror.norm_squared();
     let reflection = Matrix::identity(n, n) - &mirror * mirror.transpose() * scale;
     reflection.remove_column(axis)
 }
 
-/// Eigenvalues, the largest first; of a conjugate pair that above the real axis.
-fn eigenvalues(matrix: &Matrix) -> Vec<Complex<f64>> {
-    let mut values: Vec<Complex<f64>> = match matrix.nrows() {
-        0 => Vec::new(),
-        1 => vec![Complex::new(matrix[(0, 0)], 0.0)],
-        _ => matrix.complex_eigenvalues().iter().copied().collect(),
-    };
-    values.sort_by(|one, other| {
-        let by_size = other.norm().total_cmp(&one.norm());
-        let close = (one.norm() - other.norm()).abs() <= 1e-12 * one.norm();
-        let by_sign = other.im.total_cmp(&one.im);
-        if close && one.re == other.re {
-            by_sign
-        } else {
-            by_size
-        }
-    });
-    values
-}
-
 impl Monodromy {
     /// All multipliers, the largest first.
     pub fn multipliers(&self) -> Vec<Multiplier> {
-        let mut values = eigenvalues(&self.matrix);
-        let [size, other_size] = self.sizes;
-        // what is across the shift is known to the rounding of a direction that the product stretches to its size
-        let lost = |size: f64| match self.shifts {
-            true => ROUNDING * size * size.max(1.0),
-            false => ROUNDING * size,
-        };
-        let mut errors = vec![lost(size); values.len()];
-        if let Some(inverse) = &self.inverse {
-            let mut others = eigenvalues(inverse);
-            others.reverse();
-            let mut index = 0;
-            while index < values.len() {
-                let pair = values
-                    .get(index + 1)
-                    .is_some_and(|next| *next == values[index].conj());
-                let count = if pair && values[index].im != 0.0 {
-                    2
-                } else {
-                    1
-                };
-                // each is known to the rounding of the product it comes from
-                let own = size / values[index].norm();
-                let other = other_size / others[index].norm();
-                if other < own {
-                    for index in index..index + count {
-                        values[index] = others[index].inv();
-                        errors[index] = lost(other_size) * values[index].norm_sqr();
-                    }
-                }
-                index += count;
-            }
-        }
-        let left = values.into_iter().zip(errors);
-        let left = left.map(|(value, error)| Multiplier {
-            value,
-            trivial: false,
-            error,
-        });
         let trivial = |value: f64| Multiplier {
             value: Complex::new(value, 0.0),
             trivial: true,
             error: 0.0,
         };
         let one = self.shifts.then(|| trivial(1.0));
-        let mut all: Vec<Multiplier> = left.chain(one).collect();
+        let mut all: Vec<Multiplier> = self.own.iter().copied().chain(one).collect();
         all.sort_by(|one, other| other.value.norm().total_cmp(&one.value.norm()));
         all.extend((0..self.zeros).map(|_| trivial(0.0)));
         all
@@ -437,7 +375,7 @@ impl Monodromy {
 
     /// The pair of multipliers whose product is nearest to 1.
     fn nearest_pair(&self) -> Option<[Complex<f64>; 2]> {
-        let values = eigenvalues(&self.matrix);
+        let values: Vec<Complex<f64>> = self.own.iter().map(|one| one.value).collect();
         let pairs = (0..values.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
         let far = |&(i, j): &(usize, usize)| (1.0 - values[i] * values[j]).norm();
         let nearest = pairs.min_by(|one, other| far(one).total_cmp(&far(other)));

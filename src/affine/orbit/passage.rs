@@ -233,17 +233,6 @@ impl<'a> Passage<'a> {
         self.of_states(&self.flow)
     }
 
-    /// The inverse of that: the flow back from the end to the entry.
-    pub fn backward(&self) -> Matrix {
-        if self.numerical.is_some() {
-            let back = Integrated::new(self.mode, &self.end, -self.time);
-            return self.of_states(&back.flow);
-        }
-        // what is not a state moves by itself
-        let matrix = self.of_states(&self.mode.matrix.at);
-        propagator(&matrix, None, self.mode.states, self.norm, -self.time).0
-    }
-
     /// The gradient of a form at the end, in z there.
     pub fn gradient(&self, row: &Row) -> Vector {
         match &self.numerical {

@@ -189,6 +189,12 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
         Special::Own(Critical::Torus { angle }) => Condition::Torus { angle: *angle },
         Special::Own(Critical::Branching) => Condition::Branching,
         Special::Own(Critical::Shrinking | Critical::Vanishing) => return Err(Open::Shrinking),
+        Special::Own(
+            Critical::Doublings { .. }
+            | Critical::Branchings { .. }
+            | Critical::Several { .. }
+            | Critical::Unlocated { .. },
+        ) => return Err(Open::Several),
         Special::Change(change) => return changed(posed, orbit, point, change),
         Special::Failed(_) => return Err(Open::Sequence),
     };

@@ -42,6 +42,9 @@ pub enum NotBeyond {
 /// Why an orbit is not proven.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Open {
+    /// The multiplier that passes is not simple.
+    #[error("not covered: several multipliers that pass the unit circle together")]
+    Several,
     /// Expressions that have no affine form in intervals.
     #[error(
         "not covered: {0} is not affine in the states, or a function of parameters that cannot be enclosed"

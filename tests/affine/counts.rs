@@ -1,0 +1,522 @@
+//! Multipliers and how many of them are outside the unit circle: a change of that number has its event, whatever passes
+//! together, and nothing of it depends on the units of the states.
+
+use std::fs;
+
+use brakewave::EventType;
+use brakewave::hybrid::{Item, Runner};
+use brakewave::orbit::Stability;
+use brakewave::orbit::legs::Run;
+use brakewave::problem::{Any, SystemProblem, parse_any, read_any};
+
+/// The rows of a branch, and how many points it has at most.
+fn branch(problem: &SystemProblem, most: usize) -> Vec<Item> {
+    let continuation = problem.continuation.as_ref().unwrap();
+    let mut runner =
+        Runner::begin(problem, continuation, None).unwrap_or_else(|error| panic!("{error}"));
+    let mut items = Vec::new();
+    while runner.progress().end.is_none() && items.len() < most {
+        items.extend(runner.step());
+    }
+    items
+}
+
+fn rows(text: &str) -> Vec<Item> {
+    let Any::System(problem) =
+        parse_any(text, "test.ron").unwrap_or_else(|error| panic!("{error}"))
+    else {
+        panic!("a system");
+    };
+    branch(&problem, 1000)
+}
+
+/// A problem of a system with its start and its continuation.
+fn problem(system: &str, orbit: &str, continuation: &str) -> String {
+    format!(
+        "(system: {system}, orbit: {orbit}, continuation: {continuation}, stability: (), output: (plots: []))"
+    )
+}
+
+/// Types, values of the parameter of the continuation and sentences of all events but ends.
+fn events(items: &[Item], parameter: &str) -> Vec<(EventType, f64, String)> {
+    let events = items.iter().filter_map(|item| item.event.as_ref());
+    let of = |event: &brakewave::hybrid::OrbitEvent| {
+        let mut values = event.parameters.iter();
+        let value = values.find(|(name, _)| name == parameter).unwrap().1;
+        (event.kind, value, event.what.clone())
+    };
+    events
+        .map(of)
+        .filter(|(kind, _, _)| !matches!(kind, EventType::EP | EventType::UZ))
+        .collect()
+}
+
+/// Between two rows of a leg with different numbers of multipliers outside the unit circle, both of which are told, an event
+/// is listed.
+fn has_no_silent_change(items: &[Item], name: &str) {
+    let mut last: Option<(usize, usize, f64)> = None;
+    let mut event = false;
+    for item in items {
+        let point = &item.point;
+        let here = !matches!(point.kind, None | Some(EventType::EP | EventType::UZ));
+        event |= here;
+        let Some(unstable) = point
+            .unstable
+            .filter(|_| point.stable != Some(Stability::Undecided))
+        else {
+            continue;
+        };
+        if let Some((leg, before, period)) = last.filter(|(leg, ..)| *leg == point.leg) {
+            assert!(
+                before == unstable || event,
+                "{name}, leg {leg}: from {before} to {unstable} between periods {period} and {}",
+                point.period
+            );
+        }
+        last = Some((point.leg, unstable, point.period));
+        event = here;
+    }
+}
+
+const EQUAL: &str = r#"(
+    states: ["x", "v", "y", "u"],
+    parameters: {"w": 2.0},
+    forcing: "w",
+    modes: {"free": (
+        rates: {"x": "v", "v": "cos(phase) - 0.2*v - x", "y": "u", "u": "cos(phase) - 0.2*u - 2*y"},
+        until: [(zero: "100 - x", to: "free", reset: {"v": "-v"})],
+    )},
+)"#;
+
+/// Two oscillators with the same damping beside one another: e^{λT} for λ = −0.1 ± i√(k − 0.01), all of one modulus.
+#[test]
+fn pairs_of_equal_modulus_are_not_mixed_up() {
+    let orbit = r#"(start: Simulate(mode: "free", state: {"x": 0.0, "v": 0.0, "y": 0.0, "u": 0.0}, settle: 200))"#;
+    let items = rows(&problem(
+        EQUAL,
+        orbit,
+        r#"(parameter: "w", range: (1.8, 2.6), toward: Both)"#,
+    ));
+    assert!(events(&items, "w").is_empty());
+    for item in &items {
+        let period = item.point.period;
+        for stiffness in [1.0, 2.0_f64] {
+            let angle = (stiffness - 0.01).sqrt() * period;
+            let (re, im) = (angle.cos(), angle.sin().abs());
+            let modulus = (-0.1 * period).exp();
+            let off = |one: &brakewave::affine::orbit::Multiplier| {
+                (one.value.re - modulus * re).hypot(one.value.im.abs() - modulus * im)
+            };
+            let near = item
+                .point
+                .multipliers
+                .iter()
+                .filter(|one| off(one) <= 1e-13);
+            assert_eq!(near.count(), 2, "{:?}", item.point.multipliers);
+        }
+        assert_eq!(
+            (item.point.stable, item.point.unstable),
+            (Some(Stability::Yes), Some(0))
+        );
+    }
+}
+
+/// Two maps x → −ae^{−c}x + 0.1 at every tick of a clock.
+#[test]
+fn two_multipliers_pass_minus_one_together() {
+    let system = r#"(
+        states: ["s", "x", "y"],
+        parameters: {"a": 1.0, "c": 0.5},
+        modes: {"m": (
+            rates: {"s": "1", "x": "-c*x", "y": "-c*y"},
+            until: [(zero: "1 - s", to: "m", reset: {"s": "0", "x": "-a*x + 0.1", "y": "-a*y + 0.1"})],
+        )},
+    )"#;
+    let orbit = r#"(start: Given(mode: "m", state: {"s": 0.0, "x": 0.1, "y": 0.1}, period: 1.0))"#;
+    let items = rows(&problem(
+        system,
+        orbit,
+        r#"(parameter: "a", range: (0.2, 2.5), toward: Both)"#,
+    ));
+    let seen = events(&items, "a");
+    let [(EventType::PD, a, what)] = &seen[..] else {
+        panic!("{seen:?}");
+    };
+    assert!((a - 0.5_f64.exp()).abs() < 1e-12, "{a}");
+    assert_eq!(what, "two multipliers pass -1");
+    has_no_silent_change(&items, "two maps");
+    let most = items.iter().filter_map(|item| item.point.unstable).max();
+    assert_eq!(most, Some(2));
+}
+
+/// Oscillators whose damping passes 0 together: two pairs, at the angles of their frequencies, 1 and √2.
+#[test]
+fn two_pairs_pass_the_circle_together() {
+    let system = r#"(
+        states: ["x", "v", "y", "u"],
+        parameters: {"c": 0.2, "w": 2.3},
+        forcing: "w",
+        modes: {"free": (
+            rates: {"x": "v", "v": "cos(phase) - c*v - x", "y": "u", "u": "cos(phase) - c*u - 2*y"},
+            until: [(zero: "100 - x", to: "free", reset: {"v": "-v"})],
+        )},
+    )"#;
+    let orbit = r#"(start: Simulate(mode: "free", state: {"x": 0.0, "v": 0.0, "y": 0.0, "u": 0.0}, settle: 200))"#;
+    let items = rows(&problem(
+        system,
+        orbit,
+        r#"(parameter: "c", range: (-0.3, 0.2), toward: Down)"#,
+    ));
+    let seen = events(&items, "c");
+    let [(EventType::NS, c, what)] = &seen[..] else {
+        panic!("{seen:?}");
+    };
+    assert!(c.abs() < 1e-13, "{c}");
+    assert_eq!(what, "four multipliers pass the unit circle together");
+    assert_eq!(items.last().unwrap().point.unstable, Some(4));
+    has_no_silent_change(&items, "two pairs");
+}
+
+/// Three oscillators with cubic springs, all coupled alike and in phase: multipliers across that are double.
+fn three(amplitude: f64, coupling: f64) -> String {
+    let force = |x: &str, v: &str| format!("A*cos(phase) - c*{v} - {x} - {x}^3 - k*(3*{x} - m)");
+    format!(
+        r#"(
+        states: ["x", "v", "y", "u", "z", "q"],
+        parameters: {{"A": {amplitude}, "w": 1.0, "k": {coupling}, "c": 0.2}},
+        forcing: "w",
+        define: {{"m": "x + y + z"}},
+        modes: {{"m1": (
+            rates: {{"x": "v", "v": "{}", "y": "u", "u": "{}", "z": "q", "q": "{}"}},
+            until: [(zero: "100.0 - x", to: "m1", reset: {{"v": "-0.5*v"}})],
+        )}},
+    )"#,
+        force("x", "v"),
+        force("y", "u"),
+        force("z", "q")
+    )
+}
+
+const IN_PHASE: &str = r#"(start: Simulate(mode: "m1", state: {"x": -0.3, "v": 0.0, "y": -0.3, "u": 0.0, "z": -0.3, "q": 0.0}, settle: 200))"#;
+
+#[test]
+fn a_double_multiplier_of_a_symmetry_passes_one() {
+    let items = rows(&problem(
+        &three(2.9, 0.05),
+        IN_PHASE,
+        r#"(parameter: "A", range: (2.7, 2.9), toward: Down)"#,
+    ));
+    let seen = events(&items, "A");
+    let [(EventType::BP, amplitude, what)] = &seen[..] else {
+        panic!("{seen:?}");
+    };
+    // by an integration of the variational equations to 1e-12
+    assert!((amplitude - DOUBLE).abs() < 1e-7, "{amplitude}");
+    assert_eq!(what, "two multipliers pass 1");
+    has_no_silent_change(&items, "three oscillators");
+}
+
+const DOUBLE: f64 = 2.786568707315;
+
+/// The moduli are (0.723, 0.534 twice, 0.394) where a sum of pairs in the wrong order finds some on the circle.
+#[test]
+fn nothing_passes_where_nothing_does() {
+    let items = rows(&problem(
+        &three(2.9, 0.2),
+        IN_PHASE,
+        r#"(parameter: "k", range: (0.2, 0.3), toward: Up)"#,
+    ));
+    let seen = events(&items, "k");
+    assert!(seen.is_empty(), "{seen:?}");
+    for item in items {
+        assert_eq!(item.point.unstable, Some(0));
+        let double = item.point.multipliers.windows(2).any(|pair| {
+            let sizes = [pair[0], pair[1]].map(|one| one.value.norm());
+            (sizes[0] - sizes[1]).abs() <= 1e-9
+        });
+        assert!(double);
+    }
+}
+
+/// A relay with hysteresis round 1/(s + 1)¹²: the largest multiplier is 2e-17, and all of them are that small.
+#[test]
+fn a_multiplier_that_is_lost_in_rounding_is_not_on_the_circle() {
+    let names: Vec<String> = (1..=12).map(|index| format!("x{index}")).collect();
+    let mode = |input: &str, zero: &str, to: &str| {
+        let rate = |index: usize| match index {
+            0 => format!("\"x1\": \"-x1 {input}\""),
+            _ => format!("\"x{}\": \"x{index} - x{}\"", index + 1, index + 1),
+        };
+        let rates: Vec<String> = (0..12).map(rate).collect();
+        format!(
+            "(rates: {{{}}}, until: [(zero: \"{zero}\", to: \"{to}\")])",
+            rates.join(", ")
+        )
+    };
+    let system = format!(
+        "(states: {names:?}, parameters: {{\"d\": 0.1}}, modes: {{\"plus\": {}, \"minus\": {}}})",
+        mode("- 1", "x12 + d", "minus"),
+        mode("+ 1", "d - x12", "plus")
+    );
+    let state: Vec<String> = names
+        .iter()
+        .map(|name| format!("\"{name}\": 0.1"))
+        .collect();
+    let orbit = format!(
+        "(start: Simulate(mode: \"plus\", state: {{{}}}, settle: 600))",
+        state.join(", ")
+    );
+    let items = rows(&problem(
+        &system,
+        &orbit,
+        r#"(parameter: "d", range: (0.08, 0.12), toward: Both)"#,
+    ));
+    for item in items {
+        assert_eq!(
+            (item.point.stable, item.point.unstable),
+            (Some(Stability::Yes), Some(0))
+        );
+    }
+}
+
+/// Systems with one state in other units: {u} of it are one of before.
+const IN_UNITS: [(&str, &str, &str, &str); 3] = [
+    (
+        r#"(
+            states: ["x", "v"],
+            parameters: {"A": 1.0, "w": 0.8, "U": {u}},
+            forcing: "w",
+            modes: {"free": (
+                rates: {"x": "v/U", "v": "U*(cos(phase)*A - x) - 0.1*v"},
+                until: [(zero: "0.7 - x", to: "free", reset: {"v": "-0.8*v"})],
+            )},
+        )"#,
+        r#"(start: Simulate(mode: "free", state: {"x": 0.0, "v": 0.0}, settle: 400))"#,
+        r#"(parameter: "w", range: (0.6, 1.3), toward: Both, max_points: 150)"#,
+        "w",
+    ),
+    (
+        r#"(
+            states: ["x", "y", "z"],
+            parameters: {"rho": 2.2, "U": {u}},
+            modes: {
+                "plus": (
+                    rates: {"x": "-3*x + y/U - 1", "y": "U*(-3*x + z + 2*rho)", "z": "-x - rho^2"},
+                    until: [(zero: "x", to: "minus")],
+                ),
+                "minus": (
+                    rates: {"x": "-3*x + y/U + 1", "y": "U*(-3*x + z - 2*rho)", "z": "-x + rho^2"},
+                    until: [(zero: "-x", to: "plus")],
+                ),
+            },
+            sliding: {"slide": ("plus", "minus")},
+        )"#,
+        r#"(start: Simulate(mode: "plus", state: {"x": 1.0, "y": 0.0, "z": 0.0}, settle: 200))"#,
+        r#"(parameter: "rho", range: (1.9, 2.2), toward: Down)"#,
+        "rho",
+    ),
+    (
+        r#"(
+            states: ["x", "y", "z"],
+            parameters: {"alpha": 7.9, "U": {u}},
+            modes: {
+                "inner": (
+                    rates: {"x": "alpha*(y/U + x/7)", "y": "U*(x + z) - y", "z": "-14.3*y/U"},
+                    until: [(zero: "1 - x", to: "upper"), (zero: "1 + x", to: "lower")],
+                ),
+                "upper": (
+                    rates: {"x": "alpha*(y/U - 2*x/7 + 3/7)", "y": "U*(x + z) - y", "z": "-14.3*y/U"},
+                    until: [(zero: "x - 1", to: "inner")],
+                ),
+                "lower": (
+                    rates: {"x": "alpha*(y/U - 2*x/7 - 3/7)", "y": "U*(x + z) - y", "z": "-14.3*y/U"},
+                    until: [(zero: "-1 - x", to: "inner")],
+                ),
+            },
+        )"#,
+        r#"(start: Simulate(mode: "upper", state: {"x": 1.8, "y": 0.0, "z": -1.5}, settle: 200))"#,
+        r#"(parameter: "alpha", range: (7.5, 8.6), toward: Both)"#,
+        "alpha",
+    ),
+];
+
+#[test]
+fn units_change_nothing() {
+    for (system, orbit, continuation, parameter) in IN_UNITS {
+        let of = |k: i32| {
+            let unit = format!("{:e}", 10.0_f64.powi(k));
+            rows(&problem(&system.replace("{u}", &unit), orbit, continuation))
+        };
+        let plain = of(0);
+        let expected = events(&plain, parameter);
+        assert!(!expected.is_empty());
+        for k in [-9, -6, -3, 2, 5, 9] {
+            let items = of(k);
+            let seen = events(&items, parameter);
+            assert_eq!(seen.len(), expected.len(), "{k}: {seen:?} for {expected:?}");
+            for (one, other) in seen.iter().zip(&expected) {
+                assert_eq!(one.0, other.0);
+                assert!(
+                    (one.1 - other.1).abs() <= 1e-10,
+                    "{k}: {one:?} for {other:?}"
+                );
+            }
+            // of the ends of the legs, which are at the same values
+            let ends = |items: &[Item]| -> Vec<Vec<f64>> {
+                let ends = items
+                    .iter()
+                    .filter(|item| item.point.kind == Some(EventType::EP));
+                let sizes = |item: &Item| {
+                    item.point
+                        .multipliers
+                        .iter()
+                        .map(|one| one.value.norm())
+                        .collect()
+                };
+                ends.map(sizes).collect()
+            };
+            for (one, other) in ends(&items).iter().zip(&ends(&plain)) {
+                assert_eq!(one.len(), other.len());
+                for (one, other) in one.iter().zip(other) {
+                    assert!((one - other).abs() <= 1e-9, "{k}: {one} for {other}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn no_problem_file_changes_its_stability_in_silence() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/problems");
+    let mut count = 0;
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "ron") {
+            continue;
+        }
+        let (any, _) = read_any(&path).unwrap_or_else(|error| panic!("{error}"));
+        let Any::System(problem) = any else { continue };
+        if problem.continuation.is_some() && problem.stability.is_some() {
+            has_no_silent_change(&branch(&problem, 300), &path.display().to_string());
+            count += 1;
+        }
+    }
+    assert!(count >= 10, "{count}");
+}
+
+/// Systems of seven kinds with numbers drawn by chance, the same ones every time; `{a-b}` is a number between a and b.
+const KINDS: [(&str, &str, &str, (&str, f64, f64)); 7] = [
+    (
+        r#"(states: ["x", "v", "y", "u"], parameters: {"A": {0.5-1.5}, "w": {0.5-2}, "c": {0.05-0.3}, "k": {0.1-0.6}, "e": {0.3-0.9}}, forcing: "w",
+            modes: {"m": (rates: {"x": "v", "v": "A*cos(phase) - c*v - x - k*(x - y)", "y": "u", "u": "-0.1*u - 1.3*y + k*(x - y)"},
+                until: [(zero: "0.7 - x", to: "m", reset: {"v": "-e*v"})])})"#,
+        "m",
+        r#"{"x": 0.0, "v": 0.0, "y": 0.0, "u": 0.0}"#,
+        ("A", 0.2, 3.0),
+    ),
+    (
+        r#"(states: ["x", "y", "z"], parameters: {"d": {0.05-0.4}, "k": {0.5-3}, "a": {0.2-1.5}, "p": {0.5-2}},
+            modes: {"m": (rates: {"x": "-a*x + k*y", "y": "-0.7*y - x + z", "z": "-0.9*z - p"}, until: [(zero: "x + d", to: "other")]),
+                "other": (rates: {"x": "-a*x + k*y", "y": "-0.7*y - x + z", "z": "-0.9*z + p"}, until: [(zero: "d - x", to: "m")])})"#,
+        "m",
+        r#"{"x": 0.1, "y": 0.0, "z": 0.0}"#,
+        ("k", 0.2, 6.0),
+    ),
+    (
+        r#"(states: ["x", "v", "y", "u"], parameters: {"A": {0.3-2}, "w": {0.6-2}, "c": {0.05-0.3}, "s": {2-30}, "k": {0.1-0.5}}, forcing: "w",
+            define: {"f": "A*cos(phase) - c*v - x - k*(x - y)", "g": "-c*u - 1.2*y + k*(x - y)"},
+            modes: {"m": (rates: {"x": "v", "v": "f", "y": "u", "u": "g"}, until: [(zero: "0.5 - x", to: "hard")]),
+                "hard": (rates: {"x": "v", "v": "f - s*(x - 0.5)", "y": "u", "u": "g"}, until: [(zero: "x - 0.5", to: "m")])})"#,
+        "m",
+        r#"{"x": 0.0, "v": 0.0, "y": 0.0, "u": 0.0}"#,
+        ("w", 0.5, 3.0),
+    ),
+    (
+        r#"(states: ["v", "a"], parameters: {"I": {1.2-3}, "w": {0.5-6}, "b": {0.05-1}, "g": {0.05-1.5}, "h": {0.1-0.6}}, forcing: "w",
+            modes: {"m": (rates: {"v": "I - v - a + h*cos(phase)", "a": "-g*a"}, until: [(zero: "1 - v", to: "m", reset: {"v": "0", "a": "a + b"})])})"#,
+        "m",
+        r#"{"v": 0.0, "a": 0.0}"#,
+        ("I", 1.05, 5.0),
+    ),
+    (
+        r#"(states: ["v", "i", "r"], parameters: {"E": {1-4}, "ref": {0.5-1}, "a": {0.5-4}, "T": {0.5-2}}, define: {"g": "a*(v - ref)"},
+            modes: {
+                "m": (rates: {"v": "i - 0.5*v", "i": "-v", "r": "1"},
+                    until: [(zero: "g - r", to: "on"), (zero: "T - r", to: "m", reset: {"r": "0"}, if: ["g"]), (zero: "T - r", to: "on", reset: {"r": "0"})]),
+                "on": (rates: {"v": "i - 0.5*v", "i": "E - v", "r": "1"},
+                    until: [(zero: "r - g", to: "m"), (zero: "T - r", to: "m", reset: {"r": "0"}, if: ["g"]), (zero: "T - r", to: "on", reset: {"r": "0"})])})"#,
+        "m",
+        r#"{"v": 0.5, "i": 0.2, "r": 0.0}"#,
+        ("E", 0.5, 8.0),
+    ),
+    (
+        r#"(states: ["x", "v"], parameters: {"w": {0.4-2}, "F": {0.1-0.8}, "z": {0.01-0.2}, "b": {0-0.8}}, forcing: "w",
+            define: {"f": "cos(phase) - 2*z*v - x"},
+            modes: {"m": (rates: {"x": "v", "v": "f - F"}, until: [(zero: "v - b", to: "back")]),
+                "back": (rates: {"x": "v", "v": "f + F"}, until: [(zero: "b - v", to: "m")])},
+            sliding: {"stick": ("m", "back")})"#,
+        "m",
+        r#"{"x": 0.0, "v": 0.9}"#,
+        ("w", 0.3, 2.5),
+    ),
+    (
+        r#"(states: ["x", "v", "y", "u"], parameters: {"A": {0.2-1.2}, "w": {0.6-1.6}, "c": {0.1-0.3}, "k": {0.02-0.3}}, forcing: "w",
+            define: {"f": "A*cos(phase)"},
+            modes: {"m": (rates: {"x": "v", "v": "f - c*v - x - x^3 - k*(x - y)", "y": "u", "u": "f - c*u - y - y^3 - k*(y - x)"},
+                until: [(zero: "50 - x", to: "m", reset: {"v": "-v"})])})"#,
+        "m",
+        r#"{"x": 0.0, "v": 0.0, "y": 0.0, "u": 0.0}"#,
+        ("w", 0.5, 2.0),
+    ),
+];
+
+/// A text with its ranges replaced by numbers drawn from them.
+fn drawn(text: &str, seed: &mut u64) -> String {
+    let mut pieces = text.split('{');
+    let mut all = pieces.next().unwrap().to_owned();
+    for piece in pieces {
+        let range = piece.split_once('}').and_then(|(range, rest)| {
+            let (low, high) = range.split_once('-')?;
+            Some((low.parse::<f64>().ok()?, high.parse::<f64>().ok()?, rest))
+        });
+        match range {
+            Some((low, high, rest)) => {
+                *seed = seed
+                    .wrapping_mul(6364136223846793005)
+                    .wrapping_add(1442695040888963407);
+                let part = (*seed >> 11) as f64 / (1_u64 << 53) as f64;
+                all += &format!("{:.6}{rest}", low + part * (high - low));
+            }
+            None => {
+                all.push('{');
+                all += piece;
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn no_system_drawn_by_chance_changes_its_stability_in_silence() {
+    let mut seed = 35;
+    let mut begun = 0;
+    for (system, mode, state, (parameter, low, high)) in KINDS {
+        for _ in 0..2 {
+            let orbit = format!("(start: Simulate(mode: \"{mode}\", state: {state}, settle: 300))");
+            let continuation =
+                format!("(parameter: \"{parameter}\", range: ({low:?}, {high:?}), toward: Both)");
+            let text = problem(&drawn(system, &mut seed), &orbit, &continuation);
+            let any =
+                parse_any(&text, "test.ron").unwrap_or_else(|error| panic!("{error}\n{text}"));
+            let Any::System(problem) = any else {
+                panic!("a system")
+            };
+            // some settle on nothing that is periodic
+            if Runner::begin(&problem, problem.continuation.as_ref().unwrap(), None).is_ok() {
+                has_no_silent_change(&branch(&problem, 200), &text);
+                begun += 1;
+            }
+        }
+    }
+    assert!(begun >= 10, "{begun}");
+}
