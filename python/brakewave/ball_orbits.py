@@ -323,7 +323,14 @@ class Modes:
         rows = [[x - t * d / across for x, t in zip(line, toward)] for line, d in zip(below, along)]
         self.matrices.append(rows + below[self.count :])
         stay, own, ends = [self.unit(i) for i in range(self.count)], len(self.guards), [-x for x in toward]
-        self.guards.append([(ends, [(first, stay, [])]), (away, [(second, stay, [])])])
+        # the other guards of both modes end sliding, too: they have to be positive, and what follows is not covered
+        multiple = lambda row: not any(x * b - a * y for x, a in zip(row, normal) for y, b in zip(row, normal))
+        watched = []
+        for row, _ in self.guards[first] + self.guards[second]:
+            if not multiple(row) and not any(not any(x - y for x, y in zip(row, known)) for known in watched):
+                watched.append(row)
+        own_conditions = [(ends, [(first, stay, [])]), (away, [(second, stay, [])])]
+        self.guards.append(own_conditions + [(row, []) for row in watched])
         self.surfaces.append(normal)
         out.insert(0, (own, stay, [away]))
         back.insert(0, (own, stay, [ends]))

@@ -37,7 +37,7 @@ RARE = ["#332288", "#882255", "#999933", "#117733", "#cc6677", "#8c564b", "#465a
 
 _TEXT = (
     "type regimes regimes_before regimes_after regime switches stable why what start name method setting failure "
-    "direction full_direction lead_direction first lead_first proven parameter sweep from to"
+    "direction sliding full_direction lead_direction first lead_first proven parameter sweep from to"
 ).split()
 _WHOLE = (
     "point label leg unstable lead_sector sector newton row column passage mode points events_found "

@@ -1,6 +1,8 @@
 //! The expressions of a system as forms, with coefficients of any kind.
 
-use super::expression::{Expression, Flaw};
+use std::collections::HashMap;
+
+use super::expression::{Expression, Flaw, Obstacle};
 use super::form::{Coefficient, Dual, Form};
 use super::system::{Mistake, Switch, System, SystemError};
 
@@ -31,6 +33,32 @@ impl<'a, C> FormMode<'a, C> {
                 .chain(&switch.conditions)
         });
         self.rates.iter().chain(switches)
+    }
+}
+
+impl FormMode<'_> {
+    /// The mode with every expression as it is within it, where its guards are not negative: the absolute value of a
+    /// multiple of one has no kink there.
+    ///
+    /// # Errors
+    /// An operation that has no result there.
+    pub fn within(mut self) -> Result<Self, Obstacle> {
+        let guards: Vec<Form> = self.switches.iter().map(|one| one.guard.clone()).collect();
+        let mut known = HashMap::new();
+        let mut resolve = |form: &mut Form| {
+            if !form.beyond.is_empty() {
+                *form = form.where_positive(&guards, &mut known)?;
+            }
+            Ok(())
+        };
+        self.rates.iter_mut().try_for_each(&mut resolve)?;
+        for switch in &mut self.switches {
+            let reset = switch.reset.iter_mut().map(|(_, form)| form);
+            reset
+                .chain(&mut switch.conditions)
+                .try_for_each(&mut resolve)?;
+        }
+        Ok(self)
     }
 }
 

@@ -493,10 +493,22 @@ impl ModeFlow {
 
     /// What a guard does just after a zone begins with a piece.
     pub(super) fn onset(&self, guard: usize, piece: &Piece) -> Onset {
-        let (taylor, remainder) = self.taylor(guard, piece, 1.0);
-        let noise = ON_GUARD
-            * (remainder
-                + f64::EPSILON * taylor.iter().fold(0.0, |size: f64, a| size.max(a.abs())));
+        self.onset_from(guard, piece, 0)
+    }
+
+    /// The same, where the first coefficients, so many, are known to be zero.
+    pub(super) fn onset_from(&self, guard: usize, piece: &Piece, zeros: usize) -> Onset {
+        let (mut taylor, remainder) = self.taylor(guard, piece, 1.0);
+        taylor[..zeros].fill(0.0);
+        let largest = taylor.iter().fold(0.0, |size: f64, a| size.max(a.abs()));
+        let rounding = match &piece.course {
+            Course::Series(series) => {
+                let form = &self.guards[guard];
+                f64::EPSILON * piece.length * self.field.size_of_rate(series, form)
+            }
+            _ => 0.0,
+        };
+        let noise = ON_GUARD * (remainder + f64::EPSILON * largest + rounding);
         match taylor.iter().position(|a| a.abs() > noise) {
             None => Onset::Zero,
             Some(order) if taylor[order] > 0.0 => Onset::Positive(order),

@@ -58,6 +58,12 @@ impl Dual {
         Dual { value, by }
     }
 
+    /// self/other, whatever that is.
+    pub(super) fn over(self, other: Dual) -> Dual {
+        let x = other.value;
+        self.times(other.chain((x.recip(), -x.powi(-2))))
+    }
+
     fn power(self, exponent: Dual) -> Dual {
         let (x, n) = (self.value, exponent.value);
         if exponent.by == [0.0; VARYING] {
@@ -113,10 +119,7 @@ impl Algebra for Dual {
             Operation::Plus => self.sum(1.0, other, 1.0),
             Operation::Minus => self.sum(1.0, other, -1.0),
             Operation::Times => self.times(other),
-            Operation::Over => {
-                let x = other.value;
-                self.times(other.chain((x.recip(), -x.powi(-2))))
-            }
+            Operation::Over => self.over(other),
             Operation::Power => self.power(other),
         };
         result.finite()
@@ -587,6 +590,102 @@ impl<C: Coefficient> Algebra for Form<C> {
             _ if self.is_constant() => Ok(Form::constant(self.constant.apply(function)?)),
             _ => self.function(function),
         }
+    }
+}
+
+/// Part of the largest coefficient by which a form and a multiple of another may differ where they are the same for the
+/// mathematics.
+const SAME: f64 = 1e-12;
+
+impl Form {
+    /// The form where some others are not negative: ±g in the place of |g| where g is a multiple of one of these.
+    /// `known` has the terms that have been met, and whether they are others there.
+    ///
+    /// # Errors
+    /// An operation that has no result there.
+    pub(super) fn where_positive(
+        &self,
+        positive: &[Form],
+        known: &mut HashMap<*const Term, Option<Form>>,
+    ) -> Result<Form, Obstacle> {
+        let mut sum = Form {
+            beyond: Vec::new(),
+            ..self.clone()
+        };
+        for (coefficient, term) in &self.beyond {
+            let place = Arc::as_ptr(term);
+            if !known.contains_key(&place) {
+                let form = term.where_positive(positive, known)?;
+                known.insert(place, form);
+            }
+            match known.get(&place) {
+                Some(Some(form)) => sum = sum.sum(form.clone().scaled(*coefficient)?, 1.0)?,
+                _ => sum.beyond.push((*coefficient, term.clone())),
+            }
+        }
+        Ok(sum)
+    }
+
+    /// The sign of the number that it is times another form: of zero, it is 1.
+    fn sign_of_ratio(&self, other: &Form) -> Option<f64> {
+        let largest = |form: &Form| {
+            let harmonics = form.harmonics.iter().flatten();
+            let terms = form.states.iter().chain(harmonics).chain([&form.constant]);
+            let beyond = form.beyond.iter().map(|(c, _)| c);
+            let values = terms.chain(beyond).map(|c| c.value.abs());
+            values.fold(0.0, f64::max)
+        };
+        // a guard that has no state is one of time alone: where it is zero is known, and not what is multiplied with it
+        let size = |state: &usize| other.states[*state].value.abs();
+        let pivot = (0..other.states.len()).max_by(|one, more| size(one).total_cmp(&size(more)))?;
+        if size(&pivot) == 0.0 {
+            return None;
+        }
+        let own = self.states.get(pivot).copied().unwrap_or_default();
+        let factor = own.over(other.states[pivot]);
+        let rest = other.clone().scaled(factor).ok()?;
+        let rest = self.clone().sum(rest, -1.0).ok()?;
+        (largest(&rest) <= SAME * largest(self))
+            .then(|| if factor.value < 0.0 { -1.0 } else { 1.0 })
+    }
+}
+
+impl Term {
+    /// Another form of it where some are not negative; `None` where it is the same.
+    fn where_positive(
+        &self,
+        positive: &[Form],
+        known: &mut HashMap<*const Term, Option<Form>>,
+    ) -> Result<Option<Form>, Obstacle> {
+        let [one, other] = &self.operands;
+        let resolved = [
+            one.where_positive(positive, known)?,
+            other.where_positive(positive, known)?,
+        ];
+        if self.rule == Rule::Function(Function::Abs) {
+            let mut signs = positive
+                .iter()
+                .filter_map(|form| resolved[0].sign_of_ratio(form));
+            if let Some(sign) = signs.next() {
+                return resolved[0].clone().scaled(Dual::number(sign)).map(Some);
+            }
+        }
+        let is_same = |one: &Form, other: &Form| {
+            let mut pairs = one.beyond.iter().zip(&other.beyond);
+            one.beyond.len() == other.beyond.len()
+                && pairs.all(|((_, one), (_, other))| Arc::ptr_eq(one, other))
+        };
+        if is_same(&resolved[0], one) && is_same(&resolved[1], other) {
+            return Ok(None);
+        }
+        let [one, other] = resolved;
+        let form = match self.rule {
+            Rule::Product => one.operate(Operation::Times, other),
+            Rule::Quotient => one.operate(Operation::Over, other),
+            Rule::Power(r) => one.operate(Operation::Power, Form::number(r)),
+            Rule::Function(function) => one.apply(function),
+        };
+        form.map(Some)
     }
 }
 

@@ -1,8 +1,9 @@
 //! Hybrid systems that a user writes down.
 //!
 //! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names; [`form`] is
-//! what expressions of such a system are evaluated in, [`evaluation`] does that, [`mode`] the linear flow that a mode is made into at
-//! given parameters, [`series`] that of a mode whose rates are not affine, `exponential` has those of matrices, `stiff` what is slow of one, [`flow`] either with the
+//! what expressions of such a system are evaluated in, [`evaluation`] does that, [`mode`] the linear flow that a mode is made
+//! into at given parameters: `matrices` lays it out, `sliding` puts modes between two others. [`series`] has the flow of a
+//! mode whose rates are not affine, `exponential` those of matrices, `stiff` what is slow of one, [`flow`] either with the
 //! signs of its guards, [`motion`] follows it through its switches,
 //! and [`course`] sees it at equal times; [`steady`] has the equilibria, [`orbit`] the periodic orbits.
 
@@ -12,11 +13,13 @@ pub(crate) mod exponential;
 pub mod expression;
 pub mod flow;
 pub mod form;
+mod matrices;
 pub mod mode;
 pub mod motion;
 pub mod orbit;
 pub mod rows;
 pub mod series;
+mod sliding;
 pub mod steady;
 mod stiff;
 pub mod system;

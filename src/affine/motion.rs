@@ -89,6 +89,36 @@ pub enum Halt {
         /// The guard that ends it.
         guard: usize,
     },
+    /// Two modes follow one another ever faster while a guard and its rate, which is the same in both, tend to zero:
+    /// sliding of second order.
+    SecondOrder {
+        /// Its time.
+        time: f64,
+        /// The mode.
+        mode: usize,
+        /// The guard that leads to the other.
+        guard: usize,
+        /// Duration of the last zone.
+        duration: f64,
+    },
+    /// Sliding comes to a second surface, at which the motion beyond points back: it would slide in both.
+    TwoSurfaces {
+        /// Its time.
+        time: f64,
+        /// The sliding mode.
+        mode: usize,
+        /// The guard that is zero.
+        guard: usize,
+    },
+    /// Sliding comes to a guard at which its two modes lead to different places.
+    Parted {
+        /// Its time.
+        time: f64,
+        /// The sliding mode.
+        mode: usize,
+        /// The guard that is zero.
+        guard: usize,
+    },
     /// The flow is so fast that the time asked for would take too many pieces of it.
     Fast {
         /// Its time.
@@ -109,6 +139,9 @@ impl Halt {
         match *self {
             Halt::NoExit { mode, guard, .. }
             | Halt::Undecided { mode, guard, .. }
+            | Halt::SecondOrder { mode, guard, .. }
+            | Halt::TwoSurfaces { mode, guard, .. }
+            | Halt::Parted { mode, guard, .. }
             | Halt::Livelock { mode, guard, .. } => Some((mode, guard)),
             Halt::Chattering { .. } | Halt::Fast { .. } | Halt::Unbounded { .. } => None,
         }
@@ -132,6 +165,19 @@ impl Halt {
                 "at t = {time:?} modes follow one another without any time passing: {guard} of {mode} is negative, or \
                  falls from zero, as it begins, and so on: the state lies in none of them, or slides between two that \
                  no mode of `sliding` names"
+            ),
+            Halt::SecondOrder { time, duration, .. } => format!(
+                "by t = {time:?} {mode} and the mode beyond its {guard} follow one another ever faster, the last for \
+                 {duration:.1e}: {guard} and its rate, which is the same in both modes, tend to zero together. This is \
+                 sliding of second order, which no mode of `sliding` has"
+            ),
+            Halt::TwoSurfaces { time, .. } => format!(
+                "at t = {time:?} {guard} of {mode} is zero, and what lies beyond points back at it: the motion slides \
+                 in two surfaces at once, which no mode of `sliding` has"
+            ),
+            Halt::Parted { time, .. } => format!(
+                "at t = {time:?} {guard} of {mode} is zero, where the two modes between which it slides lead to \
+                 different places: nothing tells to which of them sliding leads"
             ),
             Halt::Fast { time, piece } => format!(
                 "at t = {time:?} the motion changes within {piece:.1e}: so fast that the time asked for would take \
@@ -170,6 +216,11 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// So many of them in a row are a chattering, and so many switches without time a livelock.
 const IN_A_ROW: usize = 8;
 
+/// So many zones in a row that are shorter than the last but one are sliding of second order, where each is shorter than
+/// this part of a piece of its mode: their lengths fall in proportion to themselves, and no end of them comes.
+const EVER_FASTER: usize = 64;
+const FAST: f64 = 0.05;
+
 /// The ratio of successive durations that fall geometrically. The last of them are rounding, as differences of times, or
 /// zero: the earlier half tells. Where they fall at once to rounding, in one zone, there is none.
 fn ratio(durations: &[f64]) -> Option<f64> {
@@ -206,6 +257,13 @@ pub struct Motion<'a> {
     falling: Vec<f64>,
     /// How many of the last zones were short.
     short: usize,
+    /// How many of the last zones were fast, and shorter than the last but one; how long the last two were.
+    faster: usize,
+    lasted: [f64; 2],
+    /// A guard that is zero together with its rate where the zone begins.
+    tangent: Option<usize>,
+    /// The sliding mode that has ended at a guard of one of its sides, if the mode that is just beginning begins there.
+    left: Option<(usize, usize)>,
     /// Length of the piece it is in.
     unit: f64,
     section: Option<Section>,
@@ -233,6 +291,10 @@ impl<'a> Motion<'a> {
             entered: place.time,
             falling: Vec::new(),
             short: 0,
+            faster: 0,
+            lasted: [f64::INFINITY; 2],
+            tangent: None,
+            left: None,
             section: None,
             unit: longest,
             place,
@@ -295,7 +357,11 @@ impl<'a> Motion<'a> {
             ..
         } = self.place;
         let flow = &self.flows[mode];
-        let mut piece = flow.piece(self.system.lift(mode, &self.place.state, phase));
+        let corrected = |mut z: Vector| {
+            self.system.correct(mode, &mut z);
+            z
+        };
+        let mut piece = flow.piece(corrected(self.system.lift(mode, &self.place.state, phase)));
         if !piece.is_defined() {
             return Err(Halt::Unbounded { time: start });
         }
@@ -304,9 +370,10 @@ impl<'a> Motion<'a> {
         let mut orders = vec![0; guards.len()];
         if self.fresh {
             for guard in guards.clone() {
-                match flow.onset(guard, &piece) {
+                let zeros = if self.tangent == Some(guard) { 2 } else { 0 };
+                match flow.onset_from(guard, &piece, zeros) {
                     Onset::Positive(order) => orders[guard] = order,
-                    Onset::Negative => return self.switch(guard, start, &piece.z).map(Some),
+                    Onset::Negative => return self.switch(guard, 0.0, &piece.z).map(Some),
                     Onset::Zero => {
                         return Err(Halt::Undecided {
                             time: start,
@@ -374,12 +441,12 @@ impl<'a> Motion<'a> {
                     let zero = section.row.dot(&z).abs() <= ROUNDING * size;
                     guard >= count || section.below == Some(true) && zero
                 }) else {
-                    return self.switch(guard, now, &z).map(Some);
+                    return self.switch(guard, begun + after, &z).map(Some);
                 };
                 let risen = section.below == Some(true);
                 section.there = true;
                 self.fresh = false;
-                self.come(now, phase + self.system.omega.value * (now - start), &z);
+                self.come(now, phase + self.system.omega.value * (begun + after), &z);
                 return Ok(risen.then_some(Step::Section));
             }
             if part < 1.0 {
@@ -388,7 +455,7 @@ impl<'a> Motion<'a> {
             } else {
                 begun += piece.length;
                 time = start + begun;
-                piece = flow.piece(flow.advance(&piece));
+                piece = flow.piece(corrected(flow.advance(&piece)));
             }
         }
         if !piece.z.iter().all(|x| x.is_finite()) {
@@ -410,24 +477,33 @@ impl<'a> Motion<'a> {
         self.place.time = time;
     }
 
-    /// Goes over to the mode that a guard leads to.
-    fn switch(&mut self, guard: usize, time: f64, z: &Vector) -> Result<Step, Halt> {
+    /// Goes over to the mode that a guard leads to, so long after the last place.
+    fn switch(&mut self, guard: usize, elapsed: f64, z: &Vector) -> Result<Step, Halt> {
         let Place {
             time: start,
             phase,
             mode,
             ..
         } = self.place;
-        let value = |row: &Row| row.at.dot(z);
+        let time = start + elapsed;
+        let known = &self.system.modes[mode];
+        let mut z = z.clone();
+        known.field.complete_at_switch(&mut z);
+        let exits = &known.guards[guard].exits;
         // a condition that is zero holds; so it does where rounding alone makes it negative
-        let holds = |row: &Row| {
-            let size: f64 = row.at.iter().zip(z).map(|(c, z)| (c * z).abs()).sum();
-            value(row) >= -ROUNDING * size
-        };
-        let exits = self.system.modes[mode].guards[guard].exits.iter();
-        let mut exits = exits.enumerate();
-        let exit = exits.find(|(_, exit)| exit.conditions.iter().all(holds));
-        let (number, exit) = exit.ok_or(Halt::NoExit { time, mode, guard })?;
+        let holds = |row: &Row| row.value(&z) >= -ROUNDING * row.size(&z);
+        let mut numbered = exits.iter().enumerate();
+        let exit = numbered.find(|(_, exit)| exit.conditions.iter().all(holds));
+        let (number, exit) = exit.ok_or_else(|| {
+            let mut conditions = exits.iter().flat_map(|exit| &exit.conditions);
+            if exits.is_empty() {
+                Halt::Parted { time, mode, guard }
+            } else if conditions.any(|row| !row.value(&z).is_finite()) {
+                Halt::Unbounded { time }
+            } else {
+                Halt::NoExit { time, mode, guard }
+            }
+        })?;
         let mut to = exit.to;
         let lasted = time - self.entered;
         let is_short = lasted <= CHATTER * self.unit;
@@ -436,6 +512,29 @@ impl<'a> Motion<'a> {
             self.falling.clear();
         }
         self.falling.push(lasted);
+        // sliding in one surface that leaves at a guard into sliding which comes back at once
+        let leaves = known.sides.is_some() && known.guards[guard].written.is_some();
+        if let Some((before, guard)) = self.left.filter(|(before, _)| leaves && *before == to)
+            && lasted == 0.0
+        {
+            let mode = before;
+            return Err(Halt::TwoSurfaces { time, mode, guard });
+        }
+        self.left = leaves.then_some((mode, guard));
+        let faster = !is_short && lasted < self.lasted[0] && lasted < FAST * self.unit;
+        self.faster = match faster && self.system.is_of_second_order(mode, guard, to) {
+            true => self.faster + 1,
+            false => 0,
+        };
+        self.lasted = [self.lasted[1], lasted];
+        if self.faster > EVER_FASTER {
+            return Err(Halt::SecondOrder {
+                time,
+                mode,
+                guard,
+                duration: lasted,
+            });
+        }
         if self.short > IN_A_ROW {
             match (exit.rest, ratio(&self.falling)) {
                 (Some(rest), _) => to = rest,
@@ -444,9 +543,11 @@ impl<'a> Motion<'a> {
             }
             (self.short, self.falling) = (0, Vec::new());
         }
-        let after: Vec<f64> = (&exit.reset.at * z).iter().copied().collect();
+        let states = 0..self.system.states;
+        let after: Vec<f64> = states.map(|state| exit.reset.value(state, &z)).collect();
         let before = z.rows(0, self.system.states).iter().copied().collect();
-        let phase = phase + self.system.omega.value * (time - start);
+        let phase = phase + self.system.omega.value * elapsed;
+        self.tangent = exit.tangent.filter(|_| lasted > 0.0);
         self.place = Place {
             time,
             phase: phase.rem_euclid(std::f64::consts::TAU),

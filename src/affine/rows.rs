@@ -42,6 +42,40 @@ impl Row {
         }
     }
 
+    /// Coefficient of a component of z.
+    pub(super) fn dual(&self, column: usize) -> Dual {
+        Dual {
+            value: self.at[column],
+            by: self.by.each_ref().map(|by| by[column]),
+        }
+    }
+
+    /// Its value at z. Components that it does not have may have none.
+    pub(super) fn value(&self, z: &Vector) -> f64 {
+        let terms = self.at.iter().zip(z).filter(|(c, _)| **c != 0.0);
+        terms.map(|(c, z)| c * z).sum()
+    }
+
+    /// Sum of the sizes of its terms at z.
+    pub(super) fn size(&self, z: &Vector) -> f64 {
+        let terms = self.at.iter().zip(z).filter(|(c, _)| **c != 0.0);
+        terms.map(|(c, z)| (c * z).abs()).sum()
+    }
+
+    /// Takes another form times a factor away.
+    pub(super) fn subtract(&mut self, factor: Dual, other: &Row) {
+        if factor == Dual::default() {
+            return;
+        }
+        for (by, (slope, other_by)) in self.by.iter_mut().zip(factor.by.iter().zip(&other.by)) {
+            by.axpy(-factor.value, other_by, 1.0);
+            if *slope != 0.0 {
+                by.axpy(-slope, &other.at, 1.0);
+            }
+        }
+        self.at.axpy(-factor.value, &other.at, 1.0);
+    }
+
     /// Whether it depends on a component of z.
     pub(super) fn has(&self, column: usize) -> bool {
         self.at[column] != 0.0 || self.by.iter().any(|by| by[column] != 0.0)
@@ -105,6 +139,17 @@ impl MatrixBy {
         for (by, values) in self.by.iter_mut().zip(&values.by) {
             by.row_mut(row).tr_copy_from(values);
         }
+    }
+
+    /// A row times z. Components that it does not have may have no value.
+    pub(super) fn value(&self, row: usize, z: &Vector) -> f64 {
+        let terms = self
+            .at
+            .row(row)
+            .into_iter()
+            .zip(z)
+            .filter(|(c, _)| **c != 0.0);
+        terms.map(|(c, z)| c * z).sum::<f64>()
     }
 
     pub(super) fn row(&self, row: usize) -> Row {

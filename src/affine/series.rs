@@ -181,8 +181,10 @@ impl Sparse {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     program: Arc<Program>,
-    /// Which components beyond states and phase the mode has to do with: others may have no value in it.
+    /// Which components beyond states and phase the mode has to do with along its flow: others may have no value in it.
     needed: Vec<bool>,
+    /// The same at the instants at which it ends, where conditions and resets count, too.
+    at_switch: Vec<bool>,
     /// Rates of the components before them; none where everything is linear.
     rates: Vec<Sparse>,
     /// Whether the mode has to do with none of them.
@@ -215,6 +217,7 @@ impl Default for Field {
         Field {
             program: Arc::default(),
             needed: Vec::new(),
+            at_switch: Vec::new(),
             rates: Vec::new(),
             is_exact: true,
             tolerance: 0.0,
@@ -223,29 +226,34 @@ impl Default for Field {
 }
 
 impl Field {
-    /// The field of a mode with this matrix, of which these rows are looked at.
+    /// The field of a mode with this matrix, of which some rows are looked at along the flow, and others where it ends.
     pub fn new(
         program: &Arc<Program>,
         matrix: &MatrixBy,
-        watched: impl Iterator<Item = Row>,
+        (along, at_end): (impl Iterator<Item = Row>, impl Iterator<Item = Row>),
         (tolerance, integrated): (f64, bool),
     ) -> Field {
         let base = program.base;
         let mut needed = vec![false; program.made()];
+        let mut at_switch = needed.clone();
         if program.made() > 0 {
-            let rates = (0..base).map(|row| matrix.row(row));
-            for row in rates.chain(watched) {
+            let take = |row: Row, needed: &mut [bool]| {
                 for (index, needed) in needed.iter_mut().enumerate() {
                     *needed |= row.has(base + index);
                 }
-            }
+            };
+            let rates = (0..base).map(|row| matrix.row(row));
+            rates.chain(along).for_each(|row| take(row, &mut needed));
             program.complete(&mut needed);
+            at_switch.clone_from(&needed);
+            at_end.for_each(|row| take(row, &mut at_switch));
+            program.complete(&mut at_switch);
         }
         let entry = |row: usize, c: usize| Dual {
             value: matrix.at[(row, c)],
             by: matrix.by.each_ref().map(|by| by[(row, c)]),
         };
-        let is_exact = !integrated && !needed.contains(&true);
+        let is_exact = !integrated && !at_switch.contains(&true);
         let rate = |row| Sparse::new((0..program.size()).map(|c| (c, entry(row, c))));
         Field {
             rates: if needed.is_empty() && !integrated {
@@ -256,16 +264,19 @@ impl Field {
             program: program.clone(),
             is_exact,
             needed,
+            at_switch,
             tolerance,
         }
     }
 
     /// Makes the components that a form has, too.
     pub fn watch(&mut self, form: &Vector) {
-        for (index, needed) in self.needed.iter_mut().enumerate() {
-            *needed |= form[self.program.base + index] != 0.0;
+        for needed in [&mut self.needed, &mut self.at_switch] {
+            for (index, needed) in needed.iter_mut().enumerate() {
+                *needed |= form[self.program.base + index] != 0.0;
+            }
+            self.program.complete(needed);
         }
-        self.program.complete(&mut self.needed);
         self.is_exact &= !self.needed.contains(&true);
     }
 
@@ -277,19 +288,48 @@ impl Field {
         components.any(|c| self.program.depends(c, &phases))
     }
 
-    /// Gives every component of z that is made of others its value.
+    /// Gives every component of z that is made of others, and that the flow has to do with, its value.
     pub fn complete(&self, z: &mut Vector) {
         if !self.is_exact {
-            let series = self.run(z, 0, false, &[]);
+            let series = self.run(&self.needed, z, 0, false, &[]);
+            z.copy_from_slice(&series.data[..self.program.size()]);
+        }
+    }
+
+    /// The same for the components that conditions and resets are made of, too: what makes no sense has no value.
+    pub fn complete_at_switch(&self, z: &mut Vector) {
+        if self.ends_by_more() {
+            let series = self.run(&self.at_switch, z, 0, false, &[]);
             z.copy_from_slice(&series.data[..self.program.size()]);
         }
     }
 
     /// The series of z with its derivatives, up to an order.
     pub fn series(&self, z: &Vector, order: usize, derivatives: bool, forward: bool) -> Series {
+        self.series_of(&self.needed, z, order, derivatives, forward)
+    }
+
+    /// The same with what conditions and resets are made of, where the mode ends.
+    pub fn series_at_switch(&self, z: &Vector, order: usize, forward: bool) -> Series {
+        self.series_of(&self.at_switch, z, order, true, forward)
+    }
+
+    /// Whether conditions and resets are made of more than the flow.
+    pub fn ends_by_more(&self) -> bool {
+        self.at_switch != self.needed
+    }
+
+    fn series_of(
+        &self,
+        needed: &[bool],
+        z: &Vector,
+        order: usize,
+        derivatives: bool,
+        forward: bool,
+    ) -> Series {
         let direction = if forward { 1.0 } else { -1.0 };
         let has_kinks = || {
-            let steps = self.program.steps.iter().zip(&self.needed);
+            let steps = self.program.steps.iter().zip(needed);
             let abs = Rule::Function(Function::Abs);
             steps
                 .filter(|(step, needed)| **needed && step.rule == abs)
@@ -297,26 +337,33 @@ impl Field {
                 > 0
         };
         if !has_kinks() {
-            return self.run(z, order, derivatives, &[]);
+            return self.run(needed, z, order, derivatives, &[]);
         }
         // the sign of an operand that is zero here is that of its first coefficient that is not
         let mut signs = vec![0.0; self.program.made()];
         loop {
-            let series = self.run(z, order, false, &signs);
+            let series = self.run(needed, z, order, false, &signs);
             let mut found = false;
             for (index, sign) in signs.iter_mut().enumerate() {
-                if self.needed[index] && *sign == 0.0 {
+                if needed[index] && *sign == 0.0 {
                     *sign = series.first_sign(self, index, direction);
                     found |= *sign != 0.0;
                 }
             }
             if !found {
-                return self.run(z, order, derivatives, &signs);
+                return self.run(needed, z, order, derivatives, &signs);
             }
         }
     }
 
-    fn run(&self, z: &Vector, order: usize, derivatives: bool, signs: &[f64]) -> Series {
+    fn run(
+        &self,
+        needed: &[bool],
+        z: &Vector,
+        order: usize,
+        derivatives: bool,
+        signs: &[f64],
+    ) -> Series {
         let Program { base, steps } = &*self.program;
         let (base, size) = (*base, self.program.size());
         let lanes = if derivatives { 1 + base + VARYING } else { 1 };
@@ -339,11 +386,7 @@ impl Field {
         }
         let mut sum = vec![0.0; lanes];
         for k in 0..=order {
-            for (index, step) in steps
-                .iter()
-                .enumerate()
-                .filter(|(index, _)| self.needed[*index])
-            {
+            for (index, step) in steps.iter().enumerate().filter(|(index, _)| needed[*index]) {
                 series.step(index, step, k, &mut sum);
             }
             if k < order {
@@ -355,6 +398,20 @@ impl Field {
             }
         }
         series
+    }
+
+    /// Sum of the terms of which the rate of a form is made at the beginning of a series: where they cancel, it has
+    /// their rounding.
+    pub fn size_of_rate(&self, series: &Series, form: &Vector) -> f64 {
+        let of = |(c, rate): (usize, &Sparse)| -> f64 {
+            let terms = rate.0.iter();
+            let size: f64 = terms
+                .map(|(j, by)| (by.value * series.value(0, *j)).abs())
+                .sum();
+            form[c].abs() * size
+        };
+        let rates = self.rates.iter().enumerate();
+        rates.filter(|(c, _)| form[*c] != 0.0).map(of).sum()
     }
 
     /// Components before those that are made of others.

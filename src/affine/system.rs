@@ -13,7 +13,7 @@ use serde::de::{MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::expression::{Expression, Flaw, Function, Wrong};
+use super::expression::{Expression, Flaw, Function, Obstacle, Wrong};
 
 /// Part of a component by which the terms of degree 17 may change it over a step of an integrated flow, where none is
 /// given: as much as in an exact one.
@@ -185,6 +185,9 @@ pub enum Mistake {
     /// The frequency of the forcing is not positive.
     #[error("the angular frequency of the forcing is {0}; it must be positive")]
     Frequency(f64),
+    /// A mode whose expressions have no value within it.
+    #[error("an expression of `{0}` has no value where its guards are positive: {1}")]
+    Within(String, Obstacle),
     /// Two modes that do not meet in one surface.
     #[error(
         "the modes `{0}` and `{1}` do not meet in one surface: each needs one switch to the other, with the same `zero` but for the sign"
@@ -372,21 +375,22 @@ impl System {
         self.mode_names().nth(mode).unwrap_or_default()
     }
 
-    /// A guard of a mode as the file has it: its expression; in a sliding mode, the field it is held against.
+    /// A guard of a mode as the file has it: its expression; of the conditions of a sliding mode, the field that each is
+    /// held against.
     pub fn guard_name(&self, mode: usize, guard: usize) -> String {
         let modes = &self.source.modes.0;
-        if let Some((_, ModeSource { until, .. })) = modes.get(mode) {
-            let mut known: Vec<&str> = Vec::new();
-            for switch in until {
-                if !known.contains(&switch.zero.as_str()) {
-                    known.push(&switch.zero);
-                }
-            }
-            return format!("`{}`", known.get(guard).copied().unwrap_or_default());
+        let sliding = mode.checked_sub(modes.len());
+        let sides = sliding.and_then(|index| self.source.sliding.0.get(index));
+        if let Some((_, (first, second))) = sides.filter(|_| guard < 2) {
+            return format!("the push of `{}`", if guard == 0 { first } else { second });
         }
-        let sides = self.source.sliding.0.get(mode - modes.len());
-        let side = sides.map(|(_, (first, second))| if guard == 0 { first } else { second });
-        format!("the push of `{}`", side.map_or("", String::as_str))
+        // guards with the same form are one, as the modes of a sliding mode may share theirs
+        let system = self.at(&self.values(), &[]).ok();
+        let known = system
+            .as_ref()
+            .and_then(|system| system.modes.get(mode)?.guards.get(guard)?.written);
+        let written = known.and_then(|[mode, switch]| modes.get(mode)?.1.until.get(switch));
+        format!("`{}`", written.map_or("", |switch| switch.zero.as_str()))
     }
 
     /// Index of a mode by its name.

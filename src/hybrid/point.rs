@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 
 use crate::affine::orbit::multipliers::own;
-use crate::affine::orbit::{AffineOrbit, Multiplier};
+use crate::affine::orbit::{AffineOrbit, Multiplier, SlidingBifurcation};
 use crate::orbit::special::Close;
 use crate::orbit::{EventType, Orbit, Stability};
 use crate::problem::compare::Occurrence;
@@ -65,6 +65,8 @@ pub struct OrbitEvent {
     pub regimes_before: String,
     /// Modes after the event, along the branch.
     pub regimes_after: String,
+    /// The sliding bifurcation that changes the modes, if one does.
+    pub sliding: Option<SlidingBifurcation>,
     /// Bound or honest estimate of the error of the located parameter.
     pub uncertainty: f64,
     /// A short sentence.

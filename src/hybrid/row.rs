@@ -148,6 +148,7 @@ pub struct OrbitEventRow<'a> {
     multiplier_im: Option<f64>,
     regimes_before: &'a str,
     regimes_after: &'a str,
+    sliding: String,
     uncertainty: f64,
     what: &'a str,
 }
@@ -164,6 +165,7 @@ impl<'a> OrbitEventRow<'a> {
             multiplier_im: None,
             regimes_before: "",
             regimes_after: "",
+            sliding: String::new(),
             uncertainty: 0.0,
             what: "",
         }
@@ -185,6 +187,9 @@ impl<'a> OrbitEventRow<'a> {
             multiplier_im: event.leading.map(|value| value.im),
             regimes_before: &event.regimes_before,
             regimes_after: &event.regimes_after,
+            sliding: event
+                .sliding
+                .map_or_else(String::new, |sliding| sliding.to_string()),
             uncertainty: event.uncertainty,
             what: &event.what,
         }

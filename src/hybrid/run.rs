@@ -6,7 +6,7 @@ use super::begin::{First, Named, NoStart, begin};
 use super::point::{Note, OrbitEvent, OrbitPoint};
 use super::row::MultiplierRow;
 use super::saved::LabelledOrbit;
-use crate::affine::orbit::{AffineOrbit, Examination, Multiplier, Scales};
+use crate::affine::orbit::{AffineOrbit, Examination, Multiplier, Scales, SlidingBifurcation};
 use crate::continuation::Node;
 use crate::linalg::Vector;
 use crate::orbit::follow::Found;
@@ -246,6 +246,12 @@ impl Runner {
             Some((orbit, node)) => beside(orbit, node, A_LITTLE),
             None => special.after().map(|after| after.to_string()),
         };
+        let sliding = match special {
+            Special::Change(change) => change.after.as_ref().and_then(|after| {
+                SlidingBifurcation::between(&self.problem.system, &change.before, after)
+            }),
+            _ => None,
+        };
         OrbitEvent {
             label: point.label.unwrap_or_default(),
             kind: special.kind(),
@@ -255,7 +261,11 @@ impl Runner {
             regimes_before: before.unwrap_or_else(|| point.regimes.clone()),
             regimes_after: beyond().unwrap_or_else(|| point.regimes.clone()),
             uncertainty: found.known_to(),
-            what: special.to_string(),
+            what: match sliding {
+                Some(sliding) => format!("{sliding}: {special}"),
+                None => special.to_string(),
+            },
+            sliding,
         }
     }
 }

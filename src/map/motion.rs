@@ -60,9 +60,15 @@ impl Settled {
         match reason {
             NoOrbit::Rests { .. } => "equilibrium",
             NoOrbit::NotPeriodic { .. } => "not periodic",
-            NoOrbit::Halted(Halt::Chattering { .. }) => "chattering",
-            NoOrbit::Halted(Halt::Unbounded { .. }) => "unbounded",
-            NoOrbit::Halted(_) | NoOrbit::Stuck { .. } => "stuck",
+            NoOrbit::Halted(halt) | NoOrbit::Stuck { halt, .. } => match halt {
+                Halt::Chattering { .. } => "chattering",
+                Halt::Unbounded { .. } => "unbounded",
+                Halt::Livelock { .. }
+                | Halt::SecondOrder { .. }
+                | Halt::TwoSurfaces { .. }
+                | Halt::Parted { .. } => "slides",
+                Halt::NoExit { .. } | Halt::Undecided { .. } | Halt::Fast { .. } => "stuck",
+            },
             NoOrbit::System(_) => NONE,
             _ => UNDECIDED,
         }

@@ -13,6 +13,7 @@ mod nonlinear;
 mod orbits;
 mod problems;
 mod refusals;
+mod sliding;
 mod start;
 mod steady;
 mod switch;

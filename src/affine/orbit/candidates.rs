@@ -267,7 +267,7 @@ impl OrbitAt<'_> {
 
     /// A form in its own units.
     fn relative(&self, row: &Row, z: &Vector) -> f64 {
-        row.at.dot(z) / self.orbit.size(row)
+        row.value(z) / self.orbit.size(row)
     }
 
     /// Every chain of exits from a mode to a mode and a state at an instant.
@@ -303,7 +303,11 @@ impl OrbitAt<'_> {
 
     /// Every exit that a state allows.
     fn exits(&self, mode: usize, z: &Vector) -> Vec<Stage> {
-        let guards = self.posed.system.modes[mode].guards.iter().enumerate();
+        let known = &self.posed.system.modes[mode];
+        let mut z = z.clone();
+        known.field.complete_at_switch(&mut z);
+        let z = &z;
+        let guards = known.guards.iter().enumerate();
         let mut stages = Vec::new();
         for (guard, known) in guards {
             if self.relative(&known.row, z).abs() > NEAR {
@@ -314,7 +318,9 @@ impl OrbitAt<'_> {
                 if conditions.all(|row| self.relative(row, z) >= -NEAR) {
                     stages.push(Stage {
                         mode: known.to,
-                        state: (&known.reset.at * z).iter().copied().collect(),
+                        state: (0..self.orbit.states())
+                            .map(|state| known.reset.value(state, z))
+                            .collect(),
                         way: Way { guard, exit },
                     });
                 }

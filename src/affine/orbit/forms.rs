@@ -49,27 +49,6 @@ impl Units<'_> {
     }
 }
 
-fn entry(row: &Row, index: usize) -> Dual {
-    Dual {
-        value: row.at[index],
-        by: row.by.each_ref().map(|by| by[index]),
-    }
-}
-
-/// row − factor·other.
-fn subtract(row: &mut Row, factor: Dual, other: &Row) {
-    if factor == Dual::default() {
-        return;
-    }
-    for (by, (slope, other_by)) in row.by.iter_mut().zip(factor.by.iter().zip(&other.by)) {
-        by.axpy(-factor.value, other_by, 1.0);
-        if *slope != 0.0 {
-            by.axpy(-slope, &other.at, 1.0);
-        }
-    }
-    row.at.axpy(-factor.value, &other.at, 1.0);
-}
-
 /// 1/x.
 fn inverse(x: Dual) -> Dual {
     let value = x.value.recip();
@@ -98,8 +77,8 @@ impl Forms {
     fn remainder(&self, row: &Row) -> Row {
         let mut row = row.clone();
         for (form, pivot) in self.rows.iter().zip(&self.pivots) {
-            let factor = entry(&row, *pivot);
-            subtract(&mut row, factor, form);
+            let factor = row.dual(*pivot);
+            row.subtract(factor, form);
         }
         row
     }
@@ -116,11 +95,11 @@ impl Forms {
         let Some(pivot) = units.pivot(&row, ROUNDED * size) else {
             return;
         };
-        let own = entry(&row, pivot);
+        let own = row.dual(pivot);
         scale(&mut row, inverse(own));
         for form in &mut self.rows {
-            let factor = entry(form, pivot);
-            subtract(form, factor, &row);
+            let factor = form.dual(pivot);
+            form.subtract(factor, &row);
         }
         self.rows.push(row);
         self.pivots.push(pivot);
@@ -170,7 +149,7 @@ impl Forms {
         let split = |row: Row| {
             let (mut own, mut rest) = (Row::zero(row.at.len()), row);
             for state in &changed {
-                let value = entry(&rest, *state);
+                let value = rest.dual(*state);
                 own.set(*state, value);
                 rest.set(*state, Dual::default());
             }
@@ -254,9 +233,9 @@ fn vanishing(pairs: Vec<(Row, Row)>, units: &Units) -> Vec<Row> {
     for (mut first, mut second) in pairs {
         let size = units.size(&first);
         for (pivot, known, carried) in &pivots {
-            let factor = entry(&first, *pivot);
-            subtract(&mut first, factor, known);
-            subtract(&mut second, factor, carried);
+            let factor = first.dual(*pivot);
+            first.subtract(factor, known);
+            second.subtract(factor, carried);
         }
         let value = |index: &usize| (first.at[*index] * units.z[*index]).abs();
         let largest = (0..first.at.len()).max_by(|one, other| value(one).total_cmp(&value(other)));
@@ -265,7 +244,7 @@ fn vanishing(pairs: Vec<(Row, Row)>, units: &Units) -> Vec<Row> {
             // zero at this value of the parameter only
             None => {}
             Some(pivot) => {
-                let factor = inverse(entry(&first, pivot));
+                let factor = inverse(first.dual(pivot));
                 scale(&mut first, factor);
                 scale(&mut second, factor);
                 pivots.push((pivot, first, second));

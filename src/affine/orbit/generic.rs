@@ -109,9 +109,14 @@ impl Points {
         self.all.iter_mut().for_each(|z| field.complete(z));
     }
 
-    /// Whether a form of this size is zero at all of them.
-    pub fn contain(&self, row: &Row, size: f64) -> bool {
-        let zero = |z: &Vector| row.at.dot(z).abs() <= ZERO * size;
+    /// Whether a form of this size, which may be one of a switch, is zero at all of them.
+    pub fn contain(&self, system: &AffineSystem, row: &Row, size: f64) -> bool {
+        let field = &system.modes[self.mode].field;
+        let zero = |z: &Vector| {
+            let mut z = z.clone();
+            field.complete_at_switch(&mut z);
+            row.value(&z).abs() <= ZERO * size
+        };
         !self.all.is_empty() && self.all.iter().all(zero)
     }
 
@@ -137,22 +142,24 @@ impl Points {
         if self.all.is_empty() { Some(0) } else { least }
     }
 
-    /// States of which the first derivatives of a form, so many, each have one of their own that they change with.
-    pub fn pivots(
+    /// States of which forms, each a derivative of some order of one, have one of their own that they change with.
+    pub fn pivots<'r>(
         &self,
         system: &AffineSystem,
-        row: &Row,
-        count: usize,
+        forms: impl Iterator<Item = (&'r Row, usize)>,
         units: &Units,
     ) -> Vec<usize> {
         let Some(z) = self.all.first() else {
             return Vec::new();
         };
-        let series = system.modes[self.mode].field.series(z, count, true, true);
+        let forms: Vec<(&Row, usize)> = forms.collect();
+        let highest = forms.iter().map(|(_, order)| *order).max().unwrap_or(0);
+        let field = &system.modes[self.mode].field;
+        let series = field.series(z, highest + 1, true, true);
         let mut rows: Vec<Vec<f64>> = Vec::new();
         let mut pivots = Vec::new();
-        for k in 0..count {
-            let (_, by_z, _) = series.jet(row, k);
+        for (row, order) in forms {
+            let (_, by_z, _) = series.jet(row, order);
             let mut own = slopes(&by_z, z, system.harmonics, units);
             own.truncate(units.states);
             for (known, pivot) in rows.iter().zip(&pivots) {

@@ -222,9 +222,11 @@ fn sizes(system: &AffineSystem, states: &[f64]) -> Vector {
     let places = [1.0, -1.0].map(|sign| states.iter().map(|unit| sign * unit).collect());
     let places: Vec<Vector> = (0..system.modes.len())
         .flat_map(|mode| {
-            places
-                .each_ref()
-                .map(|place: &Vec<f64>| system.lift(mode, place, 0.0))
+            places.each_ref().map(|place: &Vec<f64>| {
+                let mut z = system.lift(mode, place, 0.0);
+                system.modes[mode].field.complete_at_switch(&mut z);
+                z
+            })
         })
         .collect();
     let made = |index: usize| {
@@ -527,9 +529,11 @@ impl OrbitAt<'_> {
         let is_long = posed.system.modes[mode].field.is_exact && norm * time > STIFF;
         let stiff = is_long.then(|| posed.flow(mode).split(time)).flatten();
         let entry = self.entry(zone);
+        let is_switch = orbit.sequence.zone(zone).way.is_some()
+            && time.to_bits() == self.zones[zone % self.zones.len()].duration.to_bits();
         let passage = match posed.system.modes[mode].field.is_exact {
             true => Passage::new(&posed.system.modes[mode], norm, stiff, entry, time),
-            false => self.integrated(mode, entry, time),
+            false => self.integrated(mode, entry, (time, is_switch)),
         };
         let finite = passage.flow.as_slice().iter().all(|x| x.is_finite());
         finite
@@ -541,14 +545,19 @@ impl OrbitAt<'_> {
     }
 
     /// The passage through a mode that is integrated.
-    fn integrated(&self, number: usize, entry: Vector, time: f64) -> Passage<'_> {
+    fn integrated(
+        &self,
+        number: usize,
+        entry: Vector,
+        (time, is_switch): (f64, bool),
+    ) -> Passage<'_> {
         let setting = &self.orbit.setting;
         let mode = &self.posed.system.modes[number];
         let (values, varying) = (setting.values_at(self.value), setting.varying());
         let parameters = (values.as_slice(), varying.as_slice());
         let memory = &self.orbit.memory;
         let (known, place) = memory.passage((number, mode), parameters, &entry, time);
-        Passage::integrated(mode, entry, time, &known, place)
+        Passage::integrated(mode, entry, (time, is_switch), &known, place)
     }
 
     /// The passages through all zones.
@@ -580,7 +589,7 @@ impl OrbitAt<'_> {
         let number = self.orbit.sequence.zone(zone).mode;
         let passage = match mode.field.is_exact {
             true => Passage::new(mode, 0.0, None, entry, 0.0),
-            false => self.integrated(number, entry, 0.0),
+            false => self.integrated(number, entry, (0.0, false)),
         };
         let jets = passage.derivatives_at_entry(row, order, 1);
         jets.into_iter()

@@ -112,7 +112,8 @@ impl OrbitAt<'_> {
     fn is_zero_at_end(&self, zone: usize, row: &Row) -> bool {
         let units = self.orbit.units();
         let size = units.size(row);
-        self.posed.facts[zone].is_zero_at_end(row, size, &units)
+        let system = &self.posed.system;
+        self.posed.facts[zone].is_zero_at_end(system, row, size, &units)
     }
 
     /// A margin at the entry or the end of a zone; `None` where it can never be positive.

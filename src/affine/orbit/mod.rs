@@ -4,11 +4,13 @@
 //! the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends whatever the
 //! parameter, as [`forms`] tell, or [`generic`] points. [`margin`] measures the inequalities, [`examine`] decides them, by
 //! what [`turning`] tells of smooth functions; [`candidates`] finds
-//! what lies beyond an event, [`ends`] why nothing does, by the motions beside it as [`discontinuity`] has them; [`multipliers`] has the stability; [`start`] finds the first
+//! what lies beyond an event, [`ends`] why nothing does, by the motions beside it as [`discontinuity`] has them;
+//! [`multipliers`] has the stability, with what `surface` tells of sliding; [`start`] finds the first
 //! orbit, [`switch`] that of the other branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`]
 //! that at which they take for ever, and
-//! [`row`] has what results keep of one.
+//! [`row`] has what results keep of one; `bifurcation` names the changes of a sequence by sliding.
 
+mod bifurcation;
 mod branch_point;
 pub mod candidates;
 mod discontinuity;
@@ -28,6 +30,7 @@ pub mod row;
 pub mod signature;
 pub mod start;
 mod structure;
+mod surface;
 pub mod switch;
 pub mod symmetry;
 mod turning;
@@ -45,6 +48,7 @@ use crate::continuation::newton;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::{Candidate, EventType, Examined, Orbit, Shrinking};
 
+pub use bifurcation::SlidingBifurcation;
 pub use ends::OrbitStop;
 pub use examine::Examination;
 pub use layout::{AffineOrbit, OrbitFailure, Scales, Setting, ZonePoint};

@@ -142,10 +142,15 @@ impl OrbitAt<'_> {
         };
         let exit = exit_of(&self.posed.system, &self.orbit.sequence, zone);
         let (Some(exit), Some(way)) = (exit, self.orbit.sequence.zone(zone).way) else {
+            let surface = self.onto_surface(zone + 1);
             return Link {
                 flow: passage.forward(),
                 rates: rates(&passage.rate),
-                jump: None,
+                jump: surface.map(|matrix| Jump {
+                    matrix,
+                    lost: 1,
+                    after: passage.rate.rows(0, n).into_owned(),
+                }),
                 fall: 1.0,
             };
         };
@@ -174,6 +179,13 @@ impl OrbitAt<'_> {
         let known = exit.reset.at.abs() * rate.abs() + sizes;
         let bounds = (reset.abs() + known * (normal.transpose() / fall).abs()) * NOTHING;
         let jump = &reset + &shift * normal.transpose() / fall;
+        let (jump, bounds) = match self.onto_surface(zone + 1) {
+            Some(surface) => (
+                &surface * &jump,
+                surface.abs() * (bounds + jump.abs() * NOTHING),
+            ),
+            None => (jump, bounds),
+        };
         let lost = n - rank(jump.clone(), bounds);
         Link {
             flow: passage.forward(),

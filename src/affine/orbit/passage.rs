@@ -177,7 +177,7 @@ impl<'a> Passage<'a> {
     ) -> Passage<'a> {
         if !mode.field.is_exact {
             let known = Integrated::new(mode, &entry, time);
-            return Passage::integrated(mode, entry, time, &known, 0);
+            return Passage::integrated(mode, entry, (time, false), &known, 0);
         }
         let MatrixBy { at, by } = &mode.matrix;
         let (flow, by) = propagator(at, Some(&by[0]), mode.states, norm, time);
@@ -197,15 +197,15 @@ impl<'a> Passage<'a> {
     }
 
     /// The passage through a mode that is integrated; `parameter` is the place of that of its derivatives among those of
-    /// the integration.
+    /// the integration. At a switch conditions and resets have values, too.
     pub fn integrated(
         mode: &'a AffineMode,
         entry: Vector,
-        time: f64,
+        (time, is_switch): (f64, bool),
         known: &Integrated,
         parameter: usize,
     ) -> Passage<'a> {
-        Passage {
+        let mut passage = Passage {
             flow: known.flow.clone(),
             by_parameter: known.by[parameter].clone(),
             rate: known.rate.clone(),
@@ -219,6 +219,26 @@ impl<'a> Passage<'a> {
                 length: known.length,
                 last: known.last.in_parameter(parameter),
             }),
+        };
+        if is_switch && mode.field.ends_by_more() {
+            passage.complete(parameter);
+        }
+        passage
+    }
+
+    /// Gives what conditions and resets are made of its values and derivatives at the end.
+    fn complete(&mut self, parameter: usize) {
+        let field = &self.mode.field;
+        let base = field.base();
+        let last = field.series_at_switch(&self.end, ORDER, self.time >= 0.0);
+        let (slopes, by) = last.derivatives(0.0);
+        let flow = self.flow.view((0, 0), (base, base)).into_owned();
+        self.flow.columns_mut(0, base).copy_from(&(&slopes * flow));
+        let own = self.by_parameter.rows(0, base).into_owned();
+        self.by_parameter = slopes * own + &by[parameter];
+        self.end.copy_from_slice(last.at(0.0).as_slice());
+        if let Some(numerical) = &mut self.numerical {
+            numerical.last = last.in_parameter(parameter);
         }
     }
 

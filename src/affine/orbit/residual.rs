@@ -120,6 +120,12 @@ impl AffineOrbit {
                 let row = first + state;
                 let pivot = facts.zero.pivots.iter().position(|pivot| *pivot == state);
                 if let Some(generic) = &facts.generic {
+                    let own = generic.surface.filter(|own| *own == state);
+                    if let Some(surface) = own.and(at.mode(next).surface.as_ref()) {
+                        let factor = self.size(surface).recip();
+                        equations.add(row, next, &at.at_entry(next, surface, 0), factor);
+                        continue;
+                    }
                     // the derivatives of the guard that are divided out are zero at the entry
                     let order = generic.pivots.iter().position(|pivot| *pivot == state);
                     let way = self.sequence.zone(next).way;

@@ -248,7 +248,8 @@ fn found(
             }
         }
         None => {
-            free(wanted, &system, &mut motion, longest, &whole).map_err(|reason| match reason {
+            let sizes = (whole.as_slice(), beginning.state.as_slice());
+            free(wanted, &system, &mut motion, longest, sizes).map_err(|reason| match reason {
                 NoStart::Leaves { time } if rests(&system, motion.place(), &beginning.state) => {
                     let place = motion.place().clone();
                     NoStart::Rests { time, place }
@@ -526,13 +527,40 @@ fn rests(system: &AffineSystem, place: &Place, begun: &[f64]) -> bool {
     rates.rows(0, system.states).amax() * ENDLESS <= RETURNED * size
 }
 
+/// Whether a motion that returns to a switch shrinks to a point, as where it spirals into an equilibrium on a surface: its
+/// rates move no state by a part of the way from the beginning that counts, and the change from one return to the next is
+/// no less than a part of that.
+fn shrinks(system: &AffineSystem, begin: &Place, switches: &Switches, begun: &[f64]) -> bool {
+    /// The orbit that a motion settles on changes by much less over a return.
+    const SHRINKS: f64 = 1e-3;
+    let Some((_, last)) = switches.last() else {
+        return false;
+    };
+    let mut sizes = vec![0.0; begun.len()];
+    let mut from = begin;
+    for (switching, place) in switches {
+        let z = system.lift(from.mode, &from.state, from.phase);
+        let rates = &system.modes[from.mode].matrix.at * z;
+        for (size, rate) in sizes.iter_mut().zip(&rates) {
+            *size += rate.abs() * (switching.time - from.time);
+        }
+        from = place;
+    }
+    let pairs = begin.state.iter().zip(&last.state);
+    let changes: Vec<f64> = pairs.map(|(x, y)| (x - y).abs()).collect();
+    let mut ways = sizes.iter().zip(&last.state).zip(begun);
+    let small = ways.all(|((size, x), begun)| *size <= RETURNED * (x - begun).abs());
+    let mut changing = changes.iter().zip(&sizes);
+    small && changing.any(|(change, size)| *size > 0.0 && *change >= SHRINKS * size)
+}
+
 /// Without forcing: from a switch to the same switch in the same state.
 fn free(
     wanted: &Wanted,
     system: &AffineSystem,
     motion: &mut Motion,
     longest: f64,
-    whole: &[f64],
+    (whole, begun): (&[f64], &[f64]),
 ) -> Result<Course, NoStart> {
     let mut next = || {
         let since = motion.place().time;
@@ -565,6 +593,10 @@ fn free(
     }
     switches.truncate(counts[chosen(&tried)?]);
     let end = switches.last().map_or(begin.time, |(_, place)| place.time);
+    if shrinks(system, &begin, &switches, begun) {
+        let place = motion.place().clone();
+        return Err(NoStart::Rests { time: end, place });
+    }
     Ok(Course {
         zones: closed(switches, end - begin.time),
         at_zero: None,

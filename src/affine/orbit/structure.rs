@@ -32,6 +32,9 @@ pub struct ZoneFacts {
 pub struct Generic {
     /// States of which the first derivatives of the guard, as many as are divided out, each have one.
     pub pivots: Vec<usize>,
+    /// The state that the surface of a sliding mode has, where the zone before slides, too, or is this one: no guard of
+    /// a mode beside the surface tells that the motion lies in it.
+    pub surface: Option<usize>,
     /// Points of its end.
     pub end: Points,
     /// Whether other points, at another value of the parameter, tell the same.
@@ -57,9 +60,15 @@ impl ZoneFacts {
     }
 
     /// Whether a form is zero at the end by the structure.
-    pub fn is_zero_at_end(&self, row: &Row, size: f64, units: &Units) -> bool {
+    pub fn is_zero_at_end(
+        &self,
+        system: &AffineSystem,
+        row: &Row,
+        size: f64,
+        units: &Units,
+    ) -> bool {
         match &self.generic {
-            Some(generic) => generic.end.contain(row, size),
+            Some(generic) => generic.end.contain(system, row, size),
             None => self.end.contain(row, size, units),
         }
     }
@@ -95,7 +104,16 @@ pub fn facts(
     let known = known.filter(|_| system.program.made() == 0);
     let count = sequence.len();
     let mode = |zone: usize| &system.modes[sequence.zone(zone).mode];
+    // a sliding mode lies in its surface from its entry to its end
+    let on_surface = |zone: usize, forms: &mut Forms| {
+        if let Some(surface) = &mode(zone).surface {
+            forms.insert(surface, units);
+        }
+    };
     let mut entries = vec![Forms::default(); count];
+    for (zone, entry) in entries.iter_mut().enumerate() {
+        on_surface(zone, entry);
+    }
     let mut ends = vec![Forms::default(); count];
     // zones alike that begin with the same forms end with the same: of a series of impacts one is gone through
     let alike = |entries: &[Forms], one: usize, other: usize| {
@@ -117,14 +135,11 @@ pub fn facts(
             };
             gone.push(zone);
             let mut end = entries[zone].invariant(mode(zone), units);
-            if !mode(zone).field.is_exact
-                && let Some(surface) = &mode(zone).surface
-            {
-                end.insert(surface, units);
-            }
+            on_surface(zone, &mut end);
             end.insert(&mode(zone).guards[way.guard].row, units);
             if let Some(exit) = exit_of(system, sequence, zone) {
                 entries[next] = end.after(exit, &system.program, units);
+                on_surface(next, &mut entries[next]);
             }
             ends[zone] = end;
         }
@@ -218,11 +233,18 @@ fn generic(
         guards.map(|guard| order(points, &guard.row)).collect()
     };
     let (at_entry, at_end) = (orders(&first), orders(&last));
-    let pivots = sequence.zone(zone).way.map(|way| {
-        let divided = at_entry[way.guard].unwrap_or(0);
-        first.pivots(system, &mode.guards[way.guard].row, divided, units)
+    let before = sequence.zone(zone + sequence.len() - 1).mode;
+    let slides = system.modes[before].surface.is_some();
+    let surface = mode.surface.as_ref().filter(|_| slides);
+    let divided = sequence.zone(zone).way.into_iter().flat_map(|way| {
+        let orders = 0..at_entry[way.guard].unwrap_or(0);
+        orders.map(move |order| (&mode.guards[way.guard].row, order))
     });
-    let pivots = pivots.unwrap_or_default();
+    let zeros = surface.map(|row| (row, 0)).into_iter().chain(divided);
+    let mut pivots = first.pivots(system, zeros, units);
+    let surface = surface
+        .filter(|_| !pivots.is_empty())
+        .map(|_| pivots.remove(0));
     // the slopes of a derivative of a guard may come to zero elsewhere, and so may those of a guard that is curved
     let base = mode.field.base();
     let flat = |row: &Row| (base..row.at.len()).all(|c| !row.has(c));
@@ -239,6 +261,7 @@ fn generic(
         divided: pivots.len(),
         generic: Some(Generic {
             pivots,
+            surface,
             end: last,
             lasts,
         }),

@@ -3,7 +3,7 @@
 use super::Open;
 use super::exact::Exact;
 use crate::affine::evaluation::{Evaluation, FormMode, FormSwitch};
-use crate::affine::expression::Operation;
+use crate::affine::expression::{Algebra, Operation};
 use crate::affine::form::{Coefficient, Form};
 use crate::affine::system::{System, SystemError};
 
@@ -59,7 +59,15 @@ enum Direction {
 pub struct Structure {
     /// Of every switch of a mode, the guard that it belongs to.
     guards: Vec<Vec<usize>>,
-    slides: Vec<Direction>,
+    slides: Vec<Sliding>,
+}
+
+/// What is known of a sliding mode whatever the parameters.
+#[derive(Clone, Debug)]
+struct Sliding {
+    direction: Direction,
+    /// The guards of the modes on its sides, each with its mode, that are not its surface.
+    watched: Vec<[usize; 2]>,
 }
 
 /// a + weight·b.
@@ -138,8 +146,8 @@ impl<C: Coefficient> Modes<C> {
             let mode = modes.mode(mode, guards);
             modes.modes.push(mode);
         }
-        for (sides, direction) in system.sliding.iter().zip(&structure.slides) {
-            modes.slide(*sides, *direction)?;
+        for (sides, sliding) in system.sliding.iter().zip(&structure.slides) {
+            modes.slide(*sides, sliding)?;
         }
         Ok(modes)
     }
@@ -211,8 +219,9 @@ impl<C: Coefficient> Modes<C> {
     }
 
     /// Puts a sliding mode between two: Filippov's field F₋ − d (nᵀF₋)/(nᵀd), where n is the gradient of the guard
-    /// of the first mode. It lasts while both fields point at the surface.
-    fn slide(&mut self, sides: [usize; 2], direction: Direction) -> Result<(), Open> {
+    /// of the first mode. It lasts while both fields point at the surface and the other guards of both modes are
+    /// positive; where one of these ends it is not covered.
+    fn slide(&mut self, sides: [usize; 2], sliding: &Sliding) -> Result<(), Open> {
         let own = self.modes.len();
         let [first, second] = sides.map(|side| &self.modes[side]);
         let leave = [first.guard_to(sides[1]), second.guard_to(sides[0])];
@@ -222,7 +231,7 @@ impl<C: Coefficient> Modes<C> {
         let surface = first.guards[leave_first].row.clone();
         let [toward, away] = [first, second].map(|mode| through(&surface, &mode.matrix));
         let along: Vec<C> = (0..self.states)
-            .map(|state| match direction {
+            .map(|state| match sliding.direction {
                 Direction::State(only) => C::number(f64::from(u8::from(state == only))),
                 Direction::Constant => {
                     let [below, above] =
@@ -252,7 +261,12 @@ impl<C: Coefficient> Modes<C> {
             exits: vec![exit(to, Vec::new())],
         };
         let ends = negative(&toward);
-        let guards = vec![guard(&ends, sides[0]), guard(&away, sides[1])];
+        let own_conditions = [guard(&ends, sides[0]), guard(&away, sides[1])];
+        let watched = sliding.watched.iter().map(|[mode, guard]| Guard {
+            row: self.modes[*mode].guards[*guard].row.clone(),
+            exits: Vec::new(),
+        });
+        let guards = own_conditions.into_iter().chain(watched).collect();
         // at the surface: the sliding mode where the other field points back, the other mode where not
         let [slide_first, slide_second] = [away, ends].map(|held| exit(own, vec![held]));
         self.modes[sides[0]].guards[leave_first]
@@ -297,8 +311,10 @@ impl Structure {
         };
         for [first, second] in &system.sliding {
             let modes = Modes::of(&forms, system, &structure)?;
-            let direction = modes.direction(*first, *second)?;
-            structure.slides.push(direction);
+            structure.slides.push(Sliding {
+                direction: modes.direction(*first, *second)?,
+                watched: modes.watched([*first, *second]),
+            });
         }
         let modes = Modes::of(&forms, system, &structure)?;
         Ok((structure, modes))
@@ -319,6 +335,33 @@ impl Structure {
 }
 
 impl Modes<Exact> {
+    /// The guards of two modes that are not the surface in which they meet, each form once.
+    fn watched(&self, sides: [usize; 2]) -> Vec<[usize; 2]> {
+        let row = |[mode, guard]: [usize; 2]| &self.modes[mode].guards[guard].row;
+        let surface = self.modes[sides[0]].guard_to(sides[1]);
+        let surface = surface.map(|guard| row([sides[0], guard]));
+        let is_multiple = |one: &Row<Exact>, other: &Row<Exact>| {
+            let pivot = other.iter().position(|entry| !entry.is_zero());
+            pivot.is_some_and(|pivot| {
+                let minus = one[pivot].clone().negative();
+                let scaled = vec![Exact::default(); one.len()];
+                let own = added(&scaled, one, &other[pivot]);
+                added(&own, other, &minus).iter().all(Exact::is_zero)
+            })
+        };
+        let mut found: Vec<[usize; 2]> = Vec::new();
+        for mode in sides {
+            for guard in 0..self.modes[mode].guards.len() {
+                let own = row([mode, guard]);
+                let is_surface = surface.is_some_and(|surface| is_multiple(own, surface));
+                if !is_surface && !found.iter().any(|known| row(*known) == own) {
+                    found.push([mode, guard]);
+                }
+            }
+        }
+        found
+    }
+
     fn direction(&self, first: usize, second: usize) -> Result<Direction, Open> {
         let [below, above] = [first, second].map(|side| &self.modes[side]);
         let guards = below.guard_to(second).zip(above.guard_to(first));
@@ -328,7 +371,7 @@ impl Modes<Exact> {
         if !sums.all(|sum| sum.is_zero()) {
             return Err(Open::Sliding);
         }
-        let minus = <Exact as crate::affine::expression::Algebra>::number(-1.0);
+        let minus = <Exact as Algebra>::number(-1.0);
         let difference: Vec<Row<Exact>> = (0..self.states)
             .map(|state| added(&above.matrix[state], &below.matrix[state], &minus))
             .collect();

@@ -180,10 +180,11 @@ pub(crate) fn of_system(folder: &Path, problem: &SystemProblem) -> Result<Pictur
 /// Orbits beyond those that have colours of their own.
 const OTHERS: &str = "other orbits";
 /// What is no orbit, the rest in black with this share.
-const WITHOUT_ORBIT: [(&str, f64); 5] = [
+const WITHOUT_ORBIT: [(&str, f64); 6] = [
     ("not periodic", 0.2),
-    ("chattering", 0.4),
-    ("unbounded", 0.6),
+    ("chattering", 0.35),
+    ("slides", 0.5),
+    ("unbounded", 0.65),
     ("stuck", 0.8),
     (OTHERS, 1.0),
 ];

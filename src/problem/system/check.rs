@@ -29,7 +29,7 @@ const SAME_PERIOD: f64 = 1e-2;
 
 /// Columns of result files that have no state or parameter in them, and fields of expectations: a parameter of
 /// that name could not be told from them.
-const NO_PARAMETER: [&str; 28] = [
+const NO_PARAMETER: [&str; 29] = [
     "row",
     "column",
     "start",
@@ -52,6 +52,7 @@ const NO_PARAMETER: [&str; 28] = [
     "leg",
     "regimes_before",
     "regimes_after",
+    "sliding",
     "uncertainty",
     "what",
     "event",

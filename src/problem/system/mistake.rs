@@ -46,6 +46,7 @@ pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &Sy
             "add for example `forcing: \"1.5\"`, its angular frequency, to `system`".to_owned()
         }
         Mistake::Frequency(_) => "change the parameters that it depends on".to_owned(),
+        Mistake::Within(..) => "change the parameters that it depends on".to_owned(),
         Mistake::NoSurface(..) => {
             "give each of the two one `zero` that leads to the other, as in `v` and `-v`".to_owned()
         }

@@ -1,0 +1,272 @@
+//! The expressions of a system at given values of its parameters, laid out as the matrices and rows of its modes.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use super::evaluation::{Evaluation, FormMode, FormSwitch};
+use super::expression::Algebra;
+use super::form::{Dual, Form};
+use super::mode::{AffineMode, AffineSystem, Exit, Guard};
+use super::rows::{MatrixBy, Row};
+use super::series::{Field, Terms};
+use super::sliding::{SlidingField, SlidingForms};
+use super::system::{Mistake, System, SystemError};
+use crate::linalg::Vector;
+
+impl System {
+    /// The system at these values of its parameters, with derivatives in those of the indices `varying`.
+    ///
+    /// # Errors
+    /// An expression that is not affine in the states or has no finite value, with its place; two modes that
+    /// cannot slide.
+    pub fn at(&self, values: &[f64], varying: &[usize]) -> Result<AffineSystem, SystemError> {
+        let system = self.evaluated(values, varying)?;
+        match self.forcing.is_some() && system.omega.value <= 0.0 {
+            true => {
+                let mistake = Mistake::Frequency(system.omega.value);
+                Err(SystemError::at("forcing", mistake))
+            }
+            false => Ok(system),
+        }
+    }
+
+    /// The system where one parameter is zero, whatever that does to the forcing, if all of it is affine in that parameter:
+    /// [`AffineSystem::move_to`] leads from it to other values.
+    pub fn origin(&self, values: &[f64], parameter: usize) -> Option<AffineSystem> {
+        if self.integrated || !self.is_affine_in(parameter) {
+            return None;
+        }
+        let mut values = values.to_vec();
+        values[parameter] = 0.0;
+        let origin = self.evaluated(&values, &[parameter]).ok()?;
+        // a sliding field is affine, too, where the surface stays and with it the difference of the fields on its sides
+        let stays = |by: &Vector| by.iter().all(|by| *by == 0.0);
+        let surfaces = origin.modes.iter().filter_map(|mode| mode.surface.as_ref());
+        let flat = surfaces.flat_map(|row| &row.by).all(stays);
+        let alike = self.sliding.iter().all(|sides| {
+            let [below, above] =
+                sides.map(|side| origin.modes[side].matrix.by[0].rows(0, origin.states));
+            below == above
+        });
+        // and where what they take over from the modes on their sides is no product of what changes
+        let sliding = origin.modes.iter().filter(|mode| mode.sides.is_some());
+        let exits = sliding.flat_map(|mode| mode.guards.iter().flat_map(|guard| &guard.exits));
+        let plain = exits
+            .flat_map(|exit| &exit.reset.by)
+            .all(|by| by.iter().all(|by| *by == 0.0));
+        (flat && alike && plain && origin.program.made() == 0).then_some(origin)
+    }
+
+    /// Whether every expression is affine in a parameter.
+    fn is_affine_in(&self, parameter: usize) -> bool {
+        let name = self.source.parameters.names().nth(parameter);
+        let mut known: Vec<(&str, Option<u32>)> = Vec::new();
+        for (define, expression) in self.source.define.names().zip(&self.define) {
+            let degree = expression.degree(&|one| degree_of(one, name, &known));
+            known.push((define, degree));
+        }
+        let of = |one: &str| degree_of(one, name, &known);
+        let switches = self.modes.iter().flat_map(|mode| &mode.switches);
+        let of_switches = switches.flat_map(|switch| {
+            let reset = switch.reset.iter().map(|(_, expression)| expression);
+            [&switch.zero]
+                .into_iter()
+                .chain(reset)
+                .chain(&switch.conditions)
+        });
+        let rates = self.modes.iter().flat_map(|mode| &mode.rates);
+        let mut all = rates.chain(of_switches).chain(&self.forcing);
+        all.all(|expression| expression.degree(&of).is_some())
+    }
+
+    /// The same as [`System::at`] for a forcing of any frequency.
+    fn evaluated(&self, values: &[f64], varying: &[usize]) -> Result<AffineSystem, SystemError> {
+        let parameter = |index: usize| {
+            let varies = varying.iter().position(|varying| *varying == index);
+            Dual::parameter(values[index], varies)
+        };
+        let evaluation = Evaluation::new(self, &parameter, Dual::number(PI))?;
+        let omega = evaluation.frequency()?;
+        let names = self.source.modes.names();
+        let within = evaluation
+            .modes()?
+            .into_iter()
+            .zip(names)
+            .map(|(mode, name)| {
+                mode.within().map_err(|obstacle| {
+                    let mistake = Mistake::Within(name.to_owned(), obstacle);
+                    SystemError::at(format!("modes.{name}"), mistake)
+                })
+            });
+        let modes = within.collect::<Result<Vec<FormMode>, _>>()?;
+        let mut numerical = vec![None; self.sliding.len()];
+        loop {
+            match self.laid_out(&modes, omega, &numerical) {
+                // what has no affine field slides by one that is not
+                Err((error, Some(index))) if numerical[index].is_none() => {
+                    let [first, second] = self.sliding[index].map(|side| &modes[side]);
+                    let forms = SlidingForms::new(first, second, self.sliding[index], omega);
+                    numerical[index] = Some(forms.map_err(|_| error)?);
+                }
+                result => return result.map_err(|(error, _)| error),
+            }
+        }
+    }
+
+    /// The system with the terms of all forms as components of z; the index of the sliding mode that fails.
+    fn laid_out(
+        &self,
+        modes: &[FormMode],
+        omega: Dual,
+        numerical: &[Option<SlidingForms>],
+    ) -> Result<AffineSystem, (SystemError, Option<usize>)> {
+        let forms = modes.iter().flat_map(FormMode::forms);
+        let sliding = numerical.iter().flatten();
+        let sliding = sliding.flat_map(|forms| forms.rates.iter().chain(&forms.falls));
+        let forms: Vec<&Form> = forms.chain(sliding).collect();
+        let harmonics = forms.iter().map(|form| form.highest()).max().unwrap_or(0);
+        let mut terms = Terms::new(self.source.states.len(), harmonics);
+        forms.iter().for_each(|form| terms.add(form));
+        let shape = Shape {
+            states: self.source.states.len(),
+            harmonics,
+            terms,
+        };
+        let program = Arc::new(shape.terms.program().clone());
+        let modes = modes.iter().enumerate().map(|(number, mode)| {
+            let matrix = shape.matrix(&mode.rates, omega);
+            AffineMode {
+                states: shape.states,
+                field: Field::default(),
+                guards: shape.guards(number, &mode.switches),
+                surface: None,
+                sides: None,
+                matrix,
+            }
+        });
+        let mut system = AffineSystem {
+            states: shape.states,
+            harmonics,
+            omega,
+            modes: modes.collect(),
+            program: program.clone(),
+        };
+        for (index, sides) in self.sliding.iter().enumerate() {
+            let own = self.modes.len() + index;
+            let sliding = numerical[index].as_ref().map(|forms| SlidingField {
+                falls: forms.falls.each_ref().map(|form| shape.row(form)),
+                matrix: shape.matrix(&forms.rates, omega),
+            });
+            system.slide(self, own, *sides, sliding)?;
+        }
+        for index in 0..self.sliding.len() {
+            system.watch_sides(self.modes.len() + index);
+        }
+        for mode in &mut system.modes {
+            let exits = || mode.guards.iter().flat_map(|guard| &guard.exits);
+            let conditions = exits().flat_map(|exit| exit.conditions.iter().cloned());
+            let reset = exits().flat_map(|exit| (0..shape.states).map(|row| exit.reset.row(row)));
+            let guards = mode.guards.iter().map(|guard| guard.row.clone());
+            let along = guards.chain(mode.surface.clone());
+            let how = (self.flow_tolerance(), self.integrated);
+            mode.field = Field::new(
+                &program,
+                &mode.matrix,
+                (along, conditions.chain(reset)),
+                how,
+            );
+        }
+        Ok(system)
+    }
+}
+
+/// The degree in a parameter of what a name stands for.
+fn degree_of(one: &str, parameter: Option<&str>, known: &[(&str, Option<u32>)]) -> Option<u32> {
+    let mut known = known.iter();
+    match known.find(|(name, _)| *name == one) {
+        Some((_, degree)) => *degree,
+        None => Some(u32::from(Some(one) == parameter)),
+    }
+}
+
+/// Where what stands in z.
+struct Shape {
+    states: usize,
+    harmonics: usize,
+    terms: Terms,
+}
+
+impl Shape {
+    fn size(&self) -> usize {
+        self.terms.program().size()
+    }
+
+    fn row(&self, form: &Form) -> Row {
+        let mut row = Row::zero(self.size());
+        for (column, value) in self.terms.coefficients(form) {
+            row.add(column, value);
+        }
+        row
+    }
+
+    fn matrix(&self, rates: &[Form], omega: Dual) -> MatrixBy {
+        let mut matrix = MatrixBy::zero(self.size(), self.size());
+        for (state, rate) in rates.iter().enumerate() {
+            for (column, value) in self.terms.coefficients(rate) {
+                matrix.add(state, column, value);
+            }
+        }
+        for h in 1..=self.harmonics {
+            let cosine = self.states + 2 * h - 1;
+            let mut turn = |row: usize, column: usize, factor: f64| {
+                matrix.at[(row, column)] = factor * omega.value;
+                for (by, derivative) in matrix.by.iter_mut().zip(omega.by) {
+                    by[(row, column)] = factor * derivative;
+                }
+            };
+            turn(cosine, cosine + 1, -(h as f64));
+            turn(cosine + 1, cosine, h as f64);
+        }
+        matrix
+    }
+
+    /// Guards of a mode in the order of the file, each with all its exits.
+    fn guards(&self, mode: usize, switches: &[FormSwitch]) -> Vec<Guard> {
+        let mut guards: Vec<Guard> = Vec::new();
+        for (index, switch) in switches.iter().enumerate() {
+            let exit = self.exit(switch);
+            let row = self.row(&switch.guard);
+            match guards.iter_mut().find(|guard| guard.row == row) {
+                Some(guard) => guard.exits.push(exit),
+                None => guards.push(Guard {
+                    row,
+                    exits: vec![exit],
+                    written: Some([mode, index]),
+                }),
+            }
+        }
+        guards
+    }
+
+    fn exit(&self, switch: &FormSwitch) -> Exit {
+        let mut reset = MatrixBy::zero(self.states, self.size());
+        reset.at.fill_with_identity();
+        for (state, form) in &switch.reset {
+            reset.at[(*state, *state)] = 0.0;
+            for (column, value) in self.terms.coefficients(form) {
+                reset.add(*state, column, value);
+            }
+        }
+        Exit {
+            to: switch.switch.to,
+            reset,
+            conditions: switch
+                .conditions
+                .iter()
+                .map(|form| self.row(form))
+                .collect(),
+            rest: switch.switch.rest,
+            tangent: None,
+        }
+    }
+}

@@ -1,0 +1,459 @@
+//! Sliding modes between two modes that meet in a surface, after Filippov.
+//!
+//! On the surface h = 0 the motion follows the combination of both fields that stays in it. It lasts while both fields
+//! point at the surface, and it ends, too, where another guard of one of the two modes is zero: as that mode would.
+
+use super::evaluation::{FormMode, FormSwitch};
+use super::expression::{Algebra, Obstacle, Operation};
+use super::form::{Dual, Form};
+use super::mode::{AffineMode, AffineSystem, Exit, Guard};
+use super::rows::{MatrixBy, Row};
+use super::series::Field;
+use super::system::{Mistake, System, SystemError};
+use crate::linalg::Matrix;
+
+/// A sliding mode whose field is not affine.
+#[derive(Clone, Debug)]
+pub(super) struct SlidingForms {
+    /// Filippov's field F₋ + λ(F₊ − F₋), λ = Lġ₋/(Lġ₋ − Lġ₊).
+    pub rates: Vec<Form>,
+    /// The rates of the guard of the first mode along both fields.
+    pub falls: [Form; 2],
+}
+
+/// The same in components of z.
+pub(super) struct SlidingField {
+    /// The rates.
+    pub matrix: MatrixBy,
+    /// The rates of the guard of the first mode along both fields.
+    pub falls: [Row; 2],
+}
+
+impl SlidingForms {
+    /// The field between two modes with these numbers.
+    ///
+    /// # Errors
+    /// The difference of the fields has no value.
+    pub fn new(
+        first: &FormMode,
+        second: &FormMode,
+        sides: [usize; 2],
+        omega: Dual,
+    ) -> Result<SlidingForms, Obstacle> {
+        let leads = |switch: &&FormSwitch| switch.switch.to == sides[1];
+        let guard = first
+            .switches
+            .iter()
+            .find(leads)
+            .map(|switch| switch.guard.clone());
+        let guard = guard.unwrap_or_default();
+        let minus = |one: &Form, other: &Form| one.clone().operate(Operation::Minus, other.clone());
+        let falls = [
+            guard.lie(&first.rates, omega)?,
+            guard.lie(&second.rates, omega)?,
+        ];
+        let difference = minus(&falls[0], &falls[1])?;
+        let share = falls[0].clone().operate(Operation::Over, difference)?;
+        let rates = first.rates.iter().zip(&second.rates).map(|(below, above)| {
+            let step = minus(above, below)?;
+            if step.is_zero() {
+                return Ok(below.clone());
+            }
+            let moved = share.clone().operate(Operation::Times, step)?;
+            below.clone().operate(Operation::Plus, moved)
+        });
+        Ok(SlidingForms {
+            rates: rates.collect::<Result<_, Obstacle>>()?,
+            falls,
+        })
+    }
+}
+
+/// Relative size of what two rows may differ by where they are the same for the mathematics: coefficients
+/// are made from the same numbers in different order.
+const SAME: f64 = 1e-12;
+
+impl AffineSystem {
+    /// The field of a sliding mode and the rates of its surface along both fields, where the difference of these keeps
+    /// its direction and the surface is flat.
+    fn sliding_field(&self, sides: [usize; 2], surface: &Row) -> Option<SlidingField> {
+        let base = self.size() - self.program.made();
+        if (base..self.size()).any(|column| surface.has(column)) {
+            return None;
+        }
+        let [below, above] = sides.map(|side| &self.modes[side].matrix);
+        // ∂/∂t of the surface's form along both fields
+        let [toward, away] = [below, above].map(|matrix| surface.through(matrix));
+        let mut difference = MatrixBy {
+            at: &above.at - &below.at,
+            by: [0, 1].map(|p| &above.by[p] - &below.by[p]),
+        };
+        // friction that is zero at one value of a parameter: only the direction counts, which is that nearby
+        if difference.at.amax() == 0.0 {
+            let slope = difference.by.iter().find(|by| by.amax() > 0.0)?;
+            let at = slope.clone();
+            difference = MatrixBy {
+                at,
+                ..MatrixBy::zero(self.size(), self.size())
+            };
+        }
+        // the largest row of F₊ − F₋; the others are multiples of it
+        let rows = 0..self.states;
+        let largest = rows.max_by(|one, other| {
+            let size = |row: usize| difference.at.row(row).amax();
+            size(*one).total_cmp(&size(*other))
+        });
+        let largest = largest.unwrap_or(0);
+        let (reference, pivot) = {
+            let row = difference.at.row(largest);
+            (row.transpose(), row.iamax_full().1)
+        };
+        let scale = reference[pivot];
+        let mut direction = Row::zero(self.states);
+        for state in 0..self.states {
+            let row = difference.row(state);
+            let ratio = row.at[pivot] / scale;
+            let parallel = (&row.at - &reference * ratio).amax() <= SAME * scale.abs();
+            if scale == 0.0 || !parallel {
+                return None;
+            }
+            let by = [0, 1]
+                .map(|p| (row.by[p][pivot] - ratio * difference.by[p][(largest, pivot)]) / scale);
+            direction.set(state, Dual { value: ratio, by });
+        }
+        let normal = surface.at.rows(0, self.states);
+        let across = normal.dot(&direction.at);
+        if across.abs() <= SAME * surface.at.amax() * direction.at.amax() {
+            return None;
+        }
+        let across_by = [0, 1].map(|p| {
+            surface.by[p].rows(0, self.states).dot(&direction.at) + normal.dot(&direction.by[p])
+        });
+        let mut matrix = below.clone();
+        for state in 0..self.states {
+            let weight = direction.at[state] / across;
+            let row = Row {
+                at: below.at.row(state).transpose() - &toward.at * weight,
+                by: [0, 1].map(|p| {
+                    let by = (direction.by[p][state] - weight * across_by[p]) / across;
+                    below.by[p].row(state).transpose() - &toward.by[p] * weight - &toward.at * by
+                }),
+            };
+            matrix.set_row(state, &row);
+        }
+        Some(SlidingField {
+            matrix,
+            falls: [toward, away],
+        })
+    }
+
+    /// Puts the sliding mode with this index between two modes: Filippov's field F₋ − d (nᵀF₋)/(nᵀd) where
+    /// F₊ − F₋ keeps the direction d and n is the gradient of the guard of the first mode. It lasts while both
+    /// fields point at the surface, and each of the two modes crosses into the other where one does not. Where the
+    /// direction changes or the surface is curved `numerical` has the field, and the rates of the guard along both.
+    pub(super) fn slide(
+        &mut self,
+        system: &System,
+        own: usize,
+        sides: [usize; 2],
+        numerical: Option<SlidingField>,
+    ) -> Result<(), (SystemError, Option<usize>)> {
+        let names = sides.map(|side| system.mode_name(side).to_owned());
+        let path = format!("sliding.{}", system.mode_name(own));
+        let index = own - system.modes.len();
+        let refuse = |mistake: fn(String, String) -> Mistake, index: Option<usize>| {
+            let [one, other] = names.clone();
+            Err((SystemError::at(path.clone(), mistake(one, other)), index))
+        };
+        let [first, second] = sides;
+        let (Some(leave_first), Some(leave_second)) =
+            (self.guard_to(first, second), self.guard_to(second, first))
+        else {
+            return refuse(Mistake::NoSurface, None);
+        };
+        let surface = self.modes[first].guards[leave_first].row.clone();
+        let opposite = &self.modes[second].guards[leave_second].row;
+        let size = surface.at.amax();
+        let meets = (&surface.at + &opposite.at).amax() <= SAME * size;
+        if !meets || size == 0.0 {
+            return refuse(Mistake::NoSurface, None);
+        }
+        let field = numerical.or_else(|| self.sliding_field(sides, &surface));
+        let Some(SlidingField { matrix, falls }) = field else {
+            return refuse(Mistake::NoSliding, Some(index));
+        };
+        let [toward, away] = falls;
+        let stay = MatrixBy {
+            at: Matrix::identity(self.states, self.size()),
+            ..MatrixBy::zero(self.states, self.size())
+        };
+        let exit = |to: usize, conditions: Vec<Row>, tangent: Option<usize>| Exit {
+            to,
+            reset: stay.clone(),
+            conditions,
+            rest: None,
+            tangent,
+        };
+        let released = |row: Row, to: usize, guard: usize| Guard {
+            row,
+            exits: vec![exit(to, Vec::new(), Some(guard))],
+            written: None,
+        };
+        let guards = vec![
+            released(toward.negative(), first, leave_first),
+            released(away.clone(), second, leave_second),
+        ];
+        // at the surface: the sliding mode where the other field points back, the other mode where not
+        let slides = [away, toward.negative()];
+        for ((from, guard), held) in [(first, leave_first), (second, leave_second)]
+            .into_iter()
+            .zip(slides)
+        {
+            let exits = &mut self.modes[from].guards[guard].exits;
+            exits.insert(0, exit(own, vec![held], None));
+        }
+        self.modes.push(AffineMode {
+            states: self.states,
+            matrix,
+            guards,
+            surface: Some(surface),
+            sides: Some(sides),
+            field: Field::default(),
+        });
+        Ok(())
+    }
+
+    /// Whether a guard leads from one mode to another in which its negative leads back, and its rate is the same in both:
+    /// between them nothing slides but where that rate is zero, too.
+    pub(super) fn is_of_second_order(&self, from: usize, guard: usize, to: usize) -> bool {
+        let row = &self.modes[from].guards[guard].row;
+        let base = self.size() - self.program.made();
+        let back = self.guard_to(to, from);
+        let meets = back.is_some_and(|back| {
+            let back = &self.modes[to].guards[back].row;
+            ratio(back, row).is_some_and(|factor| factor < 0.0)
+        });
+        let plain = !(base..self.size()).any(|column| row.has(column));
+        let [own, other] = [from, to].map(|mode| row.through(&self.modes[mode].matrix));
+        meets && from != to && plain && is_nothing(&difference(&own, &other), &own)
+    }
+
+    /// The one guard of a mode that leads to another.
+    fn guard_to(&self, from: usize, to: usize) -> Option<usize> {
+        let guards = self.modes[from].guards.iter().enumerate();
+        let mut between = guards.filter(|(_, guard)| guard.exits.iter().any(|exit| exit.to == to));
+        let first = between.next();
+        first
+            .filter(|_| between.next().is_none())
+            .map(|(index, _)| index)
+    }
+
+    /// Lets a sliding mode end, too, where another guard of one of its two modes is zero: as that mode would, with its
+    /// reset. Where both modes have the guard and lead to two modes that meet in a surface themselves, what lies there
+    /// follows: see [`AffineSystem::arrivals`].
+    pub(super) fn watch_sides(&mut self, own: usize) {
+        let AffineMode { surface, sides, .. } = &self.modes[own];
+        let Some((surface, sides)) = surface.clone().zip(*sides) else {
+            return;
+        };
+        // those of the file only: whether the motion slides beyond is decided beyond
+        let is_written = |exit: &Exit| self.modes[exit.to].sides.is_none();
+        let guards = |side: usize| -> Vec<Guard> {
+            let guards = self.modes[side].guards.iter();
+            let elsewhere = guards.filter(|guard| ratio(&guard.row, &surface).is_none());
+            let bare = elsewhere.map(|guard| Guard {
+                exits: guard
+                    .exits
+                    .iter()
+                    .filter(|exit| is_written(exit))
+                    .cloned()
+                    .collect(),
+                ..guard.clone()
+            });
+            bare.collect()
+        };
+        let [first, mut second] = sides.map(guards);
+        let mut watched = Vec::new();
+        for guard in first {
+            let own = reduced(&guard.row, &surface);
+            let same = |other: &Guard| {
+                let factor = ratio(&reduced(&other.row, &surface), &own);
+                factor.is_some_and(|factor| factor > 0.0)
+            };
+            let twin = second
+                .iter()
+                .position(same)
+                .map(|index| second.remove(index));
+            let exits = self.exits_of_both(&surface, &guard.exits, twin.as_ref());
+            watched.push(Guard { exits, ..guard });
+        }
+        for guard in second {
+            let exits = self.exits_of_both(&surface, &guard.exits, None);
+            watched.push(Guard { exits, ..guard });
+        }
+        self.modes[own].guards.extend(watched);
+    }
+
+    /// Where sliding along a surface leads at a guard with these exits, which the mode on the other side has, too, or
+    /// not. Nowhere where the two modes jump differently, or by different conditions.
+    fn exits_of_both(&self, surface: &Row, exits: &[Exit], twin: Option<&Guard>) -> Vec<Exit> {
+        let Some(Guard { exits: others, .. }) = twin else {
+            let arrivals = exits
+                .iter()
+                .flat_map(|exit| self.arrivals(surface, exit, exit.to));
+            return arrivals.collect();
+        };
+        let on_surface = |one: &Row, other: &Row| {
+            let [one, other] = [one, other].map(|row| reduced(row, surface));
+            is_nothing(&difference(&one, &other), &one)
+        };
+        let alike = |(one, other): (&Exit, &Exit)| {
+            let mut resets = (0..self.states).map(|row| (one.reset.row(row), other.reset.row(row)));
+            let mut conditions = one.conditions.iter().zip(&other.conditions);
+            one.rest == other.rest
+                && one.conditions.len() == other.conditions.len()
+                && resets.all(|(one, other)| on_surface(&one, &other))
+                && conditions.all(|(one, other)| on_surface(one, other))
+        };
+        let mut pairs = exits.iter().zip(others);
+        if exits.len() != others.len() || !pairs.all(alike) {
+            return Vec::new();
+        }
+        let pairs = exits.iter().zip(others);
+        pairs
+            .flat_map(|(one, other)| self.arrivals(surface, one, other.to))
+            .collect()
+    }
+
+    /// The exits from sliding along a surface that stand for one of a mode on its side, where that on the other side
+    /// leads to `other`, which may be the same.
+    ///
+    /// Where the two modes beyond meet in a surface h = 0 of their own, h > 0 in the first of them, the state after the
+    /// reset decides: the mode of its sign, or, on that surface, the one to which both fields point, or the sliding mode
+    /// where both point at it. No field decides where both point away.
+    fn arrivals(&self, surface: &Row, exit: &Exit, other: usize) -> Vec<Exit> {
+        let [one, other] = [exit.to, other];
+        let after = |row: &Row| self.before_reset(row, &exit.reset);
+        let sliding = || {
+            let modes = self.modes.iter().enumerate();
+            modes.filter_map(|(number, mode)| Some((number, mode, mode.sides?)))
+        };
+        let exit = |to: usize, more: Vec<Row>| {
+            let conditions = exit.conditions.iter().cloned().chain(more).collect();
+            Exit {
+                to,
+                conditions,
+                ..exit.clone()
+            }
+        };
+        let lands_on = |row: &Row| {
+            let row = after(row)?;
+            Some(is_nothing(&reduced(&row, surface), &row))
+        };
+        let joins = |sides: [usize; 2]| match one == other {
+            true => sides.contains(&one),
+            false => sides == [one, other] || sides == [other, one],
+        };
+        let beyond = sliding().find(|(_, mode, sides)| {
+            let lands = || mode.surface.as_ref().and_then(lands_on) == Some(true);
+            joins(*sides) && (one != other || lands())
+        });
+        let (slides, sides, row, falls) = match beyond {
+            Some((number, mode, sides)) => {
+                let Some(row) = mode.surface.clone() else {
+                    return Vec::new();
+                };
+                // its own conditions come first
+                let falls = [mode.guards[0].row.negative(), mode.guards[1].row.clone()];
+                (Some(number), sides, row, falls)
+            }
+            None if one == other => return vec![exit(one, Vec::new())],
+            None => {
+                let Some(guard) = self.guard_to(one, other) else {
+                    return Vec::new();
+                };
+                let row = self.modes[one].guards[guard].row.clone();
+                let base = self.size() - self.program.made();
+                if (base..self.size()).any(|column| row.has(column)) {
+                    return Vec::new();
+                }
+                let falls = [one, other].map(|side| row.through(&self.modes[side].matrix));
+                (None, [one, other], row, falls)
+            }
+        };
+        let exits = || {
+            let [first, second] = sides;
+            let row = after(&row)?;
+            if !is_nothing(&reduced(&row, surface), &row) {
+                let below = row.negative();
+                return Some(vec![exit(first, vec![row]), exit(second, vec![below])]);
+            }
+            let [toward, away] = [after(&falls[0])?, after(&falls[1])?];
+            let [not_toward, not_away] = [toward.negative(), away.negative()];
+            let slides = slides.map(|to| exit(to, vec![not_toward.clone(), away.clone()]));
+            let crosses = [
+                exit(first, vec![toward, away]),
+                exit(second, vec![not_toward, not_away]),
+            ];
+            Some(slides.into_iter().chain(crosses).collect())
+        };
+        exits().unwrap_or_default()
+    }
+
+    /// The form before a reset whose value a form has after it; `None` where that is not linear in z.
+    fn before_reset(&self, row: &Row, reset: &MatrixBy) -> Option<Row> {
+        let changed: Vec<usize> = (0..self.states)
+            .filter(|state| reset.row(*state) != Row::unit(self.size(), *state))
+            .collect();
+        let base = self.size() - self.program.made();
+        let mut made = (base..self.size()).filter(|column| row.has(*column));
+        if made.any(|column| self.program.depends(column, &changed)) {
+            return None;
+        }
+        let mut before = row.clone();
+        for state in &changed {
+            before.set(*state, Dual::default());
+        }
+        for state in changed {
+            before.subtract(row.dual(state).negative(), &reset.row(state));
+        }
+        Some(before)
+    }
+}
+
+/// A form with what a surface makes of it taken away: they are the same where the form of the surface is zero.
+fn reduced(row: &Row, surface: &Row) -> Row {
+    let mut row = row.clone();
+    let pivot = surface.at.iamax();
+    let factor = row.dual(pivot).over(surface.dual(pivot));
+    row.subtract(factor, surface);
+    row
+}
+
+/// The form that is one minus another.
+fn difference(one: &Row, other: &Row) -> Row {
+    let mut row = one.clone();
+    row.subtract(Dual::parameter(1.0, None), other);
+    row
+}
+
+/// Whether a form is zero but for the rounding of one that it is made of.
+fn is_nothing(row: &Row, of: &Row) -> bool {
+    let size = of
+        .by
+        .iter()
+        .fold(of.at.amax(), |size, by| size.max(by.amax()));
+    row.at.amax() <= SAME * of.at.amax() && row.by.iter().all(|by| by.amax() <= SAME * size)
+}
+
+/// The number that one form is times another, if it is.
+fn ratio(one: &Row, other: &Row) -> Option<f64> {
+    let pivot = other.at.iamax();
+    if other.at[pivot] == 0.0 {
+        return None;
+    }
+    let factor = one.dual(pivot).over(other.dual(pivot));
+    let mut left = one.clone();
+    left.subtract(factor, other);
+    is_nothing(&left, one).then_some(factor.value)
+}

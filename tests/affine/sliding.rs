@@ -1,0 +1,359 @@
+//! Sliding as a mode of its own: what ends it, its surface, laws that have no value beyond it, and what it comes to.
+
+use std::f64::consts::TAU;
+
+use brakewave::affine::motion::{Halt, Motion, Step, Switching};
+use brakewave::affine::orbit::AffineOrbit;
+use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first};
+use brakewave::affine::system::System;
+use brakewave::linalg::Vector;
+use brakewave::orbit::{Examined, Orbit};
+
+use crate::affine::branches::follow;
+use crate::affine::systems::{at, place, system, values};
+
+/// Every switch of a motion up to a time, and why it does not go on.
+fn switches(
+    system: &System,
+    (mode, state, phase): (&str, &[f64], f64),
+    until: f64,
+) -> (Vec<Switching>, Option<Halt>) {
+    let affine = at(system, &[]);
+    let mut motion = Motion::new(&affine, place(system, mode, state, phase), until);
+    let mut found = Vec::new();
+    loop {
+        match motion.step(until) {
+            Ok(Step::Switched(switching)) => found.push(switching),
+            Ok(_) => return (found, None),
+            Err(halt) => return (found, Some(halt)),
+        }
+    }
+}
+
+/// The orbit on which a motion settles.
+fn settled(
+    text: &str,
+    parameter: &str,
+    (mode, state): (&str, &[f64]),
+    settle: f64,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    let system = system(text);
+    let beginning = Beginning {
+        mode: system.mode(mode).unwrap(),
+        state: state.to_vec(),
+        phase: 0.0,
+    };
+    let wanted = Wanted {
+        values: values(&system, &[]),
+        ..Wanted::new(system, parameter, (0.0, 1.0)).unwrap()
+    };
+    first(&wanted, &beginning, Search::Settles(settle))
+}
+
+/// A block between brakes that let go while sin φ > h: stick by `sliding`, and written out by hand.
+const BRAKE: &str = r#"(
+    states: ["x", "v"],
+    parameters: {"A": 0.3, "w": 0.5, "f": 0.4, "g": 0.02, "h": 0.8},
+    forcing: "w",
+    define: {"a": "A*sin(phase) - x - 0.1*v"},
+    modes: {
+        "p": (rates: {"x": "v", "v": "a - f"}, until: [(zero: "v", to: "n"), (zero: "h - sin(phase)", to: "P")]),
+        "n": (rates: {"x": "v", "v": "a + f"}, until: [(zero: "-v", to: "p"), (zero: "h - sin(phase)", to: "N")]),
+        "P": (rates: {"x": "v", "v": "a - g"}, until: [(zero: "v", to: "N"), (zero: "sin(phase) - h", to: "p")]),
+        "N": (rates: {"x": "v", "v": "a + g"}, until: [(zero: "-v", to: "P"), (zero: "sin(phase) - h", to: "n")]),
+    },
+    sliding: {"stick": ("p", "n"), "Stick": ("P", "N")},
+)"#;
+const BY_HAND: &str = r#"(
+    states: ["x", "v"],
+    parameters: {"A": 0.3, "w": 0.5, "f": 0.4, "g": 0.02, "h": 0.8},
+    forcing: "w",
+    define: {"a": "A*sin(phase) - x - 0.1*v", "s": "A*sin(phase) - x"},
+    modes: {
+        "p": (rates: {"x": "v", "v": "a - f"}, until: [(zero: "v", to: "n", if: ["-s - f"]), (zero: "v", to: "stick"), (zero: "h - sin(phase)", to: "P")]),
+        "n": (rates: {"x": "v", "v": "a + f"}, until: [(zero: "-v", to: "p", if: ["s - f"]), (zero: "-v", to: "stick"), (zero: "h - sin(phase)", to: "N")]),
+        "P": (rates: {"x": "v", "v": "a - g"}, until: [(zero: "v", to: "N", if: ["-s - g"]), (zero: "v", to: "Stick"), (zero: "sin(phase) - h", to: "p")]),
+        "N": (rates: {"x": "v", "v": "a + g"}, until: [(zero: "-v", to: "P", if: ["s - g"]), (zero: "-v", to: "Stick"), (zero: "sin(phase) - h", to: "n")]),
+        "stick": (rates: {"x": "0", "v": "0"}, until: [(zero: "f - s", to: "p"), (zero: "f + s", to: "n"), (zero: "h - sin(phase)", to: "P", if: ["s - g"]), (zero: "h - sin(phase)", to: "N", if: ["-s - g"]), (zero: "h - sin(phase)", to: "Stick")]),
+        "Stick": (rates: {"x": "0", "v": "0"}, until: [(zero: "g - s", to: "P"), (zero: "g + s", to: "N"), (zero: "sin(phase) - h", to: "stick")]),
+    },
+)"#;
+
+/// A sliding mode ends where a guard of its two modes is zero, in the mode that follows there by Filippov.
+#[test]
+fn sliding_ends_at_the_guards_of_its_modes() {
+    let both = [BRAKE, BY_HAND].map(|text| {
+        let system = system(text);
+        let (all, halt) = switches(&system, ("p", &[0.0, 0.5], 0.0), 100.0);
+        assert_eq!(halt, None);
+        let named = all.into_iter().map(|one| {
+            let names = [one.from, one.to].map(|mode| system.mode_name(mode).to_owned());
+            (names, one)
+        });
+        named.collect::<Vec<_>>()
+    });
+    let [sliding, by_hand] = &both;
+    assert_eq!(sliding.len(), by_hand.len());
+    let to = |name: &str| sliding.iter().filter(|(names, _)| names[1] == name).count();
+    assert!(
+        to("Stick") > 4 && to("P") > 4,
+        "{} {}",
+        to("Stick"),
+        to("P")
+    );
+    for ((names, one), (by_hand, other)) in sliding.iter().zip(by_hand) {
+        assert_eq!(names, by_hand, "at {}", other.time);
+        // times and states of order 1 to 100 with the rounding of a hundred zones
+        assert!((one.time - other.time).abs() < 1e-11, "{}", other.time);
+        for (x, y) in one.after.iter().zip(&other.after) {
+            assert!((x - y).abs() < 1e-11, "{x} {y} at {}", other.time);
+        }
+    }
+    // the same orbit, with the same multipliers
+    let orbits = [BRAKE, BY_HAND].map(|text| {
+        let (orbit, point) = settled(text, "A", ("p", &[0.0, 0.5]), 100.0).unwrap();
+        let extremes = orbit.extremes(&point).unwrap();
+        (orbit.sequence.to_string(), extremes)
+    });
+    assert_eq!(orbits[0].0, orbits[1].0);
+    for ((low, high), (least, most)) in orbits[0].1.iter().zip(&orbits[1].1) {
+        assert!((low - least).abs() < 1e-12 && (high - most).abs() < 1e-12);
+    }
+}
+
+/// A mass that sticks to a belt is carried to a stop: it arrives with the speed of the belt, and leaves with −e times that.
+#[test]
+fn sliding_takes_the_reset_of_a_guard() {
+    let text = r#"(
+        states: ["x", "v"],
+        parameters: {"V": 0.3, "f": 1.0, "d": 0.5, "e": 0.5},
+        modes: {
+            "slow": (rates: {"x": "v", "v": "-x + f"}, until: [(zero: "V - v", to: "fast"), (zero: "d - x", to: "slow", reset: {"v": "-e*v"})]),
+            "fast": (rates: {"x": "v", "v": "-x - f"}, until: [(zero: "v - V", to: "slow"), (zero: "d - x", to: "slow", reset: {"v": "-e*v"})]),
+        },
+        sliding: {"stick": ("slow", "fast")},
+    )"#;
+    let system = system(text);
+    let (all, halt) = switches(&system, ("slow", &[0.0, 0.0], 0.0), 20.0);
+    assert_eq!(halt, None);
+    let stick = system.mode("stick").unwrap();
+    let hits: Vec<_> = all.iter().filter(|one| one.from == stick).collect();
+    assert!(hits.len() > 3);
+    for one in hits {
+        assert_eq!(one.to, system.mode("slow").unwrap());
+        assert!((one.before[0] - 0.5).abs() < 1e-14 && (one.before[1] - 0.3).abs() < 1e-15);
+        assert!((one.after[1] + 0.15).abs() < 1e-15);
+    }
+}
+
+/// An orbit that slides all the time on x = d, where normal speeds change with y: λ = (2 + y/2)/(4 − y/2), and
+/// ẏ = −y + F cos φ + λ(0.3 − y). Its multipliers are 0 and exp ∮∂ẏ/∂y, by Runge and Kutta's method.
+#[test]
+fn an_orbit_that_only_slides_lies_in_its_surface() {
+    let text = r#"(
+        states: ["x", "y"],
+        parameters: {"F": 1.0, "w": 2.0, "d": 0.2},
+        forcing: "w",
+        modes: {
+            "L": (rates: {"x": "2 + 0.5*y", "y": "-y + F*cos(phase)"}, until: [(zero: "d - x", to: "R")]),
+            "R": (rates: {"x": "-2 + y", "y": "-2*y + F*cos(phase) + 0.3"}, until: [(zero: "x - d", to: "L")]),
+        },
+        sliding: {"S": ("L", "R")},
+    )"#;
+    let (orbit, point) = settled(text, "F", ("L", &[0.0, 0.0]), 100.0).unwrap();
+    assert_eq!(orbit.sequence.to_string(), "S");
+    let (seen, all) = follow(&orbit, &point, true, (0.5, 1.4), 300);
+    let kinds: Vec<String> = seen.iter().map(|one| one.kind.to_string()).collect();
+    assert_eq!(
+        kinds.iter().filter(|kind| *kind != "EP").count(),
+        0,
+        "{kinds:?}"
+    );
+    for found in [&all[0], all.last().unwrap()] {
+        let at = found.orbit.at(&found.node.point).unwrap();
+        let force = found.parameter;
+        // state and ∫∂ẏ/∂y
+        let rate = |t: f64, y: f64| {
+            let share = (2.0 + 0.5 * y) / (4.0 - 0.5 * y);
+            let slope = 3.0 / ((4.0 - 0.5 * y) * (4.0 - 0.5 * y));
+            [
+                -y + force * (2.0 * t).cos() + share * (0.3 - y),
+                -1.0 + slope * (0.3 - y) - share,
+            ]
+        };
+        let (steps, period) = (4000, TAU / 2.0);
+        let h = period / f64::from(steps);
+        let (mut y, mut growth) = (0.0, 0.0);
+        for _ in 0..20 {
+            growth = 0.0;
+            for step in 0..steps {
+                let t = f64::from(step) * h;
+                let a = rate(t, y);
+                let b = rate(t + 0.5 * h, y + 0.5 * h * a[0]);
+                let c = rate(t + 0.5 * h, y + 0.5 * h * b[0]);
+                let d = rate(t + h, y + h * c[0]);
+                y += h / 6.0 * (a[0] + 2.0 * b[0] + 2.0 * c[0] + d[0]);
+                growth += h / 6.0 * (a[1] + 2.0 * b[1] + 2.0 * c[1] + d[1]);
+            }
+        }
+        // h⁴ of order 1e-13, and rounding
+        let state = &at.zones[0].state;
+        assert!((state[0] - 0.2).abs() < 1e-15, "{state:?}");
+        assert!((state[1] - y).abs() < 1e-11, "{state:?} {y}");
+        let extremes = found.orbit.extremes(&found.node.point).unwrap();
+        assert!((extremes[0].0 - 0.2).abs() + (extremes[0].1 - 0.2).abs() < 1e-14);
+        let tested = found.orbit.tested().unwrap();
+        let examination = tested.examination(&found.node.point).unwrap();
+        let own = examination.multipliers.iter().filter(|one| !one.trivial);
+        let own: Vec<f64> = own.map(|one| one.value.re).collect();
+        assert_eq!(own.len(), 1, "{own:?}");
+        assert!(
+            (own[0] - growth.exp()).abs() < 1e-11,
+            "{own:?} {}",
+            growth.exp()
+        );
+        assert_eq!(examination.multipliers.len(), 2);
+        assert!(!examination.tests().is_empty());
+    }
+}
+
+/// A falling law of friction, 1/(1 + δ|v − V|), written for each mode without the absolute value, with it, and with that of a
+/// multiple: the first has a pole where its mode never is, the others a kink at the switch. One orbit, of the period that an
+/// event-driven integration gives.
+#[test]
+fn expressions_are_evaluated_where_they_act() {
+    let with = |below: &str, above: &str| {
+        let text = format!(
+            r#"(
+            states: ["x", "v"],
+            parameters: {{"V": 0.2, "delta": 3.0}},
+            modes: {{
+                "slow": (rates: {{"x": "v", "v": "1/(1 + delta*{below}) - x"}}, until: [(zero: "V - v", to: "fast")]),
+                "fast": (rates: {{"x": "v", "v": "-1/(1 + delta*{above}) - x"}}, until: [(zero: "v - V", to: "slow")]),
+            }},
+            sliding: {{"stick": ("slow", "fast")}},
+        )"#
+        );
+        let (orbit, point) = settled(&text, "V", ("slow", &[1.0, 0.0]), 200.0).unwrap();
+        assert_eq!(orbit.sequence.to_string(), "slow-stick");
+        let at = orbit.at(&point).unwrap();
+        at.zones.iter().map(|zone| zone.duration).sum::<f64>()
+    };
+    for (below, above) in [
+        ("(V - v)", "(v - V)"),
+        ("abs(V - v)", "abs(v - V)"),
+        ("(0.5*abs(2*v - 2*V))", "abs(V - v)"),
+    ] {
+        let period = with(below, above);
+        assert!(
+            (period - 12.00103129483058).abs() < 1e-11,
+            "{below}: {period}"
+        );
+    }
+}
+
+/// A reset and a condition that have no value within the flight: each impact takes a fixed energy.
+#[test]
+fn resets_and_conditions_have_values_at_their_switch_alone() {
+    let text = r#"(
+        states: ["x", "v"],
+        parameters: {"c": 0.1, "A": 1.0, "w": 0.8, "d": 1.0, "q": 0.02},
+        forcing: "w",
+        modes: {"free": (
+            rates: {"x": "v", "v": "A*cos(phase) - c*v - x"},
+            until: [(zero: "d - x", to: "free", reset: {"v": "-sqrt(v^2 - q)"}, if: ["1/v"])],
+        )},
+    )"#;
+    let system = system(text);
+    let (all, halt) = switches(&system, ("free", &[0.0, 0.5], 0.0), 60.0);
+    assert_eq!(halt, None);
+    assert!(all.len() > 4);
+    for one in all {
+        let (before, after) = (one.before[1], one.after[1]);
+        assert!((before * before - after * after - 0.02).abs() < 1e-14 && after < 0.0);
+    }
+}
+
+/// Release from stick where modes are integrated: the guard is zero there with its rate, whatever rounding says. For ever,
+/// and as with an exact flow.
+#[test]
+fn release_from_stick_of_integrated_modes() {
+    let text = |cubic: &str| {
+        format!(
+            r#"(
+            states: ["x", "v"],
+            parameters: {{"F": 0.5, "w": 0.5}},
+            forcing: "w",
+            modes: {{
+                "forth": (rates: {{"x": "v", "v": "cos(phase) - x{cubic} - F"}}, until: [(zero: "v", to: "back")]),
+                "back": (rates: {{"x": "v", "v": "cos(phase) - x{cubic} + F"}}, until: [(zero: "-v", to: "forth")]),
+            }},
+            sliding: {{"stick": ("forth", "back")}},
+        )"#
+        )
+    };
+    let start = ("forth", &[0.0, 0.5][..], 0.0);
+    let (all, halt) = switches(&system(&text(" - 0.1*x^3")), start, 2000.0);
+    assert_eq!(halt, None);
+    // four zones in each of 159 periods
+    assert!((600..=640).contains(&all.len()), "{}", all.len());
+    let exact = switches(&system(&text("")), start, 200.0).0;
+    let integrated = switches(&system(&text("")).integrated(1e-15), start, 200.0).0;
+    assert_eq!(exact.len(), integrated.len());
+    for (one, other) in exact.iter().zip(&integrated) {
+        assert_eq!((one.from, one.to), (other.from, other.to));
+        assert!(
+            (one.time - other.time).abs() < 1e-10,
+            "{} {}",
+            one.time,
+            other.time
+        );
+    }
+}
+
+/// A relay around a process of relative degree two chatters without end; two blocks of which each sticks stick together.
+#[test]
+fn what_no_sliding_mode_has_is_told_in_words() {
+    let relay = r#"(
+        states: ["x", "y", "z", "w"],
+        parameters: {"r": 0.2},
+        modes: {
+            "plus": (rates: {"x": "-4*x + y", "y": "-6*x + z - 1", "z": "-4*x + w + 2*r", "w": "-x - r^2"}, until: [(zero: "x", to: "minus")]),
+            "minus": (rates: {"x": "-4*x + y", "y": "-6*x + z + 1", "z": "-4*x + w - 2*r", "w": "-x + r^2"}, until: [(zero: "-x", to: "plus")]),
+        },
+    )"#;
+    let start = ("minus", &[-0.01, -0.02, -1.0, 0.5][..], 0.0);
+    let (_, halt) = switches(&system(relay), start, 60.0);
+    assert!(matches!(halt, Some(Halt::SecondOrder { .. })), "{halt:?}");
+    let blocks = r#"(
+        states: ["x", "v", "y", "u"],
+        parameters: {"A": 0.5, "w": 0.7, "f": 0.4, "g": 0.9, "k": 0.8},
+        forcing: "w",
+        define: {"a": "A*cos(phase) - x - k*(x - y)", "b": "-y + k*(x - y) - 0.05*u"},
+        modes: {
+            "pp": (rates: {"x": "v", "v": "a - f", "y": "u", "u": "b - g"}, until: [(zero: "v", to: "np"), (zero: "u", to: "pn")]),
+            "pn": (rates: {"x": "v", "v": "a - f", "y": "u", "u": "b + g"}, until: [(zero: "v", to: "nn"), (zero: "-u", to: "pp")]),
+            "np": (rates: {"x": "v", "v": "a + f", "y": "u", "u": "b - g"}, until: [(zero: "-v", to: "pp"), (zero: "u", to: "nn")]),
+            "nn": (rates: {"x": "v", "v": "a + f", "y": "u", "u": "b + g"}, until: [(zero: "-v", to: "pn"), (zero: "-u", to: "np")]),
+        },
+        sliding: {"sp": ("pp", "np"), "sn": ("pn", "nn"), "ps": ("pp", "pn"), "ns": ("np", "nn")},
+    )"#;
+    let (_, halt) = switches(&system(blocks), ("pp", &[0.0, 0.5, 0.0, 0.1], 0.0), 200.0);
+    assert!(matches!(halt, Some(Halt::TwoSurfaces { .. })), "{halt:?}");
+}
+
+/// An oscillator that is stiffer on one side than on the other, with damping: it spirals to the origin, which lies on the
+/// boundary of both.
+#[test]
+fn a_motion_spirals_into_an_equilibrium_on_a_surface() {
+    let text = r#"(
+        states: ["x", "v"],
+        parameters: {"c": 0.4, "k": 4.0},
+        modes: {
+            "right": (rates: {"x": "v", "v": "-x - c*v"}, until: [(zero: "x", to: "left")]),
+            "left": (rates: {"x": "v", "v": "-k*x - c*v"}, until: [(zero: "-x", to: "right")]),
+        },
+    )"#;
+    let start = settled(text, "c", ("right", &[1.0, 0.0]), 100.0);
+    assert!(matches!(start, Err(NoStart::Rests { .. })), "{start:?}");
+}
