@@ -40,13 +40,23 @@ impl SlidingForms {
         sides: [usize; 2],
         omega: Dual,
     ) -> Result<SlidingForms, Obstacle> {
-        let leads = |switch: &&FormSwitch| switch.switch.to == sides[1];
-        let guard = first
-            .switches
-            .iter()
-            .find(leads)
-            .map(|switch| switch.guard.clone());
-        let guard = guard.unwrap_or_default();
+        let leads = |switch: &&FormSwitch, to: usize| switch.switch.to == to;
+        let mut back = second.switches.iter().filter(|one| leads(one, sides[0]));
+        let back: Vec<&Form> = back.by_ref().map(|switch| &switch.guard).collect();
+        let is_opposite = |guard: &Form| {
+            let sum = |back: &&Form| guard.clone().operate(Operation::Plus, (*back).clone());
+            back.iter()
+                .any(|back| sum(back).is_ok_and(|sum| sum.is_zero()))
+        };
+        let guards = || {
+            let switches = first.switches.iter().filter(|one| leads(one, sides[1]));
+            switches.map(|switch| &switch.guard)
+        };
+        let guard = guards().find(|guard| is_opposite(guard));
+        let guard = guard
+            .or_else(|| guards().next())
+            .cloned()
+            .unwrap_or_default();
         let minus = |one: &Form, other: &Form| one.clone().operate(Operation::Minus, other.clone());
         let falls = [
             guard.lie(&first.rates, omega)?,
@@ -166,18 +176,10 @@ impl AffineSystem {
             Err((SystemError::at(path.clone(), mistake(one, other)), index))
         };
         let [first, second] = sides;
-        let (Some(leave_first), Some(leave_second)) =
-            (self.guard_to(first, second), self.guard_to(second, first))
-        else {
+        let Some([leave_first, leave_second]) = self.meeting(first, second) else {
             return refuse(Mistake::NoSurface, None);
         };
         let surface = self.modes[first].guards[leave_first].row.clone();
-        let opposite = &self.modes[second].guards[leave_second].row;
-        let size = surface.at.amax();
-        let meets = (&surface.at + &opposite.at).amax() <= SAME * size;
-        if !meets || size == 0.0 {
-            return refuse(Mistake::NoSurface, None);
-        }
         let field = numerical.or_else(|| self.sliding_field(sides, &surface));
         let Some(SlidingField { matrix, falls }) = field else {
             return refuse(Mistake::NoSliding, Some(index));
@@ -228,24 +230,30 @@ impl AffineSystem {
     pub(super) fn is_of_second_order(&self, from: usize, guard: usize, to: usize) -> bool {
         let row = &self.modes[from].guards[guard].row;
         let base = self.size() - self.program.made();
-        let back = self.guard_to(to, from);
-        let meets = back.is_some_and(|back| {
-            let back = &self.modes[to].guards[back].row;
-            ratio(back, row).is_some_and(|factor| factor < 0.0)
-        });
+        let meets = self
+            .meeting(from, to)
+            .is_some_and(|[leave, _]| leave == guard);
         let plain = !(base..self.size()).any(|column| row.has(column));
         let [own, other] = [from, to].map(|mode| row.through(&self.modes[mode].matrix));
         meets && from != to && plain && is_nothing(&difference(&own, &other), &own)
     }
 
-    /// The one guard of a mode that leads to another.
-    fn guard_to(&self, from: usize, to: usize) -> Option<usize> {
-        let guards = self.modes[from].guards.iter().enumerate();
-        let mut between = guards.filter(|(_, guard)| guard.exits.iter().any(|exit| exit.to == to));
-        let first = between.next();
-        first
-            .filter(|_| between.next().is_none())
-            .map(|(index, _)| index)
+    /// The guards of two modes that lead from one to the other and are the same but for their sign: the one pair of them.
+    fn meeting(&self, first: usize, second: usize) -> Option<[usize; 2]> {
+        let leading = |from: usize, to: usize| {
+            let guards = self.modes[from].guards.iter().enumerate();
+            guards.filter(move |(_, guard)| guard.exits.iter().any(|exit| exit.to == to))
+        };
+        let mut pairs = leading(first, second).flat_map(|(leave, guard)| {
+            let own = &guard.row.at;
+            let opposite = leading(second, first).filter(move |(_, back)| {
+                let size = own.amax();
+                size > 0.0 && (own + &back.row.at).amax() <= SAME * size
+            });
+            opposite.map(move |(back, _)| [leave, back])
+        });
+        let pair = pairs.next();
+        pair.filter(|_| pairs.next().is_none())
     }
 
     /// Lets a sliding mode end, too, where another guard of one of its two modes is zero: as that mode would, with its
@@ -369,7 +377,7 @@ impl AffineSystem {
             }
             None if one == other => return vec![exit(one, Vec::new())],
             None => {
-                let Some(guard) = self.guard_to(one, other) else {
+                let Some([guard, _]) = self.meeting(one, other) else {
                     return Vec::new();
                 };
                 let row = self.modes[one].guards[guard].row.clone();

@@ -190,7 +190,7 @@ pub enum Mistake {
     Within(String, Obstacle),
     /// Two modes that do not meet in one surface.
     #[error(
-        "the modes `{0}` and `{1}` do not meet in one surface: each needs one switch to the other, with the same `zero` but for the sign"
+        "the modes `{0}` and `{1}` do not meet in one surface: each needs one switch to the other with the same `zero` but for the sign"
     )]
     NoSurface(String, String),
     /// Two modes between which nothing slides.

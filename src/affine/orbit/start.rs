@@ -591,12 +591,13 @@ fn free(
             }
         }
     }
-    switches.truncate(counts[chosen(&tried)?]);
-    let end = switches.last().map_or(begin.time, |(_, place)| place.time);
     if shrinks(system, &begin, &switches, begun) {
         let place = motion.place().clone();
-        return Err(NoStart::Rests { time: end, place });
+        let time = place.time;
+        return Err(NoStart::Rests { time, place });
     }
+    switches.truncate(counts[chosen(&tried)?]);
+    let end = switches.last().map_or(begin.time, |(_, place)| place.time);
     Ok(Course {
         zones: closed(switches, end - begin.time),
         at_zero: None,
