@@ -62,6 +62,21 @@ CURVE = f"""({MODEL} {WAVE}
     curve: (event: GR, parameters: (Mismatch, Friction), range: ((0.03, 0.1), (0.3, 0.7))),
 )"""
 
+SYSTEM = """(system: (
+        states: ["type", "infinity"],
+        parameters: {"first": 9.0, "from": 0.1, "to": 1.0, "method": 0.8, "points": 1.0, "sample": 1.0, "nan": 1.0,
+            "NA": 1.0, "inf": 1.0, "mode": 1.0, "speed": 0.8, "max_": 1.0},
+        forcing: "speed",
+        modes: {"nan": (
+            rates: {"type": "infinity", "infinity": "first/10*cos(phase)*points*sample - from*infinity - nan*NA*inf*type"},
+            until: [(zero: "to - mode*max_*type", to: "nan", reset: {"infinity": "-method*infinity"})],
+        )},
+    ),
+    orbit: (start: Simulate(mode: "nan", state: {"type": 0.0, "infinity": 0.0}, settle: 200), periods: 2),
+    PARTS,
+)"""
+"""A system whose names are also columns of tables of tubes, or are read as numbers elsewhere."""
+
 SIMULATION = f"""({MODEL} {WAVE}
     simulation: (
         body: Ring(points: {{points}}), circle: Wavelength, start: Profile(file: "PROFILE", speed: -1.2463066720931508),
@@ -232,6 +247,47 @@ class Folders(unittest.TestCase):
         slip_stick = 1.2427008006300821
         hertz = 4 * slip_stick * 1000 / (2 * pi * 0.1)
         self.assertAlmostEqual(tube.hertz(slip_stick / root, 4), hertz, delta=1e-9)
+
+    def test_names_of_a_system_are_only_names(self):
+        """Its columns are known by their place: numbers, in every table, and modes are text whatever they are called."""
+        numbers = "first from to method points sample nan NA inf mode speed max_".split()
+        states = ["type", "infinity"]
+        follow = 'continuation: (parameter: "first", range: (9.0, 10.5), toward: Up), stability: (), output: (profiles: 2)'
+        run = self.compute("run", SYSTEM.replace("PARTS", follow), "named")
+        for table in [run.branch, run.events]:
+            self.assertEqual([table[name].dtype for name in numbers], [float] * len(numbers))
+        branch = run.branch
+        self.assertEqual(brakewave.parameters(branch), numbers)
+        self.assertEqual(brakewave.varying(branch), ["first"])
+        self.assertTrue((branch["regimes"].str.split("-").explode() == "nan").all())
+        self.assertEqual((branch["first"].min(), branch["first"].max()), (9.0, 10.5))
+        axes = brakewave.draw_branch(run)
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("first", "max_type"))
+        matplotlib.pyplot.close(axes.figure)
+        profile = run.profile(run.profiles[0])
+        self.assertEqual([profile[name].dtype for name in states], [float, float])
+        self.assertEqual(set(profile["mode"]), {"nan"})
+        scan = 'scan: (parameter: "first", values: Linear(9.0, 9.2, 2), sweep: Up, section: Phase(0.0), settle: 4, keep: 2)'
+        scan = self.compute("scan", SYSTEM.replace("PARTS", scan), "named_scan")
+        self.assertEqual([scan.scan[name].dtype for name in states], [float, float])
+        self.assertEqual(set(scan.scan["mode"]), {"nan"})
+        axes = brakewave.draw_scan(scan)
+        self.assertEqual(axes.get_ylabel(), "type")
+        matplotlib.pyplot.close(axes.figure)
+        plane = """map: (first: (parameter: "first", range: (9.0, 9.2)), second: (parameter: "points", range: (1.0, 1.1)),
+            points: Grid(rows: 2, columns: 2))"""
+        plane = self.compute("map", SYSTEM.replace("PARTS", plane), "named_map")
+        self.assertEqual([plane.map[name].dtype for name in numbers], [float] * len(numbers))
+        axes = brakewave.draw_map(plane)
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("first", "points"))
+        matplotlib.pyplot.close(axes.figure)
+        motion = self.compute("simulate", SYSTEM.replace("PARTS", "simulation: (duration: 30.0)"), "named_motion")
+        for table in [motion.series, motion.section]:
+            self.assertEqual([table[name].dtype for name in states], [float, float])
+            self.assertEqual(set(table["mode"]), {"nan"})
+        self.assertEqual(set(motion.switches["from"]) | set(motion.switches["to"]), {"nan"})
+        steady = brakewave.read(io.StringIO("mode,equilibrium,type,stable,re,im,why\nnan,none,,,,,forced\n"))
+        self.assertEqual((steady["mode"][0], steady["type"].dtype), ("nan", float))
 
     def test_what_is_no_tube_is_refused(self):
         numbers = dict(young=2e9, density=2000, poisson=0.3, inner=0.1, outer=0.15, oversize=50e-6, rotation=20 * pi)

@@ -45,24 +45,65 @@ _WHOLE = (
 ).split()
 
 
+_SYSTEMS = [
+    # tables of a system: the columns before its own names, and those after them, or the first of these
+    (["point", "label", "type", "regimes"], "period"),
+    (["label", "type"], "period"),
+    (["row", "column", "start", "passage", "found", "periods", "regimes"], "period"),
+    (["point", "type"], "period"),
+    (["time", "phase"], ["mode"]),
+    (["sample", "time"], ["mode"]),
+    (["time", "from", "to"], []),
+    (["value", "sweep", "sample"], ["phase", "mode", "why"]),
+    (["mode", "equilibrium"], ["stable", "re", "im", "why"]),
+]
+_SYSTEM_TEXT = ["mode", "found", "equilibrium", "sweep", "re", "im"]
+"""Columns that are text in tables of a system, besides those of every table."""
+
+
+def _own(names):
+    """The places of the columns that a system has named itself, its parameters or its states, in a header; None in
+    a table of a tube. `period` is no name of a parameter."""
+    for before, after in _SYSTEMS:
+        if names[: len(before)] != before:
+            continue
+        if after == "period":
+            if after in names:
+                return range(len(before), names.index(after))
+        elif len(names) > len(before) + len(after) and names[len(names) - len(after) :] == after:
+            return range(len(before), len(names) - len(after))
+    return None
+
+
 def read(source):
     """A table that brakewave has written, from a file or from an open stream.
 
-    Numbers are those of the file to the last bit. An empty text is "", an empty number NaN or NA.
+    Numbers are those of the file to the last bit. An empty text is "", an empty number NaN or NA. Columns of a system's
+    parameters and states are numbers, whatever their names are.
     """
     # read as text: whether read_csv rounds correctly depends on the version of pandas
     table = pandas.read_csv(source, dtype=str, keep_default_na=False)
-    table = table.apply(_column)
-    # modes of a tube are numbers, those of a system names
-    whole = (name for name in table if name in _WHOLE and table[name].dtype == float)
-    return table.astype({name: "Int64" for name in whole})
+    own = _own(list(table))
+    text = _TEXT if own is None else _TEXT + _SYSTEM_TEXT
+    typed = {}
+    for place, name in enumerate(table):
+        cells = table[name]
+        if own is not None and place in own:
+            typed[name] = _numbers(cells)
+            continue
+        typed[name] = cells if name in text else _column(cells)
+        if name in _WHOLE and typed[name].dtype == float:
+            typed[name] = typed[name].astype("Int64")
+    return pandas.DataFrame(typed, table.index)
+
+
+def _numbers(cells):
+    return pandas.Series([float(cell or "nan") for cell in cells], cells.index, float)
 
 
 def _column(cells):
-    if cells.name in _TEXT:
-        return cells
     try:
-        return pandas.Series([float(cell or "nan") for cell in cells], cells.index, float)
+        return _numbers(cells)
     except ValueError:
         return cells
 
@@ -236,9 +277,9 @@ def inertia(xi):
 def parameters(table):
     """The columns of a table that are parameters: of a system those before the period, as the file has them."""
     names = list(table)
-    if "period" in names:
-        first = names.index("regimes" if "regimes" in names else "type") + 1
-        return names[first : names.index("period")]
+    own = _own(names)
+    if own is not None and "period" in names[own.stop :]:
+        return [names[place] for place in own]
     return [name for name in PARAMETERS if name in names]
 
 
@@ -265,7 +306,10 @@ def draw_branch(run, x=None, y=None, axes=None):
     value of the first state of orbits."""
     axes, table = _axes(axes), run.branch
     x = x or (varying(table) or parameters(table))[0]
-    y = y or ("speed" if "speed" in table else next(name for name in table if name.startswith("max_")))
+    if y is None:
+        # after the times of switches come the least and the greatest value of every state
+        names = list(table)
+        y = "speed" if _own(names) is None else names[names.index("switches") + 2]
     style = {"yes": "-", "no": "--"}
     # a piece ends where the leg or the answer changes; it goes on to the next point of its leg
     same = (table["leg"] == table["leg"].shift()) & (table["stable"] == table["stable"].shift())
