@@ -132,6 +132,21 @@ pub enum Wrong {
     /// Nothing, or something else, stands where a number, a name or an operator should.
     #[error("the expression makes no sense from here on")]
     Unreadable,
+    /// A bracket is not closed.
+    #[error("a `)` is missing here")]
+    Unclosed,
+    /// A bracket is closed that was not opened.
+    #[error("this `)` closes nothing")]
+    Unopened,
+    /// Two operands with nothing between them.
+    #[error("an operator is missing before this, `*` for example")]
+    Juxtaposed,
+    /// `**` in the place of `^`.
+    #[error("`**` is no operator: a power is written `^`")]
+    Stars,
+    /// A function of two arguments.
+    #[error("functions have one argument: nothing may follow a comma")]
+    Comma,
     /// A name that stands for nothing.
     #[error("`{0}` is no state, parameter or abbreviation")]
     Unknown(String),
@@ -215,7 +230,19 @@ impl Expression {
         let read = read.map_err(|error| {
             let at = error.offset().min(text.len());
             let rest = text[at..].chars().next().map_or(0, char::len_utf8);
-            (Wrong::Unreadable, at..at + rest)
+            match unreadable(text, at) {
+                // the two stars, of which the first may have been read
+                Wrong::Stars => {
+                    let read = text[..at].rfind("**").unwrap_or(at.saturating_sub(1));
+                    let first = if text[at..].starts_with("**") {
+                        at
+                    } else {
+                        read
+                    };
+                    (Wrong::Stars, first..first + 2)
+                }
+                wrong => (wrong, at..at + rest),
+            }
         });
         read.map_err(|(wrong, span)| Flaw { wrong, span })
     }
@@ -276,6 +303,31 @@ impl Expression {
             }
         };
         value.map_err(here)
+    }
+}
+
+/// Why a text is no expression from a place on.
+fn unreadable(text: &str, at: usize) -> Wrong {
+    let (before, rest) = (text[..at].trim_end(), text[at..].trim_start());
+    let open = before.matches('(').count() > before.matches(')').count();
+    let is_operand = |c: char| c.is_alphanumeric() || c == '_';
+    let ends = before.ends_with(|c| is_operand(c) || c == ')' || c == '.');
+    let begins = rest.starts_with(|c| is_operand(c) || c == '(');
+    if rest.is_empty() && open && ends {
+        Wrong::Unclosed
+    } else if rest.starts_with(')') && !open {
+        Wrong::Unopened
+    } else if before.ends_with("**")
+        || rest.starts_with("**")
+        || rest.starts_with('*') && before.ends_with('*')
+    {
+        Wrong::Stars
+    } else if rest.starts_with(',') {
+        Wrong::Comma
+    } else if ends && begins {
+        Wrong::Juxtaposed
+    } else {
+        Wrong::Unreadable
     }
 }
 

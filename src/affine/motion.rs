@@ -119,6 +119,31 @@ pub enum Halt {
         /// The guard that is zero.
         guard: usize,
     },
+    /// A guard is negative where the motion begins, and no mode is found that the state lies in.
+    Outside {
+        /// The mode.
+        mode: usize,
+        /// The guard.
+        guard: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A reset leads out through the guard of its own switch again.
+    Outward {
+        /// Its time.
+        time: f64,
+        /// The mode.
+        mode: usize,
+        /// The guard.
+        guard: usize,
+    },
+    /// A guard is zero at every state.
+    Void {
+        /// The mode.
+        mode: usize,
+        /// The guard.
+        guard: usize,
+    },
     /// The flow is so fast that the time asked for would take too many pieces of it.
     Fast {
         /// Its time.
@@ -142,7 +167,10 @@ impl Halt {
             | Halt::SecondOrder { mode, guard, .. }
             | Halt::TwoSurfaces { mode, guard, .. }
             | Halt::Parted { mode, guard, .. }
-            | Halt::Livelock { mode, guard, .. } => Some((mode, guard)),
+            | Halt::Livelock { mode, guard, .. }
+            | Halt::Outside { mode, guard, .. }
+            | Halt::Outward { mode, guard, .. }
+            | Halt::Void { mode, guard } => Some((mode, guard)),
             Halt::Chattering { .. } | Halt::Fast { .. } | Halt::Unbounded { .. } => None,
         }
     }
@@ -179,6 +207,16 @@ impl Halt {
                 "at t = {time:?} {guard} of {mode} is zero, where the two modes between which it slides lead to \
                  different places: nothing tells to which of them sliding leads"
             ),
+            Halt::Outside { value, .. } => format!(
+                "the motion begins outside {mode}: {guard} is {value:.6} there, and positive in the mode; switches lead \
+                 to no mode that the state lies in"
+            ),
+            Halt::Outward { time, .. } => format!(
+                "at t = {time:?} the reset of {mode} leads out through {guard} again: it is zero, and still falls"
+            ),
+            Halt::Void { .. } => {
+                format!("{guard} of {mode} is zero at every state: it can end no mode")
+            }
             Halt::Fast { time, piece } => format!(
                 "at t = {time:?} the motion changes within {piece:.1e}: so fast that the time asked for would take \
                  millions of steps"
@@ -374,6 +412,9 @@ impl<'a> Motion<'a> {
                 match flow.onset_from(guard, &piece, zeros) {
                     Onset::Positive(order) => orders[guard] = order,
                     Onset::Negative => return self.switch(guard, 0.0, &piece.z).map(Some),
+                    Onset::Zero if self.is_void(mode, guard) => {
+                        return Err(Halt::Void { mode, guard });
+                    }
                     Onset::Zero => {
                         return Err(Halt::Undecided {
                             time: start,
@@ -468,6 +509,12 @@ impl<'a> Motion<'a> {
         Ok(Some(Step::Reached))
     }
 
+    /// Whether a guard is zero whatever the state.
+    fn is_void(&self, mode: usize, guard: usize) -> bool {
+        let row = &self.system.modes[mode].guards[guard].row.at;
+        row.iter().all(|c| *c == 0.0)
+    }
+
     /// Takes a place within the zone.
     fn come(&mut self, time: f64, phase: f64, z: &Vector) {
         self.place.state.clear();
@@ -539,7 +586,15 @@ impl<'a> Motion<'a> {
             match (exit.rest, ratio(&self.falling)) {
                 (Some(rest), _) => to = rest,
                 (None, Some(ratio)) => return Err(Halt::Chattering { time, ratio }),
-                (None, None) => return Err(Halt::Livelock { time, mode, guard }),
+                (None, None) => {
+                    let lasted = self.falling.iter().any(|lasted| *lasted > 0.0);
+                    let value = self.system.modes[mode].guards[guard].row.at.dot(z);
+                    return Err(match exit.to == mode {
+                        _ if !lasted && value < 0.0 => Halt::Outside { mode, guard, value },
+                        true if lasted => Halt::Outward { time, mode, guard },
+                        _ => Halt::Livelock { time, mode, guard },
+                    });
+                }
             }
             (self.short, self.falling) = (0, Vec::new());
         }

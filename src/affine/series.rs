@@ -11,6 +11,7 @@ use std::sync::Arc;
 use super::expression::Function;
 use super::form::{Coefficient, Dual, Form, Rule, Term, VARYING};
 use super::rows::{MatrixBy, Row};
+use crate::interval::Interval;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS};
 
@@ -19,6 +20,9 @@ pub(super) const ORDER: usize = COEFFICIENTS + 1;
 
 /// An operand of `abs` that is smaller than this part of its terms is zero: the next coefficient has its sign.
 const KINK: f64 = 1e-12;
+
+/// Whole exponents up to this are products of intervals.
+const MOST_FACTORS: f64 = 64.0;
 
 /// A linear form of z with few terms.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -177,6 +181,36 @@ impl Sparse {
     }
 }
 
+impl Rule {
+    /// Its value where the operands lie in intervals.
+    fn enclose(self, a: Interval, b: impl Fn() -> Interval) -> Interval {
+        let one = Interval::ONE;
+        match self {
+            Rule::Product => a * b(),
+            Rule::Quotient => a / b(),
+            Rule::Power(r) if r == 2.0 => a.square(),
+            Rule::Power(r) if r.fract() == 0.0 && r.abs() <= MOST_FACTORS => {
+                let factors = 0..r.abs() as usize;
+                let power = factors.fold(one, |power, _| power * a);
+                if r < 0.0 { one / power } else { power }
+            }
+            Rule::Power(r) => (Interval::point(r) * a.ln()).exp(),
+            Rule::Function(function) => match function {
+                Function::Sin => a.sin(),
+                Function::Cos => a.cos(),
+                Function::Tan => a.sin() / a.cos(),
+                Function::Exp => a.exp(),
+                Function::Ln => a.ln(),
+                Function::Sqrt => a.sqrt(),
+                Function::Abs if a.low >= 0.0 => a,
+                Function::Abs if a.high <= 0.0 => -a,
+                Function::Abs => Interval::new(0.0, a.magnitude()),
+                Function::Tanh => one - Interval::point(2.0) / ((a + a).exp() + one),
+            },
+        }
+    }
+}
+
 /// How z moves in a mode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
@@ -301,6 +335,26 @@ impl Field {
         if self.ends_by_more() {
             let series = self.run(&self.at_switch, z, 0, false, &[]);
             z.copy_from_slice(&series.data[..self.program.size()]);
+        }
+    }
+
+    /// Appends every component of z that is made of others where those before it lie in intervals: all numbers where
+    /// the mode has nothing to do with it.
+    pub fn enclose(&self, z: &mut Vec<Interval>) {
+        for (step, needed) in self.program.steps.iter().zip(&self.needed) {
+            let operand = |operand: &Sparse| {
+                let terms = operand.0.iter();
+                terms.fold(Interval::ZERO, |sum, (c, by)| {
+                    sum + Interval::point(by.value) * z[*c]
+                })
+            };
+            let value = match needed {
+                true => step
+                    .rule
+                    .enclose(operand(&step.operands[0]), || operand(&step.operands[1])),
+                false => Interval::ENTIRE,
+            };
+            z.push(value);
         }
     }
 

@@ -1,9 +1,19 @@
 //! Equilibria of every mode and every sliding mode, admissible or virtual, with their eigenvalues.
+//!
+//! An affine mode has one, by [`solve`]: exact to rounding in each state. Others are found by Newton's method from many
+//! places, and known to δ = |J⁻¹|ρ, ρ the rounding of the terms of each rate. Where J changes by as much as its size
+//! within δ, or is singular, an equilibrium is degenerate: steps of Newton's method then shrink like 1 − 1/m to a zero of
+//! order m, and steps of m times the length are quadratic again.
+
+use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
-use super::mode::{AffineMode, AffineSystem};
-use crate::linalg::{Matrix, Vector, condition, eigenvalues, solve};
+use super::mode::{AffineMode, AffineSystem, Row};
+use crate::interval::Interval;
+use crate::linalg::{
+    Eigenvalue, Factors, Matrix, Vector, condition, known_eigenvalues, pseudo_inverse, solve,
+};
 
 /// An equilibrium of a mode: f(x) = 0; of a sliding mode, also on its surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,11 +24,44 @@ pub struct Equilibrium {
     pub state: Vec<f64>,
     /// Eigenvalues of ∂f/∂x, the fastest growing first; a sliding mode has one zero for the direction it takes away.
     pub eigenvalues: Vec<Complex<f64>>,
+    /// Whether perturbations decay, as far as more than rounding says so: false where one grows.
+    pub stable: Option<bool>,
     /// ∂f/∂x.
     pub slopes: Matrix,
-    /// The guard that is negative there, the most negative one: the equilibrium is virtual. `None` where it is
-    /// admissible.
-    pub violated: Option<usize>,
+    /// Where it lies by the guards of its mode.
+    pub place: Place,
+    /// Whether others lie next to it.
+    pub isolation: Isolation,
+}
+
+/// Where an equilibrium lies by the guards of its mode, over every phase of the forcing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// All of them are positive.
+    Admissible,
+    /// One is negative: for one phase at least, or for all.
+    Virtual {
+        /// The most negative one.
+        guard: usize,
+        /// Whether it is negative at some phases only.
+        at_times: bool,
+    },
+    /// The least value of one is zero, to rounding.
+    Boundary {
+        /// Which.
+        guard: usize,
+    },
+}
+
+/// Whether an equilibrium stands alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Isolation {
+    /// ∂f/∂x is regular.
+    Simple,
+    /// It is singular, to rounding.
+    Degenerate,
+    /// It is singular at many equilibria, of which this is one.
+    Family,
 }
 
 /// What a mode has in the place of one equilibrium.
@@ -31,20 +74,87 @@ pub enum NoEquilibrium {
     #[error("the matrix of the mode is singular: no equilibrium, or a family of them")]
     Singular,
     /// Newton's method finds none.
-    #[error("no equilibrium is found from {STARTS} places up to {FARTHEST} away")]
+    #[error(
+        "undecided: Newton's method settles on no equilibrium from {STARTS} places up to {FARTHEST} away"
+    )]
     NotFound,
 }
 
-/// Places from which equilibria of a mode that is not affine are looked for, and how far the farthest are.
+/// Places from which equilibria of a mode that is not affine are looked for, and how far the farthest are; those of
+/// the last quarter are smaller than the rest by up to this factor, for states in small units.
 const STARTS: usize = 400;
 const FARTHEST: f64 = 10.0;
+const SMALLEST: f64 = 1e-12;
 
-/// Newton's steps from each of them.
+/// Newton's steps from each of them; toward a degenerate equilibrium steps after which their ratio is seen, and then steps
+/// of m times the length.
 const STEPS: usize = 60;
+const PLAIN_STEPS: usize = 24;
+const LONG_STEPS: usize = 30;
 
-/// A step of this part of the state is rounding, and equilibria this close are one.
-const STILL: f64 = 1e-13;
-const SAME: f64 = 1e-8;
+/// Roundings of a rate, relative to its terms.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Two simple equilibria whose states differ by no more than so many times what they are known to are one; a degenerate
+/// one is known to the square or cube root of rounding only.
+const SAME: f64 = 64.0;
+const SAME_DEGENERATE: f64 = 1e-4;
+
+/// Derivatives that change by this part of them within what a state is known to are zero to rounding: Newton's method ends
+/// where its step is four times as long as that.
+const CHANGED: f64 = 0.05;
+
+/// States of a degenerate equilibrium that are smaller are zero if the rates are: steps toward it shrink for ever.
+const NOTHING: f64 = 1e-30;
+
+/// More degenerate equilibria than this are a family.
+const FEW: usize = 4;
+
+/// Parts of the period over which guards are bounded.
+const PARTS: usize = 4000;
+
+/// What Newton's method has at a state.
+struct NewtonStep {
+    /// The next state.
+    next: Vector,
+    /// Derivatives of the rates, and those of the equations that are solved; these include that of a surface.
+    slopes: Matrix,
+    square: Matrix,
+    /// Gradient of the surface.
+    normal: Option<Vector>,
+    /// What a rounding of every equation is relative to.
+    sizes: Vector,
+    /// Whether every rate is zero to rounding.
+    rests: bool,
+    /// Whether the equations are regular.
+    regular: bool,
+}
+
+/// A state at which a mode rests.
+struct Rest {
+    state: Vector,
+    /// What each state is known to.
+    error: Vector,
+    slopes: Matrix,
+    normal: Option<Vector>,
+    isolation: Isolation,
+}
+
+impl Rest {
+    fn is_same(&self, other: &Rest) -> bool {
+        let degenerate = [self, other].map(|rest| rest.isolation != Isolation::Simple);
+        (0..self.state.len()).all(|index| {
+            let (x, y) = (self.state[index], other.state[index]);
+            let known = SAME * (self.error[index] + other.error[index]) + f64::MIN_POSITIVE;
+            let part = if degenerate.contains(&true) {
+                SAME_DEGENERATE
+            } else {
+                SAME * f64::EPSILON
+            };
+            (x - y).abs() <= known + part * x.abs().max(y.abs())
+        })
+    }
+}
 
 impl AffineSystem {
     /// The equilibria of a mode: the one of an affine mode; of another all that Newton's method finds where no state
@@ -54,71 +164,181 @@ impl AffineSystem {
     /// Why there is none, or a family of them.
     pub fn equilibria(&self, mode: usize) -> Result<Vec<Equilibrium>, NoEquilibrium> {
         let n = self.states;
-        let AffineMode { field, matrix, .. } = &self.modes[mode];
-        if field.is_forced(matrix, n) {
+        let AffineMode {
+            field,
+            matrix,
+            surface,
+            ..
+        } = &self.modes[mode];
+        let is_forced = |row: &Row| self.turns(&row.at);
+        if field.is_forced(matrix, n) || surface.as_ref().is_some_and(is_forced) {
             return Err(NoEquilibrium::Forced);
         }
-        let zero = Vector::zeros(n);
         if field.is_exact {
-            let (state, slopes) = self.newton_step(mode, &zero)?;
-            return Ok(vec![self.equilibrium(mode, &state, &slopes)]);
+            let rest = self.affine_rest(mode).ok_or(NoEquilibrium::Singular)?;
+            return Ok(vec![self.equilibrium(mode, &rest)]);
         }
-        let (mut found, mut far): (Vec<Equilibrium>, Vec<Equilibrium>) = Default::default();
+        let (mut found, mut far): (Vec<Rest>, Vec<Rest>) = Default::default();
         for start in 0..STARTS {
             // places of the same share of every size: 0, then the golden sequence of every state
-            let size = FARTHEST.powf(2.0 * start as f64 / STARTS as f64 - 1.0);
+            let of_all = start as f64 / STARTS as f64;
+            let size = match of_all < 0.75 {
+                true => FARTHEST.powf(2.0 * of_all / 0.75 - 1.0),
+                false => SMALLEST.powf(4.0 * of_all - 3.0),
+            };
             let share = |state: usize| (start as f64 * ((state + 2) as f64).sqrt()).fract() - 0.5;
             let mut state = Vector::from_fn(n, |state, _| 2.0 * size * share(state));
             if start == 0 {
                 state.fill(0.0);
             }
-            let slopes = self.settle(mode, &mut state);
-            let same = |one: &Equilibrium| {
-                let pairs = one.state.iter().zip(&state);
-                let off = pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
-                off <= SAME * state.amax().max(1.0)
-            };
-            if let Some(slopes) = slopes.filter(|_| !found.iter().chain(&far).any(same)) {
-                let near = state.amax() <= FARTHEST;
+            let rest = self
+                .settle(mode, &state)
+                .or_else(|| self.settle_degenerate(mode, &state));
+            if let Some(rest) = rest {
+                let near = rest.state.amax() <= FARTHEST;
                 let list = if near { &mut found } else { &mut far };
-                list.push(self.equilibrium(mode, &state, &slopes));
+                if !list.iter().any(|known| known.is_same(&rest)) {
+                    list.push(rest);
+                }
             }
         }
         // a pendulum has infinitely many: those far away count where there is none nearby
         if found.is_empty() {
             found = far;
         }
+        single_out(&mut found);
         found.sort_by(|one, other| one.state[0].total_cmp(&other.state[0]));
+        let found: Vec<_> = found
+            .iter()
+            .map(|rest| self.equilibrium(mode, rest))
+            .collect();
         Some(found)
             .filter(|found| !found.is_empty())
             .ok_or(NoEquilibrium::NotFound)
     }
 
-    /// The equilibrium of a mode that Newton's method finds from a state; of an affine mode the only one.
+    /// The simple equilibrium of a mode that Newton's method finds from a state; of an affine mode the only one.
     pub(super) fn equilibrium_near(&self, mode: usize, state: &[f64]) -> Option<Equilibrium> {
         if self.modes[mode].field.is_exact {
             return self.equilibria(mode).ok()?.pop();
         }
-        let mut state = Vector::from_column_slice(state);
-        let slopes = self.settle(mode, &mut state)?;
-        Some(self.equilibrium(mode, &state, &slopes))
+        let rest = self.settle(mode, &Vector::from_column_slice(state))?;
+        (rest.isolation == Isolation::Simple).then(|| self.equilibrium(mode, &rest))
     }
 
-    /// Newton's method for an equilibrium of a mode: the derivatives of its rates there.
-    fn settle(&self, mode: usize, state: &mut Vector) -> Option<Matrix> {
+    /// The equilibrium of an affine mode.
+    fn affine_rest(&self, mode: usize) -> Option<Rest> {
+        let step = self.newton_step(mode, &Vector::zeros(self.states))?;
+        step.regular.then(|| Rest {
+            error: step.next.abs() * ROUNDING,
+            state: step.next,
+            slopes: step.slopes,
+            normal: step.normal,
+            isolation: Isolation::Simple,
+        })
+    }
+
+    /// Newton's method for an equilibrium of a mode, until what is left is rounding.
+    fn settle(&self, mode: usize, start: &Vector) -> Option<Rest> {
+        let mut state = start.clone();
         for _ in 0..STEPS {
-            let (next, slopes) = self.newton_step(mode, state).ok()?;
-            let step = (&next - &*state).amax();
-            *state = next;
-            if step <= STILL * state.amax().max(STILL) {
-                return Some(slopes);
+            let step = self.newton_step(mode, &state)?;
+            if !step.regular {
+                if step.rests {
+                    return Some(self.rest(mode, &state, step));
+                }
+                state = step.next;
+                continue;
+            }
+            let error = known_to(&step)?;
+            let mut moves = step.next.iter().zip(&state).zip(&error);
+            let settled = moves.all(|((next, x), error)| {
+                (next - x).abs() <= 4.0 * error + 2.0 * f64::EPSILON * next.abs()
+            });
+            if settled && step.rests {
+                return Some(self.rest(mode, &state, step));
+            }
+            state = step.next;
+            if !state.iter().all(|x| x.is_finite()) {
+                return None;
             }
         }
         None
     }
 
-    /// Where the rates of a mode are zero if they change as at a state, and their derivatives there.
-    fn newton_step(&self, mode: usize, state: &Vector) -> Result<(Vector, Matrix), NoEquilibrium> {
+    /// The same where the steps shrink by a factor 1 − 1/m: after a few of them, steps of m times the length.
+    fn settle_degenerate(&self, mode: usize, start: &Vector) -> Option<Rest> {
+        let mut state = start.clone();
+        let mut before = 0.0;
+        let mut order = 1.0;
+        for index in 0..PLAIN_STEPS + LONG_STEPS {
+            let step = self.newton_step(mode, &state)?;
+            let change = &step.next - &state;
+            if step.rests {
+                let mut none = state.clone();
+                none.iter_mut()
+                    .filter(|x| x.abs() < NOTHING)
+                    .for_each(|x| *x = 0.0);
+                let cleared = self.newton_step(mode, &none).filter(|step| step.rests);
+                return Some(match cleared {
+                    Some(step) => self.rest(mode, &none, step),
+                    None => self.rest(mode, &state, step),
+                });
+            }
+            let length = change.norm();
+            if index + 1 == PLAIN_STEPS {
+                let ratio: f64 = length / before;
+                order = (1.0 / (1.0 - ratio)).round();
+                if !(2.0..=9.0).contains(&order) {
+                    return None;
+                }
+            }
+            before = length;
+            state += change * order;
+            if !state.iter().all(|x| x.is_finite()) {
+                return None;
+            }
+        }
+        None
+    }
+
+    fn rest(&self, mode: usize, state: &Vector, step: NewtonStep) -> Rest {
+        let error = known_to(&step).filter(|_| step.regular);
+        let isolation = error.as_ref().map_or(Isolation::Degenerate, |error| {
+            // the slopes at both ends of what the state is known to
+            let beside = [1.0, -1.0].map(|sign| self.newton_step(mode, &(state + error * sign)));
+            let inverse = Factors::new(step.square.clone()).inverse();
+            let changes = |beside: &Option<NewtonStep>| {
+                let moved = beside.as_ref().zip(inverse.as_ref());
+                moved.is_none_or(|(beside, inverse)| {
+                    let changed = inverse.abs() * (&beside.slopes - &step.slopes).abs();
+                    // in the units of the states
+                    let size = |i: usize, j: usize| {
+                        error[j].max(f64::MIN_POSITIVE) / error[i].max(f64::MIN_POSITIVE)
+                    };
+                    let n = error.len();
+                    (0..n).any(|i| {
+                        (0..n).map(|j| changed[(i, j)] * size(i, j)).sum::<f64>() > CHANGED
+                    })
+                })
+            };
+            match beside.iter().any(changes) {
+                true => Isolation::Degenerate,
+                false => Isolation::Simple,
+            }
+        });
+        Rest {
+            state: state.clone(),
+            error: error.unwrap_or_else(|| state.abs() * f64::EPSILON),
+            slopes: step.slopes,
+            normal: step.normal,
+            isolation,
+        }
+    }
+
+    /// Where the rates of a mode are zero if they change as at a state, and their derivatives there; where these are
+    /// singular the nearest such place. `None` where rates have no value.
+    fn newton_step(&self, mode: usize, state: &Vector) -> Option<NewtonStep> {
         let n = self.states;
         let AffineMode {
             matrix,
@@ -137,35 +357,60 @@ impl AffineSystem {
             false => field.series(&z, 0, true, true).derivatives(0.0).0,
         };
         let left = &equations * slopes.columns(0, n);
-        let right = &left * state - &equations * z;
-        let own = left.rows(0, n).into_owned();
-        if !left.iter().chain(&right).all(|x| x.is_finite()) {
-            return Err(NoEquilibrium::Singular);
+        let values = &equations * &z;
+        // of the terms of every equation, and of what a rounding of each state makes of it
+        let sizes = equations.abs() * z.abs() + left.abs() * state.abs();
+        if !left.iter().chain(&values).all(|x| x.is_finite()) {
+            return None;
         }
+        let mut zero = values.iter().zip(&sizes);
+        let rests = zero.all(|(value, size)| value.abs() <= ROUNDING * size);
+        let right = &left * state - &values;
+        let own = left.rows(0, n).into_owned();
         let replaced = |row: usize| {
             let (mut square, mut values) = (own.clone(), right.rows(0, n).into_owned());
+            let mut of_square = sizes.rows(0, n).into_owned();
             if surface.is_some() {
                 square.set_row(row, &left.row(n));
-                values[row] = right[n];
+                (values[row], of_square[row]) = (right[n], sizes[n]);
             }
-            (square, values)
+            (square, values, of_square)
         };
         // rates along the normal of a surface are zero in it: the row that makes the best system gives way to its equation
         let candidates = if surface.is_some() { 0..n } else { 0..1 };
-        let systems = candidates.map(replaced);
-        let best =
-            systems.min_by(|(one, _), (other, _)| condition(one).total_cmp(&condition(other)));
-        let solved = best.and_then(|(square, values)| solve(&square, &values));
-        Ok((solved.ok_or(NoEquilibrium::Singular)?, own))
+        let best = candidates
+            .map(replaced)
+            .min_by(|one, other| condition(&one.0).total_cmp(&condition(&other.0)));
+        let (square, values, sizes) = best?;
+        let solved = solve(&square, &values);
+        let regular = solved.is_some();
+        let nearest =
+            || Some(state - pseudo_inverse(&square, 1e-13)? * (&square * state - &values));
+        Some(NewtonStep {
+            next: solved.or_else(nearest)?,
+            slopes: own,
+            normal: surface.as_ref().map(|_| left.row(n).transpose()),
+            square,
+            sizes,
+            rests,
+            regular,
+        })
     }
 
-    fn equilibrium(&self, mode: usize, state: &Vector, slopes: &Matrix) -> Equilibrium {
-        let state: Vec<f64> = state.iter().copied().collect();
-        let z = self.lift(mode, &state, 0.0);
-        let guards = &self.modes[mode].guards;
-        let values = guards.iter().map(|guard| guard.row.at.dot(&z)).enumerate();
-        let worst = values.min_by(|one, other| one.1.total_cmp(&other.1));
-        let mut eigenvalues = eigenvalues(slopes).unwrap_or_default();
+    fn equilibrium(&self, mode: usize, rest: &Rest) -> Equilibrium {
+        let known = eigenvalues_within(&rest.slopes, rest.normal.as_ref());
+        let is_simple = rest.isolation == Isolation::Simple;
+        let size = known
+            .iter()
+            .fold(0.0_f64, |size, one| size.max(one.value.norm()));
+        // the slopes at a degenerate equilibrium are known to the root of rounding
+        let blur = if is_simple { 0.0 } else { 1e-3 * size };
+        let grows = known.iter().any(|one| one.value.re > one.error + blur);
+        let decays = known.iter().all(|one| one.value.re < -one.error - blur);
+        let mut eigenvalues: Vec<Complex<f64>> = known.iter().map(|one| one.value).collect();
+        if rest.normal.is_some() {
+            eigenvalues.push(Complex::from(0.0));
+        }
         eigenvalues.sort_by(|one, other| {
             let key = |value: &Complex<f64>| (-value.re, -value.im);
             let (one, other) = (key(one), key(other));
@@ -173,12 +418,170 @@ impl AffineSystem {
         });
         Equilibrium {
             mode,
-            state,
+            state: rest.state.iter().copied().collect(),
             eigenvalues,
-            slopes: slopes.clone(),
-            violated: worst
-                .filter(|(_, value)| *value < 0.0)
-                .map(|(guard, _)| guard),
+            stable: if grows {
+                Some(false)
+            } else {
+                decays.then_some(true)
+            },
+            slopes: rest.slopes.clone(),
+            place: self.place(mode, rest),
+            isolation: rest.isolation,
         }
     }
+
+    /// Whether a form depends on the phase.
+    fn turns(&self, row: &Vector) -> bool {
+        let base = self.size() - self.program.made();
+        let phases: Vec<usize> = (self.states + 1..base).collect();
+        let mut components = (0..row.len()).filter(|c| row[*c] != 0.0);
+        components.any(|c| self.program.depends(c, &phases))
+    }
+
+    /// Where a state lies by the guards of its mode.
+    fn place(&self, mode: usize, rest: &Rest) -> Place {
+        let states = rest.state.iter().zip(&rest.error);
+        let states: Vec<Interval> = states
+            .map(|(x, error)| Interval::around(*x, *error))
+            .collect();
+        let mut place = (f64::INFINITY, Place::Admissible);
+        for (guard, own) in self.modes[mode].guards.iter().enumerate() {
+            let least = self.least(mode, &own.row.at, &states);
+            let here = match least {
+                Least { low, .. } if low > 0.0 => continue,
+                Least { high, .. } if high < 0.0 => Place::Virtual {
+                    guard,
+                    at_times: !least.is_negative,
+                },
+                _ => Place::Boundary { guard },
+            };
+            // what is negative for certain comes first
+            let key = if matches!(here, Place::Virtual { .. }) {
+                least.high
+            } else {
+                0.0
+            };
+            if key < place.0 {
+                place = (key, here);
+            }
+        }
+        place.1
+    }
+
+    /// Bounds of the least value of a form over all phases, where the states lie in these intervals; no finer than its
+    /// sign takes.
+    fn least(&self, mode: usize, row: &Vector, states: &[Interval]) -> Least {
+        let at = |phase: Interval| {
+            let z = self.enclosed(mode, states, phase);
+            let terms = row.iter().zip(&z).filter(|(c, _)| **c != 0.0);
+            let sum = terms.fold(Interval::ZERO, |sum, (c, z)| sum + Interval::point(*c) * *z);
+            if sum.is_empty() {
+                Interval::ENTIRE
+            } else {
+                sum
+            }
+        };
+        if !self.turns(row) {
+            let Interval { low, high } = at(Interval::ZERO);
+            return Least {
+                low,
+                high,
+                is_negative: true,
+            };
+        }
+        // parts of the period with the form over each; the one that may have the least value is halved
+        let mut parts = vec![(Interval::new(0.0, TAU.next_up()), Interval::ENTIRE)];
+        let mut least = f64::INFINITY;
+        let mut largest = f64::NEG_INFINITY;
+        loop {
+            let lowest = (0..parts.len())
+                .min_by(|one, other| parts[*one].1.low.total_cmp(&parts[*other].1.low));
+            let Some(lowest) = lowest else { break };
+            let low = parts[lowest].1.low;
+            if low > 0.0 || least < 0.0 || parts.len() >= PARTS {
+                break;
+            }
+            let (part, _) = parts.swap_remove(lowest);
+            let middle = part.middle();
+            for part in [
+                Interval::new(part.low, middle),
+                Interval::new(middle, part.high),
+            ] {
+                parts.push((part, at(part)));
+            }
+            let inside = at(Interval::point(middle));
+            (least, largest) = (least.min(inside.high), largest.max(inside.low));
+        }
+        // whether it is positive at times is seen at phases alone
+        let phases = (0..64).map(|part| at(Interval::point(TAU * f64::from(part) / 64.0)).low);
+        Least {
+            low: parts
+                .iter()
+                .fold(f64::INFINITY, |low, (_, values)| low.min(values.low)),
+            high: least,
+            is_negative: phases.fold(largest, f64::max) <= 0.0,
+        }
+    }
+
+    /// z where states and phase lie in intervals.
+    fn enclosed(&self, mode: usize, states: &[Interval], phase: Interval) -> Vec<Interval> {
+        let n = self.states;
+        let base = self.size() - self.program.made();
+        let mut z = states.to_vec();
+        z.resize(n + 1, Interval::ONE);
+        for harmonic in 1..=(base - n - 1) / 2 {
+            let angle = Interval::point(harmonic as f64) * phase;
+            z.extend([angle.cos(), angle.sin()]);
+        }
+        self.modes[mode].field.enclose(&mut z);
+        z
+    }
+}
+
+/// Bounds of the least value of a form over all phases.
+struct Least {
+    low: f64,
+    high: f64,
+    /// Whether it is nowhere seen to be positive.
+    is_negative: bool,
+}
+
+/// First-order bound of what rounding of the rates leaves in each state: |J⁻¹| times the rounding of the terms of each.
+fn known_to(step: &NewtonStep) -> Option<Vector> {
+    let inverse = Factors::new(step.square.clone()).inverse()?;
+    Some(inverse.abs() * (&step.sizes * ROUNDING))
+}
+
+/// Of many degenerate equilibria one stands for all, the nearest to zero.
+fn single_out(found: &mut Vec<Rest>) {
+    let degenerate = |rest: &Rest| rest.isolation == Isolation::Degenerate;
+    if found.iter().filter(|rest| degenerate(rest)).count() <= FEW {
+        return;
+    }
+    let (family, mut simple): (Vec<Rest>, Vec<Rest>) = found.drain(..).partition(degenerate);
+    let nearest = family
+        .into_iter()
+        .min_by(|one, other| one.state.norm().total_cmp(&other.state.norm()));
+    simple.extend(nearest.map(|rest| Rest {
+        isolation: Isolation::Family,
+        ..rest
+    }));
+    *found = simple;
+}
+
+/// Eigenvalues of slopes; in a surface of this normal those of the motion within it.
+fn eigenvalues_within(slopes: &Matrix, normal: Option<&Vector>) -> Vec<Eigenvalue> {
+    let Some(normal) = normal else {
+        return known_eigenvalues(slopes).unwrap_or_default();
+    };
+    // the state that the surface gives by the others; the largest entry of the normal in the units of the slopes
+    let (units, _) = crate::linalg::balance(slopes);
+    let axis = normal.component_mul(&units).iamax();
+    let others: Vec<usize> = (0..normal.len()).filter(|index| *index != axis).collect();
+    let within = Matrix::from_fn(others.len(), others.len(), |i, j| {
+        let (i, j) = (others[i], others[j]);
+        slopes[(i, j)] - slopes[(i, axis)] * normal[j] / normal[axis]
+    });
+    known_eigenvalues(&within).unwrap_or_default()
 }

@@ -41,7 +41,7 @@ impl From<Exit> for ExitCode {
 /// The exit codes for the help text.
 pub(crate) const EXIT_CODES: &str = "Exit codes: 0 done; 1 an expectation of `check` is not met, or a point to be certified is not proven; 2 bad input \
 or usage; 3 numerical failure (no start, or the branch ended before its range); 4 input or output failed \
-(full disk, no permission, damaged folder)";
+(full disk, no permission, damaged folder); 130 interrupted";
 
 /// Everything that can end a verb early.
 #[derive(Debug, thiserror::Error)]

@@ -5,6 +5,7 @@ mod certify;
 mod check;
 mod curve;
 mod failure;
+mod interrupt;
 mod junit;
 mod motion;
 mod options;
@@ -136,6 +137,9 @@ impl Purpose {
 pub fn main() -> ExitCode {
     let matches = Arguments::command().get_matches();
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    if offers(&Arguments::command(), &matches).resume {
+        interrupt::say_how_to_go_on();
+    }
     let result = match arguments.verb {
         Verb::Run(arguments) => run::run(&arguments),
         Verb::Check(arguments) => check::check(&arguments),

@@ -3,7 +3,7 @@
 use super::saved::LabelledOrbit;
 use crate::affine::motion::Halt;
 use crate::affine::orbit::AffineOrbit;
-use crate::affine::orbit::start::{self, Beginning, Search, Wanted, first, restart};
+use crate::affine::orbit::start::{self, Search, Wanted, first, restart};
 use crate::affine::orbit::switch::switch;
 use crate::linalg::Vector;
 use crate::orbit::EventType;
@@ -72,6 +72,27 @@ impl NoStart {
                 "orbit.start",
                 "name in `rest` of the switch the mode that begins where infinitely many of them end, or begin \
                  elsewhere",
+            ),
+            NoStart::NoOrbit(start::NoStart::Stuck { halt, .. }) => match halt {
+                Halt::Outside { .. } => (
+                    "orbit.start",
+                    "begin where every `zero` of the mode is positive; or reverse its sign, if the mode lies on the \
+                     other side",
+                ),
+                Halt::Outward { .. } => (
+                    "system.modes",
+                    "let the reset turn the motion back, as `\"v\": \"-e*v\"` does at a stop",
+                ),
+                Halt::Void { .. } => ("system.modes", "write a `zero` that the states change"),
+                _ => (
+                    "orbit.start",
+                    "begin at another state, or at other values of the parameters",
+                ),
+            },
+            NoStart::NoOrbit(start::NoStart::Unswitched { .. }) => (
+                "system.modes",
+                "without forcing an orbit is followed from switch to switch: write the mode twice, as `y > 0` and `y < \
+                 0`, with the switches `y` and `-y` between them",
             ),
             NoStart::LabelOutside { .. } => (
                 "continuation.range",
@@ -199,8 +220,17 @@ pub(super) fn begin(
         }
     };
     let beginning = start.beginning().ok_or(NoStart::Unknown)?;
-    let found = come_to(problem, continuation, problem.values(), &beginning, search)?;
-    Ok(along(found))
+    let found = come_to(problem, continuation, problem.values(), &beginning, search);
+    let explained = |reason: NoStart| {
+        let wanted = wanted(problem, continuation, problem.values());
+        match (reason, wanted, beginning.place(&problem.system)) {
+            (NoStart::NoOrbit(reason), Ok(wanted), Some(place)) => {
+                NoStart::NoOrbit(start::explained(&wanted, &place.into(), search, reason))
+            }
+            (reason, ..) => reason,
+        }
+    };
+    Ok(along(found.map_err(explained)?))
 }
 
 /// The orbit that a motion comes to at these values of the parameters, to be followed as a branch is, and its unknowns.
@@ -215,12 +245,7 @@ pub fn come_to(
     search: Search,
 ) -> Result<(AffineOrbit, Vector), NoStart> {
     let place = beginning.place(&problem.system);
-    let place = place.ok_or(NoStart::Unknown)?;
-    let beginning = Beginning {
-        mode: place.mode,
-        state: place.state,
-        phase: place.phase,
-    };
+    let beginning = place.ok_or(NoStart::Unknown)?.into();
     let wanted = wanted(problem, continuation, values)?;
     Ok(first(&wanted, &beginning, search)?)
 }

@@ -81,14 +81,14 @@ fn values(block: &Matrix) -> Option<Vec<Complex<f64>>> {
         .ok()
 }
 
-/// An eigenvector by inverse iteration, of length 1.
-fn vector(matrix: DMatrix<Complex<f64>>, shift: f64) -> Option<DVector<Complex<f64>>> {
+/// An eigenvector by inverse iteration, of length 1; `shift` is some roundings of the matrix.
+fn vector(matrix: &DMatrix<Complex<f64>>, shift: f64) -> Option<DVector<Complex<f64>>> {
     let n = matrix.nrows();
-    // at an eigenvalue that is exact to the last digit the matrix is singular
-    let shifted = || matrix.clone() + DMatrix::identity(n, n) * Complex::from(shift);
-    let start = DVector::from_fn(n, |i, _| Complex::from(1.0 + (i as f64).sqrt().fract()));
-    let iterate = |factors: nalgebra::LU<Complex<f64>, _, _>| {
-        let mut vector = start.clone();
+    // at an eigenvalue that is exact to the last digit a pivot is zero
+    [0.0, 1.0, 4.0, 16.0].into_iter().find_map(|times| {
+        let shifted = matrix + DMatrix::identity(n, n) * Complex::from(times * shift);
+        let factors = shifted.lu();
+        let mut vector = DVector::from_fn(n, |i, _| Complex::from(1.0 + (i as f64).sqrt().fract()));
         for _ in 0..3 {
             vector = factors.solve(&vector)?;
             let size = vector.norm();
@@ -98,8 +98,7 @@ fn vector(matrix: DMatrix<Complex<f64>>, shift: f64) -> Option<DVector<Complex<f
             vector.unscale_mut(size);
         }
         Some(vector)
-    };
-    iterate(matrix.clone().lu()).or_else(|| iterate(shifted().lu()))
+    })
 }
 
 /// An eigenvalue λ of a balanced matrix A with the error that rounding may leave in it: by its vectors x and y a change
@@ -127,7 +126,7 @@ fn refined(block: &Matrix, value: Complex<f64>) -> Eigenvalue {
         })
     };
     let shift = f64::EPSILON * norm;
-    let vectors = vector(shifted(false), shift).zip(vector(shifted(true), shift));
+    let vectors = vector(&shifted(false), shift).zip(vector(&shifted(true), shift));
     let Some((right, left)) = vectors else {
         return unrefined;
     };
@@ -206,6 +205,25 @@ mod tests {
             );
             assert!(off(&nearest.value) < 1e-14, "{nearest:?}");
             assert!(plain.iter().any(|value| off(value) < 1e-11));
+        }
+    }
+
+    /// With s = 2⁻⁴⁰ the trace is 1 + s and the determinant s, exactly: the eigenvalues are 1 and s.
+    #[test]
+    fn a_small_eigenvalue_is_known_to_its_own_digits() {
+        let small = (-40.0_f64).exp2();
+        let matrix = Matrix::from_row_slice(2, 2, &[0.5 + small, 0.5 - small, 0.5, 0.5]);
+        let known = known_eigenvalues(&matrix).unwrap();
+        for exact in [1.0, small] {
+            let off = |value: Complex<f64>| (value - exact).norm();
+            let nearest = known
+                .iter()
+                .map(|one| off(one.value))
+                .fold(f64::INFINITY, f64::min);
+            assert!(
+                nearest <= 4.0 * f64::EPSILON * exact,
+                "{exact:e}: {known:?}"
+            );
         }
     }
 

@@ -2,11 +2,11 @@
 //!
 //! Rows and columns are scaled by powers of two until the largest entry of each is of order one (Ruiz 2001), and the
 //! solution is refined by residuals that are formed in twice the precision (Ogita, Rump and Oishi 2005): every unknown
-//! is known to a few roundings of its own, in whatever units it stands, as long as the scaled matrix is regular.
+//! is known to a few roundings of its own, in whatever units it stands, as long as the matrix is regular in the best units.
 
 use super::{Factors, Matrix, Vector};
 
-/// Condition of the scaled matrix above which it is singular: refinement gains less than a factor of 10 at a step there.
+/// Condition in the best units above which a matrix is singular: refinement gains less than a factor of 10 at a step there.
 pub const SINGULAR: f64 = 1e14;
 
 /// Sweeps of the scaling at most: each takes the square root of what is out of scale.
@@ -91,35 +91,43 @@ pub(super) fn exact_sum(start: f64, products: impl Iterator<Item = (f64, f64)>) 
     sum + rest
 }
 
-/// Singular values of a matrix, the largest first; `None` if the decomposition fails, as it does for entries that are
-/// not finite.
-fn singular_values(matrix: &Matrix) -> Option<Vec<f64>> {
-    if matrix.is_empty() || !matrix.iter().all(|x| x.is_finite()) {
-        return None;
-    }
-    let view =
-        faer::MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols());
-    view.singular_values().ok()
+/// The least condition number of a square matrix in any units of its rows and columns: the spectral radius of |A⁻¹||A| (Bauer
+/// 1963). Infinite for a singular one, or where entries are not finite.
+pub fn condition(matrix: &Matrix) -> f64 {
+    let scaled = Scaled::new(matrix, true).matrix;
+    least_condition(&scaled, &Factors::new(scaled.clone()))
 }
 
-/// Ratio of the largest and the least singular value of a matrix after rows and columns are scaled to like size: infinite
-/// for a singular one, or where entries are not finite.
-pub fn condition(matrix: &Matrix) -> f64 {
-    let values = singular_values(&Scaled::new(matrix, true).matrix).unwrap_or_default();
-    let ends = values.first().zip(values.last());
-    ends.map_or(f64::INFINITY, |(largest, least)| largest / least)
+/// The same, by the factors of the matrix.
+fn least_condition(matrix: &Matrix, factors: &Factors) -> f64 {
+    /// Iterations of the power method: its factor is wanted to a few per cent.
+    const ITERATIONS: usize = 16;
+    let Some(inverse) = factors
+        .inverse()
+        .filter(|inverse| inverse.iter().all(|x| x.is_finite()))
+    else {
+        return f64::INFINITY;
+    };
+    let product = inverse.abs() * matrix.abs();
+    let mut vector = Vector::repeat(matrix.nrows(), 1.0);
+    let mut radius = 0.0;
+    for _ in 0..ITERATIONS {
+        vector = &product * vector;
+        radius = vector.amax();
+        vector /= radius;
+    }
+    radius
 }
 
 /// Solves Ax = b for a square A; `None` where its [`condition`] exceeds 1e14, where x overflows, or where the residual is
 /// not at rounding in every equation.
 pub fn solve(matrix: &Matrix, right: &Vector) -> Option<Vector> {
     let scaled = Scaled::new(matrix, true);
-    let values = singular_values(&scaled.matrix)?;
-    let regular = values.last()? * SINGULAR >= values[0];
+    let factors = Factors::new(scaled.matrix.clone());
+    let regular = least_condition(&scaled.matrix, &factors) <= SINGULAR;
     if !regular || !right.iter().all(|x| x.is_finite()) {
         return None;
     }
-    let factors = Factors::new(scaled.matrix);
     let n = right.len();
     let mut solution = Vector::zeros(n);
     let mut before = f64::INFINITY;

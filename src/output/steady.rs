@@ -7,6 +7,7 @@ use super::origin::Origin;
 use super::render::Format;
 use super::store::{Kind, Store, StoreError};
 use crate::affine::mode::AffineSystem;
+use crate::affine::steady::{Isolation, Place};
 use crate::affine::system::System;
 use crate::problem::{Problem, SystemProblem};
 use crate::table::{line_of, number};
@@ -42,9 +43,9 @@ pub(crate) const BEFORE_STATES: [&str; 2] = ["mode", "equilibrium"];
 /// See [`BEFORE_STATES`].
 pub(crate) const AFTER_STATES: [&str; 4] = ["stable", "re", "im", "why"];
 
-/// The equilibria of every mode as a table: `equilibrium` is `admissible`, `virtual` or `none`; eigenvalues are
-/// separated by blanks, and say `stable` where they decide it; `why` says what makes an equilibrium virtual, or
-/// what stands in its place.
+/// The equilibria of every mode as a table: `equilibrium` is `admissible`, `virtual`, `boundary` or `none`; eigenvalues
+/// are separated by blanks, and say `stable` where more than rounding decides it; `why` says what makes an equilibrium
+/// virtual or degenerate, or what stands in its place.
 pub(crate) fn equilibria(system: &System, at: &AffineSystem) -> String {
     let states = &system.source.states;
     let names = |list: &[&str]| list.iter().map(|name| (*name).to_owned()).collect();
@@ -67,26 +68,46 @@ pub(crate) fn equilibria(system: &System, at: &AffineSystem) -> String {
                 let numbers = values.iter().map(|value| number(part(value)));
                 numbers.collect::<Vec<_>>().join(" ")
             };
-            let growth = values.iter().map(|value| value.re);
-            let growth = growth.fold(f64::NEG_INFINITY, f64::max);
-            let stable = match growth {
-                growth if growth < 0.0 => "yes",
-                growth if growth > 0.0 => "no",
-                _ => "undecided",
+            let stable = match found.stable {
+                Some(true) => "yes",
+                Some(false) => "no",
+                None => "undecided",
             };
-            let beyond = found.violated.map(|guard| {
+            let to = |guard: usize| {
                 let exit = at.modes[mode].guards[guard].exits.last();
-                let to = exit.map_or("", |exit| system.mode_name(exit.to));
-                format!("it lies beyond the switch to {to}")
-            });
-            let kind = if beyond.is_some() {
-                "virtual"
-            } else {
-                "admissible"
+                exit.map_or("", |exit| system.mode_name(exit.to))
             };
+            let (kind, lies) = match found.place {
+                Place::Admissible => ("admissible", String::new()),
+                Place::Virtual { guard, at_times } => {
+                    let during = if at_times {
+                        " during a part of every period"
+                    } else {
+                        ""
+                    };
+                    let to = to(guard);
+                    (
+                        "virtual",
+                        format!("it lies beyond the switch to {to}{during}"),
+                    )
+                }
+                Place::Boundary { guard } => (
+                    "boundary",
+                    format!("to rounding it lies on the switch to {}", to(guard)),
+                ),
+            };
+            let isolated = match found.isolation {
+                Isolation::Simple => "",
+                Isolation::Degenerate => {
+                    "the derivatives are singular there: degenerate, or one of a family"
+                }
+                Isolation::Family => "one of a family: the derivatives are singular at many",
+            };
+            let why = [lies, isolated.to_owned()];
+            let why: Vec<String> = why.into_iter().filter(|words| !words.is_empty()).collect();
             let after = [stable.to_owned(), parts(|z| z.re), parts(|z| z.im)];
             let before = [name.clone(), kind.to_owned()].into_iter();
-            let after = after.into_iter().chain([beyond.unwrap_or_default()]);
+            let after = after.into_iter().chain([why.join("; ")]);
             let cells = before.chain(state).chain(after);
             text.push_str(&line_of(&cells.collect::<Vec<_>>()));
         }

@@ -339,3 +339,40 @@ fn sections_are_met_from_below() {
     assert_eq!(meets("v", "0.5 - x", 6.0).len(), 9);
     assert!(meets("0*x", "0.5 - x", 6.0).is_empty());
 }
+
+/// Of an impact oscillator: a reset that does not turn the motion back, a guard of the wrong sign, a start beyond the stop,
+/// and a guard that is no function of the state.
+#[test]
+fn a_motion_that_cannot_go_on_has_one_cause() {
+    let halts = |zero: &str, reset: &str, x: f64| {
+        let text = format!(
+            r#"(states: ["x", "v"], parameters: {{"d": 1.0, "w": 1.0}}, forcing: "w", modes: {{"free": (
+                rates: {{"x": "v", "v": "cos(phase) - 0.1*v - x"}},
+                until: [(zero: "{zero}", to: "free", reset: {{"v": "{reset}"}})])}})"#
+        );
+        let system = system(&text);
+        let affine = at(&system, &[]);
+        let mut motion = Motion::new(&affine, place(&system, "free", &[x, 0.0], 0.0), 6.0);
+        loop {
+            match motion.step(100.0) {
+                Err(halt) => break halt,
+                Ok(Step::Reached) => panic!("it goes on"),
+                Ok(_) => {}
+            }
+        }
+    };
+    assert!(
+        matches!(halts("d - x", "0.8*v", 0.0), Halt::Outward { guard: 0, time, .. } if time > 0.0)
+    );
+    for (zero, x) in [("x - d", 0.0), ("d - x", 2.0)] {
+        let halt = halts(zero, "-0.8*v", x);
+        assert!(
+            matches!(halt, Halt::Outside { value, .. } if value == -1.0),
+            "{zero}: {halt}"
+        );
+    }
+    assert_eq!(
+        halts("d - d", "-0.8*v", 0.0),
+        Halt::Void { mode: 0, guard: 0 }
+    );
+}

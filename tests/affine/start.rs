@@ -2,14 +2,18 @@
 
 use std::f64::consts::TAU;
 
+use brakewave::affine::motion::Place;
 use brakewave::affine::orbit::AffineOrbit;
-use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first, restart};
+use brakewave::affine::orbit::behaviour::{Behaviour, behaviour};
+use brakewave::affine::orbit::start::{
+    Beginning, NoStart, Search, Wanted, explained, first, restart,
+};
 use brakewave::linalg::Vector;
 use brakewave::orbit::follow::{Follower, Limits};
 use brakewave::orbit::special::NoFollower;
 
 use crate::affine::systems::{
-    BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, system, values,
+    BALL, BUCK, CHUA, FRICTION, IMPACT, RELAY, THERMOSTAT, at, system, values,
 };
 
 fn wanted(text: &str, replaced: &[(&str, f64)], parameter: &str, periods: u32) -> Wanted {
@@ -334,7 +338,7 @@ fn what_is_stuck_is_named() {
     let outside = from(&outside, "free", &[2.0, 0.0], 0.0, Search::Settles(1.0));
     let words = outside.unwrap_err().to_string();
     assert!(
-        words.contains("`d - x` of the mode `free` is negative"),
+        words.contains("begins outside the mode `free`: `d - x` is -1.0"),
         "{words}"
     );
 }
@@ -360,4 +364,68 @@ fn a_family_of_orbits_has_no_branch() {
     let family = matches!(found, Err(NoStart::Family(_)) | Ok(Err(NoFollower::Family)));
     assert!(family, "{:?}", found.err());
     assert_eq!(begin(0.45), Ok(()));
+}
+
+/// The tent map of slope 1.9 at the ticks of a clock has the exponent ln 1.9; a free oscillator is back after its period, and
+/// after no whole number of units of time; motions of a damped one come together.
+#[test]
+fn motions_are_told_by_how_their_neighbours_part() {
+    let looks = |text: &str, state: &[f64], interval: f64| {
+        let system = system(text);
+        let place = Place {
+            time: 0.0,
+            phase: 0.0,
+            mode: 0,
+            state: state.to_vec(),
+        };
+        behaviour(&at(&system, &[]), &place, interval)
+    };
+    let tent = r#"(states: ["x", "y"], modes: {"ticks": (rates: {"x": "1", "y": "0"}, until: [
+        (zero: "1 - x", to: "ticks", reset: {"x": "0", "y": "1 - 1.9*y"}, if: ["y"]),
+        (zero: "1 - x", to: "ticks", reset: {"x": "0", "y": "1 + 1.9*y"}),
+    ])})"#;
+    let Some(Behaviour::Chaotic(exponent)) = looks(tent, &[0.5, 0.3], 1.0) else {
+        panic!("not chaotic")
+    };
+    assert!((exponent - 1.9_f64.ln()).abs() < 1e-6, "{exponent}");
+    let free = |damping: &str| {
+        format!(
+            r#"(states: ["x", "v"], modes: {{"only": (rates: {{"x": "v", "v": "-x - {damping}*v"}})}})"#
+        )
+    };
+    assert_eq!(
+        looks(&free("0"), &[1.0, 0.0], 1.0),
+        Some(Behaviour::QuasiPeriodic)
+    );
+    assert_eq!(
+        looks(&free("0"), &[1.0, 0.0], TAU / 3.0),
+        Some(Behaviour::Periodic(3))
+    );
+    assert_eq!(
+        looks(&free("0.1"), &[1.0, 0.0], 1.0),
+        Some(Behaviour::Settles)
+    );
+}
+
+/// Van der Pol's oscillator never switches: it is on its cycle, of period 6.6632868593 at μ = 1.
+#[test]
+fn a_cycle_within_one_mode_is_named() {
+    let text = r#"(states: ["x", "y"], parameters: {"mu": 1.0}, modes: {"smooth": (
+        rates: {"x": "y", "y": "mu*(1 - x^2)*y - x"})})"#;
+    let wanted = wanted(text, &[], "mu", 1);
+    let beginning = Beginning {
+        mode: 0,
+        state: vec![1.0, 0.0],
+        phase: 0.0,
+    };
+    for search in [Search::Settles(100.0), Search::Guess(6.66)] {
+        let reason = first(&wanted, &beginning, search).unwrap_err();
+        let NoStart::Unswitched {
+            period: Some(period),
+        } = explained(&wanted, &beginning, search, reason)
+        else {
+            panic!("no cycle")
+        };
+        assert!((period - 6.663_286_859_3).abs() < 1e-6, "{period}");
+    }
 }

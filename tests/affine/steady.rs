@@ -1,6 +1,6 @@
 //! Equilibria in closed form.
 
-use brakewave::affine::steady::NoEquilibrium;
+use brakewave::affine::steady::{Isolation, NoEquilibrium, Place};
 
 use crate::affine::systems::{CHUA, IMPACT, RELAY, at, system};
 
@@ -26,7 +26,7 @@ fn equilibria_of_chua() {
                 found.state
             );
         }
-        assert_eq!(found.violated.is_none(), admissible, "{mode}");
+        assert_eq!(found.place == Place::Admissible, admissible, "{mode}");
         if x != 0.0 {
             let omega = (beta - alpha * (1.0 - n)).sqrt();
             let [first, second, _] = found.eigenvalues[..] else {
@@ -49,9 +49,12 @@ fn a_virtual_equilibrium_and_one_in_sliding() {
     let system = system(RELAY);
     let affine = at(&system, &[("rho", 0.25)]);
     let plus = &affine.equilibria(system.mode("plus").unwrap()).unwrap()[0];
-    assert!((plus.state[0] + 0.0625).abs() < 1e-14 && plus.violated == Some(0));
+    assert!(
+        (plus.state[0] + 0.0625).abs() < 1e-14
+            && matches!(plus.place, Place::Virtual { guard: 0, .. })
+    );
     let slide = &affine.equilibria(system.mode("slide").unwrap()).unwrap()[0];
-    assert!(slide.state.iter().all(|x| x.abs() < 1e-14) && slide.violated.is_none());
+    assert!(slide.state.iter().all(|x| x.abs() < 1e-14) && slide.place == Place::Admissible);
     let sum: f64 = slide.eigenvalues.iter().map(|value| value.re).sum();
     assert!((sum - 0.5).abs() < 1e-14);
     // a double eigenvalue is known to the square root of rounding
@@ -64,4 +67,143 @@ fn what_is_forced_or_singular_does_not_rest() {
     assert_eq!(at(&forced, &[]).equilibria(0), Err(NoEquilibrium::Forced));
     let free = system(r#"(states: ["x", "v"], modes: {"only": (rates: {"x": "v", "v": "-v"})})"#);
     assert_eq!(at(&free, &[]).equilibria(0), Err(NoEquilibrium::Singular));
+}
+
+/// Figures of 40 digits: states whose sizes differ by 1e4, where the matrix in these units has the condition 1e7.
+#[test]
+fn equilibria_do_not_depend_on_units() {
+    let text = |rates: [&str; 3], zero: &str| {
+        let [x, y, z] = rates;
+        format!(
+            r#"(states: ["x", "y", "z"], modes: {{"only": (rates: {{"x": "{x}", "y": "{y}", "z": "{z}"}},
+                until: [(zero: "{zero}", to: "only", reset: {{"z": "0"}})])}})"#
+        )
+    };
+    let first = [
+        "2*x - 30*y + 20000*z - 300",
+        "0.3*x - 2*y - 3000*z",
+        "0.0003*x + 0.002*y + 0.01",
+    ];
+    let second = [
+        "-30*y - 10000*z",
+        "0.3*x - 3*y - 2000*z - 10",
+        "-0.0001*x + 0.001*y - z - 0.03",
+    ];
+    let third = [
+        "-3*x - 3000*y + 20",
+        "0.001*x - 3*y - 0.03*z + 0.02",
+        "-0.2*x + 100*y + z",
+    ];
+    for (rates, zero, exact) in [
+        (
+            first,
+            "1e9 - x",
+            [
+                7.936_507_936_507_937,
+                -6.190_476_190_476_190_5,
+                0.004_920_634_920_634_921,
+            ],
+        ),
+        (second, "z + 0.022", [-100.0 / 3.0, 20.0 / 3.0, -0.02]),
+        (third, "1e6 - x", [4.0, 1.0 / 375.0, 8.0 / 15.0]),
+    ] {
+        let system = system(&text(rates, zero));
+        let found = &at(&system, &[]).equilibria(0).unwrap()[0];
+        for (state, exact) in found.state.iter().zip(exact) {
+            // the decimals of the file are rounded: times the condition of the scaled matrix
+            assert!(
+                (state - exact).abs() < 1e-12 * exact.abs(),
+                "{:?} {exact}",
+                found.state
+            );
+        }
+    }
+}
+
+/// x = 0 rests in `a`, whose guard 1/2 + cos φ − x is negative for a third of every period; x = 3 in `b` lies beyond its
+/// guard always; with 1 + cos φ the guard touches zero, and with 1.5 it stays positive.
+#[test]
+fn guards_are_judged_at_every_phase() {
+    let place = |zero: &str, mode: usize| {
+        let text = format!(
+            r#"(states: ["x"], parameters: {{"w": 1.0}}, forcing: "w", modes: {{
+                "a": (rates: {{"x": "-x"}}, until: [(zero: "{zero}", to: "b")]),
+                "b": (rates: {{"x": "3 - x"}}, until: [(zero: "2 - x", to: "a", reset: {{"x": "0"}})]),
+            }})"#
+        );
+        at(&system(&text), &[]).equilibria(mode).unwrap()[0].place
+    };
+    let guard = 0;
+    let at_times = Place::Virtual {
+        guard,
+        at_times: true,
+    };
+    assert_eq!(place("0.5 + cos(phase) - x", 0), at_times);
+    assert_eq!(
+        place("0.5 + cos(phase) - x", 1),
+        Place::Virtual {
+            guard,
+            at_times: false
+        }
+    );
+    assert_eq!(place("1.5 + cos(phase) - x", 0), Place::Admissible);
+    assert_eq!(place("1 + cos(phase) - x", 0), Place::Boundary { guard });
+    // the least value of s + s², s = sin φ, is −1/4
+    assert_eq!(
+        place("0.2501 + sin(phase) + sin(phase)^2 - x", 0),
+        Place::Admissible
+    );
+    assert_eq!(place("0.2499 + sin(phase) + sin(phase)^2 - x", 0), at_times);
+}
+
+/// A double well in units of 1e-9: ẍ = x − 10¹⁸x³ − cẋ rests at 0, a saddle, and at ±1e-9, foci.
+#[test]
+fn equilibria_are_told_apart_by_their_own_size() {
+    let well = system(
+        r#"(states: ["x", "v"], modes: {"only": (rates: {"x": "v", "v": "x - 1e18*x^3 - 0.1*v"})})"#,
+    );
+    let found = at(&well, &[]).equilibria(0).unwrap();
+    let states: Vec<f64> = found.iter().map(|one| one.state[0]).collect();
+    assert_eq!(states.len(), 3, "{states:?}");
+    for (x, exact) in states.iter().zip([-1e-9, 0.0, 1e-9]) {
+        assert!((x - exact).abs() < 1e-23, "{x:e}");
+    }
+    let stable: Vec<_> = found.iter().map(|one| one.stable).collect();
+    assert_eq!(stable, [Some(true), Some(false), Some(true)]);
+}
+
+/// ẋ = −x³ and ẋ = (x − 1)² rest where their slope is zero; ẋ = y² rests on a whole line; ẋ = 1 + x² nowhere, which
+/// Newton's method does not decide.
+#[test]
+fn degenerate_equilibria_are_found() {
+    let rest = |states: &str, rates: &str| {
+        let text = format!("(states: [{states}], modes: {{\"only\": (rates: {{{rates}}})}})");
+        at(&system(&text), &[]).equilibria(0)
+    };
+    for (rate, exact, known) in [
+        ("-x^3", 0.0, 0.0),
+        ("(x - 1)^2", 1.0, 1e-7),
+        ("x^2 - 2*x + 1", 1.0, 1e-7),
+    ] {
+        let found = rest("\"x\"", &format!("\"x\": \"{rate}\"")).unwrap();
+        assert_eq!(found.len(), 1, "{rate}: {found:?}");
+        assert!(
+            (found[0].state[0] - exact).abs() <= known,
+            "{rate}: {found:?}"
+        );
+        assert_eq!(
+            (found[0].isolation, found[0].stable),
+            (Isolation::Degenerate, None),
+            "{rate}"
+        );
+    }
+    let line = rest("\"x\", \"y\"", "\"x\": \"y*x\", \"y\": \"y*x - y\"").unwrap();
+    assert!(
+        line.iter().any(|one| one.isolation == Isolation::Family),
+        "{line:?}"
+    );
+    assert_eq!(
+        rest("\"x\"", "\"x\": \"1 + x^2\""),
+        Err(NoEquilibrium::NotFound)
+    );
 }

@@ -10,6 +10,7 @@
 //! that at which they take for ever, and
 //! [`row`] has what results keep of one; `bifurcation` names the changes of a sequence by sliding.
 
+pub mod behaviour;
 mod bifurcation;
 mod branch_point;
 pub mod candidates;
@@ -67,6 +68,31 @@ pub struct Held {
     pub watch: Watch,
 }
 
+impl Held {
+    /// That it fails in a zone, from 0, so long after its entry, in words.
+    fn failure(&self, zone: usize, time: f64, value: f64) -> String {
+        let Held { mode, guard, watch } = self;
+        let zone = format!("zone {} of the orbit, `{mode}`", zone + 1);
+        let sign = if value < 0.0 { "negative" } else { "zero" };
+        match watch {
+            Watch::Duration => format!("{zone}, has a {sign} duration"),
+            Watch::Onset(_) => {
+                format!("{guard} of `{mode}` is {sign} just after the entry of {zone}")
+            }
+            Watch::Inside(_) => {
+                format!("{guard} of `{mode}` is {sign} at t = {time:.6} after the entry of {zone}")
+            }
+            Watch::End(_) => format!("{guard} of `{mode}` is {sign} at the end of {zone}"),
+            Watch::Speed => format!("{guard} of `{mode}` does not fall at the end of {zone}"),
+            Watch::Condition(_) | Watch::Before(_) => {
+                format!(
+                    "a condition of the switch at {guard} of `{mode}` fails at the end of {zone}"
+                )
+            }
+        }
+    }
+}
+
 impl fmt::Display for Held {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Held { mode, guard, watch } = self;
@@ -90,12 +116,18 @@ impl fmt::Display for Held {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Inadmissible {
     /// A margin is not positive.
-    #[error("{held} is not positive: {value:e}")]
+    #[error("{}", .held.failure(*zone, *time, *value))]
     Margin {
         /// What it measures.
         held: Held,
         /// Its value.
         value: f64,
+        /// Zone of the orbit, from 0.
+        #[serde(default)]
+        zone: usize,
+        /// Time after the entry of the zone, of a minimum within it.
+        #[serde(default)]
+        time: f64,
     },
     /// An inequality holds or fails by no more than rounding.
     #[error("rounding decides whether an inequality holds")]
@@ -302,6 +334,8 @@ impl Orbit for AffineOrbit {
             Some(margin) => Inadmissible::Margin {
                 held: self.held(margin),
                 value: margin.value,
+                zone: margin.zone,
+                time: margin.time,
             },
             None => Inadmissible::Undecided,
         }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::Inadmissible;
+use super::behaviour::{Behaviour, behaviour, cycle};
 use super::layout::{AffineOrbit, OrbitFailure, Scales, Setting, ZonePoint};
 use super::row::SavedOrbit;
 use super::signature::{Sequence, Way, Zone};
@@ -26,6 +27,16 @@ pub struct Beginning {
     pub state: Vec<f64>,
     /// Phase of the forcing.
     pub phase: f64,
+}
+
+impl From<Place> for Beginning {
+    fn from(place: Place) -> Beginning {
+        Beginning {
+            mode: place.mode,
+            state: place.state,
+            phase: place.phase,
+        }
+    }
 }
 
 /// How the first orbit is found.
@@ -99,21 +110,32 @@ pub enum NoStart {
     },
     /// The motion switches no more and does not come to rest.
     #[error(
-        "the motion does not switch any more after t = {time}, and is not at rest: it leaves, or approaches rest slowly"
+        "the motion does not switch any more after t = {time}, and is not seen to rest or to return: it leaves, settles \
+         slowly, or wanders"
     )]
     Leaves {
         /// Time of the last switch.
         time: f64,
     },
+    /// Without forcing: the motion never switches, and an orbit has a switch.
+    #[error("the motion does not switch{}", .period.map_or_else(String::new, |period| {
+        format!(": it is on a cycle of period {period:.6} within one mode")
+    }))]
+    Unswitched {
+        /// Time after which it is back, if it is.
+        period: Option<f64>,
+    },
     /// The motion does not return within the periods asked for.
     #[error(
-        "after {periods} periods the motion does not return: it is off by {off:.1e} of its size"
+        "after {periods} periods the motion does not return: it is off by {off:.1e} of its size{}", in_words(*.looks)
     )]
     NotPeriodic {
         /// How many were tried.
         periods: u32,
         /// Least distance found, relative to the size of the states.
         off: f64,
+        /// What it looks like, where it was asked.
+        looks: Option<Behaviour>,
     },
     /// More switches than an orbit is followed through.
     #[error("{0} switches in one period are more than are followed")]
@@ -125,7 +147,7 @@ pub enum NoStart {
     #[error("{0}")]
     Family(NoFollower<AffineOrbit>),
     /// The orbit is not admissible.
-    #[error("the orbit that is found is none: {0}")]
+    #[error("the solution found is not an admissible orbit: {0}")]
     Inadmissible(Inadmissible),
     /// The system does not have these zones: an orbit has no infinitely many switches, and without forcing at least
     /// one.
@@ -136,8 +158,27 @@ pub enum NoStart {
     Regular(f64),
 }
 
+/// What a motion that does not return looks like, in words.
+fn in_words(looks: Option<Behaviour>) -> String {
+    match looks {
+        None | Some(Behaviour::Unclear) => String::new(),
+        Some(Behaviour::Periodic(count)) => {
+            format!("; later it is seen to be periodic: it is back after {count} of them")
+        }
+        Some(Behaviour::Settles) => {
+            "; it settles slowly: motions next to it come nearer".to_owned()
+        }
+        Some(Behaviour::QuasiPeriodic) => {
+            "; it looks quasi-periodic: motions next to it neither come nearer nor part".to_owned()
+        }
+        Some(Behaviour::Chaotic(exponent)) => {
+            format!("; it looks chaotic: motions next to it part like exp({exponent:.2e} t)")
+        }
+    }
+}
+
 /// A motion has returned where no state is further off than this part of its size.
-const RETURNED: f64 = 1e-6;
+pub(super) const RETURNED: f64 = 1e-6;
 
 /// One that settles slowly has returned, too, where it is off by no more than this: Newton's method does the rest.
 const NEARLY: f64 = 1e-3;
@@ -234,8 +275,15 @@ fn found(
         Some(time) => {
             /// How much later than the time the last switch may come.
             const LATE: f64 = 1.01;
+            /// Periods after which a motion is on its cycle.
+            const SETTLED: f64 = 40.0;
             let begin = motion.place().time;
             let mut switches = run(&mut motion, begin + LATE * time)?;
+            if switches.is_empty() {
+                // a guess may lie beside the cycle
+                let period = cycle(&system, motion.place(), SETTLED * time);
+                return Err(NoStart::Unswitched { period });
+            }
             // the first comes again as much later than the period as it came after the beginning: what comes in the
             // first half of that is the last of the orbit, as where it begins just after a switch
             let first = switches.first().map_or(begin, |(first, _)| first.time);
@@ -446,6 +494,108 @@ fn closed(mut switches: Switches, time: f64) -> Vec<(Place, Switching, f64)> {
     zones.collect()
 }
 
+/// That the motion looks chaotic, where it only nearly returned: among many returns of a chaotic one some are close.
+///
+/// # Errors
+/// It does.
+fn not_chaotic(
+    system: &AffineSystem,
+    place: &Place,
+    interval: f64,
+    tried: &[f64],
+    index: usize,
+) -> Result<(), NoStart> {
+    let off = tried[index];
+    if off <= RETURNED {
+        return Ok(());
+    }
+    match behaviour(system, place, interval) {
+        looks @ Some(Behaviour::Chaotic(_)) => Err(NoStart::NotPeriodic {
+            periods: tried.len() as u32,
+            off,
+            looks,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// A reason with what the motion looks like, where it is not periodic within the periods asked for or does not switch;
+/// other reasons stay.
+pub fn explained(
+    wanted: &Wanted,
+    beginning: &Beginning,
+    search: Search,
+    reason: NoStart,
+) -> NoStart {
+    let Search::Settles(settle) = search else {
+        return reason;
+    };
+    let (NoStart::NotPeriodic { looks: None, .. } | NoStart::Leaves { .. }, Ok(system)) =
+        (&reason, wanted.system.at(&wanted.values, &[]))
+    else {
+        return reason;
+    };
+    let place = Place {
+        time: 0.0,
+        phase: beginning.phase,
+        mode: beginning.mode,
+        state: beginning.state.clone(),
+    };
+    let is_forced = system.omega.value > 0.0;
+    let period = if is_forced {
+        TAU / system.omega.value
+    } else {
+        1.0
+    };
+    let mut motion = Motion::new(
+        &system,
+        place,
+        if is_forced { period } else { settle.max(1.0) },
+    );
+    if run(&mut motion, settle * period).is_err() {
+        return reason;
+    }
+    match reason {
+        NoStart::NotPeriodic { periods, off, .. } => {
+            let interval = if is_forced {
+                Some(period)
+            } else {
+                return_time(&mut motion)
+            };
+            let looks = interval.and_then(|interval| behaviour(&system, motion.place(), interval));
+            NoStart::NotPeriodic {
+                periods,
+                off,
+                looks,
+            }
+        }
+        _ => match cycle(&system, motion.place(), settle.max(1.0)) {
+            None => reason,
+            period => NoStart::Unswitched { period },
+        },
+    }
+}
+
+/// Mean time between returns to the next switch of a motion.
+fn return_time(motion: &mut Motion) -> Option<f64> {
+    /// Switches, and time for each at most.
+    const SWITCHES: usize = 64;
+    let mut first = None;
+    let mut returns = (0, 0.0);
+    for _ in 0..SWITCHES {
+        let until = motion.place().time + ENDLESS;
+        let Ok(Step::Switched(one)) = motion.step(until) else {
+            return None;
+        };
+        let by = (one.from, one.guard, one.exit);
+        let (known, since) = *first.get_or_insert((by, one.time));
+        if known == by && one.time > since {
+            returns = (returns.0 + 1, one.time - since);
+        }
+    }
+    (returns.0 > 0).then(|| returns.1 / f64::from(returns.0))
+}
+
 /// Which of the returns tried counts: the first that is close, or else the closest of all.
 fn chosen(tried: &[f64]) -> Result<usize, NoStart> {
     let close = tried.iter().position(|off| *off <= RETURNED);
@@ -459,6 +609,7 @@ fn chosen(tried: &[f64]) -> Result<usize, NoStart> {
     close.or_else(nearly).ok_or(NoStart::NotPeriodic {
         periods: tried.len() as u32,
         off: least.map_or(f64::INFINITY, |(_, off)| *off),
+        looks: None,
     })
 }
 
@@ -493,7 +644,9 @@ fn forced(
     let index = if is_guess {
         tried.len() - 1
     } else {
-        chosen(&tried)?
+        let index = chosen(&tried)?;
+        not_chaotic(system, motion.place(), period, &tried, index)?;
+        index
     };
     switches.truncate(counts[index]);
     let periods = index as u32 + 1;
@@ -596,7 +749,11 @@ fn free(
         let time = place.time;
         return Err(NoStart::Rests { time, place });
     }
-    switches.truncate(counts[chosen(&tried)?]);
+    let index = chosen(&tried)?;
+    let last = switches.last().map_or(begin.time, |(_, place)| place.time);
+    let interval = (last - begin.time) / tried.len() as f64;
+    not_chaotic(system, motion.place(), interval, &tried, index)?;
+    switches.truncate(counts[index]);
     let end = switches.last().map_or(begin.time, |(_, place)| place.time);
     Ok(Course {
         zones: closed(switches, end - begin.time),

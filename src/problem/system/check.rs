@@ -61,8 +61,20 @@ const NO_PARAMETER: [&str; 29] = [
     "numbers",
 ];
 /// The same for a state.
-const NO_STATE: [&str; 8] = [
-    "time", "mode", "value", "sweep", "sample", "from", "to", "section",
+const NO_STATE: [&str; 13] = [
+    "time",
+    "mode",
+    "value",
+    "sweep",
+    "sample",
+    "from",
+    "to",
+    "section",
+    "equilibrium",
+    "stable",
+    "re",
+    "im",
+    "why",
 ];
 
 /// Refuses numbers and texts that are not admitted by themselves, and lists without end.

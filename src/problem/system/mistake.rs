@@ -69,6 +69,20 @@ fn about_expression(source: &Source, wrong: &Wrong) -> String {
             "an expression has numbers, names, `+ - * / ^`, brackets and the functions {}",
             functions()
         ),
+        Wrong::Unclosed => "close every bracket that is opened".to_owned(),
+        Wrong::Unopened => "remove it, or open a bracket before it".to_owned(),
+        Wrong::Juxtaposed => "a product is written with `*`, as in `c*v`".to_owned(),
+        Wrong::Stars => "write for example `x^3`".to_owned(),
+        Wrong::Comma => {
+            "of two numbers, the greater is `(a + b + abs(a - b))/2` and the lesser `(a + b - abs(a - b))/2`"
+                .to_owned()
+        }
+        // time itself is in no expression
+        Wrong::Unknown(name) if ["t", "time"].contains(&name.as_str()) => {
+            "time stands in the phase of the forcing alone: write `cos(phase)` for `cos(w*t)`, with `forcing: \"w\"` in \
+             `system`; or add a state of rate 1"
+                .to_owned()
+        }
         Wrong::Unknown(_) => {
             let states = source.states.iter().map(String::as_str);
             let names = states

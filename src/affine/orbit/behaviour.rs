@@ -1,0 +1,194 @@
+//! What a motion looks like that settles on no orbit: by how fast motions next to it part, and by whether it comes back.
+
+use super::start::RETURNED;
+use crate::affine::mode::AffineSystem;
+use crate::affine::motion::{Motion, Place, Step};
+
+/// What a motion looks like after it was given time to settle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Behaviour {
+    /// It is back after so many of the intervals that it was watched at.
+    Periodic(usize),
+    /// Motions next to it come nearer.
+    Settles,
+    /// They neither come nearer nor part.
+    QuasiPeriodic,
+    /// They part at this rate: its largest Lyapunov exponent.
+    Chaotic(f64),
+    /// They part at times and come nearer at others.
+    Unclear,
+}
+
+/// Intervals over which motions are compared, in two halves, and before that to learn the sizes of the states.
+const INTERVALS: usize = 120;
+
+/// How far apart two motions begin, in units of the states: their difference follows the linearised flow.
+const APART: f64 = 1e-8;
+
+/// Rates per interval below this are zero: a difference of bounded size may grow tenfold within one half.
+const SLOW: f64 = 0.04;
+
+/// Moves on to a time; false where the motion does not go on.
+fn run(motion: &mut Motion, until: f64, sizes: &mut [f64]) -> bool {
+    loop {
+        let step = motion.step(until);
+        let states = motion.place().state.iter();
+        states
+            .zip(&mut *sizes)
+            .for_each(|(x, size)| *size = size.max(x.abs()));
+        match step {
+            Ok(Step::Reached) => return true,
+            Ok(_) => {}
+            Err(_) => return false,
+        }
+    }
+}
+
+/// The largest difference of two states in units of these sizes.
+fn apart(one: &[f64], other: &[f64], sizes: &[f64]) -> f64 {
+    let pairs = one.iter().zip(other).zip(sizes);
+    let parts = pairs.filter(|(_, size)| **size > 0.0);
+    parts
+        .map(|((x, y), size)| (x - y).abs() / size)
+        .fold(0.0, f64::max)
+}
+
+/// What a motion from a place looks like, watched at intervals; `None` where it does not go on.
+pub fn behaviour(system: &AffineSystem, place: &Place, interval: f64) -> Option<Behaviour> {
+    let mut sizes = vec![0.0; place.state.len()];
+    let mut motion = Motion::new(system, place.clone(), interval);
+    let mut until = place.time;
+    let mut next = |motion: &mut Motion, sizes: &mut [f64]| {
+        until += interval;
+        run(motion, until, sizes).then_some(until)
+    };
+    for _ in 0..INTERVALS / 2 {
+        next(&mut motion, &mut sizes)?;
+    }
+    let beside = |place: &Place, by: &dyn Fn(usize) -> f64| {
+        let mut place = place.clone();
+        (0..place.state.len()).for_each(|index| place.state[index] += by(index));
+        Motion::new(system, place, interval)
+    };
+    let units = sizes.clone();
+    let mut other = beside(motion.place(), &|index| APART * units[index]);
+    let mut rates = [0.0; 2];
+    let mut seen = Vec::new();
+    for index in 0..INTERVALS {
+        let now = next(&mut motion, &mut sizes)?;
+        let mut ignored = units.clone();
+        run(&mut other, now, &mut ignored).then_some(())?;
+        let (here, there) = (motion.place(), other.place());
+        seen.push((here.mode, here.state.clone()));
+        let off = apart(&here.state, &there.state, &units);
+        // at an instant when one has switched and the other not yet their difference says nothing
+        if here.mode != there.mode || !off.is_finite() {
+            continue;
+        }
+        // of motions that have met, rounding is left
+        let off = off.max(f64::EPSILON);
+        rates[2 * index / INTERVALS] += (off / APART).ln();
+        let (here, state) = (here.clone(), there.state.clone());
+        let by = |index: usize| match off > f64::EPSILON {
+            true => (state[index] - here.state[index]) * APART / off,
+            false => APART * units[index],
+        };
+        other = beside(&here, &by);
+    }
+    let [first, second] = rates.map(|rate| 2.0 * rate / INTERVALS as f64);
+    let (last_mode, last) = seen.pop()?;
+    let back = seen
+        .iter()
+        .rev()
+        .position(|(mode, state)| *mode == last_mode && apart(state, &last, &units) <= RETURNED);
+    Some(match back {
+        _ if first.min(second) > SLOW => Behaviour::Chaotic(0.5 * (first + second) / interval),
+        Some(before) => Behaviour::Periodic(before + 1),
+        None if first.max(second) < -SLOW => Behaviour::Settles,
+        None if first.abs().max(second.abs()) <= SLOW => Behaviour::QuasiPeriodic,
+        None => Behaviour::Unclear,
+    })
+}
+
+/// The time after which a motion that does not switch is back where it is, to a thousandth of its size; `None` where it is
+/// not within some hundreds of the time in which it moves by its size.
+pub fn cycle(system: &AffineSystem, place: &Place, longest: f64) -> Option<f64> {
+    /// Steps per time in which the motion moves by its size, and steps at most.
+    const STEPS: f64 = 16.0;
+    const MOST: usize = 20_000;
+    const BACK: f64 = 1e-3;
+    let rates = |place: &Place| {
+        let z = system.lift(place.mode, &place.state, place.phase);
+        let rates = &system.modes[place.mode].matrix.at * z;
+        rates
+            .rows(0, system.states)
+            .iter()
+            .copied()
+            .collect::<Vec<f64>>()
+    };
+    let mut sizes = vec![0.0; place.state.len()];
+    let mut speeds = sizes.clone();
+    let mut motion = Motion::new(system, place.clone(), longest);
+    for part in 1..=512 {
+        run(
+            &mut motion,
+            place.time + longest * f64::from(part) / 512.0,
+            &mut sizes,
+        )
+        .then_some(())?;
+        let now = rates(motion.place());
+        now.iter()
+            .zip(&mut speeds)
+            .for_each(|(rate, speed)| *speed = speed.max(rate.abs()));
+    }
+    let moving = sizes
+        .iter()
+        .zip(&speeds)
+        .filter(|(size, speed)| **size > 0.0 && **speed > 0.0);
+    let time = moving
+        .map(|(size, speed)| size / speed)
+        .fold(f64::INFINITY, f64::min);
+    let step = time / STEPS;
+    if !step.is_normal() {
+        return None;
+    }
+    let begin = motion.place().clone();
+    let normal: Vec<f64> = rates(&begin)
+        .iter()
+        .zip(&sizes)
+        .map(|(rate, size)| rate / (size * size))
+        .collect();
+    let side = |state: &[f64]| {
+        let off = state.iter().zip(&begin.state).map(|(x, y)| x - y);
+        let terms = off.zip(&normal).filter(|(_, normal)| normal.is_finite());
+        terms.map(|(off, normal)| off * normal).sum::<f64>()
+    };
+    let mut before = (begin.time, 0.0);
+    for index in 1..=MOST {
+        let now = begin.time + step * index as f64;
+        let start = motion.clone();
+        run(&mut motion, now, &mut sizes).then_some(())?;
+        let here = side(&motion.place().state);
+        if before.1 < 0.0 && here >= 0.0 {
+            // the instant of the crossing by halving
+            let (mut low, mut high) = (before.0, now);
+            let mut at = motion.place().state.clone();
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                let mut trial = start.clone();
+                run(&mut trial, middle, &mut sizes).then_some(())?;
+                at.clone_from(&trial.place().state);
+                if side(&at) < 0.0 {
+                    low = middle
+                } else {
+                    high = middle
+                }
+            }
+            if apart(&at, &begin.state, &sizes) <= BACK {
+                return Some(high - begin.time);
+            }
+        }
+        before = (now, here);
+    }
+    None
+}
