@@ -588,7 +588,7 @@ impl<'a> Motion<'a> {
                 (None, Some(ratio)) => return Err(Halt::Chattering { time, ratio }),
                 (None, None) => {
                     let lasted = self.falling.iter().any(|lasted| *lasted > 0.0);
-                    let value = self.system.modes[mode].guards[guard].row.at.dot(z);
+                    let value = self.system.modes[mode].guards[guard].row.at.dot(&z);
                     return Err(match exit.to == mode {
                         _ if !lasted && value < 0.0 => Halt::Outside { mode, guard, value },
                         true if lasted => Halt::Outward { time, mode, guard },

@@ -67,7 +67,12 @@ impl Settled {
                 | Halt::SecondOrder { .. }
                 | Halt::TwoSurfaces { .. }
                 | Halt::Parted { .. } => "slides",
-                Halt::NoExit { .. } | Halt::Undecided { .. } | Halt::Fast { .. } => "stuck",
+                Halt::NoExit { .. }
+                | Halt::Undecided { .. }
+                | Halt::Outside { .. }
+                | Halt::Outward { .. }
+                | Halt::Void { .. }
+                | Halt::Fast { .. } => "stuck",
             },
             NoOrbit::System(_) => NONE,
             _ => UNDECIDED,
