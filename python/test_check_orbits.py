@@ -98,6 +98,22 @@ DIP = """(
 DOUBLED = SYSTEM.replace('"A": 0.12, "w": 1.0', '"A": 0.6, "w": 0.8').replace('"v": -0.08}, phase: 1.03', '"v": -0.5}, phase: 0.0')
 DOUBLED = DOUBLED.replace("(0.05, 0.12)", "(0.5, 0.6)")
 """An end, a doubling at 0.518, an end."""
+MARK = """(
+    system: (
+        states: ["x", "v"], parameters: {"w": 0.7, "F": 0.62, "z": 0.06}, forcing: "w",
+        define: {"rest": "cos(phase) - 2*z*v - x"},
+        modes: {
+            "f1": (rates: {"x": "v", "v": "rest - F"}, until: [(zero: "v", to: "b2"), (zero: "-x", to: "f2")]),
+            "f2": (rates: {"x": "v", "v": "rest - F"}, until: [(zero: "v", to: "b1")]),
+            "b1": (rates: {"x": "v", "v": "rest + F"}, until: [(zero: "-v", to: "f2"), (zero: "x", to: "b2")]),
+            "b2": (rates: {"x": "v", "v": "rest + F"}, until: [(zero: "-v", to: "f1")]),
+        },
+        sliding: {"sp": ("f2", "b1"), "sm": ("f1", "b2")},
+    ),
+    orbit: (start: Simulate(mode: "f1", state: {"x": -1.0, "v": 0.5}, settle: 200)),
+    continuation: (parameter: "w", range: (0.695, 0.7), toward: Down), stability: (),
+)"""
+"""An end, the onset of stick at 0.698, an end; the modes change at x = 0 too."""
 SHIFT = 1 + 1e-12
 MAPS = "parameters define modes sliding rates reset".split()
 OPTIONS = "system forcing way after changed angle outside arc".split()
@@ -215,7 +231,7 @@ class Certificates(unittest.TestCase):
     def setUpClass(cls):
         cls.work, cls.folders = Path(tempfile.mkdtemp()), {}
         cls.addClassCleanup(shutil.rmtree, cls.work)
-        for name, problem in [("impact", SYSTEM), ("pair", PAIR), ("friction", FRICTION), ("threshold", THRESHOLD), ("loss", LOSS), ("graze", SYSTEM), ("beside", BESIDE), ("pole", POLE), ("dip", DIP), ("doubled", DOUBLED)]:
+        for name, problem in [("impact", SYSTEM), ("pair", PAIR), ("friction", FRICTION), ("threshold", THRESHOLD), ("loss", LOSS), ("graze", SYSTEM), ("beside", BESIDE), ("pole", POLE), ("dip", DIP), ("doubled", DOUBLED), ("mark", MARK)]:
             (cls.work / f"{name}.ron").write_text(problem, encoding="utf-8")
             cls.folders[name] = cls.work / name
             cls.program("certify", f"{name}.ron", "--out", name, "--quiet", *["--arcs"] * (name in ("graze", "dip")))
@@ -328,6 +344,28 @@ class Certificates(unittest.TestCase):
             table = lambda text: re.sub(",(GR|SL),", f",{kind},", text)
             with self.subTest(name=name, kind=kind):
                 self.meant(name, "type: refused", thrice, "its type is|the change of the sequence", table=table)
+
+    def test_an_exit_before_that_always_holds(self):
+        # far from the zone of no duration f1 would leave for b1 at x = 0, whatever the condition is written as
+        only = lambda text: "".join(line for line in text.splitlines(True) if line.startswith("label") or ",SL," in line)
+        for condition in ["-x", "0", "x - x"]:
+
+            def before(certificate, _):
+                certificate["points"] = [it for it in certificate["points"] if it["kind"] == "SL"]
+                proof = certificate["points"][0]["outcome"].value
+                (seen,), near, changed = proof["seen"], proof["near"], proof["changed"]
+                proof |= {"near": seen["near"], "condition": seen["condition"], "seen": []}
+                margin = seen["condition"].value
+                changed |= {"before": seen["near"]["sequence"], "after": near["sequence"], "watch": margin["watch"], "zone": margin["zone"]}
+                certificate["system"]["modes"]["f1"]["until"].insert(1, {"zero": "-x", "to": "b1", "if": [condition]})
+                for sequence in changed["before"], changed["after"]:
+                    for zone in sequence[0]:
+                        if zone["name"] == "f1" and zone["way"]["guard"] == 1:
+                            zone["way"]["exit"] = 1
+
+            source = lambda text: text.replace('(zero: "-x", to: "f2")', f'(zero: "-x", to: "b1", if: ["{condition}"]), (zero: "-x", to: "f2")')
+            with self.subTest(condition=condition):
+                self.meant("mark", "inequalities: refused: that exit 0 is not taken", before, "no duration", source=source, table=only)
 
     def test_an_orbit_traversed_twice(self):
         def twice(certificate, proofs):
