@@ -399,14 +399,19 @@ impl AffineSystem {
 
     fn equilibrium(&self, mode: usize, rest: &Rest) -> Equilibrium {
         let known = eigenvalues_within(&rest.slopes, rest.normal.as_ref());
+        // one eigenvalue of a degenerate equilibrium is zero, and only another that grows decides
         let is_simple = rest.isolation == Isolation::Simple;
-        let size = known
+        let least = known
             .iter()
-            .fold(0.0_f64, |size, one| size.max(one.value.norm()));
-        // the slopes at a degenerate equilibrium are known to the root of rounding
-        let blur = if is_simple { 0.0 } else { 1e-3 * size };
-        let grows = known.iter().any(|one| one.value.re > one.error + blur);
-        let decays = known.iter().all(|one| one.value.re < -one.error - blur);
+            .enumerate()
+            .min_by(|(_, one), (_, other)| one.value.norm().total_cmp(&other.value.norm()));
+        let zero = least.map(|(index, _)| index).filter(|_| !is_simple);
+        let mut decisive = known
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| Some(*index) != zero);
+        let grows = decisive.any(|(_, one)| one.value.re > one.error);
+        let decays = is_simple && known.iter().all(|one| one.value.re < -one.error);
         let mut eigenvalues: Vec<Complex<f64>> = known.iter().map(|one| one.value).collect();
         if rest.normal.is_some() {
             eigenvalues.push(Complex::from(0.0));

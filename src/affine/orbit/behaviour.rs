@@ -53,34 +53,56 @@ fn apart(one: &[f64], other: &[f64], sizes: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// What a motion from a place looks like, watched at intervals; `None` where it does not go on.
+/// What a motion from a place looks like, watched at intervals; `None` where it does not go on, or none beside it does.
 pub fn behaviour(system: &AffineSystem, place: &Place, interval: f64) -> Option<Behaviour> {
     let mut sizes = vec![0.0; place.state.len()];
     let mut motion = Motion::new(system, place.clone(), interval);
-    let mut until = place.time;
-    let mut next = |motion: &mut Motion, sizes: &mut [f64]| {
-        until += interval;
-        run(motion, until, sizes).then_some(until)
-    };
-    for _ in 0..INTERVALS / 2 {
-        next(&mut motion, &mut sizes)?;
+    for index in 1..=INTERVALS / 2 {
+        run(
+            &mut motion,
+            place.time + interval * index as f64,
+            &mut sizes,
+        )
+        .then_some(())?;
     }
+    // a state that sticks cannot be moved alone
+    let mut axes = 0..sizes.len();
+    axes.find_map(|axis| parting(system, motion.place(), interval, &sizes, axis))
+}
+
+/// The same by a motion beside it that differs in one state at first.
+fn parting(
+    system: &AffineSystem,
+    place: &Place,
+    interval: f64,
+    sizes: &[f64],
+    axis: usize,
+) -> Option<Behaviour> {
     let beside = |place: &Place, by: &dyn Fn(usize) -> f64| {
         let mut place = place.clone();
         (0..place.state.len()).for_each(|index| place.state[index] += by(index));
         Motion::new(system, place, interval)
     };
-    let units = sizes.clone();
-    let mut other = beside(motion.place(), &|index| APART * units[index]);
+    let moved = |index: usize| {
+        if index == axis {
+            APART * sizes[axis]
+        } else {
+            0.0
+        }
+    };
+    let mut motion = Motion::new(system, place.clone(), interval);
+    let mut other = beside(place, &moved);
     let mut rates = [0.0; 2];
     let mut seen = Vec::new();
     for index in 0..INTERVALS {
-        let now = next(&mut motion, &mut sizes)?;
-        let mut ignored = units.clone();
-        run(&mut other, now, &mut ignored).then_some(())?;
+        let now = place.time + interval * (index + 1) as f64;
+        let goes_on = [&mut motion, &mut other].map(|motion| run(motion, now, &mut sizes.to_vec()));
+        if goes_on != [true, true] {
+            return None;
+        }
         let (here, there) = (motion.place(), other.place());
         seen.push((here.mode, here.state.clone()));
-        let off = apart(&here.state, &there.state, &units);
+        let off = apart(&here.state, &there.state, sizes);
         // at an instant when one has switched and the other not yet their difference says nothing
         if here.mode != there.mode || !off.is_finite() {
             continue;
@@ -89,24 +111,26 @@ pub fn behaviour(system: &AffineSystem, place: &Place, interval: f64) -> Option<
         let off = off.max(f64::EPSILON);
         rates[2 * index / INTERVALS] += (off / APART).ln();
         let (here, state) = (here.clone(), there.state.clone());
-        let by = |index: usize| match off > f64::EPSILON {
-            true => (state[index] - here.state[index]) * APART / off,
-            false => APART * units[index],
+        let scaled = |index: usize| (state[index] - here.state[index]) * APART / off;
+        other = match off > f64::EPSILON {
+            true => beside(&here, &scaled),
+            false => beside(&here, &moved),
         };
-        other = beside(&here, &by);
     }
     let [first, second] = rates.map(|rate| 2.0 * rate / INTERVALS as f64);
     let (last_mode, last) = seen.pop()?;
     let back = seen
         .iter()
         .rev()
-        .position(|(mode, state)| *mode == last_mode && apart(state, &last, &units) <= RETURNED);
+        .position(|(mode, state)| *mode == last_mode && apart(state, &last, sizes) <= RETURNED);
     Some(match back {
-        _ if first.min(second) > SLOW => Behaviour::Chaotic(0.5 * (first + second) / interval),
-        Some(before) => Behaviour::Periodic(before + 1),
-        None if first.max(second) < -SLOW => Behaviour::Settles,
-        None if first.abs().max(second.abs()) <= SLOW => Behaviour::QuasiPeriodic,
-        None => Behaviour::Unclear,
+        Some(before) if first + second <= 2.0 * SLOW => Behaviour::Periodic(before + 1),
+        _ if first.min(second) > 0.0 && first + second > 2.0 * SLOW => {
+            Behaviour::Chaotic(0.5 * (first + second) / interval)
+        }
+        _ if first.max(second) < -SLOW => Behaviour::Settles,
+        _ if first.abs().max(second.abs()) <= SLOW => Behaviour::QuasiPeriodic,
+        _ => Behaviour::Unclear,
     })
 }
 

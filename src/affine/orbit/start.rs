@@ -494,29 +494,22 @@ fn closed(mut switches: Switches, time: f64) -> Vec<(Place, Switching, f64)> {
     zones.collect()
 }
 
-/// That the motion looks chaotic, where it only nearly returned: among many returns of a chaotic one some are close.
+/// Whether a motion that nearly returned, off by this much, is no further off when it has gone on as long: it settles then,
+/// while among many returns of a chaotic motion some are close by chance.
 ///
 /// # Errors
-/// It does.
-fn not_chaotic(
-    system: &AffineSystem,
-    place: &Place,
-    interval: f64,
-    tried: &[f64],
-    index: usize,
-) -> Result<(), NoStart> {
-    let off = tried[index];
-    if off <= RETURNED {
+/// It is further off.
+fn settling(tried: &[f64], off: f64, later: f64) -> Result<(), NoStart> {
+    /// What a later return may be further off.
+    const FURTHER: f64 = 2.0;
+    if later <= FURTHER * off {
         return Ok(());
     }
-    match behaviour(system, place, interval) {
-        looks @ Some(Behaviour::Chaotic(_)) => Err(NoStart::NotPeriodic {
-            periods: tried.len() as u32,
-            off,
-            looks,
-        }),
-        _ => Ok(()),
-    }
+    Err(NoStart::NotPeriodic {
+        periods: tried.len() as u32,
+        off: later,
+        looks: None,
+    })
 }
 
 /// A reason with what the motion looks like, where it is not periodic within the periods asked for or does not switch;
@@ -645,7 +638,12 @@ fn forced(
         tried.len() - 1
     } else {
         let index = chosen(&tried)?;
-        not_chaotic(system, motion.place(), period, &tried, index)?;
+        if tried[index] > RETURNED {
+            let from = motion.place().clone();
+            let more = run(motion, from.time + (index + 1) as f64 * period)?;
+            let later = distance(system, &from, motion.place(), &more, whole);
+            settling(&tried, tried[index], later)?;
+        }
         index
     };
     switches.truncate(counts[index]);
@@ -725,12 +723,12 @@ fn free(
             Step::Reached | Step::Section => Err(NoStart::Leaves { time: since }),
         }
     };
+    let by = |one: &Switching| (one.from, one.to, one.guard, one.exit);
     let (first, begin) = next()?;
     let mut switches = Switches::new();
     let (mut tried, mut counts) = (Vec::new(), Vec::new());
     while tried.len() < wanted.periods.max(1) as usize {
         let (switching, here) = next()?;
-        let by = |one: &Switching| (one.from, one.to, one.guard, one.exit);
         let returned = by(&switching) == by(&first);
         switches.push((switching, here.clone()));
         if switches.len() > MOST_SWITCHES {
@@ -750,9 +748,20 @@ fn free(
         return Err(NoStart::Rests { time, place });
     }
     let index = chosen(&tried)?;
-    let last = switches.last().map_or(begin.time, |(_, place)| place.time);
-    let interval = (last - begin.time) / tried.len() as f64;
-    not_chaotic(system, motion.place(), interval, &tried, index)?;
+    if tried[index] > RETURNED {
+        let from = switches
+            .last()
+            .map_or(begin.clone(), |(_, place)| place.clone());
+        let (mut more, mut returns) = (Switches::new(), 0);
+        while returns <= index && more.len() <= MOST_SWITCHES {
+            let (switching, here) = next()?;
+            returns += usize::from(by(&switching) == by(&first));
+            more.push((switching, here));
+        }
+        let there = more.last().map_or(&from, |(_, place)| place);
+        let later = distance(system, &from, there, &more, whole);
+        settling(&tried, tried[index], later)?;
+    }
     switches.truncate(counts[index]);
     let end = switches.last().map_or(begin.time, |(_, place)| place.time);
     Ok(Course {
