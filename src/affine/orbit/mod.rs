@@ -6,7 +6,7 @@
 //! what [`turning`] tells of smooth functions; [`candidates`] finds
 //! what lies beyond an event, [`ends`] why nothing does, by the motions beside it as [`discontinuity`] has them;
 //! [`multipliers`] has the stability, with what `surface` tells of sliding; [`start`] finds the first
-//! orbit, [`switch`] that of the other branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`]
+//! orbit, or says by [`behaviour`] what a motion looks like that comes to none, [`switch`] that of the other branch at an event, [`hopf`] that at which orbits shrink to nothing, [`homoclinic`]
 //! that at which they take for ever, and
 //! [`row`] has what results keep of one; `bifurcation` names the changes of a sequence by sliding.
 

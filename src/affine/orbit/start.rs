@@ -500,8 +500,8 @@ fn closed(mut switches: Switches, time: f64) -> Vec<(Place, Switching, f64)> {
 /// # Errors
 /// It is further off.
 fn settling(tried: &[f64], off: f64, later: f64) -> Result<(), NoStart> {
-    /// What a later return may be further off.
-    const FURTHER: f64 = 2.0;
+    /// How many times further off a later return may be: without damping the distance goes up and down.
+    const FURTHER: f64 = 10.0;
     if later <= FURTHER * off {
         return Ok(());
     }
