@@ -47,7 +47,7 @@ fn a_section_through_a_hopf_point() {
             "down": (rates: {"x": "fx", "y": "fy", "z": "y"}, until: [(zero: "-y", to: "up")]),
         },
     )"#;
-    let (b, c, d) = (0.5 / 0.6, 0.5, 0.1);
+    let (b, c, d): (f64, f64, f64) = (0.5 / 0.6, 0.5, 0.1);
     // da² + (d² − bc)a + d(1 − bc) = 0
     let (half, rest) = (0.5 * (d * d - b * c) / d, 1.0 - b * c);
     let a = -half - (half * half - rest).sqrt();

@@ -69,6 +69,7 @@ impl Reference<'_> {
             system,
             values,
             parameter,
+            second: None,
             periods: self.periods,
             stability: true,
         };
