@@ -532,10 +532,10 @@ impl Field {
     ///
     /// What perturbations of the sizes of the components make of one is looked at, against the largest of its own orders.
     fn length_of_derivatives(&self, series: &Series, longest: f64) -> f64 {
-        /// Part that may be left out: more than of the motion, so that no piece is shorter for it where perturbations are as
+        /// How much more may be left out than of the motion, so that no piece is shorter for it where perturbations are as
         /// smooth as the motion.
-        const LEFT_OUT: f64 = 1e-12;
-        let base = self.program.base;
+        const MORE: f64 = 1e3;
+        let (base, left_out) = (self.program.base, MORE * self.tolerance);
         let powers = |j: usize| longest.powi(j as i32);
         let sizes: Vec<f64> = (0..base)
             .map(|l| {
@@ -552,10 +552,10 @@ impl Field {
             for last in [COEFFICIENTS, COEFFICIENTS + 1] {
                 let tail = size(last);
                 let holds = |j: usize| {
-                    let allowed = LEFT_OUT * size(j) / tail;
+                    let allowed = left_out * size(j) / tail;
                     allowed.powf(((last - j) as f64).recip())
                 };
-                let long = tail * length.powi(last as i32) <= LEFT_OUT * sizes[c];
+                let long = tail * length.powi(last as i32) <= left_out * sizes[c];
                 if tail > 0.0 && !long {
                     length = length.min((0..last).map(holds).fold(0.0, f64::max));
                 }
