@@ -204,7 +204,7 @@ fn a_double_multiplier_of_a_symmetry_passes_one() {
     let items = rows(&problem(
         &three(2.9, 0.05),
         IN_PHASE,
-        r#"(parameter: "A", range: (2.7, 2.9), toward: Down)"#,
+        r#"(parameter: "A", range: (2.75, 2.9), toward: Down)"#,
     ));
     let seen = events(&items, "A");
     let [(EventType::BP, amplitude, what)] = &seen[..] else {
