@@ -829,9 +829,9 @@ fn passings<O: Orbit>(
     })?;
     let there = seen?;
     let passing = there.growths.as_ref()?.get(ranks.clone())?;
-    let error = passing
-        .iter()
-        .fold(0.0_f64, |most, one| most.max(one.error));
+    // each of them passes where its own growth is zero
+    let off = passing.iter().map(|one| one.error + one.log.abs());
+    let error = off.fold(0.0, f64::max);
     let together = passing
         .iter()
         .all(|one| one.log.abs() <= PASS_TOGETHER + one.error);

@@ -202,20 +202,28 @@ const IN_PHASE: &str = r#"(start: Simulate(mode: "m1", state: {"x": -0.3, "v": 0
 #[test]
 fn a_double_multiplier_of_a_symmetry_passes_one() {
     let items = rows(&problem(
-        &three(2.9, 0.05),
+        &three(2.8, 0.05),
         IN_PHASE,
-        r#"(parameter: "A", range: (2.75, 2.9), toward: Down)"#,
+        r#"(parameter: "A", range: (2.78, 2.8), toward: Down, ds: 0.1, ds_max: 0.3)"#,
     ));
     let seen = events(&items, "A");
     let [(EventType::BP, amplitude, what)] = &seen[..] else {
         panic!("{seen:?}");
     };
-    // by an integration of the variational equations to 1e-12
-    assert!((amplitude - DOUBLE).abs() < 1e-7, "{amplitude}");
+    let told = items.iter().find_map(|item| {
+        let event = item.event.as_ref()?;
+        (event.kind == EventType::BP).then_some(event.uncertainty)
+    });
+    let (off, told) = ((amplitude - DOUBLE).abs(), told.unwrap());
+    assert!(
+        off <= told && told < 1e-7,
+        "{amplitude} is off by {off:e}, told {told:e}"
+    );
     assert_eq!(what, "two multipliers pass 1");
     has_no_silent_change(&items, "three oscillators");
 }
 
+/// Where 1 − tr + det of the motion across that in phase is zero: by series of degree 24, in steps of a 160th of the period.
 const DOUBLE: f64 = 2.786568707315;
 
 /// The moduli are (0.723, 0.534 twice, 0.394) where a sum of pairs in the wrong order finds some on the circle.
@@ -224,7 +232,7 @@ fn nothing_passes_where_nothing_does() {
     let items = rows(&problem(
         &three(2.9, 0.2),
         IN_PHASE,
-        r#"(parameter: "k", range: (0.2, 0.3), toward: Up)"#,
+        r#"(parameter: "k", range: (0.2, 0.26), toward: Up, ds: 0.1, ds_max: 0.3)"#,
     ));
     let seen = events(&items, "k");
     assert!(seen.is_empty(), "{seen:?}");
