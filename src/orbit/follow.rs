@@ -585,9 +585,7 @@ impl<O: Orbit> Track<O> {
         step: &Segment<O::Examination>,
     ) -> Outcome<Track<O>> {
         let point = &found.node.point;
-        // of unknowns much larger than their units a step is a part of their size
-        let longest = step.steps.ds * self.orbit.stretch(point);
-        let ds = step.ds.clamp(INTO * longest, longest);
+        let ds = step.ds.clamp(INTO * step.steps.ds, step.steps.ds);
         let search = |margin: &O::Margin| {
             change::beyond(self.orbit.as_ref(), point, margin, ds, step.steps.tolerance)
         };

@@ -5,12 +5,10 @@ use std::f64::consts::TAU;
 
 use brakewave::EventType::{CO, EP, GR, LP, MX, SL};
 use brakewave::affine::orbit::AffineOrbit;
-use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::orbit::follow::Found;
 use brakewave::orbit::special::Special;
 
 use crate::affine::branches::{follow, meets, settled};
-use crate::affine::systems::{FRICTION, system, values};
 
 /// Why a branch ends, as its last point says.
 fn why(all: &[Found<AffineOrbit>]) -> String {
@@ -117,26 +115,6 @@ fn a_jump_of_the_return_map_is_an_end() {
     );
 }
 
-/// Andronov's clock, which has no stick: where its pendulum only just comes up to the kick, friction holds it.
-#[test]
-fn a_mode_that_is_missing_is_named() {
-    let text = r#"(
-        states: ["x", "v"],
-        parameters: {"f": 0.05, "z": 0.02, "p": 0.6},
-        modes: {
-            "right": (rates: {"x": "v", "v": "-sin(x) - 2*z*v - f"}, until: [(zero: "v", to: "left")]),
-            "left": (rates: {"x": "v", "v": "-sin(x) - 2*z*v + f"}, until: [(zero: "-v", to: "pre")]),
-            "pre": (rates: {"x": "v", "v": "-sin(x) - 2*z*v - f"}, until: [(zero: "-x", to: "right", reset: {"v": "sqrt(v^2 + p^2)"}), (zero: "v", to: "left")]),
-        },
-    )"#;
-    let clock = settled(text, &[], "p", "right", &[0.0, 1.0], 400.0);
-    let (seen, all) = follow(&clock.0, &clock.1, false, (0.05, 1.0), 2000);
-    assert_eq!(seen[0].kind, GR);
-    assert!((seen[0].value - 0.265_111_038_339_12).abs() < 1e-12);
-    let reason = why(&all);
-    assert!(reason.contains("is missing, such as stick"), "{reason}");
-}
-
 /// A neuron with leak and drive I + k sin φ fires once in a period: a closed branch on which the phase of its spike winds
 /// once. It fires where z = k/√(1 + w²)·sin(φ − atan w) has I − 1 + z − (I + z)e^(−T) = 0 for z between its bounds, which
 /// are the folds.
@@ -160,56 +138,5 @@ fn a_branch_on_which_the_phase_winds_closes() {
         }
         let expected = [folds[0], folds[1], (EP, 1.55, "rest")];
         meets(&seen, &expected, 1e-12);
-    }
-}
-
-/// Rinzel and Keller's wave trains come to the pulse, beside a saddle that is left five times as fast as it is come to:
-/// their digits are lost before they are near it, and the pulse itself is computed. Its speed is that of an independent
-/// program.
-#[test]
-fn a_branch_that_loses_its_digits_names_the_pulse() {
-    let text = r#"(
-        states: ["v", "y", "w"],
-        parameters: {"c": 0.25416445, "a": 0.25, "b": 0.05},
-        modes: {
-            "low": (rates: {"v": "y", "y": "c*y + v + w", "w": "b*v/c"}, until: [(zero: "a - v", to: "high")]),
-            "high": (rates: {"v": "y", "y": "c*y + v - 1 + w", "w": "b*v/c"}, until: [(zero: "v - a", to: "low")]),
-        },
-    )"#;
-    let system = system(text);
-    let wanted = Wanted {
-        values: values(&system, &[]),
-        ..Wanted::new(system, "c", (0.1, 1.5)).unwrap()
-    };
-    let beginning = Beginning {
-        mode: wanted.system.mode("high").unwrap(),
-        state: vec![0.25, 0.329_770_82, 0.060_267_64],
-        phase: 0.0,
-    };
-    let (orbit, point) = first(&wanted, &beginning, Search::Guess(14.0)).unwrap();
-    let (_, all) = follow(&orbit, &point, true, (0.1, 1.5), 4000);
-    let reason = why(&all);
-    let pulse = reason.rsplit("a homoclinic orbit at ").next().unwrap();
-    let pulse: f64 = pulse.parse().expect(&reason);
-    assert!((pulse - 0.257_671_772_127).abs() < 1e-11, "{reason}");
-}
-
-/// An orbit of dry friction that is begun where it is a five-hundredth of what it comes to meets the same events.
-#[test]
-fn an_orbit_begun_small_meets_the_same_events() {
-    let parameters = [("F", 0.57521), ("z", 0.054631)];
-    let branch = |w: f64, settle: f64| {
-        let values = [&parameters[..], &[("w", w)]].concat();
-        let (orbit, point) = settled(FRICTION, &values, "w", "forth", &[0.0, 0.5], settle);
-        let (seen, _) = follow(&orbit, &point, false, (0.1, 30.0), 4000);
-        seen
-    };
-    let (near, far) = (branch(2.4, 100.0), branch(24.0, 2000.0));
-    assert_eq!(near.last().unwrap().kind, EP);
-    assert_eq!(near.len(), far.len());
-    for (one, other) in near.iter().zip(&far) {
-        assert_eq!(one.kind, other.kind);
-        let off = (one.value - other.value).abs();
-        assert!(off < 1e-9 * one.value, "{} {off:e}", one.value);
     }
 }

@@ -508,12 +508,9 @@ impl Orbit for AffineOrbit {
         }
     }
 
-    /// Where motions beyond it stop for lack of a mode the model is at fault, and where digits are lost the branch goes on.
+    /// Where motions beyond it stop for lack of a mode the model is at fault.
     fn completes(stop: &OrbitStop) -> bool {
-        !matches!(
-            stop,
-            OrbitStop::Halts { .. } | OrbitStop::LosesDigits { .. }
-        )
+        !matches!(stop, OrbitStop::Halts { .. })
     }
 
     fn repeats(&self, node: &Node) -> Option<(Critical, OrbitStop)> {
