@@ -480,13 +480,9 @@ mod tests {
     #[test]
     fn what_is_wrong_has_its_place() {
         let wrong = |text: &str| value(text).unwrap_err();
-        for (text, span) in [
-            ("x + * 2", 4..5),
-            ("(x + 2", 6..6),
-            ("", 0..0),
-            ("x x", 2..3),
-            ("2 x", 2..3),
-        ] {
+        let flaw = wrong("(x + 2");
+        assert_eq!((flaw.wrong, flaw.span), (Wrong::Unclosed, 6..6));
+        for (text, span) in [("x + * 2", 4..5), ("", 0..0), ("x x", 2..3), ("2 x", 2..3)] {
             let flaw = wrong(text);
             assert_eq!((flaw.wrong, flaw.span), (Wrong::Unreadable, span), "{text}");
         }

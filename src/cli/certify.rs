@@ -160,7 +160,13 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
     };
     let source = file.with_file_name(SOURCE);
     let problem = source.is_file().then(|| read_any(&source)).transpose()?;
-    match (read(&file)?, &problem) {
+    let read = read(&file)?;
+    let is_empty = match &read {
+        Read::Waves(certificate) => certificate.points.is_empty(),
+        Read::Orbits(certificate) => certificate.points.is_empty(),
+    };
+    match (read, &problem) {
+        _ if is_empty => said_of_all("nothing is stated", quiet),
         (Read::Waves(_), Some((Any::System(_), _)))
         | (Read::Orbits(_), Some((Any::Tube(_), _))) => {
             said_of_all("it is not that of the problem file", quiet)
@@ -213,9 +219,6 @@ fn told<P: Certified + Sync>(
 where
     Point<P>: Sync,
 {
-    if points.is_empty() {
-        return said_of_all("nothing is stated", quiet);
-    }
     let indices: Vec<usize> = (0..points.len()).collect();
     let verdicts: Vec<String> = each(quiet, &indices, "points", |&index| {
         let before = index.checked_sub(1).map(|before| &points[before]);

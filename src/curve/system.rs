@@ -34,9 +34,9 @@ use crate::orbit::AtZero;
 /// near 1e-10 of the derivative, far below what keeps Newton's convergence fast.
 const DIFFERENCE: f64 = 1e-5;
 
-/// Step of the one-sided difference along a null vector: truncation and rounding leave 1e-6 of the derivative, by which the
-/// error of an iterate falls, at half the price.
-const ALONG: f64 = 1e-6;
+/// Step of the one-sided difference along a null vector, at half the price: truncation leaves 1e-7 of the derivative, rounding
+/// of an integrated flow 1e-6 at most, by which the error of an iterate falls.
+const ALONG: f64 = 1e-7;
 
 /// The equations of an event in two parameters. Unknowns: the orbit's without its parameter, those of
 /// the condition, both parameters.

@@ -836,7 +836,8 @@ mod tests {
                 .collect();
             let found = eigenvalues(&factors(planted(&triangular, &mut numbers)));
             let expected: Vec<(f64, f64)> = logs.into_iter().map(|log| (log, 0.0)).collect();
-            compare(&found, &expected, 1e-8);
+            // eight factors, each known to some dozens of roundings of 1e3, of which the least diagonal is a millionth
+            compare(&found, &expected, 1e-6);
         }
     }
 

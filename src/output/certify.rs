@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::layout::CERTIFICATES as TABLE;
 use super::store::{self, Growing, Store, StoreError, damaged, decode};
-use super::theorem::{Stated, theorems};
+use super::theorem::{Stated, enclosing, theorems, written};
 use crate::certify::{
     Certificate, Counted, Eigenvalue, Growth, Outcome, Point, Proof, Provable, Stretch, Verdict,
     orbit,
@@ -278,21 +278,6 @@ impl Certified for Proof {
         }
         lines
     }
-}
-
-/// An interval whose ends, written with 17 digits or as few as read back, enclose it: the decimal of a
-/// double is nearer to it than the next double is.
-fn enclosing(Interval { low, high }: Interval) -> Interval {
-    if low == 0.0 && high == 0.0 {
-        return Interval::ZERO;
-    }
-    Interval::new(low.next_down(), high.next_up())
-}
-
-/// An interval in words.
-pub(super) fn written(interval: Interval) -> String {
-    let Interval { low, high } = enclosing(interval);
-    format!("[{low:?}, {high:?}]")
 }
 
 /// Why stability is undecided where no eigenvalue grows in the window.

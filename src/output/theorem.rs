@@ -1,10 +1,9 @@
 //! What is proven of a branch in words, so that it can be cited: hypothesis and conclusion for every point.
 
-use super::certify::written;
 use crate::affine::orbit::Watch;
 use crate::affine::system::System;
 use crate::certify::{self, Counted, Outcome, Point, Proof, Provable, Stretch, Verdict, orbit};
-use crate::interval::Decimal;
+use crate::interval::{Decimal, Interval};
 
 /// A point as a theorem.
 pub(crate) trait Stated: Provable {
@@ -218,4 +217,19 @@ impl Stated for Proof {
         }
         text
     }
+}
+
+/// An interval whose ends, written with 17 digits or as few as read back, enclose it: the decimal of a
+/// double is nearer to it than the next double is.
+pub(super) fn enclosing(Interval { low, high }: Interval) -> Interval {
+    if low == 0.0 && high == 0.0 {
+        return Interval::ZERO;
+    }
+    Interval::new(low.next_down(), high.next_up())
+}
+
+/// An interval in words.
+pub(super) fn written(interval: Interval) -> String {
+    let Interval { low, high } = enclosing(interval);
+    format!("[{low:?}, {high:?}]")
 }

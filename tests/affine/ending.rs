@@ -62,7 +62,7 @@ fn zones_that_vanish_together_are_passed_both_ways() {
     }
     let reason = why(&all);
     assert!(
-        reason.contains("comes to rest: beyond it `Hold`"),
+        reason.contains("comes to rest: beyond it `hold`, `Hold`"),
         "{reason}"
     );
     let last = all.last().unwrap();

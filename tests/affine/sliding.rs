@@ -122,6 +122,7 @@ fn sliding_ends_at_the_guards_of_its_modes() {
 }
 
 /// A mass that sticks to a belt is carried to a stop: it arrives with the speed of the belt, and leaves with −e times that.
+/// It comes back too slowly to stick again, and ever shorter bounces end in finite time.
 #[test]
 fn sliding_takes_the_reset_of_a_guard() {
     let text = r#"(
@@ -135,10 +136,10 @@ fn sliding_takes_the_reset_of_a_guard() {
     )"#;
     let system = system(text);
     let (all, halt) = switches(&system, ("slow", &[0.0, 0.0], 0.0), 20.0);
-    assert_eq!(halt, None);
+    assert!(matches!(halt, Some(Halt::Chattering { .. })), "{halt:?}");
     let stick = system.mode("stick").unwrap();
     let hits: Vec<_> = all.iter().filter(|one| one.from == stick).collect();
-    assert!(hits.len() > 3);
+    assert_eq!(hits.len(), 1);
     for one in hits {
         assert_eq!(one.to, system.mode("slow").unwrap());
         assert!((one.before[0] - 0.5).abs() < 1e-14 && (one.before[1] - 0.3).abs() < 1e-15);

@@ -330,7 +330,7 @@ fn what_is_stuck_is_named() {
     );
     let words = stuck.unwrap_err().to_string();
     assert!(
-        words.contains("`x - x` of the mode `free` is zero and stays so"),
+        words.contains("`x - x` of the mode `free` is zero at every state"),
         "{words}"
     );
     // a state beyond the stop is in no mode

@@ -1,6 +1,5 @@
 //! What a motion looks like that settles on no orbit: by how fast motions next to it part, and by whether it comes back.
 
-use super::start::RETURNED;
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Motion, Place, Step};
 
@@ -18,6 +17,9 @@ pub enum Behaviour {
     /// They part at times and come nearer at others.
     Unclear,
 }
+
+/// A motion has returned where no state is further off than this part of its size.
+pub(super) const RETURNED: f64 = 1e-6;
 
 /// Intervals over which motions are compared, in two halves, and before that to learn the sizes of the states.
 const INTERVALS: usize = 120;
@@ -65,30 +67,27 @@ pub fn behaviour(system: &AffineSystem, place: &Place, interval: f64) -> Option<
         )
         .then_some(())?;
     }
-    // a state that sticks cannot be moved alone
-    let mut axes = 0..sizes.len();
+    // moved in all states a motion may be in no mode, as beside a surface in which it slides
+    let mut axes = std::iter::once(None).chain((0..sizes.len()).map(Some));
     axes.find_map(|axis| parting(system, motion.place(), interval, &sizes, axis))
 }
 
-/// The same by a motion beside it that differs in one state at first.
+/// The same by a motion beside it that differs in one state at first, or in all.
 fn parting(
     system: &AffineSystem,
     place: &Place,
     interval: f64,
     sizes: &[f64],
-    axis: usize,
+    axis: Option<usize>,
 ) -> Option<Behaviour> {
     let beside = |place: &Place, by: &dyn Fn(usize) -> f64| {
         let mut place = place.clone();
         (0..place.state.len()).for_each(|index| place.state[index] += by(index));
         Motion::new(system, place, interval)
     };
-    let moved = |index: usize| {
-        if index == axis {
-            APART * sizes[axis]
-        } else {
-            0.0
-        }
+    let moved = |index: usize| match axis.is_none_or(|axis| axis == index) {
+        true => APART * sizes[index],
+        false => 0.0,
     };
     let mut motion = Motion::new(system, place.clone(), interval);
     let mut other = beside(place, &moved);

@@ -68,6 +68,8 @@ struct Link {
     rates: [Vector; 2],
     /// At its end, where there is a switch.
     jump: Option<Jump>,
+    /// How well its end and the next entry agree, in units of the states: this far from an orbit the factors are known.
+    closes: f64,
     /// How fast the guard falls, scaled to order one.
     fall: f64,
 }
@@ -146,6 +148,7 @@ impl OrbitAt<'_> {
             return Link {
                 flow: passage.forward(),
                 rates: rates(&passage.rate),
+                closes: self.closes(zone, &passage.end),
                 jump: surface.map(|matrix| Jump {
                     matrix,
                     lost: 1,
@@ -190,6 +193,7 @@ impl OrbitAt<'_> {
         Link {
             flow: passage.forward(),
             rates: rates(rate),
+            closes: self.closes(zone, &entry),
             jump: Some(Jump {
                 matrix: jump,
                 lost,
@@ -197,6 +201,14 @@ impl OrbitAt<'_> {
             }),
             fall: -fall * self.orbit.setting.scales.time / self.orbit.size(row),
         }
+    }
+
+    /// How far the entry of the next zone is from what a zone leads to, in units of the states.
+    fn closes(&self, zone: usize, led: &Vector) -> f64 {
+        let entry = self.entry(zone + 1);
+        let pairs = entry.iter().zip(led).zip(&self.orbit.setting.scales.states);
+        let off = pairs.map(|((x, led), unit)| (x - led).abs() / unit);
+        off.fold(0.0, f64::max)
     }
 
     fn links(&self, passages: &[Passage]) -> Vec<Link> {
@@ -243,7 +255,7 @@ impl OrbitAt<'_> {
             factors.push(Factor {
                 matrix: link.flow,
                 lost: 0,
-                error: self.error_of_flow(zone),
+                error: self.error_of_flow(zone) + link.closes,
                 size: 0.0,
             });
             // of a switch that only leads from one law to another nothing is left

@@ -237,6 +237,7 @@ impl<'a> Passage<'a> {
         let own = self.by_parameter.rows(0, base).into_owned();
         self.by_parameter = slopes * own + &by[parameter];
         self.end.copy_from_slice(last.at(0.0).as_slice());
+        self.rate = Vector::from_fn(self.end.len(), |c, _| last.value(1, c));
         if let Some(numerical) = &mut self.numerical {
             numerical.last = last.in_parameter(parameter);
         }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::Inadmissible;
-use super::behaviour::{Behaviour, behaviour, cycle};
+use super::behaviour::{Behaviour, RETURNED, behaviour, cycle};
 use super::layout::{AffineOrbit, OrbitFailure, Scales, Setting, ZonePoint};
 use super::row::SavedOrbit;
 use super::signature::{Sequence, Way, Zone};
@@ -177,9 +177,6 @@ fn in_words(looks: Option<Behaviour>) -> String {
     }
 }
 
-/// A motion has returned where no state is further off than this part of its size.
-pub(super) const RETURNED: f64 = 1e-6;
-
 /// One that settles slowly has returned, too, where it is off by no more than this: Newton's method does the rest.
 const NEARLY: f64 = 1e-3;
 
@@ -296,8 +293,7 @@ fn found(
             }
         }
         None => {
-            let sizes = (whole.as_slice(), beginning.state.as_slice());
-            free(wanted, &system, &mut motion, longest, sizes).map_err(|reason| match reason {
+            free(wanted, &system, &mut motion, longest, &whole).map_err(|reason| match reason {
                 NoStart::Leaves { time } if rests(&system, motion.place(), &beginning.state) => {
                     let place = motion.place().clone();
                     NoStart::Rests { time, place }
@@ -679,15 +675,15 @@ fn rests(system: &AffineSystem, place: &Place, begun: &[f64]) -> bool {
 }
 
 /// Whether a motion that returns to a switch shrinks to a point, as where it spirals into an equilibrium on a surface: its
-/// rates move no state by a part of the way from the beginning that counts, and the change from one return to the next is
-/// no less than a part of that.
-fn shrinks(system: &AffineSystem, begin: &Place, switches: &Switches, begun: &[f64]) -> bool {
+/// rates move no state by a part that counts of its size over the whole motion, and the change from one return to the next
+/// is no less than a part of that.
+fn shrinks(system: &AffineSystem, begin: &Place, switches: &Switches, whole: &[f64]) -> bool {
     /// The orbit that a motion settles on changes by much less over a return.
     const SHRINKS: f64 = 1e-3;
     let Some((_, last)) = switches.last() else {
         return false;
     };
-    let mut sizes = vec![0.0; begun.len()];
+    let mut sizes = vec![0.0; whole.len()];
     let mut from = begin;
     for (switching, place) in switches {
         let z = system.lift(from.mode, &from.state, from.phase);
@@ -699,8 +695,8 @@ fn shrinks(system: &AffineSystem, begin: &Place, switches: &Switches, begun: &[f
     }
     let pairs = begin.state.iter().zip(&last.state);
     let changes: Vec<f64> = pairs.map(|(x, y)| (x - y).abs()).collect();
-    let mut ways = sizes.iter().zip(&last.state).zip(begun);
-    let small = ways.all(|((size, x), begun)| *size <= RETURNED * (x - begun).abs());
+    let mut pairs = sizes.iter().zip(whole);
+    let small = pairs.all(|(size, whole)| *size <= RETURNED * whole);
     let mut changing = changes.iter().zip(&sizes);
     small && changing.any(|(change, size)| *size > 0.0 && *change >= SHRINKS * size)
 }
@@ -711,7 +707,7 @@ fn free(
     system: &AffineSystem,
     motion: &mut Motion,
     longest: f64,
-    (whole, begun): (&[f64], &[f64]),
+    whole: &[f64],
 ) -> Result<Course, NoStart> {
     let mut next = || {
         let since = motion.place().time;
@@ -742,7 +738,7 @@ fn free(
             }
         }
     }
-    if shrinks(system, &begin, &switches, begun) {
+    if shrinks(system, &begin, &switches, whole) {
         let place = motion.place().clone();
         let time = place.time;
         return Err(NoStart::Rests { time, place });
