@@ -132,6 +132,21 @@ fn rank(mut matrix: Matrix, mut bounds: Matrix) -> usize {
     n
 }
 
+/// ż at the end of a zone: by the law there or, where what it adds up cancels, as near rest, that at the entry as the flow
+/// takes it along; every component by what tells it better.
+fn rate_at_end(passage: &Passage, matrix: &Matrix) -> Vector {
+    let sizes = matrix.abs();
+    let at_entry = matrix * &passage.entry;
+    let moved = &passage.flow * &at_entry;
+    let by_law = &sizes * passage.end.abs();
+    let by_flow = passage.flow.abs() * (at_entry.abs() + sizes * passage.entry.abs());
+    let told = |index: usize| match by_flow[index] < by_law[index] {
+        true => moved[index],
+        false => passage.rate[index],
+    };
+    Vector::from_fn(moved.len(), |index, _| told(index))
+}
+
 impl OrbitAt<'_> {
     fn link(&self, zone: usize, passage: &Passage) -> Link {
         let n = self.orbit.states();
@@ -158,7 +173,10 @@ impl OrbitAt<'_> {
             };
         };
         let row = &self.mode(zone).guards[way.guard].row;
-        let rate = &passage.rate;
+        let rate = &match self.mode(zone).field.is_exact {
+            true => rate_at_end(passage, &self.mode(zone).matrix.at),
+            false => passage.rate.clone(),
+        };
         let fall = row.at.dot(rate);
         let next = zone + 1;
         // what the reset makes of the state: at a graze the entry of the next zone has lost the speed in rounding
@@ -310,7 +328,8 @@ impl OrbitAt<'_> {
 /// Factors in coordinates of what is across the rate at their beginnings and ends, that of the first and after every one.
 ///
 /// The rate at the end differs from that at the beginning by how well the orbit closes, which a product would carry into
-/// the rest multiplied by its size: what is across the one goes to what is across the other.
+/// the rest multiplied by its size: what is across the one goes to what is across the other. By how much a factor misses
+/// the next rate, and the last one the first, is an error of it.
 fn across(factors: Vec<Factor>, rates: &[Vector]) -> Vec<Factor> {
     let Some(first) = rates.first() else {
         return factors;
@@ -327,11 +346,16 @@ fn across(factors: Vec<Factor>, rates: &[Vector]) -> Vec<Factor> {
         .collect();
     let all = factors.into_iter().enumerate().map(|(index, factor)| {
         let [begin, end] = [&bases[index], &bases[index + 1]];
-        let rate = &rates[index];
-        let left = end.tr_mul(&(&factor.matrix * rate)).norm() / (factor.size * rate.norm());
+        let [rate, next] = [&rates[index], &rates[index + 1]];
+        let off = (&factor.matrix * rate - next).norm() / next.norm();
+        let open = match index + 1 == last {
+            true => (next - first).norm() / first.norm(),
+            false => 0.0,
+        };
         Factor {
             matrix: end.tr_mul(&(&factor.matrix * begin)),
-            error: factor.error + left,
+            // an error of the factor turns the next rate by that of its image, which is what is left where it shrinks
+            error: factor.error * (1.0 + factor.size * rate.norm() / next.norm()) + off + open,
             ..factor
         }
     });
