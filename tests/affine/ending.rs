@@ -5,10 +5,12 @@ use std::f64::consts::TAU;
 
 use brakewave::EventType::{CO, EP, GR, LP, MX, SL};
 use brakewave::affine::orbit::AffineOrbit;
+use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::orbit::follow::Found;
 use brakewave::orbit::special::Special;
 
 use crate::affine::branches::{follow, meets, settled};
+use crate::affine::systems::{system, values};
 
 /// Why a branch ends, as its last point says.
 fn why(all: &[Found<AffineOrbit>]) -> String {
@@ -139,4 +141,35 @@ fn a_branch_on_which_the_phase_winds_closes() {
         let expected = [folds[0], folds[1], (EP, 1.55, "rest")];
         meets(&seen, &expected, 1e-12);
     }
+}
+
+/// Rinzel and Keller's wave trains come to the pulse, beside a saddle that is left five times as fast as it is come to:
+/// their digits are lost before they are near it, and the pulse itself is computed. Its speed is that of an independent
+/// program.
+#[test]
+fn a_branch_that_loses_its_digits_names_the_pulse() {
+    let text = r#"(
+        states: ["v", "y", "w"],
+        parameters: {"c": 0.25416445, "a": 0.25, "b": 0.05},
+        modes: {
+            "low": (rates: {"v": "y", "y": "c*y + v + w", "w": "b*v/c"}, until: [(zero: "a - v", to: "high")]),
+            "high": (rates: {"v": "y", "y": "c*y + v - 1 + w", "w": "b*v/c"}, until: [(zero: "v - a", to: "low")]),
+        },
+    )"#;
+    let system = system(text);
+    let wanted = Wanted {
+        values: values(&system, &[]),
+        ..Wanted::new(system, "c", (0.1, 1.5)).unwrap()
+    };
+    let beginning = Beginning {
+        mode: wanted.system.mode("high").unwrap(),
+        state: vec![0.25, 0.329_770_82, 0.060_267_64],
+        phase: 0.0,
+    };
+    let (orbit, point) = first(&wanted, &beginning, Search::Guess(14.0)).unwrap();
+    let (_, all) = follow(&orbit, &point, true, (0.1, 1.5), 4000);
+    let reason = why(&all);
+    let pulse = reason.rsplit("a homoclinic orbit at ").next().unwrap();
+    let pulse: f64 = pulse.parse().expect(&reason);
+    assert!((pulse - 0.257_671_772_127).abs() < 1e-11, "{reason}");
 }

@@ -6,6 +6,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::layout::{AffineOrbit, Scales};
+use super::passage::Passage;
 use super::signature::Zone;
 use super::{CLOSING, Critical, Held, Watch};
 use crate::affine::mode::Row;
@@ -66,6 +67,13 @@ pub enum OrbitStop {
     Discontinuous {
         /// That distance, in units of the range of the states.
         apart: f64,
+    },
+    /// What a motion is off grows within a zone until too few digits are left, as along what repels it: a canard.
+    LosesDigits {
+        /// Name of the mode.
+        mode: String,
+        /// How many times it grows.
+        growth: f64,
     },
     /// On the other side motions do not go on: modes follow one another at one instant, or no switch is allowed.
     Halts {
@@ -160,6 +168,11 @@ impl fmt::Display for OrbitStop {
                 "the return map is discontinuous there: motions beside its orbit on the one side of the event come back \
                  to it after a period, on the other they jump to {apart:.1e} of the range of the states away, however \
                  near they begin, and no orbit is near"
+            ),
+            OrbitStop::LosesDigits { mode, growth } => write!(
+                formatter,
+                "what a motion is off grows {growth:.0e} times within a zone of `{mode}`, since it follows what repels it \
+                 for long (as a canard does): too few digits are left to go on"
             ),
             OrbitStop::Halts { mode, guard } => write!(
                 formatter,
@@ -275,8 +288,13 @@ impl AffineOrbit {
 
     /// The saddle beside which an orbit without forcing spends a zone.
     fn stay(&self, point: &Vector, zone: usize) -> Option<Stay> {
-        /// It comes as near as this, in units of the states, and half way in time between decay and growth.
+        /// It comes as near as this.
         const NEAR: f64 = 1e-2;
+        self.stay_within(point, zone, NEAR)
+    }
+
+    /// The same, where it comes so near, in units of the states, half way in time between decay and growth.
+    fn stay_within(&self, point: &Vector, zone: usize, most: f64) -> Option<Stay> {
         if self.is_forced() {
             return None;
         }
@@ -295,7 +313,7 @@ impl AffineOrbit {
         let decay = -decaying.re;
         let half_way = place(time * growing / (growing + decay))?;
         let mut off = half_way.iter().zip(&equilibrium.state).zip(units);
-        let is_near = off.all(|((x, rest), unit)| (x - rest).abs() < NEAR * unit);
+        let is_near = off.all(|((x, rest), unit)| (x - rest).abs() < most * unit);
         is_near.then(|| Stay {
             zone,
             mode: name.clone(),
@@ -530,6 +548,50 @@ impl AffineOrbit {
                 let stay = self.longest_stay(&node.point)?;
                 (stay.growth > DIGITS).then(|| self.comes_to(stay, node))
             })
+            .or_else(|| self.comes_slowly(node))
+            .or_else(|| self.loses_digits(&node.point))
+    }
+
+    /// The homoclinic orbit to which an orbit comes that has lost its digits to growth beside a saddle before it comes
+    /// near: where decay is much slower than growth. The orbit itself is computed and tells.
+    fn comes_slowly(&self, node: &Node) -> Option<OrbitStop> {
+        /// In units of the states.
+        const NEAR: f64 = 0.2;
+        let stay = self.stay_within(&node.point, self.longest(&node.point)?, NEAR)?;
+        let stop = (stay.growth > DIGITS).then(|| self.comes_to(stay, node))?;
+        matches!(&stop, OrbitStop::Homoclinic { limit: Some(_), .. }).then_some(stop)
+    }
+
+    /// Whether what a motion is off grows within a zone until half of all digits are lost.
+    fn loses_digits(&self, point: &Vector) -> Option<OrbitStop> {
+        /// Places from which growth to the end of a zone is measured.
+        const PLACES: usize = 32;
+        let at = self.at(point).ok()?;
+        let units = &self.setting.scales.states;
+        let of_zone = |zone: usize| {
+            let duration = at.zones[zone].duration;
+            let time = |place: usize| duration * place as f64 / PLACES as f64;
+            let along = at.along(zone, (0..PLACES).map(time)).ok()?;
+            let mode = at.mode(zone);
+            let growth = along.into_iter().enumerate().map(|(place, z)| {
+                let norm = mode.matrix.at.norm();
+                let passage = Passage::new(mode, norm, None, z, duration - time(place));
+                let forward = passage.forward();
+                let entries = (0..units.len())
+                    .flat_map(|row| (0..units.len()).map(move |column| (row, column)));
+                entries
+                    .map(|(row, column)| forward[(row, column)].abs() * units[column] / units[row])
+                    .fold(0.0, f64::max)
+            });
+            Some((zone, growth.fold(0.0, f64::max)))
+        };
+        let (zone, growth) = (0..self.zones())
+            .filter_map(of_zone)
+            .max_by(|(_, one), (_, other)| one.total_cmp(other))?;
+        (growth > DIGITS.exp()).then(|| OrbitStop::LosesDigits {
+            mode: self.sequence.zone(zone).name.clone(),
+            growth,
+        })
     }
 
     /// What is left to a homoclinic orbit, at most: the parameter swings about its own or comes from one side, and

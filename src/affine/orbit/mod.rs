@@ -508,9 +508,12 @@ impl Orbit for AffineOrbit {
         }
     }
 
-    /// Where motions beyond it stop for lack of a mode the model is at fault.
+    /// Where motions beyond it stop for lack of a mode the model is at fault, and where digits are lost the branch goes on.
     fn completes(stop: &OrbitStop) -> bool {
-        !matches!(stop, OrbitStop::Halts { .. })
+        !matches!(
+            stop,
+            OrbitStop::Halts { .. } | OrbitStop::LosesDigits { .. }
+        )
     }
 
     fn repeats(&self, node: &Node) -> Option<(Critical, OrbitStop)> {
