@@ -482,9 +482,14 @@ mod tests {
         let wrong = |text: &str| value(text).unwrap_err();
         let flaw = wrong("(x + 2");
         assert_eq!((flaw.wrong, flaw.span), (Wrong::Unclosed, 6..6));
-        for (text, span) in [("x + * 2", 4..5), ("", 0..0), ("x x", 2..3), ("2 x", 2..3)] {
+        for (text, wrong_by, span) in [
+            ("x + * 2", Wrong::Unreadable, 4..5),
+            ("", Wrong::Unreadable, 0..0),
+            ("x x", Wrong::Juxtaposed, 2..3),
+            ("2 x", Wrong::Juxtaposed, 2..3),
+        ] {
             let flaw = wrong(text);
-            assert_eq!((flaw.wrong, flaw.span), (Wrong::Unreadable, span), "{text}");
+            assert_eq!((flaw.wrong, flaw.span), (wrong_by, span), "{text}");
         }
         let flaw = wrong("2*xx + x");
         assert_eq!((flaw.wrong, flaw.span), (Wrong::Unknown("xx".into()), 2..4));
