@@ -188,7 +188,7 @@ impl Rule {
         match self {
             Rule::Product => a * b(),
             Rule::Quotient => a / b(),
-            Rule::Power(r) if r == 2.0 => a.square(),
+            Rule::Power(2.0) => a.square(),
             Rule::Power(r) if r.fract() == 0.0 && r.abs() <= MOST_FACTORS => {
                 let factors = 0..r.abs() as usize;
                 let power = factors.fold(one, |power, _| power * a);

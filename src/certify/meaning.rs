@@ -266,8 +266,9 @@ fn is_same_event(one: &Proof, other: &Proof) -> bool {
     let crosses_alike = |a: usize, b: usize| {
         let omegas = first.omega.zip(second.omega);
         let mode = one.posed.mode as usize;
-        omegas
-            .is_some_and(|(x, y)| a == b && meet(x, y) || (a + b) % mode.max(1) == 0 && meet(x, -y))
+        omegas.is_some_and(|(x, y)| {
+            a == b && meet(x, y) || (a + b).is_multiple_of(mode.max(1)) && meet(x, -y)
+        })
     };
     let alike = match (&one.condition, &other.condition) {
         (Condition::Fold, Condition::Fold) => true,

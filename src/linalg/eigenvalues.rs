@@ -134,8 +134,7 @@ fn refined(block: &Matrix, value: Complex<f64>) -> Eigenvalue {
     let sizes = block.abs() * right.map(|x| x.norm());
     let moved = left.iter().zip(&sizes).map(|(y, size)| y.norm() * size);
     let error = f64::EPSILON * value.norm() + roundings * moved.sum::<f64>() / across;
-    // written so that it is true of what is not finite
-    if !(error < elsner) {
+    if error.is_nan() || error >= elsner {
         return unrefined;
     }
     let part = |row: usize, of: fn(&Complex<f64>) -> f64, turned: f64| {

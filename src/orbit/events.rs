@@ -671,6 +671,9 @@ fn signs<O: Orbit>(
     Some(located)
 }
 
+/// An arclength, and what happens there.
+type Gathered<O> = (f64, Vec<(Place, Located<O>)>);
+
 /// What the number of multipliers outside the unit circle says: crossings at which it does not change are none, and where
 /// it changes without one there is one more.
 fn counted<O: Orbit>(
@@ -696,11 +699,10 @@ fn counted<O: Orbit>(
         return Some(signs);
     }
     // places, each with what happens there
-    let mut all: Vec<(f64, Vec<(Place, Located<O>)>)> =
-        fold.map(|s| (s, Vec::new())).into_iter().collect();
+    let mut all: Vec<Gathered<O>> = fold.map(|s| (s, Vec::new())).into_iter().collect();
     all.extend(signs.into_iter().map(|one| (one.0.s, vec![one])));
     all.sort_by(|(one, _), (other, _)| one.total_cmp(other));
-    let mut places: Vec<(f64, Vec<(Place, Located<O>)>)> = Vec::with_capacity(all.len());
+    let mut places: Vec<Gathered<O>> = Vec::with_capacity(all.len());
     for (s, events) in all {
         match places.last_mut() {
             Some((last, together)) if s - *last <= step.at_once() => together.extend(events),

@@ -412,8 +412,16 @@ fn no_problem_file_changes_its_stability_in_silence() {
     assert!(count >= 10, "{count}");
 }
 
+/// Its name, system, orbit, and the parameter with its range.
+type Kind = (
+    &'static str,
+    &'static str,
+    &'static str,
+    (&'static str, f64, f64),
+);
+
 /// Systems of seven kinds with numbers drawn by chance, the same ones every time; `{a-b}` is a number between a and b.
-const KINDS: [(&str, &str, &str, (&str, f64, f64)); 7] = [
+const KINDS: [Kind; 7] = [
     (
         r#"(states: ["x", "v", "y", "u"], parameters: {"A": {0.5-1.5}, "w": {0.5-2}, "c": {0.05-0.3}, "k": {0.1-0.6}, "e": {0.3-0.9}}, forcing: "w",
             modes: {"m": (rates: {"x": "v", "v": "A*cos(phase) - c*v - x - k*(x - y)", "y": "u", "u": "-0.1*u - 1.3*y + k*(x - y)"},

@@ -123,7 +123,7 @@ impl SlidingBifurcation {
     ) -> bool {
         let more = long.len() - short.len();
         let count = more / self.width();
-        if more == 0 || more % self.width() != 0 || count > PLACES {
+        if more == 0 || !more.is_multiple_of(self.width()) || count > PLACES {
             return false;
         }
         let at = |index: usize| long[index % long.len()];

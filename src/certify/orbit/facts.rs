@@ -11,6 +11,9 @@ use crate::affine::orbit::Watch;
 use crate::interval::Interval;
 use crate::orbit::EventType;
 
+/// Rows of a mode by the guard and the exit with which it ends.
+type RowsOf<'a> = dyn Fn(&Mode<Exact>, usize, usize) -> Vec<Row<Exact>> + 'a;
+
 impl OrbitSystem<'_> {
     /// What is zero at the entries and ends, with what vanishes at an event.
     pub fn known(&self, vanishing: &[Vanishing]) -> Vec<Facts> {
@@ -101,7 +104,7 @@ impl OrbitSystem<'_> {
         if *watch == Watch::Duration {
             return None;
         }
-        let vanish = |of: &dyn Fn(&Mode<Exact>, usize, usize) -> Vec<Row<Exact>>| {
+        let vanish = |of: &RowsOf| {
             self.stretches.iter().enumerate().any(|(index, stretch)| {
                 let End::Exit { guard, exit } = stretch.end else {
                     return false;
