@@ -66,6 +66,7 @@ impl<P: Provable> Certificate<P> {
     }
 
     /// With the system at every point.
+    #[cfg(feature = "cli")]
     pub(crate) fn spread(mut self) -> Certificate<P> {
         if let Some(system) = &self.system {
             let proofs = self.points.iter_mut().filter_map(Point::proof_mut);

@@ -30,6 +30,7 @@ mod open;
 pub mod orbit;
 mod perturbation;
 mod propagator;
+#[cfg(feature = "cli")]
 mod requested;
 mod stretch;
 mod system;
@@ -45,6 +46,7 @@ pub use inequality::Unproven;
 pub use meaning::repeated;
 pub use open::Open;
 pub use perturbation::Eigenvalue;
+#[cfg(feature = "cli")]
 pub(crate) use requested::Requested;
 pub use system::{Condition, Near, Posed};
 

@@ -21,6 +21,8 @@ mod inequality;
 mod modes;
 mod multipliers;
 mod open;
+// certificates are compared with their problem file by the command line
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
 mod requested;
 mod symmetry;
 mod system;
@@ -30,6 +32,7 @@ use serde::{Deserialize, Serialize};
 
 pub use beyond::Seen;
 pub use open::{NotBeyond, Open, Unproven};
+#[cfg(feature = "cli")]
 pub(crate) use requested::Requested;
 pub use system::{Condition, Near, Posed};
 
