@@ -10,7 +10,7 @@ use brakewave::orbit::follow::Found;
 use brakewave::orbit::special::Special;
 
 use crate::affine::branches::{follow, meets, settled};
-use crate::affine::systems::{system, values};
+use crate::affine::systems::{BRAKE_BY_HAND, system, values};
 
 /// Why a branch ends, as its last point says.
 fn why(all: &[Found<AffineOrbit>]) -> String {
@@ -20,22 +20,6 @@ fn why(all: &[Found<AffineOrbit>]) -> String {
         special => special.to_string(),
     }
 }
-
-/// A mass with a brake that is let go while sin φ > h: friction falls from f to g, and stick lasts in both.
-const BRAKE: &str = r#"(
-    states: ["x", "v"],
-    parameters: {"A": 0.3, "w": 0.5, "f": 0.4, "g": 0.02, "h": 0.8},
-    forcing: "w",
-    define: {"a": "A*sin(phase) - x - 0.1*v", "s": "A*sin(phase) - x"},
-    modes: {
-        "p": (rates: {"x": "v", "v": "a - f"}, until: [(zero: "v", to: "n", if: ["-s - f"]), (zero: "v", to: "hold"), (zero: "h - sin(phase)", to: "P")]),
-        "n": (rates: {"x": "v", "v": "a + f"}, until: [(zero: "-v", to: "p", if: ["s - f"]), (zero: "-v", to: "hold"), (zero: "h - sin(phase)", to: "N")]),
-        "P": (rates: {"x": "v", "v": "a - g"}, until: [(zero: "v", to: "N", if: ["-s - g"]), (zero: "v", to: "Hold"), (zero: "sin(phase) - h", to: "p")]),
-        "N": (rates: {"x": "v", "v": "a + g"}, until: [(zero: "-v", to: "P", if: ["s - g"]), (zero: "-v", to: "Hold"), (zero: "sin(phase) - h", to: "n")]),
-        "hold": (rates: {"x": "0", "v": "0"}, until: [(zero: "f - s", to: "p"), (zero: "f + s", to: "n"), (zero: "h - sin(phase)", to: "P", if: ["s - g"]), (zero: "h - sin(phase)", to: "N", if: ["-s - g"]), (zero: "h - sin(phase)", to: "Hold")]),
-        "Hold": (rates: {"x": "0", "v": "0"}, until: [(zero: "g - s", to: "P"), (zero: "g + s", to: "N"), (zero: "sin(phase) - h", to: "hold")]),
-    },
-)"#;
 
 /// Two zones that vanish together, of which the shorter one falls like the square of the other, are passed in either
 /// direction. The branch ends where the mass comes to rest: at A = 1/5, where both A − g ≤ x ≤ hA + g and x + A = f hold
@@ -51,7 +35,7 @@ fn zones_that_vanish_together_are_passed_both_ways() {
         0.212_216_960_382_876_8,
         0.210_064_380_372_856_1,
     ];
-    let high = settled(BRAKE, &[], "A", "p", &[0.0, 0.5], 100.0);
+    let high = settled(BRAKE_BY_HAND, &[], "A", "p", &[0.0, 0.5], 100.0);
     let (seen, all) = follow(&high.0, &high.1, false, (0.05, 1.5), 2000);
     let changes: Vec<_> = seen.iter().filter(|one| one.kind != MX).collect();
     assert_eq!(changes.len(), events.len());
@@ -74,7 +58,7 @@ fn zones_that_vanish_together_are_passed_both_ways() {
         last.parameter,
         last.uncertainty
     );
-    let low = settled(BRAKE, &[("A", 0.216)], "A", "p", &[0.0, 0.5], 100.0);
+    let low = settled(BRAKE_BY_HAND, &[("A", 0.216)], "A", "p", &[0.0, 0.5], 100.0);
     let (seen, _) = follow(&low.0, &low.1, true, (0.05, 0.3), 2000);
     let expected = [
         (CO, events[3], ""),

@@ -10,7 +10,7 @@ use brakewave::linalg::Vector;
 use brakewave::orbit::{Examined, Orbit};
 
 use crate::affine::branches::follow;
-use crate::affine::systems::{at, place, system, values};
+use crate::affine::systems::{BRAKE_BY_HAND, at, place, system, values};
 
 /// Every switch of a motion up to a time, and why it does not go on.
 fn switches(
@@ -50,7 +50,7 @@ fn settled(
     first(&wanted, &beginning, Search::Settles(settle))
 }
 
-/// A block between brakes that let go while sin φ > h: stick by `sliding`, and written out by hand.
+/// A block between brakes that let go while sin φ > h: stick by `sliding`.
 const BRAKE: &str = r#"(
     states: ["x", "v"],
     parameters: {"A": 0.3, "w": 0.5, "f": 0.4, "g": 0.02, "h": 0.8},
@@ -64,25 +64,19 @@ const BRAKE: &str = r#"(
     },
     sliding: {"stick": ("p", "n"), "Stick": ("P", "N")},
 )"#;
-const BY_HAND: &str = r#"(
-    states: ["x", "v"],
-    parameters: {"A": 0.3, "w": 0.5, "f": 0.4, "g": 0.02, "h": 0.8},
-    forcing: "w",
-    define: {"a": "A*sin(phase) - x - 0.1*v", "s": "A*sin(phase) - x"},
-    modes: {
-        "p": (rates: {"x": "v", "v": "a - f"}, until: [(zero: "v", to: "n", if: ["-s - f"]), (zero: "v", to: "stick"), (zero: "h - sin(phase)", to: "P")]),
-        "n": (rates: {"x": "v", "v": "a + f"}, until: [(zero: "-v", to: "p", if: ["s - f"]), (zero: "-v", to: "stick"), (zero: "h - sin(phase)", to: "N")]),
-        "P": (rates: {"x": "v", "v": "a - g"}, until: [(zero: "v", to: "N", if: ["-s - g"]), (zero: "v", to: "Stick"), (zero: "sin(phase) - h", to: "p")]),
-        "N": (rates: {"x": "v", "v": "a + g"}, until: [(zero: "-v", to: "P", if: ["s - g"]), (zero: "-v", to: "Stick"), (zero: "sin(phase) - h", to: "n")]),
-        "stick": (rates: {"x": "0", "v": "0"}, until: [(zero: "f - s", to: "p"), (zero: "f + s", to: "n"), (zero: "h - sin(phase)", to: "P", if: ["s - g"]), (zero: "h - sin(phase)", to: "N", if: ["-s - g"]), (zero: "h - sin(phase)", to: "Stick")]),
-        "Stick": (rates: {"x": "0", "v": "0"}, until: [(zero: "g - s", to: "P"), (zero: "g + s", to: "N"), (zero: "sin(phase) - h", to: "stick")]),
-    },
-)"#;
+
+/// The same with stick written out.
+fn with_stick() -> String {
+    BRAKE_BY_HAND
+        .replace("hold", "stick")
+        .replace("Hold", "Stick")
+}
 
 /// A sliding mode ends where a guard of its two modes is zero, in the mode that follows there by Filippov.
 #[test]
 fn sliding_ends_at_the_guards_of_its_modes() {
-    let both = [BRAKE, BY_HAND].map(|text| {
+    let both = [BRAKE.to_owned(), with_stick()].map(|text| {
+        let text = text.as_str();
         let system = system(text);
         let (all, halt) = switches(&system, ("p", &[0.0, 0.5], 0.0), 100.0);
         assert_eq!(halt, None);
@@ -110,7 +104,8 @@ fn sliding_ends_at_the_guards_of_its_modes() {
         }
     }
     // the same orbit, with the same multipliers
-    let orbits = [BRAKE, BY_HAND].map(|text| {
+    let orbits = [BRAKE.to_owned(), with_stick()].map(|text| {
+        let text = text.as_str();
         let (orbit, point) = settled(text, "A", ("p", &[0.0, 0.5]), 100.0).unwrap();
         let extremes = orbit.extremes(&point).unwrap();
         (orbit.sequence.to_string(), extremes)

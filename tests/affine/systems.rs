@@ -78,3 +78,19 @@ pub fn place(system: &System, mode: &str, state: &[f64], phase: f64) -> Place {
         state: state.to_vec(),
     }
 }
+
+/// A mass with a brake that is let go while sin φ > h: friction falls from f to g, and stick lasts in both.
+pub const BRAKE_BY_HAND: &str = r#"(
+    states: ["x", "v"],
+    parameters: {"A": 0.3, "w": 0.5, "f": 0.4, "g": 0.02, "h": 0.8},
+    forcing: "w",
+    define: {"a": "A*sin(phase) - x - 0.1*v", "s": "A*sin(phase) - x"},
+    modes: {
+        "p": (rates: {"x": "v", "v": "a - f"}, until: [(zero: "v", to: "n", if: ["-s - f"]), (zero: "v", to: "hold"), (zero: "h - sin(phase)", to: "P")]),
+        "n": (rates: {"x": "v", "v": "a + f"}, until: [(zero: "-v", to: "p", if: ["s - f"]), (zero: "-v", to: "hold"), (zero: "h - sin(phase)", to: "N")]),
+        "P": (rates: {"x": "v", "v": "a - g"}, until: [(zero: "v", to: "N", if: ["-s - g"]), (zero: "v", to: "Hold"), (zero: "sin(phase) - h", to: "p")]),
+        "N": (rates: {"x": "v", "v": "a + g"}, until: [(zero: "-v", to: "P", if: ["s - g"]), (zero: "-v", to: "Hold"), (zero: "sin(phase) - h", to: "n")]),
+        "hold": (rates: {"x": "0", "v": "0"}, until: [(zero: "f - s", to: "p"), (zero: "f + s", to: "n"), (zero: "h - sin(phase)", to: "P", if: ["s - g"]), (zero: "h - sin(phase)", to: "N", if: ["-s - g"]), (zero: "h - sin(phase)", to: "Hold")]),
+        "Hold": (rates: {"x": "0", "v": "0"}, until: [(zero: "g - s", to: "P"), (zero: "g + s", to: "N"), (zero: "sin(phase) - h", to: "hold")]),
+    },
+)"#;
