@@ -205,6 +205,8 @@ pub struct MultiplierRow {
     re: f64,
     im: f64,
     modulus: f64,
+    /// Radius of the disc about the value in which the multiplier is.
+    error: f64,
 }
 
 impl MultiplierRow {
@@ -217,6 +219,7 @@ impl MultiplierRow {
             re: value.re,
             im: value.im,
             modulus: value.norm(),
+            error: multiplier.error,
         }
     }
 }

@@ -62,6 +62,11 @@ pub enum OrbitStop {
         /// Names of the modes that are left, each once.
         modes: Vec<String>,
     },
+    /// Some states come to rest while others move: what they move by shrinks to nothing.
+    PartRests {
+        /// Names of the states.
+        states: Vec<String>,
+    },
     /// The return map is discontinuous: on the one side of the event motions come back to its orbit, on the other they
     /// come to a place at a finite distance.
     Discontinuous {
@@ -161,6 +166,15 @@ impl fmt::Display for OrbitStop {
                 write!(
                     formatter,
                     "the motion comes to rest: beyond it {names} {last} for ever, wherever it begins"
+                )
+            }
+            OrbitStop::PartRests { states } => {
+                let names: Vec<String> = states.iter().map(|state| format!("`{state}`")).collect();
+                write!(
+                    formatter,
+                    "the motion of {} comes to rest while the rest moves on: beyond it they stand still, which no \
+                     sequence of modes nearby has",
+                    names.join(", ")
                 )
             }
             OrbitStop::Discontinuous { apart } => write!(
@@ -447,6 +461,49 @@ impl AffineOrbit {
             .then_some(OrbitStop::Rests { modes })
     }
 
+    /// Whether some states, not all, vary by next to nothing and ever less. With it what is left of the branch, in units of
+    /// the parameter: ranges fall in proportion to it, or faster.
+    fn part_rests(&self, node: &Node) -> Option<(OrbitStop, f64)> {
+        /// Back along the branch, to where ranges are much larger, and the tolerance of that step.
+        const BACK: f64 = -1e-2;
+        const COARSE: f64 = 1e-8;
+        let units = &self.setting.scales.states;
+        let ranges = |point: &Vector| -> Option<Vec<f64>> {
+            let extremes = self.extremes(point).ok()?;
+            let ranges = extremes.iter().zip(units);
+            Some(
+                ranges
+                    .map(|((low, high), unit)| (high - low) / unit)
+                    .collect(),
+            )
+        };
+        let here = ranges(&node.point)?;
+        let rests = |range: f64| range > 0.0 && range <= NEARLY_AT_REST;
+        if !here.iter().any(|range| rests(*range)) {
+            return None;
+        }
+        let earlier = node_at(self, node, BACK, COARSE)?;
+        let before = ranges(&earlier.point)?;
+        let way = self.parameter_at(&earlier.point) - self.parameter_at(&node.point);
+        let way = (way / self.setting.scales.parameter).abs();
+        // a state that hardly moves anywhere does not come to rest
+        let left = |state: usize| {
+            let (now, then) = (here[state], before[state]);
+            (rests(now) && now < 0.5 * then).then(|| way * now / (then - now))
+        };
+        let resting: Vec<(usize, f64)> = (0..units.len())
+            .filter_map(|state| Some((state, left(state)?)))
+            .collect();
+        let left = resting.iter().map(|(_, left)| *left).fold(0.0, f64::max);
+        if resting.is_empty() || resting.len() == units.len() || left > NEARLY_AT_REST {
+            return None;
+        }
+        let names = &self.setting.system.source.states;
+        let states = resting.iter().map(|(state, _)| names[*state].clone());
+        let states = states.collect();
+        Some((OrbitStop::PartRests { states }, left))
+    }
+
     /// Whether no zone lasts at a point: no sequence of zones goes on from there.
     pub(super) fn lasts_no_time(&self, point: &Vector) -> bool {
         let mut zones = 0..self.zones();
@@ -550,6 +607,7 @@ impl AffineOrbit {
             })
             .or_else(|| self.comes_slowly(node))
             .or_else(|| self.loses_digits(&node.point))
+            .or_else(|| self.part_rests(node).map(|(stop, _)| stop))
     }
 
     /// The homoclinic orbit to which an orbit comes that has lost its digits to growth beside a saddle before it comes
@@ -663,6 +721,7 @@ impl AffineOrbit {
                 None => self.left_beside_a_saddle(node),
             },
             OrbitStop::Grows => slope * self.stretch(point),
+            OrbitStop::PartRests { .. } => self.part_rests(node).map_or(0.0, |(_, left)| left),
             OrbitStop::Rests { modes } => {
                 let moves = |zone: &usize| !modes.contains(&self.sequence.zone(*zone).name);
                 let zones = (0..self.zones()).filter(moves);
