@@ -633,6 +633,10 @@ impl<O: Told> Display for What<O> {
                 f.write_str("a pair of multipliers has the product 1 here too")
             }
             What::Other(kind) => write!(f, "{kind}"),
+            What::Passing([before, after]) => write!(
+                f,
+                "multipliers pass the unit circle together: {before} are outside it before, {after} after"
+            ),
         }
     }
 }

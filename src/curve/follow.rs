@@ -59,6 +59,8 @@ pub struct Tests<P: Plane> {
     pub(super) cusp: Option<(f64, Vector)>,
     /// Those of the plane.
     others: Vec<Test>,
+    /// How many multipliers are outside the unit circle.
+    outside: Option<usize>,
 }
 
 /// A point of a curve with the equations that it solves.
@@ -80,8 +82,10 @@ pub enum Event<P: Plane> {
     Fold,
     /// The factor of a cusp does.
     Cusp,
-    /// Another test function, of this place, does.
-    Other(usize, Test),
+    /// Another test function does: what it is there.
+    Other(Test),
+    /// The number of multipliers outside the unit circle changes, from the first to the second.
+    Passing([usize; 2]),
 }
 
 /// Why an event is no event any more.
@@ -184,6 +188,7 @@ impl<P: Plane> EventCurve<P> {
             fold: None,
             cusp: None,
             others: self.system.tests(&node.point, &at, &examination),
+            outside: P::outside(&self.system.condition, orbit, unknowns),
             examination,
         };
         if self.with_fold {
@@ -324,16 +329,63 @@ impl<P: Plane> EventCurve<P> {
         let tests = step.before.others.iter().zip(&step.after.others);
         for (index, (before, after)) in tests.enumerate() {
             if before.value * after.value < 0.0 {
-                let event = Event::Other(index, *after);
-                located.push(self.zero(step, before.value, after.value, event, |node| {
-                    let at = self.system.orbit(&node.point, 0).ok()?;
-                    let examination = at.0.examination(&at.1).ok()?;
-                    let tests = self.system.tests(&node.point, &at, &examination);
-                    tests.get(index).map(|test| test.value)
-                })?);
+                let tests = |node: &Node| {
+                    let at = self.system.orbit(&node.point, 0)?;
+                    let examination = at.0.examination(&at.1)?;
+                    Ok(self.system.tests(&node.point, &at, &examination))
+                };
+                let event = Event::Other(*after);
+                let (place, _) = self.zero(step, before.value, after.value, event, |node| {
+                    tests(node).ok()?.get(index).map(|test| test.value)
+                })?;
+                // what it is, the place itself tells
+                let there = tests(&place.node).map_err(Refusal::Flow)?;
+                let there = there.get(index).unwrap_or(after);
+                if there.kind.is_some() || there.ends {
+                    located.push((place, Event::Other(*there)));
+                }
             }
         }
         Ok(located)
+    }
+
+    /// Where the number of multipliers outside the unit circle changes within a step in which nothing else happens that
+    /// would tell: an even number passes the circle, of which no test function changes its sign.
+    fn passing(&self, step: &Stage<P>) -> Result<Option<(Place, Event<P>)>, Refusal<P>> {
+        /// Part of the step to which it is located: nearer the circle the number is not known.
+        const WIDTH: f64 = 1e-9;
+        let outside = [step.before.outside, step.after.outside];
+        let [Some(before), Some(after)] = outside else {
+            return Ok(None);
+        };
+        if before == after {
+            return Ok(None);
+        }
+        let (mut low, mut high) = (0.0, step.ds);
+        let mut place = Place {
+            s: high,
+            node: step.to.clone(),
+            blur: 0.0,
+        };
+        while high - low > WIDTH * step.ds {
+            let s = 0.5 * (low + high);
+            let node = locate::node_at(&self.system, step.from, s, step.steps.tolerance);
+            let node = node.ok_or(Refusal::NotLocated)?;
+            let (orbit, unknowns) = self.system.orbit(&node.point, 0).map_err(Refusal::Flow)?;
+            let outside = P::outside(&self.system.condition, &orbit, &unknowns);
+            place = Place {
+                s,
+                node,
+                blur: high - low,
+            };
+            match outside {
+                Some(outside) if outside == before => low = s,
+                Some(_) => high = s,
+                // on the circle
+                None => break,
+            }
+        }
+        Ok(Some((place, Event::Passing([before, after]))))
     }
 
     /// The change of regime where another margin vanishes.
@@ -497,8 +549,8 @@ impl<P: Plane> Curve for EventCurve<P> {
         located: &[(Place, Event<P>)],
     ) -> Within<Close<<P::Orbit as Orbit>::Held>> {
         let ends = |event: &Event<P>| match event {
-            Event::Fold | Event::Cusp => false,
-            Event::Other(_, test) => test.ends,
+            Event::Fold | Event::Cusp | Event::Passing(_) => false,
+            Event::Other(test) => test.ends,
             Event::Edge(..) | Event::Margin(_) => true,
         };
         let end = located.iter().find(|(_, event)| ends(event));
@@ -565,6 +617,10 @@ impl<P: Plane> Curve for EventCurve<P> {
         let mut located = self.edges(step).ok_or(Refusal::NotLocated)?;
         located.extend(self.margins(step)?);
         located.extend(self.signs(step)?);
+        // what is located accounts for the number, or ends the step before its end
+        if located.is_empty() {
+            located.extend(self.passing(step)?);
+        }
         Ok(located)
     }
 
@@ -581,7 +637,7 @@ impl<P: Plane> Curve for EventCurve<P> {
         };
         let there = End::Own(Stop::There);
         // where a pair meets at ±1 there is a fold or a doubling, too: the end goes first
-        let ends = |event: &&Event<P>| matches!(event, Event::Other(_, test) if test.ends);
+        let ends = |event: &&Event<P>| matches!(event, Event::Other(test) if test.ends);
         let first = together.iter().find(ends).unwrap_or(&together[0]);
         Ok(match first {
             Event::Edge(index, value) => {
@@ -624,13 +680,12 @@ impl<P: Plane> Curve for EventCurve<P> {
                 say(PointType::CP, &What::Cusp);
                 Outcome::Passed(solved)
             }
-            Event::Other(index, test) => {
-                // what it is, the place itself tells
-                let at = self.system.orbit(&place.node.point, 0);
-                let at = at.map_err(Refusal::Flow)?;
-                let examination = at.0.examination(&at.1).map_err(Refusal::Flow)?;
-                let tests = self.system.tests(&place.node.point, &at, &examination);
-                let kind = match tests.get(*index).unwrap_or(test).kind {
+            Event::Passing(outside) => {
+                solved.point.what = P::say(&What::Passing(*outside));
+                Outcome::Passed(solved)
+            }
+            Event::Other(test) => {
+                let kind = match test.kind {
                     Some(PointType::One(other)) => Some(PointType::Two(self.event, other)),
                     kind => kind,
                 };

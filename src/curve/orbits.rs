@@ -112,12 +112,13 @@ fn monodromy(orbit: &AffineOrbit, point: &Vector) -> Option<Monodromy> {
     orbit.monodromy(point).ok()?
 }
 
-/// How many multipliers are outside the unit circle, where they have a limit and none is on it.
-fn growing(orbit: &AffineOrbit, point: &Vector) -> Option<usize> {
+/// How many multipliers are outside the unit circle, where they have a limit and so many are on it.
+fn growing(orbit: &AffineOrbit, point: &Vector, on_circle: usize) -> Option<usize> {
     let all = monodromy(orbit, point)?.multipliers();
-    let told = |one: &Multiplier| one.is_finite() && !one.is_on_circle();
-    let outside = all.iter().filter(|one| one.is_outside()).count();
-    all.iter().all(told).then_some(outside)
+    let count = |is: fn(&Multiplier) -> bool| all.iter().filter(|one| is(one)).count();
+    let told =
+        all.iter().all(Multiplier::is_finite) && count(Multiplier::is_on_circle) == on_circle;
+    told.then(|| count(Multiplier::is_outside))
 }
 
 impl Plane for Orbits {
@@ -248,7 +249,7 @@ impl Plane for Orbits {
 
     fn passing(orbit: &AffineOrbit, point: &Vector) -> String {
         let name = Orbits::name(orbit, point);
-        match growing(orbit, point) {
+        match growing(orbit, point, 0) {
             None => name,
             Some(0) => format!("stable {name}"),
             Some(_) => format!("unstable {name}"),
@@ -266,7 +267,7 @@ impl Plane for Orbits {
         point: &Vector,
         _: Option<EventType>,
     ) -> Option<Option<Name>> {
-        Some(growing(orbit, point).map(Name::Outside))
+        Some(growing(orbit, point, 0).map(Name::Outside))
     }
 
     fn is_doubling(spectral: &Critical) -> bool {
@@ -414,6 +415,19 @@ impl Plane for Orbits {
             }
             Condition::Margin(_) => vec![doubling, pair(1, f64::NAN)],
         }
+    }
+
+    fn outside(
+        condition: &Condition<Orbits>,
+        orbit: &AffineOrbit,
+        point: &Vector,
+    ) -> Option<usize> {
+        let own = match condition {
+            Condition::Margin(_) => 0,
+            Condition::Spectral(Critical::Torus) => 2,
+            Condition::Fold | Condition::Spectral(_) => 1,
+        };
+        growing(orbit, point, own)
     }
 
     fn say(what: &What<AffineOrbit>) -> String {

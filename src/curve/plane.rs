@@ -226,6 +226,12 @@ pub trait Plane: Data {
         examination: &ExaminationOf<Self>,
     ) -> Vec<Test>;
 
+    /// How many multipliers are outside the unit circle beside those of the event, which are on it; `None` where that is
+    /// not known, or not asked.
+    fn outside(_: &Condition<Self>, _: &Self::Orbit, _: &Vector) -> Option<usize> {
+        None
+    }
+
     /// A sentence of what happens.
     fn say(what: &What<Self::Orbit>) -> String;
 }

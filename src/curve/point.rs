@@ -167,6 +167,8 @@ pub enum What<O: Orbit> {
     Cusp,
     /// Another test function vanishes.
     Other(PointType),
+    /// The number of multipliers outside the unit circle changes, from the first to the second.
+    Passing([usize; 2]),
     /// Something comes so close to zero that rounding decides.
     Close(Close<O::Held>),
 }

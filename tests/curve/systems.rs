@@ -75,6 +75,68 @@ fn of(curve: &Curve<Orbits>, kind: PointType) -> Vec<&Point> {
     points.filter(|point| point.kind == Some(kind)).collect()
 }
 
+/// An oscillator below a stop beside two equal maps p → 0.1 − a p e^(−bT) at every period.
+const MAPS_BESIDE: &str = r#"(
+    system: (
+        states: ["x", "v", "p", "q"],
+        parameters: {"c": 0.1, "A": 0.05, "w": 1.0, "d": 1.0, "e": 0.8, "a": 1.0, "b": 0.1},
+        forcing: "w",
+        define: {"force": "A*cos(phase) - c*v - x"},
+        modes: {
+            "up": (
+                rates: {"x": "v", "v": "force", "p": "-b*p", "q": "-b*q"},
+                until: [(zero: "cos(phase)", to: "down"), (zero: "d - x", to: "up", reset: {"v": "-e*v"})],
+            ),
+            "down": (
+                rates: {"x": "v", "v": "force", "p": "-b*p", "q": "-b*q"},
+                until: [
+                    (zero: "-cos(phase)", to: "up", reset: {"p": "0.1 - a*p", "q": "0.1 - a*q"}),
+                    (zero: "d - x", to: "down", reset: {"v": "-e*v"}),
+                ],
+            ),
+        },
+    ),
+    orbit: (start: Simulate(mode: "up", state: {"x": 0.0, "v": 0.0, "p": 0.0, "q": 0.0}, settle: 100)),
+    continuation: (parameter: "A", range: (0.04, 0.2), toward: Up),
+    curve: (event: GR, parameters: ("A", "a"), range: ((0.04, 0.2), (0.5, 3.0))),
+)"#;
+
+/// Along the graze at A = 0.1 the multipliers −a e^(−bT) of both maps pass −1 at a = e^(bT) together: no determinant
+/// changes its sign there, and a point of the curve says so.
+#[test]
+fn two_multipliers_that_pass_together_are_told() {
+    let Any::System(problem) = parse_any(MAPS_BESIDE, "test").unwrap() else {
+        panic!("a system");
+    };
+    let curve = curve(&problem);
+    let told = curve
+        .points
+        .iter()
+        .filter(|point| point.what.contains("pass the unit circle together"));
+    let told: Vec<&Point> = told.collect();
+    assert_eq!(
+        told.len(),
+        1,
+        "{:?}",
+        curve
+            .points
+            .iter()
+            .map(|point| &point.what)
+            .collect::<Vec<_>>()
+    );
+    let [force, a] = told[0].parameters;
+    // located to 1e-9 of a step, which is shorter than the range of 2.5
+    let off = (a - (0.1 * TAU).exp()).abs();
+    assert!(
+        (force - 0.1).abs() < 1e-12 && off < 2.5e-9,
+        "{force} {off:e}"
+    );
+    assert!(
+        told[0].what.contains("0 are outside it before, 2 after")
+            || told[0].what.contains("2 are outside it before, 0 after")
+    );
+}
+
 const BALL_START: &str =
     "start: Given(mode: \"flight\", state: {\"y\": 0.0, \"v\": 2.0944}, phase: 0.01414)";
 
