@@ -205,8 +205,6 @@ pub struct MultiplierRow {
     re: f64,
     im: f64,
     modulus: f64,
-    /// Radius of the disc about the value in which the multiplier is.
-    error: f64,
 }
 
 impl MultiplierRow {
@@ -219,7 +217,6 @@ impl MultiplierRow {
             re: value.re,
             im: value.im,
             modulus: value.norm(),
-            error: multiplier.error,
         }
     }
 }
