@@ -66,17 +66,8 @@ impl System {
             known.push((define, degree));
         }
         let of = |one: &str| degree_of(one, name, &known);
-        let switches = self.modes.iter().flat_map(|mode| &mode.switches);
-        let of_switches = switches.flat_map(|switch| {
-            let reset = switch.reset.iter().map(|(_, expression)| expression);
-            [&switch.zero]
-                .into_iter()
-                .chain(reset)
-                .chain(&switch.conditions)
-        });
-        let rates = self.modes.iter().flat_map(|mode| &mode.rates);
-        let mut all = rates.chain(of_switches).chain(&self.forcing);
-        all.all(|expression| expression.degree(&of).is_some())
+        self.expressions()
+            .all(|expression| expression.degree(&of).is_some())
     }
 
     /// The same as [`System::at`] for a forcing of any frequency.

@@ -404,24 +404,24 @@ impl System {
         let mut take = |name: &str, _: &Range<usize>| {
             used.insert(name.to_owned());
         };
+        let all = self.expressions().chain(&self.define);
+        all.for_each(|expression| expression.names(&mut take));
+        let names = self.source.parameters.names();
+        names.filter(|name| !used.contains(*name)).collect()
+    }
+
+    /// All expressions but abbreviations: rates, guards, resets, conditions, and the frequency of the forcing.
+    pub(super) fn expressions(&self) -> impl Iterator<Item = &Expression> {
         let switches = self.modes.iter().flat_map(|mode| &mode.switches);
         let of_switches = switches.flat_map(|switch| {
-            let reset = switch.reset.iter().map(|(_, value)| value);
+            let reset = switch.reset.iter().map(|(_, expression)| expression);
             [&switch.zero]
                 .into_iter()
                 .chain(reset)
                 .chain(&switch.conditions)
         });
         let rates = self.modes.iter().flat_map(|mode| &mode.rates);
-        let all = self
-            .forcing
-            .iter()
-            .chain(&self.define)
-            .chain(rates)
-            .chain(of_switches);
-        all.for_each(|expression| expression.names(&mut take));
-        let names = self.source.parameters.names();
-        names.filter(|name| !used.contains(*name)).collect()
+        rates.chain(of_switches).chain(&self.forcing)
     }
 
     /// Names of modes to which no switch leads; none of them is a sliding mode.
