@@ -269,7 +269,7 @@ fn polynomial(series: &Series, row: &Vector, length: f64) -> ([f64; COEFFICIENTS
 impl ModeFlow {
     /// The flow of a mode in pieces no longer than `longest`.
     pub fn new(mode: &AffineMode, longest: f64) -> ModeFlow {
-        ModeFlow::balanced(mode, longest, || balance(&mode.matrix.at))
+        ModeFlow::balanced(mode, longest, || balance(&mode.matrix.at, longest.recip()))
     }
 
     /// The same, where the matrix has been balanced.

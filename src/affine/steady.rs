@@ -581,7 +581,7 @@ fn eigenvalues_within(slopes: &Matrix, normal: Option<&Vector>) -> Vec<Eigenvalu
         return known_eigenvalues(slopes).unwrap_or_default();
     };
     // the state that the surface gives by the others; the largest entry of the normal in the units of the slopes
-    let (units, _) = crate::linalg::balance(slopes);
+    let (units, _) = crate::linalg::balance(slopes, 0.0);
     let axis = normal.component_mul(&units).iamax();
     let others: Vec<usize> = (0..normal.len()).filter(|index| *index != axis).collect();
     let within = Matrix::from_fn(others.len(), others.len(), |i, j| {

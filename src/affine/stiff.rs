@@ -68,7 +68,13 @@ impl Splitting {
         for count in 1..values.len() {
             decay = decay.min(-values[count - 1].re);
             if decay > GAP * values[count].norm() {
-                all.extend(Splitting::new(&scaled, scales, norm, decay, count));
+                all.extend(Splitting::new(
+                    &scaled,
+                    scales,
+                    (norm, longest),
+                    decay,
+                    count,
+                ));
             }
         }
         all.reverse();
@@ -79,7 +85,7 @@ impl Splitting {
     fn new(
         scaled: &Matrix,
         scales: &Vector,
-        norm: f64,
+        (norm, longest): (f64, f64),
         decay: f64,
         count: usize,
     ) -> Option<Splitting> {
@@ -172,7 +178,7 @@ impl Splitting {
             }
         }
         Some(Splitting {
-            balance: balance(&slow),
+            balance: balance(&slow, longest.recip()),
             rates: (
                 fast.column_iter()
                     .map(|column| column.lp_norm(1))
@@ -227,7 +233,7 @@ mod tests {
         let (b, c) = (1e3, 1e6);
         let rates = [-1.0, 1.0, 0.0, 0.0, -b, b, 0.0, 0.0, -c];
         let matrix = Matrix::from_row_slice(3, 3, &rates);
-        let (scales, norm) = balance(&matrix);
+        let (scales, norm) = balance(&matrix, 0.0);
         let all = Splitting::all(&matrix, &scales, norm, 1.0);
         let sizes: Vec<usize> = all.iter().map(|way| way.slow.nrows()).collect();
         assert_eq!(sizes, [1, 2]);

@@ -5,18 +5,61 @@ use super::{Matrix, Vector};
 /// Sweeps that balance a matrix: each at least halves what is left to gain.
 const SWEEPS: usize = 20;
 
+/// Which coordinate acts on which, by however many steps: entry (i, j) where j acts on i.
+pub(super) fn acts(matrix: &Matrix) -> nalgebra::DMatrix<bool> {
+    let n = matrix.nrows();
+    let mut acts = matrix.map(|entry| entry != 0.0);
+    for middle in 0..n {
+        for column in 0..n {
+            if acts[(middle, column)] {
+                (0..n).for_each(|row| acts[(row, column)] |= acts[(row, middle)]);
+            }
+        }
+    }
+    acts
+}
+
 /// Powers of two d for which the largest column sum of D⁻¹MD is small, and that sum.
 ///
 /// Osborne's method: rows and columns of one index get the same size. Units as different as volts and seconds
-/// would otherwise make pieces a hundred times too short.
-pub fn balance(matrix: &Matrix) -> (Vector, f64) {
+/// would otherwise make pieces a hundred times too short. It tells nothing of a coordinate that acts on others which do
+/// not act back, as a constant or a speed that stays do: what goes one way could be made as small as one likes. It is made
+/// no larger than what goes round, or than `slow`, a rate that counts for nothing.
+pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
     let size = matrix.nrows();
     let mut scales = Vector::repeat(size, 1.0);
     let diagonal = matrix.diagonal().abs();
     let mut scaled = matrix.abs();
     scaled.fill_diagonal(0.0);
+    let norm = |scaled: &Matrix| {
+        let sums = scaled.column_iter().zip(&diagonal);
+        let sums = sums.map(|(column, own)| column.sum() + own);
+        sums.fold(0.0, f64::max)
+    };
+    let acts = acts(&scaled);
+    let goes_round = |i: usize, j: usize| acts[(i, j)] && acts[(j, i)];
+    let mut round = Matrix::from_fn(size, size, |i, j| match goes_round(i, j) {
+        true => scaled[(i, j)],
+        false => 0.0,
+    });
+    even(&mut round, &mut scales, 0.0);
+    let least = norm(&round).max(slow);
+    for (j, own) in scales.iter().enumerate() {
+        scaled.column_mut(j).scale_mut(*own);
+        scaled.row_mut(j).scale_mut(own.recip());
+    }
+    even(&mut scaled, &mut scales, least);
+    let norm = norm(&scaled);
+    (scales, norm)
+}
+
+/// Makes rows and columns alike in size, where either is larger than `least`: a matrix without its diagonal, and the scales
+/// in which it is.
+fn even(scaled: &mut Matrix, scales: &mut Vector, least: f64) {
+    let size = scaled.nrows();
     // the power of two nearest to √(row/column)
     let wanted = |row: f64, column: f64| {
+        let (row, column) = (row.max(least), column.max(least));
         if row < 2.0 * column && column < 2.0 * row {
             return None;
         }
@@ -56,7 +99,36 @@ pub fn balance(matrix: &Matrix) -> (Vector, f64) {
             break;
         }
     }
-    let sums = scaled.column_iter().zip(&diagonal);
-    let sums = sums.map(|(column, own)| column.sum() + own);
-    (scales, sums.fold(0.0, f64::max))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ẋ = v, v̇ = 0, φ turning at rate 2, a force F cos φ + G on y: with every unit the norm is that of what turns.
+    #[test]
+    fn what_goes_one_way_makes_nothing_fast() {
+        let of = |units: [f64; 5], turn: f64| {
+            // x, v, y, cos, 1
+            let mut matrix = Matrix::zeros(6, 6);
+            matrix[(0, 1)] = 1.0;
+            matrix[(2, 3)] = 0.7;
+            matrix[(2, 5)] = 0.3;
+            matrix[(3, 4)] = -turn;
+            matrix[(4, 3)] = turn;
+            let unit = |index: usize| units.get(index).copied().unwrap_or(1.0);
+            Matrix::from_fn(6, 6, |i, j| matrix[(i, j)] * unit(j) / unit(i))
+        };
+        for turn in [0.0, 2.0] {
+            for large in [1e-9, 1e-3, 1e6, 1e9] {
+                for state in 0..3 {
+                    let mut units = [1.0; 5];
+                    units[state] = large;
+                    let (scales, norm) = balance(&of(units, turn), 1.0);
+                    assert!(norm <= 2.0 * (turn + 2.0), "{units:?}: {norm}");
+                    assert!(scales.iter().all(|scale| scale.is_normal()));
+                }
+            }
+        }
+    }
 }

@@ -5,8 +5,9 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::Matrix;
+use super::balance::{acts, balance};
 use super::solve::exact_sum;
-use super::{Matrix, balance};
 
 /// Roundings of the decomposition per coordinate, relative to the matrix.
 const ROUNDINGS: f64 = 8.0;
@@ -43,15 +44,7 @@ fn blocks(matrix: &Matrix) -> Option<Vec<Matrix>> {
     if !matrix.is_square() || !matrix.iter().all(|x| x.is_finite()) {
         return None;
     }
-    // which coordinate acts on which, by however many steps
-    let mut acts = matrix.map(|entry| entry != 0.0);
-    for middle in 0..n {
-        for column in 0..n {
-            if acts[(middle, column)] {
-                (0..n).for_each(|row| acts[(row, column)] |= acts[(row, middle)]);
-            }
-        }
-    }
+    let acts = acts(matrix);
     let mut seen = vec![false; n];
     let mut blocks = Vec::new();
     for first in 0..n {
@@ -63,7 +56,7 @@ fn blocks(matrix: &Matrix) -> Option<Vec<Matrix>> {
         let own: Vec<usize> = (first..n).filter(alike).collect();
         own.iter().for_each(|index| seen[*index] = true);
         let block = Matrix::from_fn(own.len(), own.len(), |i, j| matrix[(own[i], own[j])]);
-        let (scales, _) = balance(&block);
+        let (scales, _) = balance(&block, 0.0);
         blocks.push(Matrix::from_fn(own.len(), own.len(), |i, j| {
             block[(i, j)] * scales[j] / scales[i]
         }));

@@ -134,7 +134,8 @@ impl Posed {
 
     /// The scales of z that balance the matrix of a mode, and its norm then.
     fn balance(&self, mode: usize) -> &(Vector, f64) {
-        self.balances[mode].get_or_init(|| balance(&self.system.modes[mode].matrix.at))
+        self.balances[mode]
+            .get_or_init(|| balance(&self.system.modes[mode].matrix.at, self.longest.recip()))
     }
 
     /// Whether what facts follow from is the same in the system at another value of the parameter: rates and resets but

@@ -109,7 +109,7 @@ impl Flow {
         };
         let (at, by) = (rows(|entry| entry.value), rows(|entry| entry.by[0]));
         let size = at.len();
-        let (scales, _) = balance(&Matrix::from_fn(size, size, |i, j| at[i][j].middle()));
+        let (scales, _) = balance(&Matrix::from_fn(size, size, |i, j| at[i][j].middle()), 0.0);
         Flow {
             norm: norm(&scales, &at),
             norm_by: norm(&scales, &by),
