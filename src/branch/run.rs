@@ -291,6 +291,7 @@ impl Runner {
     /// A crossing of the imaginary axis as a point of the branch.
     fn crossing(&mut self, wave: &Arc<Wave>, (located, spectrum): Crossing) -> Option<Item> {
         let examination = examine(wave, &located.node.point).ok()?;
+        let spectrum = spectrum.with_crossing(located.sector, located.omega);
         let found = Found {
             special: Some(Special::Own(OfWaves::Crossing {
                 sector: located.sector,

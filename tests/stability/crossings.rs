@@ -65,8 +65,27 @@ fn matched(name: &str, rows: &Rows, expected: &[Expectation]) {
         events.remove(index);
     }
     assert!(events.is_empty(), "{name}: not expected: {events:?}");
+    on_axis(name, rows);
     assert!(rows.notes.is_empty(), "{name}: {:?}", rows.notes);
     observed(&format!("crossings of {name}"), worst);
+}
+
+/// At a crossing the eigenvalue that crosses is on the imaginary axis, and no rounding of its place has it grow or decay.
+fn on_axis(name: &str, rows: &Rows) {
+    let mut listed = 0;
+    for item in &rows.items {
+        let event = item.event.as_ref();
+        let crossing = event.and_then(|event| Some((event.sector?, event.omega?)));
+        let Some((sector, omega)) = crossing else {
+            continue;
+        };
+        let own = item.eigenvalues.iter().filter(|one| one.sector == sector);
+        for one in own.filter(|one| (one.im - omega).abs() < BOUND && one.re.abs() < BOUND) {
+            assert_eq!(one.re, 0.0, "{name}: {one:?}");
+            listed += 1;
+        }
+    }
+    assert!(listed > 0, "{name}");
 }
 
 /// The jump of the count on the full circle that an event tells of.

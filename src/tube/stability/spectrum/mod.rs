@@ -157,6 +157,32 @@ impl Spectrum {
             .sum()
     }
 
+    /// The spectrum at a located crossing of a sector at iω: the eigenvalue there is on the imaginary axis, from which the error
+    /// of the parameter moves it.
+    pub(crate) fn with_crossing(mut self, sector: usize, omega: f64) -> Spectrum {
+        /// Times [`ON_AXIS`]: beside a zone without length growth changes with the parameter like a square root.
+        const NEAR: f64 = 1e4;
+        let near = NEAR * self.axis;
+        let conjugate = self.symmetric(sector).then_some(-omega);
+        let grew = self.unstable() > 0;
+        let own = self.sectors.iter_mut().find(|one| one.sector == sector);
+        if let Some(own) = own {
+            for omega in [omega].into_iter().chain(conjugate) {
+                let far = |one: &Eigenvalue| (one.value() - C64::new(0.0, omega)).norm();
+                let eigenvalues = own.eigenvalues.iter_mut();
+                let nearest = eigenvalues.min_by(|one, other| far(one).total_cmp(&far(other)));
+                if let Some(one) = nearest.filter(|one| far(one) <= near) {
+                    one.re = 0.0;
+                }
+            }
+        }
+        if grew && self.unstable() == 0 {
+            self.stable = Stability::Undecided;
+            self.reasons.push(Reason::OnAxis);
+        }
+        self
+    }
+
     /// A number of every sector, added up over the full circle: a sector j and its conjugate k − j
     /// count both.
     fn on_circle(&self, number: impl Fn(&Sector) -> usize) -> usize {
