@@ -205,6 +205,7 @@ pub struct MultiplierRow {
     re: f64,
     im: f64,
     modulus: f64,
+    error: f64,
 }
 
 impl MultiplierRow {
@@ -217,6 +218,7 @@ impl MultiplierRow {
             re: value.re,
             im: value.im,
             modulus: value.norm(),
+            error: multiplier.error,
         }
     }
 }

@@ -288,7 +288,7 @@ fn a_multiplier_that_is_lost_in_rounding_is_not_on_the_circle() {
 }
 
 /// Systems with one state in other units: {u} of it are one of before.
-const IN_UNITS: [(&str, &str, &str, &str); 3] = [
+const IN_UNITS: [(&str, &str, &str, &str); 6] = [
     (
         r#"(
             states: ["x", "v"],
@@ -346,6 +346,58 @@ const IN_UNITS: [(&str, &str, &str, &str); 3] = [
         r#"(parameter: "alpha", range: (7.5, 8.6), toward: Both)"#,
         "alpha",
     ),
+    // a speed that nothing changes while the mass sticks
+    (
+        r#"(
+            states: ["x", "v"],
+            parameters: {"w": 0.8, "F": 0.66, "U": {u}},
+            forcing: "w",
+            define: {"rest": "cos(phase) - 0.1*v/U - x"},
+            modes: {
+                "forth": (rates: {"x": "v/U", "v": "U*(rest - F)"}, until: [(zero: "v", to: "back")]),
+                "back": (rates: {"x": "v/U", "v": "U*(rest + F)"}, until: [(zero: "-v", to: "forth")]),
+            },
+            sliding: {"stick": ("forth", "back")},
+        )"#,
+        r#"(start: Simulate(mode: "forth", state: {"x": 0.0, "v": 0.0}, settle: 50))"#,
+        r#"(parameter: "w", range: (0.6, 0.8), toward: Down)"#,
+        "w",
+    ),
+    // a place that nothing depends on but when the next zone begins
+    (
+        r#"(
+            states: ["x", "v"],
+            parameters: {"z": 0.01, "k": 1.0, "U": {u}},
+            modes: {
+                "slip": (rates: {"x": "U*v", "v": "k - x/U - 2*z*v"}, until: [(zero: "1 - v", to: "stick")]),
+                "stick": (rates: {"x": "U", "v": "0"}, until: [(zero: "1.5 - x/U - 2*z", to: "slip")]),
+            },
+        )"#,
+        r#"(start: Simulate(mode: "stick", state: {"x": 0.0, "v": 1.0}, settle: 50))"#,
+        r#"(parameter: "z", range: (0.0, 0.03), toward: Both)"#,
+        "z",
+    ),
+    // a ramp that acts on what it switches, and on which nothing acts
+    (
+        r#"(
+            states: ["v", "i", "r"],
+            parameters: {"E": 1.5, "U": {u}},
+            define: {"g": "2.5*(v - 0.8)"},
+            modes: {
+                "off": (rates: {"v": "i - 0.5*v", "i": "-v", "r": "U"}, until: [
+                    (zero: "g - r/U", to: "on"), (zero: "1 - r/U", to: "off", reset: {"r": "0"}, if: ["g"]),
+                    (zero: "1 - r/U", to: "on", reset: {"r": "0"}),
+                ]),
+                "on": (rates: {"v": "i - 0.5*v", "i": "E - v", "r": "U"}, until: [
+                    (zero: "r/U - g", to: "off"), (zero: "1 - r/U", to: "off", reset: {"r": "0"}, if: ["g"]),
+                    (zero: "1 - r/U", to: "on", reset: {"r": "0"}),
+                ]),
+            },
+        )"#,
+        r#"(start: Simulate(mode: "off", state: {"v": 0.5, "i": 0.2, "r": 0.0}, settle: 300))"#,
+        r#"(parameter: "E", range: (0.9, 6.0), toward: Both)"#,
+        "E",
+    ),
 ];
 
 #[test]
@@ -358,7 +410,7 @@ fn units_change_nothing() {
         let plain = of(0);
         let expected = events(&plain, parameter);
         assert!(!expected.is_empty());
-        for k in [-9, -6, -3, 2, 5, 9] {
+        for k in [-9, -6, -3, 2, 5, 8, 9] {
             let items = of(k);
             let seen = events(&items, parameter);
             assert_eq!(seen.len(), expected.len(), "{k}: {seen:?} for {expected:?}");
@@ -391,6 +443,33 @@ fn units_change_nothing() {
             }
         }
     }
+}
+
+/// Where a zone in which nothing slides shrinks to nothing before sliding, the motion comes to its surface ever more slowly. What
+/// sliding takes away is gone all the same: the multipliers are 1, of the shift in time, and 0.
+#[test]
+fn sliding_begins_with_multipliers_however_slowly_it_is_come_to() {
+    let text = fs::read_to_string(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/problems/predator_prey.ron"
+    ));
+    let items = rows(&text.unwrap());
+    let changes = items
+        .iter()
+        .filter(|item| item.point.kind == Some(EventType::SL));
+    let mut count = 0;
+    for item in changes {
+        let values = item.point.multipliers.iter().map(|one| one.value);
+        let mut values: Vec<f64> = values.map(|value| value.re).collect();
+        values.sort_by(f64::total_cmp);
+        assert_eq!(values, [0.0, 1.0]);
+        assert_eq!(
+            (item.point.stable, item.point.unstable),
+            (Some(Stability::Yes), Some(0))
+        );
+        count += 1;
+    }
+    assert_eq!(count, 2);
 }
 
 #[test]

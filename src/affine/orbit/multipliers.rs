@@ -199,15 +199,25 @@ impl OrbitAt<'_> {
         let reset = passage.slopes(&exit.reset.at);
         let known = exit.reset.at.abs() * rate.abs() + sizes;
         let bounds = (reset.abs() + known * (normal.transpose() / fall).abs()) * NOTHING;
-        let jump = &reset + &shift * normal.transpose() / fall;
-        let (jump, bounds) = match self.onto_surface(zone + 1) {
-            Some(surface) => (
-                &surface * &jump,
-                surface.abs() * (bounds + jump.abs() * NOTHING),
-            ),
-            None => (jump, bounds),
+        let speed = -fall * self.orbit.setting.scales.time / self.orbit.size(row);
+        let surface = self.onto_surface(zone + 1);
+        let (jump, lost, fall) = match surface {
+            // however slowly the motion comes to where sliding begins
+            Some(surface) if self.comes_straight(zone) => (surface, 1, 1.0),
+            // nothing jumps: what a graze would magnify is zero
+            None if shift.amax() == 0.0 => (reset.clone(), n - rank(reset, bounds), speed),
+            _ => {
+                let jump = &reset + &shift * normal.transpose() / fall;
+                let (jump, bounds) = match surface {
+                    Some(surface) => (
+                        &surface * &jump,
+                        surface.abs() * (bounds + jump.abs() * NOTHING),
+                    ),
+                    None => (jump, bounds),
+                };
+                (jump.clone(), n - rank(jump, bounds), speed)
+            }
         };
-        let lost = n - rank(jump.clone(), bounds);
         Link {
             flow: passage.forward(),
             rates: rates(rate),
@@ -217,7 +227,7 @@ impl OrbitAt<'_> {
                 lost,
                 after,
             }),
-            fall: -fall * self.orbit.setting.scales.time / self.orbit.size(row),
+            fall,
         }
     }
 
