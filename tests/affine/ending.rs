@@ -101,6 +101,35 @@ fn a_jump_of_the_return_map_is_an_end() {
     );
 }
 
+/// A clock: a pendulum with dry friction, kicked as it comes back through x = 0, in which nobody has written down stick.
+const CLOCK: &str = r#"(
+    states: ["x", "v"],
+    parameters: {"f": 0.05, "z": 0.02, "p": 0.3},
+    define: {"s": "-sin(x) - 2*z*v"},
+    modes: {
+        "right": (rates: {"x": "v", "v": "s - f"}, until: [(zero: "v", to: "left")]),
+        "left": (rates: {"x": "v", "v": "s + f"}, until: [(zero: "-v", to: "pre")]),
+        "pre": (rates: {"x": "v", "v": "s - f"}, until: [(zero: "-x", to: "right", reset: {"v": "sqrt(v^2 + p^2)"}), (zero: "v", to: "left")]),
+    },
+)"#;
+
+/// With a weak kick the pendulum only just comes back to x = 0, at a value that an independent integration of one swing
+/// confirms. Beyond it turns before and comes to where it would stick, which no mode does: the end says where that is missing,
+/// though the strength of the kick has no part in the way there.
+#[test]
+fn stick_that_is_missing_is_named() {
+    let clock = settled(CLOCK, &[], "p", "right", &[0.0, 1.0], 400.0);
+    let (seen, all) = follow(&clock.0, &clock.1, false, (0.05, 3.0), 2000);
+    let graze = 0.265_111_038_339_112;
+    meets(&seen, &[(GR, graze, ""), (MX, graze, "")], 1e-11);
+    let reason = why(&all);
+    assert!(
+        reason.contains("motions beside its orbit stop where `-v` of `left` is zero")
+            && reason.contains("an entry of `sliding` for the two modes is missing"),
+        "{reason}"
+    );
+}
+
 /// Two masses with Coulomb friction, the first of them forced.
 const TWO_MASSES: &str = r#"(
     states: ["x", "v", "y", "u"],

@@ -4,6 +4,9 @@
 //! event lies between them, but for chance. Where the map is continuous both come back next to where they began after one
 //! period, and nearer the smaller δ is. Where motions of one side do and those of the other come, however small δ is, to
 //! one place at a finite distance, or do not go on, the map jumps at the orbit: no sequence of zones goes on from there.
+//!
+//! Where the parameter has no part in the way to the event, as that of an impulse which is given there, rounding decides on
+//! both sides what becomes of them: then motions begin beside the orbit in one state after the other, at p itself.
 
 use super::OrbitStop;
 use super::layout::AffineOrbit;
@@ -11,7 +14,7 @@ use crate::affine::motion::{Halt, Motion, Place, Step};
 use crate::linalg::Vector;
 use crate::orbit::Orbit;
 
-/// δ, as parts of the range of the parameter.
+/// δ, as parts of the range of the parameter, or of the unit of a state.
 const BESIDE: [f64; 3] = [1e-5, 1e-7, 1e-9];
 
 /// A motion has come back where it is off by less than this at the least δ, as a part of the range of each state, and by
@@ -41,11 +44,15 @@ enum Fate {
 impl AffineOrbit {
     /// Why no orbit is near beyond an event, by the motions beside it; `None` where they do not tell.
     pub(super) fn jumps(&self, point: &Vector) -> Option<OrbitStop> {
-        let fates = [-1.0, 1.0].map(|side| self.fate(point, side));
-        let other = match fates {
-            [Some(Fate::Returns), Some(other)] | [Some(other), Some(Fate::Returns)] => other,
-            _ => return None,
-        };
+        let mut axes = std::iter::once(None).chain((0..self.states()).map(Some));
+        let other =
+            axes.find_map(
+                |axis| match [-1.0, 1.0].map(|side| self.fate(point, axis, side)) {
+                    [Some(Fate::Returns), Some(Fate::Returns)] => None,
+                    [Some(Fate::Returns), other] | [other, Some(Fate::Returns)] => other,
+                    _ => None,
+                },
+            )?;
         match other {
             Fate::Returns => None,
             Fate::Elsewhere(apart) => Some(OrbitStop::Discontinuous { apart }),
@@ -59,9 +66,9 @@ impl AffineOrbit {
         }
     }
 
-    /// The fate of motions on one side; `None` where there is none.
-    fn fate(&self, point: &Vector, side: f64) -> Option<Fate> {
-        let offs = BESIDE.map(|part| self.off_after_a_period(point, side * part));
+    /// The fate of motions on one side, of the parameter or of a state; `None` where there is none.
+    fn fate(&self, point: &Vector, axis: Option<usize>, side: f64) -> Option<Fate> {
+        let offs = BESIDE.map(|part| self.off_after_a_period(point, axis, side * part));
         let [first, between, last] = offs;
         match (first?, last?) {
             (Ok(first), Ok(last)) => {
@@ -83,23 +90,37 @@ impl AffineOrbit {
         }
     }
 
-    /// How far a motion is off after a period that begins on the orbit of a point at another value of the parameter, in
-    /// units of the range of each state; why it does not go on. `None` where it cannot be looked at.
-    fn off_after_a_period(&self, point: &Vector, by: f64) -> Option<Result<f64, Halt>> {
+    /// How far a motion is off after a period that begins on the orbit of a point at another value of the parameter, or beside
+    /// it in a state, in units of the range of each state; why it does not go on. `None` where it cannot be looked at: beside
+    /// its surface no motion slides.
+    fn off_after_a_period(
+        &self,
+        point: &Vector,
+        axis: Option<usize>,
+        by: f64,
+    ) -> Option<Result<f64, Halt>> {
         let at = self.at(point).ok()?;
         let zones = at.zones.iter().enumerate();
         let longest = zones.max_by(|(_, one), (_, other)| one.duration.total_cmp(&other.duration));
         let (zone, longest) = longest?;
         let half = 0.5 * longest.duration;
         let z = at.along(zone, std::iter::once(half)).ok()?.pop()?;
-        let begin = Place {
+        let setting = &self.setting;
+        let units = &setting.scales.states;
+        if axis.is_some() && at.mode(zone).surface.is_some() {
+            return None;
+        }
+        let mut begin = Place {
             time: 0.0,
             phase: longest.phase + at.posed.system.omega.value * half,
             mode: self.sequence.zone(zone).mode,
             state: z.rows(0, self.states()).iter().copied().collect(),
         };
-        let value = self.parameter_at(point) + by * self.unit();
-        let setting = &self.setting;
+        let mut value = self.parameter_at(point);
+        match axis {
+            None => value += by * self.unit(),
+            Some(axis) => begin.state[axis] += by * units[axis],
+        }
         let values = setting.values_at(value);
         let system = setting.system.at(&values, &[setting.parameter]).ok()?;
         let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
@@ -109,7 +130,6 @@ impl AffineOrbit {
                 Ok(Step::Reached) => {
                     let extremes = self.extremes(point).ok()?;
                     let states = begin.state.iter().zip(&motion.place().state).zip(&extremes);
-                    let units = &setting.scales.states;
                     let offs = states
                         .zip(units)
                         .map(|(((one, other), (low, high)), unit)| {

@@ -191,7 +191,8 @@ impl fmt::Display for OrbitStop {
             OrbitStop::Halts { mode, guard } => write!(
                 formatter,
                 "beyond it motions beside its orbit stop where {guard} of `{mode}` is zero: no mode of the system goes on \
-                 from there; a mode, a switch or an entry of `sliding` is missing, such as stick"
+                 from there. Where the rates on both sides push back at that surface, the motion would stick or slide in it: \
+                 an entry of `sliding` for the two modes is missing, or a mode or a switch"
             ),
             OrbitStop::Misses { held } => write!(
                 formatter,

@@ -183,6 +183,21 @@ const NEARLY: f64 = 1e-3;
 /// A state smaller than this part of its size over the whole motion has decayed to zero: Newton's method does the rest.
 const DECAYED: f64 = 1e-9;
 
+/// Newton's method from a guess, or from a motion that has returned to rounding.
+const FROM_A_GUESS: Settings = Settings {
+    tolerance: 1e-10,
+    most_iterations: 40,
+    halvings: 12,
+    polish: 1,
+};
+
+/// The same from a motion that has nearly returned: within [`NEARLY`] of an orbit it is quadratic at once, or there is none.
+const FROM_NEARBY: Settings = Settings {
+    most_iterations: 12,
+    halvings: 2,
+    ..FROM_A_GUESS
+};
+
 /// Most switches of one orbit.
 const MOST_SWITCHES: usize = 200;
 
@@ -195,6 +210,8 @@ struct Course {
     /// Where the motion is at phase 0.
     at_zero: Option<Place>,
     periods: u32,
+    /// Where it has returned nearly only: after how many tries, and by how much it is off then.
+    nearly: Option<(u32, f64)>,
 }
 
 /// The first orbit and its point.
@@ -261,6 +278,7 @@ fn found(
             zones: from_switch(&mut motion, time)?,
             at_zero: None,
             periods: wanted.periods.max(1),
+            nearly: None,
         },
         _ if is_forced => forced(
             wanted,
@@ -290,6 +308,7 @@ fn found(
                 zones: closed(switches, time),
                 at_zero: None,
                 periods: 1,
+                nearly: None,
             }
         }
         None => {
@@ -317,7 +336,18 @@ fn found(
         let duration = f64::from(course.periods) * period;
         parts = vec![zone(wanted, place, None, duration)];
     }
-    pose(wanted, parts, course.periods)
+    let Some((tried, off)) = course.nearly else {
+        return pose(wanted, parts, course.periods, &FROM_A_GUESS);
+    };
+    // an orbit that it settles on is next to a motion that has nearly returned: otherwise it came close by chance
+    pose(wanted, parts, course.periods, &FROM_NEARBY).map_err(|reason| match reason {
+        NoStart::Newton(_) | NoStart::Inadmissible(_) => NoStart::NotPeriodic {
+            periods: tried,
+            off,
+            looks: None,
+        },
+        reason => reason,
+    })
 }
 
 /// The orbit that was saved, at the values wanted.
@@ -329,6 +359,7 @@ pub fn restart(wanted: &Wanted, saved: &SavedOrbit) -> Result<(AffineOrbit, Vect
         wanted,
         saved.parts().ok_or(NoStart::NoZones)?,
         saved.periods,
+        &FROM_A_GUESS,
     )
 }
 
@@ -415,9 +446,9 @@ fn run(motion: &mut Motion, until: f64) -> Result<Switches, NoStart> {
     }
 }
 
-/// How far a place is from another one that should be the same, relative to the states on the way and to what their
-/// rates, and those of the rates, make of the time between: a state may be zero at all of the switches, begin and end a
-/// zone of sliding with no rate, or be at rest at the beginning.
+/// How far a place is from another one that should be the same after so many returns, relative to the states on the way and
+/// to what their rates, and those of the rates, make of the time of one return: a state may be zero at all of the switches,
+/// begin and end a zone of sliding with no rate, or be at rest at the beginning.
 ///
 /// A state whose size is next to nothing of the one in `whole`, that over the whole motion, has decayed to zero: it is the
 /// same as before however fast it decays.
@@ -425,7 +456,7 @@ fn distance(
     system: &AffineSystem,
     begin: &Place,
     here: &Place,
-    switches: &Switches,
+    (switches, returns): (&Switches, usize),
     whole: &[f64],
 ) -> f64 {
     let ends = switches
@@ -437,7 +468,7 @@ fn distance(
             ]
         });
     let edges = [begin, here].map(|place| (place.mode, &place.state, place.phase));
-    let time = here.time - begin.time;
+    let time = (here.time - begin.time) / returns as f64;
     let mut sizes = vec![0.0_f64; begin.state.len()];
     for (mode, states, phase) in ends.chain(edges) {
         let matrix = &system.modes[mode].matrix.at * (time / TAU);
@@ -491,18 +522,19 @@ fn closed(mut switches: Switches, time: f64) -> Vec<(Place, Switching, f64)> {
 }
 
 /// Whether a motion that nearly returned, off by this much, is no further off when it has gone on as long: it settles then,
-/// while among many returns of a chaotic motion some are close by chance.
+/// while among many returns of a chaotic motion some are close by chance. The number of returns tried, and this much.
 ///
 /// # Errors
 /// It is further off.
-fn settling(tried: &[f64], off: f64, later: f64) -> Result<(), NoStart> {
+fn settling(tried: &[f64], off: f64, later: f64) -> Result<(u32, f64), NoStart> {
     /// How many times further off a later return may be: without damping the distance goes up and down.
     const FURTHER: f64 = 10.0;
+    let periods = tried.len() as u32;
     if later <= FURTHER * off {
-        return Ok(());
+        return Ok((periods, off));
     }
     Err(NoStart::NotPeriodic {
-        periods: tried.len() as u32,
+        periods,
         off: later,
         looks: None,
     })
@@ -619,17 +651,21 @@ fn forced(
         let until = begin.time + f64::from(periods) * period;
         switches.extend(run(motion, until)?);
         if switches.len() > MOST_SWITCHES {
-            return Err(NoStart::Switches(switches.len()));
+            if tried.is_empty() {
+                return Err(NoStart::Switches(switches.len()));
+            }
+            break;
         }
         counts.push(switches.len());
         let here = motion.place();
-        let off = distance(system, &begin, here, &switches, whole);
+        let off = distance(system, &begin, here, (&switches, periods as usize), whole);
         let returned = here.mode == begin.mode;
         tried.push(if returned { off } else { f64::INFINITY });
         if tried.last().is_some_and(|off| *off <= RETURNED) && !is_guess {
             break;
         }
     }
+    let mut nearly = None;
     let index = if is_guess {
         tried.len() - 1
     } else {
@@ -637,8 +673,8 @@ fn forced(
         if tried[index] > RETURNED {
             let from = motion.place().clone();
             let more = run(motion, from.time + (index + 1) as f64 * period)?;
-            let later = distance(system, &from, motion.place(), &more, whole);
-            settling(&tried, tried[index], later)?;
+            let later = distance(system, &from, motion.place(), (&more, index + 1), whole);
+            nearly = Some(settling(&tried, tried[index], later)?);
         }
         index
     };
@@ -658,6 +694,7 @@ fn forced(
         zones: closed(switches, f64::from(periods) * period),
         at_zero,
         periods,
+        nearly,
     })
 }
 
@@ -728,10 +765,14 @@ fn free(
         let returned = by(&switching) == by(&first);
         switches.push((switching, here.clone()));
         if switches.len() > MOST_SWITCHES {
-            return Err(NoStart::Switches(switches.len()));
+            if tried.is_empty() {
+                return Err(NoStart::Switches(switches.len()));
+            }
+            break;
         }
         if returned {
-            tried.push(distance(system, &begin, &here, &switches, whole));
+            let returns = tried.len() + 1;
+            tried.push(distance(system, &begin, &here, (&switches, returns), whole));
             counts.push(switches.len());
             if tried.last().is_some_and(|off| *off <= RETURNED) {
                 break;
@@ -744,6 +785,7 @@ fn free(
         return Err(NoStart::Rests { time, place });
     }
     let index = chosen(&tried)?;
+    let mut nearly = None;
     if tried[index] > RETURNED {
         let from = switches
             .last()
@@ -755,8 +797,8 @@ fn free(
             more.push((switching, here));
         }
         let there = more.last().map_or(&from, |(_, place)| place);
-        let later = distance(system, &from, there, &more, whole);
-        settling(&tried, tried[index], later)?;
+        let later = distance(system, &from, there, (&more, index + 1), whole);
+        nearly = Some(settling(&tried, tried[index], later)?);
     }
     switches.truncate(counts[index]);
     let end = switches.last().map_or(begin.time, |(_, place)| place.time);
@@ -764,6 +806,7 @@ fn free(
         zones: closed(switches, end - begin.time),
         at_zero: None,
         periods: 1,
+        nearly,
     })
 }
 
@@ -772,14 +815,8 @@ fn pose(
     wanted: &Wanted,
     parts: Vec<(Zone, ZonePoint)>,
     periods: u32,
+    settings: &Settings,
 ) -> Result<(AffineOrbit, Vector), NoStart> {
-    /// Newton's method from a motion that has nearly returned; a guess may be worse.
-    const NEWTON: Settings = Settings {
-        tolerance: 1e-10,
-        most_iterations: 40,
-        halvings: 12,
-        polish: 1,
-    };
     /// Parts of an orbit that differ by less, in its own units, are the same.
     const SAME: f64 = 1e-9;
     let (orbit, guess) = scaled(wanted, parts, periods)?;
@@ -788,7 +825,7 @@ fn pose(
         index,
         value: guess[index],
     };
-    let solution = newton::solve(&orbit, &mut fixed, &guess, &NEWTON).map_err(|failure| {
+    let solution = newton::solve(&orbit, &mut fixed, &guess, settings).map_err(|failure| {
         let singular = matches!(failure, newton::Failure::Singular);
         if singular && is_in_family(&orbit, &guess) {
             NoStart::Family(NoFollower::Family)
@@ -806,7 +843,7 @@ fn pose(
         let parts = orbit.sequence.0.iter().cloned().zip(zones);
         let parts = parts.take((orbit.zones() / times).max(1));
         let periods = periods / if orbit.is_forced() { times as u32 } else { 1 };
-        return pose(wanted, parts.collect(), periods);
+        return pose(wanted, parts.collect(), periods, settings);
     }
     admitted(&orbit, &point)?;
     Ok((orbit, point))
