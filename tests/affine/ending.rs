@@ -10,7 +10,7 @@ use brakewave::orbit::follow::Found;
 use brakewave::orbit::special::Special;
 
 use crate::affine::branches::{follow, meets, settled};
-use crate::affine::systems::{BRAKE_BY_HAND, system, values};
+use crate::affine::systems::{BRAKE_BY_HAND, TWO_MASSES, system, values};
 
 /// Why a branch ends, as its last point says.
 fn why(all: &[Found<AffineOrbit>]) -> String {
@@ -130,28 +130,20 @@ fn stick_that_is_missing_is_named() {
     );
 }
 
-/// Two masses with Coulomb friction, the first of them forced.
-const TWO_MASSES: &str = r#"(
-    states: ["x", "v", "y", "u"],
-    parameters: {"A": 0.7, "w": 0.7, "f": 0.4, "g": 0.3, "k": 0.8},
-    forcing: "w",
-    define: {"a": "A*cos(phase) - x - k*(x - y)", "b": "-y + k*(x - y) - 0.05*u"},
-    modes: {
-        "pp": (rates: {"x": "v", "v": "a - f", "y": "u", "u": "b - g"}, until: [(zero: "v", to: "np"), (zero: "u", to: "pn")]),
-        "pn": (rates: {"x": "v", "v": "a - f", "y": "u", "u": "b + g"}, until: [(zero: "v", to: "nn"), (zero: "-u", to: "pp")]),
-        "np": (rates: {"x": "v", "v": "a + f", "y": "u", "u": "b - g"}, until: [(zero: "-v", to: "pp"), (zero: "u", to: "nn")]),
-        "nn": (rates: {"x": "v", "v": "a + f", "y": "u", "u": "b + g"}, until: [(zero: "-v", to: "pn"), (zero: "-u", to: "np")]),
-    },
-    sliding: {"sp": ("pp", "np"), "sn": ("pn", "nn"), "ps": ("pp", "pn"), "ns": ("np", "nn")},
-)"#;
-
 /// The second mass moves only where the spring between them pulls harder than its friction, k·max x > g. As the force
 /// falls its motion dies away where max x = g/k for the first mass alone, with a stiffness of 1 + k: its slips in closed
 /// form, with the instants of release and rest by bisection, give the force.
 #[test]
 fn a_part_of_the_motion_comes_to_rest() {
     const ALONE: f64 = 0.563_952_062_234_286_7;
-    let (orbit, point) = settled(TWO_MASSES, &[], "A", "pp", &[0.0, 0.5, 0.0, 0.1], 100.0);
+    let (orbit, point) = settled(
+        TWO_MASSES,
+        &[("A", 0.7), ("g", 0.3)],
+        "A",
+        "pp",
+        &[0.0, 0.5, 0.0, 0.1],
+        100.0,
+    );
     let (seen, all) = follow(&orbit, &point, false, (0.3, 1.0), 2000);
     meets(&seen, &[(MX, ALONE, "")], 1e-8);
     let reason = why(&all);

@@ -10,7 +10,7 @@ use brakewave::linalg::Vector;
 use brakewave::orbit::{Examined, Orbit};
 
 use crate::affine::branches::follow;
-use crate::affine::systems::{BRAKE_BY_HAND, at, place, system, values};
+use crate::affine::systems::{BRAKE_BY_HAND, TWO_MASSES, at, place, system, values};
 
 /// Every switch of a motion up to a time, and why it does not go on.
 fn switches(
@@ -321,20 +321,11 @@ fn what_no_sliding_mode_has_is_told_in_words() {
     let start = ("minus", &[-0.01, -0.02, -1.0, 0.5][..], 0.0);
     let (_, halt) = switches(&system(relay), start, 60.0);
     assert!(matches!(halt, Some(Halt::SecondOrder { .. })), "{halt:?}");
-    let blocks = r#"(
-        states: ["x", "v", "y", "u"],
-        parameters: {"A": 0.5, "w": 0.7, "f": 0.4, "g": 0.9, "k": 0.8},
-        forcing: "w",
-        define: {"a": "A*cos(phase) - x - k*(x - y)", "b": "-y + k*(x - y) - 0.05*u"},
-        modes: {
-            "pp": (rates: {"x": "v", "v": "a - f", "y": "u", "u": "b - g"}, until: [(zero: "v", to: "np"), (zero: "u", to: "pn")]),
-            "pn": (rates: {"x": "v", "v": "a - f", "y": "u", "u": "b + g"}, until: [(zero: "v", to: "nn"), (zero: "-u", to: "pp")]),
-            "np": (rates: {"x": "v", "v": "a + f", "y": "u", "u": "b - g"}, until: [(zero: "-v", to: "pp"), (zero: "u", to: "nn")]),
-            "nn": (rates: {"x": "v", "v": "a + f", "y": "u", "u": "b + g"}, until: [(zero: "-v", to: "pn"), (zero: "-u", to: "np")]),
-        },
-        sliding: {"sp": ("pp", "np"), "sn": ("pn", "nn"), "ps": ("pp", "pn"), "ns": ("np", "nn")},
-    )"#;
-    let (_, halt) = switches(&system(blocks), ("pp", &[0.0, 0.5, 0.0, 0.1], 0.0), 200.0);
+    let (_, halt) = switches(
+        &system(TWO_MASSES),
+        ("pp", &[0.0, 0.5, 0.0, 0.1], 0.0),
+        200.0,
+    );
     assert!(matches!(halt, Some(Halt::TwoSurfaces { .. })), "{halt:?}");
 }
 

@@ -36,6 +36,21 @@ pub const THERMOSTAT: &str = r#"(
     },
 )"#;
 
+/// Two masses with Coulomb friction, the first of them forced.
+pub const TWO_MASSES: &str = r#"(
+    states: ["x", "v", "y", "u"],
+    parameters: {"A": 0.5, "w": 0.7, "f": 0.4, "g": 0.9, "k": 0.8},
+    forcing: "w",
+    define: {"a": "A*cos(phase) - x - k*(x - y)", "b": "-y + k*(x - y) - 0.05*u"},
+    modes: {
+        "pp": (rates: {"x": "v", "v": "a - f", "y": "u", "u": "b - g"}, until: [(zero: "v", to: "np"), (zero: "u", to: "pn")]),
+        "pn": (rates: {"x": "v", "v": "a - f", "y": "u", "u": "b + g"}, until: [(zero: "v", to: "nn"), (zero: "-u", to: "pp")]),
+        "np": (rates: {"x": "v", "v": "a + f", "y": "u", "u": "b - g"}, until: [(zero: "-v", to: "pp"), (zero: "u", to: "nn")]),
+        "nn": (rates: {"x": "v", "v": "a + f", "y": "u", "u": "b + g"}, until: [(zero: "-v", to: "pn"), (zero: "-u", to: "np")]),
+    },
+    sliding: {"sp": ("pp", "np"), "sn": ("pn", "nn"), "ps": ("pp", "pn"), "ns": ("np", "nn")},
+)"#;
+
 /// The section `system` of a problem file, or the section alone.
 pub fn source(text: &str) -> Source {
     #[derive(serde::Deserialize)]
