@@ -26,6 +26,13 @@ pub struct Exit {
     pub tangent: Option<usize>,
 }
 
+impl Exit {
+    /// Whether no state jumps.
+    pub fn is_continuous(&self) -> bool {
+        self.reset.at.is_identity(0.0)
+    }
+}
+
 /// What is positive in a mode, and where the mode leads when it is zero no more: the first exit whose conditions hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Guard {

@@ -37,16 +37,27 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
         sums.fold(0.0, f64::max)
     };
     let acts = acts(&scaled);
-    let goes_round = |i: usize, j: usize| acts[(i, j)] && acts[(j, i)];
-    let mut round = Matrix::from_fn(size, size, |i, j| match goes_round(i, j) {
-        true => scaled[(i, j)],
-        false => 0.0,
-    });
+    let mut round = scaled.clone();
+    let mut one_way = false;
+    for (index, entry) in round.as_mut_slice().iter_mut().enumerate() {
+        let (row, column) = (index % size, index / size);
+        if *entry != 0.0 && !acts[(column, row)] {
+            *entry = 0.0;
+            one_way = true;
+        }
+    }
     even(&mut round, &mut scales, 0.0);
+    if !one_way {
+        let norm = norm(&round);
+        return (scales, norm);
+    }
     let least = norm(&round).max(slow);
-    for (j, own) in scales.iter().enumerate() {
-        scaled.column_mut(j).scale_mut(*own);
-        scaled.row_mut(j).scale_mut(own.recip());
+    for (own, column) in scales
+        .iter()
+        .zip(scaled.as_mut_slice().chunks_exact_mut(size))
+    {
+        let entries = column.iter_mut().zip(&scales);
+        entries.for_each(|(entry, other)| *entry *= own / other);
     }
     even(&mut scaled, &mut scales, least);
     let norm = norm(&scaled);
@@ -60,7 +71,7 @@ fn even(scaled: &mut Matrix, scales: &mut Vector, least: f64) {
     // the power of two nearest to √(row/column)
     let wanted = |row: f64, column: f64| {
         let (row, column) = (row.max(least), column.max(least));
-        if row < 2.0 * column && column < 2.0 * row {
+        if row <= 2.0 * column && column <= 2.0 * row {
             return None;
         }
         let exponent = (0.5 * (row / column).log2()).round();

@@ -8,7 +8,7 @@
 //! Factors are real; the form is complex, and what is real or conjugate in it is told at the end. An eigenvalue has a bound of its own:
 //! with periodic vectors Aₖxₖ = αₖxₖ₊₁ and y*ₖ₊₁Aₖ = αₖy*ₖ, y*ₖxₖ = 1, errors Eₖ of the factors move it by ∑ₖ y*ₖ₊₁Eₖxₖ ∏αₗ/αₖ.
 
-use nalgebra::Complex;
+use nalgebra::{Complex, ComplexField};
 
 use super::Matrix;
 use super::balance::acts;
@@ -28,9 +28,20 @@ pub struct Eigenvalue {
 
 /// z·2ᵉ without overflow on the way.
 fn times_power(number: Number, exponent: i64) -> Number {
-    let half = (exponent / 2).clamp(-1100, 1100) as i32;
-    let rest = (exponent - i64::from(half)).clamp(-1100, 1100) as i32;
-    number * 2.0_f64.powi(half) * 2.0_f64.powi(rest)
+    let half = (exponent / 2).clamp(-1022, 1023);
+    let rest = (exponent - half).clamp(-1022, 1023);
+    let power = |exponent: i64| f64::from_bits(((exponent + 1023) as u64) << 52);
+    number * power(half) * power(rest)
+}
+
+/// |x|: by its square, but where that leaves the range of numbers.
+fn size<T: ComplexField<RealField = f64>>(number: T) -> f64 {
+    const RANGE: std::ops::Range<f64> = 1e-280..1e280;
+    let square = number.clone().modulus_squared();
+    match RANGE.contains(&square) {
+        true => square.sqrt(),
+        false => number.modulus(),
+    }
 }
 
 impl Eigenvalue {
@@ -83,8 +94,12 @@ impl Product {
     }
 
     fn times(&mut self, factor: Number) {
+        /// Between these a factor of any size leaves the product in the range of numbers.
+        const RANGE: std::ops::Range<f64> = 1e-5..1e5;
         self.number *= factor;
-        self.normalise();
+        if !RANGE.contains(&self.number.l1_norm()) {
+            self.normalise();
+        }
     }
 
     fn log_modulus(&self) -> f64 {
@@ -236,130 +251,144 @@ pub fn regular_part(factors: Vec<Factor>) -> (Vec<Factor>, usize) {
 
 /// A rotation [c s; −s̄ c] of two coordinates.
 #[derive(Clone, Copy, Debug)]
-struct Turn {
+struct Turn<T> {
     c: f64,
-    s: Number,
+    s: T,
 }
 
-impl Turn {
+impl<T: ComplexField<RealField = f64> + Copy> Turn<T> {
     /// That which takes (a, b) to (r, 0).
-    fn onto_first(a: Number, b: Number) -> Turn {
-        let (size, other) = (a.norm(), b.norm());
-        let length = size.hypot(other);
+    fn onto_first(a: T, b: T) -> Turn<T> {
+        let (first, other) = (size(a), size(b));
+        let length = size(Number::new(first, other));
         if other == 0.0 || !length.is_finite() {
             return Turn {
                 c: 1.0,
-                s: Number::new(0.0, 0.0),
+                s: T::zero(),
             };
         }
-        let unit = if size == 0.0 {
-            Number::new(1.0, 0.0)
+        let unit = if first == 0.0 {
+            T::one()
         } else {
-            a / size
+            a.unscale(first)
         };
         Turn {
-            c: size / length,
-            s: unit * (b.conj() / length),
+            c: first / length,
+            s: unit * b.conjugate().unscale(length),
         }
     }
 }
 
 /// The factors, columns of one after those of the other, the first first; and how often they were turned.
-struct Chain {
+struct Chain<T> {
     n: usize,
     count: usize,
-    entries: Vec<Number>,
+    entries: Vec<T>,
     turns: usize,
 }
 
-impl Chain {
-    fn at(&self, factor: usize, row: usize, column: usize) -> Number {
+impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
+    fn at(&self, factor: usize, row: usize, column: usize) -> T {
         self.entries[(factor * self.n + column) * self.n + row]
     }
 
-    fn set(&mut self, factor: usize, row: usize, column: usize, value: Number) {
+    fn set(&mut self, factor: usize, row: usize, column: usize, value: T) {
         self.entries[(factor * self.n + column) * self.n + row] = value;
     }
 
-    /// Turns rows i and i + 1 of a factor.
-    fn turn_rows(&mut self, factor: usize, i: usize, turn: Turn) {
+    /// Turns rows i and i + 1 of a factor, which are zero before a column.
+    fn turn_rows(&mut self, factor: usize, i: usize, turn: Turn<T>, from: usize) {
         let n = self.n;
         let Turn { c, s } = turn;
-        let entries = &mut self.entries[factor * n * n..(factor + 1) * n * n];
+        let back = s.conjugate();
+        let entries = &mut self.entries[(factor * n + from) * n..(factor + 1) * n * n];
         for column in entries.chunks_exact_mut(n) {
             let (x, y) = (column[i], column[i + 1]);
-            column[i] = x * c + s * y;
-            column[i + 1] = y * c - s.conj() * x;
+            column[i] = x.scale(c) + s * y;
+            column[i + 1] = y.scale(c) - back * x;
         }
     }
 
-    /// Turns columns i and i + 1 of a factor back.
-    fn turn_columns(&mut self, factor: usize, i: usize, turn: Turn) {
+    /// Turns columns i and i + 1 of a factor back, which are zero from a row on.
+    fn turn_columns(&mut self, factor: usize, i: usize, turn: Turn<T>, to: usize) {
         let n = self.n;
         let Turn { c, s } = turn;
+        let back = s.conjugate();
         let begin = (factor * n + i) * n;
         let (first, second) = self.entries[begin..begin + 2 * n].split_at_mut(n);
-        for (x, y) in first.iter_mut().zip(second) {
+        for (x, y) in first[..to].iter_mut().zip(&mut second[..to]) {
             let (a, b) = (*x, *y);
-            *x = a * c + s.conj() * b;
-            *y = b * c - s * a;
+            *x = a.scale(c) + back * b;
+            *y = b.scale(c) - s * a;
         }
     }
 
-    /// Turns rows of a factor so that its entry below the diagonal of column i is zero.
-    fn level(&mut self, factor: usize, row: usize, column: usize) -> Turn {
+    /// Turns rows of a factor, which are zero before a column, so that the lower one is zero there, too.
+    fn level(&mut self, factor: usize, row: usize, column: usize) -> Turn<T> {
         let turn = Turn::onto_first(
             self.at(factor, row, column),
             self.at(factor, row + 1, column),
         );
-        self.turn_rows(factor, row, turn);
-        self.set(factor, row + 1, column, Number::new(0.0, 0.0));
+        self.turn_rows(factor, row, turn, column);
+        self.set(factor, row + 1, column, T::zero());
         turn
     }
 
-    /// A turn of rows of the last factor goes through all others, which stay triangular, to its columns.
-    fn pass(&mut self, i: usize, mut turn: Turn) {
+    /// A turn of rows of the last factor goes through all others, which stay triangular, to its columns, which are zero
+    /// from a row on.
+    fn pass(&mut self, i: usize, mut turn: Turn<T>, to: usize) {
         let last = self.count - 1;
         for factor in 0..last {
-            self.turn_columns(factor, i, turn);
+            self.turn_columns(factor, i, turn, i + 2);
             turn = self.level(factor, i, i);
         }
-        self.turn_columns(last, i, turn);
+        self.turn_columns(last, i, turn, to);
         self.turns += 1;
     }
 
     /// The periodic Hessenberg-triangular form.
     fn reduce(&mut self) {
         let (n, last) = (self.n, self.count - 1);
+        let mut most = 0;
         for factor in 0..last {
+            let mut turns = 0;
             for column in 0..n {
                 for row in (column..n - 1).rev() {
+                    if self.at(factor, row + 1, column) == T::zero() {
+                        continue;
+                    }
                     let turn = self.level(factor, row, column);
-                    self.turn_columns(factor + 1, row, turn);
-                    self.turns += usize::from(factor == 0);
+                    self.turn_columns(factor + 1, row, turn, n);
+                    turns += 1;
                 }
             }
+            most = most.max(turns);
         }
+        self.turns += most;
         for column in 0..n.saturating_sub(2) {
             for row in (column + 1..n - 1).rev() {
                 let turn = self.level(last, row, column);
-                self.pass(row, turn);
+                self.pass(row, turn, n);
             }
         }
     }
+}
 
+impl Chain<Number> {
     /// A sweep without shift, which puts larger eigenvalues before smaller ones whatever is singular.
     fn sort(&mut self, low: usize, high: usize) {
         let last = self.count - 1;
-        let mut turns: Vec<Turn> = (low..high).map(|i| self.level(last, i, i)).collect();
-        for factor in 0..last {
+        let level = |chain: &mut Self, factor: usize| -> Vec<Turn<Number>> {
+            (low..high).map(|i| chain.level(factor, i, i)).collect()
+        };
+        let mut turns = level(self, last);
+        for factor in 0..=last {
             for (i, turn) in (low..high).zip(&turns) {
-                self.turn_columns(factor, i, *turn);
+                self.turn_columns(factor, i, *turn, i + 2);
             }
-            turns = (low..high).map(|i| self.level(factor, i, i)).collect();
-        }
-        for (i, turn) in (low..high).zip(&turns) {
-            self.turn_columns(last, i, *turn);
+            if factor < last {
+                turns = level(self, factor);
+            }
         }
         self.turns += high - low;
     }
@@ -379,16 +408,19 @@ impl Chain {
         };
         let (begin, below) = (self.at(last, low, low), self.at(last, low + 1, low));
         let relative = times_power(shift / first.number, exponent - first.exponent);
-        let size = begin.norm() + below.norm();
-        if !relative.norm().is_finite() || relative.norm() > MOST * size {
+        let most = MOST * (size(begin) + size(below));
+        if !relative.norm().is_finite() || relative.norm() > most {
             return false;
         }
+        // columns of the Hessenberg form end one row below the diagonal
+        let n = self.n;
+        let end = |i: usize| (i + 3).min(n);
         let turn = Turn::onto_first(begin - relative, below);
-        self.turn_rows(last, low, turn);
-        self.pass(low, turn);
+        self.turn_rows(last, low, turn, low);
+        self.pass(low, turn, end(low));
         for column in low..high - 1 {
             let turn = self.level(last, column + 1, column);
-            self.pass(column + 1, turn);
+            self.pass(column + 1, turn, end(column + 1));
         }
         true
     }
@@ -397,7 +429,7 @@ impl Chain {
     fn shift(&self, low: usize, high: usize) -> Option<(Number, i64)> {
         let last = self.count - 1;
         let begin = high.saturating_sub(2).max(low);
-        let size = high + 1 - begin;
+        let wide = high + 1 - begin;
         let zero = Number::new(0.0, 0.0);
         let mut product = [[zero; 3]; 3];
         for (i, row) in product.iter_mut().enumerate() {
@@ -407,13 +439,13 @@ impl Chain {
         for factor in 0..=last {
             let mut next = [[zero; 3]; 3];
             let mut largest = 0.0_f64;
-            for (i, row) in next.iter_mut().enumerate().take(size) {
-                for (j, entry) in row.iter_mut().enumerate().take(size) {
-                    let terms = product.iter().enumerate().take(size);
+            for (i, row) in next.iter_mut().enumerate().take(wide) {
+                for (j, entry) in row.iter_mut().enumerate().take(wide) {
+                    let terms = product.iter().enumerate().take(wide);
                     *entry = terms
                         .map(|(l, row)| self.at(factor, begin + i, begin + l) * row[j])
                         .sum();
-                    largest = largest.max(entry.norm());
+                    largest = largest.max(size(*entry));
                 }
             }
             if !(largest > 0.0 && largest.is_finite()) {
@@ -423,8 +455,8 @@ impl Chain {
             exponent += by;
             product = next.map(|row| row.map(|entry| times_power(entry, -by)));
         }
-        let (a, b) = (product[size - 2][size - 2], product[size - 2][size - 1]);
-        let (c, d) = (product[size - 1][size - 2], product[size - 1][size - 1]);
+        let (a, b) = (product[wide - 2][wide - 2], product[wide - 2][wide - 1]);
+        let (c, d) = (product[wide - 1][wide - 2], product[wide - 1][wide - 1]);
         let half = (a - d) * 0.5;
         let root = (half * half + b * c).sqrt();
         let way = if (half.conj() * root).re >= 0.0 {
@@ -439,8 +471,8 @@ impl Chain {
 
     /// The norm of a factor.
     fn norm(&self, factor: usize) -> f64 {
-        let size = self.n * self.n;
-        let entries = self.entries[factor * size..(factor + 1) * size].iter();
+        let own = factor * self.n * self.n..(factor + 1) * self.n * self.n;
+        let entries = self.entries[own].iter();
         entries.map(|one| one.norm_sqr()).sum::<f64>().sqrt()
     }
 
@@ -456,9 +488,8 @@ impl Chain {
         while high > 0 {
             let mut low = high;
             while low > 0 {
-                let below = self.at(last, low, low - 1).norm();
-                let beside =
-                    self.at(last, low, low).norm() + self.at(last, low - 1, low - 1).norm();
+                let below = size(self.at(last, low, low - 1));
+                let beside = size(self.at(last, low, low)) + size(self.at(last, low - 1, low - 1));
                 let least = if beside > 0.0 { beside } else { norm };
                 if below <= f64::EPSILON * least || (low == high && sweeps >= MOST) {
                     if sweeps >= MOST {
@@ -495,92 +526,118 @@ impl Chain {
 
     /// Norms of the periodic right vectors of the eigenvalue j, whose own component is 1, and of the left ones, before every
     /// factor.
-    fn vectors(&self, j: usize, logs: &[f64], diagonals: &[Vec<Number>]) -> [Vec<f64>; 2] {
+    fn vectors(&self, j: usize, logs: &[f64], diagonals: &Diagonals) -> [Vec<f64>; 2] {
         let (n, count) = (self.n, self.count);
-        let one = Number::new(1.0, 0.0);
-        // components of all, those of one index together
-        let mut right = vec![Vec::new(); n];
-        right[j] = vec![one; count];
-        for i in (0..j).rev() {
-            let sum = |k: usize| -> Number {
-                let terms = i + 1..=j;
-                terms.map(|l| self.at(k, i, l) * right[l][k]).sum()
-            };
-            let sums: Vec<Number> = (0..count).map(sum).collect();
-            right[i] = cyclic(&diagonals[i], &diagonals[j], &sums, logs[i] - logs[j]);
+        let (zero, one) = (Number::new(0.0, 0.0), Number::new(1.0, 0.0));
+        // components of one index together; before they are known, what the others add to them
+        let mut right = vec![zero; (j + 1) * count];
+        for l in (0..=j).rev() {
+            let (before, own) = right.split_at_mut(l * count);
+            let own = &mut own[..count];
+            match l == j {
+                true => own.fill(one),
+                false => diagonals.solve(Way::Forward, [l, j], own, logs[l] - logs[j]),
+            }
+            for (k, by) in own.iter().enumerate() {
+                let begin = (k * n + l) * n;
+                let column = &self.entries[begin..begin + l];
+                let places = before.iter_mut().skip(k).step_by(count);
+                places
+                    .zip(column)
+                    .for_each(|(place, entry)| *place += entry * by);
+            }
         }
-        let mut left = vec![Vec::new(); n];
-        left[j] = vec![one; count];
+        // row vectors go the other way round: that before factor k follows from that after it, and has place count − k
+        let mut left = vec![zero; (n - j) * count];
+        left[..count].fill(one);
         for i in j + 1..n {
-            // row vectors go the other way round: u before factor k follows from u after it
-            let sum = |k: usize| -> Number {
-                let after = (k + 1) % count;
-                let terms = j..i;
-                terms.map(|l| left[l][after] * self.at(k, l, i)).sum()
-            };
-            let back = |list: Vec<Number>| -> Vec<Number> { list.into_iter().rev().collect() };
-            let sums = back((0..count).map(sum).collect());
-            let (own, other) = (back(diagonals[i].clone()), back(diagonals[j].clone()));
-            // its entry k stands before factor count − k, as it goes
-            let found = cyclic(&own, &other, &sums, logs[i] - logs[j]);
-            left[i] = (0..count).map(|k| found[(count - k) % count]).collect();
+            let (before, own) = left.split_at_mut((i - j) * count);
+            let own = &mut own[..count];
+            for (m, sum) in own.iter_mut().enumerate() {
+                let begin = ((count - 1 - m) * n + i) * n;
+                let column = &self.entries[begin + j..begin + i];
+                let known = before.iter().skip(m).step_by(count);
+                *sum = known.zip(column).map(|(one, entry)| one * entry).sum();
+            }
+            diagonals.solve(Way::Backward, [i, j], own, logs[i] - logs[j]);
         }
-        [right, left].map(|all| {
+        let norms = |all: &[Number], place: &dyn Fn(usize) -> usize| {
             let length = |k: usize| {
-                let components = all.iter().filter_map(|list| list.get(k));
+                let components = all.iter().skip(place(k)).step_by(count);
                 components.map(|one| one.norm_sqr()).sum::<f64>().sqrt()
             };
             (0..count).map(length).collect()
-        })
+        };
+        [
+            norms(&right, &|k| k),
+            norms(&left, &|k| (count - k) % count),
+        ]
     }
 }
 
-/// The numbers u₀ … with dₖuₖ₊₁ = aₖuₖ + bₖ that come back to the first; `ratio` is the logarithm of |∏aₖ/dₖ|.
-fn cyclic(a: &[Number], d: &[Number], b: &[Number], ratio: f64) -> Vec<Number> {
-    let count = a.len();
-    let zero = Number::new(0.0, 0.0);
+/// Which way round the factors are gone through.
+#[derive(Clone, Copy)]
+enum Way {
+    Forward,
+    Backward,
+}
+
+/// The diagonals of all factors, those of one index together, the first factor first and last.
+struct Diagonals([Vec<Vec<Number>>; 2]);
+
+impl Diagonals {
+    fn of(chain: &Chain<Number>) -> Diagonals {
+        let forward: Vec<Vec<Number>> = (0..chain.n).map(|j| chain.diagonal(j)).collect();
+        let back = |list: &Vec<Number>| list.iter().rev().copied().collect();
+        let backward = forward.iter().map(back).collect();
+        Diagonals([forward, backward])
+    }
+
+    /// In place of the numbers bₖ those uₖ with dₖuₖ₊₁ = aₖuₖ + bₖ that come back to the first, a and d the diagonals of two
+    /// indices; `ratio` is the logarithm of |∏aₖ/dₖ|.
+    fn solve(&self, way: Way, [a, d]: [usize; 2], numbers: &mut [Number], ratio: f64) {
+        let own = &self.0[way as usize];
+        cyclic(&own[a], &own[d], numbers, ratio);
+    }
+}
+
+/// The same for diagonals as they are gone through.
+fn cyclic(a: &[Number], d: &[Number], numbers: &mut [Number], ratio: f64) {
+    let (count, zero) = (a.len(), Number::new(0.0, 0.0));
     if ratio.is_nan() {
         // both are zero: what they have in common is none of their condition
-        return vec![zero; count];
+        numbers.fill(zero);
+        return;
     }
+    // the way on which they shrink: u becomes (gain)u + (what is added)
     let forward = ratio <= 0.0;
-    let step = |k: usize, u: Number| match forward {
-        true => (a[k] * u + b[k]) / d[k],
-        false => (d[k] * u - b[k]) / a[k],
-    };
-    let factor = |k: usize| match forward {
-        true => a[k] / d[k],
-        false => d[k] / a[k],
-    };
-    let order: Vec<usize> = match forward {
-        true => (0..count).collect(),
-        false => (0..count).rev().collect(),
-    };
+    let place = |step: usize| if forward { step } else { count - 1 - step };
+    let gain = |k: usize| if forward { a[k] / d[k] } else { d[k] / a[k] };
     let mut once = zero;
     let mut product = Product::ONE;
-    for &k in &order {
-        once = step(k, once);
-        product.times(factor(k));
+    for k in (0..count).map(place) {
+        let by = gain(k);
+        numbers[k] = if forward {
+            numbers[k] / d[k]
+        } else {
+            -numbers[k] / a[k]
+        };
+        once = by * once + numbers[k];
+        product.times(by);
     }
     let around = times_power(product.number, product.exponent);
     let mut apart = Number::new(1.0, 0.0) - around;
     // eigenvalues are not told apart by less than their rounding
     let least = f64::EPSILON * count as f64;
-    if apart.norm() < least {
+    if size(apart) < least {
         apart = Number::new(least, 0.0);
     }
     let mut u = once / apart;
-    let mut all = vec![zero; count];
-    for &k in &order {
-        if forward {
-            all[k] = u;
-            u = step(k, u);
-        } else {
-            u = step(k, u);
-            all[k] = u;
-        }
+    for k in (0..count).map(place) {
+        let next = gain(k) * u + numbers[k];
+        numbers[k] = if forward { u } else { next };
+        u = next;
     }
-    all
 }
 
 /// Eigenvalues of the product of square factors, the first of which acts first; the largest first, of a conjugate pair
@@ -595,18 +652,40 @@ pub fn eigenvalues(factors: &[Factor]) -> Vec<Eigenvalue> {
     else {
         return Vec::new();
     };
+    // begun after the one that is least triangular, which need not become so at first
+    let below = |one: &Factor| {
+        let count = |j: usize| {
+            one.matrix
+                .column(j)
+                .iter()
+                .skip(j + 1)
+                .filter(|x| **x != 0.0)
+                .count()
+        };
+        (0..n).map(count).sum::<usize>()
+    };
+    let full = (0..factors.len()).max_by_key(|index| below(&factors[*index]));
+    let first = full.map_or(0, |full| full + 1);
+    let round = factors.iter().cycle().skip(first).take(factors.len());
+    let factors: Vec<&Factor> = round.collect();
     let entries = factors.iter().flat_map(|one| one.matrix.iter());
-    let mut chain = Chain {
+    let mut real = Chain {
         n,
         count: factors.len(),
-        entries: entries.map(|entry| Number::new(*entry, 0.0)).collect(),
+        entries: entries.copied().collect::<Vec<f64>>(),
         turns: 0,
     };
-    let mut left_out = 0.0;
     if n > 1 {
-        chain.reduce();
-        left_out = chain.triangularise();
+        real.reduce();
     }
+    let complex = real.entries.iter().map(|entry| Number::new(*entry, 0.0));
+    let mut chain = Chain {
+        n,
+        count: real.count,
+        entries: complex.collect(),
+        turns: real.turns,
+    };
+    let left_out = chain.triangularise();
     let errors: Vec<f64> = factors
         .iter()
         .enumerate()
@@ -619,8 +698,9 @@ pub fn eigenvalues(factors: &[Factor]) -> Vec<Eigenvalue> {
             factor.size * (factor.error + last + TURN * chain.turns as f64)
         })
         .collect();
-    let diagonals: Vec<Vec<Number>> = (0..n).map(|j| chain.diagonal(j)).collect();
-    let products: Vec<Product> = diagonals
+    let diagonals = Diagonals::of(&chain);
+    let [own, _] = &diagonals.0;
+    let products: Vec<Product> = own
         .iter()
         .map(|diagonal| {
             let mut product = Product::ONE;
@@ -633,7 +713,7 @@ pub fn eigenvalues(factors: &[Factor]) -> Vec<Eigenvalue> {
         .map(|j| {
             let [right, left] = chain.vectors(j, &logs, &diagonals);
             let moved = |k: usize| errors[k] * right[k] * left[(k + 1) % chain.count];
-            let log_error = radius(&diagonals[j], moved);
+            let log_error = radius(&own[j], moved);
             let Product { number, exponent } = products[j];
             Eigenvalue {
                 log_error,
@@ -666,7 +746,7 @@ fn radius(diagonal: &[Number], moved: impl Fn(usize) -> f64) -> f64 {
 
 /// Where eigenvalues are so near to one another that those of their vectors tell nothing, the norms of the factors in graded
 /// units bound them all: where they are very small, by what is very small, too.
-fn bounded(chain: &Chain, errors: &[f64], mut all: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
+fn bounded(chain: &Chain<Number>, errors: &[f64], mut all: Vec<Eigenvalue>) -> Vec<Eigenvalue> {
     /// Units of one component in those of the one before.
     const GRADES: [f64; 9] = [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
     let told = |one: &Eigenvalue| one.log_error < one.log_modulus();

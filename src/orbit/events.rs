@@ -298,7 +298,7 @@ fn shrinks<O: Orbit>(
     stop_at: &[f64],
     step: &Step<O>,
 ) -> Option<Result<Vec<(Place, Located<O>)>, Refusal<O>>> {
-    match orbit.shrinks([step.from, step.to], step.ds, step.steps.tolerance) {
+    match orbit.shrinks(step) {
         Shrinking::Not => None,
         Shrinking::Far => Some(Err(Refusal::NotFound)),
         Shrinking::At {

@@ -33,6 +33,7 @@ use serde::de::DeserializeOwned;
 use crate::continuation::Node;
 use crate::continuation::locate::Place;
 use crate::continuation::newton::{self, Constraint, System};
+use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 pub use event::{EventType, UnknownType};
 use sign::Verdict;
@@ -329,8 +330,8 @@ pub trait Orbit: System<Failure: Data> + Clone + Debug + PartialEq {
         None
     }
 
-    /// Whether an orbit shrinks to an equilibrium within a step of length `ds`, beyond which the branch would retrace itself.
-    fn shrinks(&self, _step: [&Node; 2], _ds: f64, _tolerance: f64) -> Shrinking<Self> {
+    /// Whether an orbit shrinks to an equilibrium within a step, beyond which the branch would retrace itself.
+    fn shrinks(&self, _step: &Segment<Self::Examination>) -> Shrinking<Self> {
         Shrinking::Not
     }
 

@@ -21,6 +21,8 @@ pub struct Examination {
     pub verdict: Verdict,
     /// Least and largest value of every state.
     pub extremes: Vec<(f64, f64)>,
+    /// ẋ at the first entry, in units of the states.
+    pub rate: Vector,
     /// Functions that change their sign where the stability changes: those of
     /// [`super::multipliers::Monodromy::tests`]. Empty where it is not looked for.
     pub tests: Vec<f64>,
@@ -159,6 +161,7 @@ impl OrbitAt<'_> {
             margins: Vec::new(),
             verdict: Verdict::Positive,
             extremes: self.extremes_of_ends(&passages, &parts),
+            rate: self.first_rate(),
             tests: Vec::new(),
             multipliers: Vec::new(),
         };
@@ -173,6 +176,15 @@ impl OrbitAt<'_> {
             }
         }
         Ok(examination)
+    }
+
+    fn first_rate(&self) -> Vector {
+        let units = &self.orbit.setting.scales.states;
+        let rate = &self.mode(0).matrix.at * self.entry(0);
+        Vector::from_iterator(
+            units.len(),
+            rate.iter().zip(units).map(|(rate, unit)| rate / unit),
+        )
     }
 
     fn all_parts(&self) -> Result<Vec<Vec<Part>>, OrbitFailure> {

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use super::forms::{Forms, Units};
 use crate::affine::mode::{AffineSystem, Row};
-use crate::affine::series::ORDER;
+use crate::affine::series::{ORDER, Series};
 use crate::linalg::{Matrix, Vector, pseudo_inverse};
 
 /// Points that are tried.
@@ -120,26 +120,29 @@ impl Points {
         !self.all.is_empty() && self.all.iter().all(zero)
     }
 
-    /// The least order of a derivative along the flow that is not zero at all of them; `None` where all are.
-    pub fn order(
-        &self,
-        system: &AffineSystem,
-        row: &Row,
-        size: f64,
-        longest: f64,
-    ) -> Option<usize> {
-        let field = &system.modes[self.mode].field;
-        let orders = self.all.iter().map(|z| {
-            let series = field.series(z, ORDER, false, true);
-            let length = field.length(&series, longest, true);
-            let moves = |k: &usize| {
-                let term = series.of(&row.at, *k) * length.powi(*k as i32);
-                term.is_nan() || term.abs() > ZERO * size
-            };
-            (0..=HIGHEST).find(moves)
+    /// Of every guard of the mode the least order of a derivative along the flow that is not zero at all of them; `None`
+    /// where all are.
+    pub fn orders(&self, system: &AffineSystem, units: &Units, longest: f64) -> Vec<Option<usize>> {
+        let mode = &system.modes[self.mode];
+        let series = self.all.iter().map(|z| {
+            let series = mode.field.series(z, ORDER, false, true);
+            let length = mode.field.length(&series, longest, true);
+            (series, length)
         });
-        let least = orders.flatten().min();
-        if self.all.is_empty() { Some(0) } else { least }
+        let series: Vec<(Series, f64)> = series.collect();
+        let order = |row: &Row| {
+            let size = units.sum(row);
+            let orders = series.iter().map(|(series, length)| {
+                let moves = |k: &usize| {
+                    let term = series.of(&row.at, *k) * length.powi(*k as i32);
+                    term.is_nan() || term.abs() > ZERO * size
+                };
+                (0..=HIGHEST).find(moves)
+            });
+            let least = orders.flatten().min();
+            if series.is_empty() { Some(0) } else { least }
+        };
+        mode.guards.iter().map(|guard| order(&guard.row)).collect()
     }
 
     /// States of which forms, each a derivative of some order of one, have one of their own that they change with.

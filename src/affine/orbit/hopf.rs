@@ -7,11 +7,14 @@
 
 use std::f64::consts::TAU;
 
+use super::examine::Examination;
 use super::layout::{AffineOrbit, ZonePoint};
 use super::structure::exit_of;
 use super::{Critical, OrbitStop};
+use crate::affine::mode::Exit;
 use crate::continuation::Node;
 use crate::continuation::locate::node_at;
+use crate::continuation::walk::Segment;
 use crate::continuation::zero::{Bracket, zero};
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::Shrinking;
@@ -150,33 +153,16 @@ impl AffineOrbit {
             let at_one_place = off.all(|((own, here), unit)| (own - here).abs() <= SAME * unit);
             let alike = (scaled(&own.slopes) - &first).amax() <= SAME * first.amax();
             let exit = exit_of(&system, &self.sequence, zone);
-            let stays = exit.is_none_or(|exit| {
-                let reset = &exit.reset.at;
-                let (rows, columns) = reset.shape();
-                *reset == Matrix::identity(rows, columns)
-            });
+            let stays = exit.is_none_or(Exit::is_continuous);
             at_one_place && alike && stays
         };
         Some((0..self.zones()).all(smooth))
     }
 
-    /// Where an orbit that switches shrinks to an equilibrium within a step of length `ds`.
+    /// Where an orbit that switches shrinks to an equilibrium within a step; `None` where it does not.
     pub(super) fn shrinks_within(
         &self,
-        [from, to]: [&Node; 2],
-        ds: f64,
-        tolerance: f64,
-    ) -> Shrinking<AffineOrbit> {
-        self.shrinks_there([from, to], ds, tolerance)
-            .unwrap_or(Shrinking::Not)
-    }
-
-    /// The same; `None` where it does not.
-    fn shrinks_there(
-        &self,
-        [from, to]: [&Node; 2],
-        ds: f64,
-        tolerance: f64,
+        step: &Segment<Examination>,
     ) -> Option<Shrinking<AffineOrbit>> {
         /// Beyond the point everything is on its other side: the rates at the first entry have turned round, to this cosine.
         const TURNED: f64 = -0.9;
@@ -191,18 +177,10 @@ impl AffineOrbit {
         if self.is_forced() || self.sequence.switches() == 0 {
             return None;
         }
-        let units = Vector::from_column_slice(&self.setting.scales.states);
-        let (n, last) = (self.states(), from.point.len() - 1);
-        let rate = |point: &Vector| {
-            let at = self.at(point).ok()?;
-            let rate = (&at.mode(0).matrix.at * at.entry(0))
-                .rows(0, n)
-                .into_owned();
-            Some(rate.component_div(&units))
-        };
-        let (one, other) = (rate(&from.point)?, rate(&to.point)?);
+        let (units, from) = (&self.setting.scales.states, step.from);
+        let (one, other) = (&step.before.rate, &step.after.rate);
         let (before, after) = (one.norm(), other.norm());
-        if one.dot(&other) >= TURNED * before * after {
+        if one.dot(other) >= TURNED * before * after {
             return None;
         }
         let hopf = self.smooth_hopf(&from.point)?;
@@ -214,13 +192,14 @@ impl AffineOrbit {
         };
         let off = |point: &Vector, rest: &[f64]| {
             let at = self.at(point).ok()?;
-            let pairs = at.zones[0].state.iter().zip(rest).zip(&units);
+            let pairs = at.zones[0].state.iter().zip(rest).zip(units);
             let off = pairs.map(|((x, rest), unit)| (x - rest).abs() / unit);
             Some(off.fold(0.0, f64::max))
         };
         let size = off(&from.point, &rest(&from.point)?)?;
         // the parameter is even in the size: it goes to the point at half its slope
-        let s = ds * before / (before + after);
+        let last = from.point.len() - 1;
+        let s = step.ds * before / (before + after);
         let left = hopf.parameter / self.setting.scales.parameter - from.point[last];
         let expected = 0.5 * from.tangent[last] * s;
         let comes = left * expected > 0.0 && left / expected < 2.0 && expected / left < 2.0;
@@ -228,7 +207,7 @@ impl AffineOrbit {
             return Some(Shrinking::Far);
         }
         let nearer = (size > BESIDE)
-            .then(|| node_at(self, from, s * (1.0 - BESIDE / size), tolerance))
+            .then(|| node_at(self, from, s * (1.0 - BESIDE / size), step.steps.tolerance))
             .flatten();
         let node = nearer.unwrap_or_else(|| from.clone());
         let at = self.at(&node.point).ok()?;

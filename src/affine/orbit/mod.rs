@@ -46,6 +46,7 @@ use crate::affine::system::DEFAULT_FLOW_TOLERANCE;
 use crate::continuation::Node;
 use crate::continuation::locate::Place;
 use crate::continuation::newton;
+use crate::continuation::walk::Segment;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::{Candidate, EventType, Examined, Orbit, Shrinking};
 
@@ -533,8 +534,8 @@ impl Orbit for AffineOrbit {
         Some((vanishing.parameter, vanishing.error))
     }
 
-    fn shrinks(&self, step: [&Node; 2], ds: f64, tolerance: f64) -> Shrinking<AffineOrbit> {
-        self.shrinks_within(step, ds, tolerance)
+    fn shrinks(&self, step: &Segment<Examination>) -> Shrinking<AffineOrbit> {
+        self.shrinks_within(step).unwrap_or(Shrinking::Not)
     }
 
     fn has_images(&self) -> bool {

@@ -218,21 +218,23 @@ fn generic(
     let mode = &system.modes[number];
     let total: f64 = zones.iter().map(|zone| zone.duration.abs()).sum();
     let at = &zones[zone];
-    let z = system.lift(number, &at.state, at.phase);
-    let z = ModeFlow::new(mode, total).after(&z, at.duration.max(0.0));
     let phase = at.phase + system.omega.value * at.duration;
-    let last: Vec<f64> = z.rows(0, system.states).iter().copied().collect();
+    // points are moved about a place near the end, which need not be the end itself
+    let exit = exit_of(system, sequence, zone);
+    let last: Vec<f64> = match exit.is_some_and(Exit::is_continuous) {
+        true => zones[(zone + 1) % zones.len()].state.clone(),
+        false => {
+            let z = system.lift(number, &at.state, at.phase);
+            let z = ModeFlow::new(mode, total).after(&z, at.duration.max(0.0));
+            z.rows(0, system.states).iter().copied().collect()
+        }
+    };
     let points = |place, forms: &Forms| Points::new(system, number, place, forms, units);
     let (first, last) = (
         points((&at.state, at.phase), &zero),
         points((&last, phase), &end),
     );
-    let order = |points: &Points, row: &Row| points.order(system, row, units.sum(row), total);
-    let orders = |points: &Points| -> Vec<Option<usize>> {
-        let guards = mode.guards.iter();
-        guards.map(|guard| order(points, &guard.row)).collect()
-    };
-    let (at_entry, at_end) = (orders(&first), orders(&last));
+    let [at_entry, at_end] = [&first, &last].map(|points| points.orders(system, units, total));
     let before = sequence.zone(zone + sequence.len() - 1).mode;
     let slides = system.modes[before].surface.is_some();
     let surface = mode.surface.as_ref().filter(|_| slides);

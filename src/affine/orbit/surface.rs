@@ -34,7 +34,6 @@ impl OrbitAt<'_> {
         let mode = self.orbit.sequence.zone(zone).mode;
         let is_side = |sides: [usize; 2]| sides.contains(&mode);
         let exit = exit_of(&self.posed.system, &self.orbit.sequence, zone);
-        let jumps = |exit: &Exit| !exit.reset.at.is_identity(0.0);
-        self.mode(zone + 1).sides.is_some_and(is_side) && exit.is_some_and(|exit| !jumps(exit))
+        self.mode(zone + 1).sides.is_some_and(is_side) && exit.is_some_and(Exit::is_continuous)
     }
 }
