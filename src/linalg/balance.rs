@@ -116,6 +116,16 @@ fn even(scaled: &mut Matrix, scales: &mut Vector, least: f64) {
 mod tests {
     use super::*;
 
+    /// Sizes whose ratio is 2 cannot come nearer to one another by powers of two: nothing swings between both.
+    #[test]
+    fn what_is_balanced_stays() {
+        let matrix = Matrix::from_row_slice(3, 3, &[0.0, 2.0, 0.0, 1.0, 0.0, 4.0, 0.0, 2.0, 0.0]);
+        let (scales, norm) = balance(&matrix, 0.0);
+        let scaled = Matrix::from_fn(3, 3, |i, j| matrix[(i, j)] * scales[j] / scales[i]);
+        assert!(norm <= matrix.row_sum().amax());
+        assert_eq!(balance(&scaled, 0.0), (Vector::repeat(3, 1.0), norm));
+    }
+
     /// ẋ = v, v̇ = 0, φ turning at rate 2, a force F cos φ + G on y: with every unit the norm is that of what turns.
     #[test]
     fn what_goes_one_way_makes_nothing_fast() {
