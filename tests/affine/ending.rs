@@ -153,7 +153,7 @@ fn a_part_of_the_motion_comes_to_rest() {
     );
     let last = all.last().unwrap();
     assert!(
-        (last.parameter - ALONE).abs() < 2.0 * last.uncertainty && last.uncertainty < 1e-7,
+        (last.parameter - ALONE).abs() <= last.uncertainty && last.uncertainty < 1e-7,
         "{} {:e}",
         last.parameter,
         last.uncertainty

@@ -66,6 +66,9 @@ pub enum OrbitStop {
     PartRests {
         /// Names of the states.
         states: Vec<String>,
+        /// What is left of the branch until then at most, in units of the parameter.
+        #[serde(default)]
+        left: f64,
     },
     /// The return map is discontinuous: on the one side of the event motions come back to its orbit, on the other they
     /// come to a place at a finite distance.
@@ -114,6 +117,12 @@ pub enum OrbitStop {
     },
 }
 
+/// Names in a row, as a sentence has them.
+pub(super) fn quoted(names: &[String]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    names.join(", ")
+}
+
 impl fmt::Display for OrbitStop {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -158,25 +167,19 @@ impl fmt::Display for OrbitStop {
             ),
             OrbitStop::Grows => write!(formatter, "the states grow without bound: a resonance"),
             OrbitStop::Rests { modes } => {
-                let names: Vec<String> = modes.iter().map(|mode| format!("`{mode}`")).collect();
-                let (names, last) = (
-                    names.join(", "),
-                    if modes.len() == 1 { "lasts" } else { "last" },
-                );
+                let last = if modes.len() == 1 { "lasts" } else { "last" };
+                let names = quoted(modes);
                 write!(
                     formatter,
                     "the motion comes to rest: beyond it {names} {last} for ever, wherever it begins"
                 )
             }
-            OrbitStop::PartRests { states } => {
-                let names: Vec<String> = states.iter().map(|state| format!("`{state}`")).collect();
-                write!(
-                    formatter,
-                    "the motion of {} comes to rest while the rest moves on: beyond it they stand still, which no \
-                     sequence of modes nearby has",
-                    names.join(", ")
-                )
-            }
+            OrbitStop::PartRests { states, .. } => write!(
+                formatter,
+                "the motion of {} comes to rest while the rest moves on: beyond it they stand still, which no sequence \
+                 of modes nearby has",
+                quoted(states)
+            ),
             OrbitStop::Discontinuous { apart } => write!(
                 formatter,
                 "the return map is discontinuous there: motions beside its orbit on the one side of the event come back \
@@ -462,11 +465,15 @@ impl AffineOrbit {
             .then_some(OrbitStop::Rests { modes })
     }
 
-    /// Whether some states, not all, vary by next to nothing and ever less. With it what is left of the branch, in units of
-    /// the parameter: ranges fall in proportion to it, or faster.
-    fn part_rests(&self, node: &Node) -> Option<(OrbitStop, f64)> {
-        /// Back along the branch, to where ranges are much larger, and the tolerance of that step.
-        const BACK: f64 = -1e-2;
+    /// Whether some states, not all, vary by next to nothing and ever less.
+    ///
+    /// Their ranges r fall like a power of what is left of the branch, ε: r = Cεᵖ, where p = 1 if what moves them lasts as
+    /// long whatever it is, and more if it comes to last less. Two orbits on the way, of which the nearer is d off, give p,
+    /// and ε = dq/(1 − q) with qᵖ = r/r₁. As p is known to what r bends by on that way only, ε is told by this and in
+    /// proportion (p = 1), and by how much they differ besides.
+    fn part_rests(&self, node: &Node) -> Option<OrbitStop> {
+        /// Back along the branch, to where ranges are much larger, and the tolerance of these steps.
+        const BACK: [f64; 2] = [-1e-3, -1e-2];
         const COARSE: f64 = 1e-8;
         let units = &self.setting.scales.states;
         let ranges = |point: &Vector| -> Option<Vec<f64>> {
@@ -483,14 +490,28 @@ impl AffineOrbit {
         if !here.iter().any(|range| rests(*range)) {
             return None;
         }
-        let earlier = node_at(self, node, BACK, COARSE)?;
-        let before = ranges(&earlier.point)?;
-        let way = self.parameter_at(&earlier.point) - self.parameter_at(&node.point);
-        let way = (way / self.setting.scales.parameter).abs();
-        // a state that hardly moves anywhere does not come to rest
+        let last = node.point.len() - 1;
+        let mut earlier = [(0.0, Vec::new()), (0.0, Vec::new())];
+        for (step, (way, before)) in BACK.into_iter().zip(&mut earlier) {
+            let node_there = node_at(self, node, step, COARSE)?;
+            *way = (node_there.point[last] - node.point[last]).abs();
+            *before = ranges(&node_there.point)?;
+        }
+        let [(way, near), (far_way, far)] = &earlier;
         let left = |state: usize| {
-            let (now, then) = (here[state], before[state]);
-            (rests(now) && now < 0.5 * then).then(|| way * now / (then - now))
+            let (now, near, far) = (here[state], near[state], far[state]);
+            // a state that hardly moves anywhere does not come to rest
+            if !(rests(now) && now < 0.5 * near && near < far) {
+                return None;
+            }
+            let extrapolated = |power: f64| {
+                let part = (now / near).powf(power.recip());
+                way * part / (1.0 - part)
+            };
+            let power = (far / near).ln() / (far_way / way).ln();
+            let (fitted, straight) = (extrapolated(power), extrapolated(1.0));
+            let left = fitted.max(straight) + (fitted - straight).abs();
+            left.is_finite().then_some(left)
         };
         let resting: Vec<(usize, f64)> = (0..units.len())
             .filter_map(|state| Some((state, left(state)?)))
@@ -501,8 +522,10 @@ impl AffineOrbit {
         }
         let names = &self.setting.system.source.states;
         let states = resting.iter().map(|(state, _)| names[*state].clone());
-        let states = states.collect();
-        Some((OrbitStop::PartRests { states }, left))
+        Some(OrbitStop::PartRests {
+            states: states.collect(),
+            left,
+        })
     }
 
     /// Whether no zone lasts at a point: no sequence of zones goes on from there.
@@ -608,7 +631,7 @@ impl AffineOrbit {
             })
             .or_else(|| self.comes_slowly(node))
             .or_else(|| self.loses_digits(&node.point))
-            .or_else(|| self.part_rests(node).map(|(stop, _)| stop))
+            .or_else(|| self.part_rests(node))
     }
 
     /// The homoclinic orbit to which an orbit comes that has lost its digits to growth beside a saddle before it comes
@@ -722,7 +745,7 @@ impl AffineOrbit {
                 None => self.left_beside_a_saddle(node),
             },
             OrbitStop::Grows => slope * self.stretch(point),
-            OrbitStop::PartRests { .. } => self.part_rests(node).map_or(0.0, |(_, left)| left),
+            OrbitStop::PartRests { left, .. } => *left,
             OrbitStop::Rests { modes } => {
                 let moves = |zone: &usize| !modes.contains(&self.sequence.zone(*zone).name);
                 let zones = (0..self.zones()).filter(moves);
