@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Inadmissible;
 use super::behaviour::{Behaviour, RETURNED, behaviour, cycle};
+use super::ends::quoted;
 use super::layout::{AffineOrbit, OrbitFailure, Scales, Setting, ZonePoint};
 use super::row::SavedOrbit;
 use super::signature::{Sequence, Way, Zone};
@@ -107,6 +108,21 @@ pub enum NoStart {
         time: f64,
         /// Where it rests.
         place: Place,
+    },
+    /// Some states stand still for ever, where the motion happened to leave them, while the rest moves with the forcing.
+    #[error(
+        "the motion comes to rest in part: after its last switch, at t = {time}, it stays in `{mode}` for ever, where {} \
+         stand{} still while the rest moves with the forcing. Where depends on where the motion begins, so that the orbit is \
+         one of a family, without a branch of its own",
+        quoted(.states), if .states.len() == 1 { "s" } else { "" }
+    )]
+    Stands {
+        /// Time of the last switch, or of the beginning.
+        time: f64,
+        /// Name of the mode.
+        mode: String,
+        /// Names of the states.
+        states: Vec<String>,
     },
     /// The motion switches no more and does not come to rest.
     #[error(
@@ -265,7 +281,8 @@ fn found(
         None => settle.max(1.0),
     };
     let mut motion = Motion::new(&system, place, longest);
-    let whole = sizes(&beginning.state, &run(&mut motion, settle)?);
+    let settling = run(&mut motion, settle)?;
+    let whole = sizes(&beginning.state, &settling);
     let time = guess.map(|time| {
         if is_forced {
             f64::from(wanted.periods.max(1)) * period
@@ -280,13 +297,23 @@ fn found(
             periods: wanted.periods.max(1),
             nearly: None,
         },
-        _ if is_forced => forced(
-            wanted,
-            &system,
-            &mut motion,
-            (period, guess.is_some()),
-            &whole,
-        )?,
+        _ if is_forced => {
+            let section = Section::Phase(period);
+            let none = Returns::none(&system, &section, &whole, &motion);
+            let most = wanted.periods.max(1) as usize;
+            match guess {
+                None => returning(&none, &mut motion, most)?,
+                Some(_) => {
+                    let mut all = none;
+                    while all.count() < most {
+                        if !all.extend(&mut motion)? {
+                            return Err(NoStart::Switches(all.switches.len()));
+                        }
+                    }
+                    all.course(&mut motion, [0, most])?
+                }
+            }
+        }
         Some(time) => {
             /// How much later than the time the last switch may come.
             const LATE: f64 = 1.01;
@@ -312,7 +339,14 @@ fn found(
             }
         }
         None => {
-            free(wanted, &system, &mut motion, longest, &whole).map_err(|reason| match reason {
+            let longest = longest.max(ENDLESS);
+            let first = next_switch(&mut motion, longest);
+            let settles = first.and_then(|(first, _)| {
+                let section = Section::Switch(first, longest);
+                let none = Returns::none(&system, &section, &whole, &motion);
+                returning(&none, &mut motion, wanted.periods.max(1) as usize)
+            });
+            settles.map_err(|reason| match reason {
                 NoStart::Leaves { time } if rests(&system, motion.place(), &beginning.state) => {
                     let place = motion.place().clone();
                     NoStart::Rests { time, place }
@@ -321,6 +355,22 @@ fn found(
             })?
         }
     };
+    if let Some(place) = &course.at_zero {
+        let states = standing(&system, place, &whole);
+        let time = settling.last().map_or(0.0, |(last, _)| last.time);
+        if states.len() == system.states {
+            let place = place.clone();
+            return Err(NoStart::Rests { time, place });
+        }
+        if !states.is_empty() {
+            let names = &wanted.system.source.states;
+            return Err(NoStart::Stands {
+                time,
+                mode: wanted.system.mode_name(place.mode).to_owned(),
+                states: states.iter().map(|state| names[*state].clone()).collect(),
+            });
+        }
+    }
     let parts = course.zones.iter().map(|(place, switching, duration)| {
         // a switch that leads to where infinitely many others end
         let exits = &system.modes[switching.from].guards[switching.guard].exits;
@@ -456,7 +506,7 @@ fn distance(
     system: &AffineSystem,
     begin: &Place,
     here: &Place,
-    (switches, returns): (&Switches, usize),
+    (switches, returns): (&[(Switching, Place)], usize),
     whole: &[f64],
 ) -> f64 {
     let ends = switches
@@ -519,25 +569,6 @@ fn closed(mut switches: Switches, time: f64) -> Vec<(Place, Switching, f64)> {
         (place.clone(), end.clone(), end.time - place.time + wrapped)
     });
     zones.collect()
-}
-
-/// Whether a motion that nearly returned, off by this much, is no further off when it has gone on as long: it settles then,
-/// while among many returns of a chaotic motion some are close by chance. The number of returns tried, and this much.
-///
-/// # Errors
-/// It is further off.
-fn settling(tried: &[f64], off: f64, later: f64) -> Result<(u32, f64), NoStart> {
-    /// How many times further off a later return may be: without damping the distance goes up and down.
-    const FURTHER: f64 = 10.0;
-    let periods = tried.len() as u32;
-    if later <= FURTHER * off {
-        return Ok((periods, off));
-    }
-    Err(NoStart::NotPeriodic {
-        periods,
-        off: later,
-        looks: None,
-    })
 }
 
 /// A reason with what the motion looks like, where it is not periodic within the periods asked for or does not switch;
@@ -617,85 +648,204 @@ fn return_time(motion: &mut Motion) -> Option<f64> {
     (returns.0 > 0).then(|| returns.1 / f64::from(returns.0))
 }
 
-/// Which of the returns tried counts: the first that is close, or else the closest of all.
-fn chosen(tried: &[f64]) -> Result<usize, NoStart> {
-    let close = tried.iter().position(|off| *off <= RETURNED);
-    let numbered = tried.iter().enumerate();
-    let least = numbered.min_by(|one, other| one.1.total_cmp(other.1));
-    let nearly = || {
-        least
-            .filter(|(_, off)| **off <= NEARLY)
-            .map(|(index, _)| index)
-    };
-    close.or_else(nearly).ok_or(NoStart::NotPeriodic {
-        periods: tried.len() as u32,
-        off: least.map_or(f64::INFINITY, |(_, off)| *off),
-        looks: None,
-    })
+/// What counts as a return of a motion.
+enum Section {
+    /// The end of a forcing period.
+    Phase(f64),
+    /// Without forcing: this switch again, none of those between later than this time after the one before.
+    Switch(Switching, f64),
 }
 
-/// The course over the least number of forcing periods after which the motion returns; over the number asked for where
-/// it is a guess.
-fn forced(
-    wanted: &Wanted,
-    system: &AffineSystem,
-    motion: &mut Motion,
-    (period, is_guess): (f64, bool),
-    whole: &[f64],
-) -> Result<Course, NoStart> {
-    let begin = motion.place().clone();
-    let most = wanted.periods.max(1);
-    let mut switches = Switches::new();
-    let (mut tried, mut counts) = (Vec::new(), Vec::new());
-    for periods in 1..=most {
-        let until = begin.time + f64::from(periods) * period;
-        switches.extend(run(motion, until)?);
-        if switches.len() > MOST_SWITCHES {
-            if tried.is_empty() {
-                return Err(NoStart::Switches(switches.len()));
+/// Moves on to the next switch without forcing.
+fn next_switch(motion: &mut Motion, longest: f64) -> Result<(Switching, Place), NoStart> {
+    let since = motion.place().time;
+    match motion.step(since + longest).map_err(NoStart::Halted)? {
+        Step::Switched(switching) => Ok((switching, motion.place().clone())),
+        Step::Reached | Step::Section => Err(NoStart::Leaves { time: since }),
+    }
+}
+
+impl Section {
+    /// Moves on to the next return, or through more switches than are followed.
+    fn next_return(&self, motion: &mut Motion) -> Result<Switches, NoStart> {
+        let (first, longest) = match self {
+            Section::Phase(period) => {
+                let until = motion.place().time + period;
+                return run(motion, until);
             }
-            break;
-        }
-        counts.push(switches.len());
-        let here = motion.place();
-        let off = distance(system, &begin, here, (&switches, periods as usize), whole);
-        let returned = here.mode == begin.mode;
-        tried.push(if returned { off } else { f64::INFINITY });
-        if tried.last().is_some_and(|off| *off <= RETURNED) && !is_guess {
-            break;
+            Section::Switch(first, longest) => (first, *longest),
+        };
+        let by = |one: &Switching| (one.from, one.to, one.guard, one.exit);
+        let mut switches = Switches::new();
+        loop {
+            let (switching, place) = next_switch(motion, longest)?;
+            let returned = by(&switching) == by(first);
+            switches.push((switching, place));
+            if returned || switches.len() > MOST_SWITCHES {
+                return Ok(switches);
+            }
         }
     }
-    let mut nearly = None;
-    let index = if is_guess {
-        tried.len() - 1
-    } else {
-        let index = chosen(&tried)?;
-        if tried[index] > RETURNED {
-            let from = motion.place().clone();
-            let more = run(motion, from.time + (index + 1) as f64 * period)?;
-            let later = distance(system, &from, motion.place(), (&more, index + 1), whole);
-            nearly = Some(settling(&tried, tried[index], later)?);
+}
+
+/// Returns of a motion in a row.
+struct Returns<'a> {
+    system: &'a AffineSystem,
+    section: &'a Section,
+    /// Sizes of the states over the whole motion.
+    whole: &'a [f64],
+    /// Where it is at first and at every return, and how many switches it has come through until then.
+    places: Vec<(Place, usize)>,
+    switches: Switches,
+}
+
+impl<'a> Returns<'a> {
+    /// None yet.
+    fn none(
+        system: &'a AffineSystem,
+        section: &'a Section,
+        whole: &'a [f64],
+        motion: &Motion,
+    ) -> Returns<'a> {
+        Returns {
+            system,
+            section,
+            whole,
+            places: vec![(motion.place().clone(), 0)],
+            switches: Switches::new(),
         }
-        index
-    };
-    switches.truncate(counts[index]);
-    let periods = index as u32 + 1;
-    let mut at_zero = None;
-    if switches.is_empty() {
-        let here = motion.place().clone();
-        let turn = (TAU - here.phase.rem_euclid(TAU)) / TAU;
-        run(motion, here.time + turn * period)?;
-        at_zero = Some(Place {
-            phase: 0.0,
-            ..motion.place().clone()
-        });
     }
-    Ok(Course {
-        zones: closed(switches, f64::from(periods) * period),
-        at_zero,
-        periods,
-        nearly,
-    })
+
+    /// None yet of those that follow.
+    fn after(&self, motion: &Motion) -> Returns<'a> {
+        Returns::none(self.system, self.section, self.whole, motion)
+    }
+
+    fn count(&self) -> usize {
+        self.places.len() - 1
+    }
+
+    /// Goes on to another one. False where that takes more switches in all than are followed.
+    fn extend(&mut self, motion: &mut Motion) -> Result<bool, NoStart> {
+        self.switches.extend(self.section.next_return(motion)?);
+        let follows = self.switches.len() <= MOST_SWITCHES;
+        if follows {
+            let place = motion.place().clone();
+            self.places.push((place, self.switches.len()));
+        }
+        Ok(follows)
+    }
+
+    /// Switches between two of them.
+    fn between(&self, from: usize, to: usize) -> &[(Switching, Place)] {
+        &self.switches[self.places[from].1..self.places[to].1]
+    }
+
+    /// How far the motion is off at one from where it is at an earlier one.
+    fn off(&self, from: usize, to: usize) -> f64 {
+        let [begin, here] = [from, to].map(|index| &self.places[index].0);
+        if begin.mode != here.mode {
+            return f64::INFINITY;
+        }
+        let way = (self.between(from, to), to - from);
+        distance(self.system, begin, here, way, self.whole)
+    }
+
+    /// The course from one of them to another; the motion goes on to phase 0 where it does not switch.
+    fn course(&self, motion: &mut Motion, [from, to]: [usize; 2]) -> Result<Course, NoStart> {
+        let switches = self.between(from, to).to_vec();
+        let returns = (to - from) as u32;
+        let (time, periods) = match self.section {
+            Section::Phase(period) => (f64::from(returns) * period, returns),
+            Section::Switch(..) => (self.places[to].0.time - self.places[from].0.time, 1),
+        };
+        let mut at_zero = None;
+        if switches.is_empty() {
+            let here = motion.place().clone();
+            let turn = (TAU - here.phase.rem_euclid(TAU)) / TAU;
+            run(motion, here.time + turn * time / f64::from(returns))?;
+            at_zero = Some(Place {
+                phase: 0.0,
+                ..motion.place().clone()
+            });
+        }
+        Ok(Course {
+            zones: closed(switches, time),
+            at_zero,
+            periods,
+            nearly: None,
+        })
+    }
+}
+
+/// The course over the least number of returns after which a motion is where it was.
+///
+/// One that settles slowly comes away from where it was first while its returns come ever nearer to one another. It is
+/// followed as long as the distance over as many returns as came nearest falls; of a chaotic motion some returns are near by
+/// chance, and later ones after as many are not.
+fn returning(none: &Returns, motion: &mut Motion, most: usize) -> Result<Course, NoStart> {
+    /// From the first of the returns to the last the distance falls to this part.
+    const FALLS: f64 = 0.5;
+    let mut before = f64::INFINITY;
+    loop {
+        let mut all = none.after(motion);
+        let mut tried = Vec::new();
+        while tried.len() < most && tried.last().is_none_or(|off| *off > RETURNED) {
+            if !all.extend(motion)? {
+                if tried.is_empty() {
+                    return Err(NoStart::Switches(all.switches.len()));
+                }
+                break;
+            }
+            tried.push(all.off(0, all.count()));
+        }
+        if matches!(all.section, Section::Switch(..)) && shrinks(&all) {
+            let place = motion.place().clone();
+            let time = place.time;
+            return Err(NoStart::Rests { time, place });
+        }
+        let numbered = tried.iter().copied().zip(1..);
+        let nearest = numbered.min_by(|(one, _), (other, _)| one.total_cmp(other));
+        let Some((off, over)) = nearest else {
+            return Err(NoStart::NoZones);
+        };
+        if off <= RETURNED {
+            return all.course(motion, [0, over]);
+        }
+        let not_periodic = |off: f64| NoStart::NotPeriodic {
+            periods: tried.len() as u32,
+            off,
+            looks: None,
+        };
+        let count = all.count();
+        let last = all.off(count - over, count);
+        let (ends, least) = match last < off {
+            true => ([count - over, count], last),
+            false => ([0, over], off),
+        };
+        if least <= NEARLY {
+            // without damping the distance goes up and down
+            const FURTHER: f64 = 10.0;
+            let mut more = none.after(motion);
+            while more.count() < over && more.extend(motion)? {}
+            let later = match more.count() == over {
+                true => more.off(0, over),
+                false => f64::INFINITY,
+            };
+            if later > FURTHER * least {
+                return Err(not_periodic(later));
+            }
+            let nearly = Some((tried.len() as u32, least));
+            return Ok(Course {
+                nearly,
+                ..all.course(motion, ends)?
+            });
+        }
+        if !(last <= FALLS * off.min(before) && last.is_finite()) {
+            return Err(not_periodic(off));
+        }
+        before = last;
+    }
 }
 
 /// A zone longer than this, and than the motion that settled, does not end.
@@ -711,20 +861,46 @@ fn rests(system: &AffineSystem, place: &Place, begun: &[f64]) -> bool {
     rates.rows(0, system.states).amax() * ENDLESS <= RETURNED * size
 }
 
+/// The states that stand still for ever in the mode of a place, whatever the others and the phase do, if one of them could
+/// stand elsewhere as well: none where they do not, or where a law holds them where they are. Sizes are those of the states
+/// over the whole motion.
+fn standing(system: &AffineSystem, place: &Place, sizes: &[f64]) -> Vec<usize> {
+    let n = system.states;
+    let matrix = &system.modes[place.mode].matrix.at;
+    let rates = matrix * system.lift(place.mode, &place.state, place.phase);
+    let stands = |state: &usize| rates[*state].abs() * ENDLESS <= RETURNED * sizes[*state];
+    let mut all: Vec<usize> = (0..n).filter(stands).collect();
+    loop {
+        // states come first in z, and the constant after them
+        let acts = |column: &usize| *column != n && !all.contains(column);
+        let others: Vec<usize> = (0..matrix.ncols()).filter(acts).collect();
+        let before = all.len();
+        all.retain(|state| others.iter().all(|column| matrix[(*state, *column)] == 0.0));
+        if all.len() == before {
+            break;
+        }
+    }
+    let is_free = |column: &usize| all.iter().all(|state| matrix[(*state, *column)] == 0.0);
+    if all.iter().any(is_free) {
+        all
+    } else {
+        Vec::new()
+    }
+}
+
 /// Whether a motion that returns to a switch shrinks to a point, as where it spirals into an equilibrium on a surface: its
 /// rates move no state by a part that counts of its size over the whole motion, and the change from one return to the next
 /// is no less than a part of that.
-fn shrinks(system: &AffineSystem, begin: &Place, switches: &Switches, whole: &[f64]) -> bool {
+fn shrinks(all: &Returns) -> bool {
     /// The orbit that a motion settles on changes by much less over a return.
     const SHRINKS: f64 = 1e-3;
-    let Some((_, last)) = switches.last() else {
-        return false;
-    };
+    let whole = all.whole;
+    let [begin, last] = [0, all.count()].map(|index| &all.places[index].0);
     let mut sizes = vec![0.0; whole.len()];
     let mut from = begin;
-    for (switching, place) in switches {
-        let z = system.lift(from.mode, &from.state, from.phase);
-        let rates = &system.modes[from.mode].matrix.at * z;
+    for (switching, place) in all.between(0, all.count()) {
+        let z = all.system.lift(from.mode, &from.state, from.phase);
+        let rates = &all.system.modes[from.mode].matrix.at * z;
         for (size, rate) in sizes.iter_mut().zip(&rates) {
             *size += rate.abs() * (switching.time - from.time);
         }
@@ -736,78 +912,6 @@ fn shrinks(system: &AffineSystem, begin: &Place, switches: &Switches, whole: &[f
     let small = pairs.all(|(size, whole)| *size <= RETURNED * whole);
     let mut changing = changes.iter().zip(&sizes);
     small && changing.any(|(change, size)| *size > 0.0 && *change >= SHRINKS * size)
-}
-
-/// Without forcing: from a switch to the same switch in the same state.
-fn free(
-    wanted: &Wanted,
-    system: &AffineSystem,
-    motion: &mut Motion,
-    longest: f64,
-    whole: &[f64],
-) -> Result<Course, NoStart> {
-    let mut next = || {
-        let since = motion.place().time;
-        match motion
-            .step(since + longest.max(ENDLESS))
-            .map_err(NoStart::Halted)?
-        {
-            Step::Switched(switching) => Ok((switching, motion.place().clone())),
-            Step::Reached | Step::Section => Err(NoStart::Leaves { time: since }),
-        }
-    };
-    let by = |one: &Switching| (one.from, one.to, one.guard, one.exit);
-    let (first, begin) = next()?;
-    let mut switches = Switches::new();
-    let (mut tried, mut counts) = (Vec::new(), Vec::new());
-    while tried.len() < wanted.periods.max(1) as usize {
-        let (switching, here) = next()?;
-        let returned = by(&switching) == by(&first);
-        switches.push((switching, here.clone()));
-        if switches.len() > MOST_SWITCHES {
-            if tried.is_empty() {
-                return Err(NoStart::Switches(switches.len()));
-            }
-            break;
-        }
-        if returned {
-            let returns = tried.len() + 1;
-            tried.push(distance(system, &begin, &here, (&switches, returns), whole));
-            counts.push(switches.len());
-            if tried.last().is_some_and(|off| *off <= RETURNED) {
-                break;
-            }
-        }
-    }
-    if shrinks(system, &begin, &switches, whole) {
-        let place = motion.place().clone();
-        let time = place.time;
-        return Err(NoStart::Rests { time, place });
-    }
-    let index = chosen(&tried)?;
-    let mut nearly = None;
-    if tried[index] > RETURNED {
-        let from = switches
-            .last()
-            .map_or(begin.clone(), |(_, place)| place.clone());
-        let (mut more, mut returns) = (Switches::new(), 0);
-        while returns <= index && more.len() <= MOST_SWITCHES {
-            let (switching, here) = next()?;
-            returns += usize::from(by(&switching) == by(&first));
-            more.push((switching, here));
-        }
-        let there = more.last().map_or(&from, |(_, place)| place);
-        let later = distance(system, &from, there, (&more, index + 1), whole);
-        nearly = Some(settling(&tried, tried[index], later)?);
-    }
-    switches.truncate(counts[index]);
-    let end = switches.last().map_or(begin.time, |(_, place)| place.time);
-    Ok(Course {
-        zones: closed(switches, end - begin.time),
-        at_zero: None,
-        periods: 1,
-        nearly,
-    })
 }
 
 /// The orbit with these zones next to these places.
