@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::plane::{Condition, ExaminationOf, FailureOf, MarginOf, Plane, SignatureOf, Test};
+use super::plane::{
+    Condition, ExaminationOf, FailureOf, MarginOf, Plane, SignatureOf, Test, Watched,
+};
 use super::point::{Limits, Point, PointType, What};
 use super::system::EventSystem;
 use super::tube::Tube;
@@ -57,10 +59,8 @@ pub struct Tests<P: Plane> {
     fold: Option<f64>,
     /// The factor that vanishes at a cusp, with the left null vector behind it.
     pub(super) cusp: Option<(f64, Vector)>,
-    /// Those of the plane.
-    others: Vec<Test>,
-    /// How many multipliers are outside the unit circle.
-    outside: Option<usize>,
+    /// What the plane watches.
+    watched: Watched,
 }
 
 /// A point of a curve with the equations that it solves.
@@ -187,8 +187,7 @@ impl<P: Plane> EventCurve<P> {
             slopes: slopes.map_err(Refusal::Flow)?,
             fold: None,
             cusp: None,
-            others: self.system.tests(&node.point, &at, &examination),
-            outside: P::outside(&self.system.condition, orbit, unknowns),
+            watched: self.system.watched(&node.point, &at),
             examination,
         };
         if self.with_fold {
@@ -326,13 +325,13 @@ impl<P: Plane> EventCurve<P> {
                 Some(self.cusp(node, Some(left)).ok()??.0)
             })?);
         }
-        let tests = step.before.others.iter().zip(&step.after.others);
+        let [before, after] = [&step.before, &step.after].map(|tests| &tests.watched.tests);
+        let tests = before.iter().zip(after);
         for (index, (before, after)) in tests.enumerate() {
             if before.value * after.value < 0.0 {
                 let tests = |node: &Node| {
                     let at = self.system.orbit(&node.point, 0)?;
-                    let examination = at.0.examination(&at.1)?;
-                    Ok(self.system.tests(&node.point, &at, &examination))
+                    Ok(self.system.watched(&node.point, &at).tests)
                 };
                 let event = Event::Other(*after);
                 let (place, _) = self.zero(step, before.value, after.value, event, |node| {
@@ -354,7 +353,7 @@ impl<P: Plane> EventCurve<P> {
     fn passing(&self, step: &Stage<P>) -> Result<Option<(Place, Event<P>)>, Refusal<P>> {
         /// Part of the step to which it is located: nearer the circle the number is not known.
         const WIDTH: f64 = 1e-9;
-        let outside = [step.before.outside, step.after.outside];
+        let outside = [&step.before, &step.after].map(|tests| tests.watched.outside);
         let [Some(before), Some(after)] = outside else {
             return Ok(None);
         };
@@ -371,8 +370,8 @@ impl<P: Plane> EventCurve<P> {
             let s = 0.5 * (low + high);
             let node = locate::node_at(&self.system, step.from, s, step.steps.tolerance);
             let node = node.ok_or(Refusal::NotLocated)?;
-            let (orbit, unknowns) = self.system.orbit(&node.point, 0).map_err(Refusal::Flow)?;
-            let outside = P::outside(&self.system.condition, &orbit, &unknowns);
+            let at = self.system.orbit(&node.point, 0).map_err(Refusal::Flow)?;
+            let outside = self.system.watched(&node.point, &at).outside;
             place = Place {
                 s,
                 node,

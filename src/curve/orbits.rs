@@ -4,13 +4,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use super::plane::{Condition, NotEvaluated, Plane, Test};
+use super::plane::{Condition, NotEvaluated, Plane, Test, Watched};
 use super::point::{Name, PointType, What};
 use crate::affine::orbit::multipliers::{Monodromy, Multiplier};
 use crate::affine::orbit::symmetry::Kept;
-use crate::affine::orbit::{
-    AffineOrbit, Examination, Margin, OrbitFailure, Scales, Sequence, Setting, Watch,
-};
+use crate::affine::orbit::{AffineOrbit, Margin, OrbitFailure, Scales, Sequence, Setting, Watch};
 use crate::affine::system::System;
 use crate::linalg::{Matrix, Vector};
 use crate::orbit::{EventType, Orbit};
@@ -114,7 +112,11 @@ fn monodromy(orbit: &AffineOrbit, point: &Vector) -> Option<Monodromy> {
 
 /// How many multipliers are outside the unit circle, where they have a limit and so many are on it.
 fn growing(orbit: &AffineOrbit, point: &Vector, on_circle: usize) -> Option<usize> {
-    let all = monodromy(orbit, point)?.multipliers();
+    outside(&monodromy(orbit, point)?.multipliers(), on_circle)
+}
+
+/// The same of known ones.
+fn outside(all: &[Multiplier], on_circle: usize) -> Option<usize> {
     let count = |is: fn(&Multiplier) -> bool| all.iter().filter(|one| is(one)).count();
     let told =
         all.iter().all(Multiplier::is_finite) && count(Multiplier::is_on_circle) == on_circle;
@@ -331,18 +333,23 @@ impl Plane for Orbits {
 
     /// A multiplier −1 beside the event, a pair with the product 1, and of a pair that is followed the cosine of its
     /// angle: it passes ±1 where the pair meets, and beyond that the multipliers are real.
-    fn tests(
+    fn watched(
         &self,
         condition: &Condition<Orbits>,
         orbit: &AffineOrbit,
         point: &Vector,
         _: &[f64],
-        _: &Examination,
-    ) -> Vec<Test> {
+    ) -> Watched {
         let Some(monodromy) = monodromy(orbit, point) else {
-            return Vec::new();
+            return Watched::default();
         };
-        let [doubling, _, torus] = monodromy.tests(&monodromy.multipliers());
+        let multipliers = monodromy.multipliers();
+        let [doubling, _, torus] = monodromy.tests(&multipliers);
+        let on_circle = match condition {
+            Condition::Margin(_) => 0,
+            Condition::Spectral(Critical::Torus) => 2,
+            Condition::Fold | Condition::Spectral(_) => 1,
+        };
         let passed = |kind, value| Test {
             kind,
             value,
@@ -366,7 +373,7 @@ impl Plane for Orbits {
             value: test.value / met,
             ..test
         };
-        match condition {
+        let tests = match condition {
             Condition::Spectral(Critical::Torus) => {
                 let met = |order, value| Test {
                     kind: Some(PointType::Resonance(order)),
@@ -414,20 +421,11 @@ impl Plane for Orbits {
                 }]
             }
             Condition::Margin(_) => vec![doubling, pair(1, f64::NAN)],
-        }
-    }
-
-    fn outside(
-        condition: &Condition<Orbits>,
-        orbit: &AffineOrbit,
-        point: &Vector,
-    ) -> Option<usize> {
-        let own = match condition {
-            Condition::Margin(_) => 0,
-            Condition::Spectral(Critical::Torus) => 2,
-            Condition::Fold | Condition::Spectral(_) => 1,
         };
-        growing(orbit, point, own)
+        Watched {
+            tests,
+            outside: outside(&multipliers, on_circle),
+        }
     }
 
     fn say(what: &What<AffineOrbit>) -> String {

@@ -29,6 +29,16 @@ pub struct Test {
     pub ends: bool,
 }
 
+/// What a plane watches at a point, beside the margins and the fold.
+#[derive(Clone, Debug, Default)]
+pub struct Watched {
+    /// Test functions in a fixed order. One whose value is not finite is not looked at.
+    pub tests: Vec<Test>,
+    /// How many multipliers are outside the unit circle beside those of the event, which are on it; `None` where that is
+    /// not known, or not asked.
+    pub outside: Option<usize>,
+}
+
 /// What makes the orbit special.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
@@ -215,22 +225,14 @@ pub trait Plane: Data {
         None
     }
 
-    /// Test functions beside the margins and the fold, in a fixed order. One whose value is not finite is not
-    /// looked at.
-    fn tests(
+    /// What is watched beside the margins and the fold.
+    fn watched(
         &self,
         condition: &Condition<Self>,
         orbit: &Self::Orbit,
         point: &Vector,
         further: &[f64],
-        examination: &ExaminationOf<Self>,
-    ) -> Vec<Test>;
-
-    /// How many multipliers are outside the unit circle beside those of the event, which are on it; `None` where that is
-    /// not known, or not asked.
-    fn outside(_: &Condition<Self>, _: &Self::Orbit, _: &Vector) -> Option<usize> {
-        None
-    }
+    ) -> Watched;
 
     /// A sentence of what happens.
     fn say(what: &What<Self::Orbit>) -> String;

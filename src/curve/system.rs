@@ -22,9 +22,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::plane::{
-    Condition, ExaminationOf, FailureOf, NotEvaluated, ParameterOf, Plane, SignatureOf, Test,
-};
+use super::plane::{Condition, FailureOf, NotEvaluated, ParameterOf, Plane, SignatureOf, Watched};
 use super::tube::Tube;
 use crate::continuation::newton::{Constraint, System};
 use crate::linalg::{Matrix, Vector};
@@ -214,16 +212,10 @@ impl<P: Plane> EventSystem<P> {
             .spectral(spectral, &orbit, &own, self.further(point))
     }
 
-    /// Test functions of the plane at a point, from what an examination found there.
-    pub(super) fn tests(
-        &self,
-        point: &Vector,
-        (orbit, own): &(P::Orbit, Vector),
-        examination: &ExaminationOf<P>,
-    ) -> Vec<Test> {
+    /// What the plane watches at a point, and the orbit there.
+    pub(super) fn watched(&self, point: &Vector, (orbit, own): &(P::Orbit, Vector)) -> Watched {
         let further = self.further(point);
-        self.plane
-            .tests(&self.condition, orbit, own, further, examination)
+        self.plane.watched(&self.condition, orbit, own, further)
     }
 
     /// Follows the place of an interior margin to a new point of the curve.

@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::plane::{Condition, NotEvaluated, Plane, Test};
+use super::plane::{Condition, NotEvaluated, Plane, Test, Watched};
 use super::point::{Name, PointType, What};
 use crate::branch::run::RunError;
 use crate::linalg::Vector;
@@ -15,7 +15,7 @@ use crate::tube::model::{Model, Parameter};
 use crate::tube::stability::characteristic::{Characteristic, NotLinearised};
 use crate::tube::stability::spectrum::symmetric;
 use crate::tube::stability::track;
-use crate::tube::wave::admissibility::{Examination, Margin, Watch};
+use crate::tube::wave::admissibility::{Margin, Watch};
 use crate::tube::wave::{Scales, Wave, width};
 
 /// ω in units of the frequency of the wave below which it counts as zero. Parameters are even in ω:
@@ -233,21 +233,24 @@ impl Plane for Tube {
     }
 
     /// ω where the pair may meet on the real axis. It is positive there.
-    fn tests(
+    fn watched(
         &self,
         condition: &Condition<Tube>,
         _: &Wave,
         _: &Vector,
         further: &[f64],
-        _: &Examination,
-    ) -> Vec<Test> {
-        match condition {
+    ) -> Watched {
+        let tests = match condition {
             Condition::Spectral(Hopf { sector }) if symmetric(*sector, self.mode) => vec![Test {
                 kind: Some(PointType::BT),
                 value: further[0] - LEAST_OMEGA,
                 ends: true,
             }],
             _ => Vec::new(),
+        };
+        Watched {
+            tests,
+            outside: None,
         }
     }
 
