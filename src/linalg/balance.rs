@@ -6,7 +6,26 @@ use super::{Matrix, Vector};
 const SWEEPS: usize = 20;
 
 /// Which coordinate acts on which, by however many steps: entry (i, j) where j acts on i.
-pub(super) fn acts(matrix: &Matrix) -> nalgebra::DMatrix<bool> {
+pub(super) struct Acts(nalgebra::DMatrix<bool>);
+
+impl Acts {
+    /// Whether two coordinates act on one another, or are one.
+    pub(super) fn goes_round(&self, i: usize, j: usize) -> bool {
+        i == j || self.0[(i, j)] && self.0[(j, i)]
+    }
+
+    /// The entries of a matrix between coordinates that do.
+    pub(super) fn round(&self, matrix: &Matrix) -> Matrix {
+        let entry = |i, j| match self.goes_round(i, j) {
+            true => matrix[(i, j)],
+            false => 0.0,
+        };
+        Matrix::from_fn(matrix.nrows(), matrix.ncols(), entry)
+    }
+}
+
+/// That of a matrix.
+pub(super) fn acts(matrix: &Matrix) -> Acts {
     let n = matrix.nrows();
     let mut acts = matrix.map(|entry| entry != 0.0);
     for middle in 0..n {
@@ -16,7 +35,7 @@ pub(super) fn acts(matrix: &Matrix) -> nalgebra::DMatrix<bool> {
             }
         }
     }
-    acts
+    Acts(acts)
 }
 
 /// Powers of two d for which the largest column sum of D⁻¹MD is small, and that sum.
@@ -36,26 +55,16 @@ pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
         let sums = sums.map(|(column, own)| column.sum() + own);
         sums.fold(0.0, f64::max)
     };
-    let acts = acts(&scaled);
-    let mut round = scaled.clone();
-    let mut one_way = false;
-    for (index, entry) in round.as_mut_slice().iter_mut().enumerate() {
-        let (row, column) = (index % size, index / size);
-        if *entry != 0.0 && !acts[(column, row)] {
-            *entry = 0.0;
-            one_way = true;
-        }
-    }
+    let mut round = acts(&scaled).round(&scaled);
+    let is_whole = round == scaled;
     even(&mut round, &mut scales, 0.0);
-    if !one_way {
+    if is_whole {
         let norm = norm(&round);
         return (scales, norm);
     }
     let least = norm(&round).max(slow);
-    for (own, column) in scales
-        .iter()
-        .zip(scaled.as_mut_slice().chunks_exact_mut(size))
-    {
+    let columns = scaled.as_mut_slice().chunks_exact_mut(size);
+    for (own, column) in scales.iter().zip(columns) {
         let entries = column.iter_mut().zip(&scales);
         entries.for_each(|(entry, other)| *entry *= own / other);
     }

@@ -51,9 +51,9 @@ fn blocks(matrix: &Matrix) -> Option<Vec<Matrix>> {
         if seen[first] {
             continue;
         }
-        let alike =
-            |other: &usize| *other == first || acts[(first, *other)] && acts[(*other, first)];
-        let own: Vec<usize> = (first..n).filter(alike).collect();
+        let own: Vec<usize> = (first..n)
+            .filter(|other| acts.goes_round(first, *other))
+            .collect();
         own.iter().for_each(|index| seen[*index] = true);
         let block = Matrix::from_fn(own.len(), own.len(), |i, j| matrix[(own[i], own[j])]);
         let (scales, _) = balance(&block, 0.0);

@@ -130,18 +130,13 @@ pub fn balance(factors: &[&Matrix]) -> Vec<f64> {
     }
     let all = factors.iter();
     let acts = acts(&all.fold(Matrix::zeros(n, n), |sum, one| sum + one.abs()));
-    let goes_round = |i: usize, j: usize| i == j || acts[(i, j)] && acts[(j, i)];
     // the first time norms are those in the units of the states
     for _ in 0..2 {
         let mut sum = Matrix::zeros(n, n);
         for factor in factors {
             let entry = |i: usize, j: usize| factor[(i, j)].abs() * (scales[j] / scales[i]);
             let scaled = Matrix::from_fn(n, n, entry);
-            let norm = Matrix::from_fn(n, n, |i, j| match goes_round(i, j) {
-                true => scaled[(i, j)],
-                false => 0.0,
-            });
-            let norm = norm.norm();
+            let norm = acts.round(&scaled).norm();
             if norm > 0.0 && norm.is_finite() {
                 sum += scaled / norm;
             }
