@@ -12,15 +12,20 @@ from collections import namedtuple
 from contextlib import suppress
 from copy import copy
 from fractions import Fraction
-from math import inf
+from math import ceil, inf
 
 from flint import acb, acb_mat, acb_poly, arb, ctx, fmpq, fmpq_poly
 
-from .balls import SIGNS, Dual, NotCovered, Refused, apply, decimal, distance, dual, exponential, injective, jacobian, must, positive, prove_zero, times, whole
+from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, decimal, distance, dual, exponential, injective, jacobian, must, positive, prove_zero, times, whole
 
 NEAR = 1e-6
 """What is zero at a point is found for all values of the parameter so near, in its unit."""
-PIECES, SHORTEST, BY_FAR = 2000, 1e-6, 64.0
+ALONG, ALMOST, POINT, TUBE = 80, arb(2) ** -40, arb(2) ** -50, arb(2) ** -46
+"""Bits in which curves are followed; the last step of Newton's method, the radii of points and of tubes at least, in units: far
+above rounding, and one after the other far below what a piece of a curve bends."""
+TURNS = 2.0
+"""A part of a zone on a curve lasts no longer than this over the largest rate of its mode."""
+PIECES, SHORTEST, BY_FAR = 2000, 1e-6, 8.0
 """Pieces of a curve; their least length in units; the parameter is their coordinate unless another moves so much more."""
 
 
@@ -416,7 +421,7 @@ class Zeros:
 
 # ---------------------------------------------------------------------------------------------------- orbits
 Stretch = namedtuple("Stretch", "zone mode end")
-"""A zone, or a part of one: `end` is ("exit", guard, exit), ("touch", guard) or ("never",)."""
+"""A zone, or a part of one: `end` is ("exit", guard, exit), ("touch", guard), ("cut",) before another part or ("never",)."""
 
 
 def counted(polynomial):
@@ -526,6 +531,13 @@ class Orbit:
         if self.kind == "Margin":
             self.facts = self.known()
 
+    def divide(self, parts):
+        """Cuts every zone into so many parts of one duration: no long products are formed over wide balls."""
+        cut = lambda stretch, n: [stretch._replace(end=("cut",))] * (n - 1) + [stretch]
+        self.stretches = [part for stretch, n in zip(self.stretches, parts) for part in cut(stretch, n)]
+        self.place = len(self.stretches) * (self.n + 1) + self.forced
+        self.facts = self.lasting = self.known()
+
     def settle(self, domain):
         """Sees that what is zero is so over an interval of the parameter, on a curve without an event."""
         if not self.domain.contains(domain):
@@ -546,9 +558,10 @@ class Orbit:
             turned += [-h * sine, h * cosine]
         return turned
 
-    def parts(self, x):
+    def parts(self, x, flows=None):
         """Modes, and (phase, duration, z at the entry, exp(MT), z at the end) of every stretch. What belongs to the last
-        parameter and the last durations is kept: in a Jacobian they are the same objects in most columns."""
+        parameter and the last durations is kept: in a Jacobian they are the same objects in most columns. The exponentials may
+        be given."""
         parameter, parts = x[self.place], []
         if self.kept is None or self.kept[0] is not parameter or self.kept[1] != ctx.prec:
             self.kept = parameter, ctx.prec, self.exact.at(parameter), {}
@@ -558,7 +571,9 @@ class Orbit:
             first = index * (self.n + 1)
             state, time = x[first : first + self.n], x[first + self.n]
             z, matrix = self.lift(state, phase), modes.matrices[stretch.mode]
-            if isinstance(parameter, Dual) or isinstance(time, Dual):
+            if flows is not None:
+                step = flows[index]
+            elif isinstance(parameter, Dual) or isinstance(time, Dual):
                 step = exponential(matrix, time)
             else:
                 if index not in steps or steps[index][0] is not time:
@@ -601,6 +616,8 @@ class Orbit:
                 out += apply([guards[where[0]][0]], end)
             elif kind == "touch":
                 out += apply([combine(guards[where[0]][0], modes.matrices[stretch.mode])], end)
+            elif kind == "cut":
+                out.append(parts[index][1] - parts[index + 1][1])
             else:
                 out.append(parts[0][0])
         if self.forced:
@@ -610,10 +627,13 @@ class Orbit:
     def slope(self, x):
         """The Jacobian of the equations of the orbit, row by row: perturbations of what a stretch begins with, carried to its
         end by its matrix exponential."""
-        modes, parts = self.parts(x)
-        n, size, count, width = self.n, self.exact.size, len(parts), self.place + 1
-        rows = [[acb(0)] * width for _ in self.cycle(modes, parts)]
+        n, count, width = self.n, len(self.stretches), self.place + 1
+        rows = [[acb(0)] * width for _ in range(self.place)]
         moving = self.exact.at(Dual(x[self.place], acb(1)))
+        # that of both has that of the flow itself
+        turn_by = lambda stretch: [[dual(entry) for entry in line] for line in moving.matrices[stretch.mode]]
+        changes = [exponential(turn_by(stretch), x[k * (n + 1) + n]) for k, stretch in enumerate(self.stretches)]
+        modes, parts = self.parts(x, [[[dual(entry).v for entry in line] for line in change] for change in changes])
         elapsed, turn = acb(0), dual(moving.omega).d
         row, phase = 0, self.place - 1
         for index, (stretch, (_, time, z, step, end)) in enumerate(zip(self.stretches, parts)):
@@ -625,8 +645,7 @@ class Orbit:
             columns = {first + i: [line[i] for line in step] for i in range(n)}
             columns[first + n] = apply(matrix, end)
             swing = apply(step, turned) if self.forced else None
-            changed = exponential([[dual(entry) for entry in line] for line in by], time)
-            along = [sum((dual(a).d * y for a, y in zip(line, z)), acb(0)) for line in changed]
+            along = [sum((dual(a).d * y for a, y in zip(line, z)), acb(0)) for line in changes[index]]
             columns[self.place] = [a + turn * elapsed * b for a, b in zip(along, swing)] if self.forced else along
             if self.forced:
                 columns[phase] = swing
@@ -649,6 +668,9 @@ class Orbit:
                 rows[row + i][place + i] -= sign
             if kind == "never":
                 rows[row + n][phase] += 1
+            elif kind == "cut":
+                rows[row + n][first + n] += 1
+                rows[row + n][place + n] -= 1
             row += n + 1
             elapsed += time
         if self.forced:
@@ -700,8 +722,9 @@ class Orbit:
                 if kind == "never":
                     facts[index][1] = end
                     continue
-                row, exits = exact.guards[mode][where[0]]
-                end.insert(row if kind == "exit" else exact.derivative(mode, row, 1))
+                if kind != "cut":
+                    row, exits = exact.guards[mode][where[0]]
+                    end.insert(row if kind == "exit" else exact.derivative(mode, row, 1))
                 add(end, index, True)
                 facts[index][1] = end
                 follower[0] = end.after(exits[where[1]][1], exact.size) if kind == "exit" else Zeros(self.domain, end.rows())
@@ -756,8 +779,6 @@ class Orbit:
 
     def change(self):
         """The type of a change of the sequence, by all that is zero at the event and not on the branch."""
-        if self.watch == "Duration":
-            raise NotCovered("the type of a change that is stated with a zone of no duration")
         new = set()
         for stretch, (_, facts), (_, lasting) in zip(self.stretches, self.facts, self.lasting):
             if stretch.end[0] == "touch":
@@ -769,6 +790,12 @@ class Orbit:
             for kind, forms in ("GR", [self.exact.derivative(stretch.mode, row, 1)]), ("SL", held):
                 if any(facts.have(it) and not lasting.have(it) for it in forms):
                     new.add(kind)
+        for index in self.closed:
+            # a zone has none where what ends it is zero as it begins, and not on the branch
+            row, _ = self.exact.guards[self.stretches[index].mode][self.stretches[index].end[1]]
+            if self.facts[index][0].have(row) and not self.lasting[index][0].have(row):
+                new.add("CO")
+        must(new or not self.closed, "what vanishes where a zone has no duration is not known")
         return next((kind for kind in ("GR", "SL") if kind in new), "CO")
 
     def primitive(self, x):
@@ -945,16 +972,16 @@ def kind_of(point, proof, orbit):
         return point["kind"] if point["kind"] in ("UZ", "EP") else "UZ or EP"
     if orbit.kind != "Margin":
         return {"Fold": "LP", "Doubling": "PD", "Branching": "BP", "Torus": "NS"}[orbit.kind]
-    before, near = listed(changed["before"]), listed(proof["near"]["sequence"])
-    after = changed["after"] and listed(changed["after"])
-    watch = changed["watch"] if isinstance(changed["watch"], str) else changed["watch"].name
-    margin = orbit.condition.value
-    same = near == before and margin["watch"] == changed["watch"] and margin["zone"] == changed["zone"]
-    shorter = watch not in ("Inside", "Speed") and len(near) < len(before)
-    must(same or shorter, "the change is another than what is proven")
+    sides = [listed(it) for it in (changed["before"], changed["after"]) if it is not None]
+    before, *after = sides
+    places = [(listed(it["near"]["sequence"]), it["condition"]) for it in (proof, *proof.get("seen", []))]
+    must(places[0][0] in sides, "it changes between two others")
+    must(all(any(place == side for place, _ in places) for side in sides), "in a sequence that is stated nothing is proven")
+    vanishing = next(condition for place, condition in places if place == before)
+    margin = vanishing.value if isinstance(vanishing, Tagged) and vanishing.name == "Margin" else {}
+    must(all(margin.get(name) == changed[name] for name in ("watch", "zone")), "the change is another than what is proven")
     turned = [before[k:] + before[:k] for k in range(len(before))]
-    must(after not in turned, "it is said that nothing changes")
-    must(after is None or near in turned or near in [after[k:] + after[:k] for k in range(len(after))], "it changes between two others")
+    must(not any(side in turned for side in after), "it is said that nothing changes")
     return orbit.change()
 
 
@@ -984,12 +1011,17 @@ class Arc:
         (self.first, one), (self.last, other) = ends
         domain = one[self.first.place].real.union(other[self.last.place].real)
         self.orbit = Orbit(self.first.posed, near, "Value", domain)
-        self.ends = [self.uncut(*end) for end in ends]
+        whole = [self.uncut(*end) for end in ends]
+        parts = self.parts(whole)
+        self.ends = [self.divided(x, parts) for x in whole]
+        self.orbit.divide(parts)
         self.place = self.orbit.place
         units = self.orbit.posed["units"]
         self.units = [*map(float, units["states"]), float(units["time"])] * len(self.orbit.stretches)
         self.units += [1.0] * self.orbit.forced + [float(units["parameter"])]
-        self.opening = [k * (self.orbit.n + 1) + self.orbit.n for k in self.first.closed]
+        # where a zone that has no duration at an end stands, which is not cut
+        self.closed = [[sum(parts[:zone]) for zone in orbit.closed] for orbit in (self.first, self.last)]
+        self.opening = [k * (self.orbit.n + 1) + self.orbit.n for k in self.closed[0]]
 
     def uncut(self, orbit, x):
         """Unknowns with one duration for a zone that is cut."""
@@ -1001,6 +1033,27 @@ class Arc:
             else:
                 found += part
         return found + x[len(orbit.stretches) * width : orbit.place + 1]
+
+    def parts(self, ends):
+        """Into how many parts zones are cut: by what their largest rate makes of the longer of two durations."""
+        longest, width = [0.0] * len(self.orbit.stretches), self.orbit.n + 1
+        for x in ends:
+            modes = self.orbit.exact.at(x[self.orbit.place].mid())
+            for k, stretch in enumerate(self.orbit.stretches):
+                rate = max(abs(float(acb(entry).real.mid())) for line in modes.matrices[stretch.mode] for entry in line[: self.orbit.n])
+                longest[k] = max(longest[k], rate * float(x[k * width + self.orbit.n].real.mid()))
+        closed = {*self.first.closed, *self.last.closed}
+        return [1 if k in closed else max(1, ceil(turns / TURNS)) for k, turns in enumerate(longest)]
+
+    def divided(self, x, parts):
+        """Unknowns with the states between the parts of zones."""
+        found, (modes, whole), width = [], self.orbit.parts(x), self.orbit.n + 1
+        for k, (n, (_, time, z, *_)) in enumerate(zip(parts, whole)):
+            flow = exponential(modes.matrices[self.orbit.stretches[k].mode], time / n)
+            for _ in range(n):
+                found += [*z[: self.orbit.n], time / n]
+                z = apply(flow, z)
+        return found + x[len(parts) * width :]
 
     def equations(self, x, coordinate, value):
         return [*self.orbit.cycle(*self.orbit.parts(x)), x[coordinate] - value]
@@ -1042,13 +1095,15 @@ class Arc:
     def point(self, guess, k):
         """The orbit next to a guess with its value of a coordinate, by Newton's method: a tube without length."""
         value, middle = guess[k].mid(), guess
-        for _ in range(12):
-            inverse = self.inverse(middle, k)
+        for turn in range(12):
+            if turn % 2 == 0:
+                inverse = self.inverse(middle, k)
             steps = times(inverse, self.equations(middle, k, value))
-            if all(abs(step) < u * arb(2) ** -80 for step, u in zip(steps, self.units)):
-                break
             middle = [(y - step).mid() for y, step in zip(middle, steps)]
-        box, _ = self.tube([*middle[:k], value, *middle[k + 1 :]], [acb(0)] * len(middle), arb(0), inverse, k, arb(2) ** -70)
+            # the next would be smaller by far
+            if all(abs(step) < u * ALMOST for step, u in zip(steps, self.units)):
+                break
+        box, _ = self.tube([*middle[:k], value, *middle[k + 1 :]], [acb(0)] * len(middle), arb(0), inverse, k, POINT)
         return [*box[:k], value, *box[k + 1 :]]
 
     def tangent(self, x):
@@ -1070,7 +1125,7 @@ class Arc:
                 return [y / size for y in scaled], coordinate
         raise NotCovered("a curve whose tangent is not found")
 
-    @ctx.workprec(SIGNS)
+    @ctx.workprec(ALONG)
     def follow(self, side):
         """Shows the curve from one end to the other. Returns the number of pieces."""
         (x, last), before, count = self.ends, None, 0
@@ -1106,7 +1161,7 @@ class Arc:
                         raise
                 length, calm = length / 2, 0
             # a longer one is tried after some that held
-            x, count, longest = there, count + 1, length * (2 if calm % 4 == 3 else 1)
+            x, count, longest = there, count + 1, length * (2 if calm else 1)
         raise NotCovered("more pieces than are tried")
 
     def piece(self, x, y, k, direction, next_to):
@@ -1116,7 +1171,7 @@ class Arc:
         middle = [((a + b) / 2).mid() for a, b in zip(x, y)]
         slope = [((b - a) / (y[k] - x[k])).mid() for a, b in zip(x, y)]
         slope[k] = acb(1)
-        tube, radii = self.tube(middle, slope, reach, self.inverse(middle, k), k, arb(2) ** -60)
+        tube, radii = self.tube(middle, slope, reach, self.inverse(middle, k), k, TUBE)
         off = lambda z, i: abs(z[i] - middle[i] - (z[k] - middle[k]) * slope[i])
         if not all(off(z, i) < radii[i] for z in (x, y) for i in range(len(x)) if i != k):
             raise NotCovered("no tube has both ends")
@@ -1131,7 +1186,7 @@ class Arc:
         sign = 0 if next_to is None else direction if next_to == 0 else -direction
         moving = tube if not sign else [Dual(z, sign * d) for z, d in zip(tube, tangent)]
         self.orbit.settle(tube[self.place].real)
-        closed = () if next_to is None else (self.first, self.last)[next_to].closed
+        closed = () if next_to is None else self.closed[next_to]
         wrong = [what for what, holds in self.orbit.all_signs(moving, closed) if not holds]
         must(not wrong, f"{', '.join(wrong)} is not shown on the way")
 

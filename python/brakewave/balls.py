@@ -30,6 +30,10 @@ DEEPEST = (DEPTH, 12)
 """The same at a point, and along a curve, of which a shorter piece may do."""
 
 
+Tagged = namedtuple("Tagged", "name value")
+"""A name of an enum and what it holds."""
+
+
 class Refused(Exception):
     """A statement is false, or cannot be shown."""
 

@@ -12,7 +12,6 @@ something is not covered. docs/certify.md says what is covered, and how.
 import csv
 import re
 import sys
-from collections import namedtuple
 from fractions import Fraction
 from math import inf
 from pathlib import Path
@@ -24,16 +23,16 @@ try:
     from .ball_orbits import Orbit, agree, counted, join, kind_of, listed, zones_of
     from .ball_spectrum import Perturbed
     from .ball_waves import Signs
-    from .balls import NotCovered, Refused, decimal, must, prove_zero, whole
+    from .balls import NotCovered, Refused, Tagged, decimal, must, prove_zero, whole
 except ImportError as error:
     sys.exit(f"{error}: `pip install python-flint` gives the balls that this check needs")
 
+WIDEST = 0.01
+"""A distance of uniqueness is stated up to this share of the units."""
 COUNTING = 96
 """Bits in which eigenvalues are counted: their number is whole."""
 
 # ---------------------------------------------------------------------------------------------------- RON
-Tagged = namedtuple("Tagged", "name value")
-"""A name of an enum and what it holds."""
 BLANK = re.compile("[ \\t\\n\\v\\f\\r\\x85\\u200e\\u200f\\u2028\\u2029]+|//[^\\n]*")
 TOKEN = re.compile(
     r'(?P<raw>r(?P<hashes>#*)".*?"(?P=hashes))|(?P<string>"(?:[^"\\]|\\.)*")'
@@ -192,7 +191,7 @@ class Statements:
         self.point, self.source, self.row, self.before = point, source, row, before
         self.proof = point["outcome"].value
         self.posed, self.said = self.proof["posed"], self.proof["statement"]
-        self.growth, self.discs = point.get("growth"), {}
+        self.growth, self.discs, self.others = point.get("growth"), {}, {}
 
     def common(self):
         """Names of statements on all points and what checks them."""
@@ -201,8 +200,16 @@ class Statements:
         yield "inequalities", self.inequalities
         yield f"no other within {float(self.said['unique']):.0e}", self.unique
         yield "row of certificates.csv", self.table
-        if self.point.get("arc") is not None and self.point["arc"].name == "Proven":
+        if self.point.get("arc") == "Proven":
             yield "arc", self.arc
+
+    def arc_is_one(self):
+        arc = self.point.get("arc")
+        must(arc in (None, "Proven") or isinstance(arc, Tagged) and arc.name == "Open", "an arc that is neither proven nor open")
+
+    def distance_is_one(self, unit):
+        told = float(self.said["unique"])
+        must(0 <= told <= unit * WIDEST * (1 + 1e-9), "a distance is negative, or more than a hundredth of the range of the parameter")
 
     @staticmethod
     def compare(found):
@@ -247,9 +254,9 @@ class Statements:
         for what, (low, high), ball in intervals:
             must(inside(ball, row[low], row[high]), f"the {what} is not in its interval")
         must(float(row["unique"]) == self.said["unique"], "`unique` is not that of the certificate")
-        opened = arc is not None and arc.name == "Open"
+        opened = isinstance(arc, Tagged)
         stated |= {"inequalities": self.said["inequalities"], "arc": "" if arc is None else "no" if opened else "yes"}
-        stated |= {"why": "", "pieces": None if arc is None or opened else arc.value, "arc_why": arc.value if opened else ""}
+        stated |= {"why": "", "arc_why": arc.value if opened else ""}
         for column, value in stated.items():
             told = value if isinstance(value, str) else "" if value is None else str(int(value))
             must(row[column] == told, f"`{column}` is not that of the certificate")
@@ -265,7 +272,7 @@ UNDECIDED = {
 class Point(Statements):
     """A point of a branch of waves."""
 
-    COLUMNS = "label type parameter low high speed_low speed_high unique inequalities proven why unstable arc pieces arc_why growing stable stable_why"
+    COLUMNS = "label type parameter low high speed_low speed_high unique inequalities proven why unstable arc arc_why growing stable stable_why"
 
     def statements(self):
         """Names of the statements and what checks them."""
@@ -292,10 +299,10 @@ class Point(Statements):
         fields(self.posed["written"], "origin friction mismatch damping ratio", "material")
         fields(said, "parameter speed lengths unique inequalities", "omega")
         whole(point["label"]), whole(said["inequalities"])
+        self.arc_is_one()
         unit = float(self.posed["unit"])
         must(0 < unit < inf, "the unit of the parameter is no length")
-        # at this share of the units |c| comes down to √a, where the equations end
-        must(0 <= float(said["unique"]) < unit, "a distance is negative, or reaches beyond the equations")
+        self.distance_is_one(unit)
         crossing = isinstance(condition, Tagged) and condition.name == "Crossing"
         must((said.get("omega") is not None) == crossing, "ω is stated where nothing crosses, or not where it does")
         for interval in [said["parameter"], said["speed"], *said["lengths"], *filter(None, [said.get("omega")])]:
@@ -531,29 +538,57 @@ def condition_of(proof):
 class OrbitPoint(Statements):
     """A point of a branch of orbits of a system."""
 
-    COLUMNS = "label type parameter low high period_low period_high unique inequalities proven why outside angle_low angle_high arc pieces arc_why"
+    COLUMNS = "label type parameter low high period_low period_high unique inequalities proven why outside angle_low angle_high arc arc_why"
 
     def arc(self):
         before = self.before
         must(before is not None and hasattr(before, "x"), "the point before it is not shown")
         must(before.point.get("leg") == self.point.get("leg"), "the branch does not lead from the point before to this")
         join(*zip(before.seen("after"), self.seen("before")))
+        self.tally()
+
+    def tally(self):
+        """That the number of multipliers outside is that at the last point where it is stated, with what passes at the events
+        between: one real multiplier, or a pair."""
+        outside, possible, passing = self.said.get("outside"), None, []
+        if outside is None:
+            return
+        point = self.before
+        while point is not None and point.point.get("leg") == self.point.get("leg"):
+            kind = condition_of(point.proof)
+            if kind == "Margin":
+                return
+            if kind == "Value" and point.said.get("outside") is not None:
+                possible = {int(point.said["outside"])}
+                break
+            passing += {"Value": [], "Torus": [2]}.get(kind, [1])
+            point = point.before
+        if possible is None:
+            return
+        for several in passing:
+            possible = {n + sign * several for n in possible for sign in (1, -1)}
+        must(int(outside) in possible, "the number of multipliers outside changes without an event")
 
     def seen(self, side):
         """The orbit in the sequence before a change or after it, where it may be proven in the other, with its data."""
         proof, changed = self.proof, self.proof.get("changed")
         sequence = changed[side] if changed else proof["near"]["sequence"]
         must(sequence is not None, "nothing is known beyond an event")
-        there = (it for it in (proof, *proof.get("seen", [])) if listed(it["near"]["sequence"]) == listed(sequence))
-        seen = next(there, None)
-        must(seen, "its ends have not one sequence of zones")
-        if seen is proof:
-            return (self.solved, self.x), proof["near"]
-        orbit, _, x, *_ = self.solve(seen)
-        self.signs(orbit, x)
-        must(self.value.overlaps(x[orbit.place].real), "beyond its event is another orbit")
-        must(agree(self.solved.legs(self.x), orbit.legs(x)), "beyond its event is another orbit")
-        return (orbit, x), seen["near"]
+        there = (k for k, it in enumerate((proof, *proof.get("seen", []))) if listed(it["near"]["sequence"]) == listed(sequence))
+        which = next(there, None)
+        must(which is not None, "its ends have not one sequence of zones")
+        return self.beyond(which - 1) if which else ((self.solved, self.x), proof["near"])
+
+    def beyond(self, which):
+        """That an orbit that is seen in another sequence is that of the event."""
+        if which not in self.others:
+            seen = self.proof["seen"][which]
+            orbit, _, x, *_ = self.solve(seen)
+            self.signs(orbit, x)
+            must(self.value.overlaps(x[orbit.place].real), "beyond its event is another orbit")
+            must(agree(self.solved.legs(self.x), orbit.legs(x)), "beyond its event is another orbit")
+            self.others[which] = (orbit, x), seen["near"]
+        return self.others[which]
 
     def statements(self):
         """Names of the statements and what checks them."""
@@ -561,6 +596,8 @@ class OrbitPoint(Statements):
         yield "orbit, in its intervals", self.orbit
         yield "period, traversed once", self.once
         yield from self.common()
+        for which in range(len(self.proof.get("seen", []))):
+            yield "the same orbit in another sequence", lambda which=which: self.beyond(which)
         if self.said.get("outside") is not None:
             yield "multipliers outside the unit circle", self.outside
 
@@ -573,13 +610,13 @@ class OrbitPoint(Statements):
         fields(self.posed["units"], "states time parameter")
         fields(said, "parameter period unique inequalities", "angle outside")
         whole(point["label"]), whole(said["inequalities"])
-        must(said["unique"] >= 0, "a distance is negative")
-        # the box is to lie where its units mean something
-        must(said["unique"] <= float(self.posed["units"]["parameter"]), "a distance exceeds the range of the parameter")
+        self.arc_is_one()
+        self.distance_is_one(float(self.posed["units"]["parameter"]))
         angles = [said[name] for name in ["angle"] if said.get(name) is not None]
         for interval in [said["parameter"], said["period"], *angles]:
             fields(interval, "low high")
         changed, seen = proof.get("changed"), proof.get("seen", [])
+        must(changed is not None or not seen, "an orbit is seen in another sequence where none changes")
         if changed is not None:
             fields(changed, "watch zone before after")
         for one in seen:
@@ -650,6 +687,7 @@ class OrbitPoint(Statements):
         must(continuation["parameter"] == self.point["parameter"], "the parameter is not that of the problem")
         low, high = continuation["range"]
         must(float(posed["units"]["parameter"]) == high - low, "the unit of the parameter is not the width of its range")
+        self.units(given[self.point["parameter"]])
         asked = whole(source["orbit"].get("periods", Number("1")))
         periods, simulated = self.solved.periods, source["orbit"]["start"].name == "Simulate"
         # a doubling on the branch of the doubled orbit is one of the shorter orbit
@@ -657,6 +695,21 @@ class OrbitPoint(Statements):
         must(not self.solved.forced or periods == asked or part or simulated and 0 < periods < asked, "the problem asks for another number of periods")
         if self.solved.kind == "Value":
             self.asked(given[self.point["parameter"]])
+
+    def units(self, start):
+        """That units of states and time are those of all points, and about the size of the orbit with which the branch begins: twice,
+        for that may be given roughly."""
+        units = self.posed["units"]
+        must(all(other.posed["units"] == units for other in self.earlier), "the units are not those of the points before")
+        orbit = self.solved
+        if self.earlier or self.skipped or orbit.kind != "Value" or Fraction(orbit.condition.value) != Fraction(start.text):
+            return
+        period = abs(float(self.period.mid()))
+        must(period <= 2 * units["time"] and units["time"] <= 2 * period, "the unit of time is not the period of the first orbit")
+        width = orbit.n + 1
+        for k in range(len(orbit.stretches)):
+            sizes = (abs(float(y.real.mid())) for y in self.x[k * width : k * width + orbit.n])
+            must(all(size <= 2 * unit for size, unit in zip(sizes, units["states"])), "the unit of a state is less than it is on the first orbit")
 
     def kind(self):
         names, changed = self.solved.exact.names, self.proof.get("changed") or {}
@@ -694,7 +747,7 @@ class OrbitPoint(Statements):
         self.compare_row(self.point["parameter"], intervals, outside=self.said.get("outside"), **angles)
 
 
-EMPTY = "low high speed_low speed_high period_low period_high unique inequalities unstable pieces growing stable outside angle_low angle_high".split()
+EMPTY = "low high speed_low speed_high period_low period_high unique inequalities unstable growing stable outside angle_low angle_high".split()
 """Columns of which a point that is not proven has none."""
 
 
@@ -726,21 +779,21 @@ def main(folder):
             print("labels: refused: they do not ascend as those of the table do")
             refused += 1
         by_label = None if rows is None else {int(row["label"]): row for row in rows}
-        before, shown = None, []
+        before, shown, skipped = None, [], False
         for point in points:
             name = f"{int(point['label']):4} {point['kind']}"
             row = by_label and by_label.get(int(point["label"]))
             if point["outcome"].name != "Proven":
-                claims = point.get("growth") is not None or getattr(point.get("arc"), "name", "Open") != "Open"
+                claims = point.get("growth") is not None or point.get("arc") == "Proven"
                 filled = row is not None and any(row.get(it) for it in EMPTY)
                 if claims or filled or row is not None and [row["proven"], row["why"]] != ["no", point["outcome"].value]:
                     print(f"{name} row of certificates.csv: refused: it is not proven in the certificate")
                     refused += 1
-                before = None
+                before, skipped = None, True
                 continue
             of_system = "system" in point["outcome"].value["posed"]
             before = (OrbitPoint if of_system else Point)(point, source, row, before)
-            before.earlier = list(shown)
+            before.earlier, before.skipped = list(shown), skipped
             shown += [before]
             for what, statement in before.statements():
                 try:

@@ -37,6 +37,12 @@ pub enum Broken<U, B> {
     /// The two ends have different sequences or numbers.
     #[error("not covered: its ends have not one sequence of zones")]
     Apart,
+    /// What grows at two points differs, and the events between do not make it.
+    #[error(
+        "undecided: {0} multipliers or eigenvalues grow at a point before and {1} at one after it, which the events between do not \
+         make"
+    )]
+    Tally(usize, usize),
     #[error("undecided: beyond {0} no tube has exactly one curve")]
     Tube(f64),
     #[error("undecided: beyond {0} there may be a fold")]
@@ -215,12 +221,11 @@ pub fn direction<'a>(
     tangent.iter().map(move |v| *v / size)
 }
 
-/// Proves that a curve leads from one end to another, without a fold and with all inequalities; returns the number of
-/// pieces.
+/// Proves that a curve leads from one end to another, without a fold and with all inequalities.
 ///
 /// # Errors
 /// It is not proven.
-pub fn prove<C: Curve>(curve: &C, ends: [&Joint; 2], way: Way) -> Result<usize, BrokenOf<C>> {
+pub fn prove<C: Curve>(curve: &C, ends: [&Joint; 2], way: Way) -> Result<(), BrokenOf<C>> {
     match (follow(curve, ends, way, 1.0), way) {
         (Err(_), Way::Fold(_)) => follow(curve, ends, way, -1.0),
         (followed, _) => followed,
@@ -233,7 +238,7 @@ fn follow<C: Curve>(
     [first, last]: [&Joint; 2],
     way: Way,
     side: f64,
-) -> Result<usize, BrokenOf<C>> {
+) -> Result<(), BrokenOf<C>> {
     let parameter = curve.parameter();
     let whole = |coordinate: usize| last.near[coordinate] - first.near[coordinate];
     let coordinates = curve.coordinates();
@@ -279,7 +284,7 @@ fn follow<C: Curve>(
             length = length.min(0.5 * left);
             if count > 0 && left < REACH * length {
                 match piece(curve, [&joint, last], coordinate, direction, Some(1)) {
-                    Ok(()) => return Ok(count + 1),
+                    Ok(()) => return Ok(()),
                     // too close to it a piece is shorter than the end is known
                     Err(Broken::Tube(_)) if blocked.is_some() => {}
                     Err(reason) => blocked = Some(reason),

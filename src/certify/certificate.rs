@@ -10,6 +10,7 @@ use super::count::Growth;
 use super::open::Open;
 use super::perturbation::Eigenvalue;
 use super::system::{Condition, Near, Posed};
+use super::tally::Tally;
 use crate::affine::system::System;
 use crate::interval::Interval;
 use crate::orbit::{Data, EventType};
@@ -19,15 +20,18 @@ pub trait Provable: Data {
     /// Name of the continuation parameter.
     type Parameter: Data;
     /// Which inequality is not proven.
-    type Unproven: Display;
+    type Unproven: Display + Sync;
     /// Why nothing is known of what begins beyond an event.
-    type Beyond: Display;
+    type Beyond: Display + Sync;
 
-    /// Proves that a branch leads from one point to another without a further event; returns in how many pieces.
+    /// Proves that a branch leads from one point to another without a further event.
     ///
     /// # Errors
     /// It is not proven.
-    fn arc(from: &Self, to: &Self) -> Result<usize, Broken<Self::Unproven, Self::Beyond>>;
+    fn arc(from: &Self, to: &Self) -> Result<(), Broken<Self::Unproven, Self::Beyond>>;
+
+    /// What a point says of the number of multipliers or eigenvalues that grow.
+    fn tally(point: &Point<Self>) -> Tally;
 
     /// Takes out the system that its equations are of, where that is a user's.
     fn take_system(&mut self) -> Option<System> {
@@ -103,8 +107,8 @@ pub struct Point<P: Provable = Proof> {
 /// Whether there is no further special point between two.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Stretch {
-    /// It is proven, in so many pieces.
-    Proven(usize),
+    /// It is proven.
+    Proven,
     /// It is not, for this reason.
     Open(String),
 }
@@ -137,7 +141,7 @@ impl<P: Provable> Point<P> {
         }
         let ends = before.proof().zip(self.proof()).ok_or(Broken::End);
         Some(match ends.and_then(|(from, to)| P::arc(from, to)) {
-            Ok(pieces) => Stretch::Proven(pieces),
+            Ok(()) => Stretch::Proven,
             Err(reason) => Stretch::Open(reason.to_string()),
         })
     }

@@ -35,6 +35,7 @@ mod requested;
 mod stretch;
 mod system;
 mod tail;
+mod tally;
 
 pub use certificate::{
     Certificate, Counted, Outcome, Point, Proof, Provable, Refused, Statement, Stretch,
@@ -49,6 +50,7 @@ pub use perturbation::Eigenvalue;
 #[cfg(feature = "cli")]
 pub(crate) use requested::Requested;
 pub use system::{Condition, Near, Posed};
+pub use tally::{Tally, miscounted};
 
 use crate::branch::row::EigenvalueRow;
 use crate::branch::run::Item;
@@ -72,8 +74,29 @@ impl Provable for Proof {
     type Unproven = Unproven;
     type Beyond = NotBeyond;
 
-    fn arc(from: &Proof, to: &Proof) -> Result<usize, Broken<Unproven, NotBeyond>> {
+    fn arc(from: &Proof, to: &Proof) -> Result<(), Broken<Unproven, NotBeyond>> {
         stretch::prove(from, to)
+    }
+
+    fn tally(point: &Point) -> Tally {
+        let Some(proof) = point.proof() else {
+            return Tally::Unknown;
+        };
+        let neutral = match &proof.condition {
+            Condition::Value(_) => 0,
+            Condition::Fold => 1,
+            // with its conjugate
+            Condition::Crossing { omega: 0.0, .. } => 1,
+            Condition::Crossing { .. } => 2,
+            Condition::Margin { .. } => return Tally::Unknown,
+        };
+        match &point.growth {
+            Some(Counted::Proven(growth)) => Tally::Known {
+                growing: growth.on_circle(),
+                neutral,
+            },
+            _ => Tally::Passes(neutral),
+        }
     }
 }
 
@@ -405,6 +428,14 @@ fn statement(
 /// # Errors
 /// The proof fails, or it proves something else.
 pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
+    proven_again(point, proof).map(|_| ())
+}
+
+/// Proves a stored statement again; returns it with intervals that are no wider than they are proven.
+///
+/// # Errors
+/// The proof fails, or it proves something else.
+pub(crate) fn proven_again(point: &Point, proof: &Proof) -> Result<Statement, Refused> {
     let Proof {
         posed,
         condition,
@@ -460,13 +491,26 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
     {
         return Err(Refused::Statement("what grows"));
     }
-    Ok(())
+    let mut again = said.clone();
+    again.parameter = narrowed(said.parameter, proven.parameter);
+    again.speed = narrowed(said.speed, proven.speed);
+    Ok(again)
+}
+
+/// An interval that is proven, without the room that stored ones have.
+fn roomless(proven: Interval) -> Interval {
+    let room = 0.0625 * proven.width();
+    Interval::new(proven.low + room, proven.high - room)
 }
 
 /// Whether an interval is as stated, without the room that both have. A wider one says less, and is as true.
 fn same(said: Interval, proven: Interval) -> bool {
-    let room = 0.0625 * proven.width();
-    Interval::new(proven.low + room, proven.high - room).within(said)
+    roomless(proven).within(said)
+}
+
+/// What is both stated and proven.
+fn narrowed(said: Interval, proven: Interval) -> Interval {
+    said.intersection(roomless(proven))
 }
 
 fn compared(what: &'static str, said: Interval, proven: Interval) -> Result<(), Refused> {

@@ -6,13 +6,49 @@ use crate::interval::Decimal;
 use crate::orbit::EventType;
 use crate::problem::{Continuation, Problem, Start, decimal_at, decimal_of};
 
+/// The values of the continuation parameter that a problem file asks for.
+pub(super) struct RequestedValues {
+    /// `stop_at`.
+    stops: Vec<Decimal>,
+    /// The range, and the value at which the branch begins.
+    ends: Vec<Decimal>,
+}
+
+impl RequestedValues {
+    /// Those of a `continuation` section, with the value at which the branch begins.
+    pub(super) fn new<P>(
+        section: &Continuation<P>,
+        start: Option<Decimal>,
+        text: &str,
+    ) -> RequestedValues {
+        let (low, high) = section.range;
+        let value = |value: f64| decimal_of(text, "continuation", value);
+        RequestedValues {
+            stops: section.stop_at.iter().copied().map(value).collect(),
+            ends: [low, high].map(value).into_iter().chain(start).collect(),
+        }
+    }
+
+    /// Whether the value at a point, where it is one of the parameter, is asked for: at an `EP` as an end.
+    ///
+    /// # Errors
+    /// It is not.
+    pub(super) fn check(&self, kind: EventType, value: Option<&Decimal>) -> Result<(), Refused> {
+        let values = match kind {
+            EventType::EP => &self.ends,
+            _ => &self.stops,
+        };
+        match value.is_none_or(|value| values.contains(value)) {
+            true => Ok(()),
+            false => Err(Refused::Problem("the value of the parameter")),
+        }
+    }
+}
+
 /// What the branch of a problem file is about.
 pub(crate) struct Requested {
     posed: Posed,
-    /// `stop_at`.
-    values: Vec<Decimal>,
-    /// The range, and the value of the model.
-    ends: Vec<Decimal>,
+    values: RequestedValues,
 }
 
 impl Requested {
@@ -21,14 +57,9 @@ impl Requested {
         if let Start::Restart { .. } | Start::Switch { .. } = problem.wave.start {
             return None;
         }
-        let (model, continuation) = (&problem.model, problem.continuation.as_ref()?);
-        let Continuation {
-            parameter,
-            range: (low, high),
-            ..
-        } = *continuation;
+        let (model, section) = (&problem.model, problem.continuation.as_ref()?);
+        let (parameter, (low, high)) = (section.parameter, section.range);
         let material = model.has_material_damping(parameter);
-        let value = |value: f64| decimal_of(text, "continuation", value);
         let start = model.value(parameter);
         let start = start.map(|start| decimal_of(text, parameter.path(), start));
         Some(Requested {
@@ -39,8 +70,7 @@ impl Requested {
                 mode: problem.wave.mode,
                 unit: high - low,
             },
-            values: continuation.stop_at.iter().copied().map(value).collect(),
-            ends: [low, high].map(value).into_iter().chain(start).collect(),
+            values: RequestedValues::new(section, start, text),
         })
     }
 
@@ -52,14 +82,10 @@ impl Requested {
         if proof.posed.fixed() != self.posed.fixed() {
             return Err(Refused::Problem("the model"));
         }
-        let asked = match &proof.condition {
-            Condition::Value(value) if point.kind == EventType::EP => self.ends.contains(value),
-            Condition::Value(value) => self.values.contains(value),
-            _ => true,
+        let value = match &proof.condition {
+            Condition::Value(value) => Some(value),
+            _ => None,
         };
-        match asked {
-            true => Ok(()),
-            false => Err(Refused::Problem("the value of the parameter")),
-        }
+        self.values.check(point.kind, value)
     }
 }

@@ -84,8 +84,8 @@ struct Arc<'a> {
 }
 
 /// Proves that between two points of a branch the waves are one curve, on which no fold and no change of regime
-/// lies; returns the number of pieces.
-pub fn prove(from: &Proof, to: &Proof) -> Result<usize, Undecided> {
+/// lies.
+pub fn prove(from: &Proof, to: &Proof) -> Result<(), Undecided> {
     let posed = &from.posed;
     // what is beyond is proven with the point
     let begin = match (&from.beyond, &from.condition) {
@@ -111,7 +111,7 @@ pub fn prove(from: &Proof, to: &Proof) -> Result<usize, Undecided> {
             return Err(Broken::Tube(near.parameter));
         }
     }
-    legs.iter().map(Arc::prove).sum()
+    legs.iter().try_for_each(Arc::prove)
 }
 
 /// Steps of every zone at a point; what is one or two steps at two points is one on the way.
@@ -180,7 +180,7 @@ impl<'a> Arc<'a> {
         })
     }
 
-    fn prove(&self) -> Result<usize, Undecided> {
+    fn prove(&self) -> Result<(), Undecided> {
         let [excess, _] = self.system.tail();
         let Place { condition, .. } = self.ends[0].place;
         let way = match self.ends[0].place.closed() {

@@ -74,6 +74,7 @@ fn waves(arguments: &CertifyArguments, prepared: Prepared) -> Result<Exit, Failu
             point.growth = count;
         }
     }
+    compare(&mut points);
     finish(task, &out, folder, points, &branch)
 }
 
@@ -96,6 +97,7 @@ fn orbits(arguments: &CertifyArguments, prepared: PreparedSystem) -> Result<Exit
     if arguments.arcs {
         join(task.quiet, &mut points);
     }
+    compare(&mut points);
     finish(task, &out, folder, points, &branch)
 }
 
@@ -108,6 +110,15 @@ where
     let arcs: Vec<_> = each(quiet, &pairs, "arcs", |both| both[1].stretch(&both[0]));
     for (point, arc) in points.iter_mut().skip(1).zip(arcs) {
         point.arc = arc;
+    }
+}
+
+/// Takes back the arcs on which the number of what grows changes without an event that makes it change.
+fn compare<P: Provable>(points: &mut [Point<P>]) {
+    for (index, reason) in certify::miscounted(points) {
+        if let Some(arc @ Stretch::Proven) = &mut points[index].arc {
+            *arc = Stretch::Open(reason.to_string());
+        }
     }
 }
 
@@ -184,7 +195,11 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
                 }
                 let request = requested.as_ref().map(|it| it.check(point, proof));
                 request.unwrap_or(Ok(()))?;
-                certify::verify(point, proof)
+                let statement = certify::proven_again(point, proof)?;
+                Ok(certify::Proof {
+                    statement,
+                    ..proof.clone()
+                })
             })
         }
         (Read::Orbits(certificate), problem) => {
@@ -192,10 +207,19 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
                 Some((Any::System(problem), text)) => orbit::Requested::new(problem, text),
                 _ => None,
             };
-            told(&file, &certificate.points, quiet, |point, proof| {
+            let points = &certificate.points;
+            let units = requested.as_ref().map(|it| it.check_units(points));
+            if let Some(Err(reason)) = units {
+                return said_of_all(&reason.to_string(), quiet);
+            }
+            told(&file, points, quiet, |point, proof| {
                 let request = requested.as_ref().map(|it| it.check(point, proof));
                 request.unwrap_or(Ok(()))?;
-                orbit::verify(point, proof)
+                let statement = orbit::proven_again(point, proof)?;
+                Ok(orbit::Proof {
+                    statement,
+                    ..proof.clone()
+                })
             })
         }
     }
@@ -210,21 +234,30 @@ fn said_of_all(reason: &str, quiet: bool) -> Result<Exit, Failure> {
 }
 
 /// Says of every stored point whether it holds.
-fn told<P: Certified + Sync>(
+fn told<P: Certified + Send + Sync>(
     file: &Path,
     points: &[Point<P>],
     quiet: bool,
-    verify: impl Fn(&Point<P>, &P) -> Result<(), Refused> + Sync,
+    verify: impl Fn(&Point<P>, &P) -> Result<P, Refused> + Sync,
 ) -> Result<Exit, Failure>
 where
-    Point<P>: Sync,
+    Point<P>: Send + Sync,
 {
     let indices: Vec<usize> = (0..points.len()).collect();
-    let verdicts: Vec<String> = each(quiet, &indices, "points", |&index| {
+    let miscounted = certify::miscounted(points);
+    let verdicts: Vec<(String, Point<P>)> = each(quiet, &indices, "points", |&index| {
+        let mut miscounted = miscounted.iter();
+        if let Some((_, reason)) = miscounted.find(|(point, _)| *point == index)
+            && points[index].arc == Some(Stretch::Proven)
+        {
+            let told = format!("refused: the arc before it: {reason}");
+            return (told, points[index].clone());
+        }
         let before = index.checked_sub(1).map(|before| &points[before]);
         verdict(&points[index], before, &verify)
     });
-    let agrees = table_agrees(&file.with_file_name(CERTIFICATES), points)?;
+    let (verdicts, again): (Vec<String>, Vec<Point<P>>) = verdicts.into_iter().unzip();
+    let agrees = table_agrees(&file.with_file_name(CERTIFICATES), &again)?;
     let lines = points.iter().zip(&verdicts);
     let lines =
         lines.map(|(point, verdict)| format!("{} {}: {verdict}\n", point.label, point.kind));
@@ -241,44 +274,39 @@ where
     Ok(if all { Exit::Done } else { Exit::Unmet })
 }
 
-fn said(verified: Result<(), Refused>) -> String {
-    verified.map_or_else(
-        |refused| format!("refused: {refused}"),
-        |()| VERIFIED.to_owned(),
-    )
-}
-
 /// What is said of a proof that holds.
 const VERIFIED: &str = "verified";
 
-/// Whether a stored point, and the arc that leads to it, is what it says.
+/// Whether a stored point, and the arc that leads to it, is what it says; with the point, whose intervals are no wider than they are
+/// proven.
 fn verdict<P: Provable>(
     point: &Point<P>,
     before: Option<&Point<P>>,
-    verify: impl Fn(&Point<P>, &P) -> Result<(), Refused>,
-) -> String {
-    let refused = match &point.outcome {
+    verify: impl Fn(&Point<P>, &P) -> Result<P, Refused>,
+) -> (String, Point<P>) {
+    let mut again = point.clone();
+    let verified = match &point.outcome {
         Outcome::Proven(proof) => verify(point, proof),
-        Outcome::Open(_)
-            if point.growth.is_some() || matches!(point.arc, Some(Stretch::Proven(_))) =>
-        {
-            Err(Refused::Statement(
-                "what follows from a point that is not proven",
-            ))
-        }
-        Outcome::Open(reason) => return format!("not proven: {reason}"),
+        Outcome::Open(_) if point.growth.is_some() || point.arc == Some(Stretch::Proven) => Err(
+            Refused::Statement("what follows from a point that is not proven"),
+        ),
+        Outcome::Open(reason) => return (format!("not proven: {reason}"), again),
     };
-    match (refused, &point.arc) {
-        (Err(refused), _) => said(Err(refused)),
-        (Ok(()), Some(Stretch::Open(reason))) => format!("before it not proven: {reason}"),
-        (Ok(()), arc)
+    let said = match (verified, &point.arc) {
+        (Err(refused), _) => format!("refused: {refused}"),
+        (Ok(_), Some(Stretch::Open(reason))) => format!("before it not proven: {reason}"),
+        (Ok(_), arc)
             if arc.is_some() && before.and_then(|before| point.stretch(before)) != *arc =>
         {
             "refused: the arc before it is said otherwise than what is proven".to_owned()
         }
-        _ => match &point.growth {
-            Some(Counted::Open(reason)) => format!("growing eigenvalues not counted: {reason}"),
-            _ => VERIFIED.to_owned(),
-        },
-    }
+        (Ok(proof), _) => {
+            again.outcome = Outcome::Proven(Box::new(proof));
+            match &point.growth {
+                Some(Counted::Open(reason)) => format!("growing eigenvalues not counted: {reason}"),
+                _ => VERIFIED.to_owned(),
+            }
+        }
+    };
+    (said, again)
 }

@@ -49,7 +49,6 @@ pub(crate) struct Said {
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Arc {
     arc: &'static str,
-    pieces: Option<usize>,
     arc_why: String,
 }
 
@@ -83,14 +82,13 @@ impl Said {
 
 impl Arc {
     fn new<P: Provable>(point: &Point<P>) -> Arc {
-        let (arc, pieces, why) = match &point.arc {
-            None => ("", None, ""),
-            Some(Stretch::Proven(pieces)) => ("yes", Some(*pieces), ""),
-            Some(Stretch::Open(reason)) => ("no", None, &**reason),
+        let (arc, why) = match &point.arc {
+            None => ("", ""),
+            Some(Stretch::Proven) => ("yes", ""),
+            Some(Stretch::Open(reason)) => ("no", &**reason),
         };
         Arc {
             arc,
-            pieces,
             arc_why: why.to_owned(),
         }
     }
@@ -100,9 +98,7 @@ impl Arc {
 fn before<P: Provable>(point: &Point<P>, others: &str) -> String {
     match &point.arc {
         None => String::new(),
-        Some(Stretch::Proven(pieces)) => {
-            format!("  no other event but {others} before it: proven in {pieces} pieces\n")
-        }
+        Some(Stretch::Proven) => format!("  no other event but {others} before it: proven\n"),
         Some(Stretch::Open(reason)) => {
             format!("  no other event before it: not proven; {reason}\n")
         }
@@ -377,8 +373,11 @@ pub(crate) fn table_agrees<P: Certified>(
     let agrees = |row: usize, column: &str| {
         let ends: [Option<f64>; 2] = [&stored, &expected].map(|table| table.field(row, column));
         match ends {
+            [Some(stored), None] if stored.is_infinite() => expected.text(row, column).is_empty(),
             [Some(stored), Some(expected)] if column.ends_with("low") => stored <= expected,
             [Some(stored), Some(expected)] if column.ends_with("high") => stored >= expected,
+            // a number may be written otherwise
+            [Some(stored), Some(expected)] => stored == expected,
             _ => stored.text(row, column) == expected.text(row, column),
         }
     };

@@ -27,7 +27,7 @@ pub(crate) fn theorems<P: Stated>(points: &[Point<P>], system: Option<&System>) 
             Outcome::Proven(proof) => text.push_str(&proof.theorem(point, system)),
             Outcome::Open(reason) => text.push_str(&format!("Nothing is proven here. {reason}.\n")),
         }
-        if let (Some(Stretch::Proven(_)), Some(before)) = (&point.arc, before) {
+        if let (Some(Stretch::Proven), Some(before)) = (&point.arc, before) {
             text.push_str(&format!(
                 "\n**From {before} to {label}.** {} Every inequality holds on all of it.\n",
                 P::CURVE

@@ -36,7 +36,7 @@ fn a_certificate_is_written_and_verified() {
     assert!(lines.contains("unique within") && lines.contains("13 inequalities proven"));
     let table = fs::read_to_string(Path::new(out).join("certificates.csv")).unwrap();
     let mut reader = csv::Reader::from_reader(table.as_bytes());
-    let header = "label,type,parameter,low,high,speed_low,speed_high,unique,inequalities,proven,why,unstable,arc,pieces,arc_why,growing,stable,stable_why";
+    let header = "label,type,parameter,low,high,speed_low,speed_high,unique,inequalities,proven,why,unstable,arc,arc_why,growing,stable,stable_why";
     assert_eq!(
         reader
             .headers()
@@ -183,14 +183,12 @@ fn arcs_are_proven_and_verified() {
     assert_eq!(table.matches(",yes,,,yes,").count(), 2, "{table}");
     let verified = brakewave(&["certify", "--verify", out]);
     assert_eq!(verified.status.code(), Some(0), "{verified:?}");
-    // an arc in more pieces than it takes
+    // an arc to the first point, from none
     let certificate = Path::new(out).join("certificate.ron");
     let honest = fs::read_to_string(&certificate).unwrap();
-    fs::write(
-        &certificate,
-        honest.replace("arc: Some(Proven(", "arc: Some(Proven(1"),
-    )
-    .unwrap();
+    assert_eq!(honest.matches("arc: Some(Proven)").count(), 2);
+    let falsified = honest.replacen("leg: 0,", "leg: 0, arc: Some(Proven),", 1);
+    fs::write(&certificate, falsified).unwrap();
     let refused = brakewave(&["certify", "--verify", out]);
     assert_eq!(refused.status.code(), Some(1), "{refused:?}");
     assert!(text(&refused).contains("refused: the arc"));

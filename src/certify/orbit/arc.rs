@@ -89,12 +89,11 @@ fn are_alike([one, other]: [&Place; 2]) -> bool {
         && one.near.sequence == other.near.sequence
 }
 
-/// Proves that between two points of a branch the orbits are one curve of one sequence without a fold; returns the number
-/// of pieces.
+/// Proves that between two points of a branch the orbits are one curve of one sequence without a fold.
 ///
 /// # Errors
 /// It is not proven.
-pub fn prove(from: &Proof, to: &Proof) -> Result<usize, Undecided> {
+pub fn prove(from: &Proof, to: &Proof) -> Result<(), Undecided> {
     let places = Place::new(from, true).zip(Place::new(to, false));
     let (from, to) = places.ok_or(Broken::Apart)?;
     if !are_alike([&from, &to]) {

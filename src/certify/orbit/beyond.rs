@@ -36,40 +36,61 @@ pub struct Seen {
 /// So many zones at most begin or end at one event: in both halves of a symmetric orbit.
 const INSTANTS: usize = 2;
 
-/// The orbit at the zero of a margin, in another sequence.
+/// The orbit at the zero of a margin, in another sequence, with each of what vanishes there: formulas may tell all the rest from one
+/// of it and not from another.
 pub(super) fn seen(
     orbit: &AffineOrbit,
     point: &Vector,
     margin: &Margin,
     sequence: &Sequence,
-) -> Option<Seen> {
+) -> Vec<Seen> {
     let mut open = vec![(orbit.clone(), point.clone(), margin.clone())];
     for _ in 0..INSTANTS {
         let mut next = Vec::new();
         for (orbit, point, margin) in open {
-            for candidate in candidates(&orbit, &point, &margin).ok()? {
+            for candidate in candidates(&orbit, &point, &margin).unwrap_or_default() {
                 let (orbit, point) = (candidate.orbit, candidate.point);
-                let examination = orbit.examination(&point);
-                let margins = examination.as_ref().map_or(&[][..], Examined::margins);
-                let mut zeros = margins.iter().filter(|one| one.value.abs() <= VANISHES);
                 if orbit.sequence == *sequence {
-                    let nascent = candidate.nascent.first();
-                    let event = match nascent {
-                        Some(zone) => Condition::closed(*zone),
-                        None => zeros.next().map(Condition::from)?,
-                    };
-                    let near = near(&orbit, &point).ok()?;
-                    return Some(Seen {
-                        condition: event,
-                        near,
-                    });
+                    let nascent = candidate.nascent.iter();
+                    let nascent = nascent.map(|zone| Condition::closed(*zone));
+                    let zeros = zeros(&orbit, &point);
+                    return nascent
+                        .chain(zeros.iter().map(Condition::from))
+                        .flat_map(|condition| seen_at(&orbit, &point, condition))
+                        .collect();
                 }
-                next.extend(zeros.map(|zero| (orbit.clone(), point.clone(), zero.clone())));
+                let zeros = zeros(&orbit, &point);
+                next.extend(
+                    zeros
+                        .into_iter()
+                        .map(|zero| (orbit.clone(), point.clone(), zero)),
+                );
             }
         }
         open = next;
     }
-    None
+    Vec::new()
+}
+
+/// The orbit at the zero of a margin, with that and with each of what vanishes there, too.
+pub(super) fn seen_here(orbit: &AffineOrbit, point: &Vector, margin: &Margin) -> Vec<Seen> {
+    let zeros = zeros(orbit, point);
+    let all = [margin].into_iter().chain(&zeros);
+    all.flat_map(|zero| seen_at(orbit, point, zero.into()))
+        .collect()
+}
+
+fn seen_at(orbit: &AffineOrbit, point: &Vector, condition: Condition) -> Option<Seen> {
+    let near = near(orbit, point).ok()?;
+    Some(Seen { condition, near })
+}
+
+/// The margins that may vanish at an event.
+fn zeros(orbit: &AffineOrbit, point: &Vector) -> Vec<Margin> {
+    let examination = orbit.examination(point);
+    let margins = examination.as_ref().map_or(&[][..], Examined::margins);
+    let zeros = margins.iter().filter(|one| one.value.abs() <= VANISHES);
+    zeros.cloned().collect()
 }
 
 /// Proves that an orbit seen from another sequence is the one of an event, and that its inequalities hold; returns its stretches of no

@@ -96,14 +96,12 @@ impl OrbitSystem<'_> {
     }
 
     /// The type of a change of the sequence, by all that vanishes there and not on the branch, whichever of it is the condition of
-    /// the event: a guard together with its rate, a condition of an exit, or else another guard at an end.
+    /// the event: a guard together with its rate, a condition of an exit, or else another guard at an end. Where a zone has no
+    /// duration and formulas tell of none of these it is not known.
     pub fn change(&self) -> Option<EventType> {
         let Condition::Margin { watch, .. } = self.condition else {
             return None;
         };
-        if *watch == Watch::Duration {
-            return None;
-        }
         let vanish = |of: &RowsOf| {
             self.stretches.iter().enumerate().any(|(index, stretch)| {
                 let End::Exit { guard, exit } = stretch.end else {
@@ -126,9 +124,23 @@ impl OrbitSystem<'_> {
             EventType::GR
         } else if vanish(&conditions) {
             EventType::SL
-        } else {
+        } else if *watch != Watch::Duration
+            || self.closed.iter().any(|index| self.ends_at_once(*index))
+        {
             EventType::CO
+        } else {
+            return None;
         })
+    }
+
+    /// Whether the guard that ends a stretch is zero at its entry at the event, and not on the branch.
+    fn ends_at_once(&self, index: usize) -> bool {
+        let Stretch { mode, end, .. } = self.stretches[index];
+        let End::Exit { guard, .. } = end else {
+            return false;
+        };
+        let row = &self.exact.modes[mode].guards[guard].row;
+        self.facts[index].entry.have(row) && !self.lasting[index].entry.have(row)
     }
 
     /// What vanishes at the event.

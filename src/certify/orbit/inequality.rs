@@ -67,6 +67,9 @@ fn is_positive(
 /// What is to grow is followed over half a piece of a zone, which its length must not exceed where it is shortest.
 const LENGTHENS: f64 = 1.9;
 
+/// A stretch of no length is followed over this time: far above where products of times and numbers underflow.
+const NO_TIME: f64 = 1e-100;
+
 /// Whether a form is positive within a stretch that may have no length, with a zero of this order at its end.
 fn is_positive_before(
     passing: &Passing,
@@ -77,7 +80,7 @@ fn is_positive_before(
 ) -> bool {
     let end = pieces.last().map_or(&[][..], |z| z);
     let still: Vec<Moving> = end.iter().map(|z| Moving::constant(z.value)).collect();
-    let length = duration.high.max(f64::MIN_POSITIVE);
+    let length = duration.high.max(NO_TIME);
     let polynomial = passing.flow.polynomial(row, &still, length);
     let value = |time: Interval| polynomial.over(time, order).value;
     bisect(Interval::point(length), -1.0, |time| match order % 2 {

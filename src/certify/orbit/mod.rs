@@ -38,6 +38,7 @@ pub use system::{Condition, Near, Posed};
 
 use super::arc::{Broken, Moving};
 use super::certificate::{Point, Provable, Refused};
+use super::tally::Tally;
 use super::{krawczyk, wider};
 use crate::affine::orbit::candidates::candidates;
 use crate::affine::orbit::{AffineOrbit, Critical, Margin, Sequence, Watch};
@@ -113,8 +114,24 @@ impl Provable for Proof {
     type Unproven = Unproven;
     type Beyond = NotBeyond;
 
-    fn arc(from: &Proof, to: &Proof) -> Result<usize, Broken<Unproven, NotBeyond>> {
+    fn arc(from: &Proof, to: &Proof) -> Result<(), Broken<Unproven, NotBeyond>> {
         arc::prove(from, to)
+    }
+
+    fn tally(point: &Point<Proof>) -> Tally {
+        let Some(proof) = point.proof() else {
+            return Tally::Unknown;
+        };
+        match (&proof.condition, proof.statement.outside) {
+            (Condition::Value(_), Some(growing)) => Tally::Known {
+                growing,
+                neutral: 0,
+            },
+            (Condition::Value(_), None) => Tally::Passes(0),
+            (Condition::Fold | Condition::Doubling | Condition::Branching, _) => Tally::Passes(1),
+            (Condition::Torus { .. }, _) => Tally::Passes(2),
+            (Condition::Margin { .. }, _) => Tally::Unknown,
+        }
     }
 
     fn take_system(&mut self) -> Option<System> {
@@ -201,7 +218,7 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
         Special::Change(change) => return changed(posed, orbit, point, change),
         Special::Failed(_) => return Err(Open::Sequence),
     };
-    prove(posed, near, condition, None)
+    prove(posed, near, condition)
 }
 
 fn near(orbit: &AffineOrbit, point: &Vector) -> Result<Near, Open> {
@@ -222,18 +239,42 @@ fn changed(
     change: &Change<AffineOrbit>,
 ) -> Result<Proof, Open> {
     let (before, after) = (&change.before, &change.after);
-    // in the sequences in which it is not proven
-    let others = |proof: &Proof| -> Vec<Seen> {
-        let other = |sequence: &&Sequence| **sequence != proof.near.sequence;
-        let before = Some(before).filter(other).and_then(|_| {
-            Some(Seen {
-                condition: (&change.margin).into(),
-                near: near(orbit, point).ok()?,
-            })
+    // in the sequences in which the point is not proven itself: what is not proven there is not stated
+    let completed = |mut proof: Proof| -> Proof {
+        let proven = |sequence: &Sequence, list: &dyn Fn() -> Vec<Seen>| -> Option<Seen> {
+            let mut list = match *sequence == proof.near.sequence {
+                true => vec![Seen {
+                    condition: proof.condition.clone(),
+                    near: proof.near.clone(),
+                }],
+                false => list(),
+            }
+            .into_iter();
+            list.find(|one| one.near == proof.near || beyond::prove(&proof, one).is_ok())
+        };
+        let margin = &change.margin;
+        let first = proven(before, &|| beyond::seen_here(orbit, point, margin));
+        let first = first.unwrap_or_else(|| Seen {
+            condition: proof.condition.clone(),
+            near: proof.near.clone(),
         });
-        let beyond = after.as_ref().filter(other);
-        let beyond = beyond.and_then(|after| beyond::seen(orbit, point, &change.margin, after));
-        before.into_iter().chain(beyond).collect()
+        let other = after
+            .as_ref()
+            .and_then(|after| proven(after, &|| beyond::seen(orbit, point, margin, after)));
+        let other = other.filter(|one| !one.near.sequence.is_rotation_of(&first.near.sequence));
+        let (watch, zone) = first
+            .condition
+            .watched()
+            .unwrap_or((margin.watch, margin.zone));
+        proof.changed = Some(Changed {
+            watch,
+            zone,
+            before: first.near.sequence.clone(),
+            after: other.as_ref().map(|one| one.near.sequence.clone()),
+        });
+        let seen = [first].into_iter().chain(other);
+        proof.seen = seen.filter(|one| one.near != proof.near).collect();
+        proof
     };
     // where several things happen at once, what was entered before has no duration yet
     let tiny = VANISHES * orbit.setting.scales.time;
@@ -281,22 +322,12 @@ fn changed(
         };
         margins.extend(examination.margins().iter().filter(alike));
         for vanishing in margins {
-            let seen = if closes { &change.margin } else { vanishing };
-            let changed = Changed {
-                watch: seen.watch,
-                zone: seen.zone,
-                before: before.clone(),
-                after: after.clone(),
-            };
             let near = near(&orbit, &point)?;
-            match prove(posed.clone(), near, vanishing.into(), Some(changed)) {
+            match prove(posed.clone(), near, vanishing.into()) {
                 Ok(proof) if proof.change() != Some(change.kind) => {
                     reason = reason.or(Some(Open::Kind));
                 }
-                Ok(mut proof) => {
-                    proof.seen = others(&proof);
-                    return Ok(proof);
-                }
+                Ok(proof) => return Ok(completed(proof)),
                 Err(other) => reason = reason.or(Some(other)),
             }
         }
@@ -308,12 +339,7 @@ fn changed(
 ///
 /// # Errors
 /// It is not covered, or not proven.
-pub fn prove(
-    posed: Posed,
-    near: Near,
-    condition: Condition,
-    changed: Option<Changed>,
-) -> Result<Proof, Open> {
+pub fn prove(posed: Posed, near: Near, condition: Condition) -> Result<Proof, Open> {
     let (system, guess) = OrbitSystem::new(&posed, &near, &condition)?;
     let equations = |x: &[Interval]| system.evaluate(x);
     let found = krawczyk::refined(&equations, &guess).ok_or(Open::NotEnclosed)?;
@@ -323,7 +349,7 @@ pub fn prove(
     Ok(Proof {
         posed,
         condition,
-        changed,
+        changed: None,
         seen: Vec::new(),
         near,
         statement,
@@ -411,10 +437,17 @@ fn halved(half: &OrbitSystem, x: &[Interval]) -> Result<usize, Open> {
 /// # Errors
 /// The proof fails, or it proves something else.
 pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
+    proven_again(point, proof).map(|_| ())
+}
+
+/// Proves a stored statement again; returns it with intervals that are no wider than they are proven.
+///
+/// # Errors
+/// The proof fails, or it proves something else.
+pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Statement, Refused> {
     let Proof {
         posed,
         condition,
-        changed,
         near,
         statement: said,
         ..
@@ -424,7 +457,7 @@ pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
     if names.nth(posed.parameter) != Some(&point.parameter) {
         return Err(Refused::Statement("the parameter"));
     }
-    check_kind(posed, point.kind, near, condition, changed.as_ref())?;
+    check_kind(proof, point.kind)?;
     let proven = statement(posed, near, condition, Some(said.unique)).map_err(open)?;
     super::compared("the parameter", said.parameter, proven.parameter)?;
     super::compared("the period", said.period, proven.period)?;
@@ -442,7 +475,14 @@ pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
             "the number of multipliers outside the unit circle",
         ));
     }
-    Ok(())
+    let mut again = said.clone();
+    again.parameter = super::narrowed(said.parameter, proven.parameter);
+    again.period = super::narrowed(said.period, proven.period);
+    again.angle = said
+        .angle
+        .zip(proven.angle)
+        .map(|(a, b)| super::narrowed(a, b));
+    Ok(again)
 }
 
 /// Whether the zones of a sequence are modes of a system, by their numbers and their names.
@@ -452,16 +492,67 @@ fn are_modes(system: &System, sequence: &Sequence) -> bool {
     zones.all(|zone| names.get(zone.mode) == Some(&zone.name.as_str()))
 }
 
+/// Proves that the sequence changes from the one that is stated, by what is stated to vanish there, to the other, if there is one: in
+/// each of them the orbit of the event is proven.
+fn check_change(proof: &Proof, changed: &Changed) -> Result<(), Refused> {
+    let Changed {
+        watch,
+        zone,
+        before,
+        after,
+    } = changed;
+    let refused = || Refused::Statement("the change of the sequence");
+    let of = proof
+        .posed
+        .system()
+        .map_err(|open| Refused::NoProof(open.to_string()))?;
+    let mut sides = [before].into_iter().chain(after);
+    let is_none = |after: &Sequence| after.is_rotation_of(before);
+    if !sides.clone().all(|one| are_modes(of, one))
+        || !sides.clone().any(|one| *one == proof.near.sequence)
+        || after.as_ref().is_some_and(is_none)
+    {
+        return Err(refused());
+    }
+    let condition = match *before == proof.near.sequence {
+        true => Some(&proof.condition),
+        false => {
+            let mut seen = proof.seen.iter();
+            let there = seen.find(|seen| seen.near.sequence == *before);
+            there.map(|seen| &seen.condition)
+        }
+    };
+    let vanishing = condition.and_then(Condition::watched);
+    if vanishing != Some((*watch, *zone)) {
+        return Err(refused());
+    }
+    for seen in &proof.seen {
+        beyond::prove(proof, seen).map_err(|reason| Refused::NoProof(reason.to_string()))?;
+    }
+    let is_proven = |side: &Sequence| {
+        let mut seen = proof.seen.iter();
+        *side == proof.near.sequence || seen.any(|seen| seen.near.sequence == *side)
+    };
+    match sides.all(is_proven) {
+        true => Ok(()),
+        false => Err(refused()),
+    }
+}
+
 /// Whether the type of an event follows from what vanishes there.
-fn check_kind(
-    posed: &Posed,
-    said: EventType,
-    near: &Near,
-    condition: &Condition,
-    changed: Option<&Changed>,
-) -> Result<(), Refused> {
+fn check_kind(proof: &Proof, said: EventType) -> Result<(), Refused> {
+    let Proof {
+        posed,
+        condition,
+        changed,
+        near,
+        ..
+    } = proof;
     let open = |open: Open| Refused::NoProof(open.to_string());
-    let found = match (condition, changed) {
+    if changed.is_none() && !proof.seen.is_empty() {
+        return Err(Refused::Statement("the change of the sequence"));
+    }
+    let found = match (condition, changed.as_ref()) {
         // of a value the certificate does not say who asked for it
         (Condition::Value(_), None) if said == EventType::EP => EventType::EP,
         (Condition::Value(_), None) => EventType::UZ,
@@ -469,37 +560,10 @@ fn check_kind(
         (Condition::Doubling, None) => EventType::PD,
         (Condition::Branching, None) => EventType::BP,
         (Condition::Torus { .. }, None) => EventType::NS,
-        (Condition::Margin { watch, zone, .. }, Some(changed)) => {
-            let Changed {
-                watch: seen,
-                zone: there,
-                before,
-                after,
-            } = changed;
-            let of = posed.system().map_err(open)?;
-            let named = |one: &Sequence| are_modes(of, one);
-            let is_none = |after: &Sequence| after.is_rotation_of(before);
-            if !named(before)
-                || after
-                    .as_ref()
-                    .is_some_and(|one| !named(one) || is_none(one))
-            {
-                return Err(Refused::Statement("the change of the sequence"));
-            }
-            // what vanishes in the sequence before, or in one that does without its zone of no duration
-            let same = near.sequence == *before && (watch, zone) == (seen, there);
-            let cut = matches!(seen, Watch::Inside(_) | Watch::Speed);
-            let shorter = !cut && near.sequence.len() < before.len();
-            if !(same || shorter) {
-                return Err(Refused::Statement("the change of the sequence"));
-            }
-            // it changes from this sequence, or to it
-            let mut sides = [before].into_iter().chain(after);
-            if !sides.any(|side| side.is_rotation_of(&near.sequence)) {
-                return Err(Refused::Statement("the change of the sequence"));
-            }
+        (Condition::Margin { .. }, Some(changed)) => {
+            check_change(proof, changed)?;
             let (system, _) = OrbitSystem::new(posed, near, condition).map_err(open)?;
-            system.change().ok_or_else(|| open(Open::Duration))?
+            system.change().ok_or_else(|| open(Open::Kind))?
         }
         _ => return Err(Refused::Statement("the change of the sequence")),
     };

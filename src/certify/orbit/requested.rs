@@ -4,9 +4,9 @@ use super::system::{Condition, Posed};
 use super::{Proof, Refused};
 use crate::affine::system::Source;
 use crate::certify::Point;
+use crate::certify::requested::RequestedValues;
 use crate::interval::Decimal;
-use crate::orbit::EventType;
-use crate::problem::{Continuation, OrbitStart, SystemProblem, decimal_at, decimal_of};
+use crate::problem::{OrbitStart, SystemProblem, decimal_at};
 
 /// What the branch of a problem file is about.
 pub(crate) struct Requested {
@@ -23,10 +23,7 @@ pub(crate) struct Requested {
     periods: usize,
     /// Whether an orbit of fewer periods may be found.
     at_most: bool,
-    /// `stop_at`.
-    stops: Vec<Decimal>,
-    /// The range, and the value of the file.
-    ends: Vec<Decimal>,
+    asked: RequestedValues,
 }
 
 impl Requested {
@@ -39,19 +36,14 @@ impl Requested {
             OrbitStart::Restart { .. } | OrbitStart::Switch { .. } => return None,
         };
         let source = &problem.system.source;
-        let Continuation {
-            parameter,
-            range: (low, high),
-            stop_at,
-            ..
-        } = problem.continuation.as_ref()?;
+        let section = problem.continuation.as_ref()?;
+        let (low, high) = section.range;
         let given = source.parameters.0.iter();
         let values = decimals(given.map(|(name, value)| (&**name, *value)), text);
         let parameter = source
             .parameters
             .names()
-            .position(|name| name == parameter)?;
-        let of = |value: &f64| decimal_of(text, "continuation", *value);
+            .position(|name| *name == section.parameter)?;
         let start = values[parameter].clone();
         Some(Requested {
             source: source.clone(),
@@ -61,9 +53,47 @@ impl Requested {
             forced: source.forcing.is_some(),
             periods: problem.orbit.periods,
             at_most,
-            stops: stop_at.iter().map(of).collect(),
-            ends: [low, high].map(of).into_iter().chain([start]).collect(),
+            asked: RequestedValues::new(section, Some(start), text),
         })
+    }
+
+    /// Whether the units in which uniqueness is measured are those of the branch: the same at all points, and about the size of the
+    /// orbit that it begins with, where that is the first of the points. That orbit was given roughly.
+    ///
+    /// # Errors
+    /// They are others.
+    pub(crate) fn check_units(&self, points: &[Point<Proof>]) -> Result<(), Refused> {
+        /// A rough orbit is no more than so many times smaller or larger.
+        const ROUGH: f64 = 2.0;
+        let mut proofs = points.iter().filter_map(Point::proof);
+        let refused = Err(Refused::Problem("the unit of a state or of time"));
+        let Some(first) = proofs.next() else {
+            return Ok(());
+        };
+        let units = &first.posed.units;
+        if proofs.any(|proof| proof.posed.units != *units) {
+            return refused;
+        }
+        let begins = |value: &Decimal| *value == self.values[self.parameter];
+        let Condition::Value(value) = &first.condition else {
+            return Ok(());
+        };
+        let zones = &first.near.zones;
+        let is_first = points.first().is_some_and(Point::is_proven) && begins(value);
+        let period: f64 = zones.iter().map(|zone| zone.duration).sum();
+        let largest = |state: usize| {
+            zones
+                .iter()
+                .filter_map(move |zone| zone.state.get(state))
+                .fold(0.0_f64, |most, x| most.max(x.abs()))
+        };
+        let mut states = units.states.iter().enumerate();
+        let has_size = |(state, unit): (usize, &f64)| largest(state) <= ROUGH * unit;
+        let lasts = period <= ROUGH * units.time && units.time <= ROUGH * period;
+        match !is_first || lasts && states.all(has_size) {
+            true => Ok(()),
+            false => refused,
+        }
     }
 
     /// Whether a proven point is one of the branch.
@@ -99,15 +129,11 @@ impl Requested {
         if self.forced && periods != self.periods && !part && !fewer {
             return Err(Refused::Problem("the number of periods"));
         }
-        let asked = match &proof.condition {
-            Condition::Value(value) if point.kind == EventType::EP => self.ends.contains(value),
-            Condition::Value(value) => self.stops.contains(value),
-            _ => true,
+        let value = match &proof.condition {
+            Condition::Value(value) => Some(value),
+            _ => None,
         };
-        match asked {
-            true => Ok(()),
-            false => Err(Refused::Problem("the value of the parameter")),
-        }
+        self.asked.check(point.kind, value)
     }
 }
 

@@ -88,6 +88,14 @@ pub enum Condition {
 }
 
 impl Condition {
+    /// What vanishes, and the zone of that.
+    pub fn watched(&self) -> Option<(Watch, usize)> {
+        match self {
+            Condition::Margin { watch, zone, .. } => Some((*watch, *zone)),
+            _ => None,
+        }
+    }
+
     /// A zone has no duration.
     pub fn closed(zone: usize) -> Condition {
         Condition::Margin {
