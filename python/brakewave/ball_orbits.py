@@ -14,19 +14,21 @@ from copy import copy
 from fractions import Fraction
 from math import ceil, inf
 
-from flint import acb, acb_mat, acb_poly, arb, ctx, fmpq, fmpq_poly
+from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly, ctx, fmpq, fmpq_poly
 
-from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, decimal, distance, dual, exponential, injective, jacobian, must, positive, prove_zero, times, whole
+from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, dual, exponential, injective, jacobian, must, positive, prove_zero, real, times, whole
 
 NEAR = 1e-6
 """What is zero at a point is found for all values of the parameter so near, in its unit."""
-ALONG, ALMOST, POINT, TUBE = 80, arb(2) ** -40, arb(2) ** -50, arb(2) ** -46
-"""Bits in which curves are followed; the last step of Newton's method, the radii of points and of tubes at least, in units: far
-above rounding, and one after the other far below what a piece of a curve bends."""
+ALONG, ALMOST, POINT, TUBE = 80, 2.0**-54, arb(2) ** -50, arb(2) ** -46
+"""Bits in which curves are followed; the first step of Newton's method that is not made, the radii of points and of tubes at least,
+in units: far above rounding, and one after the other far below what a piece of a curve bends."""
 TURNS = 2.0
 """A part of a zone on a curve lasts no longer than this over the largest rate of its mode."""
 PIECES, SHORTEST, BY_FAR = 2000, 1e-6, 8.0
 """Pieces of a curve; their least length in units; the parameter is their coordinate unless another moves so much more."""
+TRIES, CALM = 4, 3
+"""Tubes of growing width that are tried; pieces that hold before a longer one is tried."""
 
 
 # ---------------------------------------------------------------------------------------------------- expressions
@@ -37,7 +39,7 @@ class Ratio:
         over, under = (fmpq_poly([it]) if isinstance(it, (int, fmpq)) else it for it in (over, under))
         must(under != 0, "a division by zero")
         common = over.gcd(under)
-        self.over, self.under = over // common, under // common
+        self.over, self.under, self.balls = over // common, under // common, None
 
     def __add__(self, other):
         other = ratio(other)
@@ -75,14 +77,22 @@ class Ratio:
         return not over.contains(0) and not under.contains(0)
 
     def at(self, parameter):
-        """Its value at a number, with the derivative where that has one."""
-        over, under = acb_poly(self.over), acb_poly(self.under)
+        """Its value at a number, with the derivative where that has one and it has one too."""
+        if self.balls is None or self.balls[0] != ctx.prec:
+            flat, polynomials = self.over.degree() <= 0 and self.under.degree() <= 0, [arb_poly(it) for it in (self.over, self.under)]
+            whole = self.whole() if flat else None
+            constant = None if not flat else polynomials[0][0] / polynomials[1][0] if whole is None else whole
+            self.balls = ctx.prec, constant, *polynomials, *(it.derivative() for it in polynomials)
+        _, constant, over, under, rise, fall = self.balls
+        if constant is not None:
+            return constant
         x = parameter.v if isinstance(parameter, Dual) else parameter
-        value = over(x) / under(x)
-        if not isinstance(parameter, Dual):
-            return value
-        slope = over.derivative()(x) - value * under.derivative()(x)
-        return Dual(value, slope / under(x) * parameter.d)
+        if under.degree() == 0:
+            value, slope = over(x) / under[0], lambda: rise(x) / under[0]
+        else:
+            value = over(x) / under(x)
+            slope = lambda: (rise(x) - value * fall(x)) / under(x)
+        return Dual(value, slope() * parameter.d) if isinstance(parameter, Dual) else value
 
 
 def ratio(number):
@@ -346,7 +356,7 @@ class Modes:
         return row
 
     def at(self, parameter):
-        """The modes in numbers, at a value of the parameter."""
+        """The modes in numbers, at a value of the parameter: each when it is asked for."""
         there = copy(self)
         # a common factor may hide that something is divided by zero
         value = parameter.v if isinstance(parameter, Dual) else parameter
@@ -355,9 +365,20 @@ class Modes:
         there.row_of = lambda row: [number(x) for x in row]
         rows = lambda lines: [there.row_of(line) for line in lines]
         exits = lambda ways: [(to, rows(reset), rows(held)) for to, reset, held in ways]
-        there.omega, there.matrices = number(self.omega), [rows(matrix) for matrix in self.matrices]
-        there.guards = [[(there.row_of(row), exits(ways)) for row, ways in guards] for guards in self.guards]
+        there.omega, there.matrices = number(self.omega), Later(lambda mode: rows(self.matrices[mode]))
+        there.guards = Later(lambda mode: [(there.row_of(row), exits(ways)) for row, ways in self.guards[mode]])
         return there
+
+
+class Later(dict):
+    """Values that are computed when they are asked for."""
+
+    def __init__(self, make):
+        self.make = make
+
+    def __missing__(self, key):
+        self[key] = self.make(key)
+        return self[key]
 
 
 class Zeros:
@@ -518,7 +539,7 @@ class Orbit:
         if self.forced:
             self.guess.append(acb(float(zones[0]["phase"])))
         self.guess.append(acb(float(near["parameter"])))
-        self.place = len(self.guess) - 1
+        self.arrange()
         if self.kind == "Torus":
             self.guess.append(acb(float(condition.value["angle"])))
         self.events, self.closed, self.kept = [], [], None
@@ -535,8 +556,20 @@ class Orbit:
         """Cuts every zone into so many parts of one duration: no long products are formed over wide balls."""
         cut = lambda stretch, n: [stretch._replace(end=("cut",))] * (n - 1) + [stretch]
         self.stretches = [part for stretch, n in zip(self.stretches, parts) for part in cut(stretch, n)]
-        self.place = len(self.stretches) * (self.n + 1) + self.forced
+        self.arrange()
         self.facts = self.lasting = self.known()
+
+    def arrange(self):
+        """Places of unknowns: the first state and the duration of every stretch, which is one for all parts of a zone that is cut,
+        and the parameter."""
+        self.firsts, self.times, place = [], [], 0
+        for stretch in self.stretches:
+            self.firsts.append(place)
+            place += self.n
+            if stretch.end[0] != "cut":
+                self.times += [place] * (len(self.firsts) - len(self.times))
+                place += 1
+        self.place = place + self.forced
 
     def settle(self, domain):
         """Sees that what is zero is so over an interval of the parameter, on a curve without an event."""
@@ -546,7 +579,7 @@ class Orbit:
             self.facts = self.lasting = self.known()
 
     def lift(self, state, phase):
-        z = list(state) + [acb(1)]
+        z = list(state) + [1]
         for h in range(1, self.exact.harmonics + 1):
             z += [(h * phase).cos(), (h * phase).sin()]
         return z
@@ -558,28 +591,29 @@ class Orbit:
             turned += [-h * sine, h * cosine]
         return turned
 
-    def parts(self, x, flows=None):
-        """Modes, and (phase, duration, z at the entry, exp(MT), z at the end) of every stretch. What belongs to the last
-        parameter and the last durations is kept: in a Jacobian they are the same objects in most columns. The exponentials may
-        be given."""
-        parameter, parts = x[self.place], []
+    def modes(self, parameter):
+        """The modes at a value of the parameter, and exp(MT) by a mode, the place of T and T. What belongs to the last parameter and
+        the last durations is kept: in a Jacobian they are the same objects in most columns."""
         if self.kept is None or self.kept[0] is not parameter or self.kept[1] != ctx.prec:
             self.kept = parameter, ctx.prec, self.exact.at(parameter), {}
         *_, modes, steps = self.kept
-        phase = x[self.place - 1] if self.forced else acb(0)
-        for index, stretch in enumerate(self.stretches):
-            first = index * (self.n + 1)
-            state, time = x[first : first + self.n], x[first + self.n]
-            z, matrix = self.lift(state, phase), modes.matrices[stretch.mode]
-            if flows is not None:
-                step = flows[index]
-            elif isinstance(parameter, Dual) or isinstance(time, Dual):
-                step = exponential(matrix, time)
-            else:
-                if index not in steps or steps[index][0] is not time:
-                    steps[index] = time, exponential(matrix, time)
-                step = steps[index][1]
-            parts.append((phase, time, z, step, apply(step, z)))
+
+        def step(mode, place, time):
+            known = steps.get((mode, place))
+            if known is None or known[0] is not time:
+                known = steps[mode, place] = time, exponential(modes.matrices[mode], time)
+            return known[1]
+
+        return modes, step
+
+    def parts(self, x):
+        """Modes, and (phase, duration, z at the entry, exp(MT), z at the end) of every stretch."""
+        modes, step = self.modes(x[self.place])
+        phase, parts = x[self.place - 1] if self.forced else 0, []
+        for stretch, first, at in zip(self.stretches, self.firsts, self.times):
+            z, time = self.lift(x[first : first + self.n], phase), x[at]
+            flow = step(stretch.mode, at, time)
+            parts.append((phase, time, z, flow, apply(flow, z)))
             phase = phase + modes.omega * time
         return modes, parts
 
@@ -590,7 +624,7 @@ class Orbit:
         if self.kind == "Value":
             out.append(x[self.place] - decimal(self.condition.value))
         elif self.closed:
-            out.append(x[self.closed[0] * (self.n + 1) + self.n])
+            out.append(x[self.times[self.closed[0]]])
         elif self.kind == "Margin":
             index, at_end, row = self.events[0]
             out += apply([modes.row_of(row)], parts[index][4 if at_end else 2])
@@ -616,68 +650,67 @@ class Orbit:
                 out += apply([guards[where[0]][0]], end)
             elif kind == "touch":
                 out += apply([combine(guards[where[0]][0], modes.matrices[stretch.mode])], end)
-            elif kind == "cut":
-                out.append(parts[index][1] - parts[index + 1][1])
-            else:
+            elif kind == "never":
                 out.append(parts[0][0])
         if self.forced:
-            out.append(modes.omega * sum(part[1] for part in parts) - (2 - self.half) * self.periods * acb.pi())
+            out.append(modes.omega * sum(part[1] for part in parts) - (2 - self.half) * self.periods * arb.pi())
         return out
 
     def slope(self, x):
-        """The Jacobian of the equations of the orbit, row by row: perturbations of what a stretch begins with, carried to its
-        end by its matrix exponential."""
-        n, count, width = self.n, len(self.stretches), self.place + 1
-        rows = [[acb(0)] * width for _ in range(self.place)]
-        moving = self.exact.at(Dual(x[self.place], acb(1)))
-        # that of both has that of the flow itself
-        turn_by = lambda stretch: [[dual(entry) for entry in line] for line in moving.matrices[stretch.mode]]
-        changes = [exponential(turn_by(stretch), x[k * (n + 1) + n]) for k, stretch in enumerate(self.stretches)]
-        modes, parts = self.parts(x, [[[dual(entry).v for entry in line] for line in change] for change in changes])
-        elapsed, turn = acb(0), dual(moving.omega).d
-        row, phase = 0, self.place - 1
-        for index, (stretch, (_, time, z, step, end)) in enumerate(zip(self.stretches, parts)):
+        """The Jacobian of the equations of the orbit at real unknowns, row by row: perturbations of what a stretch begins with,
+        carried to its end by its matrix exponential, of which the derivative in the parameter is known."""
+        n, count = self.n, len(self.stretches)
+        rows = [[0] * (self.place + 1) for _ in range(self.place)]
+        moving, step = self.modes(Dual(x[self.place], 1))
+        still = lambda numbers: [dual(a).v for a in numbers]
+        shift = lambda numbers, z: sum((dual(a).d * y for a, y in zip(numbers, z) if isinstance(a, Dual)), arb(0))
+        omega, turn = dual(moving.omega).v, dual(moving.omega).d
+        row, phase, elapsed, passed, kept = 0, self.place - 1, arb(0), {}, {}
+        for index, (stretch, first, at) in enumerate(zip(self.stretches, self.firsts, self.times)):
             kind, *where = stretch.end
-            matrix, by = modes.matrices[stretch.mode], moving.matrices[stretch.mode]
-            first, place = index * (n + 1), (index + 1) % count * (n + 1)
-            turned = self.turned(z)
-            # columns that move the end of the stretch, with what they make of it
-            columns = {first + i: [line[i] for line in step] for i in range(n)}
-            columns[first + n] = apply(matrix, end)
-            swing = apply(step, turned) if self.forced else None
-            along = [sum((dual(a).d * y for a, y in zip(line, z)), acb(0)) for line in changes[index]]
-            columns[self.place] = [a + turn * elapsed * b for a, b in zip(along, swing)] if self.forced else along
-            if self.forced:
-                columns[phase] = swing
-                for before in range(index):
-                    columns[before * (n + 1) + n] = [modes.omega * y for y in swing]
-            guards, forms = modes.guards[stretch.mode], moving.guards[stretch.mode]
-            reset = guards[where[0]][1][where[1]][1] if kind == "exit" else [modes.unit(i) for i in range(n)]
-            lines, own = list(reset), list(forms[where[0]][1][where[1]][1]) if kind == "exit" else None
+            after, time, way = self.firsts[(index + 1) % count], x[at], step(stretch.mode, at, x[at])
+            z = self.lift(x[first : first + n], x[phase] + omega * elapsed if self.forced else 0)
+            if (stretch.mode, at) not in kept:
+                kept[stretch.mode, at] = as_matrix(map(still, way)), as_matrix(map(still, moving.matrices[stretch.mode]))
+            flow, matrix = kept[stretch.mode, at]
+            end = times(flow, z)
+            # what the ends of stretches have in their equations
+            guards = moving.guards[stretch.mode]
+            lines = list(guards[where[0]][1][where[1]][1]) if kind == "exit" else [moving.unit(i) for i in range(n)]
             if kind == "exit":
-                lines, own = lines + [guards[where[0]][0]], own + [forms[where[0]][0]]
+                lines.append(guards[where[0]][0])
             elif kind == "touch":
-                lines, own = lines + [combine(guards[where[0]][0], matrix)], [modes.unit(i) for i in range(n)] + [combine(forms[where[0]][0], by)]
-            for k, line in enumerate(lines):
-                for column, moved in columns.items():
-                    rows[row + k][column] += apply([line], moved)[0]
-                if own is not None:
-                    rows[row + k][self.place] += sum((dual(a).d * y for a, y in zip(own[k], end)), acb(0))
+                lines.append(combine(guards[where[0]][0], moving.matrices[stretch.mode]))
+            # perturbations of the end by states, the duration, the parameter and the phase
+            moved = [[flow[i, j] for j in range(n)] + [y, shift(way[i], z)] for i, y in enumerate(times(matrix, end))]
+            if self.forced:
+                moved = [[*line, y] for line, y in zip(moved, times(flow, self.turned(z)))]
+            made = (as_matrix([still(line) for line in lines]) * as_matrix(moved)).tolist()
+            for k, line in enumerate(made):
+                into = rows[row + k]
+                for i in range(n):
+                    into[first + i] += line[i]
+                into[at] += line[n]
+                into[self.place] += line[n + 1] + shift(lines[k], end)
+                if self.forced:
+                    # an instant is later by all durations before it
+                    into[phase] += line[n + 2]
+                    into[self.place] += line[n + 2] * turn * elapsed
+                    for place, often in passed.items():
+                        into[place] += line[n + 2] * omega * often
             sign = -1 if self.half and index + 1 == count else 1
             for i in range(n):
-                rows[row + i][place + i] -= sign
+                rows[row + i][after + i] -= sign
             if kind == "never":
                 rows[row + n][phase] += 1
-            elif kind == "cut":
-                rows[row + n][first + n] += 1
-                rows[row + n][place + n] -= 1
-            row += n + 1
+            row += n + (kind != "cut")
             elapsed += time
+            passed[at] = passed.get(at, 0) + 1
         if self.forced:
-            for index in range(count):
-                rows[row][index * (n + 1) + n] += modes.omega
+            for place, often in passed.items():
+                rows[row][place] += omega * often
             rows[row][self.place] += turn * elapsed
-        return acb_mat(rows)
+        return as_matrix(rows)
 
     def returned(self, modes, parts):
         """The linearised return P to the first entry, in the states and the phase."""
@@ -959,7 +992,7 @@ class Orbit:
                 return end
         if self.half and index + 1 == len(parts):
             return end
-        meet = lambda a, b: acb(acb(a).real.intersection(acb(b).real))
+        meet = lambda a, b: real(a).intersection(real(b))
         both = ((dual(a), dual(b)) for a, b in zip(end[: self.n], after))
         return [Dual(meet(a.v, b.v), meet(a.d, b.d)) for a, b in both] + end[self.n :]
 
@@ -1009,7 +1042,7 @@ class Arc:
 
     def __init__(self, ends, near):
         (self.first, one), (self.last, other) = ends
-        domain = one[self.first.place].real.union(other[self.last.place].real)
+        domain = real(one[self.first.place]).union(real(other[self.last.place]))
         self.orbit = Orbit(self.first.posed, near, "Value", domain)
         whole = [self.uncut(*end) for end in ends]
         parts = self.parts(whole)
@@ -1017,11 +1050,13 @@ class Arc:
         self.orbit.divide(parts)
         self.place = self.orbit.place
         units = self.orbit.posed["units"]
-        self.units = [*map(float, units["states"]), float(units["time"])] * len(self.orbit.stretches)
+        states, self.units = [*map(float, units["states"])], []
+        for n in parts:
+            self.units += states * n + [float(units["time"])]
         self.units += [1.0] * self.orbit.forced + [float(units["parameter"])]
         # where a zone that has no duration at an end stands, which is not cut
         self.closed = [[sum(parts[:zone]) for zone in orbit.closed] for orbit in (self.first, self.last)]
-        self.opening = [k * (self.orbit.n + 1) + self.orbit.n for k in self.closed[0]]
+        self.opening = [self.orbit.times[k] for k in self.closed[0]]
 
     def uncut(self, orbit, x):
         """Unknowns with one duration for a zone that is cut."""
@@ -1032,7 +1067,7 @@ class Arc:
                 found[-1] = found[-1] + part[-1]
             else:
                 found += part
-        return found + x[len(orbit.stretches) * width : orbit.place + 1]
+        return [real(y) for y in found + x[len(orbit.stretches) * width : orbit.place + 1]]
 
     def parts(self, ends):
         """Into how many parts zones are cut: by what their largest rate makes of the longer of two durations."""
@@ -1040,7 +1075,7 @@ class Arc:
         for x in ends:
             modes = self.orbit.exact.at(x[self.orbit.place].mid())
             for k, stretch in enumerate(self.orbit.stretches):
-                rate = max(abs(float(acb(entry).real.mid())) for line in modes.matrices[stretch.mode] for entry in line[: self.orbit.n])
+                rate = max(abs(float(real(entry).mid())) for line in modes.matrices[stretch.mode] for entry in line[: self.orbit.n])
                 longest[k] = max(longest[k], rate * float(x[k * width + self.orbit.n].real.mid()))
         closed = {*self.first.closed, *self.last.closed}
         return [1 if k in closed else max(1, ceil(turns / TURNS)) for k, turns in enumerate(longest)]
@@ -1051,87 +1086,99 @@ class Arc:
         for k, (n, (_, time, z, *_)) in enumerate(zip(parts, whole)):
             flow = exponential(modes.matrices[self.orbit.stretches[k].mode], time / n)
             for _ in range(n):
-                found += [*z[: self.orbit.n], time / n]
+                found += z[: self.orbit.n]
                 z = apply(flow, z)
+            found.append(time / n)
         return found + x[len(parts) * width :]
 
-    def equations(self, x, coordinate, value):
-        return [*self.orbit.cycle(*self.orbit.parts(x)), x[coordinate] - value]
+    def values(self, x):
+        """The equations of the orbit at numbers, as a column that ends with that of a coordinate, which holds."""
+        return arb_mat([[y] for y in [*self.orbit.cycle(*self.orbit.parts(x)), 0]])
 
-    def slope(self, x):
-        """The Jacobian, without the row of a coordinate."""
-        return self.orbit.slope(x)
+    def stack(self, rows, k):
+        """A Jacobian with the row of coordinate k."""
+        return arb_mat([*rows, [int(j == k) for j in range(self.place + 1)]])
 
-    def stack(self, x, k):
-        """The Jacobian with the row of coordinate k."""
-        return acb_mat([*self.slope(x).tolist(), [int(j == k) for j in range(len(x))]])
-
-    def inverse(self, x, k):
-        """About the inverse of that."""
+    @staticmethod
+    def inverse(stack):
+        """About the inverse of a matrix of balls."""
         try:
-            return self.stack([y.mid() for y in x], k).mid().inv().mid()
+            return stack.mid().inv().mid()
         except ZeroDivisionError:
             raise NotCovered("the equations are singular on the way") from None
 
     def tube(self, middle, chord, reach, inverse, k, least):
         """Krawczyk's operator with coordinate k as a parameter maps a tube about middle + t·chord, |t| ≤ reach, into its
-        interior, which so has one zero for each t: the tube and its radii, in units at least as large as `least`."""
-        error = times(inverse, self.equations(middle, k, middle[k]))
-        radii = [(2 * abs(e)).upper() + arb(u) * least for e, u in zip(error, self.units)]
-        for _ in range(8):
-            tube = [acb((m + t * arb(0, 1) * reach).real + arb(0, 1) * r) for m, t, r in zip(middle, chord, radii)]
-            steep = self.stack(tube, k)
-            drift = times(inverse, [*times(steep, chord)[:-1], 0])
-            defect = (inverse * steep).tolist()
-            spread = lambda i: sum(abs(z - int(i == j)) * radii[j] for j, z in enumerate(defect[i]))
-            image = [(abs(e) + abs(d) * reach + spread(i)).upper() for i, (e, d) in enumerate(zip(error, drift))]
+        interior, which so has one zero for each t: the tube, its radii, in units at least as large as `least`, and the Jacobian over
+        it. A first guess of the inverse is replaced by that of the Jacobian."""
+        values, better, along = self.values(middle), None, arb(0, 1) * reach
+        error = (inverse * values).entries()
+        # of a parabola the middle is a third as far from the chord as the operator reaches
+        radii = [(6 * abs(e)).upper() + arb(u) * least for e, u in zip(error, self.units)]
+        for turn in range(TRIES):
+            tube = [m + t * along + arb(0, 1) * r for m, t, r in zip(middle, chord, radii)]
+            rows = self.orbit.slope(tube).tolist()
+            steep = self.stack(rows, k)
+            if better is None:
+                better = self.inverse(steep)
+                error = better * values
+            # the row of the coordinate holds along the chord
+            drift = [*(steep * arb_mat([[t] for t in chord])).entries()[:-1], 0]
+            defect = better * steep - self.one
+            spread = defect * arb_mat([[arb(0, 1) * r] for r in radii])
+            reached = error + better * arb_mat([[d * along] for d in drift]) + spread
+            image = [abs(y).upper() for y in reached.entries()]
+            left = max(float((abs(y) / r).upper()) for y, r in zip(spread.entries(), radii))
             if all(a < b for a, b in zip(image, radii)):
-                return tube, radii
-            radii = [r.max(a * 1.25).upper() for r, a in zip(radii, image)]
-            if not all(r < u for r, u in zip(radii, self.units)):
+                return tube, radii, rows
+            # a wider tube has a larger one, but for the proportions of the first
+            if not left < 1 and turn or not max(map(float, image)) < inf:
                 break
+            more = 1.25 if turn == 0 else 1 / (1 - left)
+            radii = [r.max(a * more).upper() for r, a in zip(radii, image)]
         raise NotCovered("no tube has exactly one curve")
 
-    def point(self, guess, k):
-        """The orbit next to a guess with its value of a coordinate, by Newton's method: a tube without length."""
-        value, middle = guess[k].mid(), guess
-        for turn in range(12):
-            if turn % 2 == 0:
-                inverse = self.inverse(middle, k)
-            steps = times(inverse, self.equations(middle, k, value))
+    def point(self, guess, k, inverse):
+        """The orbit next to a guess with its value of a coordinate, by Newton's method with an inverse from nearby, and the Jacobian
+        there: a tube without length."""
+        value, middle, before = guess[k].mid(), [y.mid() for y in guess], 1.0
+        for _ in range(20):
+            steps = (inverse * self.values(middle)).entries()
             middle = [(y - step).mid() for y, step in zip(middle, steps)]
-            # the next would be smaller by far
-            if all(abs(step) < u * ALMOST for step, u in zip(steps, self.units)):
+            far = max(float(abs(step).mid()) / u for step, u in zip(steps, self.units))
+            # the next would be smaller by as much as this one was
+            if far * min(far / before, 1) < ALMOST:
                 break
-        box, _ = self.tube([*middle[:k], value, *middle[k + 1 :]], [acb(0)] * len(middle), arb(0), inverse, k, POINT)
-        return [*box[:k], value, *box[k + 1 :]]
+            if far > before / 30:
+                inverse = self.inverse(self.stack(self.orbit.slope(middle).tolist(), k))
+            before = far
+        middle[k] = value
+        box, _, rows = self.tube(middle, [arb(0)] * len(middle), arb(0), inverse, k, POINT)
+        return [*box[:k], value, *box[k + 1 :]], rows
 
-    def tangent(self, x):
-        """The tangent in units at numbers, and the coordinate that moves most."""
-        rows = self.slope([y.mid() for y in x]).mid().tolist()
-        best = None
+    def tangent(self, rows):
+        """The tangent in units where the Jacobian is this, and the coordinate that moves most."""
         for coordinate in [self.place, *range(self.place)]:
-            unit = [int(i == coordinate) for i in range(len(x))]
             try:
-                solved = acb_mat([*rows, unit]).solve(acb_mat([[0]] * self.place + [[1]])).entries()
+                solved = self.stack(rows, coordinate).mid().inv()
             except ZeroDivisionError:
                 continue
-            scaled = [float(y.real.mid()) / u for y, u in zip(solved, self.units)]
+            scaled = [float(solved[i, self.place].mid()) / u for i, u in enumerate(self.units)]
             size = max(map(abs, scaled))
-            best = best or [y / size for y in scaled]
-            if coordinate == self.place and abs(best[coordinate]) * BY_FAR > 1:
-                return best, coordinate
-            if coordinate != self.place and abs(scaled[coordinate]) == size:
-                return [y / size for y in scaled], coordinate
+            most = self.place if abs(scaled[self.place]) * BY_FAR > size else max(range(len(scaled)), key=lambda i: abs(scaled[i]))
+            return [y / size for y in scaled], most
         raise NotCovered("a curve whose tangent is not found")
 
     @ctx.workprec(ALONG)
     def follow(self, side):
         """Shows the curve from one end to the other. Returns the number of pieces."""
         (x, last), before, count = self.ends, None, 0
-        longest, calm, left = inf, 0, lambda x, k: float((last[k] - x[k]).real.mid())
+        self.one = arb_mat([[int(i == j) for j in range(self.place + 1)] for i in range(self.place + 1)])
+        rows = self.orbit.slope([y.mid() for y in x]).tolist()
+        longest, calm, left = inf, CALM, lambda x, k: float((last[k] - x[k]).mid())
         while count < PIECES:
-            tangent, k = self.tangent(x)
+            tangent, k = self.tangent(rows)
+            inverse = self.inverse(self.stack(rows, k))
             lead = k if self.first.kind == "Fold" else self.place
             away = tangent[self.opening[0]] if self.opening else tangent[lead] * left(x, lead)
             way = sum(a * b for a, b in zip(before, tangent)) if before else away * side
@@ -1144,48 +1191,47 @@ class Arc:
                 length = min(length, rest / 2)
                 if count and rest < 16 * length:
                     with suppress(Refused, NotCovered):
-                        self.piece(x, last, k, direction, 1)
+                        self.piece(x, last, k, direction, 1, inverse)
                         return count + 1
-            calm += 1
             while True:
-                value = acb((x[k].real.mid() + direction * length).mid())
-                step = float((value - x[k]).real.mid()) / (before[k] * self.units[k])
+                value = (x[k].mid() + direction * length).mid()
+                step = float((value - x[k]).mid()) / (before[k] * self.units[k])
                 guess = [y.mid() + step * b * u for y, b, u in zip(x, before, self.units)]
                 guess[k] = value
                 try:
-                    there = self.point(guess, k)
-                    self.piece(x, there, k, direction, None if count else 0)
+                    there, new = self.point(guess, k, inverse)
+                    self.piece(x, there, k, direction, None if count else 0, inverse)
                     break
                 except (Refused, NotCovered):
                     if length < SHORTEST * self.units[k]:
                         raise
                 length, calm = length / 2, 0
             # a longer one is tried after some that held
-            x, count, longest = there, count + 1, length * (2 if calm else 1)
+            x, rows, count, longest, calm = there, new, count + 1, length * (1.5 if calm >= CALM else 1), calm + 1
         raise NotCovered("more pieces than are tried")
 
-    def piece(self, x, y, k, direction, next_to):
+    def piece(self, x, y, k, direction, next_to, inverse):
         """Shows a piece of the curve from one orbit to another, of which the first end of the arc is one at `next_to` = 0, its
         last at 1: that it is one curve without a fold, with all inequalities."""
         reach = (abs(y[k] - x[k]) / 2).upper() * (1 + arb(2) ** -40)
         middle = [((a + b) / 2).mid() for a, b in zip(x, y)]
         slope = [((b - a) / (y[k] - x[k])).mid() for a, b in zip(x, y)]
-        slope[k] = acb(1)
-        tube, radii = self.tube(middle, slope, reach, self.inverse(middle, k), k, TUBE)
+        slope[k] = arb(1)
+        tube, radii, _ = self.tube(middle, slope, reach, inverse, k, TUBE)
         off = lambda z, i: abs(z[i] - middle[i] - (z[k] - middle[k]) * slope[i])
         if not all(off(z, i) < radii[i] for z in (x, y) for i in range(len(x)) if i != k):
             raise NotCovered("no tube has both ends")
         tangent = [t + arb(0, 1) * (r / reach) for t, r in zip(slope, radii)]
-        tangent[k] = acb(1)
+        tangent[k] = arb(1)
         # det(P − 1) vanishes at folds: at an end, and if it is monotone there only
-        if k != self.place and tangent[self.place].real.contains(0):
+        if k != self.place and tangent[self.place].contains(0):
             end = (self.first, self.last)[next_to or 0]
             along = [Dual(z, d) for z, d in zip(tube, tangent)]
-            fold = distance(self.orbit.returned(*self.orbit.parts(along)), acb(1))
-            must(next_to is not None and end.kind == "Fold" and not fold.d.real.contains(0), "there may be a fold on the way")
+            fold = distance(self.orbit.returned(*self.orbit.parts(along)), 1)
+            must(next_to is not None and end.kind == "Fold" and not fold.d.contains(0), "there may be a fold on the way")
         sign = 0 if next_to is None else direction if next_to == 0 else -direction
         moving = tube if not sign else [Dual(z, sign * d) for z, d in zip(tube, tangent)]
-        self.orbit.settle(tube[self.place].real)
+        self.orbit.settle(tube[self.place])
         closed = () if next_to is None else self.closed[next_to]
         wrong = [what for what, holds in self.orbit.all_signs(moving, closed) if not holds]
         must(not wrong, f"{', '.join(wrong)} is not shown on the way")

@@ -105,17 +105,40 @@ def dual(number):
     return number if isinstance(number, Dual) else Dual(number)
 
 
+def real(number):
+    """The real part of a number."""
+    return number.real if isinstance(number, (arb, acb)) else arb(number)
+
+
+def as_matrix(rows):
+    """A matrix of balls, real where all entries are."""
+    rows = list(rows)
+    return (acb_mat if any(isinstance(entry, acb) for row in rows for entry in row) else arb_mat)(rows)
+
+
 def exponential(rows, time=1):
     """e^{At} of a square matrix, a list of rows of numbers or of numbers with derivatives."""
-    n, rows = len(rows), [[entry * time for entry in row] for row in rows]
-    if not any(isinstance(entry, Dual) for row in rows for entry in row):
-        return acb_mat(rows).exp().tolist()
-    rows = [[dual(entry) for entry in row] for row in rows]
-    if all(acb(entry.d) == 0 for row in rows for entry in row):
-        return [[Dual(y) for y in row] for row in acb_mat([[entry.v for entry in row] for row in rows]).exp().tolist()]
-    top = [[entry.v for entry in row] + [entry.d for entry in row] for row in rows]
-    both = acb_mat(top + [[0] * n + row[:n] for row in top]).exp().tolist()
-    return [[Dual(row[j], row[j + n]) for j in range(n)] for row in both[:n]]
+    n = len(rows)
+    if not isinstance(time, Dual) and not any(isinstance(entry, Dual) for row in rows for entry in row):
+        return as_matrix([[entry * time for entry in row] for row in rows]).exp().tolist()
+    part = lambda which: [[getattr(dual(entry), which) for entry in row] for row in rows]
+    values, slopes, time = part("v"), part("d"), dual(time)
+    # columns of the derivative of A that are not zero, and all whose rates these have: the derivative depends on no others
+    held = {j for row in slopes for j, entry in enumerate(row) if not entry == 0}
+    while more := {k for j in held for k, entry in enumerate(values[j]) if not entry == 0} - held:
+        held |= more
+    held = sorted(held)
+    block = [values[i] + [slopes[i][j] for j in held] for i in range(n)]
+    block += [[0] * n + [values[i][j] for j in held] for i in held]
+    both = as_matrix([[entry * time.v for entry in row] for row in block]).exp().tolist()
+    still, moved = [row[:n] for row in both[:n]], [[0] * n for _ in range(n)]
+    for i, row in enumerate(both[:n]):
+        for j, entry in zip(held, row[n:]):
+            moved[i][j] = entry
+    if not time.d == 0:
+        grown = (as_matrix(values) * as_matrix(still) * time.d).tolist()
+        moved = [[a + b for a, b in zip(*lines)] for lines in zip(moved, grown)]
+    return [[Dual(*pair) for pair in zip(*lines)] for lines in zip(still, moved)]
 
 
 def apply(rows, vector):
@@ -136,11 +159,11 @@ def tail(matrix, time, state, order):
 def determinant(rows):
     """Of numbers, or of numbers with derivatives."""
     values, slopes = ([[getattr(dual(x), part) for x in row] for row in rows] for part in "vd")
-    value = acb_mat(values).det()
+    value = as_matrix(values).det()
     if not any(isinstance(x, Dual) for row in rows for x in row):
         return value
     # row by row
-    return Dual(value, sum(acb_mat(values[:k] + [row] + values[k + 1 :]).det() for k, row in enumerate(slopes)))
+    return Dual(value, sum(as_matrix(values[:k] + [row] + values[k + 1 :]).det() for k, row in enumerate(slopes)))
 
 
 def distance(matrix, number):
@@ -150,7 +173,7 @@ def distance(matrix, number):
 
 def times(matrix, vector):
     """A matrix of balls times a list."""
-    return (matrix * acb_mat([[y] for y in vector])).entries()
+    return (matrix * as_matrix([[y] for y in vector])).entries()
 
 
 def jacobian(equations, at, units=None):
@@ -250,7 +273,7 @@ def injective(equations, middle, radii, divided):
 # ---------------------------------------------------------------------------------------------------- signs
 def flows(matrix, row, state):
     """(M, r, z, largest entry of M off the diagonal) for f(t) = r e^{Mt} z, and where numbers have derivatives for that of f as well."""
-    part = lambda numbers, which: [acb(getattr(dual(x), which)).real for x in numbers]
+    part = lambda numbers, which: [real(getattr(dual(x), which)) for x in numbers]
     still, moved = ([part(line, which) for line in matrix] for which in "vd")
     found = [(still, part(row, "v"), part(state, "v"))]
     if not all(y == 0 for y in part(state, "d")):
@@ -287,7 +310,7 @@ def positive(matrix, row, begin, end, time, orders, closed=False):
     its end alone."""
     # backwards in time the flow is that of −M
     ways = flows(matrix, row, begin), flows([[-x for x in line] for line in matrix], row, end)
-    time, firsts = acb(dual(time).v).real, []
+    time, firsts = real(dual(time).v), []
     length, shortest = (float(end) * (1 + sign * 2**-40) for end, sign in ((time.upper(), 1), (time.lower(), -1)))
     # an instant that the shortest zone does not have has nothing to grow from at the end of the curve
     shown = lambda way, low, high, order: any(over(*flow, low, high, order) for k, flow in enumerate(way) if not k or high <= shortest)
