@@ -250,10 +250,8 @@ class Certificates(unittest.TestCase):
             for what in ["orbit, in its intervals", "numbers of the problem", "type", "inequalities", "row of"]:
                 self.assertEqual(len(re.findall(f"{what}.*: proven again", told)), points, told)
             self.assertEqual(told.count("multipliers outside the unit circle: proven again"), counts, told)
-            # as far as the certificate says, or a quarter of it where balls overestimate the Jacobian; at folds they show less
-            unique = re.findall("no other within ([^:]*): (?:proven again|not covered: shown within ([^;]*);)", told)
-            near = [said for said, shown in unique if float(shown or said) >= 0.25 * float(said)]
-            self.assertGreaterEqual(len(near), points // 2, told)
+            # as far as the certificate says, at folds, doublings and pairs too
+            self.assertEqual(len(re.findall("no other within .*: proven again", told)), points, told)
 
     def refused(self, name, statement, change, files=("certificate.ron",), verify=True):
         """That what a function makes of texts is refused: by the checker for a statement, and by the program."""
@@ -506,7 +504,7 @@ class Certificates(unittest.TestCase):
 
     def test_arcs(self):
         code, told = check(self.folders["graze"])
-        self.assertEqual((code, len(re.findall("(?:LP|GR|EP) arc: proven again", told))), (3, 3), told)
+        self.assertEqual((code, len(re.findall("(?:LP|GR|EP) arc: proven again", told))), (0, 3), told)
         # without the fold there is another event between the points
         point = lambda text: re.sub(r"        \(\n            label: \d+,\n            kind: LP,.*?\n        \),\n", "", text, flags=re.S)
         row = lambda text: re.sub(r"\n\d+,LP,[^\n]*", "", text)

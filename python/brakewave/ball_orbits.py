@@ -12,11 +12,12 @@ from collections import namedtuple
 from contextlib import suppress
 from copy import copy
 from fractions import Fraction
+from functools import reduce
 from math import ceil, inf
 
 from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly, ctx, fmpq, fmpq_poly
 
-from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, dual, exponential, injective, jacobian, must, positive, prove_zero, real, times, whole
+from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, dual, exponential, injective, must, positive, prove_zero, real, times, whole
 
 NEAR = 1e-6
 """What is zero at a point is found for all values of the parameter so near, in its unit."""
@@ -25,6 +26,10 @@ ALONG, ALMOST, POINT, TUBE = 80, 2.0**-54, arb(2) ** -50, arb(2) ** -46
 in units: far above rounding, and one after the other far below what a piece of a curve bends."""
 TURNS = 2.0
 """A part of a zone on a curve lasts no longer than this over the largest rate of its mode."""
+FINER = ((1, 4), (4, 8))
+"""Into how many parts the range of the parameter and into how many cells those of durations are divided where uniqueness is shown."""
+TURNED = 40
+"""Boxes of growing width that are tried about the solution of linear equations."""
 PIECES, SHORTEST, BY_FAR = 2000, 1e-6, 8.0
 """Pieces of a curve; their least length in units; the parameter is their coordinate unless another moves so much more."""
 TRIES, CALM = 4, 3
@@ -473,6 +478,13 @@ def outside(polynomial):
     return outside([last * x - first * y for x, y in zip(polynomial[1:], polynomial[-2::-1])])
 
 
+def part_of(time, index, count):
+    """One of so many parts of an interval."""
+    value = dual(time).v
+    part = value if count == 1 else value.mid() + value.rad() * arb(2 * index + 1 - count, 1) / count
+    return Dual(part, time.d) if isinstance(time, Dual) else part
+
+
 def above(x):
     """Whether a number is positive, or its derivative is."""
     return dual(x).v.real > 0 or isinstance(x, Dual) and x.d.real > 0
@@ -542,7 +554,7 @@ class Orbit:
         self.arrange()
         if self.kind == "Torus":
             self.guess.append(acb(float(condition.value["angle"])))
-        self.events, self.closed, self.kept = [], [], None
+        self.events, self.closed, self.kept, self.phases = [], [], None, None
         # what is zero on the branch, and what is so at the event
         self.facts = self.lasting = self.known()
         if self.watch == "Duration":
@@ -606,16 +618,25 @@ class Orbit:
 
         return modes, step
 
-    def parts(self, x):
-        """Modes, and (phase, duration, z at the entry, exp(MT), z at the end) of every stretch."""
+    def parts(self, x, cell=None):
+        """Modes, and (phase, duration, z at the entry, exp(MT), z at the end) of every stretch; of a cell of all durations where such
+        is given."""
         modes, step = self.modes(x[self.place])
         phase, parts = x[self.place - 1] if self.forced else 0, []
-        for stretch, first, at in zip(self.stretches, self.firsts, self.times):
-            z, time = self.lift(x[first : first + self.n], phase), x[at]
-            flow = step(stretch.mode, at, time)
+        for index, (stretch, first, at) in enumerate(zip(self.stretches, self.firsts, self.times)):
+            z, time = self.lift(x[first : first + self.n], self.limited(index, phase)), x[at]
+            flow = step(stretch.mode, at, time) if cell is None else step(stretch.mode, (at, cell), part_of(time, *cell))
             parts.append((phase, time, z, flow, apply(flow, z)))
             phase = phase + modes.omega * time
         return modes, parts
+
+    def limited(self, index, phase):
+        """The phase at an entry, where that is known to lie in an interval."""
+        if self.phases is None:
+            return phase
+        known, value = self.phases[index], dual(phase).v
+        value = value.intersection(known) if value.overlaps(known) else value
+        return Dual(value, phase.d) if isinstance(phase, Dual) else value
 
     def equations(self, x):
         """Entries, ends, the period of the forcing and what singles out the point."""
@@ -656,24 +677,36 @@ class Orbit:
             out.append(modes.omega * sum(part[1] for part in parts) - (2 - self.half) * self.periods * arb.pi())
         return out
 
-    def slope(self, x):
-        """The Jacobian of the equations of the orbit at real unknowns, row by row: perturbations of what a stretch begins with,
-        carried to its end by its matrix exponential, of which the derivative in the parameter is known."""
+    def slope(self, x, cells=1, also=None):
+        """The Jacobian of the equations of the orbit at real unknowns: perturbations of what a stretch begins with, carried to its
+        end by its matrix exponential, of which the derivative in the parameter is known. Over durations it is found in cells.
+        Also that of a form at the entry or the end of a stretch, (stretch, at_end, form), as its last row."""
         n, count = self.n, len(self.stretches)
-        rows = [[0] * (self.place + 1) for _ in range(self.place)]
+        rows = [[0] * (self.place + 1) for _ in range(self.place + (also is not None))]
         moving, step = self.modes(Dual(x[self.place], 1))
         still = lambda numbers: [dual(a).v for a in numbers]
         shift = lambda numbers, z: sum((dual(a).d * y for a, y in zip(numbers, z) if isinstance(a, Dual)), arb(0))
         omega, turn = dual(moving.omega).v, dual(moving.omega).d
         row, phase, elapsed, passed, kept = 0, self.place - 1, arb(0), {}, {}
+
+        def enter(into, line, first, at):
+            """Puts derivatives by states, the duration, the parameter and the phase of a stretch into a row."""
+            for i in range(n):
+                into[first + i] += line[i]
+            into[at] += line[n]
+            into[self.place] += line[n + 1]
+            if self.forced:
+                # an instant is later by all durations before it
+                into[phase] += line[n + 2]
+                into[self.place] += line[n + 2] * turn * elapsed
+                for place, often in passed.items():
+                    into[place] += line[n + 2] * omega * often
+
         for index, (stretch, first, at) in enumerate(zip(self.stretches, self.firsts, self.times)):
             kind, *where = stretch.end
-            after, time, way = self.firsts[(index + 1) % count], x[at], step(stretch.mode, at, x[at])
-            z = self.lift(x[first : first + n], x[phase] + omega * elapsed if self.forced else 0)
-            if (stretch.mode, at) not in kept:
-                kept[stretch.mode, at] = as_matrix(map(still, way)), as_matrix(map(still, moving.matrices[stretch.mode]))
-            flow, matrix = kept[stretch.mode, at]
-            end = times(flow, z)
+            after, time = self.firsts[(index + 1) % count], x[at]
+            z = self.lift(x[first : first + n], self.limited(index, x[phase] + omega * elapsed) if self.forced else 0)
+            swung = self.turned(z) if self.forced else None
             # what the ends of stretches have in their equations
             guards = moving.guards[stretch.mode]
             lines = list(guards[where[0]][1][where[1]][1]) if kind == "exit" else [moving.unit(i) for i in range(n)]
@@ -681,23 +714,31 @@ class Orbit:
                 lines.append(guards[where[0]][0])
             elif kind == "touch":
                 lines.append(combine(guards[where[0]][0], moving.matrices[stretch.mode]))
-            # perturbations of the end by states, the duration, the parameter and the phase
-            moved = [[flow[i, j] for j in range(n)] + [y, shift(way[i], z)] for i, y in enumerate(times(matrix, end))]
-            if self.forced:
-                moved = [[*line, y] for line, y in zip(moved, times(flow, self.turned(z)))]
-            made = (as_matrix([still(line) for line in lines]) * as_matrix(moved)).tolist()
-            for k, line in enumerate(made):
-                into = rows[row + k]
-                for i in range(n):
-                    into[first + i] += line[i]
-                into[at] += line[n]
-                into[self.place] += line[n + 1] + shift(lines[k], end)
+            if also and also[:2] == (index, True):
+                lines.append(moving.row_of(also[2]))
+            made = None
+            for cell in range(cells):
+                if (stretch.mode, at, cell) not in kept:
+                    way = step(stretch.mode, (at, cell), part_of(time, cell, cells))
+                    kept[stretch.mode, at, cell] = way, as_matrix(map(still, way)), as_matrix(map(still, moving.matrices[stretch.mode]))
+                way, flow, matrix = kept[stretch.mode, at, cell]
+                # perturbations of the end by states, the duration, the parameter and the phase
+                end = times(flow, z)
+                moved = [[flow[i, j] for j in range(n)] + [y, shift(way[i], z)] for i, y in enumerate(times(matrix, end))]
                 if self.forced:
-                    # an instant is later by all durations before it
-                    into[phase] += line[n + 2]
-                    into[self.place] += line[n + 2] * turn * elapsed
-                    for place, often in passed.items():
-                        into[place] += line[n + 2] * omega * often
+                    moved = [[*line, y] for line, y in zip(moved, times(flow, swung))]
+                found = (as_matrix(map(still, lines)) * as_matrix(moved)).tolist()
+                for k, line in enumerate(lines):
+                    found[k][n + 1] += shift(line, end)
+                made = found if made is None else [[a.union(b) for a, b in zip(*both)] for both in zip(made, found)]
+            if also and also[:2] == (index, True):
+                enter(rows[-1], made.pop(), first, at)
+            elif also and also[:2] == (index, False):
+                form = moving.row_of(also[2])
+                slopes = still(form[:n]) + [0, shift(form, z)] + ([sum(a * y for a, y in zip(still(form), swung))] if self.forced else [])
+                enter(rows[-1], slopes, first, at)
+            for k, line in enumerate(made):
+                enter(rows[row + k], line, first, at)
             sign = -1 if self.half and index + 1 == count else 1
             for i in range(n):
                 rows[row + i][after + i] -= sign
@@ -861,6 +902,99 @@ class Orbit:
         return found
 
     # ------------------------------------------------------------------------------------------------ uniqueness
+    def linear(self, x, v, factor, w, cell):
+        """What the equations of the orbit make of perturbations v of all unknowns but the parameter, where that of the first entry
+        is `factor` times as large a period later, times w: a number for every stretch and for the period, with the flows of a
+        cell of all durations."""
+        modes, parts = self.parts(x, cell)
+        n, count, out, row, later = self.n, len(self.stretches), [], 0, v[self.place - 1] if self.forced else 0
+        for index, (stretch, (_, _, z, step, end)) in enumerate(zip(self.stretches, parts)):
+            first, after, long = self.firsts[index], self.firsts[(index + 1) % count], v[self.times[index]]
+            moved = [*v[first : first + n], *[0] * (len(z) - n)]
+            if self.forced:
+                moved = [a + b * later for a, b in zip(moved, self.turned(z))]
+            moved = [a + b * long for a, b in zip(apply(step, moved), apply(modes.matrices[stretch.mode], end))]
+            kind, *where = stretch.end
+            row_of, exits = modes.guards[stretch.mode][where[0]] if kind == "exit" else (None, None)
+            reset = exits[where[1]][1] if kind == "exit" else [modes.unit(i) for i in range(n)]
+            sign = (-1 if self.half else 1) * factor if index + 1 == count else 1
+            made = [a - sign * b for a, b in zip(apply(reset, moved), v[after : after + n])]
+            made += apply([row_of], moved) if kind == "exit" else [v[self.place - 1]]
+            out.append(sum((a * b for a, b in zip(made, w[row : row + n + 1])), arb(0)))
+            later, row = later + modes.omega * long, row + n + 1
+        if self.forced:
+            out.append((later - factor * v[self.place - 1]) * w[row])
+        return out
+
+    def closing(self, rows, factor):
+        """The matrix of `linear` from the Jacobian."""
+        rows = [row[: self.place] for row in rows]
+        last = self.place - self.forced - self.n - 1
+        for i in range(self.n):
+            rows[last + i][i] -= (-1 if self.half else 1) * (factor - 1)
+        if self.forced:
+            rows[-1][self.place - 1] += 1 - factor
+        return rows
+
+    def factor(self, x):
+        """The multiplier that singles out the point, or None."""
+        if self.kind == "Torus":
+            turn = x[self.place + 1]
+            cosine, sine = turn.cos(), turn.sin()
+            return cosine + sine * acb(0, 1) if not isinstance(turn, Dual) else Dual(acb(cosine.v, sine.v), acb(cosine.d, sine.d))
+        return {"Fold": 1, "Doubling": -1, "Branching": -1}.get(self.kind)
+
+    def bordered(self, box, rows, border, radii, cells):
+        """With Av = −gb, ⟨l, v⟩ = 1 for the matrix A of `linear` and wᵀA = −hlᵀ, ⟨w, b⟩ = 1 all over a box, A is singular where
+        g = 0 only, and g′ = −wᵀA′v: the rows of g′, times radii. None where that is not shown."""
+        scale, below, beside = border
+        size, factor = self.place + 1, self.factor(box)
+        rows = [[a * u * t for a, u in zip(row, radii)] for row, t in zip(self.closing(rows, factor), scale)]
+        both = as_matrix([*([*row, b] for row, b in zip(rows, beside)), [*below, 0]])
+        ends = []
+        for whole in (both, both.transpose()):
+            try:
+                inverse = whole.mid().inv().mid()
+            except ZeroDivisionError:
+                return None
+            away = inverse * whole - as_matrix([[int(i == j) for j in range(size)] for i in range(size)])
+            first = [inverse[i, size - 1] for i in range(size)]
+            # x = first − away·x
+            bounds, middle = as_matrix([[abs(y).upper() for y in line] for line in away.tolist()]), [abs(y).upper() for y in first]
+            spread, held = [arb(0)] * size, False
+            for _ in range(TURNED):
+                moved = [y.upper() for y in times(bounds, [a + b for a, b in zip(middle, spread)])]
+                held = all(a < b for a, b in zip(moved, spread))
+                if held:
+                    break
+                spread = [a * 1.1 + ALMOST for a in moved]
+            if not held:
+                return None
+            ball = lambda r: acb(arb(0, 1) * r, arb(0, 1) * r) if isinstance(whole, acb_mat) else arb(0, 1) * r
+            ends.append([a - b for a, b in zip(first, times(away, [a + ball(r) for a, r in zip(first, moved)]))][:-1])
+        right, left = [y * u for y, u in zip(ends[0], radii)], [y * t for y, t in zip(ends[1], scale)]
+        slopes = []
+        for j, radius in enumerate(radii):
+            seeded = [Dual(x, radius) if i == j else x for i, x in enumerate(box)]
+            every = [[acb(dual(a).d) for a in self.linear(seeded, right, self.factor(seeded), left, (cell, cells))] for cell in range(cells)]
+            slopes.append(-sum((reduce(acb.union, each) for each in zip(*every)), acb(0)))
+        return [[y.real for y in slopes], [y.imag for y in slopes]][: 1 + (self.kind == "Torus")]
+
+    def border(self, middle, radii):
+        """Sizes of rows, and about the null vectors of the matrix of `linear` from the right and the left."""
+        near = [real(y) for y in self.guess]
+        rows = [[a * u for a, u in zip(row, radii)] for row in self.closing(self.slope(near).tolist(), self.factor(near))]
+        scale = [1 / max(abs(a).upper() for a in row).mid() for row in rows]
+        inverse = as_matrix([[a * t for a in row] for row, t in zip(rows, scale)]).mid().inv().mid()
+        vectors = []
+        for whole in (inverse, inverse.transpose()):
+            null = times(whole, [1] * self.place)
+            largest = max(abs(y).mid() for y in null)
+            # near the complex conjugate: that their product is not small
+            vectors.append([(y.conjugate() if isinstance(y, acb) else y).mid() / largest for y in null])
+        return scale, *vectors
+
+    @ctx.workprec(SIGNS)
     def unique(self, zero, distance):
         """Less than 1 if there is no other orbit with its parameter within a distance, and its other unknowns within the same
         share of their units. States between the steps of the program are no unknowns here, so that more is shown."""
@@ -868,8 +1002,38 @@ class Orbit:
         each = [*map(float, units["states"]), float(units["time"])] * len(self.stretches)
         each += [1.0] * int(self.forced) + [float(units["parameter"])] + [1.0] * (self.kind == "Torus")
         share = arb(float(distance)) / arb(float(units["parameter"]))
-        radii = [arb(unit) * share for unit in each]
-        return injective(self.equations, [y.real for y in zero.middle], radii, [self.place])
+        radii, middle = [arb(unit) * share for unit in each], [real(y) for y in zero.middle]
+        return self.apart([real(phase) + arb(0, 1) * share for phase, *_ in self.parts(middle)[1]]).alone(middle, radii)
+
+    def apart(self, phases):
+        """The same where phases at entries lie in intervals. Were they unknowns, each the one before and what it gains, the Jacobian
+        would be the same, at phases that have these intervals."""
+        same = copy(self)
+        same.phases, same.kept = phases if self.forced else None, None
+        return same
+
+    def alone(self, middle, radii):
+        """How far the Jacobian over a box is from that in its middle."""
+        also = self.events[0] if self.kind == "Margin" and not self.closed else None
+        try:
+            border = self.border(middle, radii) if self.factor(middle) is not None else None
+        except ZeroDivisionError:
+            return arb("inf")
+
+        def jacobian(box, cells):
+            rows = self.slope(box, cells, also).tolist()
+            unit = lambda place: [int(j == place) for j in range(self.place + 1)]
+            if self.kind == "Value" or self.closed:
+                rows.append(unit(self.times[self.closed[0]] if self.closed else self.place))
+            scaled = [[a * u for a, u in zip(row, radii)] for row in rows]
+            if border is None:
+                return as_matrix(scaled)
+            ends = self.bordered(box, rows, border, radii, cells)
+            if ends is None:
+                return None
+            return as_matrix([row + [0] * (self.kind == "Torus") for row in scaled] + ends)
+
+        return injective(jacobian, middle, radii, [self.place], FINER)
 
     # ------------------------------------------------------------------------------------------------ symmetry
     def images(self, one, two):

@@ -17,6 +17,7 @@ from .balls import (
     dual,
     exponential,
     injective,
+    jacobian,
     must,
     positive,
     size,
@@ -304,7 +305,8 @@ class Wave:
         units = [unit for y, _, t in zones for unit in (abs(y).max(period), rate, abs(t).max(period))]
         units += [middle[self.base - 2], arb(float(self.posed["unit"]))] + [abs(y).max(arb(1)) for y in middle[self.base :]]
         radii = [unit * (arb(float(distance)) / units[self.base - 1]) for unit in units]
-        return injective(self.equations, middle, radii, [self.base - 2, self.base - 1])
+        found = lambda box, _: jacobian(self.equations, box, radii)
+        return injective(found, middle, radii, [self.base - 2, self.base - 1])
 
 
 # ------------------------------------------------------------------------------------------------ inequalities

@@ -20,8 +20,9 @@ STEP = arb(2) ** -120
 """Step of differences: their error is of order STEP/POLYDISC², and roundings of 2^-256 are far below it."""
 CLOSE = arb(2) ** -170
 """Newton's method ends with a step below this: far above rounding, far below the interval of any statement."""
-PARTS = (1, 2, 4)
-"""Into how many parts the ranges of the speed and the parameter are divided where uniqueness is shown."""
+PARTS = ((1, 1), (2, 1), (4, 1))
+"""Into how many parts the ranges of the speed and the parameter are divided where uniqueness is shown, and into how many cells
+those of durations."""
 TAYLOR = 12
 """Order of the Taylor polynomials by which signs are shown."""
 DEPTH = 40
@@ -248,24 +249,29 @@ def prove_zero(equations, guess):
     return Zero(middle, radius.upper())
 
 
-def injective(equations, middle, radii, divided):
-    """How far a Jacobian over the box of these radii, times an inverse, is from 1: where by less than 1, equations have at
-    most one zero there. The ranges of some unknowns are divided: less is lost to their repeated use."""
+def injective(jacobian, middle, radii, divided, finer=PARTS):
+    """How far a Jacobian over the box of these radii, of which it is in units, times an inverse, is from 1: where by less than 1,
+    equations have at most one zero there. The ranges of some unknowns are divided into parts, and others by the Jacobian into cells:
+    less is lost to their repeated use."""
     try:
-        inverse = jacobian(equations, middle, radii).mid().inv().mid()
-    except ZeroDivisionError:
+        inverse = jacobian(middle, 1).mid().inv().mid()
+    except (ZeroDivisionError, AttributeError):
         return arb("inf")
-    for parts in PARTS:
+    for parts, cells in finer:
         bounds = [[arb(0)] * len(radii) for _ in radii]
         for ranges in product([arb(i, 1) / parts for i in range(1 - parts, parts, 2)], repeat=len(divided)):
             shares = dict(zip(divided, ranges))
             box = [y + radius * shares.get(i, arb(0, 1)) for i, (y, radius) in enumerate(zip(middle, radii))]
-            defect = (inverse * jacobian(equations, box, radii)).tolist()
+            found = jacobian(box, cells)
+            if found is None:
+                bounds = [[arb("inf")]]
+                break
+            defect = (inverse * found).tolist()
             for i, j in product(range(len(radii)), repeat=2):
                 bounds[i][j] = bounds[i][j].max(abs(defect[i][j] - int(i == j)).upper())
         # it falls about in proportion to the box, or faster
         norm = least_norm(bounds)
-        if norm < 1 or not norm * parts < 1.5 * PARTS[-1]:
+        if norm < 1 or norm.is_finite() and not norm * parts < 1.5 * finer[-1][0]:
             break
     return norm
 
