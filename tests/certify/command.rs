@@ -187,7 +187,7 @@ fn arcs_are_proven_and_verified() {
     let certificate = Path::new(out).join("certificate.ron");
     let honest = fs::read_to_string(&certificate).unwrap();
     assert_eq!(honest.matches("arc: Some(Proven)").count(), 2);
-    let falsified = honest.replacen("leg: 0,", "leg: 0, arc: Some(Proven),", 1);
+    let falsified = honest.replacen("outcome:", "arc: Some(Proven), outcome:", 1);
     fs::write(&certificate, falsified).unwrap();
     let refused = brakewave(&["certify", "--verify", out]);
     assert_eq!(refused.status.code(), Some(1), "{refused:?}");
