@@ -17,7 +17,7 @@ from math import ceil, inf
 
 from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly, ctx, fmpq, fmpq_poly
 
-from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, dual, exponential, injective, must, positive, prove_zero, real, times, whole
+from .balls import SIGNS, Dual, NotCovered, Refused, Tagged, apply, as_matrix, decimal, distance, dual, exponential, injective, must, positive, prove_zero, real, tail, times, whole
 
 NEAR = 1e-6
 """What is zero at a point is found for all values of the parameter so near, in its unit."""
@@ -26,6 +26,8 @@ ALONG, ALMOST, POINT, TUBE = 80, 2.0**-54, arb(2) ** -50, arb(2) ** -46
 in units: far above rounding, and one after the other far below what a piece of a curve bends."""
 TURNS = 2.0
 """A part of a zone on a curve lasts no longer than this over the largest rate of its mode."""
+SHUT = 1e-9
+"""A zone that lasts no longer than this share of the unit of time may have no duration."""
 FINER = ((1, 4), (4, 8))
 """Into how many parts the range of the parameter and into how many cells those of durations are divided where uniqueness is shown."""
 TURNED = 40
@@ -555,6 +557,8 @@ class Orbit:
         if self.kind == "Torus":
             self.guess.append(acb(float(condition.value["angle"])))
         self.events, self.closed, self.kept, self.phases = [], [], None, None
+        lengths = self.guess[self.n : self.place : self.n + 1][: len(self.stretches)]
+        self.divide_by([k for k, time in enumerate(lengths) if float(real(time)) < SHUT * float(posed["units"]["time"])])
         # what is zero on the branch, and what is so at the event
         self.facts = self.lasting = self.known()
         if self.watch == "Duration":
@@ -564,9 +568,34 @@ class Orbit:
         if self.kind == "Margin":
             self.facts = self.known()
 
+    def divide_by(self, zones):
+        """Finds by which power of their duration the equations of these zones are divided: such as begin where the guard is zero that
+        they end with end there at once, whatever the orbit is. Their own equations do not tell what is zero as they begin."""
+        self.divisors = {k: inf for k in zones if self.stretches[k].end[0] == "exit"}
+        if self.divisors:
+            facts, at = self.known(), self.stretches.__getitem__
+            orders = {k: self.order(facts[k][0], at(k).mode, self.exact.guards[at(k).mode][at(k).end[1]][0]) for k in self.divisors}
+            self.divisors = {k: order for k, order in orders.items() if order}
+
+    def stationary(self, index):
+        """Whether the parameter is stationary in the duration of a zone that has none: by formulas the guard of the zone before is so at
+        its end, and the states go on as they did."""
+        before, last = self.stretches[index - 1], (index - 1) % len(self.stretches)
+        if last == index or before.end[0] != "exit" or {index, last} & {*self.divisors}:
+            return False
+        exact, facts = self.exact, self.facts[last][1]
+        row, exits = exact.guards[before.mode][before.end[1]]
+        reset = exits[before.end[2]][1]
+        every = [*reset, *map(exact.unit, range(self.n, exact.size))]
+        led = [combine(line, exact.matrices[before.mode]) for line in reset]
+        own = [combine(line, every) for line in exact.matrices[self.stretches[index].mode][: self.n]]
+        goes_on = all(facts.have([a - b for a, b in zip(*lines)]) for lines in zip(led, own))
+        return goes_on and facts.have(exact.derivative(before.mode, row, 1))
+
     def divide(self, parts):
         """Cuts every zone into so many parts of one duration: no long products are formed over wide balls."""
         cut = lambda stretch, n: [stretch._replace(end=("cut",))] * (n - 1) + [stretch]
+        self.divisors = {sum(parts[:zone]): order for zone, order in self.divisors.items()}
         self.stretches = [part for stretch, n in zip(self.stretches, parts) for part in cut(stretch, n)]
         self.arrange()
         self.facts = self.lasting = self.known()
@@ -668,7 +697,10 @@ class Orbit:
             sign = -1 if self.half and index + 1 == count else 1
             out += [new - sign * y for new, y in zip(apply(reset, end), parts[(index + 1) % count][2])]
             if kind == "exit":
-                out += apply([guards[where[0]][0]], end)
+                # a guard with a zero of order m at the entry, divided by Tᵐ
+                _, time, z, *_ = parts[index]
+                order = self.divisors.get(index)
+                out += apply([guards[where[0]][0]], tail(modes.matrices[stretch.mode], time, z, order) if order else end)
             elif kind == "touch":
                 out += apply([combine(guards[where[0]][0], modes.matrices[stretch.mode])], end)
             elif kind == "never":
@@ -710,7 +742,8 @@ class Orbit:
             # what the ends of stretches have in their equations
             guards = moving.guards[stretch.mode]
             lines = list(guards[where[0]][1][where[1]][1]) if kind == "exit" else [moving.unit(i) for i in range(n)]
-            if kind == "exit":
+            order = self.divisors.get(index)
+            if kind == "exit" and not order:
                 lines.append(guards[where[0]][0])
             elif kind == "touch":
                 lines.append(combine(guards[where[0]][0], moving.matrices[stretch.mode]))
@@ -739,6 +772,8 @@ class Orbit:
                 enter(rows[-1], slopes, first, at)
             for k, line in enumerate(made):
                 enter(rows[row + k], line, first, at)
+            if order:
+                enter(rows[row + n], self.quotient(moving, index, order, time, z, swung), first, at)
             sign = -1 if self.half and index + 1 == count else 1
             for i in range(n):
                 rows[row + i][after + i] -= sign
@@ -752,6 +787,17 @@ class Orbit:
                 rows[row][place] += omega * often
             rows[row][self.place] += turn * elapsed
         return as_matrix(rows)
+
+    def quotient(self, moving, index, order, time, z, swung):
+        """The guard at the end of a zone, divided by a power of its duration: its derivatives by states, duration, parameter and phase."""
+        stretch = self.stretches[index]
+        form, matrix = moving.guards[stretch.mode][stretch.end[1]][0], moving.matrices[stretch.mode]
+        still = lambda numbers: [dual(a).v for a in numbers]
+        at = lambda form, matrix, time, z: dual(apply([form], tail(matrix, time, z, order))[0])
+        there = lambda time, z: at(still(form), list(map(still, matrix)), time, z)
+        units = [[int(i == j) for j in range(len(z))] for i in range(self.n)]
+        line = [there(time, unit).v for unit in units] + [there(Dual(time, 1), z).d, at(form, matrix, time, z).d]
+        return line + ([there(time, swung).v] if self.forced else [])
 
     def returned(self, modes, parts):
         """The linearised return P to the first entry, in the states and the phase."""
@@ -798,7 +844,12 @@ class Orbit:
                     continue
                 if kind != "cut":
                     row, exits = exact.guards[mode][where[0]]
-                    end.insert(row if kind == "exit" else exact.derivative(mode, row, 1))
+                    order = self.divisors.get(index, 0)
+                    start = self.order(facts[index][0], mode, row) if order else None
+                    if start is None or start >= order:
+                        end.insert(row if kind == "exit" else exact.derivative(mode, row, 1))
+                    if order and index in self.closed:
+                        end.insert(exact.derivative(mode, row, order))
                 add(end, index, True)
                 facts[index][1] = end
                 follower[0] = end.after(exits[where[1]][1], exact.size) if kind == "exit" else Zeros(self.domain, end.rows())
@@ -1116,6 +1167,11 @@ class Orbit:
                     yield f"guard {guard}, zero all along zone {zone}, whether its switch is taken", once
                     continue
                 stop, row = self.order(end_facts, mode, exact) or 0, modes.row_of(exact)
+                if index in closed and index in self.divisors and stretch.end[1] == guard:
+                    # zero at its end; and over the power of time that it has as a factor from its entry on it falls
+                    for _ in range(self.divisors[index] + 1):
+                        row = combine(row, modes.matrices[mode])
+                    row, stop = [-y for y in row], 0
                 holds = positive(modes.matrices[mode], row, z, end, time, (start, stop), index in closed)
                 yield f"guard {guard} within zone {zone}", holds
             if stretch.end[0] != "exit":
@@ -1208,6 +1264,8 @@ class Arc:
         (self.first, one), (self.last, other) = ends
         domain = real(one[self.first.place]).union(real(other[self.last.place]))
         self.orbit = Orbit(self.first.posed, near, "Value", domain)
+        self.orbit.divide_by({*self.first.closed, *self.last.closed})
+        self.orbit.facts = self.orbit.lasting = self.orbit.known()
         whole = [self.uncut(*end) for end in ends]
         parts = self.parts(whole)
         self.ends = [self.divided(x, parts) for x in whole]
@@ -1221,6 +1279,11 @@ class Arc:
         # where a zone that has no duration at an end stands, which is not cut
         self.closed = [[sum(parts[:zone]) for zone in orbit.closed] for orbit in (self.first, self.last)]
         self.opening = [self.orbit.times[k] for k in self.closed[0]]
+        # a duration in which the parameter is stationary at an end is the coordinate there
+        self.leads = [None, None]
+        for which, orbit in enumerate((self.first, self.last)):
+            if len(orbit.closed) == 1 and orbit.stationary(orbit.closed[0]):
+                self.leads[which] = self.orbit.times[self.closed[which][0]]
 
     def uncut(self, orbit, x):
         """Unknowns with one duration for a zone that is cut."""
@@ -1342,6 +1405,7 @@ class Arc:
         longest, calm, left = inf, CALM, lambda x, k: float((last[k] - x[k]).mid())
         while count < PIECES:
             tangent, k = self.tangent(rows)
+            k = k if count or self.leads[0] is None else self.leads[0]
             inverse = self.inverse(self.stack(rows, k))
             lead = k if self.first.kind == "Fold" else self.place
             away = tangent[self.opening[0]] if self.opening else tangent[lead] * left(x, lead)
@@ -1355,7 +1419,9 @@ class Arc:
                 length = min(length, rest / 2)
                 if count and rest < 16 * length:
                     with suppress(Refused, NotCovered):
-                        self.piece(x, last, k, direction, 1, inverse)
+                        j = k if self.leads[1] is None else self.leads[1]
+                        near = inverse if j == k else self.inverse(self.stack(rows, j))
+                        self.piece(x, last, j, 1 if before[j] > 0 else -1, 1, near)
                         return count + 1
             while True:
                 value = (x[k].mid() + direction * length).mid()
@@ -1367,7 +1433,9 @@ class Arc:
                     self.piece(x, there, k, direction, None if count else 0, inverse)
                     break
                 except (Refused, NotCovered):
-                    if length < SHORTEST * self.units[k]:
+                    # next to an end pieces are as short as it is near
+                    near = [abs(float((x[k] - end[k]).mid())) / 64 for end in self.ends if count]
+                    if length < min([SHORTEST * self.units[k], *near]):
                         raise
                 length, calm = length / 2, 0
             # a longer one is tried after some that held
@@ -1381,7 +1449,7 @@ class Arc:
         middle = [((a + b) / 2).mid() for a, b in zip(x, y)]
         slope = [((b - a) / (y[k] - x[k])).mid() for a, b in zip(x, y)]
         slope[k] = arb(1)
-        tube, radii, _ = self.tube(middle, slope, reach, inverse, k, TUBE)
+        tube, radii, rows = self.tube(middle, slope, reach, inverse, k, TUBE)
         off = lambda z, i: abs(z[i] - middle[i] - (z[k] - middle[k]) * slope[i])
         if not all(off(z, i) < radii[i] for z in (x, y) for i in range(len(x)) if i != k):
             raise NotCovered("no tube has both ends")
@@ -1391,14 +1459,48 @@ class Arc:
         if k != self.place and tangent[self.place].contains(0):
             end = (self.first, self.last)[next_to or 0]
             along = [Dual(z, d) for z, d in zip(tube, tangent)]
-            fold = distance(self.orbit.returned(*self.orbit.parts(along)), 1)
-            must(next_to is not None and end.kind == "Fold" and not fold.d.contains(0), "there may be a fold on the way")
+            must(next_to is not None, "there may be a fold on the way")
+            if k == self.leads[next_to]:
+                bends = self.bend(along, self.closed[next_to][0], self.stack(rows, k))
+            else:
+                must(end.kind == "Fold", "there may be a fold on the way")
+                bends = distance(self.orbit.returned(*self.orbit.parts(along)), 1).d
+            must(not bends.contains(0), "there may be a fold on the way")
         sign = 0 if next_to is None else direction if next_to == 0 else -direction
         moving = tube if not sign else [Dual(z, sign * d) for z, d in zip(tube, tangent)]
         self.orbit.settle(tube[self.place])
         closed = () if next_to is None else self.closed[next_to]
         wrong = [what for what, holds in self.orbit.all_signs(moving, closed) if not holds]
         must(not wrong, f"{', '.join(wrong)} is not shown on the way")
+
+    def bend(self, along, index, steep):
+        """p′/T along a curve with T′ = 1 from T = 0 on, T the duration of a zone in which the parameter is stationary there. With v,
+        which takes that time from the zone before, ∂F·v is zero at T = 0, so that with x′ = v + Tw it is ∂F·w = −∂F·v/T."""
+        orbit, n = self.orbit, self.orbit.n
+        last = (index - 1) % len(orbit.stretches)
+        before, own = orbit.stretches[last], orbit.stretches[index]
+        modes, parts = orbit.parts(along)
+        row, exits = modes.guards[before.mode][before.end[1]]
+        guard, ways = modes.guards[own.mode][own.end[1]]
+        led = [combine(line, modes.matrices[before.mode]) for line in exits[before.end[2]][1]]
+        # by the mean value theorem what is zero at T = 0 is T times a derivative along the curve
+        grown = lambda forms, z: [dual(y).d for y in apply(forms, z)]
+        still = lambda lines: [[dual(y).v for y in line] for line in lines]
+        apart = [a - b for a, b in zip(grown(modes.matrices[own.mode][:n], parts[index][2]), grown(led, parts[last][4]))]
+        ends = apply(still(parts[index][3]), apart + [0] * (orbit.exact.size - n))
+        side = [arb(0)] * len(along)
+        side[orbit.times[last]] += grown([combine(row, modes.matrices[before.mode])], parts[last][4])[0]
+        for i, y in enumerate(apply(still([*ways[own.end[2]][1], guard]), ends)):
+            side[orbit.firsts[index] + i] -= y
+        inverse = self.inverse(steep)
+        about, defect = times(inverse, side), (inverse * steep - self.one).tolist()
+        sizes = [(abs(y) * 1.1).upper() + arb(2) ** -ALONG for y in about]
+        for _ in range(TURNED):
+            rest = [sum(abs(z) * size for z, size in zip(line, sizes)).upper() for line in defect]
+            if all(abs(y) + r < size for y, r, size in zip(about, rest, sizes)):
+                return about[self.place] + arb(0, 1) * rest[self.place]
+            sizes = [size.max((abs(y) + r) * 1.5).upper() for y, r, size in zip(about, rest, sizes)]
+        raise NotCovered("no bound of how a curve bends")
 
 
 def join(ends, nears):

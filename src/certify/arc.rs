@@ -12,7 +12,7 @@
 //! and then its tangent is within r/h of t. A point between two pieces lies in both tubes, so that their curves
 //! are one. All inequalities hold over every piece. Next to an end, where the margin of the event vanishes, what
 //! is not positive over the piece grows from there. Where x_κ is the parameter there is no fold; otherwise the
-//! tangent says so, or next to a fold Krawczyk's operator: it is the only one in the tube.
+//! tangent says so, or next to a fold the curve: it is the only one in the tube.
 //!
 //! What solves equations along a curve is a [`Curve`]: waves ([`super::stretch`]) and orbits ([`super::orbit::arc`]).
 //!
@@ -76,8 +76,14 @@ pub trait Curve {
     /// One that is not proven.
     fn hold(&self, x: &[Moving], next_to: Option<usize>) -> Result<(), Self::Unproven>;
 
-    /// Whether the fold at an end is the only one over a piece next to it.
-    fn is_only_fold(&self, end: usize, x: &[Interval], tangent: &[Interval]) -> bool;
+    /// Whether the fold at an end is the only one over a piece next to it, along which ∂x_κ = 1.
+    fn is_only_fold(
+        &self,
+        end: usize,
+        coordinate: usize,
+        x: &[Interval],
+        tangent: &[Interval],
+    ) -> bool;
 
     /// The equations, and that of a coordinate.
     fn located(&self, x: &[Interval], coordinate: usize, value: f64) -> Option<Evaluated> {
@@ -342,7 +348,8 @@ fn piece<C: Curve>(
     }
     let (hull, tangent) = (piece.hull(), piece.tangent());
     let turns = coordinate != parameter && tangent[parameter].contains(0.0);
-    if turns && !next_to.is_some_and(|end| curve.is_only_fold(end, &hull, &tangent)) {
+    let once = |end| curve.is_only_fold(end, coordinate, &hull, &tangent);
+    if turns && !next_to.is_some_and(once) {
         return Err(Broken::Fold(value));
     }
     // away from the end

@@ -239,6 +239,48 @@ impl Zero {
     }
 }
 
+/// Linear equations with a matrix of intervals.
+pub struct Linear {
+    inverse: Matrix,
+    defect: Matrix,
+}
+
+impl Linear {
+    /// `None` if it has no inverse in doubles.
+    pub fn new(matrix: &[Vec<Interval>]) -> Option<Linear> {
+        let n = matrix.len();
+        let middle = Matrix::from_fn(n, n, |i, j| matrix[i][j].middle());
+        let inverse = Factors::new(middle).inverse()?;
+        let defect = defect_of(&inverse, matrix);
+        Some(Linear { inverse, defect })
+    }
+
+    /// Encloses the one solution for every matrix and right side in the intervals: x = Cb + (I − CA)x. `None` if it is not known to be
+    /// the only one.
+    pub fn solve(&self, side: &[Interval]) -> Option<Vec<Interval>> {
+        let n = side.len();
+        let about = |i: usize| dot((0..n).map(|j| (self.inverse[(i, j)], side[j])));
+        let about: Vec<Interval> = (0..n).map(about).collect();
+        let still = vec![Interval::ZERO; n];
+        let mut size: Vec<f64> = about
+            .iter()
+            .map(|x| 1.1 * x.magnitude() + f64::MIN_POSITIVE)
+            .collect();
+        for _ in 0..INFLATIONS {
+            let image = image(&about, &self.defect, &size);
+            if inside(&image, &size) {
+                let rest = self::image(&still, &self.defect, &size);
+                let both = about.iter().zip(rest.iter());
+                return Some(both.map(|(x, r)| *x + Interval::new(-r, *r)).collect());
+            }
+            for (size, image) in size.iter_mut().zip(image.iter()) {
+                *size = 1.5 * size.max(*image);
+            }
+        }
+        None
+    }
+}
+
 /// Whether a box around the zero next to `middle` has no other: a larger one is mapped into itself.
 pub fn is_only_zero(equations: &impl Equations, middle: &[f64], x: &[Interval]) -> bool {
     let Some((step, inverse)) = correction(equations, middle) else {

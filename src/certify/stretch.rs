@@ -232,7 +232,7 @@ impl Curve for Arc<'_> {
         held.map(|_| ())
     }
 
-    fn is_only_fold(&self, end: usize, x: &[Interval], tangent: &[Interval]) -> bool {
+    fn is_only_fold(&self, end: usize, _: usize, x: &[Interval], tangent: &[Interval]) -> bool {
         let Some((system, guess)) = &self.ends[end].fold else {
             return false;
         };

@@ -151,6 +151,70 @@ fn arcs_to_both_sides_of_a_fold() {
     }
 }
 
+/// A spring that is met at x = d with a preload: beyond the graze a zone opens that begins and ends where its guard is zero. The
+/// graze is where resonance without the spring has the amplitude d: (1 − w²)² + c²w² = (A/d)². Before it nothing switches.
+#[test]
+fn a_zone_that_begins_and_ends_where_its_guard_is_zero() {
+    let folder = TempDir::new().unwrap();
+    let text = r#"(
+    system: (
+        states: ["x", "v"], parameters: {"c": 0.05, "k": 6.5, "A": 0.6, "w": 1.7, "d": 0.35, "f": 0.2}, forcing: "w",
+        modes: {
+            "soft": (rates: {"x": "v", "v": "A*cos(phase) - c*v - x"}, until: [(zero: "d - x", to: "hard")]),
+            "hard": (rates: {"x": "v", "v": "A*cos(phase) - c*v - x - k*(x - d) - f"}, until: [(zero: "x - d", to: "soft")]),
+        },
+    ),
+    orbit: (start: Given(mode: "soft", state: {"x": -0.31682, "v": 0.024223}, phase: 0.0)),
+    continuation: (parameter: "w", range: (1.6, 1.7), toward: Down), stability: (),
+)"#;
+    let (code, rows) = certified(text, folder.path(), &["--arcs"]);
+    let expected = [["EP", ""], ["GR", "yes"], ["LP", "yes"], ["EP", "yes"]];
+    assert_eq!(arcs(&rows), expected, "{rows:?}");
+    assert_eq!(code, Some(0), "{rows:?}");
+    let (less, ratio): (f64, f64) = (2.0 - 0.05 * 0.05, 0.6 / 0.35);
+    let squared = 0.5 * (less + (less * less - 4.0 * (1.0 - ratio * ratio)).sqrt());
+    let [low, high] = VALUE.map(|column| rows[1][column].parse::<f64>().unwrap());
+    assert!((0.5 * (low + high) - squared.sqrt()).abs() < 1e-13);
+    let file = folder.path().join("out/certificate.ron");
+    let honest = fs::read_to_string(&file).unwrap();
+    // the orbit beyond as that of another value, and without it
+    let (point, beyond) = honest.split_once("seen: [").unwrap();
+    let other = beyond.replacen("parameter: 1.6469", "parameter: 1.6479", 1);
+    assert_ne!(other, beyond);
+    for (text, code) in [(honest.clone(), 0), (format!("{point}seen: [{other}"), 1)] {
+        fs::write(&file, text).unwrap();
+        let verified = brakewave(&["certify", "--verify", file.to_str().unwrap()]);
+        assert_eq!(verified.status.code(), Some(code), "{verified:?}");
+    }
+}
+
+/// Friction of another level each way. Stick sets in where the velocity comes to rest inside slip: the time of it grows like the root
+/// of the distance, so that the parameter is stationary where the arc beyond begins.
+#[test]
+fn stick_that_sets_in_at_a_graze() {
+    let folder = TempDir::new().unwrap();
+    let text = r#"(
+    system: (
+        states: ["x", "v"], parameters: {"w": 0.55, "F": 0.45, "G": 0.6, "z": 0.07, "B": 0.3}, forcing: "w",
+        define: {"rest": "cos(phase) + B*cos(2*phase) - 2*z*v - x"},
+        modes: {
+            "forth": (rates: {"x": "v", "v": "rest - F"}, until: [(zero: "v", to: "back")]),
+            "back": (rates: {"x": "v", "v": "rest + G"}, until: [(zero: "-v", to: "forth")]),
+        },
+        sliding: {"stick": ("forth", "back")},
+    ),
+    orbit: (start: Simulate(mode: "forth", state: {"x": 0.0, "v": 0.5}, settle: 200)),
+    continuation: (parameter: "w", range: (0.5375, 0.55), toward: Down), stability: (),
+)"#;
+    let (code, rows) = certified(text, folder.path(), &["--arcs"]);
+    let expected = [["EP", ""], ["GR", "yes"], ["SL", "yes"], ["EP", "yes"]];
+    assert_eq!(arcs(&rows), expected, "{rows:?}");
+    assert_eq!(code, Some(0), "{rows:?}");
+    let out = folder.path().join("out");
+    let verified = brakewave(&["certify", "--verify", out.to_str().unwrap()]);
+    assert_eq!(verified.status.code(), Some(0), "{verified:?}");
+}
+
 /// Period doubling and inner graze with 20 digits.
 #[test]
 fn doubling_and_inner_graze() {

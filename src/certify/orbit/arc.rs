@@ -6,19 +6,25 @@ use super::system::{Condition, Near, OrbitSystem, Posed};
 use super::{Proof, Sequence};
 use crate::certify::arc::{self, Broken, Curve, Joint, Moving, Way};
 use crate::certify::equations::Evaluated;
-use crate::certify::krawczyk;
+use crate::certify::krawczyk::{self, Linear};
 use crate::interval::{Decimal, Interval};
 
 /// Why an arc of orbits is not proven.
 pub type Undecided = Broken<Unproven, NotBeyond>;
 
+/// An end of an arc.
+struct Ending {
+    joint: Joint,
+    /// Stretches that have no duration there.
+    closed: Vec<usize>,
+    /// Whether the parameter is stationary along the arc.
+    is_fold: bool,
+}
+
 struct Arc<'a> {
     system: OrbitSystem<'a>,
     units: Vec<f64>,
-    /// Stretches that have no duration at an end.
-    closed: [Vec<usize>; 2],
-    /// The equations of a fold at an end, and their zero in doubles.
-    folds: [Option<(OrbitSystem<'a>, Vec<f64>)>; 2],
+    ends: [Ending; 2],
 }
 
 /// A point in the sequence of an arc.
@@ -57,8 +63,8 @@ impl<'a> Place<'a> {
         })
     }
 
-    /// The point in the unknowns of an arc, and its stretches of no duration.
-    fn joint(&self, arc: &OrbitSystem) -> Result<(Joint, Vec<usize>), Undecided> {
+    /// The point in the unknowns of an arc.
+    fn ending(&self, arc: &OrbitSystem) -> Result<Ending, Undecided> {
         let closed = match self.seen {
             Some(seen) => beyond::prove(self.proof, seen).map_err(Broken::Beyond)?,
             None => Vec::new(),
@@ -68,9 +74,15 @@ impl<'a> Place<'a> {
                 OrbitSystem::new(&self.proof.posed, self.near, self.condition).ok()?;
             let equations = |x: &[Interval]| system.evaluate(x);
             let zero = krawczyk::enclosed(&equations, &middle, &system.units(&middle))?;
-            system.carried(&zero.at, arc).map(Joint::new)
+            let mut opens = system.closed.iter();
+            Some(Ending {
+                joint: system.carried(&zero.at, arc).map(Joint::new)?,
+                is_fold: *self.condition == Condition::Fold
+                    || opens.any(|index| system.is_stationary(*index)),
+                closed: closed.clone(),
+            })
         };
-        Ok((found().ok_or(Broken::End)?, closed))
+        found().ok_or(Broken::End)
     }
 }
 
@@ -101,23 +113,14 @@ pub fn prove(from: &Proof, to: &Proof) -> Result<(), Undecided> {
     }
     let posed = &from.proof.posed;
     let value = Condition::Value(Decimal::of(from.near.parameter));
-    let steps = |near| OrbitSystem::new(posed, near, &value).map(|(system, _)| system.steps);
-    let both = [from.near, to.near].map(|near| steps(near).map_err(|_| Broken::End));
+    let layout = |near| OrbitSystem::new(posed, near, &value).map(|(system, _)| system.layout());
+    let both = [from.near, to.near].map(|near| layout(near).map_err(|_| Broken::End));
     let [one, other] = both;
-    let least: Vec<usize> = one?
-        .into_iter()
-        .zip(other?)
-        .map(|(a, b)| a.max(b))
-        .collect();
-    let cut = |near, condition| OrbitSystem::cut(posed, near, condition, &least);
-    let (system, guess) = cut(from.near, &value).map_err(|_| Broken::End)?;
-    let (first, opens) = from.joint(&system)?;
-    let (last, closes) = to.joint(&system)?;
-    let folds = [from, to].map(|place| {
-        let is_fold = *place.condition == Condition::Fold;
-        is_fold.then(|| cut(place.near, place.condition).ok())?
-    });
-    let way = match (opens.first(), from.condition) {
+    let layout = one?.joined(other?);
+    let laid_out = |near, condition| OrbitSystem::laid_out(posed, near, condition, &layout);
+    let (system, guess) = laid_out(from.near, &value).map_err(|_| Broken::End)?;
+    let (first, last) = (from.ending(&system)?, to.ending(&system)?);
+    let way = match (first.closed.first(), from.condition) {
         (Some(stretch), _) => Way::Grows(system.duration(*stretch)),
         (None, Condition::Fold) => Way::Fold(None),
         // a margin may grow either way
@@ -126,11 +129,43 @@ pub fn prove(from: &Proof, to: &Proof) -> Result<(), Undecided> {
     };
     let arc = Arc {
         units: system.units(&guess),
-        closed: [opens, closes],
+        ends: [first, last],
         system,
-        folds,
     };
-    arc::prove(&arc, [&first, &last], way)
+    arc::prove(&arc, arc.ends.each_ref().map(|end| &end.joint), way)
+}
+
+impl Arc<'_> {
+    /// Whether the parameter is stationary at one point of a piece at most. With v from Fₓv + bβ = 0, v_κ = 1 and a constant b, it is
+    /// so where β = 0; and β′, from Fₓv′ + bβ′ = −∂(Fₓ)v, v′_κ = 0, is not zero.
+    fn turns_once(&self, coordinate: usize, x: &[Interval], tangent: &[Interval]) -> Option<bool> {
+        let parameter = self.system.parameter();
+        let mut matrix = self.system.evaluate(x)?.jacobian;
+        for row in &mut matrix {
+            row[parameter] = Interval::point(row[parameter].middle());
+        }
+        matrix[parameter].fill(Interval::ZERO);
+        matrix[parameter][coordinate] = Interval::ONE;
+        let linear = Linear::new(&matrix)?;
+        let mut side = vec![Interval::ZERO; x.len()];
+        side[parameter] = Interval::ONE;
+        let mut v = linear.solve(&side)?;
+        v[parameter] = Interval::ZERO;
+        let numbers = x.iter().zip(&v);
+        let numbers: Vec<Moving> = numbers
+            .map(|(value, by)| Moving {
+                value: *value,
+                by: [*by],
+            })
+            .collect();
+        side.fill(Interval::ZERO);
+        for (row, column, entry) in self.system.terms(&numbers).ok()?.entries {
+            if row < parameter {
+                side[row] = side[row] - entry.by[0] * tangent[column];
+            }
+        }
+        Some(!linear.solve(&side)?[parameter].contains(0.0))
+    }
 }
 
 impl Curve for Arc<'_> {
@@ -168,25 +203,19 @@ impl Curve for Arc<'_> {
             .enclosed(hull[self.parameter()])
             .map_err(unknown)?;
         let passings = self.system.passings(&modes, &hull);
-        let closed = next_to.map_or(&[][..], |end| &self.closed[end]);
+        let closed = next_to.map_or(&[][..], |end| &self.ends[end].closed);
         let held = self.system.inequalities(&modes, &passings, x, closed);
         held.map(|_| ())
     }
 
-    fn is_only_fold(&self, end: usize, x: &[Interval], tangent: &[Interval]) -> bool {
-        let Some((system, guess)) = &self.folds[end] else {
-            return false;
-        };
-        let Some(critical) = &system.critical else {
-            return false;
-        };
-        if system.steps != self.system.steps {
-            return false;
-        }
-        let mut x = x.to_vec();
-        let v = &tangent[..self.parameter()];
-        x.extend(arc::direction(&critical.normals[0], v));
-        let equations = |x: &[Interval]| system.evaluate(x);
-        krawczyk::is_only_zero(&equations, guess, &x)
+    fn is_only_fold(
+        &self,
+        end: usize,
+        coordinate: usize,
+        x: &[Interval],
+        tangent: &[Interval],
+    ) -> bool {
+        let once = || self.turns_once(coordinate, x, tangent);
+        self.ends[end].is_fold && coordinate != self.parameter() && once().unwrap_or(false)
     }
 }

@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 
 use super::modes::through;
 use super::open::NotBeyond;
-use super::system::{Condition, End, Near, OrbitSystem, Stretch};
-use super::zeros::{less, unit, whole};
+use super::system::{Condition, End, Near, OrbitSystem, Span, Stretch};
+use super::zeros::{Vanishing, less, unit, whole};
 use super::{Open, Proof, VANISHES, near};
 use crate::affine::orbit::candidates::candidates;
 use crate::affine::orbit::{AffineOrbit, Margin, Sequence};
@@ -177,8 +177,11 @@ impl OrbitSystem<'_> {
         let (mut legs, theirs) = (self.legs()?, to.legs()?);
         let shift = shift % legs.len();
         legs.rotate_left(shift);
+        // without a switch a leg has two stretches, between which the forcing begins anew
         let alike = |(own, other): (&Vec<usize>, &Vec<usize>)| {
-            other.len() == 1 && self.stretches[own[0]].mode == to.stretches[other[0]].mode
+            let of = to.stretches[other[0]];
+            (other.len() == 1 || other.len() == 2 && of.end == End::Never)
+                && self.stretches[own[0]].mode == of.mode
         };
         let count = self.stretches.len();
         let (states, size) = (self.exact.states, self.exact.size());
@@ -204,7 +207,7 @@ impl OrbitSystem<'_> {
                     break;
                 }
             }
-            let there = theirs[index][0];
+            let (begins, there) = (theirs[index][0], *theirs[index].last()?);
             let Stretch { mode, end, .. } = to.stretches[there];
             let mode = &self.exact.modes[mode];
             let ends = match end {
@@ -215,15 +218,15 @@ impl OrbitSystem<'_> {
             let kept: Vec<_> = (0..states).map(|state| unit(state, size)).collect();
             let reset = to.reset(there).unwrap_or(&kept);
             let mut pairs = reset.iter().zip(&led);
-            let mut vanishing = to.vanishing.iter().filter(|one| one.stretch == there);
-            let zero = |one: &super::zeros::Vanishing| {
+            let about = |one: &&Vanishing| theirs[index].contains(&one.stretch);
+            let mut vanishing = to.vanishing.iter().filter(about);
+            let zero = |one: &Vanishing| {
                 let row = one.source.row(mode);
-                let facts = if one.at_end {
-                    facts
-                } else {
-                    &self.facts[leg[0]].entry
+                let (place, facts) = match one.at_end {
+                    true => (there, facts),
+                    false => (begins, &self.facts[leg[0]].entry),
                 };
-                row.is_some_and(|row| facts.have(&row))
+                one.stretch == place && row.is_some_and(|row| facts.have(&row))
             };
             if !(facts.have(&ends)
                 && pairs.all(|(a, b)| facts.have(&less(a, b)))
@@ -232,13 +235,31 @@ impl OrbitSystem<'_> {
                 return None;
             }
         }
+        let omega = self.enclosed(x[self.parameter()]).ok()?.omega.value;
+        let turn = PI * Interval::point(2.0);
+        // from the entry of a stretch to the next turn of the forcing
+        let next_turn = |stretch: usize| {
+            let phase = x[self.node(stretch, 0) + states];
+            let turns = (phase.middle() / turn.middle()).floor() + 1.0;
+            (turn * Interval::point(turns) - phase) / omega
+        };
         let own = |index: usize| {
-            let leg = theirs.iter().position(|leg| leg[0] == index);
-            leg.map_or(Vec::new(), |leg| legs[leg].clone())
+            let leg = theirs.iter().position(|leg| leg.contains(&index));
+            let Some(leg) = leg else {
+                return Span::whole(Vec::new());
+            };
+            let mut span = Span::whole(legs[leg].clone());
+            if theirs[leg].len() > 1 {
+                let turn = next_turn(legs[leg][0]);
+                match index == theirs[leg][0] {
+                    true => span.until = Some(turn),
+                    false => span.from = turn,
+                }
+            }
+            span
         };
         let mut carried = self.carried_by(x, to, &own)?;
         // phases count from elsewhere
-        let turn = PI * Interval::point(2.0);
         if self.is_forced() {
             for (stretch, steps) in to.steps.iter().enumerate() {
                 for step in 0..=*steps {

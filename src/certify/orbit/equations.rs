@@ -2,10 +2,13 @@
 //!
 //! The Jacobian is written by hand. Over numbers x + εv it has Fₓv and its derivatives as well: that is all a fold
 //! or a multiplier on the unit circle needs.
+//!
+//! A zone of no duration that begins where its guard is zero ends there for any state: there the guard is divided by a power of the
+//! duration.
 
 use super::Open;
 use super::enclosure::Enclosure;
-use super::flow::product;
+use super::flow::{Flow, Timed, dot, product};
 use super::modes::{Modes, Row};
 use super::system::{Condition, End, OrbitSystem, Passing};
 use crate::interval::{Gradient, Interval, Number};
@@ -102,7 +105,13 @@ impl OrbitSystem<'_> {
                 self.minus(row, node + modes.states, next == 0, x, &mut terms);
             }
             match stretch.end {
-                End::Exit { guard, .. } => self.form(&mode.guards[guard].row, &end, &mut terms),
+                End::Exit { guard, .. } => {
+                    let row = &mode.guards[guard].row;
+                    match self.divisor(index) {
+                        0 => self.form(row, &end, &mut terms),
+                        _ => self.quotient_terms(&passing.flow, index, row, x, &mut terms),
+                    }
+                }
                 End::Touch { guard } => {
                     self.form(
                         &mode.derivative(&mode.guards[guard].row, 1),
@@ -164,6 +173,41 @@ impl OrbitSystem<'_> {
             terms.put(row, place.node + self.exact.states, by_phase);
         }
         terms.put(row, self.parameter(), sum(&place.z, |c| c.by[0]));
+    }
+
+    /// The guard of a stretch as one more equation, divided by a power of its duration: it has a zero of that order at the entry.
+    fn quotient_terms<N: Varying>(
+        &self,
+        flow: &Flow,
+        index: usize,
+        form: &Row<Enclosure>,
+        x: &[N],
+        terms: &mut Terms<N>,
+    ) {
+        let row = terms.residual.len();
+        let time = x[self.duration(index)];
+        let quotient = flow.quotient(form, self.divisor(index), time.value());
+        // one of these derivatives of it, with its own in the time
+        let part = |of: fn(&Timed) -> Gradient<Interval, 1>| -> Vec<N> {
+            let entries = quotient.iter().map(of);
+            entries
+                .map(|entry| time.composed(entry.value, entry.by[0]))
+                .collect()
+        };
+        let at = part(|entry| entry.value);
+        let place = self.at(x, self.place(index, false));
+        terms.residual.push(dot(&at, &place.z));
+        for (state, entry) in at.iter().enumerate().take(self.exact.states) {
+            terms.put(row, place.node + state, *entry);
+        }
+        if self.is_forced() {
+            let by_phase = dot(&at, &place.turned);
+            terms.put(row, place.node + self.exact.states, by_phase);
+        }
+        let by_time = part(|entry| entry.by[0]);
+        terms.put(row, self.duration(index), dot(&by_time, &place.z));
+        let by_parameter = part(|entry| entry.by[1]);
+        terms.put(row, self.parameter(), dot(&by_parameter, &place.z));
     }
 
     /// Less what stands at an entry.

@@ -6,7 +6,7 @@ use super::exact::Exact;
 use super::flow::Flow;
 use super::modes::{Mode, Modes, Row, through};
 use super::system::{Condition, End, Near, OrbitSystem, Stretch, times};
-use super::zeros::{Event, Facts, Source, Vanishing, Zeros, whole};
+use super::zeros::{Event, Facts, Source, Vanishing, Zeros, less, whole};
 use crate::affine::orbit::Watch;
 use crate::interval::Interval;
 use crate::orbit::EventType;
@@ -41,7 +41,16 @@ impl OrbitSystem<'_> {
                 let next = (index + 1) % count;
                 match end {
                     End::Exit { guard, exit } => {
-                        zero.insert(&mode.guards[guard].row, states);
+                        let row = &mode.guards[guard].row;
+                        let divisor = self.divisor(index);
+                        // what is divided by Tᵐ is the guard where that has a zero of order m at the entry
+                        let entry = facts[index].entry.order(row, mode);
+                        if entry.is_none_or(|order| order >= divisor) {
+                            zero.insert(row, states);
+                        }
+                        if divisor > 0 && self.closed.contains(&index) {
+                            zero.insert(&mode.derivative(row, divisor), states);
+                        }
                         event(&mut zero, &zeros[index][1]);
                         facts[next].entry = zero.after(&mode.guards[guard].exits[exit].reset);
                     }
@@ -70,6 +79,59 @@ impl OrbitSystem<'_> {
                 return facts;
             }
         }
+    }
+
+    /// Divides the equations of those of these stretches that begin where their guard is zero by powers of their durations: where one
+    /// has no duration the undivided equation says nothing.
+    pub fn divide(&mut self, stretches: &[usize]) {
+        // what is zero without their equations
+        self.divided = stretches.iter().map(|index| (*index, usize::MAX)).collect();
+        let facts = self.known(&[]);
+        let order = |index: usize| {
+            let Stretch { mode, end, .. } = self.stretches[index];
+            let mode = &self.exact.modes[mode];
+            match end {
+                End::Exit { guard, .. } => facts[index].entry.order(&mode.guards[guard].row, mode),
+                _ => None,
+            }
+        };
+        let orders = stretches.iter().map(|index| (*index, order(*index)));
+        self.divided = orders
+            .filter_map(|(index, order)| Some((index, order.filter(|order| *order > 0)?)))
+            .collect();
+    }
+
+    /// By which power of the duration the equation of a stretch is divided.
+    pub fn divisor(&self, stretch: usize) -> usize {
+        let mut divided = self.divided.iter();
+        divided
+            .find(|(index, _)| *index == stretch)
+            .map_or(0, |(_, order)| *order)
+    }
+
+    /// Whether the parameter is stationary in the duration of a stretch where that is zero: its time is taken from the stretch
+    /// before, whose guard is stationary at its end, and the states go on there as they did.
+    pub fn is_stationary(&self, index: usize) -> bool {
+        let count = self.stretches.len();
+        let before = (index + count - 1) % count;
+        let [mode, next] = [before, index].map(|at| &self.exact.modes[self.stretches[at].mode]);
+        let (End::Exit { guard, .. }, Some(reset)) =
+            (self.stretches[before].end, self.reset(before))
+        else {
+            return false;
+        };
+        let facts = &self.facts[before].end;
+        let whole = whole(reset, self.exact.size());
+        let goes_on = |(state, row): (usize, &Row<Exact>)| {
+            let after = through(&next.matrix[state], &whole);
+            facts.have(&less(&through(row, &mode.matrix), &after))
+        };
+        before != index
+            && [before, index]
+                .iter()
+                .all(|index| self.divisor(*index) == 0)
+            && facts.have(&mode.derivative(&mode.guards[guard].row, 1))
+            && reset.iter().enumerate().all(goes_on)
     }
 
     /// What the switch at the end of a stretch makes of the states, if there is one.

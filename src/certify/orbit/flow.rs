@@ -6,11 +6,13 @@
 //! Σ_{k>K} ‖(Mt)ᵏ‖/k! ≤ θ^{K+1}/(K + 1)!/(1 − θ/(K + 2)),
 //! Σ_{k>K} ‖∂(Mt)ᵏ/∂p‖/k! ≤ t‖∂M/∂p‖ θᴷ/K!/(1 − θ/(K + 1)).
 //! ```
+//!
+//! A form g that is zero with its derivatives up to order m at z is tᵐ Σ gM^{k+m}tᵏ/(k + m)! times z after a time t.
 
 use super::enclosure::Enclosure;
 use super::modes::Row;
 use crate::certify::arc::Moving;
-use crate::interval::{Interval, Number};
+use crate::interval::{Gradient, Interval, Number};
 use crate::linalg::{Matrix, Vector, balance};
 
 /// Degree K of the polynomials: 1/(K + 1)! = 4e-23.
@@ -39,6 +41,9 @@ pub struct Exponential {
     pub at: Rows,
     pub by: Rows,
 }
+
+/// A number that depends on a time and the parameter: with its derivatives in both, and with those of all these in the time.
+pub type Timed = Gradient<Gradient<Interval, 1>, 2>;
 
 /// AB.
 pub fn product<N: Number>(one: &[Vec<N>], other: &[Vec<N>]) -> Vec<Vec<N>> {
@@ -160,6 +165,69 @@ impl Flow {
         Exponential { at, by }
     }
 
+    /// A form after a time t, as a form of z at its beginning, there zero with its derivatives below order m: divided by tᵐ.
+    pub fn quotient(&self, form: &Row<Enclosure>, order: usize, time: Interval) -> Vec<Timed> {
+        /// A remainder and all its derivatives are far below rounding.
+        const NEGLIGIBLE: f64 = 1e-40;
+        const HIGHEST: usize = 200;
+        let lifted = |value: Interval, by: Interval| Timed {
+            value: Gradient::constant(value),
+            by: [Gradient::double(0.0), Gradient::constant(by)],
+        };
+        let rows = self.matrix.iter().zip(&self.by);
+        let row = |(row, by): (&Vec<Interval>, &Vec<Interval>)| {
+            let entries = row.iter().zip(by);
+            entries.map(|(value, by)| lifted(*value, *by)).collect()
+        };
+        let matrix: Vec<Vec<Timed>> = rows.map(row).collect();
+        let form = form.iter().map(|entry| lifted(entry.value, entry.by[0]));
+        let form: Vec<Timed> = form.collect();
+        let time = Timed {
+            value: Gradient {
+                value: time,
+                by: [Interval::ONE],
+            },
+            by: [Gradient::double(1.0), Gradient::double(0.0)],
+        };
+        let (size, norm) = (self.size(&form), norm(&self.scales, &matrix));
+        let theta = (Interval::point(norm) * Interval::point(time.norm())).high;
+        let rest = |degree: usize| tail(theta, degree + 1).high;
+        let mut degrees = DEGREE..HIGHEST;
+        let degree = degrees.find(|degree| rest(*degree) < NEGLIGIBLE);
+        let degree = degree.unwrap_or(HIGHEST);
+        let mut term = vec![form];
+        let mut sum = vec![Timed::double(0.0); self.scales.len()];
+        for k in 1..=degree + order {
+            term = product(&term, &matrix);
+            let share = Interval::ONE / Interval::point(k as f64);
+            for (sum, term) in sum.iter_mut().zip(&mut term[0]) {
+                *term = term.scaled(share);
+                if k > order {
+                    *term = *term * time;
+                }
+                if k >= order {
+                    *sum = *sum + *term;
+                }
+            }
+        }
+        let power = (0..order).fold(Interval::point(size), |power, _| {
+            power * Interval::point(norm)
+        });
+        let rest = power * Interval::point(rest(degree));
+        let entries = sum.into_iter().zip(&self.scales);
+        let bound = |scale: &f64| (rest / Interval::point(*scale)).high;
+        entries
+            .map(|(entry, scale)| entry.widened(bound(scale)))
+            .collect()
+    }
+
+    /// max |gᵢ|Dᵢ, from above.
+    fn size<N: Number>(&self, row: &[N]) -> f64 {
+        let sizes = row.iter().zip(&self.scales);
+        let size = sizes.map(|(g, d)| (Interval::point(g.norm()) * Interval::point(*d)).high);
+        size.fold(0.0, f64::max)
+    }
+
     /// M along a curve, on which the parameter has this derivative.
     pub fn moving(&self, rate: Interval) -> Vec<Vec<Moving>> {
         let rows = self.matrix.iter().zip(&self.by);
@@ -178,11 +246,9 @@ impl Flow {
             scaled(&mut next, Interval::ONE / Interval::point(k as f64));
             rows.append(&mut next);
         }
-        let sizes = row.iter().zip(&self.scales);
-        let size = sizes.map(|(g, d)| (Interval::point(g.norm()) * Interval::point(*d)).high);
         Along {
             rows,
-            size: size.fold(0.0, f64::max),
+            size: self.size(row),
             norm: norm(&self.scales, matrix),
         }
     }

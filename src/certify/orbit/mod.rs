@@ -49,7 +49,7 @@ use crate::linalg::Vector;
 use crate::orbit::special::{Change, Special};
 use crate::orbit::{EventType, Examined, Orbit};
 use crate::problem::decimal_of;
-use system::OrbitSystem;
+use system::{Layout, OrbitSystem};
 
 /// A margin of order one that is smaller than this at an event may vanish there; whether it does is proven.
 const VANISHES: f64 = 1e-6;
@@ -423,8 +423,11 @@ fn statement(
 /// Proves the inequalities of a symmetric orbit whose half is enclosed.
 fn halved(half: &OrbitSystem, x: &[Interval]) -> Result<usize, Open> {
     let value = Condition::Value(Decimal::of(half.near.parameter));
-    let steps = [&half.steps[..], &half.steps].concat();
-    let (system, _) = OrbitSystem::cut(half.posed, half.near, &value, &steps)?;
+    let layout = Layout {
+        steps: half.steps.repeat(2),
+        divided: Vec::new(),
+    };
+    let (system, _) = OrbitSystem::laid_out(half.posed, half.near, &value, &layout)?;
     let whole = half.whole(x, &system).ok_or(Open::NotEnclosed)?;
     let modes = system.enclosed(whole[system.parameter()])?;
     let passings = system.passings(&modes, &whole);

@@ -135,6 +135,46 @@ pub struct Stretch {
     pub end: End,
 }
 
+/// A span of some stretches that no switch lies between.
+pub struct Span {
+    pub stretches: Vec<usize>,
+    /// Time at which it begins, from the entry of the first of them.
+    pub from: Interval,
+    /// That at which it ends, unless with the last of them.
+    pub until: Option<Interval>,
+}
+
+impl Span {
+    /// All of them.
+    pub fn whole(stretches: Vec<usize>) -> Span {
+        Span {
+            stretches,
+            from: Interval::ZERO,
+            until: None,
+        }
+    }
+}
+
+/// How the equations of one sequence are written: those at two ends of an arc alike.
+#[derive(Clone, Debug, Default)]
+pub struct Layout {
+    /// Steps of every stretch.
+    pub steps: Vec<usize>,
+    /// Stretches whose equation is divided by a power of their duration.
+    pub divided: Vec<usize>,
+}
+
+impl Layout {
+    /// What has all of two.
+    pub fn joined(self, other: Layout) -> Layout {
+        let steps = self.steps.into_iter().zip(other.steps);
+        Layout {
+            steps: steps.map(|(a, b)| a.max(b)).collect(),
+            divided: [self.divided, other.divided].concat(),
+        }
+    }
+}
+
 /// The equations of a point.
 pub struct OrbitSystem<'a> {
     pub posed: &'a Posed,
@@ -150,6 +190,8 @@ pub struct OrbitSystem<'a> {
     pub vanishing: Vec<Vanishing>,
     /// Stretches that have no duration at the event: likewise.
     pub closed: Vec<usize>,
+    /// Stretches whose equation is divided by a power of their duration.
+    pub divided: Vec<(usize, usize)>,
     /// A value of the parameter in the place of the event.
     pub fixed: Option<Interval>,
     pub facts: Vec<Facts>,
@@ -186,15 +228,15 @@ impl<'a> OrbitSystem<'a> {
         near: &'a Near,
         condition: &'a Condition,
     ) -> Result<(OrbitSystem<'a>, Vec<f64>), Open> {
-        Self::cut(posed, near, condition, &[])
+        Self::laid_out(posed, near, condition, &Layout::default())
     }
 
-    /// The equations with these numbers of steps at least, and their unknowns in doubles.
-    pub fn cut(
+    /// The equations with at least what a layout has, and their unknowns in doubles.
+    pub fn laid_out(
         posed: &'a Posed,
         near: &'a Near,
         condition: &'a Condition,
-        least: &[usize],
+        layout: &Layout,
     ) -> Result<(OrbitSystem<'a>, Vec<f64>), Open> {
         let of = posed.system()?;
         let (structure, exact) = Structure::of(of)?;
@@ -232,6 +274,7 @@ impl<'a> OrbitSystem<'a> {
             steps: Vec::new(),
             vanishing: Vec::new(),
             closed: Vec::new(),
+            divided: Vec::new(),
             fixed: None,
             facts: Vec::new(),
             lasting: Vec::new(),
@@ -245,6 +288,13 @@ impl<'a> OrbitSystem<'a> {
             return Err(Open::Centre);
         }
         let modes = system.enclosed(Interval::point(near.parameter))?;
+        let lasts = |index: &usize| {
+            let zone = &zones[system.stretches[*index].zone];
+            zone.duration > ROUNDING * units.time && !layout.divided.contains(index)
+        };
+        let short = (0..system.stretches.len()).filter(|index| !lasts(index));
+        let short: Vec<usize> = short.collect();
+        system.divide(&short);
         system.facts = system.known(&[]);
         system.lasting = system.facts.clone();
         match system.event(near, &modes)? {
@@ -260,7 +310,7 @@ impl<'a> OrbitSystem<'a> {
             system.lasting.truncate(system.stretches.len() / 2);
             system.stretches.truncate(system.stretches.len() / 2);
         }
-        let mut guess = system.guess(near, &modes, condition, least)?;
+        let mut guess = system.guess(near, &modes, condition, &layout.steps)?;
         let crosses = matches!(
             condition,
             Condition::Fold | Condition::Doubling | Condition::Branching | Condition::Torus { .. }
@@ -271,6 +321,14 @@ impl<'a> OrbitSystem<'a> {
             system.critical = Some(critical);
         }
         Ok((system, guess))
+    }
+
+    /// How the equations are written.
+    pub fn layout(&self) -> Layout {
+        Layout {
+            steps: self.steps.clone(),
+            divided: self.divided.iter().map(|(index, _)| *index).collect(),
+        }
     }
 
     /// Whether every stretch leads to the next.
@@ -339,29 +397,32 @@ impl<'a> OrbitSystem<'a> {
         let own = |index: usize| {
             let zone = to.stretches[index].zone;
             let own = 0..self.stretches.len();
-            own.filter(|own| self.stretches[*own].zone == zone)
-                .collect()
+            let own = own.filter(|own| self.stretches[*own].zone == zone);
+            Span::whole(own.collect())
         };
         self.carried_by(x, to, &own)
     }
 
-    /// The orbit in other equations, each stretch of which has these parts of this one.
+    /// The orbit in other equations, each stretch of which is this span of this one.
     pub fn carried_by(
         &self,
         x: &[Interval],
         to: &OrbitSystem,
-        own: &dyn Fn(usize) -> Vec<usize>,
+        own: &dyn Fn(usize) -> Span,
     ) -> Option<Vec<Interval>> {
         let modes = self.enclosed(x[self.parameter()]).ok()?;
         let mut carried = Vec::new();
         for (index, stretch) in to.stretches.iter().enumerate() {
-            let own = own(index);
-            let times = own.iter().map(|own| x[self.duration(*own)]);
-            let time = times.fold(Interval::ZERO, |sum, time| sum + time);
+            let span = own(index);
+            let own = &span.stretches;
+            let time = match span.until {
+                Some(until) => until,
+                None => self.time(own, x),
+            } - span.from;
             let flow = Flow::new(&modes.modes.get(stretch.mode)?.matrix);
             let steps = Interval::point(to.steps[index] as f64);
             for step in 0..=to.steps[index] {
-                let mut rest = time * Interval::point(step as f64) / steps;
+                let mut rest = span.from + time * Interval::point(step as f64) / steps;
                 let mut part = *own.first()?;
                 for next in &own[1..] {
                     let before = x[self.duration(part)];
@@ -389,6 +450,12 @@ impl<'a> OrbitSystem<'a> {
         }
         carried.push(x[self.parameter()]);
         Some(carried)
+    }
+
+    /// The time that some stretches take together.
+    pub fn time(&self, stretches: &[usize], x: &[Interval]) -> Interval {
+        let times = stretches.iter().map(|index| x[self.duration(*index)]);
+        times.fold(Interval::ZERO, |sum, time| sum + time)
     }
 
     pub fn is_forced(&self) -> bool {
