@@ -10,7 +10,6 @@ use super::count::Growth;
 use super::open::Open;
 use super::perturbation::Eigenvalue;
 use super::system::{Condition, Near, Posed};
-use super::tally::Tally;
 use crate::affine::system::System;
 use crate::interval::Interval;
 use crate::orbit::{Data, EventType};
@@ -40,6 +39,22 @@ pub trait Provable: Data {
 
     /// Gives it the system of the certificate, where it has none of its own.
     fn give_system(&mut self, _: &System) {}
+}
+
+/// What a point says of the number of multipliers or eigenvalues that grow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tally {
+    /// So many grow there. Others are on the circle or the axis, and grow on one of its sides.
+    Known {
+        /// They are outside the circle, or right of the axis.
+        growing: usize,
+        /// They are on it.
+        neutral: usize,
+    },
+    /// So many pass together.
+    Passes(usize),
+    /// The number may change in any way.
+    Unknown,
 }
 
 /// All that was proven of a branch, and what proves it.

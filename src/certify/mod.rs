@@ -38,7 +38,7 @@ mod tail;
 mod tally;
 
 pub use certificate::{
-    Certificate, Counted, Outcome, Point, Proof, Provable, Refused, Statement, Stretch,
+    Certificate, Counted, Outcome, Point, Proof, Provable, Refused, Statement, Stretch, Tally,
 };
 pub use change::Beyond;
 pub use count::{Growth, Leading, Uncounted, Verdict};
@@ -50,7 +50,7 @@ pub use perturbation::Eigenvalue;
 #[cfg(feature = "cli")]
 pub(crate) use requested::Requested;
 pub use system::{Condition, Near, Posed};
-pub use tally::{Tally, miscounted};
+pub use tally::miscounted;
 
 use crate::branch::row::EigenvalueRow;
 use crate::branch::run::Item;

@@ -2,23 +2,7 @@
 //! many eigenvalues grow, that number changes by what the events between them make of it, and by nothing else.
 
 use super::arc::Broken;
-use super::certificate::{Point, Provable};
-
-/// What a point says of the number of multipliers or eigenvalues that grow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tally {
-    /// So many grow there. Others are on the circle or the axis, and grow on one of its sides.
-    Known {
-        /// They are outside the circle, or right of the axis.
-        growing: usize,
-        /// They are on it.
-        neutral: usize,
-    },
-    /// So many pass together.
-    Passes(usize),
-    /// The number may change in any way.
-    Unknown,
-}
+use super::certificate::{Point, Provable, Tally};
 
 /// Why an arc of a branch is not proven.
 type BrokenArc<P> = Broken<<P as Provable>::Unproven, <P as Provable>::Beyond>;

@@ -298,9 +298,11 @@ impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
         let back = s.conjugate();
         let entries = &mut self.entries[(factor * n + from) * n..(factor + 1) * n * n];
         for column in entries.chunks_exact_mut(n) {
-            let (x, y) = (column[i], column[i + 1]);
-            column[i] = x.scale(c) + s * y;
-            column[i + 1] = y.scale(c) - back * x;
+            if let [first, second] = &mut column[i..i + 2] {
+                let (x, y) = (*first, *second);
+                *first = x.scale(c) + s * y;
+                *second = y.scale(c) - back * x;
+            }
         }
     }
 
@@ -473,13 +475,13 @@ impl Chain<Number> {
 
     /// The periodic Schur form. What had to be left out of the last factor, relative to its norm.
     fn triangularise(&mut self) -> f64 {
-        /// Sweeps for one eigenvalue, of which every so many are without shift: two or three are enough.
+        /// Sweeps for one eigenvalue: two or three are enough. Of all sweeps every so many are without shift.
         const MOST: usize = 80;
         const PLAIN: usize = 6;
         let last = self.count - 1;
         let mut left_out = 0.0_f64;
         let norm = self.norm(last);
-        let (mut high, mut sweeps) = (self.n - 1, 0);
+        let (mut high, mut sweeps, mut all) = (self.n - 1, 0, 0);
         while high > 0 {
             let mut low = high;
             while low > 0 {
@@ -500,10 +502,11 @@ impl Chain<Number> {
                 sweeps = 0;
                 continue;
             }
-            if sweeps % PLAIN == 0 || !self.shifted(low, high) {
+            if all % PLAIN == 0 || !self.shifted(low, high) {
                 self.sort(low, high);
             }
             sweeps += 1;
+            all += 1;
         }
         if left_out.is_finite() {
             left_out

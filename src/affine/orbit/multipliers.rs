@@ -120,6 +120,10 @@ fn rank(mut matrix: Matrix, mut bounds: Matrix) -> usize {
         for i in step + 1..n {
             let part = matrix[(i, step)] / pivot;
             let part_off = bounds[(i, step)] / pivot.abs() + part.abs() * off;
+            // most jumps move few states
+            if part_off == 0.0 {
+                continue;
+            }
             for j in step + 1..n {
                 let by = matrix[(step, j)];
                 bounds[(i, j)] += part.abs() * bounds[(step, j)]

@@ -37,8 +37,7 @@ pub(crate) use requested::Requested;
 pub use system::{Condition, Near, Posed};
 
 use super::arc::{Broken, Moving};
-use super::certificate::{Point, Provable, Refused};
-use super::tally::Tally;
+use super::certificate::{Point, Provable, Refused, Tally};
 use super::{krawczyk, wider};
 use crate::affine::orbit::candidates::candidates;
 use crate::affine::orbit::{AffineOrbit, Critical, Margin, Sequence, Watch};
