@@ -21,6 +21,7 @@ use crate::linalg::{Matrix, Vector, balance};
 /// Units of the unknowns, constant along a branch: they make every scaled unknown of order one. The phase is in
 /// radians.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Scales {
     /// Largest |xᵢ| of the first orbit, or 1 where that is 0.
     pub states: Vec<f64>,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// The way a zone ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Way {
     /// The guard that is zero, by its number in the mode.
     pub guard: usize,
@@ -15,6 +16,7 @@ pub struct Way {
 
 /// A zone: a mode, and how it ends.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Zone {
     /// Number of the mode.
     pub mode: usize,
@@ -26,6 +28,7 @@ pub struct Zone {
 
 /// A zone at a point, in physical units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ZonePoint {
     /// States at its entry.
     pub state: Vec<f64>,

@@ -15,6 +15,8 @@ use crate::linalg::{Factors, Matrix, Vector};
 
 /// Steps of inverse iteration.
 const ITERATIONS: usize = 3;
+/// What is added to the diagonal, as parts of the largest entry: the first with which no pivot vanishes.
+const SHIFTS: [f64; 3] = [1e-15, 4e-15, 16e-15];
 
 impl OrbitSystem<'_> {
     /// The null vector of the equations next to a point, by inverse iteration.
@@ -50,19 +52,23 @@ impl OrbitSystem<'_> {
             let unit = sign * units[*column];
             add(*row, *column, [(factor[0] - 1.0) * unit, factor[1] * unit]);
         }
-        // a matrix that is singular to the last digit is not worse than one that is nearly so
+        // a matrix that is singular to the last digit, as one of a few may be that differ by roundings, is not worse than one
+        // that is nearly so
         let size = matrix.amax();
-        for index in 0..matrix.nrows() {
-            matrix[(index, index)] += 1e-15 * size;
-        }
-        let factors = Factors::new(matrix);
-        let mut vector = Vector::from_fn(directions * orbit, |i, _| 1.0 + (i % 7) as f64 / 7.0);
-        for _ in 0..ITERATIONS {
-            if !factors.solve(&mut vector) {
-                return None;
+        let null = |shift: f64| {
+            let mut shifted = matrix.clone();
+            for index in 0..shifted.nrows() {
+                shifted[(index, index)] += shift * size;
             }
-            vector /= vector.norm();
-        }
+            let factors = Factors::new(shifted);
+            let mut vector = Vector::from_fn(directions * orbit, |i, _| 1.0 + (i % 7) as f64 / 7.0);
+            for _ in 0..ITERATIONS {
+                let norm = factors.solve(&mut vector).then(|| vector.norm());
+                vector /= norm.filter(|norm| norm.is_normal())?;
+            }
+            Some(vector)
+        };
+        let vector = SHIFTS.into_iter().find_map(null)?;
         let part = |direction: usize| -> Vec<f64> {
             (0..orbit)
                 .map(|index| vector[direction * orbit + index] * units[index])

@@ -62,6 +62,7 @@ pub struct Near {
 
 /// What singles out a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum Condition {
     /// The parameter has this value.
     Value(Decimal),
