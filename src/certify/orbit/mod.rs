@@ -22,7 +22,7 @@ mod modes;
 mod multipliers;
 mod open;
 // certificates are compared with their problem file by the command line
-#[cfg_attr(not(feature = "cli"), allow(dead_code))]
+#[cfg(feature = "cli")]
 mod requested;
 mod symmetry;
 mod system;
@@ -47,7 +47,7 @@ use crate::interval::{Decimal, Interval, Number, PI};
 use crate::linalg::Vector;
 use crate::orbit::special::{Change, Special};
 use crate::orbit::{EventType, Examined, Orbit};
-use crate::problem::decimal_of;
+use crate::problem::{decimal_at, decimal_of};
 use system::{Layout, OrbitSystem};
 
 /// A margin of order one that is smaller than this at an event may vanish there; whether it does is proven.
@@ -177,7 +177,7 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
     let values = names.zip(setting.values.iter().copied());
     let mut posed = Posed {
         system: Some(setting.system.clone()),
-        values: requested::decimals(values, text),
+        values: decimals(values, text),
         parameter: at,
         periods: setting.periods,
         units: setting.scales.clone(),
@@ -218,6 +218,16 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
         Special::Failed(_) => return Err(Open::Sequence),
     };
     prove(posed, near, condition)
+}
+
+/// Values of parameters as a text has them; one that is another there, after a restart, is the decimal of its double.
+fn decimals<'a>(parameters: impl Iterator<Item = (&'a str, f64)>, text: &str) -> Vec<Decimal> {
+    let written = |(name, value): (&str, f64)| {
+        let there = decimal_at(text, &format!("system.parameters.{name}"));
+        let there = there.filter(|decimal| decimal.nearest() == value);
+        there.unwrap_or_else(|| Decimal::of(value))
+    };
+    parameters.map(written).collect()
 }
 
 fn near(orbit: &AffineOrbit, point: &Vector) -> Result<Near, Open> {

@@ -1,12 +1,12 @@
 //! What a problem file says of the statements on its branch: its system, its numbers, and the values that it asks for.
 
 use super::system::{Condition, Posed};
-use super::{Proof, Refused};
+use super::{Proof, Refused, decimals};
 use crate::affine::system::Source;
 use crate::certify::Point;
 use crate::certify::requested::RequestedValues;
 use crate::interval::Decimal;
-use crate::problem::{OrbitStart, SystemProblem, decimal_at};
+use crate::problem::{OrbitStart, SystemProblem};
 
 /// What the branch of a problem file is about.
 pub(crate) struct Requested {
@@ -135,17 +135,4 @@ impl Requested {
         };
         self.asked.check(point.kind, value)
     }
-}
-
-/// Values of parameters as a text has them; one that is another there, after a restart, is the decimal of its double.
-pub(super) fn decimals<'a>(
-    parameters: impl Iterator<Item = (&'a str, f64)>,
-    text: &str,
-) -> Vec<Decimal> {
-    let written = |(name, value): (&str, f64)| {
-        let there = decimal_at(text, &format!("system.parameters.{name}"));
-        let there = there.filter(|decimal| decimal.nearest() == value);
-        there.unwrap_or_else(|| Decimal::of(value))
-    };
-    parameters.map(written).collect()
 }
