@@ -240,19 +240,19 @@ impl Zero {
 }
 
 /// Linear equations with a matrix of intervals.
-pub struct Linear {
+pub struct LinearEquations {
     inverse: Matrix,
     defect: Matrix,
 }
 
-impl Linear {
+impl LinearEquations {
     /// `None` if it has no inverse in doubles.
-    pub fn new(matrix: &[Vec<Interval>]) -> Option<Linear> {
+    pub fn new(matrix: &[Vec<Interval>]) -> Option<LinearEquations> {
         let n = matrix.len();
         let middle = Matrix::from_fn(n, n, |i, j| matrix[i][j].middle());
         let inverse = Factors::new(middle).inverse()?;
         let defect = defect_of(&inverse, matrix);
-        Some(Linear { inverse, defect })
+        Some(LinearEquations { inverse, defect })
     }
 
     /// Encloses the one solution for every matrix and right side in the intervals: x = Cb + (I − CA)x. `None` if it is not known to be

@@ -431,11 +431,11 @@ pub fn verify(point: &Point, proof: &Proof) -> Result<(), Refused> {
     proven_again(point, proof).map(|_| ())
 }
 
-/// Proves a stored statement again; returns it with intervals that are no wider than they are proven.
+/// Proves a stored statement again; returns the proof with intervals of it that are no wider than they are proven.
 ///
 /// # Errors
 /// The proof fails, or it proves something else.
-pub(crate) fn proven_again(point: &Point, proof: &Proof) -> Result<Statement, Refused> {
+pub(crate) fn proven_again(point: &Point, proof: &Proof) -> Result<Proof, Refused> {
     let Proof {
         posed,
         condition,
@@ -491,9 +491,10 @@ pub(crate) fn proven_again(point: &Point, proof: &Proof) -> Result<Statement, Re
     {
         return Err(Refused::Statement("what grows"));
     }
-    let mut again = said.clone();
-    again.parameter = narrowed(said.parameter, proven.parameter);
-    again.speed = narrowed(said.speed, proven.speed);
+    let mut again = proof.clone();
+    let statement = &mut again.statement;
+    statement.parameter = narrowed(said.parameter, proven.parameter);
+    statement.speed = narrowed(said.speed, proven.speed);
     Ok(again)
 }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::plane::{
-    Condition, ExaminationOf, FailureOf, MarginOf, Plane, SignatureOf, Test, Watched,
+    Condition, ExaminationOf, FailureOf, MarginOf, Plane, SignatureOf, Test, TestValues,
 };
 use super::point::{Limits, Point, PointType, What};
 use super::system::EventSystem;
@@ -60,7 +60,7 @@ pub struct Tests<P: Plane> {
     /// The factor that vanishes at a cusp, with the left null vector behind it.
     pub(super) cusp: Option<(f64, Vector)>,
     /// What the plane watches.
-    watched: Watched,
+    watched: TestValues,
 }
 
 /// A point of a curve with the equations that it solves.

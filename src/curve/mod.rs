@@ -36,7 +36,7 @@ mod whole;
 
 pub use follow::{Gone, Refusal};
 pub use orbits::Orbits;
-pub use plane::{Condition, NotEvaluated, ParameterOf, Plane, Test, Watched};
+pub use plane::{Condition, NotEvaluated, ParameterOf, Plane, Test, TestValues};
 pub use point::{Limits, Name, Point, PointType, Region, What};
 pub use run::{Run, Singular, follow};
 pub use saved::{End, Found, Head, Next, Reason, State, Step};

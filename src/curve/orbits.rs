@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use super::plane::{Condition, NotEvaluated, Plane, Test, Watched};
+use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
 use super::point::{Name, PointType, What};
 use crate::affine::orbit::multipliers::{Monodromy, Multiplier};
 use crate::affine::orbit::symmetry::Kept;
@@ -339,9 +339,9 @@ impl Plane for Orbits {
         orbit: &AffineOrbit,
         point: &Vector,
         _: &[f64],
-    ) -> Watched {
+    ) -> TestValues {
         let Some(monodromy) = monodromy(orbit, point) else {
-            return Watched::default();
+            return TestValues::default();
         };
         let multipliers = monodromy.multipliers();
         let [doubling, _, torus] = monodromy.tests(&multipliers);
@@ -422,7 +422,7 @@ impl Plane for Orbits {
             }
             Condition::Margin(_) => vec![doubling, pair(1, f64::NAN)],
         };
-        Watched {
+        TestValues {
             tests,
             outside: outside(&multipliers, on_circle),
         }

@@ -31,7 +31,7 @@ pub struct Test {
 
 /// What a plane watches at a point, beside the margins and the fold.
 #[derive(Clone, Debug, Default)]
-pub struct Watched {
+pub struct TestValues {
     /// Test functions in a fixed order. One whose value is not finite is not looked at.
     pub tests: Vec<Test>,
     /// How many multipliers are outside the unit circle beside those of the event, which are on it; `None` where that is
@@ -232,7 +232,7 @@ pub trait Plane: Data {
         orbit: &Self::Orbit,
         point: &Vector,
         further: &[f64],
-    ) -> Watched;
+    ) -> TestValues;
 
     /// A sentence of what happens.
     fn say(what: &What<Self::Orbit>) -> String;

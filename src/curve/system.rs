@@ -22,7 +22,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::plane::{Condition, FailureOf, NotEvaluated, ParameterOf, Plane, SignatureOf, Watched};
+use super::plane::{
+    Condition, FailureOf, NotEvaluated, ParameterOf, Plane, SignatureOf, TestValues,
+};
 use super::tube::Tube;
 use crate::continuation::newton::{Constraint, System};
 use crate::linalg::{Matrix, Vector};
@@ -213,7 +215,7 @@ impl<P: Plane> EventSystem<P> {
     }
 
     /// What the plane watches at a point, and the orbit there.
-    pub(super) fn watched(&self, point: &Vector, (orbit, own): &(P::Orbit, Vector)) -> Watched {
+    pub(super) fn watched(&self, point: &Vector, (orbit, own): &(P::Orbit, Vector)) -> TestValues {
         let further = self.further(point);
         self.plane.watched(&self.condition, orbit, own, further)
     }

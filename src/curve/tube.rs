@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::plane::{Condition, NotEvaluated, Plane, Test, Watched};
+use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
 use super::point::{Name, PointType, What};
 use crate::branch::run::RunError;
 use crate::linalg::Vector;
@@ -239,7 +239,7 @@ impl Plane for Tube {
         _: &Wave,
         _: &Vector,
         further: &[f64],
-    ) -> Watched {
+    ) -> TestValues {
         let tests = match condition {
             Condition::Spectral(Hopf { sector }) if symmetric(*sector, self.mode) => vec![Test {
                 kind: Some(PointType::BT),
@@ -248,7 +248,7 @@ impl Plane for Tube {
             }],
             _ => Vec::new(),
         };
-        Watched {
+        TestValues {
             tests,
             outside: None,
         }

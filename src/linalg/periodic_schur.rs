@@ -371,6 +371,19 @@ impl<T: ComplexField<RealField = f64> + Copy> Chain<T> {
     }
 }
 
+impl Chain<f64> {
+    /// The same in complex numbers.
+    fn complex(&self) -> Chain<Number> {
+        let entries = self.entries.iter();
+        Chain {
+            n: self.n,
+            count: self.count,
+            entries: entries.map(|entry| Number::new(*entry, 0.0)).collect(),
+            turns: self.turns,
+        }
+    }
+}
+
 impl Chain<Number> {
     /// A sweep without shift, which puts larger eigenvalues before smaller ones whatever is singular.
     fn sort(&mut self, low: usize, high: usize) {
@@ -527,6 +540,7 @@ impl Chain<Number> {
     fn vectors(&self, j: usize, logs: &[f64], diagonals: &Diagonals) -> [Vec<f64>; 2] {
         let (n, count) = (self.n, self.count);
         let (zero, one) = (Number::new(0.0, 0.0), Number::new(1.0, 0.0));
+        let Diagonals { forward, backward } = diagonals;
         // components of one index together; before they are known, what the others add to them
         let mut right = vec![zero; (j + 1) * count];
         for l in (0..=j).rev() {
@@ -534,7 +548,7 @@ impl Chain<Number> {
             let own = &mut own[..count];
             match l == j {
                 true => own.fill(one),
-                false => diagonals.solve(Way::Forward, [l, j], own, logs[l] - logs[j]),
+                false => cyclic([&forward[l], &forward[j]], own, logs[l] - logs[j]),
             }
             for (k, by) in own.iter().enumerate() {
                 let begin = (k * n + l) * n;
@@ -557,7 +571,7 @@ impl Chain<Number> {
                 let known = before.iter().skip(m).step_by(count);
                 *sum = known.zip(column).map(|(one, entry)| one * entry).sum();
             }
-            diagonals.solve(Way::Backward, [i, j], own, logs[i] - logs[j]);
+            cyclic([&backward[i], &backward[j]], own, logs[i] - logs[j]);
         }
         let norms = |all: &[Number], place: &dyn Fn(usize) -> usize| {
             let length = |k: usize| {
@@ -573,34 +587,28 @@ impl Chain<Number> {
     }
 }
 
-/// Which way round the factors are gone through.
-#[derive(Clone, Copy)]
-enum Way {
-    Forward,
-    Backward,
+/// The diagonals of all factors, those of one index together.
+struct Diagonals {
+    /// Those of the first factor first.
+    forward: Vec<Vec<Number>>,
+    /// Those of the last factor first.
+    backward: Vec<Vec<Number>>,
 }
-
-/// The diagonals of all factors, those of one index together, the first factor first and last.
-struct Diagonals([Vec<Vec<Number>>; 2]);
 
 impl Diagonals {
     fn of(chain: &Chain<Number>) -> Diagonals {
         let forward: Vec<Vec<Number>> = (0..chain.n).map(|j| chain.diagonal(j)).collect();
         let back = |list: &Vec<Number>| list.iter().rev().copied().collect();
-        let backward = forward.iter().map(back).collect();
-        Diagonals([forward, backward])
-    }
-
-    /// In place of the numbers bₖ those uₖ with dₖuₖ₊₁ = aₖuₖ + bₖ that come back to the first, a and d the diagonals of two
-    /// indices; `ratio` is the logarithm of |∏aₖ/dₖ|.
-    fn solve(&self, way: Way, [a, d]: [usize; 2], numbers: &mut [Number], ratio: f64) {
-        let own = &self.0[way as usize];
-        cyclic(&own[a], &own[d], numbers, ratio);
+        Diagonals {
+            backward: forward.iter().map(back).collect(),
+            forward,
+        }
     }
 }
 
-/// The same for diagonals as they are gone through.
-fn cyclic(a: &[Number], d: &[Number], numbers: &mut [Number], ratio: f64) {
+/// In place of the numbers bₖ those uₖ with dₖuₖ₊₁ = aₖuₖ + bₖ that come back to the first, a and d the diagonals of two
+/// indices as the factors are gone through; `ratio` is the logarithm of |∏aₖ/dₖ|.
+fn cyclic([a, d]: [&[Number]; 2], numbers: &mut [Number], ratio: f64) {
     let (count, zero) = (a.len(), Number::new(0.0, 0.0));
     if ratio.is_nan() {
         // both are zero: what they have in common is none of their condition
@@ -638,6 +646,22 @@ fn cyclic(a: &[Number], d: &[Number], numbers: &mut [Number], ratio: f64) {
     }
 }
 
+/// The factors in their order round, the last of which is the one that is least triangular: it need not become so at first.
+fn begun_after_the_fullest(factors: &[Factor], n: usize) -> Vec<&Factor> {
+    let below = |one: &Factor| {
+        let column = |j: usize| {
+            let column = one.matrix.column(j);
+            let below = column.iter().skip(j + 1);
+            below.filter(|x| **x != 0.0).count()
+        };
+        (0..n).map(column).sum::<usize>()
+    };
+    let full = (0..factors.len()).max_by_key(|index| below(&factors[*index]));
+    let first = full.map_or(0, |full| full + 1);
+    let round = factors.iter().cycle().skip(first);
+    round.take(factors.len()).collect()
+}
+
 /// Eigenvalues of the product of square factors, the first of which acts first; the largest first, of a conjugate pair
 /// that above the real axis. Those of no factor or of no dimension are none.
 pub fn eigenvalues(factors: &[Factor]) -> Vec<Eigenvalue> {
@@ -650,39 +674,21 @@ pub fn eigenvalues(factors: &[Factor]) -> Vec<Eigenvalue> {
     else {
         return Vec::new();
     };
-    // begun after the one that is least triangular, which need not become so at first
-    let below = |one: &Factor| {
-        let count = |j: usize| {
-            one.matrix
-                .column(j)
-                .iter()
-                .skip(j + 1)
-                .filter(|x| **x != 0.0)
-                .count()
-        };
-        (0..n).map(count).sum::<usize>()
-    };
-    let full = (0..factors.len()).max_by_key(|index| below(&factors[*index]));
-    let first = full.map_or(0, |full| full + 1);
-    let round = factors.iter().cycle().skip(first).take(factors.len());
-    let factors: Vec<&Factor> = round.collect();
-    let entries = factors.iter().flat_map(|one| one.matrix.iter());
+    let factors = begun_after_the_fullest(factors, n);
     let mut real = Chain {
         n,
         count: factors.len(),
-        entries: entries.copied().collect::<Vec<f64>>(),
+        entries: factors
+            .iter()
+            .flat_map(|one| one.matrix.iter())
+            .copied()
+            .collect(),
         turns: 0,
     };
     if n > 1 {
         real.reduce();
     }
-    let complex = real.entries.iter().map(|entry| Number::new(*entry, 0.0));
-    let mut chain = Chain {
-        n,
-        count: real.count,
-        entries: complex.collect(),
-        turns: real.turns,
-    };
+    let mut chain = real.complex();
     let left_out = chain.triangularise();
     let errors: Vec<f64> = factors
         .iter()
@@ -697,7 +703,7 @@ pub fn eigenvalues(factors: &[Factor]) -> Vec<Eigenvalue> {
         })
         .collect();
     let diagonals = Diagonals::of(&chain);
-    let [own, _] = &diagonals.0;
+    let own = &diagonals.forward;
     let products: Vec<Product> = own
         .iter()
         .map(|diagonal| {

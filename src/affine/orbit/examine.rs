@@ -161,7 +161,7 @@ impl OrbitAt<'_> {
             margins: Vec::new(),
             verdict: Verdict::Positive,
             extremes: self.extremes_of_ends(&passages, &parts),
-            rate: self.first_rate(),
+            rate: self.first_rate(&passages[0]),
             tests: Vec::new(),
             multipliers: Vec::new(),
         };
@@ -178,9 +178,9 @@ impl OrbitAt<'_> {
         Ok(examination)
     }
 
-    fn first_rate(&self) -> Vector {
+    fn first_rate(&self, passage: &Passage) -> Vector {
         let units = &self.orbit.setting.scales.states;
-        let rate = &self.mode(0).matrix.at * self.entry(0);
+        let rate = &self.mode(0).matrix.at * &passage.entry;
         Vector::from_iterator(
             units.len(),
             rate.iter().zip(units).map(|(rate, unit)| rate / unit),

@@ -298,20 +298,12 @@ fn found(
             nearly: None,
         },
         _ if is_forced => {
-            let section = Section::Phase(period);
-            let none = Returns::none(&system, &section, &whole, &motion);
+            let recurrence = Recurrence::Phase(period);
+            let none = Returns::none(&system, &recurrence, &whole, &motion);
             let most = wanted.periods.max(1) as usize;
             match guess {
                 None => returning(&none, &mut motion, most)?,
-                Some(_) => {
-                    let mut all = none;
-                    while all.count() < most {
-                        if !all.extend(&mut motion)? {
-                            return Err(NoStart::Switches(all.switches.len()));
-                        }
-                    }
-                    all.course(&mut motion, [0, most])?
-                }
+                Some(_) => none.followed(&mut motion, most)?,
             }
         }
         Some(time) => {
@@ -342,8 +334,8 @@ fn found(
             let longest = longest.max(ENDLESS);
             let first = next_switch(&mut motion, longest);
             let settles = first.and_then(|(first, _)| {
-                let section = Section::Switch(first, longest);
-                let none = Returns::none(&system, &section, &whole, &motion);
+                let recurrence = Recurrence::Switch(first, longest);
+                let none = Returns::none(&system, &recurrence, &whole, &motion);
                 returning(&none, &mut motion, wanted.periods.max(1) as usize)
             });
             settles.map_err(|reason| match reason {
@@ -356,20 +348,8 @@ fn found(
         }
     };
     if let Some(place) = &course.at_zero {
-        let states = standing(&system, place, &whole);
         let time = settling.last().map_or(0.0, |(last, _)| last.time);
-        if states.len() == system.states {
-            let place = place.clone();
-            return Err(NoStart::Rests { time, place });
-        }
-        if !states.is_empty() {
-            let names = &wanted.system.source.states;
-            return Err(NoStart::Stands {
-                time,
-                mode: wanted.system.mode_name(place.mode).to_owned(),
-                states: states.iter().map(|state| names[*state].clone()).collect(),
-            });
-        }
+        moves(wanted, &system, (place, time), &whole)?;
     }
     let parts = course.zones.iter().map(|(place, switching, duration)| {
         // a switch that leads to where infinitely many others end
@@ -649,7 +629,7 @@ fn return_time(motion: &mut Motion) -> Option<f64> {
 }
 
 /// What counts as a return of a motion.
-enum Section {
+enum Recurrence {
     /// The end of a forcing period.
     Phase(f64),
     /// Without forcing: this switch again, none of those between later than this time after the one before.
@@ -665,15 +645,15 @@ fn next_switch(motion: &mut Motion, longest: f64) -> Result<(Switching, Place), 
     }
 }
 
-impl Section {
+impl Recurrence {
     /// Moves on to the next return, or through more switches than are followed.
     fn next_return(&self, motion: &mut Motion) -> Result<Switches, NoStart> {
         let (first, longest) = match self {
-            Section::Phase(period) => {
+            Recurrence::Phase(period) => {
                 let until = motion.place().time + period;
                 return run(motion, until);
             }
-            Section::Switch(first, longest) => (first, *longest),
+            Recurrence::Switch(first, longest) => (first, *longest),
         };
         let by = |one: &Switching| (one.from, one.to, one.guard, one.exit);
         let mut switches = Switches::new();
@@ -691,7 +671,7 @@ impl Section {
 /// Returns of a motion in a row.
 struct Returns<'a> {
     system: &'a AffineSystem,
-    section: &'a Section,
+    recurrence: &'a Recurrence,
     /// Sizes of the states over the whole motion.
     whole: &'a [f64],
     /// Where it is at first and at every return, and how many switches it has come through until then.
@@ -703,13 +683,13 @@ impl<'a> Returns<'a> {
     /// None yet.
     fn none(
         system: &'a AffineSystem,
-        section: &'a Section,
+        recurrence: &'a Recurrence,
         whole: &'a [f64],
         motion: &Motion,
     ) -> Returns<'a> {
         Returns {
             system,
-            section,
+            recurrence,
             whole,
             places: vec![(motion.place().clone(), 0)],
             switches: Switches::new(),
@@ -718,7 +698,7 @@ impl<'a> Returns<'a> {
 
     /// None yet of those that follow.
     fn after(&self, motion: &Motion) -> Returns<'a> {
-        Returns::none(self.system, self.section, self.whole, motion)
+        Returns::none(self.system, self.recurrence, self.whole, motion)
     }
 
     fn count(&self) -> usize {
@@ -727,7 +707,7 @@ impl<'a> Returns<'a> {
 
     /// Goes on to another one. False where that takes more switches in all than are followed.
     fn extend(&mut self, motion: &mut Motion) -> Result<bool, NoStart> {
-        self.switches.extend(self.section.next_return(motion)?);
+        self.switches.extend(self.recurrence.next_return(motion)?);
         let follows = self.switches.len() <= MOST_SWITCHES;
         if follows {
             let place = motion.place().clone();
@@ -751,13 +731,23 @@ impl<'a> Returns<'a> {
         distance(self.system, begin, here, way, self.whole)
     }
 
+    /// The course over so many more.
+    fn followed(mut self, motion: &mut Motion, most: usize) -> Result<Course, NoStart> {
+        while self.count() < most {
+            if !self.extend(motion)? {
+                return Err(NoStart::Switches(self.switches.len()));
+            }
+        }
+        self.course(motion, [0, most])
+    }
+
     /// The course from one of them to another; the motion goes on to phase 0 where it does not switch.
     fn course(&self, motion: &mut Motion, [from, to]: [usize; 2]) -> Result<Course, NoStart> {
         let switches = self.between(from, to).to_vec();
         let returns = (to - from) as u32;
-        let (time, periods) = match self.section {
-            Section::Phase(period) => (f64::from(returns) * period, returns),
-            Section::Switch(..) => (self.places[to].0.time - self.places[from].0.time, 1),
+        let (time, periods) = match self.recurrence {
+            Recurrence::Phase(period) => (f64::from(returns) * period, returns),
+            Recurrence::Switch(..) => (self.places[to].0.time - self.places[from].0.time, 1),
         };
         let mut at_zero = None;
         if switches.is_empty() {
@@ -799,7 +789,7 @@ fn returning(none: &Returns, motion: &mut Motion, most: usize) -> Result<Course,
             }
             tried.push(all.off(0, all.count()));
         }
-        if matches!(all.section, Section::Switch(..)) && shrinks(&all) {
+        if matches!(all.recurrence, Recurrence::Switch(..)) && shrinks(&all) {
             let place = motion.place().clone();
             let time = place.time;
             return Err(NoStart::Rests { time, place });
@@ -886,6 +876,32 @@ fn standing(system: &AffineSystem, place: &Place, sizes: &[f64]) -> Vec<usize> {
     } else {
         Vec::new()
     }
+}
+
+/// Whether a motion that does not switch moves all states that could stand elsewhere, from this time on.
+///
+/// # Errors
+/// It rests, or some of its states stand still for ever.
+fn moves(
+    wanted: &Wanted,
+    system: &AffineSystem,
+    (place, time): (&Place, f64),
+    sizes: &[f64],
+) -> Result<(), NoStart> {
+    let states = standing(system, place, sizes);
+    if states.len() == system.states {
+        let place = place.clone();
+        return Err(NoStart::Rests { time, place });
+    }
+    if states.is_empty() {
+        return Ok(());
+    }
+    let names = &wanted.system.source.states;
+    Err(NoStart::Stands {
+        time,
+        mode: wanted.system.mode_name(place.mode).to_owned(),
+        states: states.iter().map(|state| names[*state].clone()).collect(),
+    })
 }
 
 /// Whether a motion that returns to a switch shrinks to a point, as where it spirals into an equilibrium on a surface: its

@@ -6,7 +6,7 @@ use super::system::{Condition, Near, OrbitSystem, Posed};
 use super::{Proof, Sequence};
 use crate::certify::arc::{self, Broken, Curve, Joint, Moving, Way};
 use crate::certify::equations::Evaluated;
-use crate::certify::krawczyk::{self, Linear};
+use crate::certify::krawczyk::{self, LinearEquations};
 use crate::interval::{Decimal, Interval};
 
 /// Why an arc of orbits is not proven.
@@ -117,8 +117,8 @@ pub fn prove(from: &Proof, to: &Proof) -> Result<(), Undecided> {
     let both = [from.near, to.near].map(|near| layout(near).map_err(|_| Broken::End));
     let [one, other] = both;
     let layout = one?.joined(other?);
-    let laid_out = |near, condition| OrbitSystem::laid_out(posed, near, condition, &layout);
-    let (system, guess) = laid_out(from.near, &value).map_err(|_| Broken::End)?;
+    let laid_out = OrbitSystem::laid_out(posed, from.near, &value, &layout);
+    let (system, guess) = laid_out.map_err(|_| Broken::End)?;
     let (first, last) = (from.ending(&system)?, to.ending(&system)?);
     let way = match (first.closed.first(), from.condition) {
         (Some(stretch), _) => Way::Grows(system.duration(*stretch)),
@@ -146,7 +146,7 @@ impl Arc<'_> {
         }
         matrix[parameter].fill(Interval::ZERO);
         matrix[parameter][coordinate] = Interval::ONE;
-        let linear = Linear::new(&matrix)?;
+        let linear = LinearEquations::new(&matrix)?;
         let mut side = vec![Interval::ZERO; x.len()];
         side[parameter] = Interval::ONE;
         let mut v = linear.solve(&side)?;

@@ -50,21 +50,17 @@ pub(super) fn seen(
         for (orbit, point, margin) in open {
             for candidate in candidates(&orbit, &point, &margin).unwrap_or_default() {
                 let (orbit, point) = (candidate.orbit, candidate.point);
+                let zeros = zeros(&orbit, &point);
                 if orbit.sequence == *sequence {
                     let nascent = candidate.nascent.iter();
                     let nascent = nascent.map(|zone| Condition::closed(*zone));
-                    let zeros = zeros(&orbit, &point);
                     return nascent
                         .chain(zeros.iter().map(Condition::from))
                         .flat_map(|condition| seen_at(&orbit, &point, condition))
                         .collect();
                 }
-                let zeros = zeros(&orbit, &point);
-                next.extend(
-                    zeros
-                        .into_iter()
-                        .map(|zero| (orbit.clone(), point.clone(), zero)),
-                );
+                let zeros = zeros.into_iter();
+                next.extend(zeros.map(|zero| (orbit.clone(), point.clone(), zero)));
             }
         }
         open = next;

@@ -129,27 +129,24 @@ impl OrbitSystem<'_> {
                     continue;
                 };
                 let at_end = facts.end.order(&formula.row, known).unwrap_or(0);
-                let row = along(&modes.modes[mode].guards[guard].row, rate);
+                let mut row = along(&modes.modes[mode].guards[guard].row, rate);
+                let closes = closed.contains(&index);
                 let divisor = match end {
-                    End::Exit { guard: own, .. } if own == guard => self.divisor(index),
+                    End::Exit { guard: own, .. } if own == guard && closes => self.divisor(index),
                     _ => 0,
                 };
-                let positive = match closed.contains(&index) {
+                if divisor > 0 {
                     // zero at the end, and less the later over the power of time that it has as a factor from the entry on
-                    true if divisor > 0 => {
-                        let falls = (0..=divisor).fold(vec![row], |row, _| product(&row, &matrix));
-                        let falls: Vec<Moving> = falls[0].iter().map(|entry| -*entry).collect();
-                        let row = passing.flow.along(&matrix, &falls);
-                        is_positive_before(passing, &row, &pieces, 0, duration.value)
-                    }
+                    let falls = (0..=divisor).fold(vec![row], |row, _| product(&row, &matrix));
+                    row = falls[0].iter().map(|entry| -*entry).collect();
+                }
+                let row = passing.flow.along(&matrix, &row);
+                let positive = match closes {
                     true => {
-                        let row = passing.flow.along(&matrix, &row);
-                        is_positive_before(passing, &row, &pieces, at_end, duration.value)
+                        let order = if divisor > 0 { 0 } else { at_end };
+                        is_positive_before(passing, &row, &pieces, order, duration.value)
                     }
-                    false => {
-                        let row = passing.flow.along(&matrix, &row);
-                        is_positive(passing, &row, &pieces, [at_start, at_end])
-                    }
+                    false => is_positive(passing, &row, &pieces, [at_start, at_end]),
                 };
                 hold(positive, Unproven::Guard(zone, guard))?;
             }

@@ -248,43 +248,6 @@ fn changed(
     change: &Change<AffineOrbit>,
 ) -> Result<Proof, Open> {
     let (before, after) = (&change.before, &change.after);
-    // in the sequences in which the point is not proven itself: what is not proven there is not stated
-    let completed = |mut proof: Proof| -> Proof {
-        let proven = |sequence: &Sequence, list: &dyn Fn() -> Vec<Seen>| -> Option<Seen> {
-            let mut list = match *sequence == proof.near.sequence {
-                true => vec![Seen {
-                    condition: proof.condition.clone(),
-                    near: proof.near.clone(),
-                }],
-                false => list(),
-            }
-            .into_iter();
-            list.find(|one| one.near == proof.near || beyond::prove(&proof, one).is_ok())
-        };
-        let margin = &change.margin;
-        let first = proven(before, &|| beyond::seen_here(orbit, point, margin));
-        let first = first.unwrap_or_else(|| Seen {
-            condition: proof.condition.clone(),
-            near: proof.near.clone(),
-        });
-        let other = after
-            .as_ref()
-            .and_then(|after| proven(after, &|| beyond::seen(orbit, point, margin, after)));
-        let other = other.filter(|one| !one.near.sequence.is_rotation_of(&first.near.sequence));
-        let (watch, zone) = first
-            .condition
-            .watched()
-            .unwrap_or((margin.watch, margin.zone));
-        proof.changed = Some(Changed {
-            watch,
-            zone,
-            before: first.near.sequence.clone(),
-            after: other.as_ref().map(|one| one.near.sequence.clone()),
-        });
-        let seen = [first].into_iter().chain(other);
-        proof.seen = seen.filter(|one| one.near != proof.near).collect();
-        proof
-    };
     // where several things happen at once, what was entered before has no duration yet
     let tiny = VANISHES * orbit.setting.scales.time;
     let zones = near(orbit, point)?.zones;
@@ -314,6 +277,7 @@ fn changed(
         // that of the branch beyond first
         list.sort_by_key(|(orbit, _)| Some(&orbit.sequence) != after.as_ref());
     }
+    let branch = (orbit, point);
     let mut reason = None;
     for (orbit, point) in list {
         let Ok(examination) = orbit.examination(&point) else {
@@ -336,12 +300,50 @@ fn changed(
                 Ok(proof) if proof.change() != Some(change.kind) => {
                     reason = reason.or(Some(Open::Kind));
                 }
-                Ok(proof) => return Ok(completed(proof)),
+                Ok(proof) => return Ok(completed(proof, branch, change)),
                 Err(other) => reason = reason.or(Some(other)),
             }
         }
     }
     Err(reason.unwrap_or(Open::Duration))
+}
+
+/// A proof with the change of the sequence, and with the orbit in the sequences in which it is not proven itself: what is not
+/// proven there is not stated.
+fn completed(
+    mut proof: Proof,
+    (orbit, point): (&AffineOrbit, &Vector),
+    change: &Change<AffineOrbit>,
+) -> Proof {
+    let margin = &change.margin;
+    let own = Seen {
+        condition: proof.condition.clone(),
+        near: proof.near.clone(),
+    };
+    let proven =
+        |sequence: &Sequence, list: &dyn Fn() -> Vec<Seen>| match own.near.sequence == *sequence {
+            true => Some(own.clone()),
+            false => {
+                let mut list = list().into_iter();
+                list.find(|one| beyond::prove(&proof, one).is_ok())
+            }
+        };
+    let first = proven(&change.before, &|| beyond::seen_here(orbit, point, margin));
+    let first = first.unwrap_or_else(|| own.clone());
+    let beyond = |after| proven(after, &|| beyond::seen(orbit, point, margin, after));
+    let other = change.after.as_ref().and_then(beyond);
+    let other = other.filter(|one| !one.near.sequence.is_rotation_of(&first.near.sequence));
+    let vanishing = first.condition.watched();
+    let (watch, zone) = vanishing.unwrap_or((margin.watch, margin.zone));
+    proof.changed = Some(Changed {
+        watch,
+        zone,
+        before: first.near.sequence.clone(),
+        after: other.as_ref().map(|one| one.near.sequence.clone()),
+    });
+    let seen = [first].into_iter().chain(other);
+    proof.seen = seen.filter(|one| one.near != proof.near).collect();
+    proof
 }
 
 /// Proves the point next to an orbit in doubles.
@@ -452,11 +454,11 @@ pub fn verify(point: &Point<Proof>, proof: &Proof) -> Result<(), Refused> {
     proven_again(point, proof).map(|_| ())
 }
 
-/// Proves a stored statement again; returns it with intervals that are no wider than they are proven.
+/// Proves a stored statement again; returns the proof with intervals of it that are no wider than they are proven.
 ///
 /// # Errors
 /// The proof fails, or it proves something else.
-pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Statement, Refused> {
+pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Proof, Refused> {
     let Proof {
         posed,
         condition,
@@ -487,13 +489,12 @@ pub(crate) fn proven_again(point: &Point<Proof>, proof: &Proof) -> Result<Statem
             "the number of multipliers outside the unit circle",
         ));
     }
-    let mut again = said.clone();
-    again.parameter = super::narrowed(said.parameter, proven.parameter);
-    again.period = super::narrowed(said.period, proven.period);
-    again.angle = said
-        .angle
-        .zip(proven.angle)
-        .map(|(a, b)| super::narrowed(a, b));
+    let mut again = proof.clone();
+    let statement = &mut again.statement;
+    statement.parameter = super::narrowed(said.parameter, proven.parameter);
+    statement.period = super::narrowed(said.period, proven.period);
+    let angles = said.angle.zip(proven.angle);
+    statement.angle = angles.map(|(said, proven)| super::narrowed(said, proven));
     Ok(again)
 }
 
