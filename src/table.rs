@@ -4,7 +4,7 @@
 //! stands in one cell, separated by blanks. Numbers carry 17 significant digits, so that reading them
 //! back gives the same double; what is not finite, and what is not there, is an empty cell.
 
-use std::fmt;
+use std::fmt::{self, Write as _};
 use std::str::FromStr;
 
 use csv::StringRecord;
@@ -13,16 +13,24 @@ use serde::ser::{Impossible, Serialize, SerializeMap, SerializeSeq, SerializeStr
 
 /// A number with 17 significant digits; empty where it is not finite.
 pub(crate) fn number(value: f64) -> String {
-    if value.is_finite() {
-        format!("{value:.16e}")
-    } else {
-        String::new()
+    let mut text = String::new();
+    // writing to memory does not fail
+    let _ = put_number(&mut text, value);
+    text
+}
+
+fn put_number(text: &mut String, value: f64) -> fmt::Result {
+    match value.is_finite() {
+        true => write!(text, "{value:.16e}"),
+        false => Ok(()),
     }
 }
 
 /// Names of the columns of a row; its values do not matter.
 pub(crate) fn columns(row: &impl Serialize) -> Vec<String> {
-    cells(row).0
+    let mut names = Vec::new();
+    taken_apart(row, &mut String::new(), Some(&mut names));
+    names
 }
 
 /// The header of a table of such rows.
@@ -32,7 +40,9 @@ pub(crate) fn header<Row: Serialize + Default>() -> String {
 
 /// A row as a line.
 pub(crate) fn line(row: &impl Serialize) -> String {
-    line_of(&cells(row).1)
+    let mut text = String::new();
+    taken_apart(row, &mut text, None);
+    text
 }
 
 /// Rows below their header: the columns of the first one, for some are there only when asked for.
@@ -42,51 +52,107 @@ pub(crate) fn table<Row: Serialize + Default>(rows: impl IntoIterator<Item = Row
         .peek()
         .map_or_else(header::<Row>, |row| line_of(&columns(row)));
     for row in rows {
-        text.push_str(&line(&row));
+        taken_apart(&row, &mut text, None);
     }
     text
 }
 
 /// Cells as a line of CSV.
 pub(crate) fn line_of(cells: &[String]) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::with_capacity(512));
-    // writing to memory does not fail
-    let _ = writer.write_record(cells);
-    String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+    let mut text = String::new();
+    let mut line = Cells::new(&mut text, None);
+    for cell in cells {
+        let _ = line.put(|text| text.write_str(cell));
+    }
+    line.end();
+    text
 }
 
-/// Names and cells of a row.
-fn cells(row: &impl Serialize) -> (Vec<String>, Vec<String>) {
-    let mut cells = Cells::default();
+/// Puts a row below a text as a line, and the names of its columns into a list.
+fn taken_apart(row: &impl Serialize, text: &mut String, names: Option<&mut Vec<String>>) {
+    let mut cells = Cells::new(text, names);
     let taken = row.serialize(&mut cells);
     debug_assert!(taken.is_ok(), "a row has an enumeration with content");
-    (cells.names, cells.texts)
+    cells.end();
 }
 
-/// A row being taken apart.
-#[derive(Default)]
-struct Cells {
-    /// Name of the field that is next.
+/// A row being taken apart, into a line below a text.
+struct Cells<'a> {
+    text: &'a mut String,
+    /// Where the line begins, and how many cells it has.
+    from: usize,
+    count: usize,
+    /// Names of the cells, where they are asked for, and that of the field that is next.
+    names: Option<&'a mut Vec<String>>,
     field: String,
-    names: Vec<String>,
-    texts: Vec<String>,
+    /// Elements so far where a list is put into one cell.
+    list: Option<usize>,
 }
 
-impl Cells {
-    fn put(&mut self, text: String) -> fmt::Result {
-        self.names.push(self.field.clone());
-        self.texts.push(text);
+impl<'a> Cells<'a> {
+    fn new(text: &'a mut String, names: Option<&'a mut Vec<String>>) -> Cells<'a> {
+        Cells {
+            from: text.len(),
+            count: 0,
+            text,
+            names,
+            field: String::new(),
+            list: None,
+        }
+    }
+
+    /// Begins a cell; returns where.
+    fn open(&mut self) -> usize {
+        if self.count > 0 {
+            self.text.push(',');
+        }
+        self.count += 1;
+        if let Some(names) = &mut self.names {
+            names.push(self.field.clone());
+        }
+        self.text.len()
+    }
+
+    /// Puts what would end a cell, from where it begins, between quotes.
+    fn close(&mut self, from: usize) {
+        let cell = &self.text[from..];
+        if cell.contains([',', '"', '\n', '\r']) {
+            let quoted = cell.replace('"', "\"\"");
+            self.text.truncate(from);
+            self.text.extend(["\"", &quoted, "\""]);
+        }
+    }
+
+    fn put(&mut self, write: impl FnOnce(&mut String) -> fmt::Result) -> fmt::Result {
+        if let Some(count) = &mut self.list {
+            if *count > 0 {
+                self.text.push(' ');
+            }
+            *count += 1;
+            return write(self.text);
+        }
+        let from = self.open();
+        write(self.text)?;
+        self.close(from);
         Ok(())
+    }
+
+    /// Ends the line; one without anything would be no row.
+    fn end(self) {
+        if self.text.len() == self.from {
+            self.text.push_str("\"\"");
+        }
+        self.text.push('\n');
     }
 }
 
-/// A list being put into one cell: all cells from an index on.
-struct List<'a>(&'a mut Cells, usize);
+/// A list being put into one cell, which begins there unless it is within another list.
+struct List<'b, 'a>(&'b mut Cells<'a>, Option<usize>);
 
 macro_rules! scalars {
     ($($name:ident: $type:ty),*) => {
         $(fn $name(self, value: $type) -> fmt::Result {
-            self.put(value.to_string())
+            self.put(|text| write!(text, "{value}"))
         })*
     };
 }
@@ -100,10 +166,10 @@ macro_rules! refused {
     };
 }
 
-impl<'a> Serializer for &'a mut Cells {
+impl<'b, 'a> Serializer for &'b mut Cells<'a> {
     type Ok = ();
     type Error = fmt::Error;
-    type SerializeSeq = List<'a>;
+    type SerializeSeq = List<'b, 'a>;
     type SerializeTuple = Impossible<(), fmt::Error>;
     type SerializeTupleStruct = Impossible<(), fmt::Error>;
     type SerializeTupleVariant = Impossible<(), fmt::Error>;
@@ -126,27 +192,27 @@ impl<'a> Serializer for &'a mut Cells {
     );
 
     fn serialize_f32(self, value: f32) -> fmt::Result {
-        self.put(number(value.into()))
+        self.put(|text| put_number(text, value.into()))
     }
 
     fn serialize_f64(self, value: f64) -> fmt::Result {
-        self.put(number(value))
+        self.put(|text| put_number(text, value))
     }
 
     fn serialize_none(self) -> fmt::Result {
-        self.put(String::new())
+        self.put(|_| Ok(()))
     }
 
     fn serialize_unit(self) -> fmt::Result {
-        self.put(String::new())
+        self.put(|_| Ok(()))
     }
 
     fn serialize_unit_struct(self, _: &'static str) -> fmt::Result {
-        self.put(String::new())
+        self.put(|_| Ok(()))
     }
 
     fn serialize_unit_variant(self, _: &'static str, _: u32, name: &'static str) -> fmt::Result {
-        self.put(name.to_owned())
+        self.put(|text| text.write_str(name))
     }
 
     fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> fmt::Result {
@@ -171,8 +237,9 @@ impl<'a> Serializer for &'a mut Cells {
         Err(fmt::Error)
     }
 
-    fn serialize_seq(self, _: Option<usize>) -> Result<List<'a>, fmt::Error> {
-        let from = self.texts.len();
+    fn serialize_seq(self, _: Option<usize>) -> Result<List<'b, 'a>, fmt::Error> {
+        let from = self.list.is_none().then(|| self.open());
+        self.list.get_or_insert(0);
         Ok(List(self, from))
     }
 
@@ -185,7 +252,7 @@ impl<'a> Serializer for &'a mut Cells {
     }
 }
 
-impl SerializeStruct for &mut Cells {
+impl SerializeStruct for &mut Cells<'_> {
     type Ok = ();
     type Error = fmt::Error;
 
@@ -194,7 +261,9 @@ impl SerializeStruct for &mut Cells {
         name: &'static str,
         value: &T,
     ) -> fmt::Result {
-        self.field = name.to_owned();
+        if self.names.is_some() {
+            name.clone_into(&mut self.field);
+        }
         value.serialize(&mut **self)
     }
 
@@ -203,15 +272,19 @@ impl SerializeStruct for &mut Cells {
     }
 }
 
-impl SerializeMap for &mut Cells {
+impl SerializeMap for &mut Cells<'_> {
     type Ok = ();
     type Error = fmt::Error;
 
     fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> fmt::Result {
-        let mut name = Cells::default();
-        key.serialize(&mut name)?;
-        self.field = name.texts.concat();
-        Ok(())
+        if self.names.is_none() {
+            return Ok(());
+        }
+        self.field.clear();
+        let mut name = Cells::new(&mut self.field, None);
+        // as it is, without quotes
+        name.list = Some(0);
+        key.serialize(&mut name)
     }
 
     fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> fmt::Result {
@@ -223,7 +296,7 @@ impl SerializeMap for &mut Cells {
     }
 }
 
-impl SerializeSeq for List<'_> {
+impl SerializeSeq for List<'_, '_> {
     type Ok = ();
     type Error = fmt::Error;
 
@@ -233,9 +306,11 @@ impl SerializeSeq for List<'_> {
 
     fn end(self) -> fmt::Result {
         let List(cells, from) = self;
-        let text = cells.texts.split_off(from).join(" ");
-        cells.names.truncate(from);
-        cells.put(text)
+        if let Some(from) = from {
+            cells.list = None;
+            cells.close(from);
+        }
+        Ok(())
     }
 }
 
@@ -257,7 +332,7 @@ impl Table {
         let text = String::from_utf8_lossy(&bytes[..whole.map_or(0, |last| last + 1)]);
         let mut reader = csv::ReaderBuilder::new()
             .flexible(true)
-            .trim(csv::Trim::All)
+            .trim(csv::Trim::Headers)
             .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
         Ok(Table {
             header: reader.headers()?.clone(),
@@ -288,7 +363,7 @@ impl Table {
         self.columns()
             .position(|name| name == column)
             .and_then(|index| self.rows.get(row)?.get(index))
-            .unwrap_or("")
+            .map_or("", str::trim)
     }
 
     /// A cell as a value; none when it is empty or something else.
@@ -312,9 +387,12 @@ impl Table {
     /// # Errors
     /// When a column is missing, or a cell is not of its type.
     pub(crate) fn rows<T: DeserializeOwned>(&self) -> Result<Vec<T>, csv::Error> {
-        let rows = self.rows.iter();
-        rows.map(|row| row.deserialize(Some(&self.header)))
-            .collect()
+        let rows = self.rows.iter().cloned();
+        rows.map(|mut row| {
+            row.trim();
+            row.deserialize(Some(&self.header))
+        })
+        .collect()
     }
 }
 
@@ -357,6 +435,37 @@ mod tests {
             "3,\"a, \"\"b\"\"\",3.3333333333333331e-1,,\
              5.0000000000000000e-1 -2.0000000000000000e0,\n"
         );
+    }
+
+    /// What a cell holds is what is read, and a line is the one that a writer of CSV makes.
+    #[test]
+    fn any_words_survive_a_line() {
+        let words = [
+            "",
+            "a",
+            "a,b",
+            "\"",
+            "a\"b",
+            "two\nlines",
+            "\r",
+            "ä → b",
+            "a b",
+        ];
+        for one in words {
+            for other in words {
+                let cells = [one.to_owned(), other.to_owned(), "end".to_owned()];
+                for cells in [&cells[..], &cells[..1], &cells[1..]] {
+                    let mut writer = csv::Writer::from_writer(Vec::new());
+                    writer.write_record(cells).unwrap();
+                    let text = line_of(cells);
+                    assert_eq!(text.as_bytes(), writer.into_inner().unwrap());
+                    let mut reader = csv::ReaderBuilder::new();
+                    let mut reader = reader.has_headers(false).from_reader(text.as_bytes());
+                    let read = reader.records().next().unwrap().unwrap();
+                    assert!(read.iter().eq(cells.iter()));
+                }
+            }
+        }
     }
 
     /// Reading gives back the same doubles, whatever they are.
