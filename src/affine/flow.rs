@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 
 use super::exponential::{TERMS, entries, propagator};
 use super::mode::{AffineMode, Row};
-use super::series::{Field, ORDER, Series};
+use super::recurrence::Series;
+use super::series::{Field, ORDER};
 use super::stiff::{GAP, Splitting, Vanished};
 use crate::linalg::{Matrix, Vector, add_product, balance};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS, REMAINDER};
@@ -323,7 +324,7 @@ impl ModeFlow {
             }
             None => {
                 let series = self.field.series(&z, ORDER, false, true);
-                z = series.at(0.0);
+                z = series.first();
                 let length = self.field.length(&series, self.longest, true);
                 (length, Course::Series(series))
             }

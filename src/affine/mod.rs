@@ -3,7 +3,7 @@
 //! [`expression`] reads what stands in a problem file, [`system`] the whole section with its names; [`form`] is
 //! what expressions of such a system are evaluated in, [`evaluation`] does that, [`mode`] the linear flow that a mode is made
 //! into at given parameters: `matrices` lays it out, `sliding` puts modes between two others. [`series`] has the flow of a
-//! mode whose rates are not affine, `exponential` those of matrices, `stiff` what is slow of one, [`flow`] either with the
+//! mode whose rates are not affine, by [`recurrence`], `exponential` those of matrices, `stiff` what is slow of one, [`flow`] either with the
 //! signs of its guards, [`motion`] follows it through its switches,
 //! and [`course`] sees it at equal times; [`steady`] has the equilibria, [`orbit`] the periodic orbits.
 
@@ -17,6 +17,7 @@ mod matrices;
 pub mod mode;
 pub mod motion;
 pub mod orbit;
+pub mod recurrence;
 pub mod rows;
 pub mod series;
 mod sliding;

@@ -2,44 +2,31 @@
 //!
 //! Every product, quotient and function is a component u of z of its own, so that rates, guards and resets are
 //! linear rows of z as those of an affine mode are: ẋ = Mz, and u follows from its operands, which are rows too.
-//! The coefficients of a series are found order by order: those of u from the well-known recurrences, those of
-//! the states from their rates. A coefficient carries its derivatives along.
+//! [`super::recurrence`] finds the coefficients of a series order by order.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::expression::Function;
-use super::form::{Coefficient, Dual, Form, Rule, Term, VARYING};
+use super::form::{Coefficient, Dual, Form, Rule, Term};
+use super::recurrence::{Recurrences, Series, Sparse, Step};
 use super::rows::{MatrixBy, Row};
 use crate::interval::Interval;
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::Vector;
 use crate::orbit::sign::{Bernstein, COEFFICIENTS};
 
 /// Highest order of a series: two more than what signs are decided by, so that these know what they leave out.
 pub(super) const ORDER: usize = COEFFICIENTS + 1;
 
-/// An operand of `abs` that is smaller than this part of its terms is zero: the next coefficient has its sign.
-const KINK: f64 = 1e-12;
-
 /// Whole exponents up to this are products of intervals.
 const MOST_FACTORS: f64 = 64.0;
-
-/// A linear form of z with few terms.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Sparse(Vec<(usize, Dual)>);
-
-/// A component of z that is made of others.
-#[derive(Clone, Debug, PartialEq)]
-struct Step {
-    rule: Rule,
-    operands: [Sparse; 2],
-}
 
 /// How the components of z beyond states and phase are made, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Program {
-    /// Components before them: states, 1, cosines and sines.
+    /// Components before them: states, 1, cosines and sines; and the states.
     base: usize,
+    states: usize,
     steps: Vec<Step>,
 }
 
@@ -55,6 +42,7 @@ impl Terms {
     pub fn new(states: usize, harmonics: usize) -> Terms {
         let program = Program {
             base: states + 1 + 2 * harmonics,
+            states,
             steps: Vec::new(),
         };
         Terms {
@@ -175,12 +163,6 @@ impl Program {
     }
 }
 
-impl Sparse {
-    fn new(at: impl Iterator<Item = (usize, Dual)>) -> Sparse {
-        Sparse(at.filter(|(_, c)| *c != Dual::default()).collect())
-    }
-}
-
 impl Rule {
     /// Its value where the operands lie in intervals.
     fn enclose(self, a: Interval, b: impl Fn() -> Interval) -> Interval {
@@ -221,28 +203,12 @@ pub struct Field {
     at_switch: Vec<bool>,
     /// Rates of the components before them; none where everything is linear.
     rates: Vec<Sparse>,
+    /// How many of the parameters that vary have to do with it: the first, if any, or both.
+    parameters: usize,
     /// Whether the mode has to do with none of them.
     pub is_exact: bool,
     /// Part of a component of z by which the terms of degree 17 may change it over a piece.
     tolerance: f64,
-}
-
-/// Coefficients of z in time, and of what it is made of.
-#[derive(Clone, Debug)]
-pub struct Series {
-    /// Numbers of a coefficient: its value, then its derivatives in z at the beginning and in the parameters.
-    lanes: usize,
-    /// Components of z, and of them those before the terms.
-    size: usize,
-    base: usize,
-    /// Numbers of all coefficients of one order.
-    width: usize,
-    order: usize,
-    data: Vec<f64>,
-    /// Signs of the operands of `abs`.
-    signs: Vec<f64>,
-    /// Which of the parameters derivatives are asked for.
-    parameter: usize,
 }
 
 impl Default for Field {
@@ -253,6 +219,7 @@ impl Default for Field {
             needed: Vec::new(),
             at_switch: Vec::new(),
             rates: Vec::new(),
+            parameters: 0,
             is_exact: true,
             tolerance: 0.0,
         }
@@ -289,12 +256,15 @@ impl Field {
         };
         let is_exact = !integrated && !at_switch.contains(&true);
         let rate = |row| Sparse::new((0..program.size()).map(|c| (c, entry(row, c))));
+        let rates: Vec<Sparse> = match needed.is_empty() && !integrated {
+            true => Vec::new(),
+            false => (0..base).map(rate).collect(),
+        };
+        let operands = program.steps.iter().flat_map(|step| &step.operands);
+        let parameters = operands.chain(&rates).map(Sparse::parameters).max();
         Field {
-            rates: if needed.is_empty() && !integrated {
-                Vec::new()
-            } else {
-                (0..base).map(rate).collect()
-            },
+            rates,
+            parameters: parameters.unwrap_or(0),
             program: program.clone(),
             is_exact,
             needed,
@@ -325,16 +295,14 @@ impl Field {
     /// Gives every component of z that is made of others, and that the flow has to do with, its value.
     pub fn complete(&self, z: &mut Vector) {
         if !self.is_exact {
-            let series = self.run(&self.needed, z, 0, false, &[]);
-            z.copy_from_slice(&series.data[..self.program.size()]);
+            *z = self.run(&self.needed, z, 0, false, &[]).first();
         }
     }
 
     /// The same for the components that conditions and resets are made of, too: what makes no sense has no value.
     pub fn complete_at_switch(&self, z: &mut Vector) {
         if self.ends_by_more() {
-            let series = self.run(&self.at_switch, z, 0, false, &[]);
-            z.copy_from_slice(&series.data[..self.program.size()]);
+            *z = self.run(&self.at_switch, z, 0, false, &[]).first();
         }
     }
 
@@ -400,7 +368,7 @@ impl Field {
             let mut found = false;
             for (index, sign) in signs.iter_mut().enumerate() {
                 if needed[index] && *sign == 0.0 {
-                    *sign = series.first_sign(self, index, direction);
+                    *sign = series.first_sign(&self.program.steps, index, direction);
                     found |= *sign != 0.0;
                 }
             }
@@ -418,40 +386,16 @@ impl Field {
         derivatives: bool,
         signs: &[f64],
     ) -> Series {
-        let Program { base, steps } = &*self.program;
-        let (base, size) = (*base, self.program.size());
-        let lanes = if derivatives { 1 + base + VARYING } else { 1 };
-        let width = lanes * (size + 3 * steps.len());
-        let mut series = Series {
-            lanes,
-            size,
-            base,
-            width,
-            order,
-            data: vec![0.0; width * (order + 1)],
-            signs: signs.to_vec(),
-            parameter: 0,
+        let recurrences = Recurrences {
+            steps: &self.program.steps,
+            needed,
+            rates: &self.rates,
+            signs,
+            base: self.program.base,
+            states: self.program.states,
+            parameters: self.parameters,
         };
-        for c in 0..base {
-            series.data[c * lanes] = z[c];
-            if derivatives {
-                series.data[c * lanes + 1 + c] = 1.0;
-            }
-        }
-        let mut sum = vec![0.0; lanes];
-        for k in 0..=order {
-            for (index, step) in steps.iter().enumerate().filter(|(index, _)| needed[*index]) {
-                series.step(index, step, k, &mut sum);
-            }
-            if k < order {
-                for (c, rate) in self.rates.iter().enumerate() {
-                    series.gather(rate, k, &mut sum);
-                    sum.iter_mut().for_each(|x| *x /= (k + 1) as f64);
-                    series.put(k + 1, c, &sum);
-                }
-            }
-        }
-        series
+        Series::new(recurrences, z, order, derivatives)
     }
 
     /// Sum of the terms of which the rate of a form is made at the beginning of a series: where they cancel, it has
@@ -479,30 +423,28 @@ impl Field {
         let base = self.program.base;
         let counts = |c: &usize| *c < base || self.needed[*c - base];
         // a number that is none has no greatest and no least
-        if series.data.iter().any(|x| !x.is_finite()) {
+        if !series.is_finite() {
             return f64::NAN;
         }
         let mut length = longest;
-        for c in (0..series.size).filter(counts) {
+        for c in (0..series.size()).filter(counts) {
+            let z = series.values(c);
             for last in [COEFFICIENTS, COEFFICIENTS + 1] {
-                let tail = series.value(last, c).abs();
+                let tail = z[last].abs();
                 // |z_K|hᴷ is at most the allowed part of |z_j|hʲ for one j: most components hold as long as others
                 let mut power = 1.0;
                 let mut back = (0..last).rev();
                 let long = back.any(|j| {
                     power *= length;
-                    tail * power <= self.tolerance * series.value(j, c).abs()
+                    tail * power <= self.tolerance * z[j].abs()
                 });
                 if tail > 0.0 && !long {
-                    let holds = (0..last).map(|j| {
-                        let allowed = self.tolerance * series.value(j, c).abs() / tail;
-                        allowed.powf(((last - j) as f64).recip())
-                    });
-                    length = length.min(holds.fold(0.0, f64::max));
+                    let allowed = |j: usize| self.tolerance * z[j].abs() / tail;
+                    length = length.min(longest_of(allowed, last));
                 }
             }
         }
-        if series.lanes > 1 {
+        if series.has_derivatives() {
             length = self.length_of_derivatives(series, length);
         }
         let direction = if forward { 1.0 } else { -1.0 };
@@ -510,10 +452,9 @@ impl Field {
             if step.rule == Rule::Function(Function::Abs) && self.needed[index] {
                 let sign = series.signs[index];
                 let mut taylor: [f64; COEFFICIENTS] = std::array::from_fn(|k| {
-                    sign * series.value(k, series.size + 3 * index)
-                        * (direction * length).powi(k as i32)
+                    sign * series.operand(k, index) * (direction * length).powi(k as i32)
                 });
-                let order = series.first_order(self, index);
+                let order = series.first_order(&self.program.steps, index);
                 taylor[..order.min(COEFFICIENTS)].fill(0.0);
                 taylor.rotate_left(order.min(COEFFICIENTS));
                 if let Some(place) = Bernstein::from_taylor(&taylor, 0.0).first_crossing() {
@@ -536,28 +477,33 @@ impl Field {
         /// smooth as the motion.
         const MORE: f64 = 1e3;
         let (base, left_out) = (self.program.base, MORE * self.tolerance);
-        let powers = |j: usize| longest.powi(j as i32);
-        let sizes: Vec<f64> = (0..base)
-            .map(|l| {
-                let terms = (0..=COEFFICIENTS).map(|j| series.value(j, l).abs() * powers(j));
-                terms.fold(0.0, f64::max)
-            })
+        let largest = |l: usize| {
+            let (mut power, mut size) = (1.0, 0.0_f64);
+            for z in &series.values(l)[..=COEFFICIENTS] {
+                size = size.max(z.abs() * power);
+                power *= longest;
+            }
+            size
+        };
+        let sizes: Vec<f64> = (0..base).map(largest).collect();
+        // the phase moves by a radian, as cosines and sines do by their size
+        let moved: Vec<f64> = sizes[..self.program.states]
+            .iter()
+            .copied()
+            .chain([1.0])
             .collect();
         let mut length = longest;
-        for c in 0..base {
+        for (c, own) in sizes.iter().enumerate() {
             let size = |j: usize| {
-                let lanes = series.get(j, c)[1..=base].iter().zip(&sizes);
+                let lanes = series.by_inner(j, c).iter().zip(&moved);
                 lanes.fold(0.0_f64, |most, (by, size)| most.max(by.abs() * size))
             };
             for last in [COEFFICIENTS, COEFFICIENTS + 1] {
                 let tail = size(last);
-                let holds = |j: usize| {
-                    let allowed = left_out * size(j) / tail;
-                    allowed.powf(((last - j) as f64).recip())
-                };
-                let long = tail * length.powi(last as i32) <= left_out * sizes[c];
+                let long = tail * length.powi(last as i32) <= left_out * own;
                 if tail > 0.0 && !long {
-                    length = length.min((0..last).map(holds).fold(0.0, f64::max));
+                    let allowed = |j: usize| left_out * size(j) / tail;
+                    length = length.min(longest_of(allowed, last));
                 }
             }
         }
@@ -565,230 +511,14 @@ impl Field {
     }
 }
 
-/// sum += weight·ab, with derivatives.
-fn accumulate(sum: &mut [f64], weight: f64, a: &[f64], b: &[f64]) {
-    sum[0] += weight * a[0] * b[0];
-    for ((sum, a_by), b_by) in sum[1..].iter_mut().zip(&a[1..]).zip(&b[1..]) {
-        *sum += weight * (a[0] * b_by + a_by * b[0]);
-    }
-}
-
-/// sum/b, with derivatives.
-fn divide(sum: &mut [f64], b: &[f64]) {
-    sum[0] /= b[0];
-    let value = sum[0];
-    for (sum, b_by) in sum[1..].iter_mut().zip(&b[1..]) {
-        *sum = (*sum - value * b_by) / b[0];
-    }
-}
-
-impl Series {
-    /// Coefficient of this order of a component, with derivatives.
-    fn get(&self, k: usize, c: usize) -> &[f64] {
-        &self.data[k * self.width + c * self.lanes..][..self.lanes]
-    }
-
-    /// Coefficient of this order of a component.
-    pub fn value(&self, k: usize, c: usize) -> f64 {
-        self.data[k * self.width + c * self.lanes]
-    }
-
-    fn put(&mut self, k: usize, c: usize, values: &[f64]) {
-        self.data[k * self.width + c * self.lanes..][..self.lanes].copy_from_slice(values);
-    }
-
-    fn gather(&self, row: &Sparse, k: usize, sum: &mut [f64]) {
-        sum.fill(0.0);
-        for (c, coefficient) in &row.0 {
-            let z = self.get(k, *c);
-            for (sum, z) in sum.iter_mut().zip(z) {
-                *sum += coefficient.value * z;
-            }
-            if self.lanes > 1 {
-                for (sum, by) in sum[1 + self.base..].iter_mut().zip(coefficient.by) {
-                    *sum += by * z[0];
-                }
-            }
+/// The largest length h with h^{last−j} ≤ allowed(j) for one j at least.
+fn longest_of(allowed: impl Fn(usize) -> f64, last: usize) -> f64 {
+    (0..last).fold(0.0, |most: f64, j| {
+        let (allowed, power) = (allowed(j), last - j);
+        // most orders allow less than another, and roots are slow
+        match allowed > most.powi(power as i32) {
+            true => allowed.powf((power as f64).recip()).max(most),
+            false => most,
         }
-    }
-
-    /// The coefficient of order k of a component that is made of others.
-    fn step(&mut self, index: usize, step: &Step, k: usize, sum: &mut [f64]) {
-        let first = self.size + 3 * index;
-        let (own, [a, b, helper]) = (self.base + index, [first, first + 1, first + 2]);
-        for (operand, c) in step.operands.iter().zip([a, b]) {
-            self.gather(operand, k, sum);
-            self.put(k, c, sum);
-        }
-        sum.fill(0.0);
-        // Σ of weighted products of coefficients of a and of another
-        let fold =
-            |series: &Series, sum: &mut [f64], other: usize, weight: &dyn Fn(usize) -> f64| {
-                for i in 1..=k {
-                    accumulate(sum, weight(i), series.get(i, a), series.get(k - i, other));
-                }
-            };
-        let over_k = |i: usize| i as f64 / k as f64;
-        let start = |series: &Series, sum: &mut [f64], (value, slope): (f64, f64)| {
-            sum.copy_from_slice(series.get(0, a));
-            sum[1..].iter_mut().for_each(|by| *by *= slope);
-            sum[0] = value;
-        };
-        let x = self.value(0, a);
-        let function = match step.rule {
-            Rule::Product => {
-                for i in 0..=k {
-                    accumulate(sum, 1.0, self.get(i, a), self.get(k - i, b));
-                }
-                return self.put(k, own, sum);
-            }
-            Rule::Quotient => {
-                sum.copy_from_slice(self.get(k, a));
-                for i in 0..k {
-                    accumulate(sum, -1.0, self.get(i, own), self.get(k - i, b));
-                }
-                divide(sum, self.get(0, b));
-                return self.put(k, own, sum);
-            }
-            Rule::Power(_) | Rule::Function(Function::Sqrt) => {
-                let r = match step.rule {
-                    Rule::Power(r) => r,
-                    _ => 0.5,
-                };
-                if k == 0 {
-                    start(self, sum, (x.powf(r), r * x.powf(r - 1.0)));
-                } else {
-                    fold(self, sum, own, &|i| {
-                        (r * i as f64 - (k - i) as f64) / k as f64
-                    });
-                    divide(sum, self.get(0, a));
-                }
-                return self.put(k, own, sum);
-            }
-            Rule::Function(function) => function,
-        };
-        match function {
-            _ if k == 0 && function != Function::Abs => {
-                start(self, sum, function.at(x));
-                self.put(0, own, sum);
-                let value = sum[0];
-                match function {
-                    Function::Sin => start(self, sum, (x.cos(), -value)),
-                    Function::Cos => start(self, sum, (x.sin(), value)),
-                    Function::Tan | Function::Tanh => {
-                        let sign = if function == Function::Tan { 1.0 } else { -1.0 };
-                        sum.iter_mut().for_each(|by| *by *= 2.0 * sign * value);
-                        sum[0] = 1.0 + sign * value * value;
-                    }
-                    _ => {}
-                }
-                self.put(0, helper, sum);
-            }
-            Function::Exp => {
-                fold(self, sum, own, &over_k);
-                self.put(k, own, sum);
-            }
-            Function::Ln => {
-                sum.copy_from_slice(self.get(k, a));
-                for i in 1..k {
-                    accumulate(sum, -over_k(i), self.get(i, own), self.get(k - i, a));
-                }
-                divide(sum, self.get(0, a));
-                self.put(k, own, sum);
-            }
-            Function::Sin | Function::Cos => {
-                let sign = if function == Function::Sin { 1.0 } else { -1.0 };
-                fold(self, sum, helper, &|i| sign * over_k(i));
-                self.put(k, own, sum);
-                sum.fill(0.0);
-                fold(self, sum, own, &|i| -sign * over_k(i));
-                self.put(k, helper, sum);
-            }
-            Function::Tan | Function::Tanh => {
-                let sign = if function == Function::Tan { 1.0 } else { -1.0 };
-                fold(self, sum, helper, &over_k);
-                self.put(k, own, sum);
-                sum.fill(0.0);
-                for i in 0..=k {
-                    accumulate(sum, sign, self.get(i, own), self.get(k - i, own));
-                }
-                self.put(k, helper, sum);
-            }
-            Function::Abs | Function::Sqrt => {
-                let known = self.signs.get(index).copied().unwrap_or(0.0);
-                let sign = if known == 0.0 { x.signum() } else { known };
-                sum.copy_from_slice(self.get(k, a));
-                sum.iter_mut().for_each(|x| *x *= sign);
-                self.put(k, own, sum);
-            }
-        }
-    }
-
-    /// Order of the first coefficient of an operand that is not zero but for rounding.
-    fn first_order(&self, field: &Field, index: usize) -> usize {
-        let operand = &field.program.steps[index].operands[0];
-        let counts = |k: &usize| {
-            let terms = operand.0.iter();
-            let size: f64 = terms
-                .map(|(c, by)| (by.value * self.value(*k, *c)).abs())
-                .sum();
-            self.value(*k, self.size + 3 * index).abs() > KINK * size
-        };
-        (0..=self.order).find(counts).unwrap_or(self.order)
-    }
-
-    /// The sign of an operand just after the beginning, or just before it.
-    fn first_sign(&self, field: &Field, index: usize, direction: f64) -> f64 {
-        let k = self.first_order(field, index);
-        (self.value(k, self.size + 3 * index) * direction.powi(k as i32)).signum()
-    }
-
-    /// z at a time after the beginning.
-    pub fn at(&self, time: f64) -> Vector {
-        Vector::from_fn(self.size, |c, _| self.horner(c * self.lanes, time))
-    }
-
-    fn horner(&self, place: usize, time: f64) -> f64 {
-        let orders = (0..=self.order).rev();
-        orders.fold(0.0, |sum, k| sum * time + self.data[k * self.width + place])
-    }
-
-    /// Derivatives of z at a time in the components before the terms, and in the parameters.
-    pub fn derivatives(&self, time: f64) -> (Matrix, [Vector; VARYING]) {
-        let lane = |c: usize, lane: usize| self.horner(c * self.lanes + lane, time);
-        let at = Matrix::from_fn(self.size, self.base, |row, column| lane(row, 1 + column));
-        let by = std::array::from_fn(|parameter| {
-            Vector::from_fn(self.size, |row, _| lane(row, 1 + self.base + parameter))
-        });
-        (at, by)
-    }
-
-    /// The same series, of which derivatives in another parameter are asked for.
-    pub fn in_parameter(&self, parameter: usize) -> Series {
-        Series {
-            parameter,
-            ..self.clone()
-        }
-    }
-
-    /// Σ cᵢzᵢ of the coefficients of an order.
-    pub fn of(&self, row: &Vector, k: usize) -> f64 {
-        let all = row.iter().enumerate().filter(|(_, c)| **c != 0.0);
-        all.map(|(index, c)| c * self.value(k, index)).sum()
-    }
-
-    /// The same for a row of a system in one parameter, with its derivatives in the components of z at the beginning, and in
-    /// that parameter.
-    pub fn jet(&self, row: &Row, k: usize) -> (f64, Vector, f64) {
-        let mut by_z = Vector::zeros(self.size);
-        let mut by_parameter = self.of(&row.by[0], k);
-        for (index, c) in row.at.iter().enumerate().filter(|(_, c)| **c != 0.0) {
-            let lanes = self.get(k, index);
-            for (by, lane) in by_z.iter_mut().zip(&lanes[1..=self.base]) {
-                *by += c * lane;
-            }
-            by_parameter += c * lanes[1 + self.base + self.parameter];
-        }
-        (self.of(&row.at, k), by_z, by_parameter)
-    }
+    })
 }

@@ -7,7 +7,8 @@ use std::f64::consts::TAU;
 
 use super::forms::{Forms, Units};
 use crate::affine::mode::{AffineSystem, Row};
-use crate::affine::series::{ORDER, Series};
+use crate::affine::recurrence::Series;
+use crate::affine::series::ORDER;
 use crate::linalg::{Matrix, Vector, pseudo_inverse};
 
 /// Points that are tried.

@@ -6,7 +6,8 @@ use crate::affine::exponential::{TERMS, propagator};
 use crate::affine::flow::MOST_PIECES;
 use crate::affine::form::VARYING;
 use crate::affine::mode::{AffineMode, MatrixBy, Row};
-use crate::affine::series::{ORDER, Series};
+use crate::affine::recurrence::Series;
+use crate::affine::series::ORDER;
 use crate::affine::stiff::Splitting;
 use crate::linalg::{Matrix, Vector};
 
@@ -137,17 +138,16 @@ impl Integrated {
             before = part;
             rest -= part;
             let part = part.copysign(time);
-            let (along, own) = last.derivatives(part);
-            let along = along.rows(0, base);
-            flow = along * flow;
+            let (along, own) = last.derivatives_of(base, part);
+            flow = &along * flow;
             for (by, own) in by.iter_mut().zip(own) {
-                *by = along * &*by + own.rows(0, base);
+                *by = &along * &*by + own;
             }
             z = last.at(part);
             last = series(&z);
         }
         if pieces > 0 {
-            z.copy_from_slice(last.at(0.0).as_slice());
+            z = last.first();
         }
         // what is made of other components follows them
         let (slopes, own) = last.derivatives(0.0);
@@ -236,7 +236,7 @@ impl<'a> Passage<'a> {
         self.flow.columns_mut(0, base).copy_from(&(&slopes * flow));
         let own = self.by_parameter.rows(0, base).into_owned();
         self.by_parameter = slopes * own + &by[parameter];
-        self.end.copy_from_slice(last.at(0.0).as_slice());
+        self.end = last.first();
         self.rate = Vector::from_fn(self.end.len(), |c, _| last.value(1, c));
         if let Some(numerical) = &mut self.numerical {
             numerical.last = last.in_parameter(parameter);

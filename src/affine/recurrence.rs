@@ -1,0 +1,603 @@
+//! Coefficients of Taylor series in time, order by order, with their derivatives.
+//!
+//! The components of z that are made of others follow from their operands by the well-known recurrences, the others from
+//! their rates (G.F. Corliss, Y.F. Chang, ACM Trans. Math. Software 8, 1982; A. Griewank, A. Walther, Evaluating
+//! Derivatives, 2008, chapter 13). A coefficient carries its derivatives in the states, in the phase of the forcing and in the
+//! parameters that vary along: these *lanes* go through one convolution, in groups that fit into registers.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::expression::Function;
+use super::form::{Dual, Rule, VARYING};
+use super::rows::Row;
+use crate::linalg::{Matrix, Vector};
+
+/// An operand of `abs` that is smaller than this part of its terms is zero: the next coefficient has its sign.
+const KINK: f64 = 1e-12;
+
+/// Derivatives that go through a convolution together.
+const TOGETHER: usize = 4;
+
+/// Some of the derivatives of a number.
+type Lanes = [f64; TOGETHER];
+
+/// A linear form of z with few terms.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Sparse(pub Vec<(usize, Dual)>);
+
+impl Sparse {
+    /// The terms that are not zero.
+    pub fn new(at: impl Iterator<Item = (usize, Dual)>) -> Sparse {
+        Sparse(at.filter(|(_, c)| *c != Dual::default()).collect())
+    }
+
+    /// Of how many of the parameters that vary its coefficients are functions: the first, if any, or both.
+    pub fn parameters(&self) -> usize {
+        let last = |by: &[f64; VARYING]| by.iter().rposition(|by| *by != 0.0);
+        let counts = self
+            .0
+            .iter()
+            .map(|(_, c)| last(&c.by).map_or(0, |last| last + 1));
+        counts.max().unwrap_or(0)
+    }
+
+    /// The component of z that it is, if it is one.
+    fn component(&self) -> Option<usize> {
+        let one = Dual {
+            value: 1.0,
+            ..Dual::default()
+        };
+        match self.0[..] {
+            [(component, by)] if by == one => Some(component),
+            _ => None,
+        }
+    }
+}
+
+/// A component of z that is made of others.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Step {
+    pub rule: Rule,
+    pub operands: [Sparse; 2],
+}
+
+/// What a series begins from, and how it goes on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Recurrences<'a> {
+    /// How the components of z beyond the first are made, and which of them count.
+    pub steps: &'a [Step],
+    pub needed: &'a [bool],
+    /// Rates of the components before them; none where everything is linear.
+    pub rates: &'a [Sparse],
+    /// Signs of the operands of `abs`, where they are known.
+    pub signs: &'a [f64],
+    /// Components before them, and of those the states.
+    pub base: usize,
+    pub states: usize,
+    /// How many of the parameters that vary have to do with them.
+    pub parameters: usize,
+}
+
+/// Coefficients of z in time, and of what it is made of.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Components of z, of them those before the terms, and of these the states.
+    size: usize,
+    base: usize,
+    states: usize,
+    table: Arc<Table>,
+    /// Place of the operands of every step in the table.
+    places: Arc<[[usize; 2]]>,
+    /// Signs of the operands of `abs`.
+    pub(super) signs: Vec<f64>,
+    /// Which of the parameters derivatives are asked for.
+    parameter: usize,
+}
+
+/// Coefficients of components, operands and what is found with a component: of every place all orders after one another.
+#[derive(Clone, Debug)]
+struct Table {
+    orders: usize,
+    values: Vec<f64>,
+    /// Groups of derivatives that a coefficient has, none where they are not asked for: in what z is made of at the beginning, so
+    /// much, then in the parameters.
+    groups: usize,
+    inner: usize,
+    parameters: usize,
+    lanes: Vec<Lanes>,
+}
+
+/// Where a step finds its operands, and where it leaves what it makes.
+#[derive(Clone, Copy)]
+struct Places {
+    a: usize,
+    b: usize,
+    own: usize,
+    helper: usize,
+}
+
+impl Table {
+    fn value(&self, place: usize, k: usize) -> f64 {
+        self.values[place * self.orders + k]
+    }
+
+    /// Where the derivatives of the coefficient of order k of a place begin.
+    fn at(&self, place: usize, k: usize) -> usize {
+        (place * self.orders + k) * self.groups
+    }
+
+    fn lanes(&self, place: usize, k: usize, group: usize) -> Lanes {
+        self.lanes[self.at(place, k) + group]
+    }
+
+    /// Puts the coefficient of order k of a place: its value, then its derivatives group by group, to which the value is known.
+    #[inline(always)]
+    fn put(
+        &mut self,
+        place: usize,
+        k: usize,
+        value: impl Fn(&Self) -> f64,
+        lanes: impl Fn(&Self, usize) -> Lanes,
+    ) {
+        self.values[place * self.orders + k] = value(self);
+        let at = self.at(place, k);
+        for group in 0..self.groups {
+            self.lanes[at + group] = lanes(self, group);
+        }
+    }
+
+    /// Puts the coefficient of an order of a form, times a number, as that of order k.
+    fn gather(&mut self, place: usize, row: &Sparse, (from, k): (usize, usize), factor: f64) {
+        let value = |table: &Self| {
+            let terms = row.0.iter();
+            let terms = terms.map(|(c, by)| by.value * table.value(*c, from));
+            terms.sum::<f64>() * factor
+        };
+        self.put(place, k, value, |table, group| {
+            let mut sum = [0.0; TOGETHER];
+            for (c, by) in &row.0 {
+                let z = table.lanes(*c, from, group);
+                for (sum, z) in sum.iter_mut().zip(z) {
+                    *sum += by.value * z;
+                }
+                if by.by != [0.0; VARYING] {
+                    table.add(&mut sum, group, table.value(*c, from), by.by);
+                }
+            }
+            sum.map(|x| x * factor)
+        });
+    }
+
+    /// Adds a number times the derivatives of a coefficient in the parameters.
+    fn add(&self, sum: &mut Lanes, group: usize, value: f64, by: [f64; VARYING]) {
+        for (parameter, by) in by.into_iter().enumerate().take(self.parameters) {
+            let lane = (self.inner + parameter).checked_sub(group * TOGETHER);
+            if let Some(sum) = lane.and_then(|lane| sum.get_mut(lane)) {
+                *sum += by * value;
+            }
+        }
+    }
+
+    /// Σ w(i)aᵢb_{k−i} over orders i.
+    #[inline(always)]
+    fn convolved(
+        &self,
+        [a, b]: [usize; 2],
+        (orders, k): (Range<usize>, usize),
+        weight: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let a = &self.values[a * self.orders..][..=k];
+        let b = &self.values[b * self.orders..][..=k];
+        orders.map(|i| weight(i) * a[i] * b[k - i]).sum()
+    }
+
+    /// The same of a group of derivatives.
+    #[inline(always)]
+    fn convolved_lanes(
+        &self,
+        [a, b]: [usize; 2],
+        (orders, k): (Range<usize>, usize),
+        weight: impl Fn(usize) -> f64,
+        group: usize,
+    ) -> Lanes {
+        // all orders of both from the first on
+        let lanes = |place: usize| &self.lanes[self.at(place, 0)..][..(k + 1) * self.groups];
+        let values = |place: usize| &self.values[place * self.orders..][..=k];
+        let ([a, b], [a_by, b_by]) = ([a, b].map(values), [a, b].map(lanes));
+        let mut sum = [0.0; TOGETHER];
+        for i in orders {
+            let (x, y) = (weight(i) * a[i], weight(i) * b[k - i]);
+            let x_by = &a_by[i * self.groups + group];
+            let y_by = &b_by[(k - i) * self.groups + group];
+            for lane in 0..TOGETHER {
+                sum[lane] += x * y_by[lane] + y * x_by[lane];
+            }
+        }
+        sum
+    }
+
+    /// Puts Σ w(i)aᵢb_{k−i} over orders i.
+    #[inline(always)]
+    fn convolve(
+        &mut self,
+        place: usize,
+        pair: [usize; 2],
+        (orders, k): (Range<usize>, usize),
+        weight: impl Fn(usize) -> f64,
+    ) {
+        let value = |table: &Self| table.convolved(pair, (orders.clone(), k), &weight);
+        self.put(place, k, value, |table, group| {
+            table.convolved_lanes(pair, (orders.clone(), k), &weight, group)
+        });
+    }
+
+    /// Puts u of order k, where bu of this order is a_k or nothing and Σ w(i)xᵢy_{k−i} over orders i, x or y being u.
+    #[inline(always)]
+    fn divide(
+        &mut self,
+        (own, b): (usize, usize),
+        first: Option<usize>,
+        pair: [usize; 2],
+        (orders, k): (Range<usize>, usize),
+        weight: impl Fn(usize) -> f64,
+    ) {
+        let divisor = self.value(b, 0);
+        let value = |table: &Self| {
+            let sum = table.convolved(pair, (orders.clone(), k), &weight);
+            (first.map_or(0.0, |a| table.value(a, k)) + sum) / divisor
+        };
+        self.put(own, k, value, |table, group| {
+            let mut sum = table.convolved_lanes(pair, (orders.clone(), k), &weight, group);
+            let first = first.map_or([0.0; TOGETHER], |a| table.lanes(a, k, group));
+            let (value, by) = (table.value(own, k), table.lanes(b, 0, group));
+            for lane in 0..TOGETHER {
+                sum[lane] = (first[lane] + sum[lane] - value * by[lane]) / divisor;
+            }
+            sum
+        });
+    }
+
+    /// Puts a function of an operand at an order, by its value and its slope.
+    fn scale(&mut self, place: usize, (a, k): (usize, usize), (value, slope): (f64, f64)) {
+        self.put(
+            place,
+            k,
+            |_| value,
+            |table, group| table.lanes(a, k, group).map(|by| by * slope),
+        );
+    }
+
+    /// The coefficient of order k of a component that is made of others; `sign` is that of an operand of `abs`.
+    fn step(&mut self, step: &Step, places: Places, k: usize, sign: f64) {
+        let Places { a, b, own, helper } = places;
+        for (operand, place) in step.operands.iter().zip([a, b]) {
+            if operand.component().is_none() && !operand.0.is_empty() {
+                self.gather(place, operand, (k, k), 1.0);
+            }
+        }
+        let over_k = |i: usize| i as f64 / k as f64;
+        let (x, later) = (self.value(a, 0), (1..k + 1, k));
+        match step.rule {
+            Rule::Product => self.convolve(own, [a, b], (0..k + 1, k), |_| 1.0),
+            Rule::Quotient => self.divide((own, b), Some(a), [own, b], (0..k, k), |_| -1.0),
+            Rule::Power(_) | Rule::Function(Function::Sqrt) => {
+                let r = match step.rule {
+                    Rule::Power(r) => r,
+                    _ => 0.5,
+                };
+                if k == 0 {
+                    return self.scale(own, (a, 0), (x.powf(r), r * x.powf(r - 1.0)));
+                }
+                let weight = |i: usize| (r * i as f64 - (k - i) as f64) / k as f64;
+                self.divide((own, a), None, [a, own], later, weight);
+            }
+            Rule::Function(Function::Abs) => {
+                let sign = if sign == 0.0 { x.signum() } else { sign };
+                self.scale(own, (a, k), (sign * self.value(a, k), sign));
+            }
+            Rule::Function(function) if k == 0 => {
+                self.scale(own, (a, 0), function.at(x));
+                let u = self.value(own, 0);
+                match function {
+                    Function::Sin => self.scale(helper, (a, 0), (x.cos(), -u)),
+                    Function::Cos => self.scale(helper, (a, 0), (x.sin(), u)),
+                    Function::Tan => self.scale(helper, (own, 0), (1.0 + u * u, 2.0 * u)),
+                    Function::Tanh => self.scale(helper, (own, 0), (1.0 - u * u, -2.0 * u)),
+                    _ => {}
+                }
+            }
+            Rule::Function(Function::Ln) => {
+                self.divide((own, a), Some(a), [own, a], (1..k, k), |i| -over_k(i));
+            }
+            Rule::Function(function) => {
+                // u̇ = ±ȧw with ẇ = ∓ȧu of a sine or a cosine, w = 1 ± u² of a tangent, w = u of the exponential
+                let sign = match function {
+                    Function::Cos | Function::Tanh => -1.0,
+                    _ => 1.0,
+                };
+                match function {
+                    Function::Sin | Function::Cos => {
+                        self.convolve(own, [a, helper], later.clone(), |i| sign * over_k(i));
+                        self.convolve(helper, [a, own], later, |i| -sign * over_k(i));
+                    }
+                    Function::Tan | Function::Tanh => {
+                        self.convolve(own, [a, helper], later, over_k);
+                        self.convolve(helper, [own, own], (0..k + 1, k), |_| sign);
+                    }
+                    _ => self.convolve(own, [a, own], later, over_k),
+                }
+            }
+        }
+    }
+}
+
+/// Whether a rule has a second component that is found with its own: the cosine of a sine, 1 ± u² of a tangent.
+fn has_helper(rule: Rule) -> bool {
+    use Function::{Cos, Sin, Tan, Tanh};
+    matches!(rule, Rule::Function(Sin | Cos | Tan | Tanh))
+}
+
+impl Series {
+    /// The series from z up to an order, with derivatives where they are asked for.
+    pub(super) fn new(
+        recurrences: Recurrences,
+        z: &Vector,
+        order: usize,
+        derivatives: bool,
+    ) -> Series {
+        let Recurrences {
+            steps,
+            base,
+            states,
+            ..
+        } = recurrences;
+        let size = base + steps.len();
+        let mut count = size;
+        let mut place = |operand: &Sparse| {
+            let component = operand.component();
+            component.unwrap_or_else(|| {
+                count += 1;
+                count - 1
+            })
+        };
+        let places: Arc<[[usize; 2]]> = steps
+            .iter()
+            .map(|step| step.operands.each_ref().map(&mut place))
+            .collect();
+        let table = recurrences.run(z, order, derivatives, &places, count);
+        Series {
+            size,
+            base,
+            states,
+            table: Arc::new(table),
+            places,
+            signs: recurrences.signs.to_vec(),
+            parameter: 0,
+        }
+    }
+}
+
+impl Recurrences<'_> {
+    /// The coefficients from z up to an order; `count` is the number of components and operands.
+    fn run(
+        &self,
+        z: &Vector,
+        order: usize,
+        derivatives: bool,
+        places: &[[usize; 2]],
+        count: usize,
+    ) -> Table {
+        let (orders, base, states) = (order + 1, self.base, self.states);
+        // cosines and sines follow from the phase, and what stays 1 has no derivative
+        let is_forced = base > states + 1;
+        let inner = states + usize::from(is_forced);
+        let groups = match derivatives {
+            true => (inner + self.parameters).div_ceil(TOGETHER),
+            false => 0,
+        };
+        let helpers = self.steps.iter().filter(|step| has_helper(step.rule));
+        let coefficients = orders * (count + helpers.count());
+        let mut table = Table {
+            orders,
+            values: vec![0.0; coefficients],
+            groups,
+            inner,
+            parameters: self.parameters,
+            lanes: vec![[0.0; TOGETHER]; groups * coefficients],
+        };
+        for c in 0..base {
+            table.values[c * orders] = z[c];
+        }
+        if derivatives {
+            let mut set = |c: usize, lane: usize, value: f64| {
+                let at = table.at(c, 0);
+                table.lanes[at + lane / TOGETHER][lane % TOGETHER] = value;
+            };
+            (0..states).for_each(|state| set(state, state, 1.0));
+            for (h, cosine) in (1..).zip((states + 1..base).step_by(2)) {
+                let h = f64::from(h);
+                set(cosine, states, -h * z[cosine + 1]);
+                set(cosine + 1, states, h * z[cosine]);
+            }
+        }
+        for k in 0..orders {
+            // what is found with a component comes after all others
+            let mut helper = count;
+            for (index, step) in self.steps.iter().enumerate() {
+                if self.needed[index] {
+                    let [a, b] = places[index];
+                    let own = base + index;
+                    let sign = self.signs.get(index).copied().unwrap_or(0.0);
+                    table.step(step, Places { a, b, own, helper }, k, sign);
+                }
+                helper += usize::from(has_helper(step.rule));
+            }
+            if k + 1 < orders {
+                let moving = self.rates.iter().enumerate();
+                for (c, rate) in moving.filter(|(_, rate)| !rate.0.is_empty()) {
+                    table.gather(c, rate, (k, k + 1), ((k + 1) as f64).recip());
+                }
+            }
+        }
+        table
+    }
+}
+
+impl Series {
+    /// Derivatives of the coefficient of this order of a component, in the states, in the phase where there is one, and in the
+    /// parameters.
+    fn lanes(&self, k: usize, c: usize) -> &[f64] {
+        let Table { groups, lanes, .. } = &*self.table;
+        lanes[self.table.at(c, k)..][..*groups].as_flattened()
+    }
+
+    /// Those in the states and in the phase.
+    pub(super) fn by_inner(&self, k: usize, c: usize) -> &[f64] {
+        &self.lanes(k, c)[..self.table.inner]
+    }
+
+    /// Derivatives in the components of z before the terms, from those in states and phase, put by their place: of the first cosine and
+    /// sine what makes that in the phase, along which alone they move.
+    fn spread(&self, lanes: &[f64], mut put: impl FnMut(usize, f64)) {
+        for (state, by) in lanes[..self.states].iter().enumerate() {
+            put(state, *by);
+        }
+        if self.table.inner > self.states {
+            let (cosine, sine) = (self.states + 1, self.states + 2);
+            let by_phase = lanes[self.states];
+            put(cosine, -by_phase * self.value(0, sine));
+            put(sine, by_phase * self.value(0, cosine));
+        }
+    }
+
+    /// Derivative in a parameter.
+    fn by_parameter(&self, lanes: &[f64], parameter: usize) -> f64 {
+        match parameter < self.table.parameters {
+            true => lanes[self.table.inner + parameter],
+            false => 0.0,
+        }
+    }
+
+    /// Coefficient of this order of a component.
+    pub fn value(&self, k: usize, c: usize) -> f64 {
+        self.table.value(c, k)
+    }
+
+    /// Coefficients of all orders of a component.
+    pub(super) fn values(&self, c: usize) -> &[f64] {
+        let Table { orders, values, .. } = &*self.table;
+        &values[c * orders..][..*orders]
+    }
+
+    /// The highest order.
+    fn order(&self) -> usize {
+        self.table.orders - 1
+    }
+
+    /// Components of z.
+    pub(super) fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Whether derivatives are known.
+    pub(super) fn has_derivatives(&self) -> bool {
+        self.table.groups > 0
+    }
+
+    /// Whether all numbers are.
+    pub(super) fn is_finite(&self) -> bool {
+        let Table { values, lanes, .. } = &*self.table;
+        let mut all = values.iter().chain(lanes.as_flattened());
+        all.all(|x| x.is_finite())
+    }
+
+    /// Coefficient of this order of the first operand of a step.
+    pub(super) fn operand(&self, k: usize, step: usize) -> f64 {
+        self.value(k, self.places[step][0])
+    }
+
+    /// Order of the first coefficient of the first operand of a step that is not zero but for rounding.
+    pub(super) fn first_order(&self, steps: &[Step], index: usize) -> usize {
+        let counts = |k: &usize| {
+            let terms = steps[index].operands[0].0.iter();
+            let size: f64 = terms
+                .map(|(c, by)| (by.value * self.value(*k, *c)).abs())
+                .sum();
+            self.operand(*k, index).abs() > KINK * size
+        };
+        (0..=self.order()).find(counts).unwrap_or(self.order())
+    }
+
+    /// The sign of that operand just after the beginning, or just before it.
+    pub(super) fn first_sign(&self, steps: &[Step], index: usize, direction: f64) -> f64 {
+        let k = self.first_order(steps, index);
+        (self.operand(k, index) * direction.powi(k as i32)).signum()
+    }
+
+    /// z at a time after the beginning.
+    pub fn at(&self, time: f64) -> Vector {
+        let of = |c: usize| {
+            let orders = self.values(c).iter().rev();
+            orders.fold(0.0, |sum, z| sum * time + z)
+        };
+        Vector::from_fn(self.size, |c, _| of(c))
+    }
+
+    /// z at the beginning, of this length.
+    pub(super) fn first(&self) -> Vector {
+        Vector::from_fn(self.size, |c, _| self.value(0, c))
+    }
+
+    /// Derivatives of z at a time in the components before the terms, and in the parameters.
+    pub fn derivatives(&self, time: f64) -> (Matrix, [Vector; VARYING]) {
+        self.derivatives_of(self.size, time)
+    }
+
+    /// The same for the first components, so many.
+    pub(super) fn derivatives_of(&self, count: usize, time: f64) -> (Matrix, [Vector; VARYING]) {
+        let mut at = Matrix::zeros(count, self.base);
+        let mut by: [Vector; VARYING] = std::array::from_fn(|_| Vector::zeros(count));
+        let mut sum = vec![0.0; self.table.groups * TOGETHER];
+        for c in 0..count {
+            let last = if time == 0.0 { 0 } else { self.order() };
+            sum.copy_from_slice(self.lanes(last, c));
+            for k in (0..last).rev() {
+                let pairs = sum.iter_mut().zip(self.lanes(k, c));
+                pairs.for_each(|(sum, next)| *sum = *sum * time + next);
+            }
+            self.spread(&sum, |column, x| at[(c, column)] = x);
+            for (parameter, by) in by.iter_mut().enumerate() {
+                by[c] = self.by_parameter(&sum, parameter);
+            }
+        }
+        (at, by)
+    }
+
+    /// The same series, of which derivatives in another parameter are asked for.
+    pub fn in_parameter(&self, parameter: usize) -> Series {
+        Series {
+            parameter,
+            ..self.clone()
+        }
+    }
+
+    /// Σ cᵢzᵢ of the coefficients of an order.
+    pub fn of(&self, row: &Vector, k: usize) -> f64 {
+        let all = row.iter().enumerate().filter(|(_, c)| **c != 0.0);
+        all.map(|(index, c)| c * self.value(k, index)).sum()
+    }
+
+    /// The same for a row of a system in one parameter, with its derivatives in the components of z at the beginning, and in
+    /// that parameter.
+    pub fn jet(&self, row: &Row, k: usize) -> (f64, Vector, f64) {
+        let mut by_z = Vector::zeros(self.size);
+        let mut by_parameter = self.of(&row.by[0], k);
+        for (index, c) in row.at.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+            let lanes = self.lanes(k, index);
+            self.spread(lanes, |place, by| by_z[place] += c * by);
+            by_parameter += c * self.by_parameter(lanes, self.parameter);
+        }
+        (self.of(&row.at, k), by_z, by_parameter)
+    }
+}
