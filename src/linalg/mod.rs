@@ -1,20 +1,23 @@
 //! The few dense operations the continuation needs.
 //!
-//! Newton systems have 8 to 40 unknowns and are solved by nalgebra's LU with partial pivoting,
-//! which at that size is two to three times faster than faer's blocked one; null vectors and
-//! condition numbers, wanted only at events, come from faer's singular value decomposition. That of
-//! nalgebra loses matrices of condition 1e5 whose entries differ in size, and is not used.
+//! Newton systems of 8 to 40 unknowns are solved by nalgebra's LU with partial pivoting,
+//! which at that size is two to three times faster than faer's blocked one; those of orbits of many zones, nearly all of
+//! whose entries are zero, by lists of their entries. Null vectors and condition numbers, wanted only at events, come from
+//! faer's singular value decomposition. That of nalgebra loses matrices of condition 1e5 whose entries differ in size, and
+//! is not used.
 
 mod balance;
 mod eigenvalues;
+mod factors;
 pub mod periodic_schur;
 mod solve;
 
 use faer::traits::ComplexField;
-use nalgebra::{DMatrix, DVector, Dyn, LU};
+use nalgebra::{DMatrix, DVector};
 
 pub use balance::balance;
 pub use eigenvalues::{Eigenvalue, eigenvalues, known_eigenvalues};
+pub use factors::Factors;
 pub use solve::{condition, pseudo_inverse, solve};
 
 /// Dense matrix, column-major.
@@ -35,28 +38,6 @@ pub fn add_product(factor: f64, left: &[f64], rows: usize, right: &[f64], sum: &
                 pairs.for_each(|(sum, entry)| *sum += weight * entry);
             }
         }
-    }
-}
-
-/// LU factors of a square matrix.
-#[derive(Clone, Debug)]
-pub struct Factors(LU<f64, Dyn, Dyn>);
-
-impl Factors {
-    /// Factorises a square matrix.
-    pub fn new(matrix: Matrix) -> Factors {
-        Factors(matrix.lu())
-    }
-
-    /// Solves in place. False when the matrix is singular to working precision or the solution is
-    /// not finite.
-    pub fn solve(&self, right_side: &mut Vector) -> bool {
-        self.0.solve_mut(right_side) && right_side.iter().all(|x| x.is_finite())
-    }
-
-    /// Inverse of the matrix, `None` when it is singular.
-    pub fn inverse(&self) -> Option<Matrix> {
-        self.0.try_inverse()
     }
 }
 

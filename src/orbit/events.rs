@@ -3,7 +3,9 @@
 use std::ops::Range;
 
 use super::special::{Close, Refusal};
-use super::{AtZero, Examined, Growth, Orbit, Shrinking, Verdict, find, retrace, uncertainty};
+use super::{
+    AtZero, Examined, Growth, Orbit, Shrinking, Verdict, find, paired, retrace, uncertainty,
+};
 use crate::continuation::arclength::{self, Node};
 use crate::continuation::locate::{self, Least, Place, Target};
 use crate::continuation::newton::{self, Constraint, Plane};
@@ -79,10 +81,7 @@ pub(super) fn is_vertical<O: Orbit>(orbit: &O, node: &Node) -> bool {
 /// Whether a margin that is positive at both ends of a step may have been negative between them:
 /// the cubic that shares values and slopes at the ends dips below zero.
 pub(super) fn may_hide_a_pair<O: Orbit>(orbit: &O, step: &Step<O>) -> bool {
-    step.before.margins().iter().any(|before| {
-        let Some(after) = find::<O>(step.after, before) else {
-            return false;
-        };
+    paired::<O>(step.before, step.after).any(|(before, after)| {
         let (m0, m1) = (O::value(before), O::value(after));
         // margins at zero belong to the event the step starts from
         if m0 <= AT_ZERO || m1 <= 0.0 {
@@ -149,10 +148,7 @@ pub(super) fn within<O: Orbit>(
         }
         _ => {}
     };
-    for before in step.before.margins() {
-        let Some(after) = find::<O>(step.after, before) else {
-            continue;
-        };
+    for (before, after) in paired::<O>(step.before, step.after) {
         // margins at zero belong to the event the step starts from
         if O::value(before) <= VANISHED || O::value(after) <= 0.0 {
             continue;

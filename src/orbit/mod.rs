@@ -425,6 +425,25 @@ pub fn find<'a, O: Orbit>(
     margins.find(|known| O::is_same(known, margin))
 }
 
+/// The margins of an examination with those of another that are the same functions. Both mostly have them in the same order.
+fn paired<'a, O: Orbit>(
+    before: &'a O::Examination,
+    after: &'a O::Examination,
+) -> impl Iterator<Item = (&'a O::Margin, &'a O::Margin)>
+where
+    O::Margin: 'a,
+{
+    let after = after.margins();
+    let mut next = 0;
+    before.margins().iter().filter_map(move |margin| {
+        let is_same = |known: &O::Margin| O::is_same(known, margin);
+        let here = after.get(next).is_some_and(is_same).then_some(next);
+        let place = here.or_else(|| after.iter().position(is_same))?;
+        next = place + 1;
+        Some((margin, &after[place]))
+    })
+}
+
 /// Error of the parameter at a point that a constraint fixes: rounding, and the last correction.
 fn uncertainty<O: Orbit>(orbit: &O, constraint: &mut impl Constraint<O>, place: &Place) -> f64 {
     let point = &place.node.point;
