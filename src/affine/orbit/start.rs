@@ -9,6 +9,7 @@ use super::Inadmissible;
 use super::behaviour::{Behaviour, RETURNED, behaviour, cycle};
 use super::ends::quoted;
 use super::layout::{AffineOrbit, OrbitFailure, Scales, Setting, ZonePoint};
+use super::multipliers::Multiplier;
 use super::row::SavedOrbit;
 use super::signature::{Sequence, Way, Zone};
 use crate::affine::mode::AffineSystem;
@@ -369,15 +370,23 @@ fn found(
     let Some((tried, off)) = course.nearly else {
         return pose(wanted, parts, course.periods, &FROM_A_GUESS);
     };
-    // an orbit that it settles on is next to a motion that has nearly returned: otherwise it came close by chance
-    pose(wanted, parts, course.periods, &FROM_NEARBY).map_err(|reason| match reason {
-        NoStart::Newton(_) | NoStart::Inadmissible(_) => NoStart::NotPeriodic {
-            periods: tried,
-            off,
-            looks: None,
-        },
+    let by_chance = NoStart::NotPeriodic {
+        periods: tried,
+        off,
+        looks: None,
+    };
+    // an orbit that it settles on is next to a motion that has nearly returned, and does not repel it: otherwise it came close by
+    // chance
+    let posed = pose(wanted, parts, course.periods, &FROM_NEARBY);
+    let (orbit, point) = posed.map_err(|reason| match reason {
+        NoStart::Newton(_) | NoStart::Inadmissible(_) => by_chance.clone(),
         reason => reason,
-    })
+    })?;
+    let multipliers = orbit.multipliers(&point).unwrap_or_default();
+    match multipliers.iter().any(Multiplier::is_outside) {
+        true => Err(by_chance),
+        false => Ok((orbit, point)),
+    }
 }
 
 /// The orbit that was saved, at the values wanted.
