@@ -369,6 +369,21 @@ class Certificates(unittest.TestCase):
             with self.subTest(condition=condition):
                 self.meant("mark", "inequalities: refused: that exit 0 is not taken", before, "that exit 0 is not taken", source=source, table=only)
 
+    def test_an_event_stated_twice(self):
+        for name, kind in ("impact", "LP"), ("impact", "GR"), ("friction", "SL"):
+            rows = []
+
+            def again(certificate, _):
+                points = certificate["points"]
+                rows[:] = [[point["kind"] for point in points].index(kind), str(int(points[-1]["label"]) + 1)]
+                points.append(points[rows[0]] | {"label": int(rows[1])})
+
+            def table(text):
+                row = text.splitlines()[1 + rows[0]]
+                return text + rows[1] + row[row.index(",") :] + "\n"
+
+            self.meant(name, "traversed once: refused: it is that of label", again, "not an earlier point", table=table)
+
     def test_an_orbit_traversed_twice(self):
         def twice(certificate, proofs):
             del certificate["points"][1:]

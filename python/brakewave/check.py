@@ -13,7 +13,7 @@ import csv
 import re
 import sys
 from fractions import Fraction
-from math import inf
+from math import cos, inf, sin
 from pathlib import Path
 
 try:
@@ -203,6 +203,12 @@ class Statements:
         if self.point.get("arc") == "Proven":
             yield "arc", self.arc
 
+    def first(self):
+        """That no point before it is of the same event."""
+        for other in self.earlier:
+            same = hasattr(other, "solved") and other.point["kind"] == self.point["kind"] and self.is_event_of(other)
+            must(not same, f"it is that of label {whole(other.point['label'])}")
+
     def arc_is_one(self):
         arc = self.point.get("arc")
         must(arc in (None, "Proven") or isinstance(arc, Tagged) and arc.name == "Open", "an arc that is neither proven nor open")
@@ -357,19 +363,21 @@ class Point(Statements):
             must(not wave.at_zero or wave.is_simple(self.parts), "λ = 0 may be a double eigenvalue")
             found += [("ω", self.omega, self.said["omega"])]
         self.compare(found)
+        self.which = [found[0][1], found[1][1]]
         self.solved = wave
 
     def once(self):
         must(self.solved.primitive(self.x), "it may be a wave of a part of the wavelength")
-        for other in self.earlier:
-            must(not hasattr(other, "solved") or not self.is_event_of(other), f"it is that of label {whole(other.point['label'])}")
+        self.first()
 
     def is_event_of(self, other):
         """Whether the event of another point may be the same. Values of the parameter are none."""
         one, two = self.solved, other.solved
-        if (one.kind, one.watch, one.zone, one.zones) != (two.kind, two.watch, two.zone, two.zones) or one.kind == "Value":
+        if one.kind != two.kind or one.kind == "Value":
             return False
-        same = all(a.overlaps(b) for a, b in zip(self.x[: one.base], other.x[: two.base]))
+        entries = [[[float(y) for y in zone[:2]] for zone in point.proof["near"]["zones"]] for point in (self, other)]
+        meet = all(a.overlaps(b) for a, b in zip(self.which, other.which))
+        same = meet and begin_alike(*entries)
         if one.kind != "Crossing":
             return same
         conjugate = (one.sector + two.sector) % one.mode == 0 and self.omega.overlaps(-other.omega)
@@ -474,8 +482,13 @@ class Point(Statements):
             unstable="yes" if grows else "", stable=stable, growing=growing, stable_why=why,
         )  # fmt: skip
 
+    def perturbed(self):
+        if not isinstance(self.solved, Perturbed):
+            raise NotCovered("eigenvalues with material damping")
+        return self.solved
+
     def eigenvalue(self, said):
-        ball = self.solved.eigenvalue(self.parts, said["sector"], said["near"])
+        ball = self.perturbed().eigenvalue(self.parts, said["sector"], said["near"])
         holds = between(ball.real, said["growth"]) and between(ball.imag, said["omega"])
         must(holds, f"it is {ball.str(15, radius=False)}")
 
@@ -491,9 +504,9 @@ class Point(Statements):
             sector = min(self.solved.sector, mode - self.solved.sector)
             must(abs(self.omega) < window, "what crosses lies beyond the window")
             known[sector] += 2 if self.solved.is_real(sector) and not self.solved.at_zero else 1
-        known[0] += self.solved.swings(self.parts, window)
+        known[0] += self.perturbed().swings(self.parts, window)
         with ctx.workprec(COUNTING):
-            found = self.solved.growing(self.parts, sectors, window, known, self.discs)
+            found = self.perturbed().growing(self.parts, sectors, window, known, self.discs)
         must(found == [whole(count) for count in growth["counts"]], f"they are {found}")
         if self.source is not None and "max_frequency" in (self.source.get("stability") or {}):
             asked = self.source["stability"]["max_frequency"]
@@ -506,14 +519,14 @@ class Point(Statements):
         window = float(self.growth.value["window"])
         near = [it["near"] for it in self.proof.get("eigenvalues", []) if it["sector"] == sector]
         must(len(near) == 1, "no eigenvalue of this sector is enclosed")
-        ball = self.solved.eigenvalue(self.parts, said["sector"], near[0])
+        ball = self.perturbed().eigenvalue(self.parts, said["sector"], near[0])
         must(sector or not ball.contains(0), "it is the translation mode")
         must(ball.real > line, "the eigenvalue is left of the line")
         must(abs(ball.imag) < window, "the eigenvalue lies beyond the window")
         paired = 2 * sector in (0, mode) and not ball.imag.contains(0)
         expected = 1 + int(paired) + int(sector == 0 and line < 0)
         with ctx.workprec(COUNTING):
-            (found,) = self.solved.right_of(self.parts, [sector], window, line, self.discs)
+            (found,) = self.perturbed().right_of(self.parts, [sector], window, line, self.discs)
         must(found == expected, f"{found} eigenvalues are right of the line, not {expected}")
 
     def verdict(self):
@@ -528,6 +541,15 @@ class Point(Statements):
         if isinstance(verdict, Tagged) and verdict.name == "Stable" and follows == "HighFrequency":
             raise NotCovered("eigenvalues of high frequency")
         must(verdict == follows, f"what is counted makes it {follows}")
+
+
+def begin_alike(one, other):
+    """Whether every zone of the one of two orbits that has fewer begins where one of the other does: whatever zone is the first, and
+    from whatever side of an event either is seen."""
+    sizes = [max(map(abs, numbers)) for numbers in zip(*one, *other)]
+    alike = lambda a, b: all(abs(x - y) <= 1e-6 * size for x, y, size in zip(a, b, sizes))
+    fewer, more = sorted((one, other), key=len)
+    return all(any(alike(a, b) for b in more) for a in fewer)
 
 
 def condition_of(proof):
@@ -643,6 +665,17 @@ class OrbitPoint(Statements):
 
     def once(self):
         must(self.solved.primitive(self.x), "it may be an orbit of a part of it")
+        self.first()
+
+    def is_event_of(self, other):
+        """Whether the event of another point may be the same. Values of the parameter are none."""
+        if self.solved.kind != other.solved.kind or self.solved.kind == "Value":
+            return False
+        if self.solved.kind == "Torus" and not self.angle.overlaps(other.angle):
+            return False
+        circle = lambda phase: [cos(phase), sin(phase)]
+        entries = [[[*map(float, zone["state"]), *circle(float(zone["phase"]))] for zone in point.proof["near"]["zones"]] for point in (self, other)]
+        return self.value.overlaps(other.value) and self.period.overlaps(other.period) and begin_alike(*entries)
 
     def orbit(self):
         names = list(self.posed["system"]["parameters"])

@@ -32,6 +32,10 @@ pub trait Provable: Data {
     /// What a point says of the number of multipliers or eigenvalues that grow.
     fn tally(point: &Point<Self>) -> Tally;
 
+    /// Whether the event of another proof may be the same one. A value of the parameter is none: several may be one orbit, for a
+    /// closed branch ends where it began.
+    fn is_event_of(&self, other: &Self) -> bool;
+
     /// Takes out the system that its equations are of, where that is a user's.
     fn take_system(&mut self) -> Option<System> {
         None
@@ -93,6 +97,39 @@ impl<P: Provable> Certificate<P> {
         }
         self
     }
+}
+
+/// Labels of events that an earlier one of a certificate is already: of the same type, at the same orbit, whatever zone that begins
+/// with and from whatever side it is seen.
+pub fn repeated<P: Provable>(points: &[Point<P>]) -> Vec<usize> {
+    let is_one = |one: &Point<P>, other: &Point<P>| {
+        let proofs = one.proof().zip(other.proof());
+        one.kind == other.kind && proofs.is_some_and(|(a, b)| a.is_event_of(b))
+    };
+    let all = points.iter().enumerate();
+    let again = all.filter(|(index, point)| points[..*index].iter().any(|one| is_one(one, point)));
+    again.map(|(_, point)| point.label).collect()
+}
+
+/// Whether every zone of the one of two orbits that has fewer begins where one of the other does, by the numbers at their entries.
+pub(super) fn begin_alike(one: &[Vec<f64>], other: &[Vec<f64>]) -> bool {
+    /// Orbits in doubles are known to this share of their largest numbers.
+    const KNOWN: f64 = 1e-6;
+    let largest = |index: usize| {
+        let all = one.iter().chain(other);
+        let numbers = all.filter_map(|entry| entry.get(index));
+        numbers.fold(0.0, |most: f64, number| most.max(number.abs()))
+    };
+    let agree = |a: &Vec<f64>, b: &Vec<f64>| {
+        let mut pairs = a.iter().zip(b).enumerate();
+        pairs.all(|(index, (a, b))| (a - b).abs() <= KNOWN * largest(index))
+    };
+    let (fewer, more) = match one.len() <= other.len() {
+        true => (one, other),
+        false => (other, one),
+    };
+    let mut fewer = fewer.iter();
+    fewer.all(|a| more.iter().any(|b| agree(a, b)))
 }
 
 /// A special point of a branch.

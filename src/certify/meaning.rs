@@ -8,11 +8,12 @@
 //! | crossing | 0 ≤ j < k; 0 is not in ω of an HB; at a BP j ≡ −j and ω = 0 |
 //! | beyond | the cycle of zones is another, and an event of the same type is proven there |
 
+use super::certificate::begin_alike;
 use super::change::{self, Beyond};
 use super::frame::{Frame, Origin};
 use super::krawczyk;
 use super::system::{Condition, Near, Posed, System};
-use super::{Open, Point, Proof, Refused};
+use super::{Open, Proof, Refused};
 use crate::interval::{Decimal, Interval};
 use crate::orbit::{EventType, Orbit};
 use crate::tube::model::signature::{Entry, Regime, Signature};
@@ -241,26 +242,8 @@ pub(super) fn check_beyond(
         .map_err(|reason| Refused::NoProof(reason.to_string()))
 }
 
-/// Labels of events that an earlier one of a certificate is already: the same condition holds in the same zones, and the
-/// intervals of all that is stated meet. Of values of the parameter several may be the same wave: a closed branch ends where
-/// it began.
-pub fn repeated(points: &[Point]) -> Vec<usize> {
-    let events: Vec<(usize, &Proof)> = points
-        .iter()
-        .filter_map(|point| Some((point.label, point.proof()?)))
-        .collect();
-    let earlier = |index: usize, proof: &Proof| {
-        events[..index]
-            .iter()
-            .any(|(_, one)| is_same_event(one, proof))
-    };
-    let all = events.iter().enumerate();
-    all.filter(|(index, (_, proof))| earlier(*index, proof))
-        .map(|(_, (label, _))| *label)
-        .collect()
-}
-
-fn is_same_event(one: &Proof, other: &Proof) -> bool {
+/// Whether the event of another wave may be the same one.
+pub(super) fn is_event_of(one: &Proof, other: &Proof) -> bool {
     let meet = |a: Interval, b: Interval| !a.intersection(b).is_empty();
     let (first, second) = (&one.statement, &other.statement);
     let crosses_alike = |a: usize, b: usize| {
@@ -271,24 +254,19 @@ fn is_same_event(one: &Proof, other: &Proof) -> bool {
         })
     };
     let alike = match (&one.condition, &other.condition) {
-        (Condition::Fold, Condition::Fold) => true,
+        (Condition::Fold, Condition::Fold)
+        | (Condition::Margin { .. }, Condition::Margin { .. }) => true,
         (Condition::Crossing { sector: a, .. }, Condition::Crossing { sector: b, .. }) => {
             crosses_alike(*a, *b)
         }
-        (
-            Condition::Margin { watch, zone, .. },
-            Condition::Margin {
-                watch: other,
-                zone: at,
-                ..
-            },
-        ) => watch == other && zone == at,
         _ => false,
     };
-    let mut lengths = first.lengths.iter().zip(&second.lengths);
+    let entries = |proof: &Proof| -> Vec<Vec<f64>> {
+        let zones = proof.near.zones.iter();
+        zones.map(|[y, w, _]| vec![*y, *w]).collect()
+    };
     alike
-        && one.near.signature == other.near.signature
         && meet(first.parameter, second.parameter)
         && meet(first.speed, second.speed)
-        && lengths.all(|(a, b)| meet(*a, *b))
+        && begin_alike(&entries(one), &entries(other))
 }

@@ -37,6 +37,7 @@ mod system;
 mod tail;
 mod tally;
 
+pub use certificate::repeated;
 pub use certificate::{
     Certificate, Counted, Outcome, Point, Proof, Provable, Refused, Statement, Stretch, Tally,
 };
@@ -44,7 +45,6 @@ pub use change::Beyond;
 pub use count::{Growth, Leading, Uncounted, Verdict};
 pub use frame::{Origin, Written};
 pub use inequality::Unproven;
-pub use meaning::repeated;
 pub use open::Open;
 pub use perturbation::Eigenvalue;
 #[cfg(feature = "cli")]
@@ -76,6 +76,10 @@ impl Provable for Proof {
 
     fn arc(from: &Proof, to: &Proof) -> Result<(), Broken<Unproven, NotBeyond>> {
         stretch::prove(from, to)
+    }
+
+    fn is_event_of(&self, other: &Proof) -> bool {
+        meaning::is_event_of(self, other)
     }
 
     fn tally(point: &Point) -> Tally {

@@ -188,11 +188,7 @@ fn verify(path: &Path, quiet: bool) -> Result<Exit, Failure> {
                 Some((Any::Tube(problem), text)) => Requested::new(problem, text),
                 _ => None,
             };
-            let again = certify::repeated(points);
             told(&file, points, quiet, |point, proof| {
-                if again.contains(&point.label) {
-                    return Err(Refused::Statement("that it is not an earlier point"));
-                }
                 let request = requested.as_ref().map(|it| it.check(point, proof));
                 request.unwrap_or(Ok(()))?;
                 certify::proven_again(point, proof)
@@ -235,10 +231,15 @@ fn told<P: Certified + Send + Sync>(
 where
     Point<P>: Send + Sync,
 {
+    let again = certify::repeated(points);
+    let verify = |point: &Point<P>, proof: &P| match again.contains(&point.label) {
+        true => Err(Refused::Statement("that it is not an earlier point")),
+        false => verify(point, proof),
+    };
     let indices: Vec<usize> = (0..points.len()).collect();
     let verdicts: Vec<(String, Point<P>)> = each(quiet, &indices, "points", |&index| {
         let before = index.checked_sub(1).map(|before| &points[before]);
-        verdict(&points[index], before, &verify)
+        verdict(&points[index], before, verify)
     });
     let (verdicts, again): (Vec<String>, Vec<Point<P>>) = verdicts.into_iter().unzip();
     let agrees = table_agrees(&file.with_file_name(CERTIFICATES), &again)?;

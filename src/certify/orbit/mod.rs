@@ -37,10 +37,10 @@ pub(crate) use requested::Requested;
 pub use system::{Condition, Near, Posed};
 
 use super::arc::{Broken, Moving};
-use super::certificate::{Point, Provable, Refused, Tally};
+use super::certificate::{Point, Provable, Refused, Tally, begin_alike};
 use super::{krawczyk, wider};
 use crate::affine::orbit::candidates::candidates;
-use crate::affine::orbit::{AffineOrbit, Critical, Margin, Sequence, Watch};
+use crate::affine::orbit::{AffineOrbit, Critical, Margin, Sequence, Watch, ZonePoint};
 use crate::affine::system::System;
 use crate::hybrid::Item;
 use crate::interval::{Decimal, Interval, Number, PI};
@@ -115,6 +115,30 @@ impl Provable for Proof {
 
     fn arc(from: &Proof, to: &Proof) -> Result<(), Broken<Unproven, NotBeyond>> {
         arc::prove(from, to)
+    }
+
+    fn is_event_of(&self, other: &Proof) -> bool {
+        let meet = |a: Interval, b: Interval| !a.intersection(b).is_empty();
+        let (first, second) = (&self.statement, &other.statement);
+        let angles = match (first.angle, second.angle) {
+            (Some(a), Some(b)) => meet(a, b),
+            _ => true,
+        };
+        let is_value = |proof: &Proof| matches!(proof.condition, Condition::Value(_));
+        let entries = |proof: &Proof| -> Vec<Vec<f64>> {
+            let zones = proof.near.zones.iter();
+            let entry = |zone: &ZonePoint| {
+                let states = zone.state.iter().copied();
+                states.chain([zone.phase.cos(), zone.phase.sin()]).collect()
+            };
+            zones.map(entry).collect()
+        };
+        !is_value(self)
+            && !is_value(other)
+            && angles
+            && meet(first.parameter, second.parameter)
+            && meet(first.period, second.period)
+            && begin_alike(&entries(self), &entries(other))
     }
 
     fn tally(point: &Point<Proof>) -> Tally {
