@@ -1,7 +1,7 @@
 //! Run times of branches of orbits, as a table: `cargo run --release --example orbits`.
 //!
 //! Each time is the median of repeated runs in one process on one thread, from the first orbit to the last point,
-//! with every event, row and multiplier, without files. `-- relay "ten masses"` runs these problems alone.
+//! with every event, row and multiplier, without files. `-- relay "40 zones"` runs these problems alone.
 
 use std::time::Instant;
 
@@ -13,57 +13,195 @@ use brakewave::problem::{Any, parse_any};
 const RUNS: usize = 50;
 const SECONDS: f64 = 3.0;
 
+/// Problem files of their own.
+const PROBLEMS: [(&str, &str); 7] = [
+    (
+        "impact oscillator",
+        include_str!("../problems/impact_oscillator.ron"),
+    ),
+    (
+        "friction oscillator",
+        include_str!("../problems/friction_oscillator.ron"),
+    ),
+    ("Chua's circuit", include_str!("../problems/chua.ron")),
+    ("relay", include_str!("../problems/relay.ron")),
+    (
+        "buck converter",
+        include_str!("../problems/buck_converter.ron"),
+    ),
+    (
+        "bouncing ball",
+        include_str!("../problems/bouncing_ball.ron"),
+    ),
+    ("ten masses", include_str!("../problems/chain.ron")),
+];
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
-    println!(
-        "| problem | states | points | events | ms | ms for 100 points |\n|---|---|---|---|---|---|"
-    );
-    for (name, text) in [
-        (
-            "impact oscillator",
-            include_str!("../problems/impact_oscillator.ron"),
-        ),
-        (
-            "friction oscillator",
-            include_str!("../problems/friction_oscillator.ron"),
-        ),
-        ("Chua's circuit", include_str!("../problems/chua.ron")),
-        ("relay", include_str!("../problems/relay.ron")),
-        (
-            "buck converter",
-            include_str!("../problems/buck_converter.ron"),
-        ),
-        (
-            "bouncing ball",
-            include_str!("../problems/bouncing_ball.ron"),
-        ),
-        ("ten masses", include_str!("../problems/chain.ron")),
-    ] {
-        if !wanted.is_empty() && !wanted.iter().any(|one| one == name) {
-            continue;
+    let own = PROBLEMS.map(|(name, text)| (name.to_owned(), text.to_owned()));
+    let others = [
+        ("cubic spring at a stop".to_owned(), cubic()),
+        ("Duffing, 1e-15".to_owned(), duffing(1e-15)),
+        ("Duffing, 1e-12".to_owned(), duffing(1e-12)),
+        ("van der Pol".to_owned(), van_der_pol()),
+        ("25 masses".to_owned(), masses(25)),
+    ];
+    let zones = [2, 8, 40, 100].map(|count| (format!("{count} zones"), zones(count)));
+    println!("| problem | states | points | events | ms | µs a point |\n|---|---|---|---|---|---|");
+    for (name, text) in own.into_iter().chain(others).chain(zones) {
+        if wanted.is_empty() || wanted.contains(&name) {
+            println!("{}", timed(&name, &text)?);
         }
-        let Any::System(problem) = parse_any(text, name)? else {
-            continue;
-        };
-        let continuation = problem.continuation(text, name)?;
-        let begun = Instant::now();
-        let (mut times, mut points, mut events) = (Vec::new(), 0, 0);
-        while times.len() < RUNS && begun.elapsed().as_secs_f64() < SECONDS {
-            let mut run = Runner::begin(&problem, continuation, None)?;
-            let begun = Instant::now();
-            while run.progress().end.is_none() {
-                run.step();
-            }
-            times.push(1e3 * begun.elapsed().as_secs_f64());
-            (points, events) = (run.progress().points, run.progress().events);
-        }
-        times.sort_by(f64::total_cmp);
-        let time = times[times.len() / 2];
-        let states = problem.system.source.states.len();
-        println!(
-            "| {name} | {states} | {points} | {events} | {time:.2} | {:.2} |",
-            100.0 * time / points as f64
-        );
     }
     Ok(())
+}
+
+/// The line of a problem.
+fn timed(name: &str, text: &str) -> Result<String, Box<dyn std::error::Error>> {
+    let Any::System(problem) = parse_any(text, name)? else {
+        return Err(format!("{name} has no system").into());
+    };
+    let continuation = problem.continuation(text, name)?;
+    let begun = Instant::now();
+    let (mut times, mut points, mut events) = (Vec::new(), 0, 0);
+    while times.len() < RUNS && begun.elapsed().as_secs_f64() < SECONDS {
+        let mut run = Runner::begin(&problem, continuation, None)?;
+        let begun = Instant::now();
+        while run.progress().end.is_none() {
+            run.step();
+        }
+        times.push(1e3 * begun.elapsed().as_secs_f64());
+        (points, events) = (run.progress().points, run.progress().events);
+    }
+    times.sort_by(f64::total_cmp);
+    let time = times[times.len() / 2];
+    let states = problem.system.source.states.len();
+    Ok(format!(
+        "| {name} | {states} | {points} | {events} | {time:.2} | {:.0} |",
+        1e3 * time / points as f64
+    ))
+}
+
+/// A hardening oscillator at a stop, down to the graze at which impacts end.
+fn cubic() -> String {
+    r#"(
+        system: (
+            states: ["x", "v"],
+            parameters: {"c": 0.1, "A": 0.8, "w": 1.2, "d": 1.0, "e": 0.8},
+            forcing: "w",
+            modes: {"free": (
+                rates: {"x": "v", "v": "A*cos(phase) - c*v - x - x^3"},
+                until: [(zero: "d - x", to: "free", reset: {"v": "-e*v"})],
+            )},
+        ),
+        orbit: (start: Simulate(mode: "free", state: {"x": 0.0, "v": 0.0}, settle: 100)),
+        continuation: (parameter: "A", range: (0.3, 0.8), toward: Down, stop_after: [(event: GR, count: 1)]),
+        stability: (),
+    )"#
+    .to_owned()
+}
+
+/// A hardening oscillator round both folds of its resonance, integrated to a tolerance.
+fn duffing(tolerance: f64) -> String {
+    format!(
+        r#"(
+        system: (
+            states: ["x", "v"],
+            parameters: {{"w": 2.2, "c": 0.1, "A": 0.3}},
+            forcing: "w",
+            modes: {{"flow": (rates: {{"x": "v", "v": "A*cos(phase) - c*v - x - x^3"}})}},
+            flow_tolerance: {tolerance:e},
+        ),
+        orbit: (start: Simulate(mode: "flow", state: {{"x": 0.0, "v": 0.0}}, settle: 200)),
+        continuation: (parameter: "w", range: (1.2, 2.2), toward: Down),
+        stability: (),
+    )"#
+    )
+}
+
+/// A relaxation oscillation, in two modes that meet at y = 0.
+fn van_der_pol() -> String {
+    r#"(
+        system: (
+            states: ["x", "y"],
+            parameters: {"mu": 1.0},
+            define: {"rate": "mu*(1 - x^2)*y - x"},
+            modes: {
+                "up": (rates: {"x": "y", "y": "rate"}, until: [(zero: "y", to: "down")]),
+                "down": (rates: {"x": "y", "y": "rate"}, until: [(zero: "-y", to: "up")]),
+            },
+        ),
+        orbit: (start: Simulate(mode: "down", state: {"x": 1.0, "y": -0.1}, settle: 100)),
+        continuation: (parameter: "mu", range: (1.0, 10.0), toward: Up),
+        stability: (),
+    )"#
+    .to_owned()
+}
+
+/// An oscillator pushed by another force in each of so many parts of a period that a clock counts.
+fn zones(count: usize) -> String {
+    let mode = |index: usize| {
+        let force = 0.5 * ((7 * index % 5) as f64 - 2.0) + 0.1;
+        let end = (index + 1) as f64 / count as f64;
+        let (next, reset) = match index + 1 == count {
+            true => (0, r#", reset: {"s": "s - 1"}"#),
+            false => (index + 1, ""),
+        };
+        format!(
+            r#""m{index}": (rates: {{"x": "v", "v": "A*({force}) - c*v - 4*x", "s": "1"}},
+                until: [(zero: "{end} - s", to: "m{next}"{reset})]),"#
+        )
+    };
+    let modes: String = (0..count).map(mode).collect();
+    format!(
+        r#"(
+        system: (states: ["x", "v", "s"], parameters: {{"A": 1.0, "c": 0.3}}, modes: {{{modes}}}),
+        orbit: (start: Simulate(mode: "m0", state: {{"x": 0.0, "v": 0.0, "s": 0.0}}, settle: 60)),
+        continuation: (parameter: "c", range: (0.3, 1.0), toward: Up, max_points: 100),
+        stability: (),
+    )"#
+    )
+}
+
+/// A chain of so many masses like that of the problem file, with more damping.
+fn masses(count: usize) -> String {
+    let all = |of: &dyn Fn(usize) -> String| -> String {
+        let parts: Vec<String> = (1..=count).map(of).collect();
+        parts.join(", ")
+    };
+    let force = |k: usize| match k {
+        1 => r#""f1": "-x1 - b*v1""#.to_owned(),
+        _ => format!(r#""f{k}": "x{0} - x{k} + b*(v{0} - v{k})""#, k - 1),
+    };
+    let rate = |k: usize| {
+        let drive = if k == 1 { "A*cos(phase) + " } else { "" };
+        let next = if k < count {
+            format!(" - f{}", k + 1)
+        } else {
+            String::new()
+        };
+        format!(r#""x{k}": "v{k}", "v{k}": "{drive}f{k}{next} - m*v{k}""#)
+    };
+    format!(
+        r#"(
+        system: (
+            states: [{}, {}],
+            parameters: {{"A": 1.2, "w": 0.42, "b": 0.2, "m": 0.1, "d": 0.1, "e": 0.8}},
+            forcing: "w",
+            define: {{{}}},
+            modes: {{"free": (
+                rates: {{{}}},
+                until: [(zero: "d - x{count}", to: "free", reset: {{"v{count}": "-e*v{count}"}})],
+            )}},
+        ),
+        orbit: (start: Simulate(mode: "free", settle: 400, state: {{{}}})),
+        continuation: (parameter: "A", range: (0.1, 1.2), toward: Down, max_points: 100),
+        stability: (),
+    )"#,
+        all(&|k| format!(r#""x{k}""#)),
+        all(&|k| format!(r#""v{k}""#)),
+        all(&force),
+        all(&rate),
+        all(&|k| format!(r#""x{k}": 0.0, "v{k}": 0.0"#)),
+    )
 }
