@@ -353,8 +353,8 @@ pub(crate) fn point(
     let cycle = orbit.cycle(unknowns).ok();
     let multipliers = asked.then(|| {
         let all = &examination.multipliers;
-        let finite = all.iter().all(Multiplier::is_finite);
-        if finite { all.clone() } else { Vec::new() }
+        let known = all.iter().all(Multiplier::is_known);
+        if known { all.clone() } else { Vec::new() }
     });
     // at a graze there are none; where all are trivial nothing grows
     let known = multipliers.as_ref().filter(|all| !all.is_empty());

@@ -9,6 +9,8 @@ use brakewave::orbit::Stability;
 use brakewave::orbit::legs::Run;
 use brakewave::problem::{Any, SystemProblem, parse_any, read_any};
 
+use super::ending::CLOCK;
+
 /// The rows of a branch, and how many points it has at most.
 fn branch(problem: &SystemProblem, most: usize) -> Vec<Item> {
     let continuation = problem.continuation.as_ref().unwrap();
@@ -614,4 +616,24 @@ fn no_system_drawn_by_chance_changes_its_stability_in_silence() {
         }
     }
     assert!(begun >= 10, "{begun}");
+}
+
+/// Where a pendulum comes back to its kick at no speed what is perturbed is divided by that speed and multiplied by it: nothing but
+/// rounding is left of its multiplier, and none is told. Everywhere else one is known better than by its size.
+#[test]
+fn a_multiplier_that_is_lost_is_not_told() {
+    let start = r#"(start: Simulate(mode: "right", state: {"x": 0.0, "v": 1.0}, settle: 400))"#;
+    let along = r#"(parameter: "p", range: (0.05, 0.3), toward: Down)"#;
+    let items = rows(&problem(CLOCK, start, along));
+    let kind = |item: &Item| item.event.as_ref().map(|event| event.kind);
+    assert!(items.iter().any(|item| kind(item) == Some(EventType::GR)));
+    for item in &items {
+        let told = &item.point.multipliers;
+        let is_graze = matches!(kind(item), Some(EventType::GR | EventType::MX));
+        assert_eq!(told.is_empty(), is_graze);
+        assert!(
+            told.iter()
+                .all(|one| one.error <= one.value.norm().max(1.0))
+        );
+    }
 }

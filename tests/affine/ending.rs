@@ -102,7 +102,7 @@ fn a_jump_of_the_return_map_is_an_end() {
 }
 
 /// A clock: a pendulum with dry friction, kicked as it comes back through x = 0, in which nobody has written down stick.
-const CLOCK: &str = r#"(
+pub(crate) const CLOCK: &str = r#"(
     states: ["x", "v"],
     parameters: {"f": 0.05, "z": 0.02, "p": 0.3},
     define: {"s": "-sin(x) - 2*z*v"},

@@ -39,6 +39,12 @@ impl Multiplier {
         self.value.norm() < INFINITE
     }
 
+    /// Whether it is finite and not lost in its error: where a graze magnifies rounding without bound, and what follows makes
+    /// it finite again, nothing is left of it.
+    pub fn is_known(&self) -> bool {
+        self.is_finite() && self.error <= self.value.norm().max(1.0)
+    }
+
     /// Whether the orbit grows along it.
     pub fn is_outside(&self) -> bool {
         !self.trivial && self.value.norm() > 1.0 + ON_CIRCLE.max(self.error)
