@@ -14,7 +14,7 @@ const RUNS: usize = 50;
 const SECONDS: f64 = 3.0;
 
 /// Problem files of their own.
-const PROBLEMS: [(&str, &str); 7] = [
+const PROBLEMS: [(&str, &str); 8] = [
     (
         "impact oscillator",
         include_str!("../problems/impact_oscillator.ron"),
@@ -34,13 +34,16 @@ const PROBLEMS: [(&str, &str); 7] = [
         include_str!("../problems/bouncing_ball.ron"),
     ),
     ("ten masses", include_str!("../problems/chain.ron")),
+    (
+        "cubic spring at a stop",
+        include_str!("../problems/duffing_wall.ron"),
+    ),
 ];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
     let own = PROBLEMS.map(|(name, text)| (name.to_owned(), text.to_owned()));
     let others = [
-        ("cubic spring at a stop".to_owned(), cubic()),
         ("Duffing, 1e-15".to_owned(), duffing(1e-15)),
         ("Duffing, 1e-12".to_owned(), duffing(1e-12)),
         ("van der Pol".to_owned(), van_der_pol()),
@@ -80,25 +83,6 @@ fn timed(name: &str, text: &str) -> Result<String, Box<dyn std::error::Error>> {
         "| {name} | {states} | {points} | {events} | {time:.2} | {:.0} |",
         1e3 * time / points as f64
     ))
-}
-
-/// A hardening oscillator at a stop, down to the graze at which impacts end.
-fn cubic() -> String {
-    r#"(
-        system: (
-            states: ["x", "v"],
-            parameters: {"c": 0.1, "A": 0.8, "w": 1.2, "d": 1.0, "e": 0.8},
-            forcing: "w",
-            modes: {"free": (
-                rates: {"x": "v", "v": "A*cos(phase) - c*v - x - x^3"},
-                until: [(zero: "d - x", to: "free", reset: {"v": "-e*v"})],
-            )},
-        ),
-        orbit: (start: Simulate(mode: "free", state: {"x": 0.0, "v": 0.0}, settle: 100)),
-        continuation: (parameter: "A", range: (0.3, 0.8), toward: Down, stop_after: [(event: GR, count: 1)]),
-        stability: (),
-    )"#
-    .to_owned()
 }
 
 /// A hardening oscillator round both folds of its resonance, integrated to a tolerance.

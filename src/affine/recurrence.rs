@@ -86,7 +86,7 @@ pub struct Series {
     size: usize,
     base: usize,
     states: usize,
-    table: Arc<Table>,
+    table: Arc<CoefficientTable>,
     /// Place of the operands of every step in the table.
     places: Arc<[[usize; 2]]>,
     /// Signs of the operands of `abs`.
@@ -97,7 +97,7 @@ pub struct Series {
 
 /// Coefficients of components, operands and what is found with a component: of every place all orders after one another.
 #[derive(Clone, Debug)]
-struct Table {
+struct CoefficientTable {
     orders: usize,
     values: Vec<f64>,
     /// Groups of derivatives that a coefficient has, none where they are not asked for: in what z is made of at the beginning, so
@@ -117,7 +117,7 @@ struct Places {
     helper: usize,
 }
 
-impl Table {
+impl CoefficientTable {
     fn value(&self, place: usize, k: usize) -> f64 {
         self.values[place * self.orders + k]
     }
@@ -387,7 +387,7 @@ impl Recurrences<'_> {
         derivatives: bool,
         places: &[[usize; 2]],
         count: usize,
-    ) -> Table {
+    ) -> CoefficientTable {
         let (orders, base, states) = (order + 1, self.base, self.states);
         // cosines and sines follow from the phase, and what stays 1 has no derivative
         let is_forced = base > states + 1;
@@ -398,7 +398,7 @@ impl Recurrences<'_> {
         };
         let helpers = self.steps.iter().filter(|step| has_helper(step.rule));
         let coefficients = orders * (count + helpers.count());
-        let mut table = Table {
+        let mut table = CoefficientTable {
             orders,
             values: vec![0.0; coefficients],
             groups,
@@ -448,7 +448,7 @@ impl Series {
     /// Derivatives of the coefficient of this order of a component, in the states, in the phase where there is one, and in the
     /// parameters.
     fn lanes(&self, k: usize, c: usize) -> &[f64] {
-        let Table { groups, lanes, .. } = &*self.table;
+        let CoefficientTable { groups, lanes, .. } = &*self.table;
         lanes[self.table.at(c, k)..][..*groups].as_flattened()
     }
 
@@ -486,7 +486,7 @@ impl Series {
 
     /// Coefficients of all orders of a component.
     pub(super) fn values(&self, c: usize) -> &[f64] {
-        let Table { orders, values, .. } = &*self.table;
+        let CoefficientTable { orders, values, .. } = &*self.table;
         &values[c * orders..][..*orders]
     }
 
@@ -507,7 +507,7 @@ impl Series {
 
     /// Whether all numbers are.
     pub(super) fn is_finite(&self) -> bool {
-        let Table { values, lanes, .. } = &*self.table;
+        let CoefficientTable { values, lanes, .. } = &*self.table;
         let mut all = values.iter().chain(lanes.as_flattened());
         all.all(|x| x.is_finite())
     }
@@ -549,12 +549,12 @@ impl Series {
         Vector::from_fn(self.size, |c, _| self.value(0, c))
     }
 
-    /// Derivatives of z at a time in the components before the terms, and in the parameters.
-    pub fn derivatives(&self, time: f64) -> (Matrix, [Vector; VARYING]) {
-        self.derivatives_of(self.size, time)
+    /// Derivatives of z at the beginning in the components before the terms, and in the parameters.
+    pub fn derivatives(&self) -> (Matrix, [Vector; VARYING]) {
+        self.derivatives_of(self.size, 0.0)
     }
 
-    /// The same for the first components, so many.
+    /// The same for the first components, so many, at a time.
     pub(super) fn derivatives_of(&self, count: usize, time: f64) -> (Matrix, [Vector; VARYING]) {
         let mut at = Matrix::zeros(count, self.base);
         let mut by: [Vector; VARYING] = std::array::from_fn(|_| Vector::zeros(count));

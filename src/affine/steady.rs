@@ -354,7 +354,7 @@ impl AffineSystem {
         let equations = Matrix::from_rows(&rows);
         let slopes = match field.is_exact {
             true => Matrix::identity(z.len(), n),
-            false => field.series(&z, 0, true, true).derivatives(0.0).0,
+            false => field.series(&z, 0, true, true).derivatives().0,
         };
         let left = &equations * slopes.columns(0, n);
         let values = &equations * &z;

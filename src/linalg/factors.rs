@@ -21,10 +21,10 @@ const SPARE: usize = 4;
 
 /// LU factors of a square matrix.
 #[derive(Clone, Debug)]
-pub struct Factors(Kind);
+pub struct Factors(Stored);
 
 #[derive(Clone, Debug)]
-enum Kind {
+enum Stored {
     Full(Box<LU<f64, Dyn, Dyn>>),
     Lists(Lists),
 }
@@ -45,7 +45,7 @@ impl Factors {
     /// Factorises a square matrix.
     pub fn new(matrix: Matrix) -> Factors {
         let size = matrix.nrows();
-        let full = |matrix: Matrix| Factors(Kind::Full(Box::new(matrix.lu())));
+        let full = |matrix: Matrix| Factors(Stored::Full(Box::new(matrix.lu())));
         if size < FEW {
             return full(matrix);
         }
@@ -53,15 +53,15 @@ impl Factors {
         if SPARE * entries.iter().filter(|entry| **entry != 0.0).count() > entries.len() {
             return full(matrix);
         }
-        Factors(Kind::Lists(Lists::new(&matrix)))
+        Factors(Stored::Lists(Lists::new(&matrix)))
     }
 
     /// Solves in place. False when the matrix is singular to working precision or the solution is
     /// not finite.
     pub fn solve(&self, right_side: &mut Vector) -> bool {
         let solved = match &self.0 {
-            Kind::Full(factors) => factors.solve_mut(right_side),
-            Kind::Lists(factors) => factors.solve(right_side),
+            Stored::Full(factors) => factors.solve_mut(right_side),
+            Stored::Lists(factors) => factors.solve(right_side),
         };
         solved && right_side.iter().all(|x| x.is_finite())
     }
@@ -69,8 +69,8 @@ impl Factors {
     /// Inverse of the matrix, `None` when it is singular.
     pub fn inverse(&self) -> Option<Matrix> {
         let factors = match &self.0 {
-            Kind::Full(factors) => return factors.try_inverse(),
-            Kind::Lists(factors) => factors,
+            Stored::Full(factors) => return factors.try_inverse(),
+            Stored::Lists(factors) => factors,
         };
         let mut inverse = Matrix::identity(factors.upper.len(), factors.upper.len());
         for mut column in inverse.column_iter_mut() {
@@ -212,7 +212,7 @@ mod tests {
         let matrix = cyclic(40, 4);
         let n = matrix.nrows();
         let factors = Factors::new(matrix.clone());
-        assert!(matches!(factors.0, Kind::Lists(_)));
+        assert!(matches!(factors.0, Stored::Lists(_)));
         let right = Vector::from_fn(n, |row, _| (row as f64).cos());
         let mut solution = right.clone();
         assert!(factors.solve(&mut solution));
@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn factors_grow_with_the_zones() {
         for blocks in [40, 80, 160] {
-            let Kind::Lists(lists) = Factors::new(cyclic(blocks, 4)).0 else {
+            let Stored::Lists(lists) = Factors::new(cyclic(blocks, 4)).0 else {
                 panic!("a full matrix");
             };
             let longest = lists.upper.iter().map(Vec::len).max();

@@ -150,7 +150,7 @@ impl Integrated {
             z = last.first();
         }
         // what is made of other components follows them
-        let (slopes, own) = last.derivatives(0.0);
+        let (slopes, own) = last.derivatives();
         let mut all = Matrix::zeros(size, size);
         all.columns_mut(0, base).copy_from(&(&slopes * flow));
         let mut own = own.into_iter();
@@ -231,7 +231,7 @@ impl<'a> Passage<'a> {
         let field = &self.mode.field;
         let base = field.base();
         let last = field.series_at_switch(&self.end, ORDER, self.time >= 0.0);
-        let (slopes, by) = last.derivatives(0.0);
+        let (slopes, by) = last.derivatives();
         let flow = self.flow.view((0, 0), (base, base)).into_owned();
         self.flow.columns_mut(0, base).copy_from(&(&slopes * flow));
         let own = self.by_parameter.rows(0, base).into_owned();
@@ -266,7 +266,7 @@ impl<'a> Passage<'a> {
     pub fn slopes(&self, reset: &Matrix) -> Matrix {
         let states = reset.nrows();
         match &self.numerical {
-            Some(numerical) => reset * numerical.last.derivatives(0.0).0.columns(0, states),
+            Some(numerical) => reset * numerical.last.derivatives().0.columns(0, states),
             None => reset.columns(0, states).into_owned(),
         }
     }
