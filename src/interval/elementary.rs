@@ -63,8 +63,9 @@ fn exp_point(x: f64) -> Interval {
     if x > 710.0 {
         return Interval::new(f64::MAX, f64::INFINITY);
     }
-    if x < -740.0 {
-        return Interval::new(0.0, 1e-320);
+    // e⁻⁷⁴⁶ is less than the smallest double
+    if x < -746.0 {
+        return Interval::new(0.0, f64::from_bits(1));
     }
     if x == 0.0 {
         return Interval::ONE;
