@@ -94,6 +94,17 @@ enum Course {
     Series(Series),
 }
 
+impl Piece {
+    /// One of a mode that is integrated, by its series, which holds so long.
+    pub(super) fn integrated(series: Series, length: f64) -> Piece {
+        Piece {
+            z: series.first(),
+            length,
+            course: Course::Series(series),
+        }
+    }
+}
+
 impl Expansion {
     /// The coefficients of a component.
     pub fn taylor(&self, component: usize) -> [f64; COEFFICIENTS] {
@@ -249,17 +260,20 @@ impl Exact {
 /// The coefficients of a form over the beginning of a piece of this length, what they leave out, and the rounding
 /// of what they are made of.
 fn polynomial(series: &Series, row: &Vector, length: f64) -> ([f64; COEFFICIENTS], f64) {
+    let (mut all, mut amplitude) = ([0.0; ORDER + 1], 0.0);
+    for (c, by) in row.iter().enumerate().filter(|(_, by)| **by != 0.0) {
+        let z = series.values(c);
+        amplitude += (by * z[0]).abs();
+        all.iter_mut().zip(z).for_each(|(sum, z)| *sum += by * z);
+    }
     let mut power = 1.0;
-    let mut term = |k: usize| {
-        let coefficient = series.of(row, k) * power;
+    for coefficient in &mut all {
+        *coefficient *= power;
         power *= length;
-        coefficient
-    };
-    let taylor = std::array::from_fn(&mut term);
+    }
+    let taylor: [f64; COEFFICIENTS] = std::array::from_fn(|k| all[k]);
     // the terms left out fall geometrically, by less than a half
-    let rest: f64 = (COEFFICIENTS..=ORDER).map(|k| term(k).abs()).sum();
-    let terms = row.iter().enumerate().filter(|(_, c)| **c != 0.0);
-    let amplitude: f64 = terms.map(|(c, by)| (by * series.value(0, c)).abs()).sum();
+    let rest: f64 = all[COEFFICIENTS..].iter().map(|x| x.abs()).sum();
     let changes: f64 = taylor[1..].iter().map(|a: &f64| a.abs()).sum();
     (
         taylor,

@@ -24,22 +24,24 @@ type Lanes = [f64; TOGETHER];
 
 /// A linear form of z with few terms.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Sparse(pub Vec<(usize, Dual)>);
+pub(super) struct Sparse {
+    pub terms: Vec<(usize, Dual)>,
+    /// Of how many of the parameters that vary its coefficients are functions: the first, if any, or both.
+    pub parameters: usize,
+}
 
 impl Sparse {
     /// The terms that are not zero.
     pub fn new(at: impl Iterator<Item = (usize, Dual)>) -> Sparse {
-        Sparse(at.filter(|(_, c)| *c != Dual::default()).collect())
-    }
-
-    /// Of how many of the parameters that vary its coefficients are functions: the first, if any, or both.
-    pub fn parameters(&self) -> usize {
+        let terms: Vec<_> = at.filter(|(_, c)| *c != Dual::default()).collect();
         let last = |by: &[f64; VARYING]| by.iter().rposition(|by| *by != 0.0);
-        let counts = self
-            .0
+        let counts = terms
             .iter()
             .map(|(_, c)| last(&c.by).map_or(0, |last| last + 1));
-        counts.max().unwrap_or(0)
+        Sparse {
+            parameters: counts.max().unwrap_or(0),
+            terms,
+        }
     }
 
     /// The component of z that it is, if it is one.
@@ -48,7 +50,7 @@ impl Sparse {
             value: 1.0,
             ..Dual::default()
         };
-        match self.0[..] {
+        match self.terms[..] {
             [(component, by)] if by == one => Some(component),
             _ => None,
         }
@@ -70,6 +72,8 @@ pub(super) struct Recurrences<'a> {
     pub needed: &'a [bool],
     /// Rates of the components before them; none where everything is linear.
     pub rates: &'a [Sparse],
+    /// Where their operands stand, and how many places components and operands take.
+    pub places: &'a Places,
     /// Signs of the operands of `abs`, where they are known.
     pub signs: &'a [f64],
     /// Components before them, and of those the states.
@@ -108,9 +112,36 @@ struct CoefficientTable {
     lanes: Vec<Lanes>,
 }
 
+/// Where the operands of every step stand in a table: with a component that they are, or behind all components.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Places {
+    operands: Arc<[[usize; 2]]>,
+    count: usize,
+}
+
+impl Places {
+    /// Those of steps that follow so many components.
+    pub fn new(steps: &[Step], base: usize) -> Places {
+        let mut count = base + steps.len();
+        let mut place = |operand: &Sparse| {
+            let component = operand.component();
+            component.unwrap_or_else(|| {
+                count += 1;
+                count - 1
+            })
+        };
+        let operands = steps.iter();
+        let operands = operands.map(|step| step.operands.each_ref().map(&mut place));
+        Places {
+            operands: operands.collect(),
+            count,
+        }
+    }
+}
+
 /// Where a step finds its operands, and where it leaves what it makes.
 #[derive(Clone, Copy)]
-struct Places {
+struct Around {
     a: usize,
     b: usize,
     own: usize,
@@ -131,90 +162,82 @@ impl CoefficientTable {
         self.lanes[self.at(place, k) + group]
     }
 
-    /// Puts the coefficient of order k of a place: its value, then its derivatives group by group, to which the value is known.
-    #[inline(always)]
-    fn put(
-        &mut self,
-        place: usize,
-        k: usize,
-        value: impl Fn(&Self) -> f64,
-        lanes: impl Fn(&Self, usize) -> Lanes,
-    ) {
-        self.values[place * self.orders + k] = value(self);
-        let at = self.at(place, k);
-        for group in 0..self.groups {
-            self.lanes[at + group] = lanes(self, group);
-        }
-    }
-
     /// Puts the coefficient of an order of a form, times a number, as that of order k.
     fn gather(&mut self, place: usize, row: &Sparse, (from, k): (usize, usize), factor: f64) {
-        let value = |table: &Self| {
-            let terms = row.0.iter();
-            let terms = terms.map(|(c, by)| by.value * table.value(*c, from));
-            terms.sum::<f64>() * factor
-        };
-        self.put(place, k, value, |table, group| {
+        let at = self.at(place, k);
+        let mut value = 0.0;
+        for (c, by) in &row.terms {
+            value += by.value * self.value(*c, from);
+        }
+        self.values[place * self.orders + k] = value * factor;
+        for group in 0..self.groups {
             let mut sum = [0.0; TOGETHER];
-            for (c, by) in &row.0 {
-                let z = table.lanes(*c, from, group);
-                for (sum, z) in sum.iter_mut().zip(z) {
-                    *sum += by.value * z;
-                }
-                if by.by != [0.0; VARYING] {
-                    table.add(&mut sum, group, table.value(*c, from), by.by);
+            for (c, by) in &row.terms {
+                let z = &self.lanes[self.at(*c, from) + group];
+                for lane in 0..TOGETHER {
+                    sum[lane] += by.value * z[lane];
                 }
             }
-            sum.map(|x| x * factor)
-        });
-    }
-
-    /// Adds a number times the derivatives of a coefficient in the parameters.
-    fn add(&self, sum: &mut Lanes, group: usize, value: f64, by: [f64; VARYING]) {
-        for (parameter, by) in by.into_iter().enumerate().take(self.parameters) {
-            let lane = (self.inner + parameter).checked_sub(group * TOGETHER);
-            if let Some(sum) = lane.and_then(|lane| sum.get_mut(lane)) {
-                *sum += by * value;
+            self.lanes[at + group] = sum.map(|x| x * factor);
+        }
+        if self.groups > 0 && row.parameters > 0 {
+            for (c, by) in &row.terms {
+                let value = self.value(*c, from) * factor;
+                for (lane, by) in (self.inner..).zip(&by.by[..row.parameters]) {
+                    self.lanes[at + lane / TOGETHER][lane % TOGETHER] += by * value;
+                }
             }
         }
     }
 
-    /// Σ w(i)aᵢb_{k−i} over orders i.
+    /// Σ w(i)aᵢb_{k−i} over orders i, and a group of its derivatives where there are any.
     #[inline(always)]
     fn convolved(
         &self,
-        [a, b]: [usize; 2],
-        (orders, k): (Range<usize>, usize),
+        pair: [usize; 2],
+        orders: (Range<usize>, usize),
         weight: impl Fn(usize) -> f64,
-    ) -> f64 {
-        let a = &self.values[a * self.orders..][..=k];
-        let b = &self.values[b * self.orders..][..=k];
-        orders.map(|i| weight(i) * a[i] * b[k - i]).sum()
+        group: usize,
+    ) -> (f64, Lanes) {
+        // most have one group
+        match self.groups {
+            1 => self.convolved_of(pair, orders, weight, (0, 1)),
+            groups => self.convolved_of(pair, orders, weight, (group, groups)),
+        }
     }
 
-    /// The same of a group of derivatives.
     #[inline(always)]
-    fn convolved_lanes(
+    fn convolved_of(
         &self,
         [a, b]: [usize; 2],
         (orders, k): (Range<usize>, usize),
         weight: impl Fn(usize) -> f64,
-        group: usize,
-    ) -> Lanes {
-        // all orders of both from the first on
-        let lanes = |place: usize| &self.lanes[self.at(place, 0)..][..(k + 1) * self.groups];
-        let values = |place: usize| &self.values[place * self.orders..][..=k];
-        let ([a, b], [a_by, b_by]) = ([a, b].map(values), [a, b].map(lanes));
-        let mut sum = [0.0; TOGETHER];
-        for i in orders {
-            let (x, y) = (weight(i) * a[i], weight(i) * b[k - i]);
-            let x_by = &a_by[i * self.groups + group];
-            let y_by = &b_by[(k - i) * self.groups + group];
+        (group, groups): (usize, usize),
+    ) -> (f64, Lanes) {
+        let count = orders.len();
+        let firsts = [
+            a * self.orders + orders.start,
+            b * self.orders + k + 1 - orders.end,
+        ];
+        let [a, b] = firsts.map(|first| &self.values[first..][..count]);
+        let (mut value, mut sum) = (0.0, [0.0; TOGETHER]);
+        if groups == 0 {
+            for i in 0..count {
+                value += weight(orders.start + i) * a[i] * b[count - 1 - i];
+            }
+            return (value, sum);
+        }
+        let [a_by, b_by] = firsts.map(|first| &self.lanes[first * groups..][..count * groups]);
+        for i in 0..count {
+            let (back, weight) = (count - 1 - i, weight(orders.start + i));
+            let (x, y) = (weight * a[i], weight * b[back]);
+            let (x_by, y_by) = (&a_by[i * groups + group], &b_by[back * groups + group]);
+            value += x * b[back];
             for lane in 0..TOGETHER {
                 sum[lane] += x * y_by[lane] + y * x_by[lane];
             }
         }
-        sum
+        (value, sum)
     }
 
     /// Puts Σ w(i)aᵢb_{k−i} over orders i.
@@ -226,10 +249,14 @@ impl CoefficientTable {
         (orders, k): (Range<usize>, usize),
         weight: impl Fn(usize) -> f64,
     ) {
-        let value = |table: &Self| table.convolved(pair, (orders.clone(), k), &weight);
-        self.put(place, k, value, |table, group| {
-            table.convolved_lanes(pair, (orders.clone(), k), &weight, group)
-        });
+        let at = self.at(place, k);
+        for group in 0..self.groups.max(1) {
+            let (value, lanes) = self.convolved(pair, (orders.clone(), k), &weight, group);
+            self.values[place * self.orders + k] = value;
+            if let Some(own) = self.lanes.get_mut(at + group) {
+                *own = lanes;
+            }
+        }
     }
 
     /// Puts u of order k, where bu of this order is a_k or nothing and Σ w(i)xᵢy_{k−i} over orders i, x or y being u.
@@ -243,36 +270,36 @@ impl CoefficientTable {
         weight: impl Fn(usize) -> f64,
     ) {
         let divisor = self.value(b, 0);
-        let value = |table: &Self| {
-            let sum = table.convolved(pair, (orders.clone(), k), &weight);
-            (first.map_or(0.0, |a| table.value(a, k)) + sum) / divisor
-        };
-        self.put(own, k, value, |table, group| {
-            let mut sum = table.convolved_lanes(pair, (orders.clone(), k), &weight, group);
-            let first = first.map_or([0.0; TOGETHER], |a| table.lanes(a, k, group));
-            let (value, by) = (table.value(own, k), table.lanes(b, 0, group));
-            for lane in 0..TOGETHER {
-                sum[lane] = (first[lane] + sum[lane] - value * by[lane]) / divisor;
+        let at = self.at(own, k);
+        for group in 0..self.groups.max(1) {
+            let (sum, mut lanes) = self.convolved(pair, (orders.clone(), k), &weight, group);
+            let value = (first.map_or(0.0, |a| self.value(a, k)) + sum) / divisor;
+            self.values[own * self.orders + k] = value;
+            if group < self.groups {
+                let first = first.map_or([0.0; TOGETHER], |a| self.lanes(a, k, group));
+                let by = self.lanes(b, 0, group);
+                for lane in 0..TOGETHER {
+                    lanes[lane] = (first[lane] + lanes[lane] - value * by[lane]) / divisor;
+                }
+                self.lanes[at + group] = lanes;
             }
-            sum
-        });
+        }
     }
 
     /// Puts a function of an operand at an order, by its value and its slope.
     fn scale(&mut self, place: usize, (a, k): (usize, usize), (value, slope): (f64, f64)) {
-        self.put(
-            place,
-            k,
-            |_| value,
-            |table, group| table.lanes(a, k, group).map(|by| by * slope),
-        );
+        self.values[place * self.orders + k] = value;
+        let at = self.at(place, k);
+        for group in 0..self.groups {
+            self.lanes[at + group] = self.lanes(a, k, group).map(|by| by * slope);
+        }
     }
 
     /// The coefficient of order k of a component that is made of others; `sign` is that of an operand of `abs`.
-    fn step(&mut self, step: &Step, places: Places, k: usize, sign: f64) {
-        let Places { a, b, own, helper } = places;
+    fn step(&mut self, step: &Step, around: Around, k: usize, sign: f64) {
+        let Around { a, b, own, helper } = around;
         for (operand, place) in step.operands.iter().zip([a, b]) {
-            if operand.component().is_none() && !operand.0.is_empty() {
+            if operand.component().is_none() && !operand.terms.is_empty() {
                 self.gather(place, operand, (k, k), 1.0);
             }
         }
@@ -346,32 +373,12 @@ impl Series {
         order: usize,
         derivatives: bool,
     ) -> Series {
-        let Recurrences {
-            steps,
-            base,
-            states,
-            ..
-        } = recurrences;
-        let size = base + steps.len();
-        let mut count = size;
-        let mut place = |operand: &Sparse| {
-            let component = operand.component();
-            component.unwrap_or_else(|| {
-                count += 1;
-                count - 1
-            })
-        };
-        let places: Arc<[[usize; 2]]> = steps
-            .iter()
-            .map(|step| step.operands.each_ref().map(&mut place))
-            .collect();
-        let table = recurrences.run(z, order, derivatives, &places, count);
         Series {
-            size,
-            base,
-            states,
-            table: Arc::new(table),
-            places,
+            size: recurrences.base + recurrences.steps.len(),
+            base: recurrences.base,
+            states: recurrences.states,
+            table: Arc::new(recurrences.run(z, order, derivatives)),
+            places: recurrences.places.operands.clone(),
             signs: recurrences.signs.to_vec(),
             parameter: 0,
         }
@@ -379,15 +386,9 @@ impl Series {
 }
 
 impl Recurrences<'_> {
-    /// The coefficients from z up to an order; `count` is the number of components and operands.
-    fn run(
-        &self,
-        z: &Vector,
-        order: usize,
-        derivatives: bool,
-        places: &[[usize; 2]],
-        count: usize,
-    ) -> CoefficientTable {
+    /// The coefficients from z up to an order.
+    fn run(&self, z: &Vector, order: usize, derivatives: bool) -> CoefficientTable {
+        let Places { operands, count } = self.places;
         let (orders, base, states) = (order + 1, self.base, self.states);
         // cosines and sines follow from the phase, and what stays 1 has no derivative
         let is_forced = base > states + 1;
@@ -423,19 +424,19 @@ impl Recurrences<'_> {
         }
         for k in 0..orders {
             // what is found with a component comes after all others
-            let mut helper = count;
+            let mut helper = *count;
             for (index, step) in self.steps.iter().enumerate() {
                 if self.needed[index] {
-                    let [a, b] = places[index];
+                    let [a, b] = operands[index];
                     let own = base + index;
                     let sign = self.signs.get(index).copied().unwrap_or(0.0);
-                    table.step(step, Places { a, b, own, helper }, k, sign);
+                    table.step(step, Around { a, b, own, helper }, k, sign);
                 }
                 helper += usize::from(has_helper(step.rule));
             }
             if k + 1 < orders {
                 let moving = self.rates.iter().enumerate();
-                for (c, rate) in moving.filter(|(_, rate)| !rate.0.is_empty()) {
+                for (c, rate) in moving.filter(|(_, rate)| !rate.terms.is_empty()) {
                     table.gather(c, rate, (k, k + 1), ((k + 1) as f64).recip());
                 }
             }
@@ -508,8 +509,15 @@ impl Series {
     /// Whether all numbers are.
     pub(super) fn is_finite(&self) -> bool {
         let CoefficientTable { values, lanes, .. } = &*self.table;
-        let mut all = values.iter().chain(lanes.as_flattened());
-        all.all(|x| x.is_finite())
+        // 0x is no number where x is none
+        let values: f64 = values.iter().map(|x| 0.0 * x).sum();
+        let mut sums = [values; TOGETHER];
+        for lanes in lanes {
+            for (sum, x) in sums.iter_mut().zip(lanes) {
+                *sum += 0.0 * x;
+            }
+        }
+        sums == [0.0; TOGETHER]
     }
 
     /// Coefficient of this order of the first operand of a step.
@@ -520,7 +528,7 @@ impl Series {
     /// Order of the first coefficient of the first operand of a step that is not zero but for rounding.
     pub(super) fn first_order(&self, steps: &[Step], index: usize) -> usize {
         let counts = |k: &usize| {
-            let terms = steps[index].operands[0].0.iter();
+            let terms = steps[index].operands[0].terms.iter();
             let size: f64 = terms
                 .map(|(c, by)| (by.value * self.value(*k, *c)).abs())
                 .sum();
@@ -558,17 +566,23 @@ impl Series {
     pub(super) fn derivatives_of(&self, count: usize, time: f64) -> (Matrix, [Vector; VARYING]) {
         let mut at = Matrix::zeros(count, self.base);
         let mut by: [Vector; VARYING] = std::array::from_fn(|_| Vector::zeros(count));
-        let mut sum = vec![0.0; self.table.groups * TOGETHER];
+        let groups = self.table.groups;
+        let mut sum = vec![[0.0; TOGETHER]; groups];
         for c in 0..count {
             let last = if time == 0.0 { 0 } else { self.order() };
-            sum.copy_from_slice(self.lanes(last, c));
-            for k in (0..last).rev() {
-                let pairs = sum.iter_mut().zip(self.lanes(k, c));
-                pairs.for_each(|(sum, next)| *sum = *sum * time + next);
+            let all = &self.table.lanes[self.table.at(c, 0)..self.table.at(c, last + 1)];
+            for (group, sum) in sum.iter_mut().enumerate() {
+                *sum = [0.0; TOGETHER];
+                for lanes in all.chunks_exact(groups).rev() {
+                    for (sum, next) in sum.iter_mut().zip(lanes[group]) {
+                        *sum = *sum * time + next;
+                    }
+                }
             }
-            self.spread(&sum, |column, x| at[(c, column)] = x);
+            let sum = sum.as_flattened();
+            self.spread(sum, |column, x| at[(c, column)] = x);
             for (parameter, by) in by.iter_mut().enumerate() {
-                by[c] = self.by_parameter(&sum, parameter);
+                by[c] = self.by_parameter(sum, parameter);
             }
         }
         (at, by)

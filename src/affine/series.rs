@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::expression::Function;
 use super::form::{Coefficient, Dual, Form, Rule, Term};
-use super::recurrence::{Recurrences, Series, Sparse, Step};
+use super::recurrence::{Places, Recurrences, Series, Sparse, Step};
 use super::rows::{MatrixBy, Row};
 use crate::interval::Interval;
 use crate::linalg::Vector;
@@ -94,8 +94,7 @@ impl Terms {
                 None => terms.push((index, c)),
             }
         }
-        terms.retain(|(_, c)| *c != Dual::default());
-        Sparse(terms)
+        Sparse::new(terms.into_iter())
     }
 
     /// How all of them are made.
@@ -120,7 +119,7 @@ impl Program {
             }
             if c >= self.base && !std::mem::replace(&mut seen[c], true) {
                 let operands = self.steps[c - self.base].operands.iter();
-                open.extend(operands.flat_map(|operand| &operand.0).map(|(c, _)| *c));
+                open.extend(operands.flat_map(|operand| &operand.terms).map(|(c, _)| *c));
             }
         }
         false
@@ -130,7 +129,7 @@ impl Program {
     fn complete(&self, needed: &mut [bool]) {
         for (index, step) in self.steps.iter().enumerate().rev() {
             if needed[index] {
-                let terms = step.operands.iter().flat_map(|operand| &operand.0);
+                let terms = step.operands.iter().flat_map(|operand| &operand.terms);
                 let inner = terms.filter_map(|(c, _)| c.checked_sub(self.base));
                 inner.for_each(|inner| needed[inner] = true);
             }
@@ -140,7 +139,7 @@ impl Program {
     /// Whether another differs in the values of coefficients only.
     pub fn has_same_shape(&self, other: &Program) -> bool {
         let alike = |(one, other): (&Sparse, &Sparse)| {
-            let [one, other] = [one, other].map(|sparse| sparse.0.iter().map(|(c, _)| c));
+            let [one, other] = [one, other].map(|sparse| sparse.terms.iter().map(|(c, _)| c));
             one.eq(other)
         };
         let mut steps = self.steps.iter().zip(&other.steps);
@@ -203,6 +202,8 @@ pub struct Field {
     at_switch: Vec<bool>,
     /// Rates of the components before them; none where everything is linear.
     rates: Vec<Sparse>,
+    /// Where coefficients stand.
+    places: Places,
     /// How many of the parameters that vary have to do with it: the first, if any, or both.
     parameters: usize,
     /// Whether the mode has to do with none of them.
@@ -219,6 +220,7 @@ impl Default for Field {
             needed: Vec::new(),
             at_switch: Vec::new(),
             rates: Vec::new(),
+            places: Places::default(),
             parameters: 0,
             is_exact: true,
             tolerance: 0.0,
@@ -261,8 +263,9 @@ impl Field {
             false => (0..base).map(rate).collect(),
         };
         let operands = program.steps.iter().flat_map(|step| &step.operands);
-        let parameters = operands.chain(&rates).map(Sparse::parameters).max();
+        let parameters = operands.chain(&rates).map(|form| form.parameters).max();
         Field {
+            places: Places::new(&program.steps, program.base),
             rates,
             parameters: parameters.unwrap_or(0),
             program: program.clone(),
@@ -311,7 +314,7 @@ impl Field {
     pub fn enclose(&self, z: &mut Vec<Interval>) {
         for (step, needed) in self.program.steps.iter().zip(&self.needed) {
             let operand = |operand: &Sparse| {
-                let terms = operand.0.iter();
+                let terms = operand.terms.iter();
                 terms.fold(Interval::ZERO, |sum, (c, by)| {
                     sum + Interval::point(by.value) * z[*c]
                 })
@@ -390,6 +393,7 @@ impl Field {
             steps: &self.program.steps,
             needed,
             rates: &self.rates,
+            places: &self.places,
             signs,
             base: self.program.base,
             states: self.program.states,
@@ -402,7 +406,7 @@ impl Field {
     /// their rounding.
     pub fn size_of_rate(&self, series: &Series, form: &Vector) -> f64 {
         let of = |(c, rate): (usize, &Sparse)| -> f64 {
-            let terms = rate.0.iter();
+            let terms = rate.terms.iter();
             let size: f64 = terms
                 .map(|(j, by)| (by.value * series.value(0, *j)).abs())
                 .sum();
@@ -427,20 +431,17 @@ impl Field {
             return f64::NAN;
         }
         let mut length = longest;
+        let mut powers = self::powers(length);
         for c in (0..series.size()).filter(counts) {
             let z = series.values(c);
             for last in [COEFFICIENTS, COEFFICIENTS + 1] {
                 let tail = z[last].abs();
                 // |z_K|hᴷ is at most the allowed part of |z_j|hʲ for one j: most components hold as long as others
-                let mut power = 1.0;
-                let mut back = (0..last).rev();
-                let long = back.any(|j| {
-                    power *= length;
-                    tail * power <= self.tolerance * z[j].abs()
-                });
-                if tail > 0.0 && !long {
+                let holds = |j: usize| tail * powers[last - j] <= self.tolerance * z[j].abs();
+                if tail > 0.0 && !(0..last).any(holds) {
                     let allowed = |j: usize| self.tolerance * z[j].abs() / tail;
                     length = length.min(longest_of(allowed, last));
+                    powers = self::powers(length);
                 }
             }
         }
@@ -509,6 +510,16 @@ impl Field {
         }
         length
     }
+}
+
+/// 1, h, h², … up to the highest order.
+fn powers(h: f64) -> [f64; ORDER + 1] {
+    let mut next = 1.0;
+    std::array::from_fn(|_| {
+        let power = next;
+        next *= h;
+        power
+    })
 }
 
 /// The largest length h with h^{last−j} ≤ allowed(j) for one j at least.

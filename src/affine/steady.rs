@@ -307,7 +307,7 @@ impl AffineSystem {
         let isolation = error.as_ref().map_or(Isolation::Degenerate, |error| {
             // the slopes at both ends of what the state is known to
             let beside = [1.0, -1.0].map(|sign| self.newton_step(mode, &(state + error * sign)));
-            let inverse = Factors::new(step.square.clone()).inverse();
+            let inverse = Factors::new(&step.square).inverse();
             let changes = |beside: &Option<NewtonStep>| {
                 let moved = beside.as_ref().zip(inverse.as_ref());
                 moved.is_none_or(|(beside, inverse)| {
@@ -554,7 +554,7 @@ struct Least {
 
 /// First-order bound of what rounding of the rates leaves in each state: |J⁻¹| times the rounding of the terms of each.
 fn known_to(step: &NewtonStep) -> Option<Vector> {
-    let inverse = Factors::new(step.square.clone()).inverse()?;
+    let inverse = Factors::new(&step.square).inverse()?;
     Some(inverse.abs() * (&step.sizes * ROUNDING))
 }
 

@@ -120,12 +120,12 @@ impl Splitting {
         };
         let [m11, m12] = [&first, &second].map(|columns| part(scaled, &first, columns));
         let [m21, m22] = [&first, &second].map(|columns| part(scaled, &second, columns));
-        let start = Factors::new(part(&flow, &first, &columns)).inverse()?;
+        let start = Factors::new(&part(&flow, &first, &columns)).inverse()?;
         let mut x = part(&flow, &second, &columns) * start;
         let mut change = f64::INFINITY;
         for _ in 0..ITERATIONS {
             let residual = &m22 * &x + &m21 - &x * (&m11 + &m12 * &x);
-            let step = Factors::new(&m22 - &x * &m12).inverse()? * residual;
+            let step = Factors::new(&(&m22 - &x * &m12)).inverse()? * residual;
             change = step.amax();
             x -= step;
         }
@@ -139,7 +139,7 @@ impl Splitting {
         if growth > SETTLED * norm {
             return None;
         }
-        let back = Factors::new(fast.clone()).inverse()?;
+        let back = Factors::new(&fast).inverse()?;
         let mut y = &m12 * &back;
         for _ in 0..ITERATIONS {
             let next = (&m12 + &slow * &y) * &back;

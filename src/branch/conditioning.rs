@@ -80,7 +80,7 @@ pub fn conditioning(wave: &Wave, node: &Node) -> Result<Conditioning, FlowError>
     for column in 0..n {
         bordered[(n - 1, column)] = node.tangent[column];
     }
-    let expected_error = match Factors::new(bordered).inverse() {
+    let expected_error = match Factors::new(&bordered).inverse() {
         Some(inverse) => (inverse.abs() * perturbation).amax(),
         None => f64::INFINITY,
     };

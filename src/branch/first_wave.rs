@@ -405,7 +405,7 @@ const BEYOND_HOPF: f64 = 1e-4;
 /// No admissible wave with a short stick zone exists.
 pub(crate) fn beyond_hopf(family: &Family, steps: Steps) -> Result<(Wave, Vector), SearchFailure> {
     let beyond = change::enter(&family.opening(), BEYOND_HOPF, steps.tolerance)?;
-    let step = arclength::advance(&beyond.orbit, &beyond.node, beyond.ds, steps.tolerance)?;
+    let step = arclength::advance(&beyond.orbit, &beyond.node, &[], beyond.ds, steps.tolerance)?;
     Ok((beyond.orbit, step.node.point))
 }
 

@@ -46,7 +46,7 @@ pub fn refined(equations: &impl Equations, guess: &[f64]) -> Option<Vec<f64>> {
         let n = middle.len();
         let mut step = Vector::from_fn(n, |i, _| residual[i].middle());
         let matrix = Matrix::from_fn(n, n, |i, j| jacobian[i][j].middle());
-        if !Factors::new(matrix).solve(&mut step) {
+        if !Factors::new(&matrix).solve(&mut step) {
             return None;
         }
         for (x, step) in middle.iter_mut().zip(step.iter()) {
@@ -64,7 +64,7 @@ fn correction(equations: &impl Equations, middle: &[f64]) -> Option<(Vec<Interva
     let n = middle.len();
     let Evaluated { residual, jacobian } = equations(&points(middle))?;
     let matrix = Matrix::from_fn(n, n, |i, j| jacobian[i][j].middle());
-    let inverse = Factors::new(matrix).inverse()?;
+    let inverse = Factors::new(&matrix).inverse()?;
     if inverse.iter().any(|x| !x.is_finite()) {
         return None;
     }
@@ -250,7 +250,7 @@ impl LinearEquations {
     pub fn new(matrix: &[Vec<Interval>]) -> Option<LinearEquations> {
         let n = matrix.len();
         let middle = Matrix::from_fn(n, n, |i, j| matrix[i][j].middle());
-        let inverse = Factors::new(middle).inverse()?;
+        let inverse = Factors::new(&middle).inverse()?;
         let defect = defect_of(&inverse, matrix);
         Some(LinearEquations { inverse, defect })
     }

@@ -1,7 +1,7 @@
 //! Pseudo-arclength continuation of R(u) = 0, n equations in n + 1 unknowns.
 //!
-//! From a point u₀ with unit tangent t₀ a step predicts u₀ + Δs·t₀ and corrects in the plane
-//! across t₀. Lengths are Euclidean in the scaled unknowns, so the scaling of the system is the
+//! From a point u₀ with unit tangent t₀ a step predicts u₀ + Δs·t₀, bent as the curve was on its last step, and
+//! corrects in the plane across t₀ through u₀ + Δs·t₀. Lengths are Euclidean in the scaled unknowns, so the scaling of the system is the
 //! norm of the arclength. Keller, in: Applications of Bifurcation Theory (1977).
 
 use serde::{Deserialize, Serialize};
@@ -170,17 +170,81 @@ pub(crate) fn correct<S: System>(
     Ok((node, solution))
 }
 
-/// One step of length `ds` from `from` along its tangent.
+/// Nodes before the one a step sets out from that tell how the curve bends.
+pub(crate) const NODES_BEFORE: usize = 2;
+
+/// What a node tells of w(σ) = σ²q(σ), by which the curve leaves the tangent of another node, σ being the place along that.
+struct Bend {
+    place: f64,
+    /// q, and its slope.
+    value: Vector,
+    slope: Vector,
+}
+
+impl Bend {
+    /// `None` where the curve has turned too far in between.
+    fn seen(before: &Node, from: &Node) -> Option<Bend> {
+        /// Of the tangents, the least cosine.
+        const TURNED: f64 = 0.5;
+        let away = &before.point - &from.point;
+        let (place, cosine) = (from.tangent.dot(&away), from.tangent.dot(&before.tangent));
+        if place >= 0.0 || cosine < TURNED {
+            return None;
+        }
+        let value = (away - &from.tangent * place) / (place * place);
+        let leaves = (&before.tangent / cosine - &from.tangent) / (place * place);
+        let slope = leaves - &value * (2.0 / place);
+        Some(Bend {
+            place,
+            value,
+            slope,
+        })
+    }
+}
+
+/// By what a curve leaves its tangent beyond a node, where it is in the plane across at `ds`: as the polynomial does that has
+/// the points and the tangents of the node and of those before it, the last first. An error of it costs corrections and
+/// nothing else.
+fn bend(before: &[Node], from: &Node, ds: f64) -> Option<Vector> {
+    /// Steps longer than this in the last one leave what nodes before tell of.
+    const FARTHEST: f64 = 4.0;
+    /// No curve is believed to leave its tangent by more than this part of a step.
+    const MOST: f64 = 0.5;
+    let last = Bend::seen(before.first()?, from)?;
+    let (beyond, other) = (ds - last.place, before.get(1));
+    if ds > -FARTHEST * last.place {
+        return None;
+    }
+    let mut q = &last.value + &last.slope * beyond;
+    if let Some(other) = other.and_then(|node| Bend::seen(node, from))
+        && other.place < last.place
+    {
+        let apart = last.place - other.place;
+        let mean = (&last.value - &other.value) / apart;
+        let second = (&last.slope - &mean) / apart;
+        let third = (&second - (mean - other.slope) / apart) / apart;
+        q += (second + third * (ds - other.place)) * (beyond * beyond);
+    }
+    let bend = q * (ds * ds);
+    (bend.norm() <= MOST * ds.abs()).then_some(bend)
+}
+
+/// One step of length `ds` from `from` along its tangent; `before` are nodes before it on the same curve, the last first.
 pub fn advance<S: System>(
     system: &S,
     from: &Node,
+    before: &[Node],
     ds: f64,
     tolerance: f64,
 ) -> Result<Step, Refusal<S::Failure>> {
-    let predicted = &from.point + &from.tangent * ds;
+    let through = &from.point + &from.tangent * ds;
+    let predicted = match bend(before, from, ds) {
+        Some(bend) => &through + bend,
+        None => through.clone(),
+    };
     let mut plane = Plane {
         normal: &from.tangent,
-        through: &predicted,
+        through: &through,
     };
     let settings = newton::Settings {
         tolerance,
@@ -204,11 +268,18 @@ pub fn advance<S: System>(
     })
 }
 
+/// Puts a node that has been passed before those that were passed earlier, of which few are kept.
+pub(crate) fn passed(before: &mut Vec<Node>, node: Node) {
+    before.truncate(NODES_BEFORE - 1);
+    before.insert(0, node);
+}
+
 /// A zero curve step by step: where each step sets out and where it comes to, as long as there are steps.
 /// [`Walker`](super::walk::Walker) does more: it also meets what happens on the way.
 pub struct Path<'a, S> {
     system: &'a S,
     node: Node,
+    before: Vec<Node>,
     steps: Steps,
 }
 
@@ -222,6 +293,7 @@ impl<'a, S: System> Path<'a, S> {
         Some(Path {
             system,
             node,
+            before: Vec::new(),
             steps,
         })
     }
@@ -234,10 +306,17 @@ impl<S: System> Iterator for Path<'_, S> {
         let Steps { ds_min, ds_max, .. } = self.steps;
         let mut ds = self.steps.ds.clamp(ds_min, ds_max);
         loop {
-            match advance(self.system, &self.node, ds, self.steps.tolerance) {
+            match advance(
+                self.system,
+                &self.node,
+                &self.before,
+                ds,
+                self.steps.tolerance,
+            ) {
                 Ok(step) => {
                     self.steps.ds = step.next;
                     let from = std::mem::replace(&mut self.node, step.node);
+                    passed(&mut self.before, from.clone());
                     return Some([from, self.node.clone()]);
                 }
                 Err(_) if ds <= ds_min => return None,
@@ -251,6 +330,31 @@ impl<S: System> Iterator for Path<'_, S> {
 mod tests {
     use super::*;
     use crate::continuation::circle::Circle;
+
+    /// w(σ) = 1 − √(1 − σ²) has the coefficients 1/8 and 1/16 of σ⁴ and σ⁶: at σ = h, by nodes near −h and −2h, the polynomial is
+    /// off by the first times h²·(2h)², with two of them by the second times h²·(2h)²·(3h)², and by half of that again at most.
+    #[test]
+    fn a_circle_bends_as_nodes_before_tell() {
+        let node = |angle: f64| {
+            let (sine, cosine) = angle.sin_cos();
+            let [point, tangent] =
+                [[cosine, sine], [-sine, cosine]].map(|of| Vector::from_vec(of.into()));
+            Node::at(point, tangent)
+        };
+        for h in [0.02_f64, 0.05, 0.1] {
+            let before = [node(-h), node(-2.0 * h)];
+            let off = |before: &[Node]| {
+                let bend = bend(before, &node(0.0), h).unwrap();
+                assert!(bend[1].abs() <= f64::EPSILON);
+                (bend[0] - ((1.0 - h * h).sqrt() - 1.0)).abs()
+            };
+            assert!(off(&before[..1]) <= 1.5 * 0.5 * h.powi(4));
+            assert!(off(&before) <= 1.5 * 2.25 * h.powi(6) + 100.0 * f64::EPSILON);
+        }
+        assert!(
+            bend(&[], &node(0.0), 0.1).is_none() && bend(&[node(-0.01)], &node(0.0), 0.1).is_none()
+        );
+    }
 
     /// Round both folds and back to the start; every point lies on the circle to rounding.
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! A step sets out from u₀ with tangent t₀; s = t₀·(u − u₀) orders what lies within it.
 
-use super::arclength::Node;
+use super::arclength::{Node, tangent};
 use super::newton::{self, Constraint, Fixed, Plane, System};
 use super::zero::{Bracket, zero};
 use crate::linalg::{Factors, Matrix, Vector};
@@ -47,7 +47,7 @@ pub fn retangent<S: System>(
     }
     let mut tangent = Vector::zeros(n);
     tangent[n - 1] = 1.0;
-    if !Factors::new(matrix).solve(&mut tangent) {
+    if !Factors::new(&matrix).solve(&mut tangent) {
         return None;
     }
     let length = tangent.norm();
@@ -80,13 +80,36 @@ pub fn solve<S: System>(
 
 /// The node at arclength s of the step that sets out from a node; `None` where Newton's method finds none.
 pub fn node_at<S: System>(system: &S, from: &Node, s: f64, tolerance: f64) -> Option<Node> {
-    let predicted = &from.point + &from.tangent * s;
+    node_beside(system, from, (0.0, from), s, tolerance)
+}
+
+/// The same by the tangent of a node of the step that is known, at an arclength of its own.
+fn node_beside<S: System>(
+    system: &S,
+    from: &Node,
+    (known, near): (f64, &Node),
+    s: f64,
+    tolerance: f64,
+) -> Option<Node> {
+    let along = (s - known) / near.tangent.dot(&from.tangent);
+    let predicted = &near.point + &near.tangent * along;
+    let through = &from.point + &from.tangent * s;
     let mut plane = Plane {
         normal: &from.tangent,
-        through: &predicted,
+        through: &through,
     };
     let solution = newton::solve(system, &mut plane, &predicted, &settings(tolerance)).ok()?;
-    retangent(system, &solution.point, &from.tangent, solution.iterations)
+    if solution.is_moved {
+        return retangent(system, &solution.point, &from.tangent, solution.iterations);
+    }
+    // the border is that of a tangent
+    let tangent = tangent(system, &solution, &from.tangent).ok()?;
+    Some(Node {
+        tangent,
+        point: solution.point,
+        newton: solution.iterations,
+        residual: solution.residual,
+    })
 }
 
 /// The zero of a function along a step, from places s with values of different signs, and the value
@@ -101,8 +124,11 @@ pub fn zero_along<S: System>(
     mut value: impl FnMut(&Node) -> Option<f64>,
 ) -> Option<(Place, f64)> {
     let mut ends = (low.0, high.0);
+    let mut last = (0.0, from.clone());
     let at = |s: f64| {
-        let node = node_at(system, from, s, tolerance).ok_or(())?;
+        let near = (last.0, &last.1);
+        let node = node_beside(system, from, near, s, tolerance).ok_or(())?;
+        last = (s, node.clone());
         let here = value(&node).ok_or(())?;
         let vanishes = here.abs() <= size || (ends.1 - ends.0).abs() <= width;
         let end = if (here > 0.0) == (low.1 > 0.0) {

@@ -111,6 +111,8 @@ pub struct Solution {
     pub correction: f64,
     /// Largest relative residual before the last correction.
     pub residual: f64,
+    /// Whether the last correction was applied: one that is rounding is not.
+    pub is_moved: bool,
     /// LU factors of the bordered Jacobian at the iterate before the last correction.
     pub factors: Factors,
 }
@@ -217,7 +219,7 @@ pub fn rounding(matrix: &Matrix, sizes: &Vector, noise: Option<&Vector>) -> Opti
     const OPERATIONS: f64 = 8.0;
     let n = sizes.len();
     let inverse = if matrix.is_square() {
-        Factors::new(matrix.clone()).inverse()?
+        Factors::new(matrix).inverse()?
     } else {
         pseudo_inverse(matrix, f64::EPSILON)?
     };
@@ -242,6 +244,10 @@ pub fn rounding(matrix: &Matrix, sizes: &Vector, noise: Option<&Vector>) -> Opti
 /// a smaller tolerance would compare rounding with rounding.
 const LEAST_TOLERANCE: f64 = 1e-13;
 
+/// A correction of unknowns of order one, or residuals relative to their rows, below this are rounding: a point is known no
+/// better after the correction than before.
+const UNMOVED: f64 = 4.0 * f64::EPSILON;
+
 /// Unknowns larger than the inverse of this are not of order one.
 const FAR: f64 = 0.1;
 
@@ -260,7 +266,7 @@ pub fn solve<S: System>(
     let tolerance = settings.tolerance.max(LEAST_TOLERANCE);
     let mut at = bordered(system, constraint, &point).map_err(Failure::System)?;
     for iterations in 1..=settings.most_iterations {
-        let factors = Factors::new(at.matrix.clone());
+        let factors = Factors::new(&at.matrix);
         let mut step = at.right_side.clone();
         if !factors.solve(&mut step) {
             return Err(Failure::Singular);
@@ -270,23 +276,25 @@ pub fn solve<S: System>(
             correction,
             iterations,
         };
-        let solution = |point: Vector, residual: f64, contraction: f64| Solution {
+        let solution = |point: Vector, is_moved: bool, residual: f64, contraction: f64| Solution {
             point,
             iterations,
             contraction,
             correction,
             residual,
+            is_moved,
             factors,
         };
         // relative to unknowns that are far from order one
-        let tolerance = tolerance * (FAR * point.amax()).max(1.0);
+        let scale = (FAR * point.amax()).max(1.0);
+        let tolerance = tolerance * scale;
         // corrections at the level of rounding no longer contract
         if iterations > 1 && correction > tolerance {
             let ratio = correction / before;
             if ratio > SLOWEST
                 && let Some(residual) = rounded(system, &at, &point, correction)
             {
-                return Ok(solution(point, residual, contraction));
+                return Ok(solution(point, false, residual, contraction));
             }
             contraction = contraction.max(ratio);
             if ratio > SLOWEST && settings.halvings == 0 {
@@ -295,10 +303,14 @@ pub fn solve<S: System>(
         }
         before = correction;
         if correction <= tolerance {
-            point -= &step;
-            if polish == 0 {
-                let residual = relative_residual(&at.matrix, at.right_side.as_slice());
-                return Ok(solution(point, residual, contraction));
+            // where a point stays as it is, what was found there holds for whoever looks at it next
+            let residual = relative_residual(&at.matrix, at.right_side.as_slice());
+            let is_moved = correction > UNMOVED * scale && residual > UNMOVED;
+            if is_moved {
+                point -= &step;
+            }
+            if polish == 0 || !is_moved {
+                return Ok(solution(point, is_moved, residual, contraction));
             }
             polish -= 1;
             at = bordered(system, constraint, &point).map_err(Failure::System)?;
@@ -382,17 +394,17 @@ const MOST_STUCK: usize = 4;
 /// above one: a zone with strong growth multiplies the rounding of its entry state, and its
 /// equations by the same factor.
 pub fn relative_residual(matrix: &Matrix, residual: &[f64]) -> f64 {
-    let mut largest = vec![1.0_f64; residual.len()];
-    for column in matrix.column_iter() {
-        for (largest, entry) in largest.iter_mut().zip(column.iter()) {
-            *largest = largest.max(entry.abs());
-        }
-    }
     residual
         .iter()
-        .zip(largest)
-        .map(|(value, largest)| value.abs() / largest)
-        .fold(0.0, f64::max)
+        .enumerate()
+        .fold(0.0, |worst, (row, value)| {
+            // no row makes it larger
+            if value.abs() > worst {
+                worst.max(value.abs() / matrix.row(row).amax().max(1.0))
+            } else {
+                worst
+            }
+        })
 }
 
 /// Jacobian of the system alone, n × (n+1), and the largest relative residual.

@@ -239,6 +239,8 @@ impl<W> Segment<'_, W> {
 pub struct Walker<C: Curve> {
     pub(crate) curve: C,
     pub(crate) node: Node,
+    /// Those before it on the same curve, the last first.
+    pub(crate) before: Vec<Node>,
     pub(crate) watched: C::Watched,
     /// Length of the next step.
     pub(crate) ds: f64,
@@ -268,6 +270,7 @@ impl<C: Curve> Walker<C> {
             watched: curve.watch(&node, None)?,
             origin: (curve.name().clone(), node.clone()),
             node,
+            before: Vec::new(),
             ds: steps.ds,
             travelled: 0.0,
             creeping: 0,
@@ -345,7 +348,8 @@ impl<C: Curve> Walker<C> {
         ds: f64,
         shorter: bool,
     ) -> Result<(Vec<C::Found>, Option<EndOf<C>>), RefusalOf<C>> {
-        let taken = arclength::advance(self.curve.system(), &self.node, ds, self.steps.tolerance)?;
+        let (system, tolerance) = (self.curve.system(), self.steps.tolerance);
+        let taken = arclength::advance(system, &self.node, &self.before, ds, tolerance)?;
         let refused = Refused::Curve;
         let watched = self
             .curve
@@ -402,6 +406,7 @@ impl<C: Curve> Walker<C> {
                     self.creeping = 0;
                     self.curve = entry.curve;
                     self.node = entry.node;
+                    self.before.clear();
                     self.watched = entry.watched;
                     self.ds = entry.ds;
                     return Ok((found, None));
@@ -414,6 +419,7 @@ impl<C: Curve> Walker<C> {
         self.watched = watched;
         self.ds = taken.next;
         self.curve.arrive(&self.node);
+        arclength::passed(&mut self.before, from.clone());
         let here = |walker: &Walker<C>| walker.curve.point(ds, &walker.node, &walker.watched);
         if let Some(passed) = passed {
             let (_, first) = &self.origin;
@@ -475,7 +481,7 @@ pub fn enter<S: System, T>(
                 tangent: &node.tangent * sign,
                 ..node.clone()
             };
-            let step = arclength::advance(system, &from, ds, tolerance).map(|step| step.node);
+            let step = arclength::advance(system, &from, &[], ds, tolerance).map(|step| step.node);
             if let Some(admitted) = admit(&from, step) {
                 return Some((from, ds, admitted));
             }

@@ -421,7 +421,7 @@ fn arms<P: Plane>(
     let mut along = Vector::zeros(last + 1);
     along[last] = 1.0;
     let step = |orbit: &P::Orbit, node: &Node, ds: f64| {
-        let to = advance(orbit, node, ds, tolerance).ok()?.node.point;
+        let to = advance(orbit, node, &[], ds, tolerance).ok()?.node.point;
         let way = to[to.len() - 1] - node.point[to.len() - 1];
         (way != 0.0).then(|| (orbit.clone(), to, way > 0.0))
     };

@@ -9,6 +9,7 @@ use super::system::EventSystem;
 use super::tube::Tube;
 use super::whole::Curve;
 use crate::continuation::Node;
+use crate::continuation::arclength::NODES_BEFORE;
 use crate::continuation::newton;
 use crate::continuation::walk::{self, Walker};
 use crate::linalg::{self, Vector};
@@ -393,9 +394,14 @@ fn resumed<P: Plane>(
         Vector::from_vec(state.unknowns),
         Vector::from_vec(state.tangent),
     );
+    let before = state.before.into_iter().take(NODES_BEFORE);
+    let before = before
+        .map(|(unknowns, tangent)| Node::at(Vector::from_vec(unknowns), Vector::from_vec(tangent)));
+    let before: Vec<Node> = before.collect();
     let count = system.orbit_unknowns();
-    let fits = system.fits(&node.point)
-        && system.fits(&node.tangent)
+    let is_whole = |node: &Node| system.fits(&node.point) && system.fits(&node.tangent);
+    let fits = is_whole(&node)
+        && before.iter().all(is_whole)
         && left.as_ref().is_none_or(|left| left.len() == count)
         && state.own.iter().all(|(_, zone)| *zone < zones);
     if !fits {
@@ -413,6 +419,7 @@ fn resumed<P: Plane>(
             .map_err(Singular::Refused)?,
         curve,
         node,
+        before,
         ds: state.ds,
         travelled: state.travelled,
         creeping: state.creeping,
@@ -428,6 +435,11 @@ fn state<P: Plane>(walker: &Walker<EventCurve<P>>) -> State<P> {
         condition: walker.curve.system.condition.clone(),
         unknowns: walker.node.point.as_slice().to_vec(),
         tangent: walker.node.tangent.as_slice().to_vec(),
+        before: (walker.before.iter())
+            .map(|Node { point, tangent, .. }| {
+                [point, tangent].map(|list| list.as_slice().to_vec()).into()
+            })
+            .collect(),
         own: walker.curve.own.clone(),
         with_fold: walker.curve.with_fold,
         left: left.map(|(_, left)| left.as_slice().to_vec()),

@@ -48,6 +48,9 @@ pub struct State<P: Plane = Tube> {
     pub(super) condition: Condition<P>,
     pub(super) unknowns: Vec<f64>,
     pub(super) tangent: Vec<f64>,
+    /// Unknowns and tangents of the points before it, the last first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) before: Vec<(Vec<f64>, Vec<f64>)>,
     pub(super) own: Vec<(P::Watch, usize)>,
     pub(super) with_fold: bool,
     /// The left null vector behind the factor that vanishes at a cusp, for its sign.

@@ -43,17 +43,15 @@ struct Lists {
 
 impl Factors {
     /// Factorises a square matrix.
-    pub fn new(matrix: Matrix) -> Factors {
-        let size = matrix.nrows();
-        let full = |matrix: Matrix| Factors(Stored::Full(Box::new(matrix.lu())));
-        if size < FEW {
-            return full(matrix);
-        }
+    pub fn new(matrix: &Matrix) -> Factors {
         let entries = matrix.as_slice();
-        if SPARE * entries.iter().filter(|entry| **entry != 0.0).count() > entries.len() {
-            return full(matrix);
-        }
-        Factors(Stored::Lists(Lists::new(&matrix)))
+        let are_few =
+            || entries.iter().filter(|entry| **entry != 0.0).count() * SPARE <= entries.len();
+        Factors(if matrix.nrows() >= FEW && are_few() {
+            Stored::Lists(Lists::new(matrix))
+        } else {
+            Stored::Full(Box::new(matrix.clone().lu()))
+        })
     }
 
     /// Solves in place. False when the matrix is singular to working precision or the solution is
@@ -211,7 +209,7 @@ mod tests {
     fn lists_solve_what_full_factors_solve() {
         let matrix = cyclic(40, 4);
         let n = matrix.nrows();
-        let factors = Factors::new(matrix.clone());
+        let factors = Factors::new(&matrix);
         assert!(matches!(factors.0, Stored::Lists(_)));
         let right = Vector::from_fn(n, |row, _| (row as f64).cos());
         let mut solution = right.clone();
@@ -239,7 +237,7 @@ mod tests {
     #[test]
     fn factors_grow_with_the_zones() {
         for blocks in [40, 80, 160] {
-            let Stored::Lists(lists) = Factors::new(cyclic(blocks, 4)).0 else {
+            let Stored::Lists(lists) = Factors::new(&cyclic(blocks, 4)).0 else {
                 panic!("a full matrix");
             };
             let longest = lists.upper.iter().map(Vec::len).max();
@@ -256,7 +254,7 @@ mod tests {
         let column = matrix.column(5).clone_owned();
         matrix.column_mut(6).copy_from(&column);
         let mut right = Vector::repeat(matrix.nrows(), 1.0);
-        let solved = Factors::new(matrix).solve(&mut right);
+        let solved = Factors::new(&matrix).solve(&mut right);
         assert!(!solved || right.amax() > 1e12);
     }
 }

@@ -95,7 +95,7 @@ pub(super) fn exact_sum(start: f64, products: impl Iterator<Item = (f64, f64)>) 
 /// 1963). Infinite for a singular one, or where entries are not finite.
 pub fn condition(matrix: &Matrix) -> f64 {
     let scaled = Scaled::new(matrix, true).matrix;
-    least_condition(&scaled, &Factors::new(scaled.clone()))
+    least_condition(&scaled, &Factors::new(&scaled))
 }
 
 /// The same, by the factors of the matrix.
@@ -123,7 +123,7 @@ fn least_condition(matrix: &Matrix, factors: &Factors) -> f64 {
 /// not at rounding in every equation.
 pub fn solve(matrix: &Matrix, right: &Vector) -> Option<Vector> {
     let scaled = Scaled::new(matrix, true);
-    let factors = Factors::new(scaled.matrix.clone());
+    let factors = Factors::new(&scaled.matrix);
     let regular = least_condition(&scaled.matrix, &factors) <= SINGULAR;
     if !regular || !right.iter().all(|x| x.is_finite()) {
         return None;

@@ -200,11 +200,19 @@ fn folds<O: Orbit>(orbit: &O, step: &Step<O>) -> Least {
     }
     let tolerance = step.steps.tolerance;
     let beside = DIFFERENCE * step.ds;
+    // the null vector of the Jacobian beside a node along its tangent is the tangent there but for second order
     let slope = |node: &Node, way: f64| {
-        let other = locate::node_at(orbit, node, way * beside, tolerance)?;
+        let point = &node.point + &node.tangent * (way * beside);
+        let other = locate::retangent(orbit, &point, &node.tangent, 0)?;
         Some(t0.signum() * way * (other.tangent[last] - node.tangent[last]) / beside)
     };
-    let (Some(d0), Some(d1)) = (slope(step.from, 1.0), slope(step.to, -1.0)) else {
+    let Some(d0) = slope(step.from, 1.0) else {
+        return Least::NotFound;
+    };
+    if d0 >= 0.0 {
+        return Least::Far;
+    }
+    let Some(d1) = slope(step.to, -1.0) else {
         return Least::NotFound;
     };
     let ends = [(t0.abs(), d0), (t1.abs(), d1)];
@@ -344,7 +352,7 @@ fn fold<O: Orbit>(orbit: &O, step: &Step<O>) -> Option<Option<(Place, Located<O>
         // may turn the branch on a shorter one
         low = NEAR.into_iter().find_map(|part| {
             let near = part * step.ds;
-            let step = arclength::advance(orbit, step.from, near, tolerance).ok()?;
+            let step = arclength::advance(orbit, step.from, &[], near, tolerance).ok()?;
             Some((near, step.node.tangent[last]))
         })?;
     }

@@ -13,6 +13,7 @@ use super::events::{self, Event, Located};
 use super::special::{Change, Close, Ending, Failure, NoFollower, Refusal, Special, Stop};
 use super::switch::is_in_family;
 use super::{EventType, Examined, Orbit, find, retrace};
+use crate::continuation::arclength::NODES_BEFORE;
 use crate::continuation::locate::{Place, node_at, retangent};
 use crate::continuation::walk::{self, Beginning, Curve, Outcome, Segment, Walker, Within};
 use crate::continuation::{Node, Steps};
@@ -117,6 +118,9 @@ pub struct State<S> {
     pub point: Vec<f64>,
     /// Unit tangent.
     pub tangent: Vec<f64>,
+    /// Scaled unknowns and tangents of the points before it on the same curve, the last first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub before: Vec<(Vec<f64>, Vec<f64>)>,
     /// Length of the next step.
     pub ds: f64,
     /// Direction of the parameter along the branch: +1 or −1.
@@ -199,6 +203,10 @@ impl<O: Orbit> Walker<Track<O>> {
             fits.then_some((posed, node)).ok_or(NoFollower::Saved)
         };
         let (posed, node) = of(&state.signature, state.point, state.tangent)?;
+        let before = state.before.into_iter();
+        let before = before.map(|(point, tangent)| of(&state.signature, point, tangent));
+        let before = before.map(|known| known.map(|(_, node)| node));
+        let before = before.take(NODES_BEFORE).collect::<Result<_, _>>()?;
         let (signature, point, tangent) = state.origin;
         let (_, first) = of(&signature, point, tangent)?;
         let numbers = [state.ds, state.heading, state.travelled];
@@ -214,6 +222,7 @@ impl<O: Orbit> Walker<Track<O>> {
         };
         Ok(Walker {
             ds: state.ds,
+            before,
             origin: (signature, first),
             travelled: state.travelled,
             creeping: state.creeping,
@@ -229,6 +238,9 @@ impl<O: Orbit> Walker<Track<O>> {
             signature: self.curve.orbit.signature().clone(),
             point: list(&self.node.point),
             tangent: list(&self.node.tangent),
+            before: (self.before.iter())
+                .map(|node| (list(&node.point), list(&node.tangent)))
+                .collect(),
             ds: self.ds.max(self.steps.ds_min),
             heading: self.curve.heading,
             origin: (signature.clone(), list(&first.point), list(&first.tangent)),

@@ -75,8 +75,13 @@ fn near(exp: Interval) -> Interval {
 fn exp_is_monotone_down_to_zero() {
     let places = (0..4000).map(|n| -1024.0 + 0.1 * f64::from(n));
     let values: Vec<_> = places.map(|x| Interval::point(x).exp()).collect();
-    assert!(values.is_sorted_by(|low, high| low.high <= near(*high).high && near(*low).low <= high.low));
-    for (x, value) in [(-1024.0, values[0]), (-745.0, Interval::point(-745.0).exp())] {
+    assert!(
+        values.is_sorted_by(|low, high| low.high <= near(*high).high && near(*low).low <= high.low)
+    );
+    for (x, value) in [
+        (-1024.0, values[0]),
+        (-745.0, Interval::point(-745.0).exp()),
+    ] {
         assert!(has(value, &real(x).exp()), "{x}: {value:?}");
         assert!(value.width() <= 4.0 * f64::from_bits(1), "{x}: {value:?}");
     }

@@ -92,7 +92,7 @@ impl<'a> Bordered<'a> {
         let size = matrix.nrows();
         let mut weights = Vector::zeros(size);
         weights[size - 1] = 1.0;
-        let solved = Factors::new(matrix.transpose()).solve(&mut weights);
+        let solved = Factors::new(&matrix.transpose()).solve(&mut weights);
         solved.then(|| weights.rows(size - 2, 2).into_owned())
     }
 
@@ -108,7 +108,7 @@ impl<'a> Bordered<'a> {
             step.rows_mut(0, n).copy_from(&(residual + &self.left * mu));
             let across = self.null.tr_mul(&(&point - &self.base)) - c;
             step.rows_mut(n, 2).copy_from(&across);
-            if !Factors::new(matrix).solve(&mut step) {
+            if !Factors::new(&matrix).solve(&mut step) {
                 return None;
             }
             point -= step.rows(0, unknowns);
@@ -175,7 +175,7 @@ impl AffineOrbit {
             let here = bordered.solve(&Vector::zeros(2))?;
             let hessian = bordered.hessian()?;
             let mut c = -&here.gradient;
-            if !Factors::new(hessian.clone()).solve(&mut c) {
+            if !Factors::new(&hessian).solve(&mut c) {
                 return None;
             }
             let far = c.norm() > high - low;
@@ -225,7 +225,7 @@ impl AffineOrbit {
             .add_scalar_mut(self.left_out(&at.point));
         let sizes = at.point.abs().insert_row(unknowns, 0.0);
         let own = newton::rounding(&at.matrix, &sizes, Some(&noise))?[last];
-        let inverse = Factors::new(hessian.clone()).inverse()?.abs();
+        let inverse = Factors::new(&hessian).inverse()?.abs();
         let reduced = inverse * (bordered.noise(at)? * 3.0);
         let across = bordered.null.row(last).abs() * reduced;
         Some((own + across[0] + blur) * self.unit().abs())

@@ -3,7 +3,7 @@
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
 use super::margin::{Margin, Watch};
 use super::multipliers::{Multiplier, is_told, own};
-use super::passage::Passage;
+use super::passage::{Passage, Stage, share};
 use super::turning::Smooth;
 use crate::affine::flow::{Expansion, MOST_PIECES, ModeFlow, Piece};
 use crate::affine::mode::{Guard, Row};
@@ -81,20 +81,16 @@ fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec<Part>, f64
     let mut parts = Vec::new();
     let (mut piece, mut begun, mut before) = (flow.piece(entry), 0.0, f64::INFINITY);
     loop {
-        let rest = (duration - begun) / piece.length;
+        let rest = duration - begun;
         // what is stiff begins with pieces much shorter than those that follow
-        let count = parts.len() as f64 + (duration - begun) / flow.longest(&piece).max(before);
+        let count = parts.len() as f64 + rest / flow.longest(&piece).max(before);
         if count.is_nan() || count > MOST_PIECES {
             return Err(count);
         }
-        let part = match rest {
-            _ if rest <= 1.0 => rest,
-            _ if rest <= 2.0 => 0.5 * rest,
-            _ => 1.0,
-        };
-        let time = part * piece.length;
+        let time = share(rest, piece.length);
+        let part = time / piece.length;
         let next = match part {
-            _ if rest <= 1.0 => None,
+            _ if time == rest => None,
             1.0 => Some(flow.advance(&piece)),
             _ => Some(flow.within(&piece, time)),
         };
@@ -112,6 +108,29 @@ fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec<Part>, f64
         piece = flow.piece(next);
         begun += time;
     }
+}
+
+/// The parts of a zone that has been integrated.
+fn of_stages(stages: &[Stage]) -> Vec<Part> {
+    let part = |(index, stage): (usize, &Stage)| Part {
+        piece: Piece::integrated(stage.series.clone(), stage.length),
+        begun: stage.begun,
+        part: stage.time / stage.length,
+        is_first: index == 0,
+        is_last: index + 1 == stages.len(),
+    };
+    stages.iter().enumerate().map(part).collect()
+}
+
+/// z at a time after the entry of a zone of these parts; `None` where it has none.
+fn after(flow: &ModeFlow, parts: &[Part], time: f64) -> Option<Vector> {
+    let part = parts.iter().rfind(|part| part.begun <= time);
+    let Part { piece, begun, .. } = part.or(parts.first())?;
+    let time = time - begun;
+    Some(match time <= piece.length {
+        true => flow.within(piece, time),
+        false => flow.after(&piece.z, time),
+    })
 }
 
 impl OrbitAt<'_> {
@@ -144,13 +163,57 @@ impl OrbitAt<'_> {
         if duration.is_nan() || duration <= 0.0 {
             return Ok(Vec::new());
         }
-        let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
+        let number = self.orbit.sequence.zone(zone).mode;
+        let flow = self.posed.flow(number);
+        if !self.mode(zone).field.is_exact {
+            // what has been integrated is not integrated again
+            let stages = &self.known(number, &self.entry(zone), duration).0.stages;
+            if !stages.is_empty() {
+                return Ok(of_stages(stages));
+            }
+        }
         parts(flow, self.entry(zone), duration).map_err(|count| OrbitFailure::Long {
             mode: self.orbit.sequence.zone(zone).name.clone(),
             duration,
             pieces: count,
             most: MOST_PIECES,
         })
+    }
+
+    /// The stationary place of a guard next to a time, by Newton's method.
+    fn stationary(&self, guard: usize, zone: usize, parts: &[Part], mut time: f64) -> f64 {
+        /// Steps taken at most.
+        const STEPS: usize = 8;
+        /// Beyond this, in units of the period, the place moves the value by less than rounding.
+        const NEAR: f64 = 1e-9;
+        let row = &self.mode(zone).guards[guard].row.at;
+        let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
+        for _ in 0..STEPS {
+            let Some(z) = after(flow, parts, time.max(0.0)) else {
+                break;
+            };
+            let [_, rate, curvature] = flow.slopes(row, &z);
+            let step = rate / curvature;
+            if !step.is_finite() {
+                break;
+            }
+            time = (time - step).max(0.0);
+            if step.abs() <= NEAR * self.orbit.setting.scales.time {
+                break;
+            }
+        }
+        time
+    }
+
+    /// A local minimum of a guard that was seen nearby.
+    pub(super) fn inside_again(
+        &self,
+        guard: usize,
+        zone: usize,
+        near: f64,
+    ) -> Result<Margin, OrbitFailure> {
+        let time = self.stationary(guard, zone, &self.parts(zone)?, near);
+        self.inside(guard, zone, time)
     }
 
     /// Margins and verdict, and the least and the largest value of every state.
@@ -286,9 +349,8 @@ impl OrbitAt<'_> {
             ..
         } in watched
         {
-            let entry = parts.first().map(|part| &part.piece.z);
             let value = |time: &f64| {
-                let z = entry.map(|z| flow.after(z, *time));
+                let z = after(flow, parts, *time);
                 z.map_or(f64::INFINITY, |z| row.at.dot(&z))
             };
             // what follows from a margin at an end that is negative is no minimum of its own; one that is zero takes
@@ -310,7 +372,7 @@ impl OrbitAt<'_> {
             inside.extend(least.map(|time| (guard, time)));
         }
         for (guard, time) in inside {
-            let time = self.stationary(guard, zone, time);
+            let time = self.stationary(guard, zone, parts, time);
             margins.push(self.inside(guard, zone, time)?);
         }
         Ok(())

@@ -1,13 +1,13 @@
 //! The unknowns of an orbit: their order and their units.
 
 use std::f64::consts::TAU;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
 use super::forms::Units;
 use super::memory::Memory;
-use super::passage::{Jet, Passage};
+use super::passage::{Integrated, Jet, Passage, Propagators, derivative};
 use super::signature::Sequence;
 pub use super::signature::ZonePoint;
 use super::structure::{ZoneFacts, facts};
@@ -107,6 +107,8 @@ pub struct Posed {
     pub facts: Arc<Vec<ZoneFacts>>,
     balances: Vec<OnceLock<(Vector, f64)>>,
     flows: Vec<OnceLock<ModeFlow>>,
+    /// The last exponentials of every zone that is linear, with the bits of their time.
+    propagators: Mutex<Vec<Option<(u64, Arc<Propagators>)>>>,
     /// Longest piece of a flow: the unit of time.
     longest: f64,
     /// Whether the system was led to from its origin.
@@ -116,6 +118,7 @@ pub struct Posed {
 impl Posed {
     fn new(system: AffineSystem, facts: Arc<Vec<ZoneFacts>>, longest: f64, moved: bool) -> Posed {
         Posed {
+            propagators: Mutex::new(vec![None; facts.len()]),
             facts,
             balances: vec![OnceLock::new(); system.modes.len()],
             flows: system.modes.iter().map(|_| OnceLock::new()).collect(),
@@ -137,6 +140,26 @@ impl Posed {
     fn balance(&self, mode: usize) -> &(Vector, f64) {
         self.balances[mode]
             .get_or_init(|| balance(&self.system.modes[mode].matrix.at, self.longest.recip()))
+    }
+
+    /// The exponentials of a zone of a linear mode, up to a time after its entry.
+    fn propagators(&self, zone: usize, mode: usize, time: f64) -> Arc<Propagators> {
+        let mut kept = self
+            .propagators
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let bits = time.to_bits();
+        match &kept[zone] {
+            Some((known, propagators)) if *known == bits => propagators.clone(),
+            _ => {
+                let norm = self.balance(mode).1;
+                let stiff = (norm * time > STIFF).then(|| self.flow(mode).split(time));
+                let mode = &self.system.modes[mode];
+                let own = Arc::new(Propagators::new(mode, norm, stiff.flatten(), time));
+                kept[zone] = Some((bits, own.clone()));
+                own
+            }
+        }
     }
 
     /// Whether what facts follow from is the same in the system at another value of the parameter: rates and resets but
@@ -527,14 +550,15 @@ impl OrbitAt<'_> {
         let OrbitAt { orbit, posed, .. } = self;
         let name = &orbit.sequence.zone(zone).name;
         let mode = orbit.sequence.zone(zone).mode;
-        let norm = posed.balance(mode).1;
-        let is_long = posed.system.modes[mode].field.is_exact && norm * time > STIFF;
-        let stiff = is_long.then(|| posed.flow(mode).split(time)).flatten();
         let entry = self.entry(zone);
-        let is_switch = orbit.sequence.zone(zone).way.is_some()
-            && time.to_bits() == self.zones[zone % self.zones.len()].duration.to_bits();
+        let is_whole = time.to_bits() == self.zones[zone % self.zones.len()].duration.to_bits();
+        let is_switch = orbit.sequence.zone(zone).way.is_some() && is_whole;
         let passage = match posed.system.modes[mode].field.is_exact {
-            true => Passage::new(&posed.system.modes[mode], norm, stiff, entry, time),
+            true => {
+                let propagators = posed.propagators(zone % self.zones.len(), mode, time);
+                let norm = posed.balance(mode).1;
+                Passage::linear(&posed.system.modes[mode], norm, &propagators, entry, time)
+            }
             false => self.integrated(mode, entry, (time, is_switch)),
         };
         let finite = passage.flow.as_slice().iter().all(|x| x.is_finite());
@@ -553,13 +577,25 @@ impl OrbitAt<'_> {
         entry: Vector,
         (time, is_switch): (f64, bool),
     ) -> Passage<'_> {
+        let (known, place) = self.known(number, &entry, time);
+        let mode = &self.posed.system.modes[number];
+        Passage::integrated(mode, entry, (time, is_switch), &known, place)
+    }
+
+    /// What is known of the passage from z through a mode that is integrated, and the place of the continuation parameter
+    /// among those of its derivatives.
+    pub(super) fn known(
+        &self,
+        number: usize,
+        entry: &Vector,
+        time: f64,
+    ) -> (Arc<Integrated>, usize) {
         let setting = &self.orbit.setting;
         let mode = &self.posed.system.modes[number];
         let (values, varying) = (setting.values_at(self.value), setting.varying());
         let parameters = (values.as_slice(), varying.as_slice());
         let memory = &self.orbit.memory;
-        let (known, place) = memory.passage((number, mode), parameters, &entry, time);
-        Passage::integrated(mode, entry, (time, is_switch), &known, place)
+        memory.passage((number, mode), parameters, entry, time)
     }
 
     /// The passages through all zones.
@@ -584,15 +620,12 @@ impl OrbitAt<'_> {
     pub(super) fn at_entry(&self, zone: usize, row: &Row, order: usize) -> Jet {
         let mode = self.mode(zone);
         let entry = self.entry(zone);
-        if order == 0 && mode.field.is_exact {
-            return Jet::at_entry(row, &entry);
+        if mode.field.is_exact {
+            return Jet::at_entry(&derivative(mode, row, order), &entry);
         }
         // none passes yet
         let number = self.orbit.sequence.zone(zone).mode;
-        let passage = match mode.field.is_exact {
-            true => Passage::new(mode, 0.0, None, entry, 0.0),
-            false => self.integrated(number, entry, (0.0, false)),
-        };
+        let passage = self.integrated(number, entry, (0.0, false));
         let jets = passage.derivatives_at_entry(row, order, 1);
         jets.into_iter()
             .next()

@@ -37,9 +37,9 @@ pub struct Margin {
     pub time: f64,
     /// Its value.
     pub value: f64,
-    /// Its derivatives in the scaled unknowns.
+    /// Its derivatives in the scaled unknowns, summed up by their index.
     #[serde(skip)]
-    pub gradient: Vec<f64>,
+    pub gradient: Vec<(usize, f64)>,
 }
 
 /// What an exit before the one taken needs in order to fail.
@@ -65,8 +65,8 @@ impl OrbitAt<'_> {
         jet: &Jet,
         factor: f64,
     ) -> Margin {
-        let mut gradient = vec![0.0; self.orbit.count()];
-        let mut add = |column: usize, by: f64| gradient[column] += by;
+        let mut gradient = Vec::with_capacity(self.orbit.width() + 2);
+        let mut add = |column: usize, by: f64| gradient.push((column, by));
         self.spread(zone, jet, factor, &mut add);
         Margin {
             watch,
@@ -126,14 +126,12 @@ impl OrbitAt<'_> {
         let exit = exit_of(&self.posed.system, &orbit.sequence, zone);
         let (jet, factor) = match watch {
             Watch::Duration => {
-                let mut gradient = vec![0.0; orbit.count()];
-                gradient[orbit.width() * zone + orbit.states()] = 1.0;
                 return Some(Margin {
                     watch,
                     zone,
                     time: 0.0,
                     value: self.zones[zone].duration / time,
-                    gradient,
+                    gradient: vec![(orbit.width() * zone + orbit.states(), 1.0)],
                 });
             }
             Watch::Onset(guard) | Watch::Inside(guard) => {
@@ -199,35 +197,10 @@ impl OrbitAt<'_> {
         Ok(self.margin(Watch::Inside(guard), zone, time, &jet, factor))
     }
 
-    /// The stationary place of a guard next to a time, by Newton's method.
-    pub(super) fn stationary(&self, guard: usize, zone: usize, mut time: f64) -> f64 {
-        /// Steps taken at most.
-        const STEPS: usize = 8;
-        /// Beyond this, in units of the period, the place moves the value by less than rounding.
-        const NEAR: f64 = 1e-9;
-        let row = &self.mode(zone).guards[guard].row.at;
-        let flow = self.posed.flow(self.orbit.sequence.zone(zone).mode);
-        let entry = self.entry(zone);
-        for _ in 0..STEPS {
-            let z = flow.after(&entry, time.max(0.0));
-            let [_, rate, curvature] = flow.slopes(row, &z);
-            let step = rate / curvature;
-            if !step.is_finite() {
-                break;
-            }
-            time = (time - step).max(0.0);
-            if step.abs() <= NEAR * self.orbit.setting.scales.time {
-                break;
-            }
-        }
-        time
-    }
-
     /// A margin that was seen nearby.
     pub(super) fn again(&self, seen: &Margin) -> Result<Margin, OrbitFailure> {
         if let Watch::Inside(guard) = seen.watch {
-            let time = self.stationary(guard, seen.zone, seen.time);
-            return self.inside(guard, seen.zone, time);
+            return self.inside_again(guard, seen.zone, seen.time);
         }
         let passage = self.passage(seen.zone, self.zones[seen.zone].duration)?;
         let margin = self.edge(seen.watch, seen.zone, &passage);

@@ -8,8 +8,9 @@ use super::passage::Integrated;
 use crate::affine::mode::AffineMode;
 use crate::linalg::Vector;
 
-/// Most passages that are kept: those of some orbits next to each other.
+/// Most passages that are kept, and most pieces of them: those of some orbits next to each other.
 const MOST: usize = 64;
+const MOST_STAGES: usize = 2048;
 
 /// A passage, and all that it follows from.
 #[derive(Debug)]
@@ -37,25 +38,39 @@ impl Memory {
         entry: &Vector,
         time: f64,
     ) -> (Arc<Integrated>, usize) {
+        // the same passage, or a longer one that comes by
         let find = |known: &VecDeque<Known>| {
             known.iter().find_map(|known| {
                 let same = known.mode == number
-                    && known.time.to_bits() == time.to_bits()
+                    && (known.time.to_bits() == time.to_bits() || 0.0 <= time && time < known.time)
                     && known.entry == *entry
                     && known.values == values
                     && known.varying.len() == varying.len();
                 let place = || known.varying.iter().position(|one| *one == varying[0]);
-                let passage = known.passage.clone();
+                let passage = (known.passage.clone(), known.time);
                 same.then(place).flatten().map(|place| (passage, place))
             })
         };
         let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = find(&lock()) {
-            return known;
+        let found = find(&lock());
+        if let Some(((passage, whole), place)) = found {
+            if whole.to_bits() == time.to_bits() {
+                return (passage, place);
+            }
+            if let Some(part) = passage.until(mode, time) {
+                return (Arc::new(part), place);
+            }
         }
         let passage = Arc::new(Integrated::new(mode, entry, time));
         let mut known = lock();
         known.truncate(MOST - 1);
+        let mut stages = passage.stages.len();
+        let kept = known.iter().take_while(|known| {
+            stages += known.passage.stages.len();
+            stages <= MOST_STAGES
+        });
+        let kept = kept.count();
+        known.truncate(kept);
         known.push_front(Known {
             mode: number,
             values: values.to_vec(),

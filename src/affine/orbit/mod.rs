@@ -286,14 +286,14 @@ impl Orbit for AffineOrbit {
     }
 
     fn add_gradient(&self, margin: &Margin, gradient: &mut [f64]) {
-        for (sum, by) in gradient.iter_mut().zip(&margin.gradient) {
-            *sum += by;
+        for (index, by) in &margin.gradient {
+            gradient[*index] += by;
         }
     }
 
     fn slope(&self, margin: &Margin, direction: &Vector) -> f64 {
-        let pairs = margin.gradient.iter().zip(direction);
-        pairs.map(|(by, along)| by * along).sum()
+        let terms = margin.gradient.iter();
+        terms.map(|(index, by)| by * direction[*index]).sum()
     }
 
     fn is_same(one: &Margin, other: &Margin) -> bool {

@@ -84,6 +84,23 @@ pub struct Passage<'a> {
     numerical: Option<Numerical>,
 }
 
+/// exp(Mt) of a linear mode, and its derivative in the parameter where there is any.
+#[derive(Clone, Debug)]
+pub struct Propagators {
+    flow: Matrix,
+    by: Option<Matrix>,
+}
+
+impl Propagators {
+    /// Those of a mode whose matrix has this norm; what is slow of it, where it is stiff.
+    pub fn new(mode: &AffineMode, norm: f64, stiff: Option<&Splitting>, time: f64) -> Propagators {
+        let MatrixBy { at, by } = &mode.matrix;
+        let (flow, by) = propagator(at, Some(&by[0]), mode.states, norm, time);
+        let flow = stiff.map_or(flow, |way| way.propagator(time));
+        Propagators { flow, by }
+    }
+}
+
 /// Series of z at both ends.
 #[derive(Clone, Debug)]
 struct Numerical {
@@ -93,9 +110,29 @@ struct Numerical {
     last: Series,
 }
 
+/// A piece of an integrated passage.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// Time of its beginning.
+    pub begun: f64,
+    /// How much of its series belongs to it.
+    pub time: f64,
+    /// How long its series holds.
+    pub length: f64,
+    /// z from its beginning on.
+    pub series: Series,
+    /// ∂z/∂z₀ at its beginning, and ∂z/∂p of every parameter.
+    by: Derivatives,
+}
+
+/// Derivatives of z in z₀ at the entry, and in every parameter.
+type Derivatives = (Matrix, [Vector; VARYING]);
+
 /// A passage through pieces of series, with its derivatives in all that vary.
 #[derive(Clone, Debug)]
 pub struct Integrated {
+    /// Its pieces in their order; none of a passage that takes no time, or that leaves the range of numbers.
+    pub stages: Vec<Stage>,
     /// ∂z/∂z₀.
     flow: Matrix,
     /// ∂z/∂p of every parameter.
@@ -113,57 +150,102 @@ impl Integrated {
     /// The passage from z through a mode that is integrated.
     pub fn new(mode: &AffineMode, entry: &Vector, time: f64) -> Integrated {
         let field = &mode.field;
-        let (size, base) = (entry.len(), field.base());
-        let forward = time >= 0.0;
+        let (base, forward, whole) = (field.base(), time >= 0.0, time.abs());
         let series = |z: &Vector| field.series(z, ORDER, true, forward);
         let first = series(entry);
-        let length = field.length(&first, time.abs(), forward);
-        let mut flow = Matrix::identity(base, base);
-        let mut by: [Vector; VARYING] = std::array::from_fn(|_| Vector::zeros(base));
-        let (mut last, mut z, mut rest) = (first.clone(), entry.clone(), time.abs());
-        let (mut pieces, mut before) = (0_u32, f64::INFINITY);
-        while rest > 0.0 {
-            let part = match pieces {
-                0 => length,
-                _ => field.length(&last, rest, forward),
-            };
+        let mut by: Derivatives = (
+            Matrix::identity(base, base),
+            std::array::from_fn(|_| Vector::zeros(base)),
+        );
+        let (mut last, mut z, mut stages) = (first.clone(), entry.clone(), Vec::new());
+        let (mut begun, mut before) = (0.0, f64::INFINITY);
+        while begun < whole {
+            let rest = whole - begun;
+            let length = field.length(&last, if stages.is_empty() { whole } else { rest }, forward);
             // what is not finite gives a passage that is not
-            pieces += 1;
-            let count = f64::from(pieces) + rest / part.max(before);
-            if part.is_nan() || part <= 0.0 || count > MOST_PIECES {
-                by.iter_mut().for_each(|by| by.fill(f64::NAN));
-                flow.fill(f64::NAN);
+            let count = (stages.len() + 1) as f64 + rest / length.max(before);
+            if length.is_nan() || length <= 0.0 || count > MOST_PIECES {
+                by.0.fill(f64::NAN);
+                stages.clear();
                 break;
             }
-            before = part;
-            rest -= part;
-            let part = part.copysign(time);
-            let (along, own) = last.derivatives_of(base, part);
-            flow = &along * flow;
-            for (by, own) in by.iter_mut().zip(own) {
-                *by = &along * &*by + own;
-            }
-            z = last.at(part);
-            last = series(&z);
+            before = length;
+            let time = share(rest, length);
+            let end = if time == rest { whole } else { begun + time };
+            let signed = if forward { time } else { -time };
+            let along = moved(&last, &by, signed);
+            z = last.at(signed);
+            stages.push(Stage {
+                begun,
+                time,
+                length,
+                series: std::mem::replace(&mut last, series(&z)),
+                by: std::mem::replace(&mut by, along),
+            });
+            begun = end;
         }
-        if pieces > 0 {
+        if !stages.is_empty() {
             z = last.first();
         }
-        // what is made of other components follows them
+        let length = stages.first().map_or(0.0, |stage| stage.length);
+        Integrated::of(by, (first, length), (z, last), stages)
+    }
+
+    /// The passage up to a time at which it has not ended yet; `None` where it is not known so far.
+    pub fn until(&self, mode: &AffineMode, time: f64) -> Option<Integrated> {
+        let stage = self.stages.iter().rfind(|stage| stage.begun <= time)?;
+        let part = time - stage.begun;
+        let z = stage.series.at(part);
+        let last = mode.field.series(&z, ORDER, true, true);
+        let by = moved(&stage.series, &stage.by, part);
+        let first = (self.first.clone(), self.length);
+        Some(Integrated::of(by, first, (last.first(), last), Vec::new()))
+    }
+
+    /// With what is made of other components, which follows them.
+    fn of(
+        (flow, by): Derivatives,
+        (first, length): (Series, f64),
+        (end, last): (Vector, Series),
+        stages: Vec<Stage>,
+    ) -> Integrated {
+        let (size, base) = (end.len(), flow.ncols());
         let (slopes, own) = last.derivatives();
         let mut all = Matrix::zeros(size, size);
         all.columns_mut(0, base).copy_from(&(&slopes * flow));
         let mut own = own.into_iter();
         Integrated {
+            stages,
             flow: all,
             by: by.map(|by| &slopes * by + own.next().unwrap_or_else(|| Vector::zeros(size))),
             rate: Vector::from_fn(size, |c, _| last.value(1, c)),
-            end: z,
+            end,
             first,
             length,
             last,
         }
     }
+}
+
+/// How much of what is left of a zone the next piece takes, of those that hold so long: the last two are of one length,
+/// so that none is tiny.
+pub(super) fn share(rest: f64, length: f64) -> f64 {
+    match rest / length {
+        ratio if ratio <= 1.0 => rest,
+        ratio if ratio <= 2.0 => 0.5 * rest,
+        _ => length,
+    }
+}
+
+/// Derivatives at a time after the beginning of a series, where those at its beginning are known.
+fn moved(series: &Series, (flow, by): &Derivatives, time: f64) -> Derivatives {
+    let (along, own) = series.derivatives_of(flow.nrows(), time);
+    let mut own = own.into_iter();
+    let by = by.each_ref().map(|by| {
+        let moved = &along * by;
+        own.next().map_or_else(|| moved.clone(), |own| &moved + own)
+    });
+    (along * flow, by)
 }
 
 impl<'a> Passage<'a> {
@@ -179,15 +261,25 @@ impl<'a> Passage<'a> {
             let known = Integrated::new(mode, &entry, time);
             return Passage::integrated(mode, entry, (time, false), &known, 0);
         }
-        let MatrixBy { at, by } = &mode.matrix;
-        let (flow, by) = propagator(at, Some(&by[0]), mode.states, norm, time);
-        let flow = stiff.map_or(flow, |way| way.propagator(time));
-        let end = &flow * &entry;
+        let propagators = Propagators::new(mode, norm, stiff, time);
+        Passage::linear(mode, norm, &propagators, entry, time)
+    }
+
+    /// The passage from z through a linear mode.
+    pub fn linear(
+        mode: &'a AffineMode,
+        norm: f64,
+        Propagators { flow, by }: &Propagators,
+        entry: Vector,
+        time: f64,
+    ) -> Passage<'a> {
+        let end = flow * &entry;
+        let by = by.as_ref();
         Passage {
-            rate: at * &end,
+            rate: &mode.matrix.at * &end,
             end,
             by_parameter: by.map_or_else(|| Vector::zeros(entry.len()), |by| by * &entry),
-            flow,
+            flow: flow.clone(),
             norm,
             mode,
             entry,
@@ -279,7 +371,7 @@ impl<'a> Passage<'a> {
     /// The derivative of this order of a form, at the end.
     pub fn derivative_at_end(&self, row: &Row, order: usize) -> Jet {
         let Some(Numerical { last, .. }) = &self.numerical else {
-            return self.linear_at_end(&self.derivative(row, order));
+            return self.linear_at_end(&derivative(self.mode, row, order));
         };
         let (value, gradient, by) = last.jet(row, order);
         let jet = Jet {
@@ -320,7 +412,7 @@ impl<'a> Passage<'a> {
         let mut last: Option<Cow<Row>> = None;
         let of = |_| {
             let next = match &last {
-                None => self.derivative(row, from),
+                None => derivative(self.mode, row, from),
                 Some(last) => Cow::Owned(last.through(&self.mode.matrix)),
             };
             let jet = Jet::at_entry(&next, &self.entry);
@@ -328,12 +420,6 @@ impl<'a> Passage<'a> {
             jet
         };
         orders.map(of).collect()
-    }
-
-    /// The derivative of this order of a form of a linear mode.
-    fn derivative<'r>(&self, row: &'r Row, order: usize) -> Cow<'r, Row> {
-        let first = Cow::Borrowed(row);
-        (0..order).fold(first, |row, _| Cow::Owned(row.through(&self.mode.matrix)))
     }
 
     /// Whether the time is so short that a series at the entry holds.
@@ -408,6 +494,12 @@ impl<'a> Passage<'a> {
         rate.by_time = second;
         [q, rate]
     }
+}
+
+/// The derivative of this order of a form of a linear mode.
+pub(super) fn derivative<'r>(mode: &AffineMode, row: &'r Row, order: usize) -> Cow<'r, Row> {
+    let first = Cow::Borrowed(row);
+    (0..order).fold(first, |row, _| Cow::Owned(row.through(&mode.matrix)))
 }
 
 fn factorial(k: usize) -> f64 {

@@ -60,7 +60,7 @@ impl OrbitSystem<'_> {
             for index in 0..shifted.nrows() {
                 shifted[(index, index)] += shift * size;
             }
-            let factors = Factors::new(shifted);
+            let factors = Factors::new(&shifted);
             let mut vector = Vector::from_fn(directions * orbit, |i, _| 1.0 + (i % 7) as f64 / 7.0);
             for _ in 0..ITERATIONS {
                 let norm = factors.solve(&mut vector).then(|| vector.norm());

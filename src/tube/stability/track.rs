@@ -279,7 +279,7 @@ impl Tracker {
     /// The spectrum at a small arclength beyond a node.
     fn beyond(&self, wave: &Wave, node: &Node, mut ds: f64) -> Option<Spectrum> {
         for _ in 0..6 {
-            if let Ok(step) = advance(wave, node, ds, self.tolerance) {
+            if let Ok(step) = advance(wave, node, &[], ds, self.tolerance) {
                 return self.spectrum_near(wave, &step.node, self.last.as_ref());
             }
             ds *= 0.25;
