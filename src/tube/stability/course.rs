@@ -1,6 +1,11 @@
 //! Friction that depends on the velocity along a zone, as perturbations see it: F = fκS and E = f·dS/dV̇·P as power
 //! series in time, and the coefficients of the equation that [`super::sliding`] solves with them.
 
+use std::sync::OnceLock;
+
+use super::perturbation::C64;
+use super::propagator::Propagators;
+use super::sliding::Pair;
 use crate::tube::flow::numeric::series::{Piece, Series, at};
 
 /// Friction along a zone.
@@ -14,6 +19,13 @@ pub(super) struct Course {
     pub(super) drag: f64,
     /// Largest |E|/m_a: what is fast against it sees the mean.
     pub(super) steepest: f64,
+    duration: f64,
+    /// F and E at the beginning and at the end.
+    ends: [[f64; 2]; 2],
+    /// ∫(F + E) over the zone.
+    pushed: f64,
+    /// The transfers over the zone, where they have been expanded.
+    propagators: OnceLock<Propagators>,
 }
 
 /// A part of a zone over which Δ is a power series in (time − start)/duration.
@@ -48,6 +60,9 @@ impl Course {
         let (force, drag) = (mean(|piece| &piece.force), mean(|piece| &piece.drag));
         let largest = |piece: &Piece| piece.drag[0].abs().max(at(&piece.drag, 1.0).abs());
         let steepest = pieces.iter().map(largest).fold(0.0, f64::max) / ma;
+        let duration = pieces
+            .last()
+            .map_or(0.0, |piece| piece.start + piece.duration);
         let segments = pieces
             .into_iter()
             .map(|piece| {
@@ -74,16 +89,51 @@ impl Course {
                 }
             })
             .collect();
-        Course {
+        let mut course = Course {
             segments,
             force,
             drag,
             steepest,
-        }
+            duration,
+            ends: [[0.0; 2]; 2],
+            pushed: 0.0,
+            propagators: OnceLock::new(),
+        };
+        course.ends = [0.0, duration].map(|time| course.within(time));
+        course.pushed = course.pushed_within(duration);
+        course
+    }
+
+    /// Whether a time is the end of the zone, to rounding.
+    fn is_end(&self, time: f64) -> bool {
+        (time - self.duration).abs() <= 4.0 * f64::EPSILON * self.duration
+    }
+
+    /// Expands the transfer over the zone in λ, with q = ã/m_a².
+    pub(super) fn expand(&self, square: f64) {
+        self.propagators
+            .get_or_init(|| Propagators::new(&self.segments, self.duration, square));
+    }
+
+    /// Carries z and z′ with their derivatives over the zone, see [`Propagators::carry`]; `None` where the time is not
+    /// the whole of it, or its transfer has not been expanded.
+    pub(super) fn propagate(&self, lambda: C64, time: f64, pairs: &mut [Pair]) -> Option<f64> {
+        let propagators = self.propagators.get().filter(|_| self.is_end(time))?;
+        propagators.carry(&self.segments, lambda, pairs)
     }
 
     /// F and E at a time.
     pub(super) fn at(&self, time: f64) -> [f64; 2] {
+        if time == 0.0 {
+            self.ends[0]
+        } else if self.is_end(time) {
+            self.ends[1]
+        } else {
+            self.within(time)
+        }
+    }
+
+    fn within(&self, time: f64) -> [f64; 2] {
         let index = self
             .segments
             .partition_point(|segment| segment.piece.start <= time)
@@ -97,6 +147,14 @@ impl Course {
 
     /// ∫(F + E) up to a time.
     pub(super) fn pushed(&self, time: f64) -> f64 {
+        if self.is_end(time) {
+            self.pushed
+        } else {
+            self.pushed_within(time)
+        }
+    }
+
+    fn pushed_within(&self, time: f64) -> f64 {
         let parts = self.segments.iter().map(|segment| {
             let piece = &segment.piece;
             let share = ((time - piece.start) / piece.duration).clamp(0.0, 1.0);

@@ -14,6 +14,7 @@ mod dual;
 pub mod eigenfunction;
 mod material;
 mod perturbation;
+mod propagator;
 mod separation;
 mod sliding;
 pub mod spectrum;

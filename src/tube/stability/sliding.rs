@@ -21,12 +21,13 @@ use super::perturbation::{C64, Characteristic, Jump, LinearZone, Perturbations, 
 use crate::tube::flow::numeric::series::{Series, TERMS};
 
 /// √|Δ|s of one step at most: 2²⁹/29! is below rounding.
-const RADIANS: f64 = 2.0;
+pub(super) const RADIANS: f64 = 2.0;
 
 /// Most steps of one piece: at frequencies that need more nothing is searched, and no number is given.
 const MOST_STEPS: f64 = 1e4;
 
-const ORDER: usize = TERMS + 2;
+/// Terms of the power series of z.
+pub(super) const ORDER: usize = TERMS + 2;
 
 /// Terms of Δs² below this do not count.
 const NOTHING: f64 = 1e-18;
@@ -35,7 +36,7 @@ const NOTHING: f64 = 1e-18;
 const LARGE: f64 = 1e60;
 
 /// The series of the part of x from `from` on, `width` long.
-fn part(series: &Series, from: f64, width: f64) -> Series {
+pub(super) fn part(series: &Series, from: f64, width: f64) -> Series {
     let mut moved = *series;
     for first in 0..TERMS - 1 {
         for index in (first..TERMS - 1).rev() {
@@ -51,7 +52,7 @@ fn part(series: &Series, from: f64, width: f64) -> Series {
 }
 
 /// z and z′ with their derivatives in λ.
-type Pair = [[C64; 2]; 2];
+pub(super) type Pair = [[C64; 2]; 2];
 
 /// Δs² and its derivative in λ as series over a step of length s.
 struct Step {
@@ -87,6 +88,20 @@ impl Step {
     }
 }
 
+/// Scales perturbations down that have grown large, and returns the exponent of that.
+pub(super) fn scaled_down(pairs: &mut [Pair]) -> f64 {
+    let size = |pair: &Pair| pair[0][0].norm_sqr().max(pair[0][1].norm_sqr());
+    let size = pairs.iter().map(size).fold(0.0, f64::max).sqrt();
+    if size <= LARGE {
+        return 0.0;
+    }
+    let inverse = size.recip();
+    for number in pairs.iter_mut().flatten().flatten() {
+        *number *= inverse;
+    }
+    size.ln()
+}
+
 impl Characteristic {
     /// Whether friction varies along a zone.
     pub(super) fn varies(&self) -> bool {
@@ -95,10 +110,20 @@ impl Characteristic {
 
     /// Steps that carry a perturbation over the first `length` of a segment.
     fn steps(&self, segment: &Segment, frequency: f64, length: f64) -> f64 {
-        let [linear, constant] = segment.sizes;
-        let square = self.a / (self.ma * self.ma);
-        let size = frequency * (frequency * square + linear) + constant;
+        let size = segment.size(self.square(), frequency);
         (size.sqrt() * length / RADIANS).ceil().max(1.0)
+    }
+
+    /// ã/m_a², the coefficient of λ² in Δ.
+    fn square(&self) -> f64 {
+        self.a / (self.ma * self.ma)
+    }
+
+    /// Expands the transfers over sliding zones in λ, which pays for itself after a few values.
+    pub(super) fn expand(&self) {
+        for course in self.zones.iter().filter_map(|zone| zone.course.as_ref()) {
+            course.expand(self.square());
+        }
     }
 
     /// What an eigenvalue costs at a frequency, in units of those in closed form.
@@ -166,7 +191,27 @@ impl Characteristic {
                 [by[2], by[3] - p * by[2] - at[2] * p_by],
             ];
         }
-        let square = self.a / (self.ma * self.ma);
+        let pairs = &mut pairs[..count];
+        state.exponent += course
+            .propagate(lambda, duration, pairs)
+            .unwrap_or_else(|| self.carry(course, lambda, duration, pairs));
+        let p = p_at(duration);
+        let [loss, loss_by] = self.gained(course, duration, lambda).map(|x| x * 0.5);
+        let turn = C64::from_polar(1.0, loss.im);
+        state.exponent += loss.re;
+        for (column, [[z, rate], [z_by, rate_by]]) in pairs.iter().copied().enumerate() {
+            let slope = rate + p * z;
+            let by = z_by + loss_by * z;
+            let slope_by = rate_by + p * z_by + z * p_by + loss_by * slope;
+            (state.columns[column][2], state.columns[column][3]) = (z * turn, slope * turn);
+            (state.by[column][2], state.by[column][3]) = (by * turn, slope_by * turn);
+        }
+    }
+    /// Carries z and z′ with their derivatives through the first `duration` of a course, step by step. Returns the
+    /// exponent that is taken out of them.
+    fn carry(&self, course: &Course, lambda: C64, duration: f64, pairs: &mut [Pair]) -> f64 {
+        let square = self.square();
+        let mut exponent = 0.0;
         for segment in &course.segments {
             let piece = &segment.piece;
             let length = (duration - piece.start).min(piece.duration);
@@ -175,7 +220,7 @@ impl Characteristic {
             }
             let steps = self.steps(segment, lambda.norm(), length);
             if steps.is_nan() || steps > MOST_STEPS {
-                pairs = [[[C64::from(f64::NAN); 2]; 2]; 2];
+                pairs.fill([[C64::from(f64::NAN); 2]; 2]);
                 break;
             }
             let width = length / piece.duration / steps;
@@ -198,28 +243,12 @@ impl Characteristic {
                     terms,
                     length: seconds,
                 };
-                for pair in pairs.iter_mut().take(count) {
+                for pair in pairs.iter_mut() {
                     *pair = step.carry(*pair);
                 }
-                let size = |pair: &Pair| pair[0][0].norm_sqr().max(pair[0][1].norm_sqr());
-                let size = pairs.iter().map(size).fold(0.0, f64::max).sqrt();
-                if size > LARGE {
-                    let inverse = size.recip();
-                    pairs = pairs.map(|pair| pair.map(|part| part.map(|z| z * inverse)));
-                    state.exponent += size.ln();
-                }
+                exponent += scaled_down(pairs);
             }
         }
-        let p = p_at(duration);
-        let [loss, loss_by] = self.gained(course, duration, lambda).map(|x| x * 0.5);
-        let turn = C64::from_polar(1.0, loss.im);
-        state.exponent += loss.re;
-        for (column, [[z, rate], [z_by, rate_by]]) in pairs.into_iter().enumerate().take(count) {
-            let slope = rate + p * z;
-            let by = z_by + loss_by * z;
-            let slope_by = rate_by + p * z_by + z * p_by + loss_by * slope;
-            (state.columns[column][2], state.columns[column][3]) = (z * turn, slope * turn);
-            (state.by[column][2], state.by[column][3]) = (by * turn, slope_by * turn);
-        }
+        exponent
     }
 }

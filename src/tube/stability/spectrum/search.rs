@@ -37,6 +37,7 @@ pub fn spectrum(
             halves.push(conjugate);
         }
     }
+    characteristic.expand();
     let high = HighFrequency::new(characteristic);
     // about two grid points from zero to zero, also where c² → a makes one delay long
     let delay = high.longest_delay().max(characteristic.period);
