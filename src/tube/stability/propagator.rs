@@ -276,3 +276,105 @@ impl Segment {
         Transfer::new(&linear, &constant, square * bound * bound * scale, seconds)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tube::stability::course::Course;
+    use crate::tube::stability::perturbation::{
+        Characteristic, Jump, LinearZone, Perturbations, modulus,
+    };
+    use std::sync::Arc;
+
+    use crate::tube::flow::numeric::series::Piece;
+    use crate::tube::model::signature::Regime;
+
+    const A: f64 = 0.6;
+    const H: f64 = 8.5;
+    const DAMPING: f64 = 0.3;
+
+    /// Pieces of a zone along which friction changes smoothly, the last of them too long for one block.
+    fn pieces() -> Vec<Piece> {
+        let series = |terms: [f64; 4]| -> Series {
+            std::array::from_fn(|n| terms.get(n).copied().unwrap_or(0.0))
+        };
+        let piece = |start: f64, duration: f64, at: f64| Piece {
+            start,
+            duration,
+            force: series([0.4 - at, 0.2, -0.05, 0.01]),
+            drag: series([-1.5 + at, 0.3, 0.2, -0.1]),
+        };
+        vec![
+            piece(0.0, 0.1, 0.0),
+            piece(0.1, 0.05, 0.1),
+            piece(0.15, 0.2, 0.2),
+            piece(0.35, 4.0, 0.3),
+        ]
+    }
+
+    fn zone() -> LinearZone {
+        LinearZone {
+            regime: Regime::Slip,
+            duration: 4.35,
+            jump: Jump::None,
+            course: Some(Arc::new(Course::new(pieces(), [A, 1.0 - A, H, DAMPING]))),
+        }
+    }
+
+    fn wave(zone: LinearZone) -> Characteristic {
+        Characteristic {
+            period: zone.duration,
+            zones: vec![zone],
+            stick: false,
+            mode: 1,
+            excess: A.powf(-0.5) - 1.0,
+            ma: 1.0 - A,
+            mb: 0.8,
+            a: A,
+            b: 0.2,
+            kappa: 0.7,
+            g: 18.0,
+            h: H,
+            friction: 0.5,
+            static_friction: 0.5,
+            damping: DAMPING,
+            beta: 0.0,
+            turn: 0.0,
+            defect: 0.0,
+        }
+    }
+
+    /// The expanded transfer and its derivative are those of the steps, to the rounding of the angle |λ|T: at
+    /// every level, at bounds of levels and between them.
+    #[test]
+    fn expansion_agrees_with_steps() {
+        let expanded = wave(zone());
+        expanded.expand();
+        let plain = wave(zone());
+        for size in [0.0, 1e-3, 0.3, 1.0, 2.9, 7.3, 20.0, 65.0] {
+            for turn in [0.0, 0.4, 1.3, 2.0, 3.1] {
+                let lambda = C64::from_polar(size, turn);
+                let ends = [&expanded, &plain].map(|wave| {
+                    let mut state = Perturbations::unit();
+                    wave.cross(&wave.zones[0], lambda, &mut state, 2);
+                    state
+                });
+                let shift = (ends[0].exponent - ends[1].exponent).exp();
+                let largest = |of: fn(&Perturbations) -> &[nalgebra::Vector4<C64>; 2]| {
+                    let numbers = of(&ends[1]).iter().flatten();
+                    numbers.map(|z| modulus(*z)).fold(0.0, f64::max)
+                };
+                let rounding = 2e-14 * (1.0 + 4.35 * size);
+                let (value, slope) = (largest(|end| &end.columns), largest(|end| &end.by));
+                for column in 0..2 {
+                    for row in 2..4 {
+                        let [one, other] = [0, 1].map(|of| ends[of].columns[column][row]);
+                        assert!(modulus(one * shift - other) < rounding * value, "{lambda}");
+                        let [one, other] = [0, 1].map(|of| ends[of].by[column][row]);
+                        assert!(modulus(one * shift - other) < rounding * slope, "{lambda}");
+                    }
+                }
+            }
+        }
+    }
+}

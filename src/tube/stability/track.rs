@@ -9,6 +9,7 @@
 //! Work is counted in eigenvalues, never in time. A run has an allowance of them, see [`ALLOWANCE`].
 
 use std::cell::Cell;
+use std::sync::Arc;
 
 use nalgebra::Complex;
 
@@ -204,8 +205,9 @@ const ROUNDING: f64 = 1e-14;
 #[derive(Clone, Debug)]
 struct End {
     s: f64,
-    node: Node,
     spectrum: Spectrum,
+    /// Its wave, linearised; `None` where the step sets out, to which nothing is followed.
+    characteristic: Option<Arc<Characteristic>>,
 }
 
 /// A pair of ends of one eigenvalue, whose real parts have different signs.
@@ -259,13 +261,34 @@ impl Tracker {
         node: &Node,
         seeds: Option<&Spectrum>,
     ) -> Option<Spectrum> {
+        let (_, spectrum) = self.linearised_near(wave, node, seeds)?;
+        Some(spectrum)
+    }
+
+    /// The linearisation of one wave and its spectrum.
+    fn linearised_near(
+        &self,
+        wave: &Wave,
+        node: &Node,
+        seeds: Option<&Spectrum>,
+    ) -> Option<(Characteristic, Spectrum)> {
         if self.allowance.get() == 0 {
             return None;
         }
         let characteristic = Characteristic::new(wave, &node.point).ok()?;
         let found = spectrum(&characteristic, &self.request, seeds);
         self.spend(size(&found) * characteristic.cost(self.request.max_frequency));
-        (!found.sectors.is_empty()).then_some(found)
+        (!found.sectors.is_empty()).then_some((characteristic, found))
+    }
+
+    /// The end of an interval at a node.
+    fn end(&self, wave: &Wave, s: f64, node: &Node, seeds: Option<&Spectrum>) -> Option<End> {
+        let (characteristic, spectrum) = self.linearised_near(wave, node, seeds)?;
+        Some(End {
+            s,
+            spectrum,
+            characteristic: Some(Arc::new(characteristic)),
+        })
     }
 
     /// The first point of a leg. Where it is a change of regime and has no spectrum, the first step is
@@ -291,8 +314,7 @@ impl Tracker {
     fn short_of(&self, wave: &Wave, from: &Node, s: f64) -> Option<End> {
         let s = (1.0 - BEYOND) * s;
         let node = node_at(wave, from, s, self.tolerance)?;
-        let spectrum = self.spectrum_near(wave, &node, self.last.as_ref())?;
-        Some(End { s, node, spectrum })
+        self.end(wave, s, &node, self.last.as_ref())
     }
 
     /// The step from `from` through the points found.
@@ -307,11 +329,7 @@ impl Tracker {
         let closes = end.entered.is_some() && has_closed_flight(wave, end.node);
         let reached = match closes {
             true => self.short_of(wave, from, end.s),
-            false => self.at(wave, end.node).map(|spectrum| End {
-                s: end.s,
-                node: end.node.clone(),
-                spectrum,
-            }),
+            false => self.end(wave, end.s, end.node, self.last.as_ref()),
         };
         if closes && reached.is_none() && self.last.is_some() {
             tracked.remark = Some(Remark::Lost);
@@ -319,8 +337,8 @@ impl Tracker {
         if let (Some(before), Some(other), true) = (&self.last, &reached, end.s > 0.0) {
             let one = End {
                 s: 0.0,
-                node: from.clone(),
                 spectrum: before.clone(),
+                characteristic: None,
             };
             let folds = found.iter().filter(|point| point.folds);
             let mut search = Search {
@@ -431,9 +449,7 @@ impl Search<'_> {
     /// An end of an interval at an arclength; seeds of its spectrum are those of another end.
     fn end_at(&self, s: f64, near: &End) -> Option<End> {
         let node = node_at(self.wave, self.from, s, self.tracker.tolerance)?;
-        let seeds = Some(&near.spectrum);
-        let spectrum = self.tracker.spectrum_near(self.wave, &node, seeds)?;
-        Some(End { s, node, spectrum })
+        self.tracker.end(self.wave, s, &node, Some(&near.spectrum))
     }
 
     /// The crossings of these changes within the window, with their spectra; `None` if one is not located.
@@ -458,13 +474,13 @@ impl Search<'_> {
     /// The eigenvalues that change the sign of their real part between two ends; `None` where
     /// following them does not account for the change of the count.
     fn changes(&self, one: &End, other: &End) -> Option<Vec<Change>> {
-        let characteristic = Characteristic::new(self.wave, &other.node.point).ok()?;
+        let characteristic = other.characteristic.as_deref()?;
         let mut changes = Vec::new();
         let depth = (one.spectrum.left.max(other.spectrum.left)).max(-NEAR / characteristic.period);
         let accounted = ACCOUNTED * depth;
         let rate = characteristic.period.recip();
         let request = &self.tracker.request;
-        let margin = margin(request, &characteristic);
+        let margin = margin(request, characteristic);
         let highest = |spectrum: &Spectrum| (spectrum.top - margin).min(request.max_frequency);
         // by their signs alone: to count from any threshold would lose what crosses between it and the
         // axis; but rounding of what stays on the axis is no crossing
@@ -478,7 +494,7 @@ impl Search<'_> {
             let mut taken = vec![false; after.eigenvalues.len()];
             let mut gone = Vec::new();
             for start in before.eigenvalues.iter().filter(relevant) {
-                let reached = reach(&characteristic, before.sector, start.value());
+                let reached = reach(characteristic, before.sector, start.value());
                 let index = reached.and_then(|value| {
                     // the list is sorted by falling Re λ
                     let list = &after.eigenvalues;

@@ -6,6 +6,13 @@
 //! its left to its right end, with the derivatives carried along. At mesh points the error is O(h^{2m})
 //! (de Boor and Swartz 1973). The mesh equidistributes |x⁽ᵐ⁾|^{1/m}, which the leading coefficients
 //! of the slopes on the mesh before it estimate.
+//!
+//! The linear system of an interval is (I − hA⊗J)δK = r, J_i being the derivatives of F at Gauss point i. In sliding
+//! x₀′ is affine in x₁ alone, J_i = (0 p; q_i r_i), so that δK⁰ = r⁰ + hpAδK¹ leaves half of the unknowns,
+//!
+//! ```text
+//! δK¹_i − h Σ_j (r_i a_ij + hpq_i (A²)_ij) δK¹_j = r¹_i + hq_i Σ_j a_ij r⁰_j.
+//! ```
 
 use std::sync::OnceLock;
 
@@ -89,16 +96,44 @@ impl Gauss {
         }
     }
 
-    /// ℓ_j at x.
-    fn lagrange(&self, j: usize, x: f64) -> f64 {
-        let powers = self.polynomials[j].iter().rev();
-        powers.fold(0.0, |sum, power| sum * x + power)
-    }
-
     fn of_degree(m: usize) -> &'static Gauss {
         static TABLES: OnceLock<Vec<Gauss>> = OnceLock::new();
         let tables = TABLES.get_or_init(|| (1..=MAX_DEGREE).map(Gauss::new).collect());
         &tables[m.clamp(1, MAX_DEGREE) - 1]
+    }
+}
+
+/// The same numbers for a degree known to the compiler, which unrolls the loops over Gauss points.
+struct Rule<const M: usize> {
+    a: [[f64; M]; M],
+    /// A².
+    squared: [[f64; M]; M],
+    b: [f64; M],
+    leading: [f64; M],
+    nodes: [f64; M],
+    polynomials: [[f64; M]; M],
+}
+
+impl<const M: usize> Rule<M> {
+    fn new() -> Rule<M> {
+        let gauss = Gauss::of_degree(M);
+        let row = |from: &[f64]| -> [f64; M] { std::array::from_fn(|index| from[index]) };
+        let a: [[f64; M]; M] = std::array::from_fn(|i| row(&gauss.a[i]));
+        let squared = |i: usize, j: usize| (0..M).map(|l| a[i][l] * a[l][j]).sum();
+        Rule {
+            squared: std::array::from_fn(|i| std::array::from_fn(|j| squared(i, j))),
+            a,
+            b: row(&gauss.b),
+            leading: row(&gauss.leading),
+            nodes: row(&gauss.nodes),
+            polynomials: std::array::from_fn(|j| row(&gauss.polynomials[j])),
+        }
+    }
+
+    /// ℓ_j at x.
+    fn lagrange(&self, j: usize, x: f64) -> f64 {
+        let powers = self.polynomials[j].iter().rev();
+        powers.fold(0.0, |sum, power| sum * x + power)
     }
 }
 
@@ -142,6 +177,25 @@ fn subtract(x: &mut [f64], factor: f64, y: &[f64]) {
     x.iter_mut().zip(y).for_each(|(x, y)| *x -= factor * y);
 }
 
+/// Calls a function for a degree with that degree as a constant.
+macro_rules! of_degree {
+    ($degree:expr, $M:ident => $call:expr) => {
+        of_degree!($degree, $M => $call, 1 2 3 4 5 6)
+    };
+    ($degree:expr, $M:ident => $call:expr, $($known:literal)*) => {
+        match $degree.max(1) {
+            $($known => {
+                const $M: usize = $known;
+                $call
+            })*
+            _ => {
+                const $M: usize = MAX_DEGREE;
+                $call
+            }
+        }
+    };
+}
+
 /// Calls a function for matrices of a size with that size as a constant, so that its loops are unrolled:
 /// sizes are D·m, for D = 2 or 4 equations and m ≤ [`MAX_DEGREE`] Gauss points.
 macro_rules! of_size {
@@ -176,7 +230,12 @@ impl Local {
 
     fn solve(&self, right: &mut [f64]) {
         let n = self.pivots.len();
-        of_size!(n, N => solve(self.entries.as_chunks::<N>().0, &self.pivots, right), ())
+        let entries = &self.entries;
+        of_size!(n, N => {
+            if let Some(right) = right.first_chunk_mut::<N>() {
+                solve(entries.as_chunks::<N>().0, &self.pivots, right);
+            }
+        }, ())
     }
 }
 
@@ -211,7 +270,7 @@ fn factorise<const N: usize>(columns: &mut [[f64; N]], pivots: &mut [usize]) -> 
     true
 }
 
-fn solve<const N: usize>(columns: &[[f64; N]], pivots: &[usize], right: &mut [f64]) {
+fn solve<const N: usize>(columns: &[[f64; N]], pivots: &[usize], right: &mut [f64; N]) {
     for (row, pivot) in pivots.iter().enumerate() {
         right.swap(row, *pivot);
     }
@@ -226,23 +285,35 @@ fn solve<const N: usize>(columns: &[[f64; N]], pivots: &[usize], right: &mut [f6
     }
 }
 
+/// LU factors of the linear system of a chain, in the slopes of x₁ alone.
+struct Chain<const M: usize> {
+    columns: [[f64; M]; M],
+    pivots: [usize; M],
+    /// hq_i.
+    coupling: [f64; M],
+    /// hp.
+    slope: f64,
+}
+
 /// The solution on the intervals of a mesh, one after the other.
-struct Solver<'a, const D: usize, F> {
+struct Solver<'a, const D: usize, const M: usize, F> {
     frozen: &'a F,
-    gauss: &'a Gauss,
+    rule: &'a Rule<M>,
     /// x at the right end of the interval solved last.
     end: [f64; D],
     /// Slopes at its Gauss points.
-    slopes: Vec<[f64; D]>,
+    slopes: [[f64; D]; M],
     /// Its length; zero before the first.
     length: f64,
-    /// Of the linear system of the last Newton iteration.
+    /// Of the linear system of the last Newton iteration, where F is no chain.
     local: Local,
-    trial: Vec<[f64; D]>,
+    /// The same where it is one.
+    chain: Chain<M>,
+    trial: [[f64; D]; M],
     /// Rates at the Gauss points with their derivatives in x, and the residuals of the equations.
-    rates: Vec<[Dual<D>; D]>,
-    right: Vec<f64>,
-    step: Vec<f64>,
+    rates: [[Dual<D>; D]; M],
+    right: [[f64; D]; M],
+    step: [[f64; D]; M],
 }
 
 fn largest(numbers: &[f64]) -> f64 {
@@ -254,43 +325,47 @@ fn square(numbers: &[f64]) -> f64 {
     numbers.iter().map(|number| number * number).sum()
 }
 
-impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
-    fn new(frozen: &'a F, gauss: &'a Gauss) -> Self {
-        let m = gauss.b.len();
+impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, F> {
+    fn new(frozen: &'a F, rule: &'a Rule<M>) -> Self {
         Solver {
             frozen,
-            gauss,
+            rule,
             end: [0.0; D],
-            slopes: vec![[0.0; D]; m],
+            slopes: [[0.0; D]; M],
             length: 0.0,
-            local: Local::new(m * D),
-            trial: vec![[0.0; D]; m],
-            rates: vec![[Dual::constant(0.0); D]; m],
-            right: vec![0.0; m * D],
-            step: vec![0.0; m * D],
+            local: Local::new(if F::IS_CHAIN { 0 } else { M * D }),
+            chain: Chain {
+                columns: [[0.0; M]; M],
+                pivots: [0; M],
+                coupling: [0.0; M],
+                slope: 0.0,
+            },
+            trial: [[0.0; D]; M],
+            rates: [[Dual::constant(0.0); D]; M],
+            right: [[0.0; D]; M],
+            step: [[0.0; D]; M],
         }
     }
 
     /// x at Gauss point `i`, from the slopes at all of them.
-    fn stage(&self, from: &[f64; D], h: f64, slopes: &[[f64; D]], i: usize) -> [f64; D] {
+    fn stage(&self, from: &[f64; D], h: f64, slopes: &[[f64; D]; M], i: usize) -> [f64; D] {
         std::array::from_fn(|row| {
-            let pairs = self.gauss.a[i].iter().zip(slopes);
+            let pairs = self.rule.a[i].iter().zip(slopes);
             from[row] + h * pairs.map(|(a, slope)| a * slope[row]).sum::<f64>()
         })
     }
 
     /// Rates and residuals at the trial slopes.
     fn evaluate(&mut self, from: &[f64; D], h: f64) {
-        for i in 0..self.trial.len() {
+        for i in 0..M {
             let at = self.stage(from, h, &self.trial, i);
             let rate = self.frozen.rate(&std::array::from_fn(|row| {
                 let mut x = Dual::constant(at[row]);
                 x.by[row] = 1.0;
                 x
             }));
-            let right = self.right[i * D..].iter_mut();
-            for ((right, rate), slope) in right.zip(&rate).zip(&self.trial[i]) {
-                *right = rate.value - slope;
+            for row in 0..D {
+                self.right[i][row] = rate[row].value - self.trial[i][row];
             }
             self.rates[i] = rate;
         }
@@ -309,81 +384,125 @@ impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
 
     /// Takes the polynomial of the interval before, carried on into one of length h, for a guess.
     fn carry_on(&mut self, from: &[f64; D], h: f64) -> bool {
-        let gauss = self.gauss;
+        let rule = self.rule;
         if self.length == 0.0 {
             return false;
         }
-        for (trial, node) in self.trial.iter_mut().zip(&gauss.nodes) {
+        for (trial, node) in self.trial.iter_mut().zip(&rule.nodes) {
             let x = 1.0 + node * h / self.length;
             *trial = [0.0; D];
             for (j, slope) in self.slopes.iter().enumerate() {
-                subtract(trial, -gauss.lagrange(j, x), slope);
+                subtract(trial, -rule.lagrange(j, x), slope);
             }
         }
         self.evaluate(from, h);
-        square(&self.right) <= CARRIED * CARRIED * square(self.trial.as_flattened())
+        square(self.right.as_flattened()) <= CARRIED * CARRIED * square(self.trial.as_flattened())
+    }
+
+    /// Factorises I − hA⊗J. False when it is singular.
+    fn factorise(&mut self, h: f64) -> bool {
+        if F::IS_CHAIN {
+            return self.factorise_chain(h);
+        }
+        let columns = self.local.entries.chunks_exact_mut(M * D);
+        for (index, column) in columns.enumerate() {
+            let (j, by) = (index / D, index % D);
+            let rows = column.chunks_exact_mut(D).zip(&self.rates);
+            for ((rows, rates), a) in rows.zip(&self.rule.a) {
+                for (entry, rate) in rows.iter_mut().zip(rates) {
+                    *entry = -h * a[j] * rate.by[by];
+                }
+            }
+            column[index] += 1.0;
+        }
+        self.local.factorise()
+    }
+
+    /// The same for the slopes of x₁ alone.
+    fn factorise_chain(&mut self, h: f64) -> bool {
+        let Rule { a, squared, .. } = self.rule;
+        let chain = &mut self.chain;
+        chain.slope = h * self.rates[0][0].by[1];
+        for i in 0..M {
+            let [first, own] = [0, 1].map(|by| h * self.rates[i][1].by[by]);
+            let both = chain.slope * first;
+            chain.coupling[i] = first;
+            for j in 0..M {
+                chain.columns[j][i] = -(own * a[i][j] + both * squared[i][j]);
+            }
+            chain.columns[i][i] += 1.0;
+        }
+        factorise(&mut chain.columns, &mut chain.pivots)
+    }
+
+    /// Solves the factorised system with `step` on its right side.
+    fn solve(&mut self) {
+        if !F::IS_CHAIN {
+            self.local.solve(self.step.as_flattened_mut());
+            return;
+        }
+        let (a, chain) = (&self.rule.a, &self.chain);
+        let mut own: [f64; M] = std::array::from_fn(|i| {
+            let pairs = a[i].iter().zip(&self.step);
+            let first: f64 = pairs.map(|(a, step)| a * step[0]).sum();
+            self.step[i][1] + chain.coupling[i] * first
+        });
+        solve(&chain.columns, &chain.pivots, &mut own);
+        for (i, step) in self.step.iter_mut().enumerate() {
+            let pairs = a[i].iter().zip(&own);
+            step[0] += chain.slope * pairs.map(|(a, own)| a * own).sum::<f64>();
+            step[1] = own[i];
+        }
+    }
+
+    /// The slopes with a part of the correction.
+    fn corrected(&self, factor: f64) -> [[f64; D]; M] {
+        std::array::from_fn(|i| {
+            std::array::from_fn(|row| self.slopes[i][row] + factor * self.step[i][row])
+        })
     }
 
     /// Newton's method for the slopes, from those tried.
     fn correct(&mut self, from: &[f64; D], h: f64, enough: f64) -> Result<(), Unsolved> {
-        let gauss = self.gauss;
-        let n = self.right.len();
-        self.slopes.copy_from_slice(&self.trial);
+        self.slopes = self.trial;
         self.length = h;
         let mut before = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
-            let columns = self.local.entries.chunks_exact_mut(n);
-            for (index, column) in columns.enumerate() {
-                let (j, by) = (index / D, index % D);
-                let rows = column.chunks_exact_mut(D).zip(&self.rates);
-                for ((rows, rates), a) in rows.zip(&gauss.a) {
-                    for (entry, rate) in rows.iter_mut().zip(rates) {
-                        *entry = -h * a[j] * rate.by[by];
-                    }
-                }
-                column[index] += 1.0;
-            }
-            if !self.local.factorise() {
+            if !self.factorise(h) {
                 return Err(Unsolved::Singular);
             }
-            self.step.copy_from_slice(&self.right);
-            self.local.solve(&mut self.step);
+            self.step = self.right;
+            self.solve();
+            let step = self.step.as_flattened();
             // the full correction is what convergence is measured by
-            let correction = largest(&self.step);
-            if !correction.is_finite() || self.step.iter().any(|step| step.is_nan()) {
+            let correction = largest(step);
+            if !correction.is_finite() || step.iter().any(|step| step.is_nan()) {
                 return Err(Unsolved::Diverges);
             }
-            let corrected =
-                |trial: &mut [[f64; D]], slopes: &[[f64; D]], factor: f64, step: &[f64]| {
-                    let slopes = slopes.as_flattened().iter().zip(step);
-                    for (trial, (slope, step)) in trial.as_flattened_mut().iter_mut().zip(slopes) {
-                        *trial = slope + factor * step;
-                    }
-                };
-            corrected(&mut self.trial, &self.slopes, 1.0, &self.step);
+            self.trial = self.corrected(1.0);
             let size = largest(self.trial.as_flattened()).max(f64::MIN_POSITIVE);
             // at rounding, or no longer shrinking next to it
             let rounded = correction >= 0.5 * before && correction <= 1e3 * CORRECTION * size;
             if correction <= enough * size || rounded {
-                self.slopes.copy_from_slice(&self.trial);
+                self.slopes = self.trial;
                 self.end = std::array::from_fn(|row| {
-                    let pairs = gauss.b.iter().zip(&self.slopes);
+                    let pairs = self.rule.b.iter().zip(&self.slopes);
                     from[row] + h * pairs.map(|(b, slope)| b * slope[row]).sum::<f64>()
                 });
                 return Ok(());
             }
-            let residual = square(&self.right);
+            let residual = square(self.right.as_flattened());
             let mut factor = 1.0;
             loop {
                 self.evaluate(from, h);
                 // friction that changes within ε of V̇ = 1 needs damping; at rounding nothing falls
-                if square(&self.right) < residual || factor < SHORTEST_CORRECTION {
+                if square(self.right.as_flattened()) < residual || factor < SHORTEST_CORRECTION {
                     break;
                 }
                 factor *= 0.5;
-                corrected(&mut self.trial, &self.slopes, factor, &self.step);
+                self.trial = self.corrected(factor);
             }
-            self.slopes.copy_from_slice(&self.trial);
+            self.slopes = self.trial;
             before = correction;
         }
         Err(Unsolved::NotConverged)
@@ -398,23 +517,19 @@ impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
             value: self.end[row],
             by: start[row].by,
         });
-        let rates: Vec<[Jet; D]> = (0..self.slopes.len())
-            .map(|i| {
-                let at = self.stage(&from, h, &self.slopes, i);
-                field.rate(&std::array::from_fn(|row| Jet {
-                    value: at[row],
-                    by: start[row].by,
-                }))
-            })
-            .collect();
+        let rates: [[Jet; D]; M] = std::array::from_fn(|i| {
+            let at = self.stage(&from, h, &self.slopes, i);
+            field.rate(&std::array::from_fn(|row| Jet {
+                value: at[row],
+                by: start[row].by,
+            }))
+        });
         for index in 0..5 {
-            let entries = self.step.iter_mut().zip(rates.as_flattened());
-            entries.for_each(|(entry, rate)| *entry = rate.by[index]);
-            self.local.solve(&mut self.step);
+            self.step = rates.map(|rates| rates.map(|rate| rate.by[index]));
+            self.solve();
             for (row, jet) in end.iter_mut().enumerate() {
-                let slopes = self.step.chunks_exact(D).map(|slopes| slopes[row]);
-                let pairs = self.gauss.b.iter().zip(slopes);
-                jet.by[index] += h * pairs.map(|(b, slope)| b * slope).sum::<f64>();
+                let pairs = self.rule.b.iter().zip(&self.step);
+                jet.by[index] += h * pairs.map(|(b, slopes)| b * slopes[row]).sum::<f64>();
             }
         }
         end
@@ -422,22 +537,21 @@ impl<'a, const D: usize, F: Field<D, Dual<D>>> Solver<'a, D, F> {
 }
 
 /// The mesh that equidistributes |x⁽ᵐ⁾|^{1/m}, as the solution on the mesh `points` shows it.
-fn adapted<const D: usize>(
+fn adapted<const D: usize, const M: usize>(
     frozen: &impl Field<D, Dual<D>>,
     points: &[f64],
-    gauss: &Gauss,
+    rule: &Rule<M>,
 ) -> Result<Vec<f64>, Unsolved> {
     let count = points.len() - 1;
-    let m = gauss.b.len();
-    let mut solver = Solver::new(frozen, gauss);
+    let mut solver = Solver::new(frozen, rule);
     let mut derivative: Vec<[f64; D]> = Vec::with_capacity(count);
     let mut largest = [0.0_f64; D];
     for pair in points.windows(2) {
         let h = pair[1] - pair[0];
         solver.interval(h, MESH_CORRECTION)?;
-        let scale = h.powi(1 - m as i32);
+        let scale = h.powi(1 - M as i32);
         derivative.push(std::array::from_fn(|row| {
-            let sum: f64 = (solver.slopes.iter().zip(&gauss.leading))
+            let sum: f64 = (solver.slopes.iter().zip(&rule.leading))
                 .map(|(slope, factor)| factor * slope[row])
                 .sum();
             sum.abs() * scale
@@ -454,7 +568,7 @@ fn adapted<const D: usize>(
                 .zip(&largest)
                 .map(|(value, largest)| value / largest.max(f64::MIN_POSITIVE))
                 .fold(0.0, f64::max);
-            size.powf(1.0 / m as f64)
+            size.powf(1.0 / M as f64)
         })
         .collect();
     let width = |index: usize| points[index + 1] - points[index];
@@ -492,30 +606,36 @@ pub(crate) fn jets<const D: usize>(
     mesh: Mesh,
     duration: f64,
 ) -> Result<[Jet; D], FlowError> {
-    let solve = || {
-        let gauss = Gauss::of_degree(mesh.degree);
-        let mut x = [Jet::default(); D];
-        let mut solver = Solver::new(frozen, gauss);
-        for pair in mesh_points(frozen, mesh, gauss)?.windows(2) {
-            solver.interval(pair[1] - pair[0], CORRECTION)?;
-            x = solver.derivatives(field, &x);
-        }
-        Ok(x)
-    };
-    solve().map_err(|reason| FlowError::Integration { duration, reason })
+    of_degree!(mesh.degree, M => jets_of_degree::<D, M>(field, frozen, mesh))
+        .map_err(|reason| FlowError::Integration { duration, reason })
 }
 
-fn mesh_points<const D: usize>(
+fn jets_of_degree<const D: usize, const M: usize>(
+    field: &impl Field<D, Jet>,
     frozen: &impl Field<D, Dual<D>>,
     mesh: Mesh,
-    gauss: &Gauss,
+) -> Result<[Jet; D], Unsolved> {
+    let rule = Rule::<M>::new();
+    let mut x = [Jet::default(); D];
+    let mut solver = Solver::new(frozen, &rule);
+    for pair in mesh_points(frozen, mesh, &rule)?.windows(2) {
+        solver.interval(pair[1] - pair[0], CORRECTION)?;
+        x = solver.derivatives(field, &x);
+    }
+    Ok(x)
+}
+
+fn mesh_points<const D: usize, const M: usize>(
+    frozen: &impl Field<D, Dual<D>>,
+    mesh: Mesh,
+    rule: &Rule<M>,
 ) -> Result<Vec<f64>, Unsolved> {
     let count = mesh.intervals.max(1);
     let mut points: Vec<f64> = (0..=count)
         .map(|index| index as f64 / count as f64)
         .collect();
     for _ in 0..mesh.passes {
-        points = adapted(frozen, &points, gauss)?;
+        points = adapted(frozen, &points, rule)?;
     }
     Ok(points)
 }
@@ -526,17 +646,22 @@ pub(crate) fn at_mesh_points<const D: usize>(
     mesh: Mesh,
     duration: f64,
 ) -> Result<Vec<(f64, [f64; D])>, FlowError> {
-    let solve = || {
-        let gauss = Gauss::of_degree(mesh.degree);
-        let mut solver = Solver::new(frozen, gauss);
-        let mut solution = vec![(0.0, solver.end)];
-        for pair in mesh_points(frozen, mesh, gauss)?.windows(2) {
-            solver.interval(pair[1] - pair[0], CORRECTION)?;
-            solution.push((pair[1], solver.end));
-        }
-        Ok(solution)
-    };
-    solve().map_err(|reason| FlowError::Integration { duration, reason })
+    of_degree!(mesh.degree, M => at_mesh_points_of_degree::<D, M>(frozen, mesh))
+        .map_err(|reason| FlowError::Integration { duration, reason })
+}
+
+fn at_mesh_points_of_degree<const D: usize, const M: usize>(
+    frozen: &impl Field<D, Dual<D>>,
+    mesh: Mesh,
+) -> Result<Vec<(f64, [f64; D])>, Unsolved> {
+    let rule = Rule::<M>::new();
+    let mut solver = Solver::new(frozen, &rule);
+    let mut solution = vec![(0.0, solver.end)];
+    for pair in mesh_points(frozen, mesh, &rule)?.windows(2) {
+        solver.interval(pair[1] - pair[0], CORRECTION)?;
+        solution.push((pair[1], solver.end));
+    }
+    Ok(solution)
 }
 
 /// x(1) without derivatives.

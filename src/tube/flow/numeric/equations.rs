@@ -28,6 +28,10 @@ use crate::tube::model::FrictionLaw;
 
 /// The right side of an autonomous system in D unknowns.
 pub trait Field<const D: usize, N: Number> {
+    /// Whether there are two unknowns, and the rate of the first is affine in the second alone, with the same slope
+    /// everywhere.
+    const IS_CHAIN: bool = false;
+
     /// dx/dτ at x, τ from 0 to 1 over the zone.
     fn rate(&self, x: &[N; D]) -> [N; D];
 }
@@ -116,6 +120,9 @@ impl<N: Number> Sliding<N> {
 }
 
 impl<N: Number> Field<2, N> for Sliding<N> {
+    // η′ = W₀ + T^m ω
+    const IS_CHAIN: bool = true;
+
     fn rate(&self, x: &[N; 2]) -> [N; 2] {
         let [y, w, _] = self.end(x);
         let change = match self.order {
