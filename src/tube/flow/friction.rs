@@ -24,6 +24,7 @@ fn exponential_quotient(x: f64) -> (f64, f64) {
 }
 
 /// S(W) of a law in a sliding direction σ: Q = fSP.
+#[inline]
 pub(crate) fn multiplier<N: Number>(law: FrictionLaw, sigma: f64, w: N, smoothing: N) -> N {
     match law {
         FrictionLaw::Coulomb | FrictionLaw::Static { .. } => w.map(sigma, 0.0),

@@ -14,6 +14,8 @@
 //!
 //! where ã + m_a = 1 has taken out what would cancel. Δ is a power series in time on every piece of the wave, and
 //! so is z, over steps in which it turns by no more than [`RADIANS`]. Derivatives in λ are carried along.
+//! Where many values of λ are needed, [`super::propagator`] expands this in λ instead.
+//!
 //! For |λ| → ∞ the exponents of a zone are those of its mean F and E: [`super::asymptotic`].
 
 use super::course::{Course, Segment};
@@ -207,6 +209,7 @@ impl Characteristic {
             (state.by[column][2], state.by[column][3]) = (by * turn, slope_by * turn);
         }
     }
+
     /// Carries z and z′ with their derivatives through the first `duration` of a course, step by step. Returns the
     /// exponent that is taken out of them.
     fn carry(&self, course: &Course, lambda: C64, duration: f64, pairs: &mut [Pair]) -> f64 {

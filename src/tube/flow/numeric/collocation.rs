@@ -239,6 +239,7 @@ impl Local {
     }
 }
 
+#[inline]
 fn factorise<const N: usize>(columns: &mut [[f64; N]], pivots: &mut [usize]) -> bool {
     for k in 0..N {
         let diagonal = &columns[k];
@@ -270,6 +271,7 @@ fn factorise<const N: usize>(columns: &mut [[f64; N]], pivots: &mut [usize]) -> 
     true
 }
 
+#[inline]
 fn solve<const N: usize>(columns: &[[f64; N]], pivots: &[usize], right: &mut [f64; N]) {
     for (row, pivot) in pivots.iter().enumerate() {
         right.swap(row, *pivot);

@@ -101,6 +101,7 @@ impl<N: Number> Sliding<N> {
     }
 
     /// V̈ at (Y, W): with hV = hY + fgδ the weight enters as f(S − 1)gδ.
+    #[inline]
     pub(crate) fn acceleration(&self, y: N, w: N) -> N {
         let s = multiplier(self.law, self.sigma, w, self.smoothing);
         let drive = ((s - 1.0) * self.weight + s * self.kappa * w) * self.friction;
@@ -108,6 +109,7 @@ impl<N: Number> Sliding<N> {
     }
 
     /// (Y, W, ω) of a solution.
+    #[inline]
     pub(crate) fn end(&self, x: &[N; 2]) -> [N; 3] {
         let mut change = x[1];
         for _ in 0..self.order {
@@ -123,6 +125,7 @@ impl<N: Number> Field<2, N> for Sliding<N> {
     // η′ = W₀ + T^m ω
     const IS_CHAIN: bool = true;
 
+    #[inline]
     fn rate(&self, x: &[N; 2]) -> [N; 2] {
         let [y, w, _] = self.end(x);
         let change = match self.order {

@@ -6,6 +6,7 @@ pub(crate) mod series;
 pub mod shooting;
 
 use std::cell::RefCell;
+use std::collections::VecDeque;
 
 use super::jet::{Dual, Jet, Number};
 use super::{FlowError, Frame, ZoneEnd};
@@ -79,6 +80,27 @@ impl Integrator {
 /// a quarter of a period passes; a zone of a wave has few of them.
 const SAMPLES: usize = 96;
 
+/// Zones that a thread keeps: few waves have more in contact.
+const KEPT: usize = 4;
+
+/// All that the end of a zone in contact depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ContactZone {
+    frame: Frame,
+    law: FrictionLaw,
+    sigma: f64,
+    integrator: Integrator,
+    entry: [f64; 2],
+    duration: f64,
+    order: usize,
+}
+
+thread_local! {
+    /// The zones solved last, with their ends. Where Newton's method has arrived, the tangent, the conditions and the
+    /// linearisation of a wave need the zones that its last step has solved, bit by bit.
+    static SOLVED: RefCell<VecDeque<(ContactZone, [Jet; 3])>> = const { RefCell::new(VecDeque::new()) };
+}
+
 /// Times and states along a zone.
 type Samples = Vec<(f64, [f64; 2])>;
 
@@ -116,10 +138,31 @@ impl NumericalContact {
 
     /// (Y, W) and the switching function (W − 1)/t^m at the end of a zone, with all derivatives.
     pub(crate) fn zone(&self, entry: [f64; 2], t: f64, m: usize) -> Result<[Jet; 3], FlowError> {
+        let zone = ContactZone {
+            frame: self.frame,
+            law: self.law,
+            sigma: self.sigma,
+            integrator: self.integrator,
+            entry,
+            duration: t,
+            order: m,
+        };
+        let known = SOLVED.with_borrow(|solved| {
+            let same = solved.iter().find(|(known, _)| *known == zone);
+            same.map(|(_, end)| *end)
+        });
+        if let Some(end) = known {
+            return Ok(end);
+        }
         let field: Sliding<Jet> = self.field(m, entry, t);
         let frozen: Sliding<Dual<2>> = self.field(m, entry, t);
         let x = self.integrator.jets::<2, 12>(&field, &frozen, t)?;
-        Ok(field.end(&x))
+        let end = field.end(&x);
+        SOLVED.with_borrow_mut(|solved| {
+            solved.truncate(KEPT - 1);
+            solved.push_front((zone, end));
+        });
+        Ok(end)
     }
 
     /// (Y, W) after a time t from the entry (Y, W).
