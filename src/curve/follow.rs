@@ -13,7 +13,7 @@ use crate::continuation::locate::{self, Least, Place, Target};
 use crate::continuation::newton;
 use crate::continuation::walk::{self, Beginning, Curve, End, Outcome, Segment, Within};
 use crate::linalg::{self, Vector};
-use crate::orbit::change::beyond;
+use crate::orbit::change::nearest_beyond;
 use crate::orbit::special::{Change, Close};
 use crate::orbit::{AtZero, Candidate, EventType, Examined, Orbit, find};
 
@@ -758,6 +758,6 @@ fn successor<O: Orbit>(
     margin: &O::Margin,
     tolerance: f64,
 ) -> Option<(O, Node)> {
-    let beyond = beyond(orbit, point, margin, INTO, tolerance).beyond?;
+    let beyond = nearest_beyond(orbit, point, margin, INTO, tolerance)?;
     Some((beyond.orbit, beyond.node))
 }

@@ -29,7 +29,7 @@ use crate::continuation::newton;
 use crate::continuation::walk;
 use crate::linalg::Vector;
 use crate::orbit::EventType::{EP, LP, UZ};
-use crate::orbit::change::beyond;
+use crate::orbit::change::nearest_beyond;
 use crate::orbit::follow::{self, Follower, Found};
 use crate::orbit::sign::Verdict;
 use crate::orbit::special::Stop;
@@ -437,7 +437,7 @@ fn arms<P: Plane>(
                 }
                 found.extend(step(&orbit, &node, INTO));
             }
-            if let Some(beyond) = beyond(&orbit, &own, &here, INTO, tolerance).beyond {
+            if let Some(beyond) = nearest_beyond(&orbit, &own, &here, INTO, tolerance) {
                 found.extend(step(&beyond.orbit, &beyond.node, beyond.ds));
             }
         }

@@ -308,6 +308,77 @@ pub enum NotEntered<O: Orbit> {
     Refused(StepRefused<O>),
 }
 
+/// A candidate whose equations hold at the event, ready for the first step.
+struct Entry<'a, O: Orbit> {
+    candidate: &'a Candidate<O>,
+    /// The event with the tangent into the side on which nascent zones grow.
+    node: Node,
+    /// Whether margins tell that no branch sets out; the shortest step decides.
+    leads_nowhere: bool,
+}
+
+impl<'a, O: Orbit> Entry<'a, O> {
+    /// The entry into a candidate; `None` where the event does not solve its equations.
+    fn new(candidate: &'a Candidate<O>) -> Option<Entry<'a, O>> {
+        let orbit = &candidate.orbit;
+        let mut node = solved(orbit, &candidate.point)?;
+        let common = alike(candidate);
+        let is_only = common.is_none();
+        if let Some(tangent) = common {
+            node.tangent = tangent;
+        }
+        let examination = orbit.examination(&candidate.point).ok();
+        let watched = examination.as_ref().map_or(&[][..], Examined::margins);
+        if growth(candidate, watched, &node.tangent) < 0.0 {
+            node.tangent.neg_mut();
+        }
+        Some(Entry {
+            leads_nowhere: is_only
+                && !orbit.is_layered()
+                && leads_nowhere(orbit, watched, &node.tangent),
+            candidate,
+            node,
+        })
+    }
+
+    /// The first admissible step, tried from `ds` down.
+    fn along(&self, ds: f64, tries: usize, tolerance: f64) -> Result<Beyond<O>, NotEntered<O>> {
+        enter_along(&self.candidate.orbit, &self.node, ds, tries, tolerance)
+    }
+
+    /// The shortest step, where margins tell that there is none.
+    fn shortest(&self, ds: f64, tolerance: f64) -> Result<(), NotEntered<O>> {
+        if self.leads_nowhere {
+            let shortest = ds * walk::SHORTER.powi(TRIES as i32 - 1);
+            self.along(shortest, 1, tolerance)?;
+        }
+        Ok(())
+    }
+}
+
+/// The branch beyond the zero of a margin as [`beyond`] has it, where nobody asks why candidates are refused: all are
+/// tried with one first step before any is with a shorter one, since the longest step decides.
+pub fn nearest_beyond<O: Orbit>(
+    orbit: &O,
+    point: &Vector,
+    margin: &O::Margin,
+    ds: f64,
+    tolerance: f64,
+) -> Option<Beyond<O>> {
+    let candidates = orbit.candidates(point, margin).ok()?;
+    if candidates.iter().any(|one| one.orbit.is_layered()) {
+        return beyond(orbit, point, margin, ds, tolerance).beyond;
+    }
+    let entries: Vec<Entry<O>> = candidates.iter().filter_map(Entry::new).collect();
+    let lengths = std::iter::successors(Some(ds), |ds| Some(ds * walk::SHORTER)).take(TRIES);
+    let tries = lengths.flat_map(|length| entries.iter().map(move |entry| (length, entry)));
+    let mut admitted = tries.filter_map(|(length, entry)| {
+        let beyond = entry.along(length, 1, tolerance).ok()?;
+        entry.shortest(ds, tolerance).is_ok().then_some(beyond)
+    });
+    admitted.next()
+}
+
 /// The first admissible step into a candidate.
 ///
 /// # Errors
@@ -318,23 +389,10 @@ pub fn enter<O: Orbit>(
     tolerance: f64,
 ) -> Result<Beyond<O>, NotEntered<O>> {
     let orbit = &candidate.orbit;
-    let mut node = solved(orbit, &candidate.point).ok_or(NotEntered::NoSolution)?;
-    let common = alike(candidate);
-    let is_only = common.is_none();
-    if let Some(tangent) = common {
-        node.tangent = tangent;
-    }
-    let examination = orbit.examination(&candidate.point).ok();
-    let watched = examination.as_ref().map_or(&[][..], Examined::margins);
-    if growth(candidate, watched, &node.tangent) < 0.0 {
-        node.tangent.neg_mut();
-    }
-    if is_only && !orbit.is_layered() && leads_nowhere(orbit, watched, &node.tangent) {
-        // the shortest of the steps says why
-        let shortest = ds * walk::SHORTER.powi(TRIES as i32 - 1);
-        enter_along(orbit, &node, shortest, 1, tolerance)?;
-    }
-    let direct = enter_along(orbit, &node, ds, TRIES, tolerance);
+    let entry = Entry::new(candidate).ok_or(NotEntered::NoSolution)?;
+    // the shortest of the steps says why
+    entry.shortest(ds, tolerance)?;
+    let direct = entry.along(ds, TRIES, tolerance);
     let length = direct.as_ref().map_or(0.0, |beyond| beyond.ds);
     if !orbit.is_layered() || length >= IN_LAYER * ds {
         return direct;
@@ -342,7 +400,7 @@ pub fn enter<O: Orbit>(
     // a layer thinner than any step turns the tangent within the first one, or hides it in rounding
     let settled = INSIDE
         .iter()
-        .filter_map(|part| settled(candidate, &node, part * ds, tolerance));
+        .filter_map(|part| settled(candidate, &entry.node, part * ds, tolerance));
     settled
         .filter_map(|node| enter_along(orbit, &node, ds, TRIES, tolerance).ok())
         .find(|beyond| beyond.ds > length)

@@ -311,7 +311,8 @@ impl AffineOrbit {
     pub fn with_sequence(&self, sequence: Sequence) -> Option<AffineOrbit> {
         let other = AffineOrbit::new(self.setting.clone(), sequence)?;
         let origin = self.origin.clone();
-        Some(AffineOrbit { origin, ..other })
+        // most zones beside an event are those of the event
+        Some(AffineOrbit { origin, ..other }.with_memory_of(self))
     }
 
     /// The same with the passages of other orbits of its zones.
