@@ -1,13 +1,19 @@
-//! Run times of branches of orbits, as a table: `cargo run --release --example orbits`.
+//! Run times of branches and of curves of orbits, as a table: `cargo run --release --example orbits`.
 //!
 //! Each time is the median of repeated runs in one process on one thread, from the first orbit to the last point,
 //! with every event, row and multiplier, without files. `-- relay "40 zones"` runs these problems alone.
+//!
+//! Of a curve in two parameters it is the time from its event on the branch to both ends, without names beside it.
 
 use std::time::Instant;
 
+use brakewave::curve::start::find_of_system;
+use brakewave::curve::{Point, PointType, Run};
 use brakewave::hybrid::Runner;
 use brakewave::orbit::legs::Run as _;
-use brakewave::problem::{Any, parse_any};
+use brakewave::problem::{
+    Any, Continuation, Curve as Section, SystemCurveEvent, SystemProblem, parse_any,
+};
 
 /// Most runs of a branch, and seconds after which no further one begins.
 const RUNS: usize = 50;
@@ -48,6 +54,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("Duffing, 1e-12".to_owned(), duffing(1e-12)),
         ("van der Pol".to_owned(), van_der_pol()),
         ("25 masses".to_owned(), masses(25)),
+        ("Duffing, its folds".to_owned(), folds()),
+        ("cubic spring, its grazes".to_owned(), grazes()),
     ];
     let zones = [2, 8, 40, 100].map(|count| (format!("{count} zones"), zones(count)));
     println!("| problem | states | points | events | ms | µs a point |\n|---|---|---|---|---|---|");
@@ -64,11 +72,26 @@ fn timed(name: &str, text: &str) -> Result<String, Box<dyn std::error::Error>> {
     let Any::System(problem) = parse_any(text, name)? else {
         return Err(format!("{name} has no system").into());
     };
-    let continuation = problem.continuation(text, name)?;
+    let (time, points, events) = match &problem.curve {
+        Some(section) => curve_time(&problem, section)?,
+        None => branch_time(&problem, problem.continuation(text, name)?)?,
+    };
+    let states = problem.system.source.states.len();
+    Ok(format!(
+        "| {name} | {states} | {points} | {events} | {time:.2} | {:.0} |",
+        1e3 * time / points as f64
+    ))
+}
+
+/// Milliseconds for a branch, its points and its events.
+fn branch_time(
+    problem: &SystemProblem,
+    continuation: &Continuation<String>,
+) -> Result<(f64, usize, usize), Box<dyn std::error::Error>> {
     let begun = Instant::now();
     let (mut times, mut points, mut events) = (Vec::new(), 0, 0);
     while times.len() < RUNS && begun.elapsed().as_secs_f64() < SECONDS {
-        let mut run = Runner::begin(&problem, continuation, None)?;
+        let mut run = Runner::begin(problem, continuation, None)?;
         let begun = Instant::now();
         while run.progress().end.is_none() {
             run.step();
@@ -76,13 +99,35 @@ fn timed(name: &str, text: &str) -> Result<String, Box<dyn std::error::Error>> {
         times.push(1e3 * begun.elapsed().as_secs_f64());
         (points, events) = (run.progress().points, run.progress().events);
     }
+    Ok((median(times), points, events))
+}
+
+/// Milliseconds for a curve, its points and those of codimension two.
+fn curve_time(
+    problem: &SystemProblem,
+    section: &Section<String, SystemCurveEvent>,
+) -> Result<(f64, usize, usize), Box<dyn std::error::Error>> {
+    let continuation = problem.continuation.as_ref().ok_or("no branch")?;
+    let begin = |problem: &SystemProblem| Runner::begin(problem, continuation, None);
+    let start = find_of_system(problem, section, begin, &mut |_| ())?;
+    let begun = Instant::now();
+    let (mut times, mut points, mut events) = (Vec::new(), 0, 0);
+    while times.len() < RUNS && begun.elapsed().as_secs_f64() < SECONDS {
+        let begun = Instant::now();
+        let mut run = Run::begin(&start.system, start.event, &start.point, start.limits)?;
+        while run.step()?.is_some() {}
+        times.push(1e3 * begun.elapsed().as_secs_f64());
+        let curve = run.unnamed();
+        let is_two = |point: &&Point| !matches!(point.kind, None | Some(PointType::One(_)));
+        events = curve.points.iter().filter(is_two).count();
+        points = curve.points.len();
+    }
+    Ok((median(times), points, events))
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
-    let time = times[times.len() / 2];
-    let states = problem.system.source.states.len();
-    Ok(format!(
-        "| {name} | {states} | {points} | {events} | {time:.2} | {:.0} |",
-        1e3 * time / points as f64
-    ))
+    times[times.len() / 2]
 }
 
 /// A hardening oscillator round both folds of its resonance, integrated to a tolerance.
@@ -101,6 +146,30 @@ fn duffing(tolerance: f64) -> String {
         stability: (),
     )"#
     )
+}
+
+/// The folds of that oscillator in the amplitude of the force and its frequency.
+fn folds() -> String {
+    with_curve(
+        &duffing(1e-15),
+        r#"event: LP, parameters: ("A", "w"), range: ((0.25, 0.35), (1.25, 1.45))"#,
+    )
+}
+
+/// The grazes of the cubic spring at its stop in the same two parameters.
+fn grazes() -> String {
+    let file = include_str!("../problems/duffing_wall.ron");
+    let (head, _) = file.split_once("    expect:").unwrap_or((file, ""));
+    with_curve(
+        &format!("{head})"),
+        r#"event: GR, parameters: ("A", "w"), range: ((0.05, 2.0), (0.8, 1.6))"#,
+    )
+}
+
+/// A problem file with a curve.
+fn with_curve(text: &str, curve: &str) -> String {
+    let head = text.trim_end().trim_end_matches(')');
+    format!("{head}\n    curve: ({curve}),\n)")
 }
 
 /// A relaxation oscillation, in two modes that meet at y = 0.
