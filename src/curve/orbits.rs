@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
@@ -299,6 +300,19 @@ impl Plane for Orbits {
             Critical::PeriodDoubling | Critical::Branching { .. } => doubling,
             Critical::Torus => torus,
         }])
+    }
+
+    /// ∂∏(1 − μᵢμⱼ), where one factor is zero, is that of this factor times all others.
+    fn critical(
+        &self,
+        spectral: &Critical,
+        orbit: &AffineOrbit,
+        point: &Vector,
+    ) -> Option<Vec<(Complex<f64>, Complex<f64>)>> {
+        match spectral {
+            Critical::Torus => monodromy(orbit, point)?.slopes_of_pair(),
+            Critical::PeriodDoubling | Critical::Branching { .. } => None,
+        }
     }
 
     fn restrict(

@@ -1,5 +1,6 @@
 //! What a curve of an event needs to know of the orbits it belongs to.
 
+use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::point::{Name, PointType, What};
@@ -194,6 +195,17 @@ pub trait Plane: Data {
         point: &Vector,
         further: &[f64],
     ) -> Result<Vec<f64>, NotEvaluated<Self>>;
+
+    /// The multipliers on which its equation depends where it vanishes, each with the factor of its own derivative in that of
+    /// the equation, of which the real part counts; `None` where that is found by differences.
+    fn critical(
+        &self,
+        _: &Self::Spectral,
+        _: &Self::Orbit,
+        _: &Vector,
+    ) -> Option<Vec<(Complex<f64>, Complex<f64>)>> {
+        None
+    }
 
     /// Puts in the place of equations of the orbit those that the event needs, where it makes them singular.
     fn restrict(

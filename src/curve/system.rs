@@ -17,9 +17,11 @@
 //! over a period with the multipliers μ, H that over half of it with the image at its end.) An orbit is posed in one parameter: posed in p₁ it gives all columns but
 //! the last, posed in p₂ the last.
 //!
-//! Derivatives of F and m are exact. Those of F_x v are one-sided differences, those of F_j and of M in x, p₁, p₂ central
-//! ones: they bend the way of Newton's iterates and not the equations, which are exact.
+//! Derivatives of F and m are exact. Those of F_x v are one-sided differences, those of F_j and of H in x, p₁, p₂ central
+//! ones, and so are those of a pair μ of M, along its null vectors only: they bend the way of Newton's iterates and not the
+//! equations, which are exact.
 
+use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::plane::{
@@ -27,7 +29,7 @@ use super::plane::{
 };
 use super::tube::Tube;
 use crate::continuation::newton::{Constraint, System};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{self, Matrix, Vector};
 use crate::orbit::AtZero;
 
 /// Step of central differences in scaled unknowns of order one: truncation and rounding both stay
@@ -186,21 +188,96 @@ impl<P: Plane> EventSystem<P> {
 
     /// (F_x, F_p₁, F_p₂) as the null vector of the condition sees them, from those of the orbit.
     fn linearised(&self, point: &Vector, by: &Matrix) -> Result<Matrix, FailureOf<P>> {
-        let mut by = by.clone();
-        if self.condition != Condition::Fold {
-            let count = self.orbit_unknowns();
-            for index in 0..2 {
-                let (orbit, own) = self.orbit(point, index)?;
-                let closing = P::closing(&orbit, &own)? * 2.0;
-                if index == 0 {
-                    let mut states = by.columns_mut(0, count);
-                    states -= closing.columns(0, count);
-                }
-                let mut parameter = by.column_mut(count + index);
-                parameter -= closing.column(count);
+        match &self.condition {
+            Condition::Fold => Ok(by.clone()),
+            _ => Ok(by - self.closing(point)? * 2.0),
+        }
+    }
+
+    /// What of (F_x, F_p₁, F_p₂) is that of the beginning of the next period.
+    fn closing(&self, point: &Vector) -> Result<Matrix, FailureOf<P>> {
+        let count = self.orbit_unknowns();
+        let mut all = Matrix::zeros(count, count + 2);
+        for index in 0..2 {
+            let (orbit, own) = self.orbit(point, index)?;
+            let closing = P::closing(&orbit, &own)?;
+            if index == 0 {
+                all.columns_mut(0, count)
+                    .copy_from(&closing.columns(0, count));
+            }
+            all.column_mut(count + index)
+                .copy_from(&closing.column(count));
+        }
+        Ok(all)
+    }
+
+    /// Derivatives of the equation of an event of the spectrum by those of its critical multipliers: with
+    /// N = F_x + (μ − 1)C, Nv = 0 and wᴴN = 0 it is wᴴCv·∂μ = −wᴴ(D_v F_u + (μ − 1)D_v C_u), u = (x, p), where D_v is the
+    /// derivative along v. `None` where the plane has none, or where one is a double one or nearly so.
+    fn gradient_of_multipliers(
+        &self,
+        spectral: &P::Spectral,
+        point: &Vector,
+        by: &Matrix,
+    ) -> Option<Vec<f64>> {
+        let (orbit, own) = self.orbit(point, 0).ok()?;
+        let critical = self.plane.critical(spectral, &orbit, &own)?;
+        let closing = self.closing(point).ok()?;
+        let mut gradient = vec![0.0; by.ncols()];
+        for (multiplier, weight) in critical {
+            let pair = NullPair::new(by, &closing, multiplier)?;
+            let along = |direction: &Vector| self.along(point, direction);
+            let slopes = pair.slopes(&closing, multiplier, along)?;
+            for (sum, slope) in gradient.iter_mut().zip(slopes) {
+                *sum += (weight * slope).re;
             }
         }
-        Ok(by)
+        Some(gradient)
+    }
+
+    /// Derivatives of (F_x, F_p₁, F_p₂) and of what of them is that of the beginning of the next period, along a
+    /// direction in x.
+    fn along(&self, point: &Vector, direction: &Vector) -> Option<[Matrix; 2]> {
+        let at = |step: f64| {
+            let mut there = point.clone();
+            let mut states = there.rows_mut(0, direction.len());
+            states.axpy(step, direction, 1.0);
+            let (_, by) = self.orbit_equations(&there).ok()?;
+            Some([by, self.closing(&there).ok()?])
+        };
+        let ([by, closing], [by_below, closing_below]) = (at(DIFFERENCE)?, at(-DIFFERENCE)?);
+        let slope = |above: Matrix, below: Matrix| (above - below) / (2.0 * DIFFERENCE);
+        Some([slope(by, by_below), slope(closing, closing_below)])
+    }
+
+    /// Derivatives of the equations of an event of the spectrum, by differences in every unknown.
+    fn differences(
+        &self,
+        spectral: &P::Spectral,
+        point: &Vector,
+    ) -> Result<Vec<Vec<f64>>, NotEvaluated<P>> {
+        let unknowns = self.unknowns();
+        let mut gradients = vec![vec![0.0; unknowns]; unknowns - 1 - self.orbit_unknowns()];
+        for column in 0..unknowns {
+            let moved = |step: f64| {
+                let mut there = point.clone();
+                there[column] += step;
+                self.spectral(spectral, &there)
+            };
+            // some parameters have no values below zero: there the difference is one-sided
+            let parameter = column.checked_sub(unknowns - 2);
+            let bounded = parameter.is_some_and(|index| self.plane.is_bounded(index));
+            let down = if bounded && point[column] < DIFFERENCE {
+                0.0
+            } else {
+                DIFFERENCE
+            };
+            let ends = moved(DIFFERENCE)?.into_iter().zip(moved(-down)?);
+            for (gradient, (above, below)) in gradients.iter_mut().zip(ends) {
+                gradient[column] = (above - below) / (DIFFERENCE + down);
+            }
+        }
+        Ok(gradients)
     }
 
     /// The equations of an event of the spectrum.
@@ -232,6 +309,85 @@ impl<P: Plane> EventSystem<P> {
                 self.condition = Condition::Margin(here.clone());
             }
         }
+    }
+}
+
+/// The null vectors v and w of N = F_x + (μ − 1)C, real and imaginary part of each; without the latter where μ is real.
+struct NullPair {
+    right: Vec<Vector>,
+    left: Vec<Vector>,
+}
+
+impl NullPair {
+    /// Those of a multiplier; `None` where the decomposition fails. In real numbers N = A + iB is (A, −B; B, A).
+    fn new(by: &Matrix, closing: &Matrix, multiplier: Complex<f64>) -> Option<NullPair> {
+        let count = by.nrows();
+        let (by, closing) = (by.columns(0, count), closing.columns(0, count));
+        let real = by + closing * (multiplier.re - 1.0);
+        if multiplier.im == 0.0 {
+            let linalg::Least { left, right, .. } = linalg::least(&real)?;
+            return Some(NullPair {
+                right: vec![right],
+                left: vec![left],
+            });
+        }
+        let imaginary = closing * multiplier.im;
+        let mut both = real.clone().resize(2 * count, 2 * count, 0.0);
+        both.view_mut((count, count), (count, count))
+            .copy_from(&real);
+        both.view_mut((count, 0), (count, count))
+            .copy_from(&imaginary);
+        both.view_mut((0, count), (count, count))
+            .copy_from(&-imaginary);
+        let linalg::Least { left, right, .. } = linalg::least(&both)?;
+        let parts = |all: Vector| vec![all.rows(0, count).into(), all.rows(count, count).into()];
+        Some(NullPair {
+            right: parts(right),
+            left: parts(left),
+        })
+    }
+
+    /// wᴴMv of real matrices M with one column for each part of v, that of the real part first.
+    fn product(&self, part: impl Fn(&Vector, usize) -> f64) -> Complex<f64> {
+        let mut sum = Complex::new(0.0, 0.0);
+        for (conjugate, left) in [Complex::new(1.0, 0.0), -Complex::i()]
+            .iter()
+            .zip(&self.left)
+        {
+            for (index, factor) in [Complex::new(1.0, 0.0), Complex::i()].iter().enumerate() {
+                if index < self.right.len() {
+                    sum += conjugate * factor * part(left, index);
+                }
+            }
+        }
+        sum
+    }
+
+    /// ∂μ in all unknowns, from derivatives along the parts of v; `None` where the multiplier is a double one or
+    /// nearly so.
+    fn slopes(
+        &self,
+        closing: &Matrix,
+        multiplier: Complex<f64>,
+        along: impl Fn(&Vector) -> Option<[Matrix; 2]>,
+    ) -> Option<Vec<Complex<f64>>> {
+        /// wᴴCv of unit vectors below this is lost too far in the rounding of differences.
+        const SIMPLE: f64 = 1e-2;
+        let states = closing.columns(0, closing.nrows());
+        let ends: Vec<Vector> = self.right.iter().map(|right| states * right).collect();
+        let divisor = self.product(|left, index| left.dot(&ends[index]));
+        let size: f64 = ends.iter().map(Vector::norm_squared).sum();
+        if divisor.norm().is_nan() || divisor.norm() <= SIMPLE * size.sqrt() {
+            return None;
+        }
+        let slopes: Option<Vec<[Matrix; 2]>> = self.right.iter().map(along).collect();
+        let slopes = slopes?;
+        let of = |column: usize| {
+            let [equations, closing] = [0, 1]
+                .map(|of| self.product(|left, index| left.dot(&slopes[index][of].column(column))));
+            -(equations + (multiplier - 1.0) * closing) / divisor
+        };
+        Some((0..closing.ncols()).map(of).collect())
     }
 }
 
@@ -282,22 +438,13 @@ impl<P: Plane> System for EventSystem<P> {
             Condition::Spectral(spectral) if !P::is_doubling(spectral) => {
                 let value = self.spectral(spectral, point)?;
                 residual[count..].copy_from_slice(&value);
-                for column in 0..self.unknowns() {
-                    let moved = |step: f64| {
-                        let mut there = point.clone();
-                        there[column] += step;
-                        self.spectral(spectral, &there)
-                    };
-                    // some parameters have no values below zero: there the difference is one-sided
-                    let bounded = column >= last && self.plane.is_bounded(column - last);
-                    let down = if bounded && point[column] < DIFFERENCE {
-                        0.0
-                    } else {
-                        DIFFERENCE
-                    };
-                    let ends = moved(DIFFERENCE)?.into_iter().zip(moved(-down)?);
-                    for (row, (above, below)) in ends.enumerate() {
-                        jacobian[(count + row, column)] = (above - below) / (DIFFERENCE + down);
+                let gradients = match self.gradient_of_multipliers(spectral, point, &by) {
+                    Some(gradient) => vec![gradient],
+                    None => self.differences(spectral, point)?,
+                };
+                for (row, gradient) in gradients.iter().enumerate() {
+                    for (column, entry) in gradient.iter().enumerate() {
+                        jacobian[(count + row, column)] = *entry;
                     }
                 }
             }

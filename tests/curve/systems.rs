@@ -3,9 +3,11 @@
 use std::f64::consts::TAU;
 
 use brakewave::EventType;
+use brakewave::continuation::newton::System as _;
 use brakewave::curve::start::{NoCurve, Start, find_of_system};
 use brakewave::curve::{Curve, Orbits, Point, PointType, Region, Run};
 use brakewave::hybrid::Runner;
+use brakewave::linalg::{Matrix, Vector, null_space};
 use brakewave::problem::{Any, SystemProblem, parse_any};
 
 use crate::curve::observed;
@@ -345,6 +347,57 @@ fn a_torus_between_its_resonances() {
     assert!((force / fold - 1.0).abs() < 1e-9, "{force} {fold}");
     let meet = at(2);
     assert!(meet.what.contains("1:2"), "{}", meet.what);
+}
+
+/// Forced oscillations of van der Pol's equation beside the edge at which they lose their lock.
+const FORCED: &str = r#"(
+    system: (
+        states: ["x", "v"],
+        parameters: {"w": 1.4, "m": 0.2, "A": 2.5},
+        forcing: "w",
+        modes: {"flow": (rates: {"x": "v", "v": "A*cos(phase) + m*(1 - x^2)*v - x"})},
+    ),
+    orbit: (start: Simulate(mode: "flow", state: {"x": 0.0, "v": 0.0}, settle: 300)),
+    continuation: (parameter: "A", range: (0.2, 3.0), toward: Down),
+    stability: (),
+    curve: (event: NS, parameters: ("A", "w"), range: ((0.3, 4.0), (1.1, 2.5))),
+)"#;
+
+/// Along orbits, F = 0, the equation of an NS changes as its critical multipliers do, with jumps and without.
+#[test]
+fn derivatives_of_a_torus_are_those_of_its_multipliers() {
+    let Any::System(forced) = parse_any(FORCED, "test").unwrap() else {
+        panic!("a system");
+    };
+    let impact = problem(
+        IMPACT,
+        &[],
+        SETTLES,
+        "parameter: \"c\", range: (-0.2, 0.1), toward: Down",
+        "event: NS, parameters: (\"A\", \"c\"), range: ((0.01, 4.0), (-0.2, 0.1))",
+    );
+    for problem in [*forced, impact] {
+        let Start { system, point, .. } = start(&problem).unwrap();
+        let last = system.unknowns() - 2;
+        let evaluate = |point: &Vector| {
+            let mut residual = Vector::zeros(last + 1);
+            let mut jacobian = Matrix::zeros(last + 1, last + 2);
+            let residuals = residual.as_mut_slice();
+            system.evaluate(point, residuals, &mut jacobian).unwrap();
+            (residual, jacobian)
+        };
+        let (_, jacobian) = evaluate(&point);
+        let orbits = null_space(&jacobian.rows(0, last).into_owned(), 1e-9).unwrap();
+        assert_eq!(orbits.ncols(), 2);
+        for direction in orbits.column_iter() {
+            let at = |step: f64| evaluate(&(&point + direction * step)).0[last];
+            let difference = (at(1e-5) - at(-1e-5)) / 2e-5;
+            let slope = (jacobian.row(last) * direction)[0];
+            let off = (slope - difference).abs() / (1.0 + slope.abs());
+            observed("slope of the equation of a torus against a difference", off);
+            assert!(off < 1e-7, "{slope} {difference}");
+        }
+    }
 }
 
 /// A curve resumed after its steps takes the same steps.

@@ -427,9 +427,8 @@ impl Monodromy {
             speeds * f64::powi(by, self.zeros as i32) * product.re
         };
         let torus = || {
-            let pairs = (0..values.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
-            let product: Complex<f64> = pairs.map(|(i, j)| 1.0 - values[i] * values[j]).product();
-            product.re
+            let factors = pairs(values.len()).map(|(i, j)| 1.0 - values[i] * values[j]);
+            factors.product::<Complex<f64>>().re
         };
         let grazes = self.falls.iter().any(|fall| *fall <= AT_ZERO);
         let tests = [
@@ -443,11 +442,29 @@ impl Monodromy {
 
     /// The pair of multipliers whose product is nearest to 1.
     fn nearest_pair(&self) -> Option<[Complex<f64>; 2]> {
+        let (i, j) = self.place_of_nearest_pair()?;
+        Some([self.own[i].value, self.own[j].value])
+    }
+
+    fn place_of_nearest_pair(&self) -> Option<(usize, usize)> {
         let values: Vec<Complex<f64>> = self.own.iter().map(|one| one.value).collect();
-        let pairs = (0..values.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
         let far = |&(i, j): &(usize, usize)| (1.0 - values[i] * values[j]).norm();
-        let nearest = pairs.min_by(|one, other| far(one).total_cmp(&far(other)));
-        nearest.map(|(i, j)| [values[i], values[j]])
+        pairs(values.len()).min_by(|one, other| far(one).total_cmp(&far(other)))
+    }
+
+    /// The multipliers of that pair with the derivatives of ∏(1 − μᵢμⱼ) in them where their own factor is zero: of two
+    /// that are conjugate one, for both.
+    pub fn slopes_of_pair(&self) -> Option<Vec<(Complex<f64>, Complex<f64>)>> {
+        let (i, j) = self.place_of_nearest_pair()?;
+        let value = |index: usize| self.own[index].value;
+        let others = pairs(self.own.len()).filter(|pair| *pair != (i, j));
+        let rest: Complex<f64> = others.map(|(i, j)| 1.0 - value(i) * value(j)).product();
+        let slope = |one: usize, other: usize| (value(one), -value(other) * rest);
+        if value(i).im == 0.0 {
+            return Some(vec![slope(i, j), slope(j, i)]);
+        }
+        let (value, by) = slope(i, j);
+        (value == self.own[j].value.conj()).then(|| vec![(value, 2.0 * by)])
     }
 
     /// Argument of that pair, between 0 and π; `None` where they are real: a saddle whose multipliers are μ and
@@ -462,6 +479,11 @@ impl Monodromy {
         let [one, other] = self.nearest_pair()?;
         Some(0.5 * (one.re + other.re))
     }
+}
+
+/// All pairs i < j of so many.
+fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..count).flat_map(|j| (0..j).map(move |i| (i, j)))
 }
 
 /// Those that are not trivial.
