@@ -250,7 +250,7 @@ impl<P: Plane> EventSystem<P> {
         Some([slope(by, by_below), slope(closing, closing_below)])
     }
 
-    /// Derivatives of the equations of an event of the spectrum, by differences in every unknown.
+    /// Derivatives of the equations of an event of the spectrum by differences in every unknown, one row for each.
     fn differences(
         &self,
         spectral: &P::Spectral,
@@ -347,7 +347,7 @@ impl NullPair {
         })
     }
 
-    /// wᴴMv of real matrices M with one column for each part of v, that of the real part first.
+    /// wᴴMv, where `part` is the product of a part of w with M times the part of v of this number, the real one first.
     fn product(&self, part: impl Fn(&Vector, usize) -> f64) -> Complex<f64> {
         let mut sum = Complex::new(0.0, 0.0);
         for (conjugate, left) in [Complex::new(1.0, 0.0), -Complex::i()]
