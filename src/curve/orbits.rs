@@ -302,7 +302,8 @@ impl Plane for Orbits {
         }])
     }
 
-    /// ∂∏(1 − μᵢμⱼ), where one factor is zero, is that of this factor times all others.
+    /// ∂∏(1 − μᵢμⱼ), where one factor is zero, is that of this factor times all others. Only without switches are its
+    /// multipliers those of the equations beside an orbit, too: elsewhere Newton's method would not converge quadratically.
     fn critical(
         &self,
         spectral: &Critical,
@@ -310,8 +311,10 @@ impl Plane for Orbits {
         point: &Vector,
     ) -> Option<Vec<(Complex<f64>, Complex<f64>)>> {
         match spectral {
-            Critical::Torus => monodromy(orbit, point)?.slopes_of_pair(),
-            Critical::PeriodDoubling | Critical::Branching { .. } => None,
+            Critical::Torus if orbit.sequence.zone(0).way.is_none() => {
+                monodromy(orbit, point)?.slopes_of_pair()
+            }
+            _ => None,
         }
     }
 

@@ -18,8 +18,8 @@
 //! the last, posed in p₂ the last.
 //!
 //! Derivatives of F and m are exact. Those of F_x v are one-sided differences, those of F_j and of H in x, p₁, p₂ central
-//! ones, and so are those of a pair μ of M, along its null vectors only: they bend the way of Newton's iterates and not the
-//! equations, which are exact.
+//! ones, and so are those of a pair μ of M, without switches along its null vectors only: they bend the way of Newton's
+//! iterates and not the equations, which are exact.
 
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};

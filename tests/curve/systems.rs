@@ -363,9 +363,10 @@ const FORCED: &str = r#"(
     curve: (event: NS, parameters: ("A", "w"), range: ((0.3, 4.0), (1.1, 2.5))),
 )"#;
 
-/// Along orbits, F = 0, the equation of an NS changes as its critical multipliers do, with jumps and without.
+/// Along orbits, F = 0, the equation of an NS has the slopes of its row of the Jacobian: by its critical multipliers without
+/// switches, by differences with them.
 #[test]
-fn derivatives_of_a_torus_are_those_of_its_multipliers() {
+fn derivatives_of_a_torus_are_slopes_of_its_equation() {
     let Any::System(forced) = parse_any(FORCED, "test").unwrap() else {
         panic!("a system");
     };
