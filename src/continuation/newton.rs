@@ -244,8 +244,8 @@ pub fn rounding(matrix: &Matrix, sizes: &Vector, noise: Option<&Vector>) -> Opti
 /// a smaller tolerance would compare rounding with rounding.
 const LEAST_TOLERANCE: f64 = 1e-13;
 
-/// A correction of unknowns of order one, or residuals relative to their rows, below this are rounding: a point is known no
-/// better after the correction than before.
+/// A correction of unknowns of order one below this is rounding. Where no polish is asked for so is one below [`LEAST_TOLERANCE`] that
+/// comes of residuals that are, relative to their rows: the point is known no better after it than before.
 const UNMOVED: f64 = 4.0 * f64::EPSILON;
 
 /// Unknowns larger than the inverse of this are not of order one.
@@ -305,7 +305,8 @@ pub fn solve<S: System>(
         if correction <= tolerance {
             // where a point stays as it is, what was found there holds for whoever looks at it next
             let residual = relative_residual(&at.matrix, at.right_side.as_slice());
-            let is_moved = correction > UNMOVED * scale && residual > UNMOVED;
+            let is_rounding = residual <= UNMOVED && correction <= LEAST_TOLERANCE * scale;
+            let is_moved = correction > UNMOVED * scale && !(is_rounding && settings.polish == 0);
             if is_moved {
                 point -= &step;
             }

@@ -560,7 +560,7 @@ impl OrbitAt<'_> {
                 let norm = posed.balance(mode).1;
                 Passage::linear(&posed.system.modes[mode], norm, &propagators, entry, time)
             }
-            false => self.integrated(mode, entry, (time, is_switch)),
+            false => self.integrated(zone, entry, (time, is_switch)),
         };
         let finite = passage.flow.as_slice().iter().all(|x| x.is_finite());
         finite
@@ -571,15 +571,25 @@ impl OrbitAt<'_> {
             })
     }
 
-    /// The passage through a mode that is integrated.
+    /// The passage through a zone whose mode is integrated, which is known as far as that through all of it is.
     fn integrated(
         &self,
-        number: usize,
+        zone: usize,
         entry: Vector,
         (time, is_switch): (f64, bool),
     ) -> Passage<'_> {
-        let (known, place) = self.known(number, &entry, time);
+        let number = self.orbit.sequence.zone(zone).mode;
         let mode = &self.posed.system.modes[number];
+        let whole = self.zones[zone % self.zones.len()].duration;
+        let part = || {
+            let (known, place) = self.known(number, &entry, whole);
+            Some((Arc::new(known.until(mode, time)?), place))
+        };
+        let is_part = 0.0 < time && time < whole;
+        let (known, place) = is_part
+            .then(part)
+            .flatten()
+            .unwrap_or_else(|| self.known(number, &entry, time));
         Passage::integrated(mode, entry, (time, is_switch), &known, place)
     }
 
@@ -625,8 +635,7 @@ impl OrbitAt<'_> {
             return Jet::at_entry(&derivative(mode, row, order), &entry);
         }
         // none passes yet
-        let number = self.orbit.sequence.zone(zone).mode;
-        let passage = self.integrated(number, entry, (0.0, false));
+        let passage = self.integrated(zone, entry, (0.0, false));
         let jets = passage.derivatives_at_entry(row, order, 1);
         jets.into_iter()
             .next()

@@ -38,28 +38,21 @@ impl Memory {
         entry: &Vector,
         time: f64,
     ) -> (Arc<Integrated>, usize) {
-        // the same passage, or a longer one that comes by
         let find = |known: &VecDeque<Known>| {
             known.iter().find_map(|known| {
                 let same = known.mode == number
-                    && (known.time.to_bits() == time.to_bits() || 0.0 <= time && time < known.time)
+                    && known.time.to_bits() == time.to_bits()
                     && known.entry == *entry
                     && known.values == values
                     && known.varying.len() == varying.len();
                 let place = || known.varying.iter().position(|one| *one == varying[0]);
-                let passage = (known.passage.clone(), known.time);
+                let passage = known.passage.clone();
                 same.then(place).flatten().map(|place| (passage, place))
             })
         };
         let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = find(&lock());
-        if let Some(((passage, whole), place)) = found {
-            if whole.to_bits() == time.to_bits() {
-                return (passage, place);
-            }
-            if let Some(part) = passage.until(mode, time) {
-                return (Arc::new(part), place);
-            }
+        if let Some(known) = find(&lock()) {
+            return known;
         }
         let passage = Arc::new(Integrated::new(mode, entry, time));
         let mut known = lock();

@@ -47,9 +47,10 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::course::Course;
-use super::perturbation::{C64, Jump, LinearZone, Perturbations, ZERO, oscillator};
 pub use super::perturbation::{Characteristic, Scaled, Value};
+use super::perturbation::{Jump, LinearZone, Perturbations, oscillator};
 use super::switch::jump;
+use super::{C64, ZERO};
 use crate::linalg::Vector;
 use crate::tube::flow::numeric::series::pieces;
 use crate::tube::flow::separation::SeparationFlow;

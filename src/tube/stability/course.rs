@@ -3,9 +3,9 @@
 
 use std::sync::OnceLock;
 
-use super::perturbation::C64;
+use super::C64;
 use super::propagator::Propagators;
-use super::sliding::Pair;
+use super::segment::{Pair, Segment};
 use crate::tube::flow::numeric::series::{Piece, Series, at};
 
 /// Friction along a zone.
@@ -26,17 +26,6 @@ pub(super) struct Course {
     pushed: f64,
     /// The transfers over the zone, where they have been expanded.
     propagators: OnceLock<Propagators>,
-}
-
-/// A part of a zone over which Δ is a power series in (time − start)/duration.
-#[derive(Clone, Debug)]
-pub(super) struct Segment {
-    pub(super) piece: Piece,
-    /// Δ less ãλ²/m_a²: the coefficient of λ, and what does not depend on λ.
-    pub(super) linear: Series,
-    pub(super) constant: Series,
-    /// Bounds of these two: the sums of |term|.
-    pub(super) sizes: [f64; 2],
 }
 
 /// ∫ of a series from 0 to `to`.

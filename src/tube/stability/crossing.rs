@@ -1,7 +1,7 @@
 //! How well the place is known at which an eigenvalue crosses the imaginary axis.
 
+use super::C64;
 use super::characteristic::Characteristic;
-use super::perturbation::C64;
 use crate::continuation::newton::jacobian;
 use crate::linalg::Vector;
 use crate::tube::wave::Wave;

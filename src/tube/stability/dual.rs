@@ -2,7 +2,8 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use super::perturbation::{C64, Scaled, ZERO};
+use super::perturbation::Scaled;
+use super::{C64, ZERO};
 
 /// A complex number with its derivative in λ.
 #[derive(Clone, Copy, Debug)]

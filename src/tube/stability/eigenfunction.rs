@@ -8,7 +8,8 @@
 use nalgebra::Vector4;
 
 use super::boundary::Motion;
-use super::perturbation::{C64, Characteristic, LinearZone, Perturbations, ZERO};
+use super::perturbation::{Characteristic, LinearZone, Perturbations};
+use super::{C64, ZERO};
 use crate::tube::model::signature::Regime;
 
 /// A sample of an eigenfunction.

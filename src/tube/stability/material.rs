@@ -30,9 +30,8 @@
 use nalgebra::{Matrix3, RowVector3, Vector3};
 
 use super::boundary::Motion;
-use super::perturbation::{
-    C64, Characteristic, Jump, ONE, Scaled, Value, ZERO, modulus, oscillator, square_root,
-};
+use super::perturbation::{Characteristic, Jump, Scaled, Value, modulus, oscillator, square_root};
+use super::{C64, ONE, ZERO};
 use crate::tube::model::signature::Regime;
 
 /// The cubic −βã r³ + m₂r² + m₁r + m₀ of a sliding zone at one λ, split into one exponent and a pair.

@@ -15,9 +15,18 @@ pub mod eigenfunction;
 mod material;
 mod perturbation;
 mod propagator;
+mod segment;
 mod separation;
 mod sliding;
 pub mod spectrum;
 mod switch;
 pub mod track;
 pub mod verdict;
+
+use nalgebra::Complex;
+
+/// λ, and what depends on it.
+type C64 = Complex<f64>;
+
+const ZERO: C64 = C64::new(0.0, 0.0);
+const ONE: C64 = C64::new(1.0, 0.0);

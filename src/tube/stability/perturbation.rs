@@ -2,15 +2,11 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Complex, Vector4};
+use nalgebra::Vector4;
 
 use super::course::Course;
+use super::{C64, ONE, ZERO};
 use crate::tube::model::signature::Regime;
-
-pub(super) type C64 = Complex<f64>;
-
-pub(super) const ZERO: C64 = C64::new(0.0, 0.0);
-pub(super) const ONE: C64 = C64::new(1.0, 0.0);
 
 /// |z|, for numbers far from the limits of double precision: a library's modulus takes a multiple of
 /// the time to serve those.

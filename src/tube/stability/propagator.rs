@@ -15,9 +15,8 @@
 
 use std::sync::OnceLock;
 
-use super::course::Segment;
-use super::perturbation::{C64, ONE, ZERO};
-use super::sliding::{ORDER, Pair, RADIANS, part, scaled_down};
+use super::segment::{ORDER, Pair, RADIANS, Segment, part, scaled_down};
+use super::{C64, ONE, ZERO};
 use crate::tube::flow::numeric::series::{Series, TERMS};
 
 /// Degree of the polynomials in λ/Λ.
@@ -261,12 +260,6 @@ impl Propagators {
 }
 
 impl Segment {
-    /// Bound of |Δ| for |λ| ≤ `frequency`, with q.
-    pub(super) fn size(&self, square: f64, frequency: f64) -> f64 {
-        let [linear, constant] = self.sizes;
-        frequency * (frequency * square + linear) + constant
-    }
-
     /// The transfer over a part of the segment, from its beginning and width in units of the whole.
     fn transfer(&self, [from, width]: [f64; 2], square: f64, bound: f64) -> Transfer {
         let seconds = width * self.piece.duration;

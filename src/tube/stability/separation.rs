@@ -23,7 +23,8 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::perturbation::{C64, Characteristic, ONE, Perturbations, ZERO, square_root};
+use super::perturbation::{Characteristic, Perturbations, square_root};
+use super::{C64, ONE, ZERO};
 use crate::tube::flow::exponential::MatrixJet;
 
 /// Up to this bound of |r s| the power series is summed; beyond it, u of order (rs)³/6 is no

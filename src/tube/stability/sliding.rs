@@ -18,43 +18,17 @@
 //!
 //! For |λ| → ∞ the exponents of a zone are those of its mean F and E: [`super::asymptotic`].
 
-use super::course::{Course, Segment};
-use super::perturbation::{C64, Characteristic, Jump, LinearZone, Perturbations, Scaled, ZERO};
-use crate::tube::flow::numeric::series::{Series, TERMS};
-
-/// √|Δ|s of one step at most: 2²⁹/29! is below rounding.
-pub(super) const RADIANS: f64 = 2.0;
+use super::course::Course;
+use super::perturbation::{Characteristic, Jump, LinearZone, Perturbations, Scaled};
+use super::segment::{ORDER, Pair, RADIANS, Segment, part, scaled_down};
+use super::{C64, ZERO};
+use crate::tube::flow::numeric::series::TERMS;
 
 /// Most steps of one piece: at frequencies that need more nothing is searched, and no number is given.
 const MOST_STEPS: f64 = 1e4;
 
-/// Terms of the power series of z.
-pub(super) const ORDER: usize = TERMS + 2;
-
 /// Terms of Δs² below this do not count.
 const NOTHING: f64 = 1e-18;
-
-/// Perturbations larger than this are scaled down.
-const LARGE: f64 = 1e60;
-
-/// The series of the part of x from `from` on, `width` long.
-pub(super) fn part(series: &Series, from: f64, width: f64) -> Series {
-    let mut moved = *series;
-    for first in 0..TERMS - 1 {
-        for index in (first..TERMS - 1).rev() {
-            moved[index] += from * moved[index + 1];
-        }
-    }
-    let mut power = 1.0;
-    moved.map(|term| {
-        let term = term * power;
-        power *= width;
-        term
-    })
-}
-
-/// z and z′ with their derivatives in λ.
-pub(super) type Pair = [[C64; 2]; 2];
 
 /// Δs² and its derivative in λ as series over a step of length s.
 struct Step {
@@ -88,20 +62,6 @@ impl Step {
             [end, slope / self.length]
         })
     }
-}
-
-/// Scales perturbations down that have grown large, and returns the exponent of that.
-pub(super) fn scaled_down(pairs: &mut [Pair]) -> f64 {
-    let size = |pair: &Pair| pair[0][0].norm_sqr().max(pair[0][1].norm_sqr());
-    let size = pairs.iter().map(size).fold(0.0, f64::max).sqrt();
-    if size <= LARGE {
-        return 0.0;
-    }
-    let inverse = size.recip();
-    for number in pairs.iter_mut().flatten().flatten() {
-        *number *= inverse;
-    }
-    size.ln()
 }
 
 impl Characteristic {

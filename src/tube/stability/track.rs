@@ -11,8 +11,7 @@
 use std::cell::Cell;
 use std::sync::Arc;
 
-use nalgebra::Complex;
-
+use super::C64;
 use super::characteristic::Characteristic;
 use super::crossing::uncertainty;
 use super::spectrum::{
@@ -25,8 +24,6 @@ use crate::continuation::locate::node_at;
 use crate::continuation::zero::{Bracket, Zero, zero};
 use crate::tube::model::signature::Regime;
 use crate::tube::wave::Wave;
-
-type C64 = Complex<f64>;
 
 /// Where an eigenvalue crosses the imaginary axis.
 #[derive(Clone, Debug)]

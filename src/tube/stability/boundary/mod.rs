@@ -48,7 +48,8 @@ mod part;
 use nalgebra::{DMatrix, DVector};
 
 use super::dual::{Dual, determinant, simultaneous};
-use super::perturbation::{C64, Characteristic, Jump, LinearZone, ONE, Scaled, Value, ZERO};
+use super::perturbation::{Characteristic, Jump, LinearZone, Scaled, Value};
+use super::{C64, ONE, ZERO};
 use crate::linalg::least_vector;
 use crate::tube::model::signature::Regime;
 use part::{BEND, ETA, GROWTH, LEFT, Part, RATE, Shape, U, U_BEND, U_LEFT, U_RATE};
