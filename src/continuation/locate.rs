@@ -2,7 +2,7 @@
 //!
 //! A step sets out from u₀ with tangent t₀; s = t₀·(u − u₀) orders what lies within it.
 
-use super::arclength::{Node, tangent};
+use super::arclength::Node;
 use super::newton::{self, Constraint, Fixed, Plane, System};
 use super::zero::{Bracket, zero};
 use crate::linalg::{Factors, Matrix, Vector};
@@ -99,17 +99,7 @@ fn node_beside<S: System>(
         through: &through,
     };
     let solution = newton::solve(system, &mut plane, &predicted, &settings(tolerance)).ok()?;
-    if solution.is_moved {
-        return retangent(system, &solution.point, &from.tangent, solution.iterations);
-    }
-    // the border is that of a tangent
-    let tangent = tangent(system, &solution, &from.tangent).ok()?;
-    Some(Node {
-        tangent,
-        point: solution.point,
-        newton: solution.iterations,
-        residual: solution.residual,
-    })
+    retangent(system, &solution.point, &from.tangent, solution.iterations)
 }
 
 /// The zero of a function along a step, from places s with values of different signs, and the value

@@ -83,7 +83,7 @@ pub struct Settings {
     /// How often a correction may be halved to make the residual fall. None within a continuation
     /// step, where a shorter step is the better remedy.
     pub halvings: usize,
-    /// Iterations done after the tolerance was met, to take out the last rounding.
+    /// Iterations done after the tolerance was met, to take out the last rounding; the point is moved by the last of them whatever it is.
     pub polish: usize,
 }
 
@@ -111,8 +111,6 @@ pub struct Solution {
     pub correction: f64,
     /// Largest relative residual before the last correction.
     pub residual: f64,
-    /// Whether the last correction was applied: one that is rounding is not.
-    pub is_moved: bool,
     /// LU factors of the bordered Jacobian at the iterate before the last correction.
     pub factors: Factors,
 }
@@ -244,8 +242,8 @@ pub fn rounding(matrix: &Matrix, sizes: &Vector, noise: Option<&Vector>) -> Opti
 /// a smaller tolerance would compare rounding with rounding.
 const LEAST_TOLERANCE: f64 = 1e-13;
 
-/// A correction of unknowns of order one below this is rounding. Where no polish is asked for so is one below [`LEAST_TOLERANCE`] that
-/// comes of residuals that are, relative to their rows: the point is known no better after it than before.
+/// A correction of unknowns of order one below this is rounding, and so is one below [`LEAST_TOLERANCE`] that comes of residuals that
+/// are, relative to their rows: unless a polish is asked for, the point is left where it is.
 const UNMOVED: f64 = 4.0 * f64::EPSILON;
 
 /// Unknowns larger than the inverse of this are not of order one.
@@ -276,13 +274,12 @@ pub fn solve<S: System>(
             correction,
             iterations,
         };
-        let solution = |point: Vector, is_moved: bool, residual: f64, contraction: f64| Solution {
+        let solution = |point: Vector, residual: f64, contraction: f64| Solution {
             point,
             iterations,
             contraction,
             correction,
             residual,
-            is_moved,
             factors,
         };
         // relative to unknowns that are far from order one
@@ -294,7 +291,7 @@ pub fn solve<S: System>(
             if ratio > SLOWEST
                 && let Some(residual) = rounded(system, &at, &point, correction)
             {
-                return Ok(solution(point, false, residual, contraction));
+                return Ok(solution(point, residual, contraction));
             }
             contraction = contraction.max(ratio);
             if ratio > SLOWEST && settings.halvings == 0 {
@@ -305,13 +302,14 @@ pub fn solve<S: System>(
         if correction <= tolerance {
             // where a point stays as it is, what was found there holds for whoever looks at it next
             let residual = relative_residual(&at.matrix, at.right_side.as_slice());
-            let is_rounding = residual <= UNMOVED && correction <= LEAST_TOLERANCE * scale;
-            let is_moved = correction > UNMOVED * scale && !(is_rounding && settings.polish == 0);
+            let is_rounding = correction <= UNMOVED * scale
+                || residual <= UNMOVED && correction <= LEAST_TOLERANCE * scale;
+            let is_moved = settings.polish > 0 || !is_rounding;
             if is_moved {
                 point -= &step;
             }
-            if polish == 0 || !is_moved {
-                return Ok(solution(point, is_moved, residual, contraction));
+            if polish == 0 {
+                return Ok(solution(point, residual, contraction));
             }
             polish -= 1;
             at = bordered(system, constraint, &point).map_err(Failure::System)?;

@@ -223,7 +223,7 @@ const TABLE: &[Row] = &[
         "mismatch",
         "mismatch: 0.1,",
         "mismatch: 0.1005,",
-        "h~h~h-hhh-",
+        "h~h~h-hh~-",
     ),
     row("mass", "mass: 0.0,", "mass: 0.01,", "hhhhhhhhhh"),
     row(
@@ -311,9 +311,9 @@ const TABLE: &[Row] = &[
         ),
         &[("[0.098]", "[]"), (EXPECTED, "")],
     ),
-    row("range", "(0.096, 0.101)", "(0.0965, 0.101)", "hhh~---hh-"),
+    row("range", "(0.096, 0.101)", "(0.0965, 0.101)", "hhh~---~h-"),
     row("toward", "toward: Down", "toward: Up", "hhhh---hh-"),
-    row("stop_at", "[0.098]", "[0.0985]", "hhh----h--"),
+    row("stop_at", "[0.098]", "[0.0985]", "hhh----~--"),
     row(
         "ds",
         STEPS,

@@ -291,7 +291,11 @@ impl Tracker {
     /// The first point of a leg. Where it is a change of regime and has no spectrum, the first step is
     /// followed from a little way into it.
     pub fn start(&mut self, wave: &Wave, node: &Node) -> Option<Spectrum> {
-        let here = self.spectrum_near(wave, node, None);
+        // rounding alone gives a flight without length one
+        let has_spectrum = !has_closed_flight(wave, node);
+        let here = has_spectrum
+            .then(|| self.spectrum_near(wave, node, None))
+            .flatten();
         self.last = here.clone().or_else(|| self.beyond(wave, node, BEYOND));
         here
     }
