@@ -11,6 +11,10 @@ pub trait System {
     /// Why the system could not be evaluated at a point.
     type Failure: std::error::Error;
 
+    /// Whether what was found at a point is kept for whoever looks at it next: Newton's method then leaves a point where it is once
+    /// it is known but for rounding.
+    const KEEPS: bool = false;
+
     /// Number n + 1 of unknowns; the last of them is the continuation parameter.
     fn unknowns(&self) -> usize;
 
@@ -243,7 +247,7 @@ pub fn rounding(matrix: &Matrix, sizes: &Vector, noise: Option<&Vector>) -> Opti
 const LEAST_TOLERANCE: f64 = 1e-13;
 
 /// A correction of unknowns of order one below this is rounding, and so is one below [`LEAST_TOLERANCE`] that comes of residuals that
-/// are, relative to their rows: unless a polish is asked for, the point is left where it is.
+/// are, relative to their rows: unless a polish is asked for, a point of a system that keeps it is left where it is.
 const UNMOVED: f64 = 4.0 * f64::EPSILON;
 
 /// Unknowns larger than the inverse of this are not of order one.
@@ -304,7 +308,7 @@ pub fn solve<S: System>(
             let residual = relative_residual(&at.matrix, at.right_side.as_slice());
             let is_rounding = correction <= UNMOVED * scale
                 || residual <= UNMOVED && correction <= LEAST_TOLERANCE * scale;
-            let is_moved = settings.polish > 0 || !is_rounding;
+            let is_moved = !S::KEEPS || settings.polish > 0 || !is_rounding;
             if is_moved {
                 point -= &step;
             }

@@ -225,7 +225,7 @@ impl AffineOrbit {
             .add_scalar_mut(self.left_out(&at.point));
         let sizes = at.point.abs().insert_row(unknowns, 0.0);
         let own = newton::rounding(&at.matrix, &sizes, Some(&noise))?[last];
-        let inverse = Factors::new(&hessian).inverse()?.abs();
+        let inverse = Factors::new(hessian).inverse()?.abs();
         let reduced = inverse * (bordered.noise(at)? * 3.0);
         let across = bordered.null.row(last).abs() * reduced;
         Some((own + across[0] + blur) * self.unit().abs())

@@ -98,6 +98,9 @@ pub enum OrbitFailure {
     },
 }
 
+/// Exponentials with the bits of their time, where there are any.
+type Kept = Option<(u64, Arc<Propagators>)>;
+
 /// The system at one value of the parameter, and what is known of the zones there.
 #[derive(Debug)]
 pub struct Posed {
@@ -108,7 +111,7 @@ pub struct Posed {
     balances: Vec<OnceLock<(Vector, f64)>>,
     flows: Vec<OnceLock<ModeFlow>>,
     /// The last exponentials of every zone that is linear, with the bits of their time.
-    propagators: Mutex<Vec<Option<(u64, Arc<Propagators>)>>>,
+    propagators: Mutex<Vec<Kept>>,
     /// Longest piece of a flow: the unit of time.
     longest: f64,
     /// Whether the system was led to from its origin.

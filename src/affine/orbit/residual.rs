@@ -42,6 +42,8 @@ impl Equations<'_> {
 impl System for AffineOrbit {
     type Failure = OrbitFailure;
 
+    const KEEPS: bool = true;
+
     fn unknowns(&self) -> usize {
         self.count()
     }

@@ -366,8 +366,9 @@ impl<'a, const D: usize, const M: usize, F: Field<D, Dual<D>>> Solver<'a, D, M, 
                 x.by[row] = 1.0;
                 x
             }));
-            for row in 0..D {
-                self.right[i][row] = rate[row].value - self.trial[i][row];
+            let pairs = rate.iter().zip(&self.trial[i]);
+            for (right, (rate, trial)) in self.right[i].iter_mut().zip(pairs) {
+                *right = rate.value - trial;
             }
             self.rates[i] = rate;
         }
