@@ -238,7 +238,8 @@ pub fn advance<S: System>(
     tolerance: f64,
 ) -> Result<Step, Refusal<S::Failure>> {
     let through = &from.point + &from.tangent * ds;
-    let predicted = match bend(before, from, ds) {
+    let bend = || bend(before, from, ds);
+    let predicted = match S::KEEPS.then(bend).flatten() {
         Some(bend) => &through + bend,
         None => through.clone(),
     };

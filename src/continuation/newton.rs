@@ -11,8 +11,8 @@ pub trait System {
     /// Why the system could not be evaluated at a point.
     type Failure: std::error::Error;
 
-    /// Whether what was found at a point is kept for whoever looks at it next: Newton's method then leaves a point where it is once
-    /// it is known but for rounding.
+    /// Whether evaluations take most of the time, and what was found at a point is kept for whoever looks at it next: a step then
+    /// begins where the curve bends to, and Newton's method leaves a point where it is once it is known but for rounding.
     const KEEPS: bool = false;
 
     /// Number n + 1 of unknowns; the last of them is the continuation parameter.
