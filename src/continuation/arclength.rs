@@ -1,7 +1,7 @@
 //! Pseudo-arclength continuation of R(u) = 0, n equations in n + 1 unknowns.
 //!
-//! From a point u₀ with unit tangent t₀ a step predicts u₀ + Δs·t₀, bent as the curve was on its last step, and
-//! corrects in the plane across t₀ through u₀ + Δs·t₀. Lengths are Euclidean in the scaled unknowns, so the scaling of the system is the
+//! From a point u₀ with unit tangent t₀ a step predicts u₀ + Δs·t₀, bent as the curve was on its last steps
+//! where evaluations are dear ([`System::KEEPS`]), and corrects in the plane across t₀ through u₀ + Δs·t₀. Lengths are Euclidean in the scaled unknowns, so the scaling of the system is the
 //! norm of the arclength. Keller, in: Applications of Bifurcation Theory (1977).
 
 use serde::{Deserialize, Serialize};

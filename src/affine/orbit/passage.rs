@@ -161,7 +161,7 @@ impl Integrated {
         let (mut begun, mut before) = (0.0, f64::INFINITY);
         while begun < whole {
             let rest = whole - begun;
-            let length = field.length(&last, if stages.is_empty() { whole } else { rest }, forward);
+            let length = field.length(&last, rest, forward);
             // what is not finite gives a passage that is not
             let count = (stages.len() + 1) as f64 + rest / length.max(before);
             if length.is_nan() || length <= 0.0 || count > MOST_PIECES {

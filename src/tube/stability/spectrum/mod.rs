@@ -22,14 +22,12 @@ mod verdict;
 pub use search::spectrum;
 pub(super) use translation::beside_translation;
 
-use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
+use super::C64;
 use super::characteristic::Characteristic;
 use crate::orbit::Stability;
 use crate::tube::stability::verdict::Reason;
-
-type C64 = Complex<f64>;
 
 /// Which eigenvalues to compute.
 #[derive(Clone, Debug, PartialEq)]
