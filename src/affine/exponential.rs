@@ -4,6 +4,7 @@ use std::iter::repeat_n;
 
 use nalgebra::{DMatrixView as MatrixView, DMatrixViewMut as MatrixViewMut};
 
+use super::form::VARYING;
 use crate::linalg::Matrix;
 
 /// Terms of the series of exp(Mh) for ‖Mh‖ ≤ 1 in the balanced norm: the remainder is 1/19! ≈ 8e-18.
@@ -15,18 +16,18 @@ const LEFT_OUT: f64 = 1.5619206968586225e-16;
 /// Matrices larger than this are multiplied in blocks: smaller ones take longer to pack than to multiply.
 const SMALL: usize = 32;
 
-/// E = exp(Mt) for the norm of M, and ∂E/∂p for M′ = `by`: by the series of the balanced matrix over a part of the
-/// time, and squares of it. With (E + εE′)² = E² + ε(EE′ + E′E) the derivative is as exact as the value.
+/// E = exp(Mt) for the norm of M, and ∂E/∂p for every M′ of `by` that is not zero: by the series of the balanced matrix over
+/// a part of the time, and squares of it. With (E + εE′)² = E² + ε(EE′ + E′E) the derivative is as exact as the value.
 ///
 /// Rows of M below the first, so many, are those of z beyond its `states`: they are constant, or turn in pairs by themselves.
 pub(super) fn propagator(
     matrix: &Matrix,
-    by: Option<&Matrix>,
+    by: [Option<&Matrix>; VARYING],
     states: usize,
     norm: f64,
     time: f64,
-) -> (Matrix, Option<Matrix>) {
-    let by = by.filter(|by| by.as_slice().iter().any(|by| *by != 0.0));
+) -> (Matrix, [Option<Matrix>; VARYING]) {
+    let by = by.map(|by| by.filter(|by| by.as_slice().iter().any(|by| *by != 0.0)));
     // the products of the sizes that oscillators have are compiled for them
     match states {
         2 => exponential(matrix, by, norm, time, 2),
@@ -108,33 +109,31 @@ fn add_square(left: &[f64], right: &[f64], sum: &mut [f64], size: usize) {
     }
 }
 
-/// What of z turns by itself: where a pair of components stands, its angular frequency, and the derivative of that;
-/// the angle after a time by its sine and cosine, and the derivative of the angle.
+/// What of z turns by itself: where a pair of components stands, its angular frequency, and the sine and cosine of its angle
+/// after a time.
 #[derive(Clone, Copy)]
 struct Turn {
     cosine: usize,
     speed: f64,
-    by: f64,
-    angle: ((f64, f64), f64),
+    angle: (f64, f64),
 }
 
 impl Turn {
     fn at(self, time: f64) -> Turn {
         Turn {
-            angle: ((self.speed * time).sin_cos(), self.by * time),
+            angle: (self.speed * time).sin_cos(),
             ..self
         }
     }
 }
 
 /// The components of z beyond the states: pairs that turn, the others being constant.
-fn turns(matrix: &Matrix, by: Option<&Matrix>, states: usize) -> Vec<Turn> {
+fn turns(matrix: &Matrix, states: usize) -> Vec<Turn> {
     let cosines = (states + 1..matrix.nrows().saturating_sub(1)).step_by(2);
     let turns = cosines.map(|cosine| Turn {
         cosine,
         speed: matrix[(cosine + 1, cosine)],
-        by: by.map_or(0.0, |by| by[(cosine + 1, cosine)]),
-        angle: ((0.0, 1.0), 0.0),
+        angle: (0.0, 1.0),
     });
     turns.collect()
 }
@@ -145,7 +144,7 @@ fn add_turned(turns: &[Turn], left: &[f64], sum: &mut [f64], rows: usize) {
     let pairs = sum[rows * rows..].iter_mut().zip(&left[rows * rows..]);
     pairs.for_each(|(sum, entry)| *sum += entry);
     for Turn { cosine, angle, .. } in turns {
-        let ((sine, cosine_at), _) = angle;
+        let (sine, cosine_at) = angle;
         let cosine_less = cosine_at - 1.0;
         for row in 0..rows {
             let [c, s] = [cosine * rows + row, (cosine + 1) * rows + row];
@@ -155,15 +154,38 @@ fn add_turned(turns: &[Turn], left: &[f64], sum: &mut [f64], rows: usize) {
     }
 }
 
-/// Adds to a sum G·∂W/∂p.
-#[inline(always)]
-fn add_turned_by(turns: &[Turn], left: &[f64], sum: &mut [f64], rows: usize) {
-    for Turn { cosine, angle, .. } in turns.iter().filter(|turn| turn.by != 0.0) {
-        let ((sine, cosine_at), by) = angle;
-        for row in 0..rows {
-            let [c, s] = [cosine * rows + row, (cosine + 1) * rows + row];
-            sum[c] += by * (cosine_at * left[s] - sine * left[c]);
-            sum[s] -= by * (cosine_at * left[c] + sine * left[s]);
+/// A derivative on its way: M′, and what of it and of its products with M is not zero.
+struct Derivative<'a> {
+    by: &'a Matrix,
+    /// Entries of M′, those of M in the columns that these come to, and whether those of the states are among them.
+    own: Vec<(usize, usize, f64)>,
+    of_live: Vec<(usize, usize, f64)>,
+    is_live: bool,
+    sum: &'a mut [f64],
+    term: &'a mut [f64],
+}
+
+impl Derivative<'_> {
+    /// The derivative of the angle of a turn, after a time.
+    fn of_angle(&self, turn: &Turn, time: f64) -> f64 {
+        self.by[(turn.cosine + 1, turn.cosine)] * time
+    }
+
+    /// Adds to a sum G·∂W/∂p.
+    #[inline(always)]
+    fn add_turned(&self, turns: &[Turn], time: f64, left: &[f64], sum: &mut [f64], rows: usize) {
+        for turn in turns {
+            let by = self.of_angle(turn, time);
+            if by == 0.0 {
+                continue;
+            }
+            let Turn { cosine, angle, .. } = turn;
+            let (sine, cosine_at) = angle;
+            for row in 0..rows {
+                let [c, s] = [cosine * rows + row, (cosine + 1) * rows + row];
+                sum[c] += by * (cosine_at * left[s] - sine * left[c]);
+                sum[s] -= by * (cosine_at * left[c] + sine * left[s]);
+            }
         }
     }
 }
@@ -181,11 +203,11 @@ fn whole(rows: &[f64], states: usize, size: usize) -> Matrix {
 #[inline(always)]
 fn exponential(
     matrix: &Matrix,
-    by: Option<&Matrix>,
+    by: [Option<&Matrix>; VARYING],
     norm: f64,
     time: f64,
     states: usize,
-) -> (Matrix, Option<Matrix>) {
+) -> (Matrix, [Option<Matrix>; VARYING]) {
     let doublings = (norm * time.abs()).log2().ceil().max(0.0);
     // what is not finite gives a propagator that is not
     let step = time * (-doublings).exp2();
@@ -202,29 +224,31 @@ fn exponential(
     }
     let size = matrix.nrows();
     let numbers = states * size;
-    let mut turns = turns(matrix, by, states);
+    let mut turns = turns(matrix, states);
     let all = entries(matrix);
-    // what depends on a parameter is often the forcing alone: its columns, and those that it comes to
-    let by_entries = by.map(entries).unwrap_or_default();
-    let live = live_columns(&by_entries, &all, size);
-    let of_live: Vec<_> = all
-        .iter()
-        .copied()
-        .filter(|(from, ..)| live[*from])
-        .collect();
+    let varying = by.iter().flatten().count();
     // memory filled here is had faster than zeros of the system
-    let mut room: Vec<f64> = repeat_n(0.0, 5 * numbers).collect();
+    let mut room: Vec<f64> = repeat_n(0.0, (3 + 2 * varying) * numbers).collect();
     let mut parts = room.chunks_exact_mut(numbers);
-    let [
-        Some(mut sum),
-        Some(mut term),
-        Some(mut next),
-        Some(mut sum_by),
-        Some(mut term_by),
-    ] = std::array::from_fn(|_| parts.next())
+    let [Some(mut sum), Some(mut term), Some(mut next)] = std::array::from_fn(|_| parts.next())
     else {
-        return (Matrix::zeros(0, 0), None);
+        return (Matrix::zeros(0, 0), [const { None }; VARYING]);
     };
+    let mut derivatives = by.map(|by| {
+        let by = by?;
+        // what depends on a parameter is often the forcing alone: its columns, and those that it comes to
+        let own = entries(by);
+        let live = live_columns(&own, &all, size);
+        let of_live = all.iter().copied().filter(|(from, ..)| live[*from]);
+        Some(Derivative {
+            of_live: of_live.collect(),
+            is_live: live[..states].contains(&true),
+            own,
+            by,
+            sum: parts.next()?,
+            term: parts.next()?,
+        })
+    });
     for state in 0..states {
         sum[state * states + state] = 1.0;
         term[state * states + state] = 1.0;
@@ -235,12 +259,12 @@ fn exponential(
     };
     for k in 1..=terms {
         let factor = step / f64::from(k);
-        if by.is_some() {
+        for derivative in derivatives.iter_mut().flatten() {
             next.fill(0.0);
-            add_sparse(factor, term_by, &of_live, next, states);
-            add_sparse(factor, term, &by_entries, next, states);
-            std::mem::swap(&mut term_by, &mut next);
-            add_up(sum_by, term_by);
+            add_sparse(factor, derivative.term, &derivative.of_live, next, states);
+            add_sparse(factor, term, &derivative.own, next, states);
+            std::mem::swap(&mut derivative.term, &mut next);
+            add_up(derivative.sum, derivative.term);
         }
         next.fill(0.0);
         add_sparse(factor, term, &all, next, states);
@@ -250,15 +274,15 @@ fn exponential(
     let mut reached = step;
     for _ in 0..doublings {
         turns.iter_mut().for_each(|turn| *turn = turn.at(reached));
-        if by.is_some() {
+        for derivative in derivatives.iter_mut().flatten() {
             next.fill(0.0);
-            add_square(sum, sum_by, next, states);
-            if live[..states].contains(&true) {
-                add_square(sum_by, sum, next, states);
+            add_square(sum, derivative.sum, next, states);
+            if derivative.is_live {
+                add_square(derivative.sum, sum, next, states);
             }
-            add_turned(&turns, sum_by, next, states);
-            add_turned_by(&turns, sum, next, states);
-            std::mem::swap(&mut sum_by, &mut next);
+            add_turned(&turns, derivative.sum, next, states);
+            derivative.add_turned(&turns, reached, sum, next, states);
+            std::mem::swap(&mut derivative.sum, &mut next);
         }
         next.fill(0.0);
         add_square(sum, sum, next, states);
@@ -266,27 +290,39 @@ fn exponential(
         std::mem::swap(&mut sum, &mut next);
         reached *= 2.0;
     }
+    let turns: Vec<Turn> = turns.into_iter().map(|turn| turn.at(time)).collect();
     let mut flow = whole(sum, states, size);
     (states..size).for_each(|own| flow[(own, own)] = 1.0);
-    let mut flow_by = by.map(|_| whole(sum_by, states, size));
+    put_turns(&mut flow, &turns, |turn| {
+        let (sine, cosine) = turn.angle;
+        [cosine, -sine, sine, cosine]
+    });
+    let by = derivatives.map(|derivative| {
+        let derivative = derivative?;
+        let mut flow = whole(derivative.sum, states, size);
+        put_turns(&mut flow, &turns, |turn| {
+            let (sine, cosine) = turn.angle;
+            let by = derivative.of_angle(turn, time);
+            [-by * sine, -by * cosine, by * cosine, -by * sine]
+        });
+        Some(flow)
+    });
+    (flow, by)
+}
+
+/// Puts what every turn has, row by row, into a whole matrix.
+fn put_turns(matrix: &mut Matrix, turns: &[Turn], of: impl Fn(&Turn) -> [f64; 4]) {
     for turn in turns {
-        let Turn { cosine, angle, .. } = turn.at(time);
-        let ((sine, at), by) = angle;
-        let both = [
+        let cosine = turn.cosine;
+        let sine = cosine + 1;
+        let places = [
             (cosine, cosine),
-            (cosine, cosine + 1),
-            (cosine + 1, cosine),
-            (cosine + 1, cosine + 1),
+            (cosine, sine),
+            (sine, cosine),
+            (sine, sine),
         ];
-        for (place, (value, slope)) in
-            both.into_iter()
-                .zip([(at, -sine), (-sine, -at), (sine, at), (at, -sine)])
-        {
-            flow[place] = value;
-            if let Some(flow_by) = &mut flow_by {
-                flow_by[place] = by * slope;
-            }
+        for (place, value) in places.into_iter().zip(of(turn)) {
+            matrix[place] = value;
         }
     }
-    (flow, flow_by)
 }

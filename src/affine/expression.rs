@@ -150,6 +150,9 @@ pub enum Wrong {
     /// A name that stands for nothing.
     #[error("`{0}` is no state, parameter or abbreviation")]
     Unknown(String),
+    /// A name that is none of a parameter, where no other may stand.
+    #[error("`{0}` is no parameter")]
+    NoParameter(String),
     /// A function that there is not.
     #[error("`{0}` is no function")]
     NoFunction(String),

@@ -4,6 +4,7 @@
 use std::sync::OnceLock;
 
 use super::exponential::{TERMS, entries, propagator};
+use super::form::VARYING;
 use super::mode::{AffineMode, Row};
 use super::recurrence::Series;
 use super::series::{Field, ORDER};
@@ -138,7 +139,7 @@ impl Exact {
         } else {
             longest
         };
-        let (step, _) = propagator(&matrix, None, states, norm, length);
+        let (step, _) = propagator(&matrix, [None; VARYING], states, norm, length);
         Exact {
             guards: Vec::new(),
             stiff: Vec::new(),

@@ -5,8 +5,10 @@
 //! into at given parameters: `matrices` lays it out, `sliding` puts modes between two others. [`series`] has the flow of a
 //! mode whose rates are not affine, by [`recurrence`], `exponential` those of matrices, `stiff` what is slow of one, [`flow`] either with the
 //! signs of its guards, [`motion`] follows it through its switches,
-//! and [`course`] sees it at equal times; [`steady`] has the equilibria, [`orbit`] the periodic orbits.
+//! and [`course`] sees it at equal times; [`steady`] has the equilibria, [`orbit`] the periodic orbits, whose period [`closure`]
+//! may prescribe.
 
+pub mod closure;
 pub mod course;
 pub(crate) mod evaluation;
 pub(crate) mod exponential;

@@ -95,7 +95,7 @@ pub struct Series {
     places: Arc<[[usize; 2]]>,
     /// Signs of the operands of `abs`.
     pub(super) signs: Vec<f64>,
-    /// Which of the parameters derivatives are asked for.
+    /// Which of the parameters is the first of those of a system whose rows it is asked about.
     parameter: usize,
 }
 
@@ -588,7 +588,7 @@ impl Series {
         (at, by)
     }
 
-    /// The same series, of which derivatives in another parameter are asked for.
+    /// The same series for a system whose first parameter has this place among those of the series.
     pub fn in_parameter(&self, parameter: usize) -> Series {
         Series {
             parameter,
@@ -602,16 +602,25 @@ impl Series {
         all.map(|(index, c)| c * self.value(k, index)).sum()
     }
 
-    /// The same for a row of a system in one parameter, with its derivatives in the components of z at the beginning, and in
-    /// that parameter.
-    pub fn jet(&self, row: &Row, k: usize) -> (f64, Vector, f64) {
+    /// The same for a row of a system, with its derivatives in the components of z at the beginning, and in the parameters of
+    /// that system in their order.
+    pub fn jet(&self, row: &Row, k: usize) -> (f64, Vector, [f64; VARYING]) {
         let mut by_z = Vector::zeros(self.size);
-        let mut by_parameter = self.of(&row.by[0], k);
+        let mut by = row.by.each_ref().map(|by| self.of(by, k));
+        let places = in_order(self.parameter);
         for (index, c) in row.at.iter().enumerate().filter(|(_, c)| **c != 0.0) {
             let lanes = self.lanes(k, index);
             self.spread(lanes, |place, by| by_z[place] += c * by);
-            by_parameter += c * self.by_parameter(lanes, self.parameter);
+            for (by, place) in by.iter_mut().zip(places) {
+                *by += c * self.by_parameter(lanes, place);
+            }
         }
-        (self.of(&row.at, k), by_z, by_parameter)
+        (self.of(&row.at, k), by_z, by)
     }
+}
+
+/// The places of the parameters of a system among those of a series, where that of the first is known: two parameters have
+/// one order or the other.
+pub fn in_order(first: usize) -> [usize; VARYING] {
+    [first, VARYING - 1 - first]
 }

@@ -185,6 +185,12 @@ pub enum Mistake {
     /// The frequency of the forcing is not positive.
     #[error("the angular frequency of the forcing is {0}; it must be positive")]
     Frequency(f64),
+    /// The period that is prescribed is not positive.
+    #[error("the period of the orbit is {0}; it must be positive")]
+    Period(f64),
+    /// A name that should be one of a parameter.
+    #[error("`{0}` is no parameter")]
+    NoParameter(String),
     /// A mode whose expressions have no value within it.
     #[error("an expression of `{0}` has no value where its guards are positive: {1}")]
     Within(String, Obstacle),
@@ -237,7 +243,11 @@ impl SystemError {
     }
 
     /// With the nearest of the names that would be right.
-    fn near<'a>(mut self, name: &str, known: impl Iterator<Item = &'a str>) -> SystemError {
+    pub(super) fn near<'a>(
+        mut self,
+        name: &str,
+        known: impl Iterator<Item = &'a str>,
+    ) -> SystemError {
         let close = known.map(|known| (strsim::osa_distance(name, known), known));
         let nearest = close.min_by_key(|(distance, _)| *distance);
         let letters = name.chars().count();
@@ -439,6 +449,11 @@ impl System {
 }
 
 impl Source {
+    /// An expression in the parameters alone.
+    pub(super) fn of_parameters(&self, path: &str, text: &str) -> Result<Expression, SystemError> {
+        Reader { source: self }.expression(path, text, Scope::Parameters)
+    }
+
     /// Every name is a word and stands for one thing.
     fn check_names(&self) -> Result<(), SystemError> {
         let mut seen = HashSet::new();
@@ -538,10 +553,11 @@ impl Reader<'_> {
         if name == "phase" && forcing.is_none() {
             return Err(SystemError::at(path, Mistake::NoForcing));
         }
-        let flaw = Flaw {
-            span,
-            wrong: Wrong::Unknown(name.clone()),
+        let wrong = match scope {
+            Scope::Parameters => Wrong::NoParameter(name.clone()),
+            Scope::All(_) => Wrong::Unknown(name.clone()),
         };
+        let flaw = Flaw { span, wrong };
         Err(flawed(flaw).near(&name, known().chain(RESERVED)))
     }
 

@@ -89,7 +89,8 @@ fn orbits(arguments: &RunArguments, problem: SystemProblem, text: String) -> Res
         Ok(pictures::orbits::draw(store, problem, Format::Svg)?)
     })?;
     if !task.quiet {
-        let mut text = summary::orbits(&out, &prepared.continuation.parameter)?;
+        let free = problem.orbit.free.as_deref();
+        let mut text = summary::orbits(&out, &prepared.continuation.parameter, free)?;
         let system = &problem.system;
         let at = system.at(&problem.values(), &[]).map_err(Usage::NoSystem)?;
         text.push_str(&summary::flows(system, &at));

@@ -140,15 +140,19 @@ pub(crate) fn flows(system: &System, at: &AffineSystem) -> String {
     format!("flows: {}\n", parts.collect::<Vec<_>>().join("; "))
 }
 
-/// A branch of orbits in a folder.
-pub(crate) fn orbits(folder: &Path, parameter: &str) -> Result<String, StoreError> {
+/// A branch of orbits in a folder, with the parameter that is free for a prescribed period, or else the period.
+pub(crate) fn orbits(
+    folder: &Path,
+    parameter: &str,
+    free: Option<&str>,
+) -> Result<String, StoreError> {
     let points = store::table(&folder.join(BRANCH))?;
     let events = store::table(&folder.join(EVENTS))?;
     let shown = Shown {
         parameter,
         symbol: parameter,
-        number: "period",
-        number_symbol: "T",
+        number: free.unwrap_or("period"),
+        number_symbol: free.unwrap_or("T"),
     };
     Ok(listed(&points, &events, &shown))
 }

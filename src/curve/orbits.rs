@@ -7,12 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use super::plane::{Condition, NotEvaluated, Plane, Test, TestValues};
 use super::point::{Name, PointType, What};
+use crate::affine::closure::Prescribed;
 use crate::affine::orbit::multipliers::{Monodromy, Multiplier};
 use crate::affine::orbit::symmetry::Kept;
 use crate::affine::orbit::{AffineOrbit, Margin, OrbitFailure, Scales, Sequence, Setting, Watch};
 use crate::affine::system::System;
 use crate::linalg::{Matrix, Vector};
-use crate::orbit::{EventType, Orbit};
+use crate::orbit::EventType;
 
 /// All that an orbit needs beside its sequence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,6 +23,8 @@ pub struct Orbits {
     parameters: [usize; 2],
     widths: [f64; 2],
     periods: u32,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    prescribed: Option<Prescribed>,
     scales: Scales,
     #[serde(skip)]
     memo: Memo,
@@ -83,20 +86,19 @@ impl Orbits {
     ) -> Orbits {
         let Setting {
             system,
-            values,
-            parameter,
             periods,
+            prescribed,
             scales,
             ..
         } = (*orbit.setting).clone();
-        let mut values = values;
-        values[parameter] = orbit.value_at(point);
+        let values = orbit.values_at(point);
         Orbits {
             system,
             values,
             parameters,
             widths,
             periods,
+            prescribed,
             scales,
             memo: Memo::default(),
         }
@@ -170,8 +172,8 @@ impl Plane for Orbits {
     }
 
     fn unknowns(&self, sequence: &Sequence) -> usize {
-        let forced = usize::from(self.system.source.forcing.is_some());
-        (self.scales.states.len() + 1) * sequence.len() + forced
+        let closed = self.system.source.forcing.is_some() || self.prescribed.is_some();
+        (self.scales.states.len() + 1) * sequence.len() + usize::from(closed)
     }
 
     fn zones(sequence: &Sequence) -> usize {
@@ -202,6 +204,7 @@ impl Plane for Orbits {
             parameter: self.parameters[index],
             second: Some(self.parameters[1 - index]),
             periods: self.periods,
+            prescribed: self.prescribed.clone(),
             // what is asked of the multipliers is asked for below
             stability: false,
             scales: Scales {

@@ -229,7 +229,14 @@ pub fn labelled_of_system(
     let none = |reason| NoCurve::Run(hybrid::NoStart::NoOrbit(reason));
     let parameter = problem.system.source.parameters.index(first);
     let parameter = parameter.ok_or(NoCurve::Run(hybrid::NoStart::Unknown))?;
-    let posed = posed(&problem.system, &saved.orbit, parameter, high - low);
+    let prescribed = problem.prescribed();
+    let posed = posed(
+        &problem.system,
+        &saved.orbit,
+        parameter,
+        high - low,
+        prescribed,
+    );
     let (orbit, point) = posed.map_err(none)?;
     pose_orbit(&orbit, &point, kind, curve)
 }

@@ -137,6 +137,7 @@ fn wanted(
             None => MOST_RETURNS,
         },
         stability: problem.stability.is_some(),
+        prescribed: problem.prescribed(),
     })
 }
 

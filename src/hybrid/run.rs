@@ -165,7 +165,7 @@ impl Runner {
                 what,
             });
         }
-        let mut values = self.values.clone();
+        let mut values = found.orbit.values_at(&found.node.point);
         if let Some(index) = self.problem.system.source.parameters.index(parameter) {
             values[index] = found.parameter;
         }
@@ -363,7 +363,11 @@ pub(crate) fn point(
         kind,
         Some(EventType::LP | EventType::PD | EventType::NS | EventType::BP)
     );
-    let stable = multipliers.as_ref().map(|all| match outside {
+    // beside a wave there are perturbations of other wavelengths than that of a prescribed period
+    let tells = multipliers
+        .as_ref()
+        .filter(|_| orbit.setting.prescribed.is_none());
+    let stable = tells.map(|all| match outside {
         None => Stability::Undecided,
         Some(_) if critical || all.iter().any(Multiplier::is_on_circle) => Stability::Undecided,
         Some(0) => Stability::Yes,
@@ -384,7 +388,7 @@ pub(crate) fn point(
         switches,
         extremes: examination.extremes.clone(),
         stable,
-        unstable: outside,
+        unstable: tells.and(outside),
         multipliers: multipliers.unwrap_or_default(),
         newton: 0,
         residual: f64::NAN,

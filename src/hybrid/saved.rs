@@ -78,16 +78,20 @@ impl LabelledOrbit {
         let units = scales
             .states
             .iter()
-            .chain([&scales.time, &scales.parameter]);
+            .chain([&scales.time, &scales.parameter])
+            .chain(&scales.free);
         let fits = units
             .into_iter()
             .all(|unit| unit.is_finite() && *unit > 0.0);
+        let prescribed = problem.prescribed();
+        let fits = fits && scales.free.is_some() == prescribed.is_some();
         let setting = Setting {
             system: problem.system.clone(),
             values: self.orbit.values.clone(),
             parameter,
             second: None,
             periods: self.orbit.periods,
+            prescribed,
             stability: problem.stability.is_some(),
             scales,
         };

@@ -11,6 +11,7 @@ mod matrices;
 mod motion;
 mod nonlinear;
 mod orbits;
+mod prescribed;
 mod problems;
 mod refusals;
 mod sliding;

@@ -65,16 +65,18 @@ impl Reference<'_> {
                 states: (0..states).map(largest).collect(),
                 time: points.iter().map(|point| point.duration).sum(),
                 parameter: value.abs(),
+                free: None,
             },
             system,
-            values,
+            values: values.clone(),
             parameter,
             second: None,
             periods: self.periods,
+            prescribed: None,
             stability: true,
         };
         let orbit = AffineOrbit::new(Arc::new(setting), sequence).unwrap();
-        let point = orbit.pack(&points, value);
+        let point = orbit.pack(&points, &values);
         (orbit, point)
     }
 }

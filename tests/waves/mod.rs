@@ -4,7 +4,7 @@
 //! Every module is one claim. `cargo test --test all waves:: -- --nocapture` shows the errors observed.
 
 mod admissibility;
-mod branches;
+pub mod branches;
 mod close_events;
 mod closed_form;
 mod closing;

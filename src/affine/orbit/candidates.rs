@@ -60,7 +60,6 @@ pub fn candidates(
     margin: &Margin,
 ) -> Result<Vec<Candidate<AffineOrbit>>, OrbitFailure> {
     let at = orbit.at(point)?;
-    let parameter = orbit.parameter_at(point);
     let mut found: Vec<Candidate<AffineOrbit>> = Vec::new();
     let mut add = |pieces: Vec<Piece>| {
         let pieces = from_beginning(pieces);
@@ -72,7 +71,7 @@ pub fn candidates(
             return;
         };
         let zones: Vec<ZonePoint> = pieces.iter().map(|piece| piece.at.clone()).collect();
-        let point = other.pack(&zones, parameter);
+        let point = other.pack(&zones, &at.values);
         let nascent = (0..pieces.len())
             .filter(|index| pieces[*index].nascent)
             .collect();
@@ -150,7 +149,7 @@ impl OrbitAt<'_> {
         // without forcing what switches no more rests, or is one of a family that the parameter does not tell apart,
         // where the mode is linear
         let family = self.posed.system.modes[first.zone.mode].field.is_exact;
-        let alone = opened.pieces.len() == 1 && !self.orbit.is_forced() && family;
+        let alone = opened.pieces.len() == 1 && self.orbit.has_own_period() && family;
         if same && !opened.joined && !alone {
             cycles.push(self.merged(&opened.pieces));
         }

@@ -116,12 +116,11 @@ impl AffineOrbit {
             mode: self.sequence.zone(zone).mode,
             state: z.rows(0, self.states()).iter().copied().collect(),
         };
-        let mut value = self.parameter_at(point);
+        let mut values = self.values_at(point);
         match axis {
-            None => value += by * self.unit(),
+            None => values[setting.parameter] += by * self.unit(),
             Some(axis) => begin.state[axis] += by * units[axis],
         }
-        let values = setting.values_at(value);
         let system = setting.system.at(&values, &[setting.parameter]).ok()?;
         let period: f64 = at.zones.iter().map(|zone| zone.duration).sum();
         let mut motion = Motion::new(&system, begin.clone(), period);

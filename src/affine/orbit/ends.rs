@@ -313,7 +313,7 @@ impl AffineOrbit {
 
     /// The same, where it comes so near, in units of the states, half way in time between decay and growth.
     fn stay_within(&self, point: &Vector, zone: usize, most: f64) -> Option<Stay> {
-        if self.is_forced() {
+        if !self.has_own_period() {
             return None;
         }
         let at = self.at(point).ok()?;
@@ -352,7 +352,7 @@ impl AffineOrbit {
         let growth: f64 = (0..self.zones())
             .map(|zone| tangent[self.duration_index(zone)])
             .sum();
-        let free = !self.is_forced() && !self.opens(&node.point);
+        let free = self.has_own_period() && !self.opens(&node.point);
         if !free || along >= NEARLY_STATIONARY || growth <= GROWING {
             return None;
         }

@@ -24,7 +24,8 @@ pub struct Examination {
     /// ẋ at the first entry, in units of the states.
     pub rate: Vector,
     /// Functions that change their sign where the stability changes: those of
-    /// [`super::multipliers::Monodromy::tests`]. Empty where it is not looked for.
+    /// [`super::multipliers::Monodromy::tests`]. Empty where it is not looked for, and where the period is prescribed: beside a
+    /// wave there are perturbations of other wavelengths.
     pub tests: Vec<f64>,
     /// All multipliers, the largest first: none at a graze, or where stability is not looked for.
     pub multipliers: Vec<Multiplier>,
@@ -55,7 +56,8 @@ impl Examined for Examination {
             error: one.error / one.value.norm(),
             told: !one.is_on_circle(),
         };
-        let known = !self.multipliers.is_empty();
+        // those of a prescribed period tell no stability
+        let known = !self.tests.is_empty() && !self.multipliers.is_empty();
         known.then(|| own(&self.multipliers).map(growth).collect())
     }
 }
@@ -232,10 +234,12 @@ impl OrbitAt<'_> {
             self.examine_zone(zone, passage, parts, &mut examination)?;
         }
         if self.orbit.setting.stability {
-            examination.tests = vec![0.0; 3];
-            if let Some(monodromy) = self.monodromy(&passages) {
-                examination.multipliers = monodromy.multipliers();
-                examination.tests = monodromy.tests(&examination.multipliers).to_vec();
+            let monodromy = self.monodromy(&passages);
+            let multipliers = monodromy.as_ref().map(|one| one.multipliers());
+            examination.multipliers = multipliers.unwrap_or_default();
+            if self.orbit.setting.prescribed.is_none() {
+                let tests = monodromy.map(|one| one.tests(&examination.multipliers));
+                examination.tests = tests.unwrap_or_default().to_vec();
             }
         }
         Ok(examination)

@@ -15,8 +15,8 @@ pub struct Units<'a> {
     pub z: &'a Vector,
     /// Number of states.
     pub states: usize,
-    /// Size of the parameters that vary.
-    pub parameter: f64,
+    /// Sizes of the parameters that vary.
+    pub parameters: [f64; VARYING],
 }
 
 impl Units<'_> {
@@ -26,7 +26,8 @@ impl Units<'_> {
             let terms = row.iter().zip(self.z).map(|(c, unit)| (c * unit).abs());
             terms.fold(0.0, f64::max)
         };
-        let derivatives = row.by.iter().map(|by| self.parameter * largest(by));
+        let derivatives = row.by.iter().zip(self.parameters);
+        let derivatives = derivatives.map(|(by, unit)| unit * largest(by));
         derivatives.fold(largest(&row.at), f64::max)
     }
 
@@ -201,7 +202,9 @@ fn bound(row: &Row, matrix: &MatrixBy, units: &Units) -> f64 {
         let derivative = |p: usize| {
             terms(&row.by[p], &matrix.at, column) + terms(&row.at, &matrix.by[p], column)
         };
-        let derivatives = varying.iter().map(|p| units.parameter * derivative(*p));
+        let derivatives = varying
+            .iter()
+            .map(|p| units.parameters[*p] * derivative(*p));
         let size = derivatives.fold(terms(&row.at, &matrix.at, column), f64::max);
         size * units.z[column]
     };

@@ -104,6 +104,9 @@ impl AffineOrbit {
     /// The Hopf point next to an orbit that never switches and is nearly one, as an orbit of no size, and the error of the
     /// parameter there.
     pub(super) fn hopf(&self, point: &Vector) -> Option<(Vector, f64)> {
+        if !self.has_own_period() {
+            return None;
+        }
         let at = self.at(point).ok()?;
         let ZonePoint {
             state, duration, ..
@@ -114,12 +117,15 @@ impl AffineOrbit {
             duration: TAU / hopf.frequency,
             phase: 0.0,
         };
-        Some((self.pack(&[zone], hopf.parameter), hopf.error))
+        Some((
+            self.pack(&[zone], &self.setting.values_at(hopf.parameter)),
+            hopf.error,
+        ))
     }
 
     /// The Hopf point next to a small orbit that switches where its switches make no difference.
     pub(super) fn smooth_hopf(&self, point: &Vector) -> Option<HopfPoint> {
-        if self.is_forced() || self.sequence.switches() == 0 {
+        if !self.has_own_period() || self.sequence.switches() == 0 {
             return None;
         }
         let at = self.at(point).ok()?;
@@ -174,7 +180,7 @@ impl AffineOrbit {
         const BESIDE: f64 = 1e-5;
         /// How large the orbit that stands for the point is.
         const TINY: f64 = 1e-8;
-        if self.is_forced() || self.sequence.switches() == 0 {
+        if !self.has_own_period() || self.sequence.switches() == 0 {
             return None;
         }
         let (units, from) = (&self.setting.scales.states, step.from);
@@ -228,7 +234,7 @@ impl AffineOrbit {
         Some(Shrinking::At {
             s,
             node: Box::new(Node {
-                point: self.pack(&zones, hopf.parameter),
+                point: self.pack(&zones, &self.setting.values_at(hopf.parameter)),
                 ..node
             }),
             special: Critical::Shrinking,

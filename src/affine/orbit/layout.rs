@@ -11,6 +11,7 @@ use super::passage::{Integrated, Jet, Passage, Propagators, derivative};
 use super::signature::Sequence;
 pub use super::signature::ZonePoint;
 use super::structure::{ZoneFacts, facts};
+use crate::affine::closure::Prescribed;
 use crate::affine::flow::ModeFlow;
 use crate::affine::mode::{AffineMode, AffineSystem, Guard, MatrixBy, Row};
 use crate::affine::stiff::STIFF;
@@ -29,6 +30,9 @@ pub struct Scales {
     pub time: f64,
     /// Width of the range of the parameter.
     pub parameter: f64,
+    /// Size of the parameter that is free for a prescribed period, where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub free: Option<f64>,
 }
 
 /// What all orbits of a branch have in common.
@@ -45,6 +49,8 @@ pub struct Setting {
     pub second: Option<usize>,
     /// Forcing periods in one orbit; without forcing it has no meaning.
     pub periods: u32,
+    /// The period, where it is prescribed: then a parameter is free.
+    pub prescribed: Option<Prescribed>,
     /// Whether changes of stability are looked for.
     pub stability: bool,
     /// Units.
@@ -54,7 +60,13 @@ pub struct Setting {
 impl Setting {
     /// The parameters of which derivatives are asked for, that of continuation first.
     pub fn varying(&self) -> Vec<usize> {
-        std::iter::once(self.parameter).chain(self.second).collect()
+        let second = self.free().or(self.second);
+        std::iter::once(self.parameter).chain(second).collect()
+    }
+
+    /// Index of the parameter that is free for a prescribed period.
+    pub fn free(&self) -> Option<usize> {
+        self.prescribed.as_ref().map(|prescribed| prescribed.free())
     }
 
     /// Values of all parameters at one of the continuation parameter.
@@ -214,13 +226,13 @@ impl Posed {
     }
 }
 
-/// The last value of the parameter, as bits, and the system there: one point is looked at several times.
-type Last = Arc<Mutex<Option<(u64, Arc<Posed>)>>>;
+/// The last values of the parameters that are unknown, as bits, and the system there: one point is looked at several times.
+type Last = Arc<Mutex<Option<((u64, Option<u64>), Arc<Posed>)>>>;
 
 /// The boundary-value problem of one sequence of zones.
 ///
-/// Unknowns: for every zone the states at its entry and its duration; with forcing the phase of the first entry;
-/// the parameter.
+/// Unknowns: for every zone the states at its entry and its duration; with forcing the phase of the first entry, for a
+/// prescribed period the parameter that is free; the parameter.
 #[derive(Clone, Debug)]
 pub struct AffineOrbit {
     /// What all orbits of the branch have in common.
@@ -278,8 +290,8 @@ pub struct OrbitAt<'a> {
     pub posed: Arc<Posed>,
     /// Its zones.
     pub zones: Vec<ZonePoint>,
-    /// The parameter.
-    value: f64,
+    /// Values of all parameters.
+    pub(super) values: Vec<f64>,
 }
 
 impl AffineOrbit {
@@ -341,6 +353,11 @@ impl AffineOrbit {
         self.setting.system.forcing.is_some()
     }
 
+    /// Whether the period is neither that of a forcing nor prescribed.
+    pub(super) fn has_own_period(&self) -> bool {
+        !self.is_forced() && self.setting.prescribed.is_none()
+    }
+
     /// Unknowns of a zone.
     pub(super) fn width(&self) -> usize {
         self.states() + 1
@@ -348,7 +365,13 @@ impl AffineOrbit {
 
     /// Number of unknowns.
     pub(super) fn count(&self) -> usize {
-        self.width() * self.zones() + usize::from(self.is_forced()) + 1
+        self.width() * self.zones() + usize::from(!self.has_own_period()) + 1
+    }
+
+    /// Index of the parameter that is free for a prescribed period.
+    pub(super) fn free_index(&self) -> Option<usize> {
+        let prescribed = self.setting.prescribed.is_some();
+        prescribed.then_some(self.width() * self.zones())
     }
 
     /// Index of the phase of the first entry.
@@ -361,7 +384,13 @@ impl AffineOrbit {
         Units {
             z: &self.sizes,
             states: self.states(),
-            parameter: self.setting.scales.parameter,
+            parameters: [
+                self.setting.scales.parameter,
+                self.setting
+                    .scales
+                    .free
+                    .unwrap_or(self.setting.scales.parameter),
+            ],
         }
     }
 
@@ -375,10 +404,20 @@ impl AffineOrbit {
         point[point.len() - 1] * self.setting.scales.parameter
     }
 
-    /// The system at the parameter of a point.
+    /// Values of all parameters at a point.
+    pub fn values_at(&self, point: &Vector) -> Vec<f64> {
+        let mut values = self.setting.values_at(self.parameter_at(point));
+        if let Some((index, parameter)) = self.free_index().zip(self.setting.free()) {
+            values[parameter] = point[index] * self.setting.scales.free.unwrap_or(1.0);
+        }
+        values
+    }
+
+    /// The system at the parameters of a point.
     fn posed(&self, point: &Vector) -> Result<Arc<Posed>, OrbitFailure> {
         let value = self.parameter_at(point);
-        let bits = value.to_bits();
+        let free = self.free_index().map(|index| point[index].to_bits());
+        let bits = (value.to_bits(), free);
         let last = self.last.lock().ok().and_then(|mut last| last.take());
         let posed = match last {
             Some((known, posed)) if known == bits => posed,
@@ -399,7 +438,7 @@ impl AffineOrbit {
     ) -> Result<Posed, OrbitFailure> {
         let setting = &self.setting;
         // what is led there has its derivatives in one parameter
-        let of_origin = || match setting.second {
+        let of_origin = || match setting.varying().get(1) {
             None => setting.system.origin(&setting.values, setting.parameter),
             Some(_) => None,
         };
@@ -421,12 +460,11 @@ impl AffineOrbit {
             system.move_to(origin, value).then_some(system)
         });
         let is_moved = moved.is_some();
-        let at = |value| {
-            setting
-                .system
-                .at(&setting.values_at(value), &setting.varying())
+        let at = || {
+            let values = self.values_at(point);
+            setting.system.at(&values, &setting.varying())
         };
-        let system = moved.map_or_else(|| at(value), Ok);
+        let system = moved.map_or_else(at, Ok);
         let system = system.map_err(OrbitFailure::System)?;
         // where an expression has no value z may have other components
         if system.size() != self.sizes.len() {
@@ -453,18 +491,19 @@ impl AffineOrbit {
         let posed = self.posed(point)?;
         Ok(OrbitAt {
             zones: self.unpack(point, posed.system.omega.value),
-            value: self.parameter_at(point),
+            values: self.values_at(point),
             orbit: self,
             posed,
         })
     }
 
-    /// Scaled unknowns from physical ones: of the phases that of the first zone counts.
-    pub fn pack(&self, zones: &[ZonePoint], parameter: f64) -> Vector {
+    /// Scaled unknowns from physical ones, with values of all parameters: of the phases that of the first zone counts.
+    pub fn pack(&self, zones: &[ZonePoint], values: &[f64]) -> Vector {
         let Scales {
             states,
             time,
             parameter: unit,
+            free,
         } = &self.setting.scales;
         let mut point = Vec::with_capacity(self.count());
         for zone in zones {
@@ -474,7 +513,10 @@ impl AffineOrbit {
         if self.is_forced() {
             point.push(zones[0].phase.rem_euclid(TAU));
         }
-        point.push(parameter / unit);
+        if let Some(parameter) = self.setting.free() {
+            point.push(values[parameter] / free.unwrap_or(1.0));
+        }
+        point.push(values[self.setting.parameter] / unit);
         Vector::from_vec(point)
     }
 
@@ -606,8 +648,8 @@ impl OrbitAt<'_> {
     ) -> (Arc<Integrated>, usize) {
         let setting = &self.orbit.setting;
         let mode = &self.posed.system.modes[number];
-        let (values, varying) = (setting.values_at(self.value), setting.varying());
-        let parameters = (values.as_slice(), varying.as_slice());
+        let varying = setting.varying();
+        let parameters = (self.values.as_slice(), varying.as_slice());
         let memory = &self.orbit.memory;
         memory.passage((number, mode), parameters, entry, time)
     }
@@ -659,6 +701,7 @@ impl OrbitAt<'_> {
             states,
             time,
             parameter,
+            free,
         } = &orbit.setting.scales;
         let n = states.len();
         let width = orbit.width();
@@ -666,7 +709,7 @@ impl OrbitAt<'_> {
             add(width * zone + state, factor * unit * jet.by_z[state]);
         }
         add(width * zone + n, factor * time * jet.by_time);
-        let mut by_parameter = jet.by_parameter;
+        let [mut by_parameter, by_free] = jet.by;
         if let Some(index) = orbit.phase_index() {
             // cos hφ and sin hφ turn into each other
             let mut by_phase = 0.0;
@@ -684,6 +727,9 @@ impl OrbitAt<'_> {
             add(index, factor * by_phase);
             let begun: f64 = self.zones[..zone].iter().map(|zone| zone.duration).sum();
             by_parameter += by_phase * omega.by[0] * begun;
+        }
+        if let Some(index) = orbit.free_index() {
+            add(index, factor * free.unwrap_or(1.0) * by_free);
         }
         add(orbit.count() - 1, factor * parameter * by_parameter);
     }

@@ -438,7 +438,7 @@ impl Orbit for AffineOrbit {
             let at = self.at(point).ok();
             at.is_some_and(|at| at.mode(remains).field.is_exact)
         };
-        let centre = (last && !self.is_forced() && linear()).then(|| OrbitStop::Centre {
+        let centre = (last && self.has_own_period() && linear()).then(|| OrbitStop::Centre {
             zone: Zone {
                 way: None,
                 ..self.sequence.zone(remains).clone()
@@ -491,7 +491,7 @@ impl Orbit for AffineOrbit {
 
     fn whole(&self, part: &AffineOrbit, point: &Vector) -> Option<Vector> {
         let zones = part.at(point).ok()?.zones;
-        Some(self.pack(&[zones.clone(), zones].concat(), part.parameter_at(point)))
+        Some(self.pack(&[zones.clone(), zones].concat(), &part.values_at(point)))
     }
 
     fn exhausted(&self, node: &Node, _: (f64, f64)) -> Option<OrbitStop> {

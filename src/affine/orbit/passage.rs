@@ -6,12 +6,12 @@ use crate::affine::exponential::{TERMS, propagator};
 use crate::affine::flow::MOST_PIECES;
 use crate::affine::form::VARYING;
 use crate::affine::mode::{AffineMode, MatrixBy, Row};
-use crate::affine::recurrence::Series;
+use crate::affine::recurrence::{Series, in_order};
 use crate::affine::series::ORDER;
 use crate::affine::stiff::Splitting;
 use crate::linalg::{Matrix, Vector};
 
-/// A number with its derivatives in z at the entry, in time, and in the parameter at a fixed z.
+/// A number with its derivatives in z at the entry, in time, and in the parameters that vary, at a fixed z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jet {
     /// Its value.
@@ -20,8 +20,8 @@ pub struct Jet {
     pub by_z: Vector,
     /// ∂/∂t.
     pub by_time: f64,
-    /// ∂/∂p.
-    pub by_parameter: f64,
+    /// ∂/∂p of every parameter.
+    pub by: [f64; VARYING],
 }
 
 impl Jet {
@@ -31,7 +31,7 @@ impl Jet {
             value: row.at.dot(entry),
             by_z: row.at.clone(),
             by_time: 0.0,
-            by_parameter: row.by[0].dot(entry),
+            by: row.by.each_ref().map(|by| by.dot(entry)),
         }
     }
 
@@ -41,7 +41,7 @@ impl Jet {
             value: 0.0,
             by_z: Vector::zeros(size),
             by_time: 0.0,
-            by_parameter: 0.0,
+            by: [0.0; VARYING],
         }
     }
 
@@ -50,7 +50,7 @@ impl Jet {
         self.value *= factor;
         self.by_z *= factor;
         self.by_time *= factor;
-        self.by_parameter *= factor;
+        self.by = self.by.map(|by| factor * by);
         self
     }
 
@@ -58,7 +58,9 @@ impl Jet {
         self.value += factor * other.value;
         self.by_z.axpy(factor, &other.by_z, 1.0);
         self.by_time += factor * other.by_time;
-        self.by_parameter += factor * other.by_parameter;
+        for (by, other) in self.by.iter_mut().zip(other.by) {
+            *by += factor * other;
+        }
     }
 }
 
@@ -74,8 +76,8 @@ pub struct Passage<'a> {
     pub time: f64,
     /// ∂z/∂z₀, z₀ at the entry: exp(Mt) where the mode is linear.
     pub flow: Matrix,
-    /// ∂z/∂p.
-    by_parameter: Vector,
+    /// ∂z/∂p of every parameter on which it depends.
+    by: [Option<Vector>; VARYING],
     /// z at the time.
     pub end: Vector,
     /// ż there.
@@ -84,18 +86,19 @@ pub struct Passage<'a> {
     numerical: Option<Numerical>,
 }
 
-/// exp(Mt) of a linear mode, and its derivative in the parameter where there is any.
+/// exp(Mt) of a linear mode, and its derivatives in the parameters on which it depends.
 #[derive(Clone, Debug)]
 pub struct Propagators {
     flow: Matrix,
-    by: Option<Matrix>,
+    by: [Option<Matrix>; VARYING],
 }
 
 impl Propagators {
     /// Those of a mode whose matrix has this norm; what is slow of it, where it is stiff.
     pub fn new(mode: &AffineMode, norm: f64, stiff: Option<&Splitting>, time: f64) -> Propagators {
         let MatrixBy { at, by } = &mode.matrix;
-        let (flow, by) = propagator(at, Some(&by[0]), mode.states, norm, time);
+        let by = by.each_ref().map(Some);
+        let (flow, by) = propagator(at, by, mode.states, norm, time);
         let flow = stiff.map_or(flow, |way| way.propagator(time));
         Propagators { flow, by }
     }
@@ -274,11 +277,11 @@ impl<'a> Passage<'a> {
         time: f64,
     ) -> Passage<'a> {
         let end = flow * &entry;
-        let by = by.as_ref();
+        let by = by.each_ref().map(|by| by.as_ref().map(|by| by * &entry));
         Passage {
             rate: &mode.matrix.at * &end,
             end,
-            by_parameter: by.map_or_else(|| Vector::zeros(entry.len()), |by| by * &entry),
+            by,
             flow: flow.clone(),
             norm,
             mode,
@@ -288,7 +291,7 @@ impl<'a> Passage<'a> {
         }
     }
 
-    /// The passage through a mode that is integrated; `parameter` is the place of that of its derivatives among those of
+    /// The passage through a mode that is integrated; `parameter` is the place of the first of its parameters among those of
     /// the integration. At a switch conditions and resets have values, too.
     pub fn integrated(
         mode: &'a AffineMode,
@@ -299,7 +302,7 @@ impl<'a> Passage<'a> {
     ) -> Passage<'a> {
         let mut passage = Passage {
             flow: known.flow.clone(),
-            by_parameter: known.by[parameter].clone(),
+            by: in_order(parameter).map(|place| Some(known.by[place].clone())),
             rate: known.rate.clone(),
             end: known.end.clone(),
             norm: 0.0,
@@ -326,8 +329,10 @@ impl<'a> Passage<'a> {
         let (slopes, by) = last.derivatives();
         let flow = self.flow.view((0, 0), (base, base)).into_owned();
         self.flow.columns_mut(0, base).copy_from(&(&slopes * flow));
-        let own = self.by_parameter.rows(0, base).into_owned();
-        self.by_parameter = slopes * own + &by[parameter];
+        for (own, place) in self.by.iter_mut().zip(in_order(parameter)) {
+            let along = own.as_ref().map(|own| &slopes * own.rows(0, base));
+            *own = along.map(|along| along + &by[place]);
+        }
         self.end = last.first();
         self.rate = Vector::from_fn(self.end.len(), |c, _| last.value(1, c));
         if let Some(numerical) = &mut self.numerical {
@@ -377,7 +382,7 @@ impl<'a> Passage<'a> {
         let jet = Jet {
             value,
             by_time: (order + 1) as f64 * last.of(&row.at, order + 1),
-            by_parameter: by + gradient.dot(&self.by_parameter),
+            by: self.along(&gradient, by),
             by_z: self.flow.tr_mul(&gradient),
         };
         jet.scaled(factorial(order))
@@ -389,8 +394,14 @@ impl<'a> Passage<'a> {
             value: row.at.dot(&self.end),
             by_z: self.flow.tr_mul(&row.at),
             by_time: row.at.dot(&self.rate),
-            by_parameter: row.by[0].dot(&self.end) + row.at.dot(&self.by_parameter),
+            by: self.along(&row.at, row.by.each_ref().map(|by| by.dot(&self.end))),
         }
+    }
+
+    /// Derivatives in the parameters at a fixed end, with what the end moves by along a gradient.
+    fn along(&self, gradient: &Vector, at_end: [f64; VARYING]) -> [f64; VARYING] {
+        let moved = |p: usize| self.by[p].as_ref().map_or(0.0, |by| gradient.dot(by));
+        std::array::from_fn(|p| at_end[p] + moved(p))
     }
 
     /// The derivatives of a form at the entry, from an order on: so many, or as many as are known.
@@ -398,12 +409,12 @@ impl<'a> Passage<'a> {
         let orders = from..from + count;
         if let Some(Numerical { first, .. }) = &self.numerical {
             let of = |order: usize| {
-                let (value, by_z, by_parameter) = first.jet(row, order);
+                let (value, by_z, by) = first.jet(row, order);
                 let jet = Jet {
                     value,
                     by_z,
                     by_time: 0.0,
-                    by_parameter,
+                    by,
                 };
                 jet.scaled(factorial(order))
             };

@@ -92,7 +92,7 @@ impl AffineOrbit {
 
     /// Per zone: the states at the next entry, where what is zero by the structure takes the place of what the
     /// reset would give; and its guard at the end, divided by the power of the duration by which it vanishes
-    /// with it. With forcing ΣT = periods·2π/ω.
+    /// with it. With forcing ΣT = periods·2π/ω; a prescribed period is ΣT.
     fn equations(
         &self,
         point: &Vector,
@@ -178,6 +178,21 @@ impl AffineOrbit {
             }
             jacobian[(row, self.count() - 1)] =
                 total * omega.by[0] / TAU * self.setting.scales.parameter;
+        }
+        if let (Some(index), Some(prescribed)) = (self.free_index(), &self.setting.prescribed) {
+            let row = width * count;
+            let period = prescribed.period(&at.values, &self.setting.varying());
+            let period = period.map_err(OrbitFailure::System)?;
+            let total: f64 = at.zones.iter().map(|zone| zone.duration).sum();
+            residual[row] = (total - period.value) / time;
+            for zone in 0..count {
+                jacobian[(row, width * zone + n)] = 1.0;
+            }
+            let Scales {
+                parameter, free, ..
+            } = &self.setting.scales;
+            jacobian[(row, index)] = -period.by[1] * free.unwrap_or(1.0) / time;
+            jacobian[(row, self.count() - 1)] = -period.by[0] * parameter / time;
         }
         Ok(())
     }

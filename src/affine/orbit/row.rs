@@ -151,7 +151,7 @@ impl AffineOrbit {
             sequence: self.sequence.clone(),
             zones: self.at(point)?.zones,
             periods: self.setting.periods,
-            values: self.setting.values_at(self.parameter_at(point)),
+            values: self.values_at(point),
         })
     }
 
@@ -172,7 +172,7 @@ impl AffineOrbit {
 
     /// The orbit of half the period that this one is when traversed twice, with its stability, and its unknowns.
     pub(super) fn half(&self, point: &Vector) -> Option<(AffineOrbit, Vector)> {
-        if self.traversals(point) != 2 {
+        if self.setting.prescribed.is_some() || self.traversals(point) != 2 {
             return None;
         }
         let setting = Setting {
@@ -187,10 +187,7 @@ impl AffineOrbit {
         let count = self.zones() / 2;
         let sequence = Sequence(self.sequence.0[..count].to_vec());
         let half = AffineOrbit::new(Arc::new(setting), sequence)?;
-        let point = half.pack(
-            &self.at(point).ok()?.zones[..count],
-            self.parameter_at(point),
-        );
+        let point = half.pack(&self.at(point).ok()?.zones[..count], &self.values_at(point));
         Some((half, point))
     }
 

@@ -12,6 +12,7 @@ use super::layout::{AffineOrbit, OrbitFailure, Scales, Setting, ZonePoint};
 use super::multipliers::Multiplier;
 use super::row::SavedOrbit;
 use super::signature::{Sequence, Way, Zone};
+use crate::affine::closure::Prescribed;
 use crate::affine::mode::AffineSystem;
 use crate::affine::motion::{Halt, Motion, Place, Step, Switching};
 use crate::affine::system::{System, SystemError};
@@ -66,6 +67,8 @@ pub struct Wanted {
     pub periods: u32,
     /// Whether changes of stability are looked for.
     pub stability: bool,
+    /// The period, where it is prescribed.
+    pub prescribed: Option<Prescribed>,
 }
 
 impl Wanted {
@@ -78,6 +81,7 @@ impl Wanted {
             width: high - low,
             periods: 1,
             stability: true,
+            prescribed: None,
             system,
         })
     }
@@ -411,8 +415,10 @@ pub fn saved(
     saved: &SavedOrbit,
     parameter: usize,
     width: f64,
+    prescribed: Option<Prescribed>,
 ) -> Result<(AffineOrbit, Vector), NoStart> {
     let wanted = Wanted {
+        prescribed,
         system: system.clone(),
         values: saved.values.clone(),
         parameter,
@@ -965,7 +971,8 @@ fn pose(
     let point = solution.point;
     let turns = orbit.turns_within(&point, SAME);
     let times = turns * orbit.traversals_within(&point, SAME);
-    if times > 1 {
+    // a prescribed period is meant, however often the orbit is traversed in it
+    if times > 1 && wanted.prescribed.is_none() {
         // the least period is meant: this one several times over would retrace its branch
         let mut zones = orbit.at(&point).map_err(failed)?.zones;
         zones[0].duration /= turns as f64;
@@ -1001,11 +1008,9 @@ pub(super) fn scaled(
     /// A state that never exceeds this is zero but for rounding.
     const NOTHING: f64 = 1e-15;
     let (zones, points): (Vec<Zone>, Vec<ZonePoint>) = parts.into_iter().unzip();
-    let value = wanted
-        .values
-        .get(wanted.parameter)
-        .copied()
-        .ok_or(NoStart::NoZones)?;
+    if wanted.values.len() != wanted.system.source.parameters.0.len() {
+        return Err(NoStart::NoZones);
+    }
     let states = wanted.system.source.states.len();
     if points.is_empty() || points.iter().any(|point| point.state.len() != states) {
         return Err(NoStart::NoZones);
@@ -1021,6 +1026,10 @@ pub(super) fn scaled(
         states: vec![1.0; states],
         time: unit(points.iter().map(|point| point.duration).sum()),
         parameter: wanted.width,
+        free: wanted
+            .prescribed
+            .as_ref()
+            .map(|prescribed| unit(wanted.values[prescribed.free()].abs())),
     };
     let setting = |scales: Scales| Setting {
         system: wanted.system.clone(),
@@ -1028,6 +1037,7 @@ pub(super) fn scaled(
         parameter: wanted.parameter,
         second: None,
         periods,
+        prescribed: wanted.prescribed.clone(),
         stability: wanted.stability,
         scales,
     };
@@ -1038,7 +1048,9 @@ pub(super) fn scaled(
     };
     // a state may be zero at all of the switches: its size is that between them
     let bare = posed(scales.clone())?;
-    let extremes = bare.extremes(&bare.pack(&points, value)).map_err(failed)?;
+    let extremes = bare
+        .extremes(&bare.pack(&points, &wanted.values))
+        .map_err(failed)?;
     let orbit = posed(Scales {
         states: extremes
             .iter()
@@ -1046,6 +1058,6 @@ pub(super) fn scaled(
             .collect(),
         ..scales
     })?;
-    let point = orbit.pack(&points, value);
+    let point = orbit.pack(&points, &wanted.values);
     Ok((orbit, point))
 }

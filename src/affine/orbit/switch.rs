@@ -10,7 +10,6 @@ use super::row::SavedOrbit;
 use super::signature::Zone;
 use super::start::{NoStart, Wanted, restart, scaled};
 use crate::linalg::Vector;
-use crate::orbit::Orbit;
 use crate::orbit::switch::other;
 
 /// The first orbit of the other branch at a saved event, at a multiplier −1 where it is `doubled`, and the ways that
@@ -40,7 +39,7 @@ pub fn switch(
     };
     let (point, ways) = other(&orbit, &at, directions)?;
     let setting = Setting {
-        values: orbit.setting.values_at(orbit.value_at(&point)),
+        values: orbit.values_at(&point),
         ..(*orbit.setting).clone()
     };
     let begun = AffineOrbit::new(Arc::new(setting), orbit.sequence.clone());

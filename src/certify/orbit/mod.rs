@@ -196,6 +196,9 @@ pub fn certify(item: &Item, text: &str) -> Option<Point<Proof>> {
 fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<Proof, Open> {
     let (orbit, point) = item.orbit();
     let setting = &orbit.setting;
+    if setting.prescribed.is_some() {
+        return Err(Open::Prescribed);
+    }
     let at = setting.parameter;
     let names = setting.system.source.parameters.names();
     let values = names.zip(setting.values.iter().copied());

@@ -45,6 +45,9 @@ pub enum Open {
     /// The multiplier that passes is not simple.
     #[error("not covered: several multipliers that pass the unit circle together")]
     Several,
+    /// The period is prescribed.
+    #[error("not covered: orbits whose period is prescribed, with a parameter that is free for it")]
+    Prescribed,
     /// Expressions that have no affine form in intervals.
     #[error(
         "not covered: {0} is not affine in the states, or a function of parameters that cannot be enclosed"

@@ -11,6 +11,7 @@ use super::super::{
 };
 use super::mistake::flaw_at;
 use super::{Beginning, OrbitStart, SystemPlot, SystemProblem};
+use crate::affine::closure::{PERIOD, Prescribed};
 use crate::affine::system::{Mistake, Ordered, Source};
 use crate::orbit::EventType;
 
@@ -186,7 +187,10 @@ impl Checks<'_, SystemProblem> {
     /// Refuses parameters that nothing depends on, and modes that nothing leads to.
     fn used(&self) -> Check {
         let system = &self.problem.system;
-        if let Some(name) = system.unused_parameters().first() {
+        let prescribed = self.problem.prescribed();
+        let in_period = |name: &str| prescribed.as_ref().is_some_and(|period| period.has(name));
+        let mut unused = system.unused_parameters().into_iter();
+        if let Some(name) = unused.find(|name| !in_period(name)) {
             let at = self.outline.key_of("system.parameters", name);
             let at = at.unwrap_or_else(|| self.outline.locate("system.parameters"));
             let message = format!("the parameter `{name}` is not used");
@@ -243,6 +247,7 @@ impl Checks<'_, SystemProblem> {
             forced || orbit.periods == 1,
             rule,
         )?;
+        self.prescribed()?;
         let OrbitStart::Given { period, .. } = &orbit.start else {
             return Ok(());
         };
@@ -269,6 +274,59 @@ impl Checks<'_, SystemProblem> {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Refuses a prescribed period that is none, or for which no parameter is free.
+    fn prescribed(&self) -> Check {
+        let orbit = &self.problem.orbit;
+        let system = &self.problem.system;
+        let (period, free) = match (&orbit.period, &orbit.free) {
+            (None, None) => return Ok(()),
+            (Some(period), Some(free)) => (period, free),
+            (Some(_), None) => {
+                let message = "missing field `free` in `orbit`: for a prescribed period one parameter is free";
+                let help = "add for example `free: \"c\"`";
+                return self.refuse("orbit.free", message, help);
+            }
+            (None, Some(_)) => {
+                let message = "missing field `period` in `orbit`: a parameter is free for a prescribed period";
+                let help = "add for example `period: \"2*pi/c\"`, or leave out `free`";
+                return self.refuse("orbit.period", message, help);
+            }
+        };
+        if system.source.forcing.is_some() {
+            let message = "`orbit.period` prescribes a period, and `forcing` has one";
+            return self.refuse("orbit.period", message, "leave out one of the two");
+        }
+        if matches!(orbit.start, OrbitStart::Switch { .. }) {
+            let message =
+                "the other branch at an event is one of orbits whose period is not prescribed";
+            return self.refuse("orbit.start", message, "leave out `period` and `free`");
+        }
+        let names: Vec<&str> = self.source().parameters.names().collect();
+        self.one_of("orbit.free", "parameter", free, &names)?;
+        let of_values = |prescribed: Prescribed| prescribed.period(&self.problem.values(), &[]);
+        if let Err(error) = system.prescribed(period, free).and_then(of_values) {
+            return Err(flaw_at(self.source(), self.outline, PERIOD, &error));
+        }
+        let continued = self.problem.continuation.as_ref();
+        let continued = continued.map(|section| section.parameter.as_str());
+        let curve = self.problem.curve.as_ref();
+        let curve = curve.map(|section| &section.parameters);
+        let fixed = [
+            ("continuation.parameter", continued),
+            ("curve.parameters.0", curve.map(|(first, _)| first.as_str())),
+            (
+                "curve.parameters.1",
+                curve.map(|(_, second)| second.as_str()),
+            ),
+        ];
+        let rule = "that parameter is free for the prescribed period: take another one";
+        for (path, name) in fixed {
+            let taken = name == Some(free.as_str());
+            self.admit(path, name.unwrap_or_default(), !taken, rule)?;
+        }
+        Ok(())
     }
 
     /// Refuses a beginning that names no mode, or not every state once, or a phase of nothing.
@@ -565,8 +623,10 @@ impl Checks<'_, SystemProblem> {
         };
         let restarts = self.problem.orbit.start.dir().is_some();
         let column = section.parameter.as_str();
-        let varies =
-            |name: &str| restarts || name == column || Expectation::OF_ORBITS.contains(&name);
+        let varies = |name: &str| {
+            let free = self.problem.orbit.free.as_deref() == Some(name);
+            restarts || free || name == column || Expectation::OF_ORBITS.contains(&name)
+        };
         self.fallible(path, event, section, column, varies, ("system", "period"))
     }
 }

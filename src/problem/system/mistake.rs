@@ -21,7 +21,10 @@ pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &Sy
     let help = match &error.mistake {
         Mistake::Expression(flaw) => {
             let help = about_expression(source, &flaw.wrong);
-            if matches!(flaw.wrong, Wrong::Unknown(_) | Wrong::NoFunction(_)) {
+            if matches!(
+                flaw.wrong,
+                Wrong::Unknown(_) | Wrong::NoParameter(_) | Wrong::NoFunction(_)
+            ) {
                 names.extend(error.nearest.clone());
             }
             help
@@ -42,10 +45,16 @@ pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &Sy
             names.extend(error.nearest.clone());
             format!("the modes are {}", list(source.modes.names()))
         }
+        Mistake::NoParameter(_) => {
+            names.extend(error.nearest.clone());
+            format!("the parameters are {}", list(source.parameters.names()))
+        }
         Mistake::NoForcing => {
             "add for example `forcing: \"1.5\"`, its angular frequency, to `system`".to_owned()
         }
-        Mistake::Frequency(_) => "change the parameters that it depends on".to_owned(),
+        Mistake::Frequency(_) | Mistake::Period(_) => {
+            "change the parameters that it depends on".to_owned()
+        }
         Mistake::Within(..) => "change the parameters that it depends on".to_owned(),
         Mistake::NoSurface(..) => {
             "give each of the two one `zero` that leads to the other, as in `v` and `-v`".to_owned()
@@ -82,6 +91,9 @@ fn about_expression(source: &Source, wrong: &Wrong) -> String {
             "time stands in the phase of the forcing alone: write `cos(phase)` for `cos(w*t)`, with `forcing: \"w\"` in \
              `system`; or add a state of rate 1"
                 .to_owned()
+        }
+        Wrong::NoParameter(_) => {
+            format!("the parameters are {}", list(source.parameters.names()))
         }
         Wrong::Unknown(_) => {
             let states = source.states.iter().map(String::as_str);

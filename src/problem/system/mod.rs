@@ -16,6 +16,7 @@ use super::{
     Continuation, Expectation, Output, ProblemError, Scan, SystemCurve, SystemMap, missing,
     refuse_at,
 };
+use crate::affine::closure::Prescribed;
 use crate::affine::motion::Place;
 use crate::affine::system::{Ordered, Source, System};
 
@@ -80,6 +81,12 @@ pub struct Orbit {
     /// Periods of the forcing in one orbit, at least 1; found by `Simulate`: at most. 1 without forcing.
     #[serde(default = "one")]
     pub periods: usize,
+    /// The period that is prescribed, an expression in the parameters: for it one of these is free.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub period: Option<String>,
+    /// Name of that parameter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub free: Option<String>,
 }
 
 fn one() -> usize {
@@ -248,6 +255,12 @@ impl Beginning {
 }
 
 impl SystemProblem {
+    /// The period, where it is prescribed.
+    pub fn prescribed(&self) -> Option<Prescribed> {
+        let (period, free) = self.orbit.period.as_ref().zip(self.orbit.free.as_ref())?;
+        self.system.prescribed(period, free).ok()
+    }
+
     /// Values of the parameters, in the order of the file.
     pub fn values(&self) -> Vec<f64> {
         self.system.values()

@@ -412,3 +412,47 @@ fn every_field_has_an_example_that_is_right() {
     let shown = example(Subject::System, "expect", "numbers").unwrap();
     system(&edited(FULL, "numbers: {\"A\": 0.5}", &shown));
 }
+
+/// A rotation of two halves, as fast as a prescribed period asks for.
+const PRESCRIBED: &str = r#"(
+    system: (
+        states: ["x", "y"],
+        parameters: {"c": 1.3, "n": 2.0, "m": 1.0},
+        define: {"r": "m - x^2 - y^2"},
+        modes: {
+            "up": (rates: {"x": "-c*y + x*r", "y": "c*x + y*r"}, until: [(zero: "y", to: "down")]),
+            "down": (rates: {"x": "-c*y + x*r", "y": "c*x + y*r"}, until: [(zero: "-y", to: "up")]),
+        },
+    ),
+    orbit: (start: Given(mode: "up", state: {"x": 1, "y": 0}, period: 4.8), period: "2*pi/n", free: "c"),
+    continuation: (parameter: "n", range: (0.5, 4)),
+    expect: [(event: EP, c: 4, tolerance: 1e-9)],
+)"#;
+
+#[test]
+fn a_prescribed_period_is_read() {
+    let problem = system(PRESCRIBED);
+    // a parameter that stands in the period alone counts as used
+    assert_eq!(problem.orbit.period.as_deref(), Some("2*pi/n"));
+    let prescribed = problem.prescribed().unwrap();
+    let period = prescribed.period(&problem.values(), &[1, 0]).unwrap();
+    let pi = std::f64::consts::PI;
+    assert_eq!((period.value, period.by), (pi, [-pi / 2.0, 0.0]));
+    #[rustfmt::skip]
+    let cases = [
+        [", free: \"c\"", "", "(", "missing field `free` in `orbit`", "free: \"c\""],
+        [", period: \"2*pi/n\"", "", "(", "missing field `period` in `orbit`", "leave out `free`"],
+        ["free: \"c\"", "free: \"cc\"", "\"cc\"", "`cc` is no parameter", "parameter of `system`"],
+        ["2*pi/n", "2*pi/k", "k", "`k` is no parameter", "the parameters are `c`"],
+        ["2*pi/n", "2*pi/x", "x", "`x` is no parameter", "the parameters are `c`"],
+        ["2*pi/n", "2*pi/r", "r", "`r` is no parameter", "the parameters are `c`"],
+        ["2*pi/n", "2*pi/", "/", "makes no sense from here on", "an expression has"],
+        ["2*pi/n", "-2*pi/n", "\"-2*pi/n\"", "it must be positive", "change the parameters"],
+        ["2*pi/n", "2*pi/(n - 2)", "2*pi/(n - 2)", "not a finite number", "division by zero"],
+        ["free: \"c\"", "free: \"n\"", "\"n\"", "`continuation.parameter` is", "take another one"],
+        ["states: [", "forcing: \"m\", states: [", "\"2*pi/n\"", "`forcing` has one", "leave out one"],
+        ["Given(mode: \"up\", state: {\"x\": 1, \"y\": 0}, period: 4.8)", "Switch(dir: \"d\", label: 2)", "Switch(dir: \"d\", label: 2)", "not prescribed", "`free`"],
+        ["    expect:", "    curve: (event: LP, parameters: (\"n\", \"c\"), range: ((1, 2), (1, 2))),\n    expect:", "\"c\"", "`curve.parameters` is", "take another one"],
+    ];
+    assert_eq!(wrongly_refused(PRESCRIBED, &cases).join("\n"), "");
+}
