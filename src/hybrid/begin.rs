@@ -89,11 +89,6 @@ impl NoStart {
                     "begin at another state, or at other values of the parameters",
                 ),
             },
-            NoStart::NoOrbit(start::NoStart::Unswitched { .. }) => (
-                "system.modes",
-                "without forcing an orbit is followed from switch to switch: write the mode twice, as `y > 0` and `y < \
-                 0`, with the switches `y` and `-y` between them",
-            ),
             NoStart::LabelOutside { .. } => (
                 "continuation.range",
                 "widen the range to contain the point to restart from",
@@ -175,7 +170,13 @@ pub(super) fn begin(
     };
     let search = match start {
         OrbitStart::Simulate { settle, .. } => Search::Settles(*settle),
-        OrbitStart::Given { period, .. } => Search::Guess(period.unwrap_or_default()),
+        OrbitStart::Given { period, .. } => {
+            let prescribed = || {
+                let period = problem.prescribed()?.period(&problem.values(), &[]);
+                Some(period.ok()?.value)
+            };
+            Search::Guess(period.or_else(prescribed).unwrap_or_default())
+        }
         OrbitStart::Restart { label, .. } | OrbitStart::Switch { label, .. } => {
             let label = *label;
             let Named {

@@ -66,6 +66,7 @@ impl Reference<'_> {
                 time: points.iter().map(|point| point.duration).sum(),
                 parameter: value.abs(),
                 free: None,
+                section: None,
             },
             system,
             values: values.clone(),

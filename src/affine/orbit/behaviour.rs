@@ -133,9 +133,9 @@ fn parting(
     })
 }
 
-/// The time after which a motion that does not switch is back where it is, to a thousandth of its size; `None` where it is
-/// not within some hundreds of the time in which it moves by its size.
-pub fn cycle(system: &AffineSystem, place: &Place, longest: f64) -> Option<f64> {
+/// Where a motion that does not switch is after a time, and how long it takes from there until it is back, to a thousandth of
+/// its size; `None` where it is not within some hundreds of the time in which it moves by its size.
+pub fn cycle(system: &AffineSystem, place: &Place, longest: f64) -> Option<(Place, f64)> {
     /// Steps per time in which the motion moves by its size, and steps at most.
     const STEPS: f64 = 16.0;
     const MOST: usize = 20_000;
@@ -208,7 +208,8 @@ pub fn cycle(system: &AffineSystem, place: &Place, longest: f64) -> Option<f64> 
                 }
             }
             if apart(&at, &begin.state, &sizes) <= BACK {
-                return Some(high - begin.time);
+                let time = high - begin.time;
+                return Some((begin, time));
             }
         }
         before = (now, here);

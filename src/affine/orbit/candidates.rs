@@ -10,7 +10,6 @@ use std::f64::consts::TAU;
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, ZonePoint};
 use super::margin::{Margin, Watch};
 use super::signature::{Sequence, Way, Zone};
-use super::structure::section;
 use super::{CLOSING, OrbitStop};
 use crate::affine::mode::Row;
 use crate::linalg::Vector;
@@ -328,34 +327,6 @@ impl OrbitAt<'_> {
         stages
     }
 
-    /// The time until the rate of the state of the section is zero, for an orbit without switches and without forcing:
-    /// every state has two such places.
-    fn to_section(&self, mode: usize, z: &Vector, period: f64) -> f64 {
-        /// Places between which a change of sign is looked for, and halvings of its bracket.
-        const PLACES: usize = 64;
-        const HALVINGS: usize = 40;
-        let flow = self.posed.flow(mode);
-        let mode = &self.posed.system.modes[mode];
-        let rate = mode.matrix.row(section(mode)).at;
-        let value = |time: f64| rate.dot(&flow.after(z, time));
-        let place = |index: usize| period * index as f64 / PLACES as f64;
-        let signs: Vec<f64> = (0..=PLACES).map(|index| value(place(index))).collect();
-        let changes = |index: &usize| signs[*index] * signs[index + 1] <= 0.0;
-        let Some(index) = (0..PLACES).find(changes) else {
-            return 0.0;
-        };
-        let (mut low, mut high) = (place(index), place(index + 1));
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if value(middle) * signs[index] > 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        low
-    }
-
     /// The cycle without a switch at the instant.
     fn merged(&self, pieces: &[Piece]) -> Vec<Piece> {
         let mut rest = pieces[1..].to_vec();
@@ -377,7 +348,9 @@ impl OrbitAt<'_> {
         let time = if omega > 0.0 {
             (TAU - only.at.phase.rem_euclid(TAU)) / omega
         } else {
-            self.to_section(only.zone.mode, &z, only.at.duration)
+            let section = self.orbit.section(&self.posed.system.modes[only.zone.mode]);
+            self.posed
+                .to_section(only.zone.mode, section, &z, only.at.duration)
         };
         let z = flow.after(&z, time);
         only.at.state = z.rows(0, self.orbit.states()).iter().copied().collect();

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::forms::Units;
 use super::memory::Memory;
 use super::passage::{Integrated, Jet, Passage, Propagators, derivative};
+use super::section;
 use super::signature::Sequence;
 pub use super::signature::ZonePoint;
 use super::structure::{ZoneFacts, facts};
@@ -33,6 +34,9 @@ pub struct Scales {
     /// Size of the parameter that is free for a prescribed period, where there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub free: Option<f64>,
+    /// The state that is greatest where an orbit begins that neither switches nor is forced, where that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub section: Option<usize>,
 }
 
 /// What all orbits of a branch have in common.
@@ -358,6 +362,12 @@ impl AffineOrbit {
         !self.is_forced() && self.setting.prescribed.is_none()
     }
 
+    /// The state that is greatest where an orbit of this mode begins that neither switches nor is forced.
+    pub(super) fn section(&self, mode: &AffineMode) -> usize {
+        let known = self.setting.scales.section;
+        known.unwrap_or_else(|| section::of_mode(mode))
+    }
+
     /// Unknowns of a zone.
     pub(super) fn width(&self) -> usize {
         self.states() + 1
@@ -504,6 +514,7 @@ impl AffineOrbit {
             time,
             parameter: unit,
             free,
+            ..
         } = &self.setting.scales;
         let mut point = Vec::with_capacity(self.count());
         for zone in zones {
@@ -702,6 +713,7 @@ impl OrbitAt<'_> {
             time,
             parameter,
             free,
+            ..
         } = &orbit.setting.scales;
         let n = states.len();
         let width = orbit.width();

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::layout::{AffineOrbit, OrbitAt, OrbitFailure, Scales};
 use super::passage::Jet;
-use super::structure::{exit_of, section};
+use super::structure::exit_of;
 use crate::affine::mode::Row;
 use crate::continuation::newton::{self, System};
 use crate::linalg::{self, Matrix, Vector};
@@ -158,7 +158,7 @@ impl AffineOrbit {
                 equations.residual[row] = point[index];
                 equations.jacobian[(row, index)] = 1.0;
             } else {
-                let rate = mode.matrix.row(section(mode));
+                let rate = mode.matrix.row(self.section(mode));
                 let factor = self.size(&rate).recip();
                 equations.add(row, zone, &at.at_entry(zone, &rate, 0), factor);
             }

@@ -284,7 +284,9 @@ impl AffineOrbit {
 
     /// How many times a shorter orbit is traversed by one that never switches, of parts that differ by no more than this.
     pub(super) fn turns_within(&self, point: &Vector, most: f64) -> usize {
-        let never = self.is_forced() && self.sequence.switches() == 0;
+        /// A guess without forcing may go round so often.
+        const ROUND: usize = 8;
+        let never = self.sequence.switches() == 0;
         let Some(at) = self.at(point).ok().filter(|_| never) else {
             return 1;
         };
@@ -296,10 +298,13 @@ impl AffineOrbit {
                 states.all(|((one, other), unit)| (one - other).abs() <= most * unit)
             })
         };
-        let periods = self.setting.periods as usize;
+        let periods = match self.is_forced() {
+            true => self.setting.periods as usize,
+            false => ROUND,
+        };
         let mut parts = (2..=periods)
             .rev()
-            .filter(|times| periods.is_multiple_of(*times));
+            .filter(|times| !self.is_forced() || periods.is_multiple_of(*times));
         parts.find(returns).unwrap_or(1)
     }
 }

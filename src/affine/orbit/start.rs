@@ -11,6 +11,7 @@ use super::ends::quoted;
 use super::layout::{AffineOrbit, OrbitFailure, Scales, Setting, ZonePoint};
 use super::multipliers::Multiplier;
 use super::row::SavedOrbit;
+use super::section::of_orbit;
 use super::signature::{Sequence, Way, Zone};
 use crate::affine::closure::Prescribed;
 use crate::affine::mode::AffineSystem;
@@ -138,14 +139,6 @@ pub enum NoStart {
         /// Time of the last switch.
         time: f64,
     },
-    /// Without forcing: the motion never switches, and an orbit has a switch.
-    #[error("the motion does not switch{}", .period.map_or_else(String::new, |period| {
-        format!(": it is on a cycle of period {period:.6} within one mode")
-    }))]
-    Unswitched {
-        /// Time after which it is back, if it is.
-        period: Option<f64>,
-    },
     /// The motion does not return within the periods asked for.
     #[error(
         "after {periods} periods the motion does not return: it is off by {off:.1e} of its size{}", in_words(*.looks)
@@ -164,6 +157,9 @@ pub enum NoStart {
     /// Newton's method finds no orbit.
     #[error("no orbit is found: {0}")]
     Newton(newton::Failure<OrbitFailure>),
+    /// What Newton's method finds is no orbit.
+    #[error("the solution found is an equilibrium and no orbit")]
+    Equilibrium,
     /// The orbit is not isolated.
     #[error("{0}")]
     Family(NoFollower<AffineOrbit>),
@@ -228,11 +224,41 @@ type Switches = Vec<(Switching, Place)>;
 /// Zones of a motion that returns: where they begin, how they end, how long they last. None where it never switches.
 struct Course {
     zones: Vec<(Place, Switching, f64)>,
-    /// Where the motion is at phase 0.
-    at_zero: Option<Place>,
+    /// Where a motion that never switches begins, at phase 0 with a forcing, and how long it takes until it is back.
+    whole: Option<(Place, f64)>,
     periods: u32,
     /// Where it has returned nearly only: after how many tries, and by how much it is off then.
     nearly: Option<(u32, f64)>,
+}
+
+impl Course {
+    /// That of a motion that never switches without forcing.
+    fn unswitched(place: Place, period: f64) -> Course {
+        Course {
+            zones: Vec::new(),
+            whole: Some((place, period)),
+            periods: 1,
+            nearly: None,
+        }
+    }
+
+    /// The orbit next to it.
+    fn posed(
+        &self,
+        wanted: &Wanted,
+        settings: &Settings,
+    ) -> Result<(AffineOrbit, Vector), NoStart> {
+        let zones = self.zones.iter().map(|(place, switching, duration)| {
+            let way = Way {
+                guard: switching.guard,
+                exit: switching.exit,
+            };
+            zone(wanted, place, Some(way), *duration)
+        });
+        let whole = self.whole.iter();
+        let whole = whole.map(|(place, duration)| zone(wanted, place, None, *duration));
+        pose(wanted, zones.chain(whole).collect(), self.periods, settings)
+    }
 }
 
 /// The first orbit and its point.
@@ -298,7 +324,7 @@ fn found(
     let course = match time {
         Some(time) if is_on_guard(&system, motion.place()) => Course {
             zones: from_switch(&mut motion, time)?,
-            at_zero: None,
+            whole: None,
             periods: wanted.periods.max(1),
             nearly: None,
         },
@@ -316,12 +342,20 @@ fn found(
             const LATE: f64 = 1.01;
             /// Periods after which a motion is on its cycle.
             const SETTLED: f64 = 40.0;
-            let begin = motion.place().time;
+            let place = motion.place().clone();
+            let begin = place.time;
             let mut switches = run(&mut motion, begin + LATE * time)?;
             if switches.is_empty() {
-                // a guess may lie beside the cycle
-                let period = cycle(&system, motion.place(), SETTLED * time);
-                return Err(NoStart::Unswitched { period });
+                let guess = Course::unswitched(place, time);
+                let posed = guess.posed(wanted, &FROM_A_GUESS);
+                // a guess may lie beside the cycle that motions settle on
+                let settled = || cycle(&system, motion.place(), SETTLED * time);
+                return posed.or_else(|reason| match settled() {
+                    Some((place, period)) => {
+                        Course::unswitched(place, period).posed(wanted, &FROM_A_GUESS)
+                    }
+                    None => Err(reason),
+                });
             }
             // the first comes again as much later than the period as it came after the beginning: what comes in the
             // first half of that is the last of the orbit, as where it begins just after a switch
@@ -330,7 +364,7 @@ fn found(
             switches.retain(|(switching, _)| switching.time <= end);
             Course {
                 zones: closed(switches, time),
-                at_zero: None,
+                whole: None,
                 periods: 1,
                 nearly: None,
             }
@@ -343,36 +377,34 @@ fn found(
                 let none = Returns::none(&system, &recurrence, &whole, &motion);
                 returning(&none, &mut motion, wanted.periods.max(1) as usize)
             });
-            settles.map_err(|reason| match reason {
+            settles.or_else(|reason| match reason {
                 NoStart::Leaves { time } if rests(&system, motion.place(), &beginning.state) => {
                     let place = motion.place().clone();
-                    NoStart::Rests { time, place }
+                    Err(NoStart::Rests { time, place })
                 }
-                reason => reason,
+                NoStart::Leaves { .. } => {
+                    let cycle = cycle(&system, motion.place(), settle.max(1.0));
+                    let (place, period) = cycle.ok_or(reason)?;
+                    Ok(Course::unswitched(place, period))
+                }
+                reason => Err(reason),
             })?
         }
     };
-    if let Some(place) = &course.at_zero {
+    if let Some((place, _)) = &course.whole {
         let time = settling.last().map_or(0.0, |(last, _)| last.time);
         moves(wanted, &system, (place, time), &whole)?;
     }
-    let parts = course.zones.iter().map(|(place, switching, duration)| {
-        // a switch that leads to where infinitely many others end
+    // a switch that leads to where infinitely many others end
+    let leads = |(_, switching, _): &(Place, Switching, f64)| {
         let exits = &system.modes[switching.from].guards[switching.guard].exits;
-        let leads = exits.get(switching.exit).map(|exit| exit.to);
-        let way = Way {
-            guard: switching.guard,
-            exit: switching.exit,
-        };
-        (leads == Some(switching.to)).then(|| zone(wanted, place, Some(way), *duration))
-    });
-    let mut parts: Vec<(Zone, ZonePoint)> = parts.collect::<Option<_>>().ok_or(NoStart::NoZones)?;
-    if let Some(place) = &course.at_zero {
-        let duration = f64::from(course.periods) * period;
-        parts = vec![zone(wanted, place, None, duration)];
+        exits.get(switching.exit).map(|exit| exit.to) == Some(switching.to)
+    };
+    if !course.zones.iter().all(leads) {
+        return Err(NoStart::NoZones);
     }
     let Some((tried, off)) = course.nearly else {
-        return pose(wanted, parts, course.periods, &FROM_A_GUESS);
+        return course.posed(wanted, &FROM_A_GUESS);
     };
     let by_chance = NoStart::NotPeriodic {
         periods: tried,
@@ -381,7 +413,7 @@ fn found(
     };
     // an orbit that it settles on is next to a motion that has nearly returned, and does not repel it: otherwise it came close by
     // chance
-    let posed = pose(wanted, parts, course.periods, &FROM_NEARBY);
+    let posed = course.posed(wanted, &FROM_NEARBY);
     let (orbit, point) = posed.map_err(|reason| match reason {
         NoStart::Newton(_) | NoStart::Inadmissible(_) => by_chance.clone(),
         reason => reason,
@@ -577,7 +609,7 @@ pub fn explained(
     let Search::Settles(settle) = search else {
         return reason;
     };
-    let (NoStart::NotPeriodic { looks: None, .. } | NoStart::Leaves { .. }, Ok(system)) =
+    let (NoStart::NotPeriodic { looks: None, .. }, Ok(system)) =
         (&reason, wanted.system.at(&wanted.values, &[]))
     else {
         return reason;
@@ -616,10 +648,7 @@ pub fn explained(
                 looks,
             }
         }
-        _ => match cycle(&system, motion.place(), settle.max(1.0)) {
-            None => reason,
-            period => NoStart::Unswitched { period },
-        },
+        _ => reason,
     }
 }
 
@@ -764,19 +793,20 @@ impl<'a> Returns<'a> {
             Recurrence::Phase(period) => (f64::from(returns) * period, returns),
             Recurrence::Switch(..) => (self.places[to].0.time - self.places[from].0.time, 1),
         };
-        let mut at_zero = None;
+        let mut whole = None;
         if switches.is_empty() {
             let here = motion.place().clone();
             let turn = (TAU - here.phase.rem_euclid(TAU)) / TAU;
             run(motion, here.time + turn * time / f64::from(returns))?;
-            at_zero = Some(Place {
+            let place = Place {
                 phase: 0.0,
                 ..motion.place().clone()
-            });
+            };
+            whole = Some((place, time));
         }
         Ok(Course {
             zones: closed(switches, time),
-            at_zero,
+            whole,
             periods,
             nearly: None,
         })
@@ -969,6 +999,9 @@ fn pose(
         }
     })?;
     let point = solution.point;
+    if orbit.is_point(&point) {
+        return Err(NoStart::Equilibrium);
+    }
     let turns = orbit.turns_within(&point, SAME);
     let times = turns * orbit.traversals_within(&point, SAME);
     // a prescribed period is meant, however often the orbit is traversed in it
@@ -1030,6 +1063,7 @@ pub(super) fn scaled(
             .prescribed
             .as_ref()
             .map(|prescribed| unit(wanted.values[prescribed.free()].abs())),
+        section: None,
     };
     let setting = |scales: Scales| Setting {
         system: wanted.system.clone(),
@@ -1051,13 +1085,21 @@ pub(super) fn scaled(
     let extremes = bare
         .extremes(&bare.pack(&points, &wanted.values))
         .map_err(failed)?;
+    let units: Vec<f64> = extremes
+        .iter()
+        .map(|(low, high)| unit(low.abs().max(high.abs())))
+        .collect();
+    let free = wanted.system.source.forcing.is_none();
     let orbit = posed(Scales {
-        states: extremes
-            .iter()
-            .map(|(low, high)| unit(low.abs().max(high.abs())))
-            .collect(),
+        section: free.then(|| of_orbit(&extremes, &units)).flatten(),
+        states: units,
         ..scales
     })?;
     let point = orbit.pack(&points, &wanted.values);
+    let begun = free && orbit.sequence.switches() == 0;
+    let point = match begun {
+        true => orbit.from_section(&point).map_err(failed)?,
+        false => point,
+    };
     Ok((orbit, point))
 }

@@ -596,7 +596,7 @@ impl<'a> OrbitSystem<'a> {
             states,
             time,
             parameter,
-            free: _,
+            ..
         } = &self.posed.units;
         let mut units = Vec::with_capacity(guess.len());
         for steps in &self.steps {

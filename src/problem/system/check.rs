@@ -254,7 +254,7 @@ impl Checks<'_, SystemProblem> {
         let system = self.problem.system.at(&self.problem.values(), &[]);
         let omega = system.map_or(0.0, |system| system.omega.value);
         match *period {
-            None if !forced => {
+            None if !forced && orbit.period.is_none() => {
                 let message =
                     "missing field `period` in `orbit.start`: without `forcing` it is not known";
                 self.refuse(
