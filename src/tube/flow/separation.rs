@@ -91,17 +91,23 @@ impl SeparationFlow {
         t: f64,
         moving: bool,
     ) -> Result<[Pair<D>; 2], FlowError> {
-        let flow = self.exponential(t)?;
         let x0 = self.scaled(&from, |number| number.value);
-        let x = flow.at * x0;
+        let (at, flow_by) = match D {
+            SOURCES => {
+                let flow = self.exponential(&self.generator, t)?;
+                (flow.at, flow.by)
+            }
+            _ => (self.transition(t)?, [Matrix4::zeros(); 2]),
+        };
+        let x = at * x0;
         let mut by = [0; D].map(|_| Vector4::zeros());
         for (index, by) in by.iter_mut().enumerate() {
-            *by = flow.at * self.scaled(&from, |number| number.by[index]);
+            *by = at * self.scaled(&from, |number| number.by[index]);
             if D == SOURCES {
                 *by += match index {
                     DURATION if moving => self.generator.at * x,
-                    EXCESS => flow.by[0] * x0,
-                    PARAMETER => flow.by[1] * x0,
+                    EXCESS => flow_by[0] * x0,
+                    PARAMETER => flow_by[1] * x0,
                     _ => Vector4::zeros(),
                 };
             }
@@ -118,8 +124,22 @@ impl SeparationFlow {
         self.norm
     }
 
-    /// exp(At) with derivatives in ln e and in the parameter.
-    fn exponential(&self, t: f64) -> Result<MatrixJet<f64, 2>, FlowError> {
+    /// exp(At) without derivatives.
+    fn transition(&self, t: f64) -> Result<Matrix4<f64>, FlowError> {
+        let generator = MatrixJet {
+            at: self.generator.at,
+            by: [],
+            exponent: 0.0,
+        };
+        self.exponential(&generator, t).map(|flow| flow.at)
+    }
+
+    /// exp(At) with the derivatives of the generator A.
+    fn exponential<const D: usize>(
+        &self,
+        generator: &MatrixJet<f64, D>,
+        t: f64,
+    ) -> Result<MatrixJet<f64, D>, FlowError> {
         let size = self.norm * t.abs();
         let halvings = if size > 1.0 {
             size.log2().ceil() as i32
@@ -130,7 +150,7 @@ impl SeparationFlow {
             return Err(FlowError::Overflow { duration: t });
         }
         let short = t * 0.5_f64.powi(halvings);
-        let flow = self.generator.scaled(short).exponential(halvings as u32);
+        let flow = generator.scaled(short).exponential(halvings as u32);
         // 1 unless damping has left next to nothing
         Ok(flow.scaled(flow.exponent.exp()))
     }
@@ -250,7 +270,7 @@ mod tests {
             let flow = SeparationFlow::new(&frame(excess, 0.0));
             for t in [1e-9, 0.4, 30.0, 4e3] {
                 let entry = flow.scaled(&flow.entry::<0>([0.1, -0.8]), |number| number.value);
-                let x = flow.exponential(t).unwrap().at * entry;
+                let x = flow.transition(t).unwrap() * entry;
                 let before = entry.norm();
                 // every squaring doubles the relative error of the last
                 let allowed = 1e-15 * (4.0 + flow.norm * t);
