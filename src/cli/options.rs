@@ -157,8 +157,13 @@ impl Threads {
         work: impl FnOnce() -> Result<T, Failure> + Send,
     ) -> Result<T, Failure> {
         let threads = self.threads.map_or(default, usize::from).min(most).max(1);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.map_err(Usage::Threads)?.install(work)
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        // a single thread is this one, unless another pool has it already
+        let pool = match threads == 1 && rayon::current_thread_index().is_none() {
+            true => pool.use_current_thread(),
+            false => pool,
+        };
+        pool.build().map_err(Usage::Threads)?.install(work)
     }
 }
 

@@ -223,7 +223,7 @@ pub(crate) fn put(
                 Some(problem) => of_problem(problem, picture?),
                 None => picture?,
             };
-            store.replace(&name, &picture.file(format)?)?;
+            store.replace_derived(&name, &picture.file(format)?)?;
             Ok(store.path().join(name))
         })
         .collect();

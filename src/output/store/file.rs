@@ -203,6 +203,25 @@ pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
+    swap(path, write, |file| {
+        file.sync_all().map_err(io_error("write it", path))
+    })?;
+    // the renaming itself; not every file system can, and none loses the old file
+    if let Some(Ok(folder)) = path.parent().map(File::open) {
+        let _ = folder.sync_all();
+    }
+    Ok(())
+}
+
+/// Replaces a file as a whole: written beside, renamed. What becomes of it in between is up to `settle`.
+///
+/// # Errors
+/// When the system refuses; the old file stays then.
+pub(super) fn swap(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), StoreError>,
+    settle: impl FnOnce(&File) -> Result<(), StoreError>,
+) -> Result<(), StoreError> {
     let (new, file) = new_beside(path)?;
     let done = (|| {
         let mut out = BufWriter::new(file);
@@ -210,19 +229,14 @@ pub(crate) fn replace(
         let file = out
             .into_inner()
             .map_err(|error| io_error("write it", path)(error.into_error()))?;
-        file.sync_all().map_err(io_error("write it", path))?;
+        settle(&file)?;
         fs::rename(&new, path).map_err(io_error("replace it", path))
     })();
     if done.is_err() {
         // what is left of it would only take up room
         let _ = fs::remove_file(&new);
     }
-    done?;
-    // the renaming itself; not every file system can, and none loses the old file
-    if let Some(Ok(folder)) = path.parent().map(File::open) {
-        let _ = folder.sync_all();
-    }
-    Ok(())
+    done
 }
 
 /// Bytes that the first lines of a text take, or all lines that are finished: what follows them was cut

@@ -33,7 +33,7 @@ pub(crate) use manifest::{Kind, MANIFEST};
 
 use admit::admit;
 use file::{
-    found, is_at, is_left_over, is_shared, length_of_lines, number, remove, replace, unshare,
+    found, is_at, is_left_over, is_shared, length_of_lines, number, remove, replace, swap, unshare,
 };
 use manifest::{Header, Manifest};
 use place::{make, real, stranger, unmake};
@@ -518,7 +518,19 @@ impl Store {
         })
     }
 
-    /// The same for what is written piece by piece.
+    /// The same for what can be made again from other files, a picture: it is left to the system when it comes to the
+    /// disk. A kill leaves the old one or the new one; only a power failure can lose both.
+    ///
+    /// # Errors
+    /// As [`Store::replace`].
+    pub(crate) fn replace_derived(&self, name: &str, bytes: &[u8]) -> Result<(), StoreError> {
+        let path = self.place(name)?;
+        let write =
+            |out: &mut BufWriter<File>| out.write_all(bytes).map_err(io_error("write it", &path));
+        swap(&path, write, |_| Ok(()))
+    }
+
+    /// The same as [`Store::replace`] for what is written piece by piece.
     ///
     /// # Errors
     /// As [`Store::replace`].
