@@ -438,11 +438,27 @@ impl Table {
             }
         } else {
             table.text.reserve(text.len());
-            for line in text.lines().filter(|line| !line.is_empty()) {
-                table.push(line.split(','));
-            }
+            table.push_plain(text);
         }
         Ok(table)
+    }
+
+    /// Adds all lines of a text without quotes; empty ones are none.
+    fn push_plain(&mut self, text: &str) {
+        let (mut cells, mut from) = (Vec::new(), 0);
+        for (place, byte) in text.bytes().enumerate() {
+            if !matches!(byte, b',' | b'\n') {
+                continue;
+            }
+            cells.push(&text[from..place]);
+            from = place + 1;
+            if byte == b'\n' {
+                if cells != [""] {
+                    self.push(cells.iter().copied());
+                }
+                cells.clear();
+            }
+        }
     }
 
     /// Adds a line: the first one is the header.
@@ -490,13 +506,30 @@ impl Table {
 
     /// A cell; empty when there is none.
     pub(crate) fn text(&self, row: usize, column: &str) -> &str {
-        let index = self.columns().position(|name| name == column);
-        let cell = index.and_then(|index| {
-            let last = *self.rows.get(row)?;
-            let first = row.checked_sub(1).map_or(0, |before| self.rows[before]);
-            (first + index < last).then(|| self.cell(first + index))
-        });
-        cell.unwrap_or_default()
+        let place = self.columns().position(|name| name == column);
+        place.map_or("", |place| self.text_at(row, place))
+    }
+
+    /// A cell by the place of its column; empty when there is none.
+    fn text_at(&self, row: usize, place: usize) -> &str {
+        let Some(last) = self.rows.get(row) else {
+            return "";
+        };
+        let first = row.checked_sub(1).map_or(0, |before| self.rows[before]);
+        match first + place < *last {
+            true => self.cell(first + place),
+            false => "",
+        }
+    }
+
+    /// The cells of these columns, row by row; those of a column that is missing are empty.
+    pub(crate) fn select<const N: usize>(
+        &self,
+        columns: [&str; N],
+    ) -> impl Iterator<Item = [&str; N]> {
+        let places = columns.map(|column| self.columns().position(|name| name == column));
+        (0..self.len())
+            .map(move |row| places.map(|place| place.map_or("", |place| self.text_at(row, place))))
     }
 
     /// A cell as a value; none when it is empty or something else.
@@ -659,6 +692,8 @@ mod tests {
         assert_eq!(table.list(0, "a"), [2.0, 3.0]);
         assert_eq!(table.labelled("7"), Some(1));
         assert_eq!((table.text(1, "a"), table.text(5, "a")), ("", ""));
+        let selected = table.select(["a", "b", "label"]);
+        assert!(selected.eq([["2 3", "", "1"], ["", "", "7"]]));
         assert!(!table.has("b") && table.field::<usize>(0, "b").is_none());
         assert!(table.rows::<Place>().is_err());
     }

@@ -9,7 +9,7 @@ use std::path::Path;
 use plotters::style::RGBColor;
 
 use super::diagram::parameter_axis;
-use super::tables::{Tables, number as cell, read_if_there};
+use super::tables::{Tables, read_if_there};
 use crate::output::layout::PROFILES;
 use crate::output::store::{self, StoreError};
 use crate::tube::model::signature::Regime;
@@ -77,19 +77,22 @@ impl Profile {
         let Some(table) = read_if_there(path, &columns)? else {
             return Ok(None);
         };
-        let sample = |row: usize| {
-            let value = |column: &str| cell(&table, row, column).unwrap_or(f64::NAN);
-            Some(Sample {
-                theta: cell(&table, row, "theta")?,
-                radial: value("U"),
-                tangential: value("V"),
-                rate: value("V_dot"),
-                pressure: value("P"),
-                shear: value("Q"),
-                regime: Regime::named(table.text(row, "regime")),
-            })
-        };
-        let samples: Vec<Sample> = (0..table.len()).filter_map(sample).collect();
+        let known = |cell: &str| cell.parse().ok().filter(|value| drawable(*value));
+        let value = |cell| known(cell).unwrap_or(f64::NAN);
+        let samples = table.select(columns).filter_map(
+            |[theta, radial, tangential, rate, pressure, shear, regime]| {
+                Some(Sample {
+                    theta: known(theta)?,
+                    radial: value(radial),
+                    tangential: value(tangential),
+                    rate: value(rate),
+                    pressure: value(pressure),
+                    shear: value(shear),
+                    regime: Regime::named(regime),
+                })
+            },
+        );
+        let samples: Vec<Sample> = samples.collect();
         Ok((!samples.is_empty()).then(|| Profile {
             label: label.to_owned(),
             position: tables.position(label),
