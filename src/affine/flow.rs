@@ -9,7 +9,7 @@ use super::mode::{AffineMode, Row};
 use super::recurrence::Series;
 use super::series::{Field, ORDER};
 use super::stiff::{GAP, Splitting, Vanished};
-use crate::linalg::{Matrix, Vector, add_product, balance};
+use crate::linalg::{Matrix, Vector, add_product, balance, product};
 use crate::orbit::sign::{Bernstein, COEFFICIENTS, REMAINDER};
 
 /// A guard is zero at the beginning of a zone within this many units of the noise of its polynomial: the
@@ -19,6 +19,9 @@ const ON_GUARD: f64 = 8.0;
 /// Longest step of the Newton step that polishes a crossing, in units of a piece: longer, and the crossing is so
 /// flat that the guard itself is rounding there.
 const POLISHED: f64 = 1e-10;
+
+/// Most components of z whose series are made in arrays: those of a forced oscillator of two degrees of freedom.
+const FEW: usize = 8;
 
 /// More pieces than this are not gone through: no zone of interest has them, and their examination would take longer
 /// than a second. Of two in a row the longer counts, since a kink may cut one short.
@@ -57,17 +60,18 @@ struct Exact {
 #[derive(Clone, Debug)]
 struct GuardSeries {
     form: Vector,
-    /// Its Taylor coefficients in time/`length` as linear forms of z at the beginning, one in each column: of many
-    /// flows only the values of guards are wanted.
-    coefficients: OnceLock<Matrix>,
+    /// Its Taylor coefficients in time/`length` as linear forms of z at the beginning, for every component of z those of
+    /// all orders: of many flows only the values of guards are wanted.
+    coefficients: OnceLock<Vec<[f64; COEFFICIENTS]>>,
     /// max |cᵢ|dᵢ.
     size: f64,
 }
 
 /// z over the beginning of a piece: coefficients of powers of time/`length`/`part`.
+#[derive(Default)]
 pub(super) struct Expansion {
-    /// Of every component in a row; of the states alone where the mode is not linear.
-    terms: Vec<f64>,
+    /// Of every component; of the states alone where the mode is not linear.
+    terms: Vec<[f64; COEFFICIENTS]>,
     /// What they leave out.
     pub left_out: Vec<f64>,
     /// That of a form whose greatest |cᵢ|dᵢ is 1; none where forms have coefficients of their own.
@@ -108,9 +112,14 @@ impl Piece {
 
 impl Expansion {
     /// The coefficients of a component.
-    pub fn taylor(&self, component: usize) -> [f64; COEFFICIENTS] {
-        let size = self.left_out.len();
-        std::array::from_fn(|k| self.terms[k * size + component])
+    pub fn taylor(&self, component: usize) -> &[f64; COEFFICIENTS] {
+        &self.terms[component]
+    }
+
+    /// Sets the coefficients of an order.
+    fn set(&mut self, order: usize, of_components: &[f64]) {
+        let pairs = self.terms.iter_mut().zip(of_components);
+        pairs.for_each(|(terms, coefficient)| terms[order] = *coefficient);
     }
 }
 
@@ -181,31 +190,46 @@ impl Exact {
         });
     }
 
-    fn coefficients(&self, guard: usize) -> &Matrix {
+    fn coefficients(&self, guard: usize) -> &[[f64; COEFFICIENTS]] {
         let GuardSeries {
             form, coefficients, ..
         } = &self.guards[guard];
         coefficients.get_or_init(|| {
-            let mut coefficients = Matrix::zeros(form.len(), COEFFICIENTS);
-            coefficients.set_column(0, form);
-            for k in 1..COEFFICIENTS {
-                let (known, next) = coefficients.as_mut_slice().split_at_mut(k * form.len());
-                let (last, next) = (&known[(k - 1) * form.len()..], &mut next[..form.len()]);
-                let part = self.length / k as f64;
-                add_product(part, last, 1, self.matrix.as_slice(), next);
+            let mut coefficients = vec![[0.0; COEFFICIENTS]; form.len()];
+            let (mut last, mut next) = (form.clone(), form.clone());
+            for k in 0..COEFFICIENTS {
+                if k > 0 {
+                    next.fill(0.0);
+                    let (part, matrix) = (self.length / k as f64, self.matrix.as_slice());
+                    add_product(part, last.as_slice(), 1, matrix, next.as_mut_slice());
+                    std::mem::swap(&mut last, &mut next);
+                }
+                let components = coefficients.iter_mut().zip(&last);
+                components.for_each(|(orders, coefficient)| orders[k] = *coefficient);
             }
             coefficients
         })
     }
 
     fn within(&self, z: &Vector, time: f64) -> Vector {
-        let (mut sum, mut term, mut next) = (z.clone(), z.clone(), z.clone());
+        let mut sum = z.clone();
+        let add = |sum: &mut [f64], term: &[f64]| {
+            let pairs = sum.iter_mut().zip(term);
+            pairs.for_each(|(sum, term)| *sum += term);
+        };
+        if let Some(mut term) = self.few(z.as_slice()) {
+            for k in 1..=TERMS {
+                term = self.rate_of_few(time / f64::from(k), &term);
+                add(sum.as_mut_slice(), &term);
+            }
+            return sum;
+        }
+        let (mut term, mut next) = (z.clone(), z.clone());
         for k in 1..=TERMS {
             next.fill(0.0);
             self.rate(time / f64::from(k), term.as_slice(), next.as_mut_slice());
             std::mem::swap(&mut term, &mut next);
-            let pairs = sum.as_mut_slice().iter_mut().zip(term.as_slice());
-            pairs.for_each(|(sum, term)| *sum += term);
+            add(sum.as_mut_slice(), term.as_slice());
         }
         sum
     }
@@ -217,22 +241,48 @@ impl Exact {
         }
     }
 
-    fn expansion(&self, z: &Vector, part: f64) -> Expansion {
-        let size = z.len();
-        let mut terms = Vec::with_capacity(size * COEFFICIENTS);
-        terms.extend_from_slice(z.as_slice());
-        terms.resize(size * COEFFICIENTS, 0.0);
-        for k in 1..COEFFICIENTS {
-            let (known, next) = terms.split_at_mut(k * size);
-            let last = &known[(k - 1) * size..];
-            self.rate(part * self.length / k as f64, last, &mut next[..size]);
+    /// z with zeros behind it, where it has so few components.
+    fn few(&self, z: &[f64]) -> Option<[f64; FEW]> {
+        let mut few = [0.0; FEW];
+        few.get_mut(..z.len())?.copy_from_slice(z);
+        Some(few)
+    }
+
+    /// Mz times a factor, of a z of few components: indices of entries are below [`FEW`], which the compiler is told.
+    fn rate_of_few(&self, factor: f64, z: &[f64; FEW]) -> [f64; FEW] {
+        let mut rate = [0.0; FEW];
+        for (row, column, value) in &self.entries {
+            rate[row % FEW] += value * (factor * z[column % FEW]);
+        }
+        rate
+    }
+
+    /// Expands z in place of another expansion.
+    fn expand(&self, z: &Vector, part: f64, expansion: &mut Expansion) {
+        let z_at = z.as_slice();
+        expansion.terms.clear();
+        expansion.terms.resize(z_at.len(), [0.0; COEFFICIENTS]);
+        expansion.set(0, z_at);
+        let factor = |k: usize| part * self.length / k as f64;
+        if let Some(mut term) = self.few(z_at) {
+            for k in 1..COEFFICIENTS {
+                term = self.rate_of_few(factor(k), &term);
+                expansion.set(k, &term);
+            }
+        } else {
+            let (mut term, mut next) = (z_at.to_vec(), z_at.to_vec());
+            for k in 1..COEFFICIENTS {
+                next.fill(0.0);
+                self.rate(factor(k), &term, &mut next);
+                std::mem::swap(&mut term, &mut next);
+                expansion.set(k, &term);
+            }
         }
         let (error, rounding) = self.errors(z, part);
-        Expansion {
-            terms,
-            left_out: self.scales.as_slice().iter().map(|d| d * error).collect(),
-            of_form: Some(error + rounding),
-        }
+        let scales = self.scales.as_slice().iter();
+        expansion.left_out.clear();
+        expansion.left_out.extend(scales.map(|d| d * error));
+        expansion.of_form = Some(error + rounding);
     }
 
     /// What the coefficients of a form leave out over the beginning of a piece, and the rounding of the products that
@@ -246,13 +296,16 @@ impl Exact {
     }
 
     fn taylor(&self, guard: usize, z: &Vector, part: f64) -> ([f64; COEFFICIENTS], f64) {
-        let coefficients = self.coefficients(guard);
+        let mut taylor = [0.0; COEFFICIENTS];
+        for (orders, z) in self.coefficients(guard).iter().zip(z.as_slice()) {
+            let pairs = taylor.iter_mut().zip(orders);
+            pairs.for_each(|(sum, coefficient)| *sum += coefficient * z);
+        }
         let mut power = 1.0;
-        let taylor = std::array::from_fn(|k| {
-            let coefficient = coefficients.column(k).dot(z) * power;
+        for coefficient in &mut taylor {
+            *coefficient *= power;
             power *= part;
-            coefficient
-        });
+        }
         let (left_out, rounding) = self.errors(z, part);
         (taylor, (left_out + rounding) * self.guards[guard].size)
     }
@@ -357,10 +410,10 @@ impl ModeFlow {
     /// z after a whole piece.
     pub fn advance(&self, piece: &Piece) -> Vector {
         match (&self.exact, &piece.course) {
-            (Some(exact), Course::Exact) => &exact.step * &piece.z,
+            (Some(exact), Course::Exact) => product(&exact.step, &piece.z),
             (Some(exact), Course::Slow(index, at)) => {
                 let (way, slow) = &exact.stiff[*index];
-                &way.along * (&slow.step * &at.slow)
+                &way.along * product(&slow.step, &at.slow)
             }
             _ => self.within(piece, piece.length),
         }
@@ -418,50 +471,47 @@ impl ModeFlow {
         }
     }
 
-    /// z over the beginning of a piece, of so many states.
-    pub(super) fn expansion(&self, piece: &Piece, part: f64, states: usize) -> Expansion {
-        match (&self.exact, &piece.course) {
+    /// z over the beginning of a piece, of so many states, in place of another expansion.
+    pub(super) fn expand(
+        &self,
+        piece: &Piece,
+        part: f64,
+        states: usize,
+        expansion: &mut Expansion,
+    ) {
+        *expansion = match (&self.exact, &piece.course) {
             (Some(exact), Course::Slow(index, at)) => {
                 let (way, slow) = &exact.stiff[*index];
-                let of_slow = slow.expansion(&at.slow, part);
+                let mut of_slow = Expansion::default();
+                slow.expand(&at.slow, part, &mut of_slow);
                 let sum = |state: usize, of: &dyn Fn(usize, f64) -> f64| -> f64 {
                     let along = way.along.row(state);
                     along.iter().enumerate().map(|(c, by)| of(c, *by)).sum()
                 };
-                let terms = of_slow.terms.chunks_exact(at.slow.len());
-                let term = |(of_slow, state): (&[f64], usize)| sum(state, &|c, by| by * of_slow[c]);
+                let of_order = |state, k: usize| sum(state, &|c, by| by * of_slow.terms[c][k]);
+                let term = |state| std::array::from_fn(|k| of_order(state, k));
                 let left_out = |state| sum(state, &|c, by| by.abs() * of_slow.left_out[c]);
                 Expansion {
-                    terms: terms
-                        .flat_map(|of_slow| (0..states).map(move |state| (of_slow, state)))
-                        .map(term)
-                        .collect(),
+                    terms: (0..states).map(term).collect(),
                     left_out: (0..states).map(left_out).collect(),
                     of_form: None,
                 }
             }
-            (Some(exact), _) => exact.expansion(&piece.z, part),
+            (Some(exact), _) => return exact.expand(&piece.z, part, expansion),
             (None, Course::Series(series)) => {
                 let of = |state: usize| {
                     let row = Row::unit(piece.z.len(), state).at;
                     polynomial(series, &row, part * piece.length)
                 };
-                let (taylor, left_out): (Vec<_>, _) = (0..states).map(of).unzip();
-                let orders = 0..COEFFICIENTS;
+                let (terms, left_out) = (0..states).map(of).unzip();
                 Expansion {
-                    terms: orders
-                        .flat_map(|k| taylor.iter().map(move |taylor| taylor[k]))
-                        .collect(),
+                    terms,
                     left_out,
                     of_form: None,
                 }
             }
-            (None, _) => Expansion {
-                terms: Vec::new(),
-                left_out: Vec::new(),
-                of_form: None,
-            },
-        }
+            (None, _) => Expansion::default(),
+        };
     }
 
     /// A guard over the beginning of a piece over which z is known.
@@ -558,11 +608,11 @@ impl ModeFlow {
         let z = self.within(piece, time);
         let [value, slope] = match &self.exact {
             Some(exact) => {
-                let coefficients = exact.coefficients(guard);
-                [
-                    coefficients.column(0).dot(&z),
-                    coefficients.column(1).dot(&z) / exact.length,
-                ]
+                let of_order = |k: usize| {
+                    let components = exact.coefficients(guard).iter().zip(&z);
+                    components.map(|(orders, z)| orders[k] * z).sum::<f64>()
+                };
+                [of_order(0), of_order(1) / exact.length]
             }
             None => {
                 let [value, slope, _] = self.slopes(&self.guards[guard], &z);

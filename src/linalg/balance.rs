@@ -5,37 +5,60 @@ use super::{Matrix, Vector};
 /// Sweeps that balance a matrix: each at least halves what is left to gain.
 const SWEEPS: usize = 20;
 
-/// Which coordinate acts on which, by however many steps: entry (i, j) where j acts on i.
-pub(super) struct Acts(nalgebra::DMatrix<bool>);
+/// Which coordinate acts on which, by however many steps.
+pub(super) struct Acts {
+    /// Words of a column.
+    words: usize,
+    /// For every coordinate in a column of bits those that it acts on.
+    bits: Vec<u64>,
+}
 
 impl Acts {
+    /// Whether coordinate j acts on i.
+    fn has(&self, i: usize, j: usize) -> bool {
+        self.bits[j * self.words + i / 64] >> (i % 64) & 1 == 1
+    }
+
     /// Whether two coordinates act on one another, or are one.
     pub(super) fn goes_round(&self, i: usize, j: usize) -> bool {
-        i == j || self.0[(i, j)] && self.0[(j, i)]
+        i == j || self.has(i, j) && self.has(j, i)
     }
 
     /// The entries of a matrix between coordinates that do.
     pub(super) fn round(&self, matrix: &Matrix) -> Matrix {
-        let entry = |i, j| match self.goes_round(i, j) {
-            true => matrix[(i, j)],
-            false => 0.0,
-        };
-        Matrix::from_fn(matrix.nrows(), matrix.ncols(), entry)
+        let mut round = matrix.clone();
+        let columns = round.as_mut_slice().chunks_exact_mut(matrix.nrows().max(1));
+        for (j, column) in columns.enumerate() {
+            let entries = column.iter_mut().enumerate();
+            let others = entries.filter(|(i, _)| !self.goes_round(*i, j));
+            others.for_each(|(_, entry)| *entry = 0.0);
+        }
+        round
     }
 }
 
 /// That of a matrix.
 pub(super) fn acts(matrix: &Matrix) -> Acts {
     let n = matrix.nrows();
-    let mut acts = matrix.map(|entry| entry != 0.0);
+    let words = n.div_ceil(64).max(1);
+    let mut bits = vec![0; n * words];
+    let columns = matrix.as_slice().chunks_exact(n.max(1));
+    for (own, column) in bits.chunks_exact_mut(words).zip(columns) {
+        for (i, _) in column.iter().enumerate().filter(|(_, x)| **x != 0.0) {
+            own[i / 64] |= 1 << (i % 64);
+        }
+    }
+    let mut acts = Acts { words, bits };
     for middle in 0..n {
         for column in 0..n {
-            if acts[(middle, column)] {
-                (0..n).for_each(|row| acts[(row, column)] |= acts[(row, middle)]);
+            if acts.has(middle, column) {
+                for word in 0..words {
+                    acts.bits[column * words + word] |= acts.bits[middle * words + word];
+                }
             }
         }
     }
-    Acts(acts)
+    acts
 }
 
 /// Powers of two d for which the largest column sum of D⁻¹MD is small, and that sum.
@@ -47,12 +70,13 @@ pub(super) fn acts(matrix: &Matrix) -> Acts {
 pub fn balance(matrix: &Matrix, slow: f64) -> (Vector, f64) {
     let size = matrix.nrows();
     let mut scales = Vector::repeat(size, 1.0);
-    let diagonal = matrix.diagonal().abs();
-    let mut scaled = matrix.abs();
+    let mut scaled = matrix.clone();
+    let entries = scaled.as_mut_slice().iter_mut();
+    entries.for_each(|entry| *entry = entry.abs());
     scaled.fill_diagonal(0.0);
     let norm = |scaled: &Matrix| {
-        let sums = scaled.column_iter().zip(&diagonal);
-        let sums = sums.map(|(column, own)| column.sum() + own);
+        let columns = scaled.as_slice().chunks_exact(size.max(1)).enumerate();
+        let sums = columns.map(|(i, column)| column.iter().sum::<f64>() + matrix[(i, i)].abs());
         sums.fold(0.0, f64::max)
     };
     let mut round = acts(&scaled).round(&scaled);

@@ -41,6 +41,14 @@ pub fn add_product(factor: f64, left: &[f64], rows: usize, right: &[f64], sum: &
     }
 }
 
+/// A matrix times a vector: of few entries, as [`add_product`].
+pub fn product(matrix: &Matrix, vector: &Vector) -> Vector {
+    let mut sum = Vector::zeros(matrix.nrows());
+    let (left, right) = (matrix.as_slice(), vector.as_slice());
+    add_product(1.0, left, matrix.nrows(), right, sum.as_mut_slice());
+    sum
+}
+
 /// Singular values of an n × (n+1) matrix and its null vector.
 #[derive(Clone, Debug)]
 pub struct Kernel {

@@ -128,17 +128,26 @@ pub fn balance(factors: &[&Matrix]) -> Vec<f64> {
     if n < 2 {
         return scales;
     }
-    let all = factors.iter();
-    let acts = acts(&all.fold(Matrix::zeros(n, n), |sum, one| sum + one.abs()));
+    let mut all = Matrix::zeros(n, n);
+    for factor in factors {
+        let pairs = all.as_mut_slice().iter_mut().zip(factor.as_slice());
+        pairs.for_each(|(sum, entry)| *sum += entry.abs());
+    }
+    let acts = acts(&all);
+    let (mut sum, mut scaled) = (all.clone(), all);
     // the first time norms are those in the units of the states
     for _ in 0..2 {
-        let mut sum = Matrix::zeros(n, n);
+        sum.fill(0.0);
         for factor in factors {
-            let entry = |i: usize, j: usize| factor[(i, j)].abs() * (scales[j] / scales[i]);
-            let scaled = Matrix::from_fn(n, n, entry);
+            for j in 0..n {
+                for i in 0..n {
+                    scaled[(i, j)] = factor[(i, j)].abs() * (scales[j] / scales[i]);
+                }
+            }
             let norm = acts.round(&scaled).norm();
             if norm > 0.0 && norm.is_finite() {
-                sum += scaled / norm;
+                let pairs = sum.as_mut_slice().iter_mut().zip(scaled.as_slice());
+                pairs.for_each(|(sum, entry)| *sum += entry / norm);
             }
         }
         for _ in 0..ROUNDS {

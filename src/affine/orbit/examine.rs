@@ -7,7 +7,7 @@ use super::passage::{Passage, Stage, share};
 use super::turning::Smooth;
 use crate::affine::flow::{Expansion, MOST_PIECES, ModeFlow, Piece};
 use crate::affine::mode::{Guard, Row};
-use crate::linalg::Vector;
+use crate::linalg::{Vector, product};
 use crate::orbit::events::AT_ZERO;
 use crate::orbit::sign::Verdict;
 use crate::orbit::{Examined, Growth};
@@ -80,8 +80,12 @@ struct Part {
 /// The parts of a zone of positive length; the last two are of one length, so that none is tiny. How many they would
 /// be where they are too many.
 fn parts(flow: &ModeFlow, entry: Vector, duration: f64) -> Result<Vec<Part>, f64> {
-    let mut parts = Vec::new();
+    /// Room for more parts is made as they come.
+    const MOST_AT_ONCE: f64 = 64.0;
     let (mut piece, mut begun, mut before) = (flow.piece(entry), 0.0, f64::INFINITY);
+    // the last but one of a zone may be cut in two
+    let room = (duration / piece.length).min(MOST_AT_ONCE) as usize + 2;
+    let mut parts = Vec::with_capacity(room);
     loop {
         let rest = duration - begun;
         // what is stiff begins with pieces much shorter than those that follow
@@ -247,7 +251,7 @@ impl OrbitAt<'_> {
 
     fn first_rate(&self, passage: &Passage) -> Vector {
         let units = &self.orbit.setting.scales.states;
-        let rate = &self.mode(0).matrix.at * &passage.entry;
+        let rate = product(&self.mode(0).matrix.at, &passage.entry);
         Vector::from_iterator(
             units.len(),
             rate.iter().zip(units).map(|(rate, unit)| rate / unit),
@@ -324,9 +328,10 @@ impl OrbitAt<'_> {
             })
         });
         let mut watched: Vec<Watched> = watched.collect();
+        let mut expansion = Expansion::default();
         for part in parts {
             let Part { piece, begun, .. } = part;
-            let expansion = flow.expansion(piece, part.part, extremes.len());
+            flow.expand(piece, part.part, extremes.len(), &mut expansion);
             for one in &mut watched {
                 let (mut taylor, remainder) =
                     flow.guard_of(one.guard, (piece, part.part), &expansion);
@@ -399,7 +404,7 @@ impl Expansion {
     /// Widens bounds of the states that hold at both ends of a part so that they hold in between.
     fn widen(&self, extremes: &mut [(f64, f64)]) {
         for (state, (extremes, left_out)) in extremes.iter_mut().zip(&self.left_out).enumerate() {
-            Smooth::new(&self.taylor(state), *left_out).widen(extremes);
+            Smooth::new(self.taylor(state), *left_out).widen(extremes);
         }
     }
 }
@@ -415,8 +420,9 @@ impl AffineOrbit {
         let mut extremes = at.extremes_of_ends(&at.passages()?, &parts);
         for (zone, parts) in parts.iter().enumerate() {
             let flow = at.posed.flow(self.sequence.zone(zone).mode);
+            let mut expansion = Expansion::default();
             for Part { piece, part, .. } in parts {
-                let expansion = flow.expansion(piece, *part, extremes.len());
+                flow.expand(piece, *part, extremes.len(), &mut expansion);
                 expansion.widen(&mut extremes);
             }
         }

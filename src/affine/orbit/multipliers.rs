@@ -11,7 +11,7 @@ use super::layout::{AffineOrbit, OrbitAt, OrbitFailure};
 use super::passage::Passage;
 use super::structure::exit_of;
 use crate::linalg::periodic_schur::{Factor, balance, eigenvalues, regular_part};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, product};
 use crate::orbit::events::AT_ZERO;
 
 /// A Floquet multiplier.
@@ -142,14 +142,28 @@ fn rank(mut matrix: Matrix, mut bounds: Matrix) -> usize {
     n
 }
 
+/// Sums of the sizes of the terms of a product.
+fn sizes_of_product(matrix: &Matrix, vector: &Vector) -> Vector {
+    let rows = matrix.nrows();
+    let mut sizes = Vector::zeros(rows);
+    let columns = matrix.as_slice().chunks_exact(rows);
+    for (column, factor) in columns.zip(vector.as_slice()) {
+        let pairs = sizes.as_mut_slice().iter_mut().zip(column);
+        pairs.for_each(|(sum, entry)| *sum += (entry * factor).abs());
+    }
+    sizes
+}
+
 /// ż at the end of a zone: by the law there or, where what it adds up cancels, as near rest, that at the entry as the flow
 /// takes it along; every component by what tells it better.
 fn rate_at_end(passage: &Passage, matrix: &Matrix) -> Vector {
-    let sizes = matrix.abs();
-    let at_entry = matrix * &passage.entry;
-    let moved = &passage.flow * &at_entry;
-    let by_law = &sizes * passage.end.abs();
-    let by_flow = passage.flow.abs() * (at_entry.abs() + sizes * passage.entry.abs());
+    let at_entry = product(matrix, &passage.entry);
+    let moved = product(&passage.flow, &at_entry);
+    let by_law = sizes_of_product(matrix, &passage.end);
+    let mut terms_at_entry = sizes_of_product(matrix, &passage.entry);
+    let pairs = terms_at_entry.iter_mut().zip(&at_entry);
+    pairs.for_each(|(size, rate)| *size += rate.abs());
+    let by_flow = sizes_of_product(&passage.flow, &terms_at_entry);
     let told = |index: usize| match by_flow[index] < by_law[index] {
         true => moved[index],
         false => passage.rate[index],
@@ -161,7 +175,7 @@ impl OrbitAt<'_> {
     fn link(&self, zone: usize, passage: &Passage) -> Link {
         let n = self.orbit.states();
         let rates = |after: &Vector| {
-            let before = &self.mode(zone).matrix.at * &passage.entry;
+            let before = product(&self.mode(zone).matrix.at, &passage.entry);
             [
                 before.rows(0, n).into_owned(),
                 after.rows(0, n).into_owned(),
@@ -193,22 +207,25 @@ impl OrbitAt<'_> {
         let mut entry = passage.end.clone();
         entry
             .rows_mut(0, n)
-            .copy_from(&(&exit.reset.at * &passage.end));
+            .copy_from(&product(&exit.reset.at, &passage.end));
         self.mode(next).field.complete(&mut entry);
         let matrix = &self.mode(next).matrix.at;
-        let after = (matrix * &entry).rows(0, n).into_owned();
-        let mut shift = &after - &exit.reset.at * rate;
+        let after = product(matrix, &entry).rows(0, n).into_owned();
+        let mut shift = &after - product(&exit.reset.at, rate);
         // fields that meet without a jump differ by rounding, which a graze would magnify without bound
-        let sizes = (matrix.abs() * entry.abs()).rows(0, n).into_owned();
+        let sizes = sizes_of_product(matrix, &entry);
         for (shift, size) in shift.iter_mut().zip(&sizes) {
             if shift.abs() <= CONTINUOUS * size {
                 *shift = 0.0;
             }
         }
-        let normal = passage.gradient(row).rows(0, n).into_owned();
+        let normal = passage.gradient(row);
         let reset = passage.slopes(&exit.reset.at);
-        let known = exit.reset.at.abs() * rate.abs() + sizes;
-        let bounds = (reset.abs() + known * (normal.transpose() / fall).abs()) * NOTHING;
+        let of_reset = sizes_of_product(&exit.reset.at, rate);
+        let bounds = Matrix::from_fn(n, n, |i, j| {
+            let known = of_reset[i] + sizes[i];
+            (reset[(i, j)].abs() + known * (normal[j] / fall).abs()) * NOTHING
+        });
         let speed = -fall * self.orbit.setting.scales.time / self.orbit.size(row);
         let surface = self.onto_surface(zone + 1);
         let (jump, lost, fall) = match surface {
@@ -217,7 +234,8 @@ impl OrbitAt<'_> {
             // nothing jumps: what a graze would magnify is zero
             None if shift.amax() == 0.0 => (reset.clone(), n - rank(reset, bounds), speed),
             _ => {
-                let jump = &reset + &shift * normal.transpose() / fall;
+                let jump =
+                    Matrix::from_fn(n, n, |i, j| reset[(i, j)] + shift[i] * normal[j] / fall);
                 let (jump, bounds) = match surface {
                     Some(surface) => (
                         &surface * &jump,
