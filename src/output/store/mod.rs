@@ -8,6 +8,8 @@
 //! also tells the folder from another one that is put in its place, where nothing is written.
 //!
 //! A file is never written to under another name: one with a hard link is replaced by a copy first.
+//!
+//! What a checkpoint speaks of has come to the disk before it. Pictures, which are drawn again from the tables, have not.
 
 mod admit;
 mod checkpoint;
