@@ -416,6 +416,25 @@ impl Field {
         rates.filter(|(c, _)| form[*c] != 0.0).map(of).sum()
     }
 
+    /// Sizes of the terms of which a product is made, over a length of these powers: where they cancel, as in x(μ − x² − y²) on
+    /// the circle, the product has their rounding. Zero of other components.
+    fn size_of_product(&self, series: &Series, component: usize, powers: &[f64; ORDER + 1]) -> f64 {
+        let step = component.checked_sub(self.program.base);
+        let step = step.map(|index| &self.program.steps[index]);
+        let Some(step) = step.filter(|step| step.rule == Rule::Product) else {
+            return 0.0;
+        };
+        let largest = |j: usize| {
+            let orders = series.values(j).iter().zip(powers);
+            orders.fold(0.0, |most: f64, (z, power)| most.max(z.abs() * power))
+        };
+        let of = |operand: &Sparse| -> f64 {
+            let terms = operand.terms.iter();
+            terms.map(|(j, by)| by.value.abs() * largest(*j)).sum()
+        };
+        step.operands.iter().map(of).product()
+    }
+
     /// Components before those that are made of others.
     pub fn base(&self) -> usize {
         self.program.base
@@ -439,7 +458,9 @@ impl Field {
                 // |z_K|hᴷ is at most the allowed part of |z_j|hʲ for one j: most components hold as long as others
                 let holds = |j: usize| tail * powers[last - j] <= self.tolerance * z[j].abs();
                 if tail > 0.0 && !(0..last).any(holds) {
-                    let allowed = |j: usize| self.tolerance * z[j].abs() / tail;
+                    let first = z[0].abs().max(self.size_of_product(series, c, &powers));
+                    let own = |j: usize| if j == 0 { first } else { z[j].abs() };
+                    let allowed = |j: usize| self.tolerance * own(j) / tail;
                     length = length.min(longest_of(allowed, last));
                     powers = self::powers(length);
                 }

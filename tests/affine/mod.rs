@@ -6,6 +6,7 @@
 mod branches;
 mod counts;
 mod crossings;
+mod cycles;
 mod ending;
 mod matrices;
 mod motion;

@@ -62,7 +62,7 @@ fn mistakes_are_told_with_their_place() {
             "forcing: \"w\"",
             "forcing: \"x\"",
             "forcing",
-            "`x` is no state",
+            "`x` is no parameter",
         ),
         (
             IMPACT,

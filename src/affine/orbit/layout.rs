@@ -8,10 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::forms::Units;
 use super::memory::Memory;
 use super::passage::{Integrated, Jet, Passage, Propagators, derivative};
-use super::section;
 use super::signature::Sequence;
 pub use super::signature::ZonePoint;
-use super::structure::{ZoneFacts, facts};
+use super::structure::{ZoneFacts, facts, section};
 use crate::affine::closure::Prescribed;
 use crate::affine::flow::ModeFlow;
 use crate::affine::mode::{AffineMode, AffineSystem, Guard, MatrixBy, Row};
@@ -365,7 +364,7 @@ impl AffineOrbit {
     /// The state that is greatest where an orbit of this mode begins that neither switches nor is forced.
     pub(super) fn section(&self, mode: &AffineMode) -> usize {
         let known = self.setting.scales.section;
-        known.unwrap_or_else(|| section::of_mode(mode))
+        known.unwrap_or_else(|| section(mode))
     }
 
     /// Unknowns of a zone.

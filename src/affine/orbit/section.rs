@@ -1,18 +1,9 @@
 //! Where an orbit begins that neither switches nor is forced: where one of its states is greatest, so that its rate is zero.
 
 use super::layout::{AffineOrbit, OrbitFailure, Posed};
-use crate::affine::mode::AffineMode;
 use crate::linalg::Vector;
 
-/// The state whose rate is zero at the beginning, of a mode without an orbit: the first whose rate depends on the states.
-pub fn of_mode(mode: &AffineMode) -> usize {
-    let matrix = &mode.matrix.at;
-    let states = mode.matrix.at.nrows();
-    let depends = |row: &usize| matrix.row(*row).iter().any(|c| *c != 0.0);
-    (0..states).find(depends).unwrap_or(0)
-}
-
-/// The same along an orbit: the first state that moves, by a part that counts of what the others do in their units.
+/// The state that is greatest where an orbit begins: the first that moves, by a part that counts of what the others do in their units.
 pub fn of_orbit(extremes: &[(f64, f64)], units: &[f64]) -> Option<usize> {
     /// Most cycles move all of their states; of one that hardly moves the extremes are rounding.
     const COUNTS: f64 = 0.1;
@@ -60,7 +51,7 @@ impl Posed {
 
 impl AffineOrbit {
     /// The same orbit without switches and forcing, begun where its state is greatest.
-    pub(super) fn from_section(&self, point: &Vector) -> Result<Vector, OrbitFailure> {
+    pub(super) fn begun_at_section(&self, point: &Vector) -> Result<Vector, OrbitFailure> {
         let at = self.at(point)?;
         let mut zone = at.zones[0].clone();
         let mode = self.sequence.zone(0).mode;

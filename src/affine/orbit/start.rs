@@ -371,6 +371,7 @@ fn found(
         }
         None => {
             let longest = longest.max(ENDLESS);
+            let settled = motion.place().clone();
             let first = next_switch(&mut motion, longest);
             let settles = first.and_then(|(first, _)| {
                 let recurrence = Recurrence::Switch(first, longest);
@@ -380,6 +381,11 @@ fn found(
             settles.or_else(|reason| match reason {
                 NoStart::Leaves { time } if rests(&system, motion.place(), &beginning.state) => {
                     let place = motion.place().clone();
+                    Err(NoStart::Rests { time, place })
+                }
+                // of what decays for ever numbers are lost in the end
+                NoStart::Halted(_) if rests(&system, &settled, &beginning.state) => {
+                    let (time, place) = (settled.time, settled);
                     Err(NoStart::Rests { time, place })
                 }
                 NoStart::Leaves { .. } => {
@@ -999,7 +1005,8 @@ fn pose(
         }
     })?;
     let point = solution.point;
-    if orbit.is_point(&point) {
+    let rests = !orbit.is_forced() && orbit.sequence.switches() == 0;
+    if rests && orbit.varies_within(&point, SAME) {
         return Err(NoStart::Equilibrium);
     }
     let turns = orbit.turns_within(&point, SAME);
@@ -1098,7 +1105,7 @@ pub(super) fn scaled(
     let point = orbit.pack(&points, &wanted.values);
     let begun = free && orbit.sequence.switches() == 0;
     let point = match begun {
-        true => orbit.from_section(&point).map_err(failed)?,
+        true => orbit.begun_at_section(&point).map_err(failed)?,
         false => point,
     };
     Ok((orbit, point))

@@ -82,6 +82,15 @@ pub fn exit_of<'a>(system: &'a AffineSystem, sequence: &Sequence, zone: usize) -
     guard.exits.get(way.exit)
 }
 
+/// The state whose rate is zero where an orbit begins that neither switches nor is forced, where no orbit is known: the first
+/// whose rate depends on the states.
+pub fn section(mode: &AffineMode) -> usize {
+    let matrix = &mode.matrix.at;
+    let states = mode.matrix.at.nrows();
+    let depends = |row: &usize| matrix.row(*row).iter().any(|c| *c != 0.0);
+    (0..states).find(depends).unwrap_or(0)
+}
+
 /// The facts of every zone of a sequence that the system has; its zones next to these are looked at where that is not
 /// linear. Of a linear system that differs from one with `known` facts in the values of the parameter alone they are
 /// of the same orders.

@@ -1,0 +1,161 @@
+//! Cycles that neither switch nor are forced, against closed forms and figures of an independent program in 50 digits.
+
+use std::f64::consts::{PI, TAU};
+
+use brakewave::EventType;
+use brakewave::affine::orbit::AffineOrbit;
+use brakewave::affine::orbit::start::{Beginning, NoStart, Search, Wanted, first};
+use brakewave::linalg::Vector;
+
+use crate::affine::branches::{follow, meets};
+use crate::affine::systems::system;
+use EventType::{BP, EP, GR, NS, PD};
+
+const VAN_DER_POL: &str = r#"(states: ["x", "v"], parameters: {"mu": 1.0}, modes: {"flow": (
+    rates: {"x": "v", "v": "mu*(1 - x^2)*v - x"})})"#;
+
+fn started(
+    text: &str,
+    (parameter, range): (&str, (f64, f64)),
+    state: &[f64],
+    search: Search,
+) -> Result<(AffineOrbit, Vector), NoStart> {
+    let wanted = Wanted::new(system(text), parameter, range).unwrap();
+    let beginning = Beginning {
+        mode: 0,
+        state: state.to_vec(),
+        phase: 0.0,
+    };
+    first(&wanted, &beginning, search)
+}
+
+fn period(orbit: &AffineOrbit, point: &Vector) -> f64 {
+    orbit.cycle(point).unwrap().period
+}
+
+/// A motion that settles, a guess, a guess that goes round twice, and one so far off that Newton's method fails.
+#[test]
+fn a_cycle_is_found_from_wherever() {
+    const T: f64 = 6.663_286_859_323_130_189_7;
+    let starts = [
+        (vec![1.0, 0.0], Search::Settles(60.0)),
+        (vec![2.0, 0.0], Search::Guess(6.66)),
+        (vec![2.0, 0.0], Search::Guess(13.3)),
+        (vec![0.1, 0.0], Search::Guess(3.0)),
+    ];
+    for (state, search) in starts {
+        let (orbit, point) = started(VAN_DER_POL, ("mu", (0.5, 10.0)), &state, search).unwrap();
+        let off = period(&orbit, &point) / T - 1.0;
+        assert!(off.abs() <= 1e-14, "{search:?}: {off:e}");
+        let multipliers = orbit.multipliers(&point).unwrap();
+        assert!(multipliers[0].trivial && multipliers[0].value.re == 1.0);
+        let off = multipliers[1].value.re - 8.596_950_636_038_1e-4;
+        assert!(off.abs() <= multipliers[1].error, "{off:e}");
+    }
+}
+
+/// An equilibrium is no orbit, and a motion that comes to one has none.
+#[test]
+fn an_equilibrium_is_no_cycle() {
+    let text = r#"(states: ["x", "v"], parameters: {"k": 1.0}, modes: {"flow": (
+        rates: {"x": "v", "v": "-k*x - v - x^3"})})"#;
+    for search in [Search::Settles(200.0), Search::Guess(6.0)] {
+        let reason = started(text, ("k", (0.5, 2.0)), &[0.1, 0.0], search).unwrap_err();
+        let told = matches!(
+            reason,
+            NoStart::Rests { .. } | NoStart::Equilibrium | NoStart::Newton(_) | NoStart::Family(_)
+        );
+        assert!(told, "{search:?}: {reason}");
+    }
+}
+
+/// The Brusselator: the cycle shrinks to its equilibrium at B = 1 + A².
+#[test]
+fn a_cycle_shrinks_at_its_hopf_point() {
+    let text = r#"(states: ["x", "y"], parameters: {"A": 1.0, "B": 2.5}, modes: {"flow": (
+        rates: {"x": "A - (B + 1)*x + x^2*y", "y": "B*x - x^2*y"})})"#;
+    let (orbit, point) =
+        started(text, ("B", (1.9, 3.0)), &[1.5, 2.0], Search::Settles(60.0)).unwrap();
+    let off = period(&orbit, &point) / 6.577_284_341_905_833_303_4 - 1.0;
+    assert!(off.abs() <= 1e-14, "{off:e}");
+    let (seen, all) = follow(&orbit, &point, false, (1.9, 3.0), 500);
+    meets(&seen[..1], &[(BP, 2.0, "")], 1e-14);
+    let last = all.last().unwrap();
+    let off = period(&last.orbit, &last.node.point) - TAU;
+    assert!(off.abs() <= 1e-13, "{off:e}");
+}
+
+/// Roessler's band doubles.
+#[test]
+fn a_cycle_doubles() {
+    let text = r#"(states: ["x", "y", "z"], parameters: {"a": 0.2, "b": 0.2, "c": 2.7}, modes: {"flow": (
+        rates: {"x": "-y - z", "y": "x + a*y", "z": "b + z*(x - c)"})})"#;
+    let start = started(
+        text,
+        ("c", (2.5, 4.0)),
+        &[1.0, 1.0, 0.0],
+        Search::Settles(200.0),
+    );
+    let (orbit, point) = start.unwrap();
+    let (seen, _) = follow(&orbit, &point, true, (2.5, 3.0), 200);
+    let expected = [(PD, 2.832_445_027_862_538_913_7, "flow"), (EP, 3.0, "flow")];
+    meets(&seen, &expected, 1e-13);
+}
+
+/// Langford's field without its last term: a circle at z = b, on which z stands still, whatever the order of the states.
+#[test]
+fn a_state_may_stand_still_on_a_cycle() {
+    let rates = [
+        ("x", "(z - b)*x - d*y"),
+        ("y", "d*x + (z - b)*y"),
+        ("z", "c + a*z - z^3/3 - (x^2 + y^2)*(1 + e*z)"),
+    ];
+    let values = [("x", 0.84), ("y", 0.0), ("z", 0.7)];
+    for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
+        let states = order
+            .map(|index| format!("\"{}\"", rates[index].0))
+            .join(", ");
+        let rates = order.map(|index| format!("\"{}\": \"{}\"", rates[index].0, rates[index].1));
+        let text = format!(
+            r#"(states: [{states}], parameters: {{"a": 0.5, "b": 0.7, "c": 0.6, "d": 3.5, "e": 0.25}},
+            modes: {{"flow": (rates: {{{}}})}})"#,
+            rates.join(", ")
+        );
+        let state = order.map(|index| values[index].1);
+        let start = started(&text, ("a", (0.3, 0.9)), &state, Search::Guess(1.8));
+        let (orbit, point) = start.unwrap();
+        let (seen, all) = follow(&orbit, &point, true, (0.3, 0.9), 300);
+        // a = b²(1 + eb) + e(c − b³/3)
+        let value = 0.49 * 1.175 + 0.25 * (0.6 - 0.343 / 3.0);
+        meets(&seen, &[(NS, value, "flow"), (EP, 0.9, "flow")], 1e-13);
+        for found in &all {
+            let off = period(&found.orbit, &found.node.point) * 3.5 / TAU - 1.0;
+            assert!(off.abs() <= 1e-14, "{off:e}");
+        }
+    }
+}
+
+/// The circle of radius √μ comes to touch a line at the distance 3/2, wherever that is seen from its beginning, and
+/// switches from there on; coming back it does so no more at the same place.
+#[test]
+fn a_cycle_that_touches_a_guard_switches_from_there_on() {
+    for angle in [0.0, 0.3, 0.5 * PI, 2.0, PI, -0.5 * PI] {
+        let (sine, cosine) = f64::sin_cos(angle);
+        let line = format!("1.5 - ({cosine:?})*x - ({sine:?})*y");
+        let text = format!(
+            r#"(states: ["x", "y"], parameters: {{"mu": 1.0}}, define: {{"r": "mu - x^2 - y^2", "g": "{line}"}}, modes: {{
+                "free": (rates: {{"x": "x*r - y", "y": "x + y*r"}}, until: [(zero: "g", to: "held")]),
+                "held": (rates: {{"x": "x*r - y + ({cosine:?})*g", "y": "x + y*r + ({sine:?})*g"}}, until: [(zero: "-g", to: "free")]),
+            }})"#
+        );
+        let range = ("mu", (0.5, 3.0));
+        let (orbit, point) = started(&text, range, &[0.5, 0.1], Search::Settles(40.0)).unwrap();
+        let (up, all) = follow(&orbit, &point, true, range.1, 300);
+        meets(&up, &[(GR, 2.25, ""), (EP, 3.0, "")], 1e-13);
+        let last = all.last().unwrap();
+        assert_eq!(last.orbit.sequence.switches(), 2);
+        let (down, all) = follow(&last.orbit, &last.node.point, false, range.1, 300);
+        meets(&down[..1], &[(GR, 2.25, "")], 1e-13);
+        assert_eq!(all.last().unwrap().orbit.sequence.switches(), 0);
+    }
+}
