@@ -164,6 +164,31 @@ impl OrbitAt<'_> {
         Ok(times.map(of).collect())
     }
 
+    /// Times since the entry of a zone that part it into so many even intervals, or more where a flow that is integrated has
+    /// short pieces.
+    ///
+    /// # Errors
+    /// The zone has too many pieces.
+    pub(super) fn times(&self, zone: usize, intervals: usize) -> Result<Vec<f64>, OrbitFailure> {
+        /// Intervals of a piece at least: over one a motion moves by some part of its size.
+        const LEAST: usize = 4;
+        let duration = self.zones[zone].duration;
+        let part = |begun: f64, time: f64, count: usize| {
+            (0..count).map(move |index| begun + time * index as f64 / count as f64)
+        };
+        if self.mode(zone).field.is_exact || duration <= 0.0 {
+            let even = part(0.0, duration, intervals.max(1));
+            return Ok(even.chain([duration]).collect());
+        }
+        let parts = self.parts(zone)?;
+        let of_part = |own: &Part| {
+            let time = own.part * own.piece.length;
+            let even = (intervals as f64 * time / duration).ceil() as usize;
+            part(own.begun, time, even.max(LEAST))
+        };
+        Ok(parts.iter().flat_map(of_part).chain([duration]).collect())
+    }
+
     fn parts(&self, zone: usize) -> Result<Vec<Part>, OrbitFailure> {
         let duration = self.zones[zone].duration;
         if duration.is_nan() || duration <= 0.0 {

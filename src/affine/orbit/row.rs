@@ -112,7 +112,8 @@ impl AffineOrbit {
         })
     }
 
-    /// The orbit at so many even intervals of every zone, ends and entries both: states jump where they are reset.
+    /// The orbit at so many even intervals of every zone, ends and entries both: states jump where they are reset. Where a flow
+    /// is integrated there are more where its pieces are short.
     ///
     /// # Errors
     /// The flow cannot be evaluated there.
@@ -127,9 +128,8 @@ impl AffineOrbit {
                 duration, phase, ..
             } = at.zones[zone];
             let mode = self.sequence.zone(zone).mode;
-            let time = |part: usize| duration * part as f64 / intervals.max(1) as f64;
-            let times = (0..=intervals).map(time);
-            for (time, z) in times.clone().zip(at.along(zone, times)?) {
+            let times = at.times(zone, intervals)?;
+            for (time, z) in times.iter().zip(at.along(zone, times.iter().copied())?) {
                 samples.push(Sample {
                     time: begun + time,
                     phase: (phase + omega * time).rem_euclid(TAU),

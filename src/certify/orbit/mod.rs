@@ -40,7 +40,7 @@ use super::arc::{Broken, Moving};
 use super::certificate::{Point, Provable, Refused, Tally, begin_alike};
 use super::{krawczyk, wider};
 use crate::affine::orbit::candidates::candidates;
-use crate::affine::orbit::{AffineOrbit, Critical, Margin, Sequence, Watch, ZonePoint};
+use crate::affine::orbit::{AffineOrbit, Critical, Margin, Scales, Sequence, Watch, ZonePoint};
 use crate::affine::system::System;
 use crate::hybrid::Item;
 use crate::interval::{Decimal, Interval, Number, PI};
@@ -207,7 +207,11 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
         values: decimals(values, text),
         parameter: at,
         periods: setting.periods,
-        units: setting.scales.clone(),
+        // where an orbit begins that never switches is none of what is proven
+        units: Scales {
+            section: None,
+            ..setting.scales.clone()
+        },
     };
     let value = item.point.parameters.get(at).copied().unwrap_or(f64::NAN);
     let mut near = near(orbit, point)?;

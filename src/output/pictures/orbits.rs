@@ -60,7 +60,7 @@ pub(crate) fn draw(
     let title = problem.title.as_deref();
     let picture = |plot: &SystemPlot| -> Named {
         let drawn = describe(store, source, plot, &tables, &orbits);
-        let subtitle = constants(source, &[&section.parameter]);
+        let subtitle = constants(source, &varying(problem, &[&section.parameter]));
         let drawn = drawn.map(|picture| picture.titled(title).subtitled(&subtitle));
         (layout::orbit_plot(plot), drawn)
     };
@@ -90,7 +90,7 @@ pub(crate) fn draw_view(
     let view = shown(&ordinate(&problem.system.source, &tables.branch));
     tables.check_column(&view.column)?;
     let drawn = diagram::picture(&tables, &view)?;
-    let subtitle = constants(&problem.system.source, &[parameter]);
+    let subtitle = constants(&problem.system.source, &varying(problem, &[parameter]));
     let drawn = drawn.titled(problem.title.as_deref()).subtitled(&subtitle);
     put(store, None, format, [(layout::VIEW.to_owned(), Ok(drawn))])
 }
@@ -151,6 +151,12 @@ fn ordinate(source: &Source, branch: &Table) -> String {
     let first = columns.clone().next();
     let chosen = columns.find(changes).or(first);
     chosen.unwrap_or("period".to_owned())
+}
+
+/// These parameters and the one that is free for a prescribed period.
+fn varying<'a>(problem: &'a SystemProblem, followed: &[&'a str]) -> Vec<&'a str> {
+    let free = problem.orbit.free.as_deref();
+    followed.iter().copied().chain(free).collect()
 }
 
 /// The parameters that stay as they are.
