@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::expression::{Algebra, Expression};
 use super::form::Dual;
-use super::system::{Mistake, Ordered, Source, System, SystemError};
+use super::system::{Mistake, Ordered, Source, SystemError};
 
 /// A prescribed period.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,11 +76,6 @@ impl Prescribed {
         self.written.free
     }
 
-    /// The period as it is written.
-    pub fn text(&self) -> &str {
-        &self.written.period
-    }
-
     /// Whether the period depends on a parameter.
     pub fn has(&self, parameter: &str) -> bool {
         let mut found = false;
@@ -93,49 +88,20 @@ impl Prescribed {
     /// # Errors
     /// It has no value, or is not positive.
     pub fn period(&self, values: &[f64], varying: &[usize]) -> Result<Dual, SystemError> {
-        let parameter = |index: usize| {
-            let varies = varying.iter().position(|varying| *varying == index);
-            Dual::parameter(values[index], varies)
+        let parameter = Dual::parameters(values, varying);
+        let meaning = |name: &str| match name {
+            "pi" => Some(Dual::number(PI)),
+            _ => {
+                let mut names = self.written.parameters.iter();
+                let index = names.position(|known| known == name);
+                index.map(&parameter)
+            }
         };
-        let period = self.evaluate(&parameter, Dual::number(PI))?;
+        let flawed = |flaw| SystemError::at(PERIOD, Mistake::Expression(flaw));
+        let period = self.period.evaluate(&meaning).map_err(flawed)?;
         match period.value > 0.0 {
             true => Ok(period),
             false => Err(SystemError::at(PERIOD, Mistake::Period(period.value))),
         }
-    }
-
-    /// The period where parameters, by their index, and π are these numbers.
-    ///
-    /// # Errors
-    /// It has no value.
-    pub fn evaluate<A: Algebra>(
-        &self,
-        parameter: &impl Fn(usize) -> A,
-        pi: A,
-    ) -> Result<A, SystemError> {
-        let meaning = |name: &str| match name {
-            "pi" => Some(pi.clone()),
-            _ => {
-                let mut names = self.written.parameters.iter();
-                let index = names.position(|known| known == name);
-                index.map(parameter)
-            }
-        };
-        let flawed = |flaw| SystemError::at(PERIOD, Mistake::Expression(flaw));
-        self.period.evaluate(&meaning).map_err(flawed)
-    }
-}
-
-impl System {
-    /// The orbits of a prescribed period of this system.
-    ///
-    /// # Errors
-    /// What is wrong with the text; a name that is no parameter is [`Mistake::NoParameter`].
-    pub fn prescribed(&self, text: &str, free: &str) -> Result<Prescribed, SystemError> {
-        let free = self.source.parameters.index(free).ok_or_else(|| {
-            let mistake = Mistake::NoParameter(free.to_owned());
-            SystemError::at("orbit.free", mistake).near(free, self.source.parameters.names())
-        })?;
-        Prescribed::new(&self.source, text, free)
     }
 }

@@ -37,6 +37,11 @@ pub(super) fn propagator(
     }
 }
 
+/// The same without derivatives.
+pub(super) fn plain_propagator(matrix: &Matrix, states: usize, norm: f64, time: f64) -> Matrix {
+    propagator(matrix, [None; VARYING], states, norm, time).0
+}
+
 /// Entries that are not zero: row, column, value.
 pub(super) fn entries(matrix: &Matrix) -> Vec<(usize, usize, f64)> {
     let mut entries = Vec::with_capacity(4 * matrix.nrows());

@@ -3,8 +3,7 @@
 
 use std::sync::OnceLock;
 
-use super::exponential::{TERMS, entries, propagator};
-use super::form::VARYING;
+use super::exponential::{TERMS, entries, plain_propagator};
 use super::mode::{AffineMode, Row};
 use super::recurrence::Series;
 use super::series::{Field, ORDER};
@@ -148,7 +147,7 @@ impl Exact {
         } else {
             longest
         };
-        let (step, _) = propagator(&matrix, [None; VARYING], states, norm, length);
+        let step = plain_propagator(&matrix, states, norm, length);
         Exact {
             guards: Vec::new(),
             stiff: Vec::new(),

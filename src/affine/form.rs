@@ -50,6 +50,14 @@ impl Dual {
         Dual { value, by }
     }
 
+    /// Parameters by their index, at these values, of which those of the indices `varying` vary.
+    pub(super) fn parameters(values: &[f64], varying: &[usize]) -> impl Fn(usize) -> Dual {
+        |index| {
+            let varies = varying.iter().position(|varying| *varying == index);
+            Dual::parameter(values[index], varies)
+        }
+    }
+
     /// f(self) for a function with this value and derivative.
     fn chain(self, (value, derivative): (f64, f64)) -> Dual {
         let by = self

@@ -72,10 +72,7 @@ impl System {
 
     /// The same as [`System::at`] for a forcing of any frequency.
     fn evaluated(&self, values: &[f64], varying: &[usize]) -> Result<AffineSystem, SystemError> {
-        let parameter = |index: usize| {
-            let varies = varying.iter().position(|varying| *varying == index);
-            Dual::parameter(values[index], varies)
-        };
+        let parameter = Dual::parameters(values, varying);
         let evaluation = Evaluation::new(self, &parameter, Dual::number(PI))?;
         let omega = evaluation.frequency()?;
         let names = self.source.modes.names();

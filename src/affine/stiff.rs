@@ -4,8 +4,7 @@
 //! With z = (z₁, z₂) and ż = Mz the slow part lies in z₂ = Xz₁, where M₂₁ + M₂₂X = X(M₁₁ + M₁₂X), and f = z₂ − Xz₁ has
 //! ḟ = Ff, F = M₂₂ − XM₁₂. With YF = M₁₂ + BY, B = M₁₁ + M₁₂X, the rest is s = z₁ − Yf with ṡ = Bs.
 
-use super::exponential::propagator;
-use super::form::VARYING;
+use super::exponential::plain_propagator;
 use crate::linalg::{Factors, Matrix, Vector, balance, eigenvalues};
 
 /// Zones of fewer time scales of their mode are left as they are: what is fast takes half of them to vanish.
@@ -92,7 +91,7 @@ impl Splitting {
     ) -> Option<Splitting> {
         let size = scaled.nrows();
         // by then what is fast has vanished: e⁻³⁶ is rounding, and what is slow has not grown much
-        let (flow, _) = propagator(scaled, [None; VARYING], size, norm, 36.0 / decay);
+        let flow = plain_propagator(scaled, size, norm, 36.0 / decay);
         // components that move slowly themselves describe it best
         let mut rest = flow.clone();
         for (mut row, own) in rest.row_iter_mut().zip(scaled.row_iter()) {
@@ -218,20 +217,8 @@ impl Splitting {
 
     /// exp(Mt).
     pub fn propagator(&self, time: f64) -> Matrix {
-        let (fast, _) = propagator(
-            &self.fast,
-            [None; VARYING],
-            self.fast.nrows(),
-            self.rates.0,
-            time,
-        );
-        let (slow, _) = propagator(
-            &self.slow,
-            [None; VARYING],
-            self.slow.nrows(),
-            self.balance.1,
-            time,
-        );
+        let fast = plain_propagator(&self.fast, self.fast.nrows(), self.rates.0, time);
+        let slow = plain_propagator(&self.slow, self.slow.nrows(), self.balance.1, time);
         &self.along * slow * &self.slow_of + &self.across * fast * &self.fast_of
     }
 }

@@ -188,9 +188,6 @@ pub enum Mistake {
     /// The period that is prescribed is not positive.
     #[error("the period of the orbit is {0}; it must be positive")]
     Period(f64),
-    /// A name that should be one of a parameter.
-    #[error("`{0}` is no parameter")]
-    NoParameter(String),
     /// A mode whose expressions have no value within it.
     #[error("an expression of `{0}` has no value where its guards are positive: {1}")]
     Within(String, Obstacle),
@@ -243,11 +240,7 @@ impl SystemError {
     }
 
     /// With the nearest of the names that would be right.
-    pub(super) fn near<'a>(
-        mut self,
-        name: &str,
-        known: impl Iterator<Item = &'a str>,
-    ) -> SystemError {
+    fn near<'a>(mut self, name: &str, known: impl Iterator<Item = &'a str>) -> SystemError {
         let close = known.map(|known| (strsim::osa_distance(name, known), known));
         let nearest = close.min_by_key(|(distance, _)| *distance);
         let letters = name.chars().count();

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use brakewave::EventType;
+use brakewave::affine::closure::Prescribed;
 use brakewave::affine::orbit::AffineOrbit;
 use brakewave::affine::orbit::start::{Beginning, Search, Wanted, first};
 use brakewave::affine::system::System;
@@ -67,6 +68,12 @@ fn wave(impact: Impact) -> String {
     )
 }
 
+/// A period that is prescribed, with c free for it.
+fn prescribed(system: &System, period: &str) -> Prescribed {
+    let free = system.source.parameters.index("c").unwrap();
+    Prescribed::new(&system.source, period, free).unwrap()
+}
+
 /// The orbit of the first wave of a branch, which is one of slip and stick.
 fn orbit(case: &Case, c: f64) -> (AffineOrbit, Vector) {
     let model = &case.model;
@@ -91,7 +98,7 @@ fn orbit(case: &Case, c: f64) -> (AffineOrbit, Vector) {
     };
     let wanted = Wanted {
         values: values(&system, &at),
-        prescribed: Some(system.prescribed("2*pi/(n*c)", "c").unwrap()),
+        prescribed: Some(prescribed(&system, "2*pi/(n*c)")),
         ..Wanted::new(system, parameter, case.range).unwrap()
     };
     let beginning = Beginning {
@@ -233,7 +240,7 @@ fn a_rotation_turns_as_fast_as_is_prescribed() {
     )"#;
     let system = system(text);
     let wanted = Wanted {
-        prescribed: Some(system.prescribed("T", "c").unwrap()),
+        prescribed: Some(prescribed(&system, "T")),
         ..Wanted::new(system, "T", (2.0, 20.0)).unwrap()
     };
     let beginning = Beginning {

@@ -1,7 +1,7 @@
 //! Periodic orbits of a hybrid system as orbits that the engine follows.
 //!
-//! [`signature`] is the sequence of zones, [`layout`] has the unknowns, [`residual`] the equations, `section` the beginning of an orbit that has none by itself; [`passage`] is
-//! the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends whatever the
+//! [`signature`] is the sequence of zones, [`layout`] has the unknowns, [`residual`] the equations, `section` the beginning of an
+//! orbit that has none by itself; [`passage`] is the exact flow through a zone with its derivatives, and [`structure`] knows what is zero at its ends whatever the
 //! parameter, as [`forms`] tell, or [`generic`] points. [`margin`] measures the inequalities, [`examine`] decides them, by
 //! what [`turning`] tells of smooth functions; [`candidates`] finds
 //! what lies beyond an event, [`ends`] why nothing does, by the motions beside it as [`discontinuity`] has them;

@@ -305,9 +305,12 @@ impl Checks<'_, SystemProblem> {
         }
         let names: Vec<&str> = self.source().parameters.names().collect();
         self.one_of("orbit.free", "parameter", free, &names)?;
+        let source = self.source();
+        let index = source.parameters.index(free).unwrap_or(0);
+        let prescribed = Prescribed::new(source, period, index);
         let of_values = |prescribed: Prescribed| prescribed.period(&self.problem.values(), &[]);
-        if let Err(error) = system.prescribed(period, free).and_then(of_values) {
-            return Err(flaw_at(self.source(), self.outline, PERIOD, &error));
+        if let Err(error) = prescribed.and_then(of_values) {
+            return Err(flaw_at(source, self.outline, PERIOD, &error));
         }
         let continued = self.problem.continuation.as_ref();
         let continued = continued.map(|section| section.parameter.as_str());

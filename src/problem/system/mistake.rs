@@ -45,10 +45,6 @@ pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &Sy
             names.extend(error.nearest.clone());
             format!("the modes are {}", list(source.modes.names()))
         }
-        Mistake::NoParameter(_) => {
-            names.extend(error.nearest.clone());
-            format!("the parameters are {}", list(source.parameters.names()))
-        }
         Mistake::NoForcing => {
             "add for example `forcing: \"1.5\"`, its angular frequency, to `system`".to_owned()
         }

@@ -258,7 +258,8 @@ impl SystemProblem {
     /// The period, where it is prescribed.
     pub fn prescribed(&self) -> Option<Prescribed> {
         let (period, free) = self.orbit.period.as_ref().zip(self.orbit.free.as_ref())?;
-        self.system.prescribed(period, free).ok()
+        let source = &self.system.source;
+        Prescribed::new(source, period, source.parameters.index(free)?).ok()
     }
 
     /// Values of the parameters, in the order of the file.
