@@ -54,7 +54,7 @@ impl Orbits {
         let system = problem.system.at(&problem.values(), &[]).ok()?;
         Some(Orbits {
             parameter: problem.parameter()?,
-            exact: system.modes.iter().all(|mode| mode.field.is_exact),
+            exact: system.modes.are_exact(),
             continuation: with_stops(continuation),
             named: named.cloned(),
             problem,

@@ -4,25 +4,33 @@ use std::collections::HashMap;
 
 use super::expression::{Expression, Flaw, Obstacle};
 use super::form::{Coefficient, Dual, Form};
+use super::contact::Law;
 use super::system::{Mistake, Switch, System, SystemError};
 
 /// A switch with its expressions as forms.
-pub struct FormSwitch<'a, C = Dual> {
-    pub switch: &'a Switch,
+#[derive(Clone, Debug, PartialEq)]
+pub struct FormSwitch<C = Dual> {
     pub guard: Form<C>,
+    pub to: usize,
+    pub rest: Option<usize>,
     pub reset: Vec<(usize, Form<C>)>,
     pub conditions: Vec<Form<C>>,
+    /// The guard of `to` that is zero there, with so many orders.
+    pub tangent: Option<(usize, usize)>,
+    /// Number of its guard where several switches have one: of those of contacts. Others with equal forms have one guard.
+    pub group: Option<usize>,
 }
 
 /// A mode with its expressions as forms.
-pub struct FormMode<'a, C = Dual> {
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FormMode<C = Dual> {
     /// Rates in the order of the states.
     pub rates: Vec<Form<C>>,
     /// Switches in the order of the file.
-    pub switches: Vec<FormSwitch<'a, C>>,
+    pub switches: Vec<FormSwitch<C>>,
 }
 
-impl<'a, C> FormMode<'a, C> {
+impl<C> FormMode<C> {
     /// All forms of it.
     pub fn forms(&self) -> impl Iterator<Item = &Form<C>> {
         let switches = self.switches.iter().flat_map(|switch| {
@@ -36,14 +44,15 @@ impl<'a, C> FormMode<'a, C> {
     }
 }
 
-impl FormMode<'_> {
+impl FormMode {
     /// The mode with every expression as it is within it, where its guards are not negative: the absolute value of a
-    /// multiple of one has no kink there.
+    /// multiple of one has no kink there, nor has one of a form that is `held` at zero.
     ///
     /// # Errors
     /// An operation that has no result there.
-    pub fn within(mut self) -> Result<Self, Obstacle> {
-        let guards: Vec<Form> = self.switches.iter().map(|one| one.guard.clone()).collect();
+    pub fn within(mut self, held: &[Form]) -> Result<Self, Obstacle> {
+        let guards = self.switches.iter().map(|one| &one.guard).chain(held);
+        let guards: Vec<Form> = guards.cloned().collect();
         let mut known = HashMap::new();
         let mut resolve = |form: &mut Form| {
             if !form.beyond.is_empty() {
@@ -114,16 +123,19 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
     ///
     /// # Errors
     /// An expression that has no finite value, or no form, with its place.
-    pub fn modes(&self) -> Result<Vec<FormMode<'a, C>>, SystemError> {
+    pub fn modes(&self) -> Result<Vec<FormMode<C>>, SystemError> {
+        // rates that stand in no mode have no name before them
         let names = self.system.source.modes.names();
-        let modes = names.zip(&self.system.modes).map(|(name, mode)| {
-            let path = || format!("modes.{name}");
+        let homes = names.map(|name| format!("modes.{name}."));
+        let homes = homes.chain(std::iter::repeat(String::new()));
+        let modes = homes.zip(&self.system.modes).map(|(home, mode)| {
+            let path = |rest: String| format!("{home}{rest}");
             let rates = self.system.source.states.iter().zip(&mode.rates);
             let rates =
-                rates.map(|(state, rate)| self.form(&|| format!("{}.rates.{state}", path()), rate));
+                rates.map(|(state, rate)| self.form(&|| path(format!("rates.{state}")), rate));
             let switches = mode.switches.iter().enumerate();
             let switches = switches.map(|(index, switch)| {
-                self.switch(&|| format!("{}.until.{index}", path()), switch)
+                self.switch(&|| path(format!("until.{index}")), switch)
             });
             Ok(FormMode {
                 rates: rates.collect::<Result<_, _>>()?,
@@ -131,6 +143,20 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
             })
         });
         modes.collect()
+    }
+
+    /// The laws of the contacts; forces stand in them as states from the number of states on.
+    ///
+    /// # Errors
+    /// See [`Evaluation::modes`].
+    pub fn laws(&self) -> Result<Vec<Law<Form<C>>>, SystemError> {
+        let names = self.system.source.contacts.names();
+        let laws = names.zip(&self.system.contacts).map(|(name, law)| {
+            law.map(|field, expression| {
+                self.form(&|| format!("contacts.{name}.{field}"), expression)
+            })
+        });
+        laws.collect()
     }
 
     fn meaning(&self, name: &str) -> Option<Form<C>> {
@@ -143,6 +169,9 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
         }
         if let Some(index) = source.define.index(name) {
             return self.abbreviations.get(index).cloned();
+        }
+        if let Some(index) = source.contacts.index(name) {
+            return Some(Form::state(source.states.len() + index));
         }
         match name {
             "pi" => Some(Form::constant(self.pi.clone())),
@@ -167,7 +196,7 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
         })
     }
 
-    fn switch<'b>(&self, path: Path, switch: &'b Switch) -> Result<FormSwitch<'b, C>, SystemError> {
+    fn switch(&self, path: Path, switch: &Switch) -> Result<FormSwitch<C>, SystemError> {
         let names = &self.system.source.states;
         let reset = switch.reset.iter().map(|(state, expression)| {
             let path = || format!("{}.reset.{}", path(), names[*state]);
@@ -177,7 +206,10 @@ impl<'a, 'p, C: Coefficient> Evaluation<'a, 'p, C> {
         let conditions = conditions
             .map(|(index, expression)| self.form(&|| format!("{}.if.{index}", path()), expression));
         Ok(FormSwitch {
-            switch,
+            to: switch.to,
+            rest: switch.rest,
+            tangent: None,
+            group: None,
             guard: self.form(&|| format!("{}.zero", path()), &switch.zero)?,
             reset: reset.collect::<Result<_, SystemError>>()?,
             conditions: conditions.collect::<Result<_, _>>()?,

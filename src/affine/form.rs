@@ -188,7 +188,7 @@ pub struct Form<C = Dual> {
     /// Terms that are not affine, with their coefficients.
     pub beyond: Vec<(C, Arc<Term<C>>)>,
     /// The whole number of times that it has the phase itself, on the way into `sin` and `cos`.
-    phase: Option<f64>,
+    pub(super) phase: Option<f64>,
 }
 
 impl<C: Coefficient> Form<C> {
@@ -218,7 +218,8 @@ impl<C: Coefficient> Form<C> {
         }
     }
 
-    fn is_constant(&self) -> bool {
+    /// Whether it depends on parameters only.
+    pub(super) fn is_constant(&self) -> bool {
         self.is_periodic() && self.harmonics.is_empty()
     }
 
@@ -635,14 +636,7 @@ impl Form {
     }
 
     /// The sign of the number that it is times another form: of zero, it is 1.
-    fn sign_of_ratio(&self, other: &Form) -> Option<f64> {
-        let largest = |form: &Form| {
-            let harmonics = form.harmonics.iter().flatten();
-            let terms = form.states.iter().chain(harmonics).chain([&form.constant]);
-            let beyond = form.beyond.iter().map(|(c, _)| c);
-            let values = terms.chain(beyond).map(|c| c.value.abs());
-            values.fold(0.0, f64::max)
-        };
+    pub(super) fn sign_of_ratio(&self, other: &Form) -> Option<f64> {
         // a guard that has no state is one of time alone: where it is zero is known, and not what is multiplied with it
         let size = |state: &usize| other.states[*state].value.abs();
         let pivot = (0..other.states.len()).max_by(|one, more| size(one).total_cmp(&size(more)))?;
@@ -653,8 +647,26 @@ impl Form {
         let factor = own.over(other.states[pivot]);
         let rest = other.clone().scaled(factor).ok()?;
         let rest = self.clone().sum(rest, -1.0).ok()?;
-        (largest(&rest) <= SAME * largest(self))
+        (rest.largest() <= SAME * self.largest())
             .then(|| if factor.value < 0.0 { -1.0 } else { 1.0 })
+    }
+
+    /// Size of its largest coefficient.
+    pub(super) fn largest(&self) -> f64 {
+        let harmonics = self.harmonics.iter().flatten();
+        let terms = self.states.iter().chain(harmonics).chain([&self.constant]);
+        let beyond = self.beyond.iter().map(|(c, _)| c);
+        let values = terms.chain(beyond).map(|c| c.value.abs());
+        values.fold(0.0, f64::max)
+    }
+
+    /// Whether it is the same as another where a guard is zero: their difference is nothing, or a multiple of the guard.
+    pub(super) fn is_same_at(&self, other: &Form, guard: &Form) -> bool {
+        let size = self.largest().max(other.largest());
+        let difference = self.clone().sum(other.clone(), -1.0);
+        difference.is_ok_and(|difference| {
+            difference.largest() <= SAME * size || difference.sign_of_ratio(guard).is_some()
+        })
     }
 }
 

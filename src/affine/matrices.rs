@@ -6,9 +6,12 @@ use std::sync::Arc;
 use super::evaluation::{Evaluation, FormMode, FormSwitch};
 use super::expression::Algebra;
 use super::form::{Dual, Form};
-use super::mode::{AffineMode, AffineSystem, Exit, Guard};
+use super::contact::law::Products;
+use super::contact::modes::Written;
+use super::contact::{ContactForms, ContactMistake};
+use super::mode::{AffineMode, AffineSystem, Exit, Guard, Modes};
 use super::rows::{MatrixBy, Row};
-use super::series::{Field, Terms};
+use super::series::{Field, Program, Terms};
 use super::sliding::{SlidingField, SlidingForms};
 use super::system::{Mistake, System, SystemError};
 use crate::linalg::Vector;
@@ -33,7 +36,7 @@ impl System {
     /// The system where one parameter is zero, whatever that does to the forcing, if all of it is affine in that parameter:
     /// [`AffineSystem::move_to`] leads from it to other values.
     pub fn origin(&self, values: &[f64], parameter: usize) -> Option<AffineSystem> {
-        if self.integrated || !self.is_affine_in(parameter) {
+        if self.integrated || self.products.is_some() || !self.is_affine_in(parameter) {
             return None;
         }
         let mut values = values.to_vec();
@@ -41,7 +44,8 @@ impl System {
         let origin = self.evaluated(&values, &[parameter]).ok()?;
         // a sliding field is affine, too, where the surface stays and with it the difference of the fields on its sides
         let stays = |by: &Vector| by.iter().all(|by| *by == 0.0);
-        let surfaces = origin.modes.iter().filter_map(|mode| mode.surface.as_ref());
+        let surfaces = origin.modes.written().iter();
+        let surfaces = surfaces.filter_map(|mode| mode.surface.as_ref());
         let flat = surfaces.flat_map(|row| &row.by).all(stays);
         let alike = self.sliding.iter().all(|sides| {
             let [below, above] =
@@ -49,7 +53,8 @@ impl System {
             below == above
         });
         // and where what they take over from the modes on their sides is no product of what changes
-        let sliding = origin.modes.iter().filter(|mode| mode.sides.is_some());
+        let sliding = origin.modes.written().iter();
+        let sliding = sliding.filter(|mode| mode.sides.is_some());
         let exits = sliding.flat_map(|mode| mode.guards.iter().flat_map(|guard| &guard.exits));
         let plain = exits
             .flat_map(|exit| &exit.reset.by)
@@ -76,12 +81,15 @@ impl System {
         let evaluation = Evaluation::new(self, &parameter, Dual::number(PI))?;
         let omega = evaluation.frequency()?;
         let names = self.source.modes.names();
+        if let Some(products) = &self.products {
+            return self.with_contacts(&evaluation, products, omega);
+        }
         let within = evaluation
             .modes()?
             .into_iter()
             .zip(names)
             .map(|(mode, name)| {
-                mode.within().map_err(|obstacle| {
+                mode.within(&[]).map_err(|obstacle| {
                     let mistake = Mistake::Within(name.to_owned(), obstacle);
                     SystemError::at(format!("modes.{name}"), mistake)
                 })
@@ -121,22 +129,13 @@ impl System {
             terms,
         };
         let program = Arc::new(shape.terms.program().clone());
-        let modes = modes.iter().enumerate().map(|(number, mode)| {
-            let matrix = shape.matrix(&mode.rates, omega);
-            AffineMode {
-                states: shape.states,
-                field: Field::default(),
-                guards: shape.guards(number, &mode.switches),
-                surface: None,
-                sides: None,
-                matrix,
-            }
-        });
+        let modes = modes.iter().enumerate();
+        let modes = modes.map(|(number, mode)| shape.mode(number, mode, omega));
         let mut system = AffineSystem {
             states: shape.states,
             harmonics,
             omega,
-            modes: modes.collect(),
+            modes: Modes::of(modes.collect()),
             program: program.clone(),
         };
         for (index, sides) in self.sliding.iter().enumerate() {
@@ -150,22 +149,97 @@ impl System {
         for index in 0..self.sliding.len() {
             system.watch_sides(self.modes.len() + index);
         }
-        for mode in &mut system.modes {
-            let exits = || mode.guards.iter().flat_map(|guard| &guard.exits);
-            let conditions = exits().flat_map(|exit| exit.conditions.iter().cloned());
-            let reset = exits().flat_map(|exit| (0..shape.states).map(|row| exit.reset.row(row)));
-            let guards = mode.guards.iter().map(|guard| guard.row.clone());
-            let along = guards.chain(mode.surface.clone());
-            let how = (self.flow_tolerance(), self.integrated);
-            mode.field = Field::new(
-                &program,
-                &mode.matrix,
-                (along, conditions.chain(reset)),
-                how,
-            );
+        let how = (self.flow_tolerance(), self.integrated);
+        for mode in system.modes.written_mut() {
+            mode.field = field(mode, &program, how);
         }
         Ok(system)
     }
+
+    /// The system with contacts: modes are made when they are asked for where all of it is affine, and otherwise at once.
+    fn with_contacts(
+        &self,
+        evaluation: &Evaluation<'_, '_, Dual>,
+        products: &Products,
+        omega: Dual,
+    ) -> Result<AffineSystem, SystemError> {
+        let names: Vec<String> = self.source.contacts.names().map(str::to_owned).collect();
+        let at = |(contact, mistake): (usize, ContactMistake)| {
+            let path = format!("contacts.{}", names[contact]);
+            SystemError::at(path, Mistake::Contact(mistake))
+        };
+        let written = Written {
+            names: names.clone(),
+            laws: evaluation.laws()?,
+            stretches: &self.stretches,
+            products: products.clone(),
+            omega,
+        };
+        let forms = ContactForms::new(evaluation.modes()?, written).map_err(at)?;
+        let states = self.source.states.len();
+        let how = (self.flow_tolerance(), self.integrated);
+        if !forms.is_affine() {
+            let count = forms.few().map_err(|mistake| at((0, mistake)))?;
+            let mut obstructions = Vec::new();
+            let modes = (0..count).map(|number| {
+                forms.mode(number).unwrap_or_else(|mistake| {
+                    obstructions.push((number, mistake));
+                    still(states)
+                })
+            });
+            let modes: Vec<FormMode> = modes.collect();
+            let mut system = self
+                .laid_out(&modes, omega, &[])
+                .map_err(|(error, _)| error)?;
+            for (number, mistake) in obstructions {
+                system.modes.written_mut()[number].obstruction = Some(mistake);
+            }
+            return Ok(system);
+        }
+        let harmonics = forms.highest();
+        let shape = move || Shape {
+            states,
+            harmonics,
+            terms: Terms::new(states, harmonics),
+        };
+        let program = Arc::new(shape().terms.program().clone());
+        let count = forms.count();
+        let of = program.clone();
+        let make = move |number: usize| {
+            let made = forms.mode(number);
+            let obstruction = made.as_ref().err().cloned();
+            let made = made.unwrap_or_else(|_| still(states));
+            let mut mode = shape().mode(number, &made, omega);
+            mode.obstruction = obstruction;
+            mode.field = field(&mode, &of, how);
+            mode
+        };
+        Ok(AffineSystem {
+            states,
+            harmonics,
+            omega,
+            modes: Modes::made(count, Box::new(make)),
+            program,
+        })
+    }
+}
+
+/// A mode in which nothing moves.
+fn still(states: usize) -> FormMode {
+    FormMode {
+        rates: vec![Form::default(); states],
+        switches: Vec::new(),
+    }
+}
+
+/// How the components of z move in a mode that are not those of states and phase.
+fn field(mode: &AffineMode, program: &Arc<Program>, how: (f64, bool)) -> Field {
+    let exits = || mode.guards.iter().flat_map(|guard| &guard.exits);
+    let conditions = exits().flat_map(|exit| exit.conditions.iter().cloned());
+    let reset = exits().flat_map(|exit| (0..mode.states).map(|row| exit.reset.row(row)));
+    let guards = mode.guards.iter().map(|guard| guard.row.clone());
+    let along = guards.chain(mode.surface.clone());
+    Field::new(program, &mode.matrix, (along, conditions.chain(reset)), how)
 }
 
 /// The degree in a parameter of what a name stands for.
@@ -218,13 +292,29 @@ impl Shape {
         matrix
     }
 
+    fn mode(&self, number: usize, mode: &FormMode, omega: Dual) -> AffineMode {
+        AffineMode {
+            states: self.states,
+            field: Field::default(),
+            guards: self.guards(number, &mode.switches),
+            surface: None,
+            sides: None,
+            obstruction: None,
+            matrix: self.matrix(&mode.rates, omega),
+        }
+    }
+
     /// Guards of a mode in the order of the file, each with all its exits.
     fn guards(&self, mode: usize, switches: &[FormSwitch]) -> Vec<Guard> {
         let mut guards: Vec<Guard> = Vec::new();
         for (index, switch) in switches.iter().enumerate() {
             let exit = self.exit(switch);
             let row = self.row(&switch.guard);
-            match guards.iter_mut().find(|guard| guard.row == row) {
+            let known = match switch.group {
+                Some(group) => guards.get_mut(group),
+                None => guards.iter_mut().find(|guard| guard.row == row),
+            };
+            match known {
                 Some(guard) => guard.exits.push(exit),
                 None => guards.push(Guard {
                     row,
@@ -246,15 +336,15 @@ impl Shape {
             }
         }
         Exit {
-            to: switch.switch.to,
+            to: switch.to,
             reset,
             conditions: switch
                 .conditions
                 .iter()
                 .map(|form| self.row(form))
                 .collect(),
-            rest: switch.switch.rest,
-            tangent: None,
+            rest: switch.rest,
+            tangent: switch.tangent,
         }
     }
 }

@@ -6,7 +6,9 @@
 
 use std::sync::Arc;
 
+use super::contact::ContactMistake;
 use super::form::Dual;
+pub use super::modes::Modes;
 pub use super::rows::{MatrixBy, Row};
 use super::series::{Field, Program};
 use crate::linalg::Vector;
@@ -22,8 +24,8 @@ pub struct Exit {
     pub conditions: Vec<Row>,
     /// The mode that begins where infinitely many such exits end in finite time.
     pub rest: Option<usize>,
-    /// Where sliding ends by its own condition: the guard of `to` that is zero there together with its rate.
-    pub tangent: Option<usize>,
+    /// Where sliding or a contact ends by its own condition: the guard of `to` that is zero there, and of how many orders.
+    pub tangent: Option<(usize, usize)>,
 }
 
 impl Exit {
@@ -59,6 +61,8 @@ pub struct AffineMode {
     pub sides: Option<[usize; 2]>,
     /// How the components of z move that are not those of states and phase.
     pub field: Field,
+    /// Why the forces of its contacts make no motion, if they do not: then it has no guard.
+    pub obstruction: Option<ContactMistake>,
 }
 
 /// A system at given parameters.
@@ -71,7 +75,7 @@ pub struct AffineSystem {
     /// Angular frequency of the forcing; zero without.
     pub omega: Dual,
     /// Modes of the file, then the sliding modes.
-    pub modes: Vec<AffineMode>,
+    pub modes: Modes,
     /// What z has beyond states and phase.
     pub program: Arc<Program>,
 }
@@ -139,7 +143,7 @@ impl AffineSystem {
                 }
             }
         };
-        for (mode, known) in self.modes.iter_mut().zip(&origin.modes) {
+        for (mode, known) in self.modes.written_mut().iter_mut().zip(origin.modes.written()) {
             let (own, by) = (&mut mode.matrix.at, &known.matrix.by[0]);
             to(
                 own.as_mut_slice(),

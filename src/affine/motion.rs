@@ -2,9 +2,12 @@
 //! and what begins there.
 
 use std::fmt;
+use std::sync::Arc;
 
 use super::flow::{ModeFlow, Onset};
+use super::contact::ContactMistake;
 use super::mode::{AffineSystem, Row};
+use super::modes::Slots;
 use crate::linalg::Vector;
 
 /// Where a motion is.
@@ -151,6 +154,15 @@ pub enum Halt {
         /// Length of a piece.
         piece: f64,
     },
+    /// The forces of contacts make no motion.
+    Obstructed {
+        /// Its time.
+        time: f64,
+        /// The mode.
+        mode: usize,
+        /// Why not.
+        mistake: ContactMistake,
+    },
     /// The state grows beyond all numbers, or comes to where an expression has no value.
     Unbounded {
         /// Time of the last state that was finite.
@@ -171,7 +183,10 @@ impl Halt {
             | Halt::Outside { mode, guard, .. }
             | Halt::Outward { mode, guard, .. }
             | Halt::Void { mode, guard } => Some((mode, guard)),
-            Halt::Chattering { .. } | Halt::Fast { .. } | Halt::Unbounded { .. } => None,
+            Halt::Obstructed { .. }
+            | Halt::Chattering { .. }
+            | Halt::Fast { .. }
+            | Halt::Unbounded { .. } => None,
         }
     }
 
@@ -221,6 +236,7 @@ impl Halt {
                 "at t = {time:?} the motion changes within {piece:.1e}: so fast that the time asked for would take \
                  millions of steps"
             ),
+            Halt::Obstructed { time, mistake, .. } => format!("at t = {time:?} {mistake}"),
             Halt::Unbounded { time } => format!(
                 "by t = {time:?} the motion grows without bound, or comes to where its rates have no value"
             ),
@@ -285,7 +301,9 @@ fn ratio(durations: &[f64]) -> Option<f64> {
 #[derive(Clone, Debug)]
 pub struct Motion<'a> {
     system: &'a AffineSystem,
-    flows: Vec<ModeFlow>,
+    flows: Arc<Slots<ModeFlow>>,
+    /// Longest piece of a flow.
+    longest: f64,
     place: Place,
     /// Whether the state has just been entered, so that guards may be zero.
     fresh: bool,
@@ -298,8 +316,8 @@ pub struct Motion<'a> {
     /// How many of the last zones were fast, and shorter than the last but one; how long the last two were.
     faster: usize,
     lasted: [f64; 2],
-    /// A guard that is zero together with its rate where the zone begins.
-    tangent: Option<usize>,
+    /// A guard that is zero where the zone begins, and of how many orders.
+    tangent: Option<(usize, usize)>,
     /// The sliding mode that has ended at a guard of one of its sides, if the mode that is just beginning begins there.
     left: Option<(usize, usize)>,
     /// Length of the piece it is in.
@@ -321,9 +339,9 @@ struct Section {
 impl<'a> Motion<'a> {
     /// A motion that begins at a place; pieces are no longer than `longest`.
     pub fn new(system: &'a AffineSystem, place: Place, longest: f64) -> Motion<'a> {
-        let flows = system.modes.iter();
         Motion {
-            flows: flows.map(|mode| ModeFlow::new(mode, longest)).collect(),
+            flows: Arc::new(Slots::new(system.modes.len())),
+            longest,
             system,
             fresh: true,
             entered: place.time,
@@ -349,13 +367,20 @@ impl<'a> Motion<'a> {
             below: None,
             there: true,
         });
-        if let Some(Section { row, .. }) = &self.section {
-            for flow in &mut self.flows {
+        self.flows = Arc::new(Slots::new(self.system.modes.len()));
+        self
+    }
+
+    /// The flow of a mode, which watches the section, too; `flows` are those of the motion.
+    fn flow<'f>(&self, flows: &'f Slots<ModeFlow>, mode: usize) -> &'f ModeFlow {
+        flows.get_or_make(mode, || {
+            let mut flow = ModeFlow::new(&self.system.modes[mode], self.longest);
+            if let Some(Section { row, .. }) = &self.section {
                 flow.watch(-row);
                 flow.watch(row.clone());
             }
-        }
-        self
+            flow
+        })
     }
 
     /// Whether every guard of the mode is positive at the place, or about to be.
@@ -363,7 +388,7 @@ impl<'a> Motion<'a> {
         let Place {
             state, phase, mode, ..
         } = &self.place;
-        let flow = &self.flows[*mode];
+        let flow = self.flow(&self.flows, *mode);
         let piece = flow.piece(self.system.lift(*mode, state, *phase));
         let mut guards = 0..self.system.modes[*mode].guards.len();
         guards.all(|guard| matches!(flow.onset(guard, &piece), Onset::Positive(_)))
@@ -394,7 +419,15 @@ impl<'a> Motion<'a> {
             mode,
             ..
         } = self.place;
-        let flow = &self.flows[mode];
+        if let Some(mistake) = &self.system.modes[mode].obstruction {
+            return Err(Halt::Obstructed {
+                time: start,
+                mode,
+                mistake: mistake.clone(),
+            });
+        }
+        let flows = self.flows.clone();
+        let flow = self.flow(&flows, mode);
         let corrected = |mut z: Vector| {
             self.system.correct(mode, &mut z);
             z
@@ -408,7 +441,8 @@ impl<'a> Motion<'a> {
         let mut orders = vec![0; guards.len()];
         if self.fresh {
             for guard in guards.clone() {
-                let zeros = if self.tangent == Some(guard) { 2 } else { 0 };
+                let tangent = self.tangent.filter(|(known, _)| *known == guard);
+                    let zeros = tangent.map_or(0, |(_, zeros)| zeros);
                 match flow.onset_from(guard, &piece, zeros) {
                     Onset::Positive(order) => orders[guard] = order,
                     Onset::Negative => return self.switch(guard, 0.0, &piece.z).map(Some),

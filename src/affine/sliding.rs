@@ -40,7 +40,7 @@ impl SlidingForms {
         sides: [usize; 2],
         omega: Dual,
     ) -> Result<SlidingForms, Obstacle> {
-        let leads = |switch: &&FormSwitch, to: usize| switch.switch.to == to;
+        let leads = |switch: &&FormSwitch, to: usize| switch.to == to;
         let mut back = second.switches.iter().filter(|one| leads(one, sides[0]));
         let back: Vec<&Form> = back.by_ref().map(|switch| &switch.guard).collect();
         let is_opposite = |guard: &Form| {
@@ -168,7 +168,7 @@ impl AffineSystem {
         sides: [usize; 2],
         numerical: Option<SlidingField>,
     ) -> Result<(), (SystemError, Option<usize>)> {
-        let names = sides.map(|side| system.mode_name(side).to_owned());
+        let names = sides.map(|side| system.mode_name(side).into_owned());
         let path = format!("sliding.{}", system.mode_name(own));
         let index = own - system.modes.len();
         let refuse = |mistake: fn(String, String) -> Mistake, index: Option<usize>| {
@@ -189,7 +189,7 @@ impl AffineSystem {
             at: Matrix::identity(self.states, self.size()),
             ..MatrixBy::zero(self.states, self.size())
         };
-        let exit = |to: usize, conditions: Vec<Row>, tangent: Option<usize>| Exit {
+        let exit = |to: usize, conditions: Vec<Row>, tangent: Option<(usize, usize)>| Exit {
             to,
             reset: stay.clone(),
             conditions,
@@ -198,7 +198,7 @@ impl AffineSystem {
         };
         let released = |row: Row, to: usize, guard: usize| Guard {
             row,
-            exits: vec![exit(to, Vec::new(), Some(guard))],
+            exits: vec![exit(to, Vec::new(), Some((guard, 2)))],
             written: None,
         };
         let guards = vec![
@@ -211,16 +211,17 @@ impl AffineSystem {
             .into_iter()
             .zip(slides)
         {
-            let exits = &mut self.modes[from].guards[guard].exits;
+            let exits = &mut self.modes.written_mut()[from].guards[guard].exits;
             exits.insert(0, exit(own, vec![held], None));
         }
-        self.modes.push(AffineMode {
+        self.modes.written_mut().push(AffineMode {
             states: self.states,
             matrix,
             guards,
             surface: Some(surface),
             sides: Some(sides),
             field: Field::default(),
+            obstruction: None,
         });
         Ok(())
     }
@@ -299,7 +300,7 @@ impl AffineSystem {
             let exits = self.exits_of_both(&surface, &guard.exits, None);
             watched.push(Guard { exits, ..guard });
         }
-        self.modes[own].guards.extend(watched);
+        self.modes.written_mut()[own].guards.extend(watched);
     }
 
     /// Where sliding along a surface leads at a guard with these exits, which the mode on the other side has, too, or
@@ -343,7 +344,7 @@ impl AffineSystem {
         let [one, other] = [exit.to, other];
         let after = |row: &Row| self.before_reset(row, &exit.reset);
         let sliding = || {
-            let modes = self.modes.iter().enumerate();
+            let modes = self.modes.written().iter().enumerate();
             modes.filter_map(|(number, mode)| Some((number, mode, mode.sides?)))
         };
         let exit = |to: usize, more: Vec<Row>| {

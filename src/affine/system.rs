@@ -4,6 +4,7 @@
 //! to zero the mode `to` begins, with some states reset. Two modes that meet in one surface may have a
 //! sliding mode between them.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::fmt;
 use std::marker::PhantomData;
@@ -13,6 +14,8 @@ use serde::de::{MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::contact::law::{Products, stretch};
+use super::contact::{ContactMistake, Law, MAX_CONTACTS};
 use super::expression::{Expression, Flaw, Function, Obstacle, Wrong};
 
 /// Part of a component by which the terms of degree 17 may change it over a step of an integrated flow, where none is
@@ -99,7 +102,14 @@ pub struct Source {
     /// Abbreviations, each in terms of what stands before it.
     #[serde(default, skip_serializing_if = "is_empty")]
     pub define: Ordered<String>,
+    /// Contacts by name, which is that of their force.
+    #[serde(default, skip_serializing_if = "is_empty")]
+    pub contacts: Ordered<Law>,
+    /// Rates of a system with contacts that has no modes of its own.
+    #[serde(default, skip_serializing_if = "is_empty")]
+    pub rates: Ordered<String>,
     /// Modes by name.
+    #[serde(default, skip_serializing_if = "is_empty")]
     pub modes: Ordered<ModeSource>,
     /// Sliding modes by name, each with the two modes that meet in its surface.
     #[serde(default, skip_serializing_if = "is_empty")]
@@ -167,6 +177,15 @@ pub enum Mistake {
     /// No mode.
     #[error("no modes: nothing moves")]
     NoModes,
+    /// Rates beside modes, or without contacts.
+    #[error("`rates` stands here where there are contacts and no `modes`")]
+    Rates,
+    /// Sliding modes beside contacts.
+    #[error("`sliding` has no meaning beside contacts: a contact that sticks is one")]
+    SlidingContacts,
+    /// A contact.
+    #[error("{0}")]
+    Contact(ContactMistake),
     /// A name that is no name, has a meaning already, or stands for two things.
     #[error("`{0}` cannot be a name here: {1}")]
     Name(String, BadName),
@@ -283,6 +302,12 @@ pub struct System {
     pub(crate) modes: Vec<Mode>,
     /// Indices of the modes on the two sides of each sliding mode.
     pub(crate) sliding: Vec<[usize; 2]>,
+    /// The laws of the contacts.
+    pub(crate) contacts: Vec<Law<Expression>>,
+    /// The modes that contacts make; none without contacts.
+    pub(crate) products: Option<Products>,
+    /// Of every contact, the state that a Jenkins element adds.
+    pub(crate) stretches: Vec<Option<usize>>,
     /// Whether modes that have an exact flow are integrated like the others.
     pub(crate) integrated: bool,
 }
@@ -309,14 +334,13 @@ impl System {
     ///
     /// # Errors
     /// The first thing that is wrong, with its place.
-    pub fn new(source: Source) -> Result<System, SystemError> {
+    pub fn new(mut source: Source) -> Result<System, SystemError> {
+        let stretches = source.add_stretches();
         let states = source.states.len();
         if states == 0 || states > MAX_STATES {
             return Err(SystemError::at("states", Mistake::States(states)));
         }
-        if source.modes.0.is_empty() {
-            return Err(SystemError::at("modes", Mistake::NoModes));
-        }
+        source.check_modes()?;
         source.check_names()?;
         let read = Reader { source: &source };
         let forcing = source.forcing.as_ref();
@@ -329,12 +353,29 @@ impl System {
             .iter()
             .enumerate()
             .map(|(index, (name, text))| {
-                read.expression(&format!("define.{name}"), text, Scope::All(index))
+                read.expression(&format!("define.{name}"), text, Scope::Forces(index))
             });
         let define = define.collect::<Result<_, _>>()?;
         let modes = source.modes.0.iter();
         let modes = modes.map(|(name, mode)| read.mode(&format!("modes.{name}"), mode));
-        let modes = modes.collect::<Result<_, _>>()?;
+        let mut modes = modes.collect::<Result<Vec<Mode>, _>>()?;
+        if modes.is_empty() {
+            let rates = read.rates("rates", &source.rates)?;
+            let switches = Vec::new();
+            modes.push(Mode { rates, switches });
+        }
+        let contacts = source.contacts.0.iter().map(|(name, law)| {
+            law.map(|field, text| {
+                let path = format!("contacts.{name}.{field}");
+                read.expression(&path, text, read.scope_of(field))
+            })
+        });
+        let contacts: Vec<Law<Expression>> = contacts.collect::<Result<_, _>>()?;
+        let products = (!contacts.is_empty()).then(|| {
+            let own: Vec<String> = source.modes.names().map(str::to_owned).collect();
+            let own = if own.is_empty() { vec![String::new()] } else { own };
+            Products::new(own, contacts.iter().map(Law::states).collect())
+        });
         let sliding = source.sliding.0.iter().map(|(name, (one, other))| {
             let mode = |side: &str| read.mode_index(&format!("sliding.{name}"), side);
             Ok([mode(one)?, mode(other)?])
@@ -345,6 +386,9 @@ impl System {
             define,
             modes,
             sliding,
+            contacts,
+            products,
+            stretches,
             integrated: false,
             source,
         })
@@ -373,15 +417,21 @@ impl System {
         self.source.modes.names().chain(self.source.sliding.names())
     }
 
-    /// Name of a mode: first those of the file, then the sliding ones.
-    pub fn mode_name(&self, mode: usize) -> &str {
-        self.mode_names().nth(mode).unwrap_or_default()
+    /// Name of a mode: first those of the file, then the sliding ones; with contacts those that these make.
+    pub fn mode_name(&self, mode: usize) -> Cow<'_, str> {
+        match &self.products {
+            Some(products) => products.name(mode).into(),
+            None => self.mode_names().nth(mode).unwrap_or_default().into(),
+        }
     }
 
     /// A guard of a mode as the file has it: its expression; of the conditions of a sliding mode, the field that each is
     /// held against.
     pub fn guard_name(&self, mode: usize, guard: usize) -> String {
         let modes = &self.source.modes.0;
+        if let Some(name) = self.contact_guard(mode, guard) {
+            return name;
+        }
         let sliding = mode.checked_sub(modes.len());
         let sides = sliding.and_then(|index| self.source.sliding.0.get(index));
         if let Some((_, (first, second))) = sides.filter(|_| guard < 2) {
@@ -396,9 +446,28 @@ impl System {
         format!("`{}`", written.map_or("", |switch| switch.zero.as_str()))
     }
 
+    /// The name of a guard of a mode that contacts make.
+    fn contact_guard(&self, mode: usize, guard: usize) -> Option<String> {
+        let products = self.products.as_ref()?;
+        let (own, digits) = products.digits(mode);
+        let mut left = guard;
+        for ((name, law), digit) in self.source.contacts.0.iter().zip(&digits) {
+            let guards = law.guards(*digit);
+            match guards.get(left) {
+                Some(what) => return Some(format!("the {what} of `{name}`")),
+                None => left -= guards.len(),
+            }
+        }
+        let (_, mode) = self.source.modes.0.get(own)?;
+        Some(format!("`{}`", mode.until.get(left)?.zero))
+    }
+
     /// Index of a mode by its name.
     pub fn mode(&self, name: &str) -> Option<usize> {
-        self.mode_names().position(|known| known == name)
+        match &self.products {
+            Some(products) => products.mode(name),
+            None => self.mode_names().position(|known| known == name),
+        }
     }
 
     /// Names of parameters that no expression has.
@@ -424,11 +493,17 @@ impl System {
                 .chain(&switch.conditions)
         });
         let rates = self.modes.iter().flat_map(|mode| &mode.rates);
-        rates.chain(of_switches).chain(&self.forcing)
+        let contacts = self.contacts.iter().flat_map(Law::parts);
+        let contacts = contacts.map(|(_, expression)| expression);
+        rates.chain(of_switches).chain(contacts).chain(&self.forcing)
     }
 
     /// Names of modes to which no switch leads; none of them is a sliding mode.
     pub fn unentered_modes(&self) -> Vec<&str> {
+        // contacts lead everywhere
+        if self.products.is_some() {
+            return Vec::new();
+        }
         let switches = self.modes.iter().flat_map(|mode| &mode.switches);
         let mut entered: HashSet<usize> = switches
             .flat_map(|switch| [Some(switch.to), switch.rest])
@@ -447,6 +522,44 @@ impl Source {
         Reader { source: self }.expression(path, text, Scope::Parameters)
     }
 
+    /// Adds the state of every Jenkins element, where it is not there already, and says which it is.
+    fn add_stretches(&mut self) -> Vec<Option<usize>> {
+        let contacts = self.contacts.0.iter();
+        let names = contacts.map(|(name, law)| {
+            matches!(law, Law::Jenkins { .. }).then(|| stretch(name))
+        });
+        let names: Vec<Option<String>> = names.collect();
+        let index = |name: Option<String>| {
+            let name = name?;
+            let known = self.states.iter().position(|state| *state == name);
+            Some(known.unwrap_or_else(|| {
+                self.states.push(name);
+                self.states.len() - 1
+            }))
+        };
+        names.into_iter().map(index).collect()
+    }
+
+    /// There are modes, or rates with contacts.
+    fn check_modes(&self) -> Result<(), SystemError> {
+        let contacts = self.contacts.0.len();
+        let refuse = |path: &str, mistake| Err(SystemError::at(path, mistake));
+        if self.modes.0.is_empty() && self.rates.0.is_empty() {
+            return refuse("modes", Mistake::NoModes);
+        }
+        if !self.rates.0.is_empty() && (contacts == 0 || !self.modes.0.is_empty()) {
+            return refuse("rates", Mistake::Rates);
+        }
+        if contacts > 0 && !self.sliding.0.is_empty() {
+            return refuse("sliding", Mistake::SlidingContacts);
+        }
+        if contacts > MAX_CONTACTS {
+            let mistake = Mistake::Contact(ContactMistake::Many(contacts));
+            return refuse("contacts", mistake);
+        }
+        Ok(())
+    }
+
     /// Every name is a word and stands for one thing.
     fn check_names(&self) -> Result<(), SystemError> {
         let mut seen = HashSet::new();
@@ -457,6 +570,7 @@ impl Source {
         let values = values.into_iter().chain([
             ("parameters", self.parameters.names().collect()),
             ("define", self.define.names().collect()),
+            ("contacts", self.contacts.names().collect()),
         ]);
         let functions = Function::ALL.map(|(name, _)| name);
         for (section, names) in values {
@@ -506,6 +620,8 @@ fn check_name<'a>(
 enum Scope {
     Parameters,
     All(usize),
+    /// The same, and the forces of contacts.
+    Forces(usize),
 }
 
 struct Reader<'a> {
@@ -521,16 +637,21 @@ impl Reader<'_> {
             parameters,
             define,
             forcing,
+            contacts,
             ..
         } = self.source;
         let (states, abbreviations) = match scope {
             Scope::Parameters => (&[][..], 0),
-            Scope::All(abbreviations) => (&states[..], abbreviations),
+            Scope::All(abbreviations) | Scope::Forces(abbreviations) => {
+                (&states[..], abbreviations)
+            }
         };
+        let forces = matches!(scope, Scope::Forces(_)).then_some(contacts);
         let known = || {
             let states = states.iter().map(String::as_str);
             let define = define.names().take(abbreviations);
-            states.chain(parameters.names()).chain(define)
+            let forces = forces.into_iter().flat_map(Ordered::names);
+            states.chain(parameters.names()).chain(define).chain(forces)
         };
         let mut unknown = None;
         expression.names(&mut |name, span| {
@@ -548,7 +669,7 @@ impl Reader<'_> {
         }
         let wrong = match scope {
             Scope::Parameters => Wrong::NoParameter(name.clone()),
-            Scope::All(_) => Wrong::Unknown(name.clone()),
+            Scope::All(_) | Scope::Forces(_) => Wrong::Unknown(name.clone()),
         };
         let flaw = Flaw { span, wrong };
         Err(flawed(flaw).near(&name, known().chain(RESERVED)))
@@ -581,19 +702,42 @@ impl Reader<'_> {
         indices.collect()
     }
 
+    /// What a field of a contact may name: a bound the forces of other contacts, too.
+    fn scope_of(&self, field: &str) -> Scope {
+        let define = self.source.define.0.len();
+        match field {
+            "bound" | "static" => Scope::Forces(define),
+            _ => Scope::All(define),
+        }
+    }
+
+    /// The rates of all states; of the state of a Jenkins element its law has it.
+    fn rates(&self, path: &str, rates: &Ordered<String>) -> Result<Vec<Expression>, SystemError> {
+        let all = Scope::Forces(self.source.define.0.len());
+        self.state_indices(path, rates)?;
+        let contacts = self.source.contacts.0.iter();
+        let elements = contacts.filter(|(_, law)| matches!(law, Law::Jenkins { .. }));
+        let stretches: Vec<String> = elements.map(|(name, _)| stretch(name)).collect();
+        let read = self.source.states.iter().map(|state| {
+            let Some(index) = rates.index(state) else {
+                return match stretches.contains(state) {
+                    true => self.expression(path, "0", all),
+                    false => Err(SystemError::at(path, Mistake::NoRate(state.clone()))),
+                };
+            };
+            let (name, text) = &rates.0[index];
+            let path = format!("{path}.{name}");
+            match stretches.contains(state) {
+                true => Err(SystemError::at(path, Mistake::Name(name.clone(), BadName::Twice))),
+                false => self.expression(&path, text, all),
+            }
+        });
+        read.collect()
+    }
+
     fn mode(&self, path: &str, mode: &ModeSource) -> Result<Mode, SystemError> {
         let all = Scope::All(self.source.define.0.len());
-        self.state_indices(&format!("{path}.rates"), &mode.rates)?;
-        let rates = self.source.states.iter().map(|state| {
-            let missing = || {
-                let path = format!("{path}.rates");
-                SystemError::at(path, Mistake::NoRate(state.clone()))
-            };
-            let index = mode.rates.index(state).ok_or_else(missing)?;
-            let (name, text) = &mode.rates.0[index];
-            self.expression(&format!("{path}.rates.{name}"), text, all)
-        });
-        let rates = rates.collect::<Result<_, _>>()?;
+        let rates = self.rates(&format!("{path}.rates"), &mode.rates)?;
         let switches = mode.until.iter().enumerate();
         let switches = switches.map(|(index, switch)| {
             let path = format!("{path}.until.{index}");

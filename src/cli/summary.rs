@@ -119,8 +119,12 @@ fn listed(points: &Table, events: &Table, shown: &Shown) -> String {
 
 /// Which modes of a system have an exact flow, and which are integrated.
 pub(crate) fn flows(system: &System, at: &AffineSystem) -> String {
+    // modes that are made when they are asked for are affine
+    if at.modes.written().is_empty() {
+        return format!("flows: {} modes that contacts make, exact\n", at.modes.len());
+    }
     let names = |exact: bool| {
-        let modes = at.modes.iter().enumerate();
+        let modes = at.modes.written().iter().enumerate();
         let modes = modes.filter(|(_, mode)| mode.field.is_exact == exact);
         let names = modes.map(|(mode, _)| format!("`{}`", system.mode_name(mode)));
         names.collect::<Vec<_>>().join(", ")

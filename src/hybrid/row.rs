@@ -1,5 +1,7 @@
 //! The tables of a branch of orbits: what stands in their rows, field by field.
 
+use std::borrow::Cow;
+
 use serde::{Serialize, Serializer};
 
 use super::{OrbitEvent, OrbitPoint};
@@ -46,7 +48,7 @@ impl Named {
 /// What a row tells of an orbit.
 #[derive(Clone, Debug, Serialize)]
 pub struct OrbitColumns<'a> {
-    regimes: &'a str,
+    regimes: Cow<'a, str>,
     parameters: Named,
     period: f64,
     switches: &'a [f64],
@@ -62,7 +64,7 @@ impl<'a> OrbitColumns<'a> {
     pub fn new(source: &Source, point: &'a OrbitPoint) -> OrbitColumns<'a> {
         let leading = point.leading();
         OrbitColumns {
-            regimes: &point.regimes,
+            regimes: (&point.regimes).into(),
             parameters: Named::parameters(source, Some(&point.parameters)),
             period: point.period,
             switches: &point.switches,
@@ -78,11 +80,11 @@ impl<'a> OrbitColumns<'a> {
     pub fn without(
         source: &Source,
         values: Option<&[f64]>,
-        rest: Option<(&'a str, &[f64])>,
+        rest: Option<(Cow<'a, str>, &[f64])>,
     ) -> OrbitColumns<'a> {
-        let state = rest.map(|(_, state)| state.iter().map(|x| (*x, *x)).collect::<Vec<_>>());
+        let state = rest.as_ref().map(|(_, state)| state.iter().map(|x| (*x, *x)).collect::<Vec<_>>());
         OrbitColumns {
-            regimes: rest.map_or("", |(mode, _)| mode),
+            regimes: rest.map_or("".into(), |(mode, _)| mode),
             parameters: Named::parameters(source, values),
             period: f64::NAN,
             switches: &[],
@@ -229,7 +231,7 @@ pub struct SampleRow<'a> {
     time: f64,
     phase: f64,
     states: Named,
-    mode: &'a str,
+    mode: Cow<'a, str>,
 }
 
 impl<'a> SampleRow<'a> {

@@ -72,7 +72,8 @@ impl Settled {
                 | Halt::Outside { .. }
                 | Halt::Outward { .. }
                 | Halt::Void { .. }
-                | Halt::Fast { .. } => "stuck",
+                | Halt::Fast { .. }
+                | Halt::Obstructed { .. } => "stuck",
             },
             NoOrbit::System(_) => NONE,
             _ => UNDECIDED,

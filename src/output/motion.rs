@@ -71,7 +71,7 @@ impl<'a> MotionFolder<'a> {
     /// # Errors
     /// When the system refuses.
     pub(crate) fn write(&mut self, seen: &Seen) -> Result<(), StoreError> {
-        let mode = |mode: usize| self.system.mode_name(mode).to_owned();
+        let mode = |mode: usize| self.system.mode_name(mode).into_owned();
         let numbers = |values: &[f64]| values.iter().copied().map(number).collect::<Vec<_>>();
         let row = |first: Vec<String>, place: &Place| {
             line_of(&[first, numbers(&place.state), vec![mode(place.mode)]].concat())

@@ -46,7 +46,7 @@ pub(crate) fn lines(system: &System, settled: &[Settled]) -> String {
         let row = |sample: String, place: Option<&Place>, why: String| {
             let states = 0..system.source.states.len();
             let states = states.map(|state| place.map(|place| number(place.state[state])));
-            let mode = place.map(|place| system.mode_name(place.mode).to_owned());
+            let mode = place.map(|place| system.mode_name(place.mode).into_owned());
             let phase = place.map(|place| number(place.phase));
             let cells = states.chain([phase, mode]).map(Option::unwrap_or_default);
             let first = [number(one.value), one.sweep.to_owned(), sample];

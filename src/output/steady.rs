@@ -52,7 +52,7 @@ pub(crate) fn equilibria(system: &System, at: &AffineSystem) -> String {
     let header: [Vec<String>; 3] = [names(&BEFORE_STATES), states.clone(), names(&AFTER_STATES)];
     let mut text = line_of(&header.concat());
     for mode in 0..at.modes.len() {
-        let name = system.mode_name(mode).to_owned();
+        let name = system.mode_name(mode).into_owned();
         let all = at.equilibria(mode);
         for found in all.iter().flatten() {
             let state = found.state.iter().copied().map(number);
@@ -75,7 +75,7 @@ pub(crate) fn equilibria(system: &System, at: &AffineSystem) -> String {
             };
             let to = |guard: usize| {
                 let exit = at.modes[mode].guards[guard].exits.last();
-                exit.map_or("", |exit| system.mode_name(exit.to))
+                exit.map_or("".into(), |exit| system.mode_name(exit.to))
             };
             let (kind, lies) = match found.place {
                 Place::Admissible => ("admissible", String::new()),

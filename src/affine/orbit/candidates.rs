@@ -173,7 +173,7 @@ impl OrbitAt<'_> {
             zone: Zone {
                 mode: stage.mode,
                 way: None,
-                name: self.orbit.setting.system.mode_name(stage.mode).to_owned(),
+                name: self.orbit.setting.system.mode_name(stage.mode).into_owned(),
             },
             at: ZonePoint {
                 state: stage.state.clone(),

@@ -59,7 +59,7 @@ impl AffineOrbit {
             Fate::Halts(halt) => {
                 let (mode, guard) = halt.place()?;
                 Some(OrbitStop::Halts {
-                    mode: self.setting.system.mode_name(mode).to_owned(),
+                    mode: self.setting.system.mode_name(mode).into_owned(),
                     guard: self.setting.system.guard_name(mode, guard),
                 })
             }

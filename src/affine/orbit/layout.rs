@@ -13,6 +13,7 @@ pub use super::signature::ZonePoint;
 use super::structure::{ZoneFacts, facts, section};
 use crate::affine::closure::Prescribed;
 use crate::affine::flow::ModeFlow;
+use crate::affine::modes::Slots;
 use crate::affine::mode::{AffineMode, AffineSystem, Guard, MatrixBy, Row};
 use crate::affine::stiff::STIFF;
 use crate::affine::system::{System, SystemError};
@@ -123,8 +124,8 @@ pub struct Posed {
     pub system: AffineSystem,
     /// Facts of the zones.
     pub facts: Arc<Vec<ZoneFacts>>,
-    balances: Vec<OnceLock<(Vector, f64)>>,
-    flows: Vec<OnceLock<ModeFlow>>,
+    balances: Slots<(Vector, f64)>,
+    flows: Slots<ModeFlow>,
     /// The last exponentials of every zone that is linear, with the bits of their time.
     propagators: Mutex<Vec<Kept>>,
     /// Longest piece of a flow: the unit of time.
@@ -138,8 +139,8 @@ impl Posed {
         Posed {
             propagators: Mutex::new(vec![None; facts.len()]),
             facts,
-            balances: vec![OnceLock::new(); system.modes.len()],
-            flows: system.modes.iter().map(|_| OnceLock::new()).collect(),
+            balances: Slots::new(system.modes.len()),
+            flows: Slots::new(system.modes.len()),
             longest,
             moved,
             system,
@@ -156,8 +157,8 @@ impl Posed {
 
     /// The scales of z that balance the matrix of a mode, and its norm then.
     fn balance(&self, mode: usize) -> &(Vector, f64) {
-        self.balances[mode]
-            .get_or_init(|| balance(&self.system.modes[mode].matrix.at, self.longest.recip()))
+        self.balances
+            .get_or_make(mode, || balance(&self.system.modes[mode].matrix.at, self.longest.recip()))
     }
 
     /// The exponentials of a zone of a linear mode, up to a time after its entry.
@@ -183,7 +184,7 @@ impl Posed {
     /// Whether what facts follow from is the same in the system at another value of the parameter: rates and resets but
     /// for the values of entries that are not zero. A zero by chance is no fact, since its derivative in the parameter is
     /// none. Conditions have no part in them.
-    fn has_same_zeros(&self, other: &AffineSystem) -> bool {
+    fn has_same_zeros(&self, other: &AffineSystem, sequence: &Sequence) -> bool {
         let known = &self.system;
         let zeros = |one: &Matrix, other: &Matrix| {
             let mut pairs = one.as_slice().iter().zip(other.as_slice());
@@ -207,7 +208,7 @@ impl Posed {
                 && guards.all(same_guards)
         };
         known.program.has_same_shape(&other.program)
-            && known.modes.iter().zip(&other.modes).all(alike)
+            && (sequence.0.iter()).all(|zone| alike((&known.modes[zone.mode], &other.modes[zone.mode])))
     }
 
     /// Its facts for a system with the same zeros, where none of them changes with the parameter.
@@ -222,7 +223,7 @@ impl Posed {
 
     /// The flow of a mode in pieces.
     pub fn flow(&self, mode: usize) -> &ModeFlow {
-        self.flows[mode].get_or_init(|| {
+        self.flows.get_or_make(mode, || {
             let balance = || self.balance(mode).clone();
             ModeFlow::balanced(&self.system.modes[mode], self.longest, balance)
         })
@@ -263,7 +264,9 @@ impl PartialEq for AffineOrbit {
 fn sizes(system: &AffineSystem, states: &[f64]) -> Vector {
     let base = system.size() - system.program.made();
     let places = [1.0, -1.0].map(|sign| states.iter().map(|unit| sign * unit).collect());
-    let places: Vec<Vector> = (0..system.modes.len())
+    // of what is linear nothing is made
+    let modes = if base == system.size() { 0 } else { system.modes.len() };
+    let places: Vec<Vector> = (0..modes)
         .flat_map(|mode| {
             places.each_ref().map(|place: &Vec<f64>| {
                 let mut z = system.lift(mode, place, 0.0);
@@ -479,7 +482,7 @@ impl AffineOrbit {
         if system.size() != self.sizes.len() {
             return Err(OrbitFailure::NoZones);
         }
-        let known = known.filter(|posed| posed.has_same_zeros(&system));
+        let known = known.filter(|posed| posed.has_same_zeros(&system, &self.sequence));
         let lasting = known
             .as_ref()
             .and_then(|posed| posed.lasting_facts(&system));

@@ -276,7 +276,7 @@ pub fn first(
         };
         match halt.place() {
             Some((mode, guard)) => NoStart::Stuck {
-                mode: wanted.system.mode_name(mode).to_owned(),
+                mode: wanted.system.mode_name(mode).into_owned(),
                 guard: wanted.system.guard_name(mode, guard),
                 halt,
             },
@@ -508,7 +508,7 @@ fn zone(wanted: &Wanted, place: &Place, way: Option<Way>, duration: f64) -> (Zon
     let zone = Zone {
         mode: place.mode,
         way,
-        name: wanted.system.mode_name(place.mode).to_owned(),
+        name: wanted.system.mode_name(place.mode).into_owned(),
     };
     let point = ZonePoint {
         state: place.state.clone(),
@@ -950,7 +950,7 @@ fn moves(
     let names = &wanted.system.source.states;
     Err(NoStart::Stands {
         time,
-        mode: wanted.system.mode_name(place.mode).to_owned(),
+        mode: wanted.system.mode_name(place.mode).into_owned(),
         states: states.iter().map(|state| names[*state].clone()).collect(),
     })
 }

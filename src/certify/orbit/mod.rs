@@ -199,6 +199,9 @@ fn prepared(item: &Item, special: &Special<AffineOrbit>, text: &str) -> Result<P
     if setting.prescribed.is_some() {
         return Err(Open::Prescribed);
     }
+    if setting.system.products.is_some() {
+        return Err(Open::Contacts);
+    }
     let at = setting.parameter;
     let names = setting.system.source.parameters.names();
     let values = names.zip(setting.values.iter().copied());

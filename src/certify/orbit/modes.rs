@@ -116,11 +116,11 @@ impl<C: Coefficient> Mode<C> {
 }
 
 /// The frequency of the forcing and the modes of a system as forms, with these coefficients.
-fn evaluated<'a, C: Coefficient>(
-    system: &'a System,
+fn evaluated<C: Coefficient>(
+    system: &System,
     parameter: &dyn Fn(usize) -> C,
     pi: C,
-) -> Result<(C, Vec<FormMode<'a, C>>), Open> {
+) -> Result<(C, Vec<FormMode<C>>), Open> {
     let forms = || {
         let evaluation = Evaluation::new(system, parameter, pi)?;
         Ok((evaluation.frequency()?, evaluation.modes()?))
@@ -130,7 +130,7 @@ fn evaluated<'a, C: Coefficient>(
 
 impl<C: Coefficient> Modes<C> {
     fn of(
-        (omega, forms): &(C, Vec<FormMode<'_, C>>),
+        (omega, forms): &(C, Vec<FormMode<C>>),
         system: &System,
         structure: &Structure,
     ) -> Result<Modes<C>, Open> {
@@ -174,7 +174,7 @@ impl<C: Coefficient> Modes<C> {
         row
     }
 
-    fn mode(&self, mode: &FormMode<'_, C>, guards: &[usize]) -> Mode<C> {
+    fn mode(&self, mode: &FormMode<C>, guards: &[usize]) -> Mode<C> {
         let size = self.size();
         let mut matrix: Vec<Row<C>> = mode.rates.iter().map(|rate| self.row(rate)).collect();
         matrix.resize(size, vec![C::default(); size]);
@@ -202,13 +202,13 @@ impl<C: Coefficient> Modes<C> {
         }
     }
 
-    fn exit(&self, switch: &FormSwitch<'_, C>) -> Exit<C> {
+    fn exit(&self, switch: &FormSwitch<C>) -> Exit<C> {
         let mut reset: Vec<Row<C>> = (0..self.states).map(|state| self.unit(state)).collect();
         for (state, form) in &switch.reset {
             reset[*state] = self.row(form);
         }
         Exit {
-            to: switch.switch.to,
+            to: switch.to,
             reset,
             conditions: switch
                 .conditions
@@ -293,7 +293,7 @@ impl Structure {
         let names: Vec<&str> = system.source.parameters.names().collect();
         let named = |index: usize| Exact::named(names[index].to_owned());
         let forms = evaluated(system, &named, Exact::named("pi".to_owned()))?;
-        let of_mode = |mode: &FormMode<'_, Exact>| {
+        let of_mode = |mode: &FormMode<Exact>| {
             let mut known: Vec<&Form<Exact>> = Vec::new();
             let mut guards = Vec::new();
             for switch in &mode.switches {

@@ -48,6 +48,9 @@ pub enum Open {
     /// The period is prescribed.
     #[error("not covered: orbits whose period is prescribed, with a parameter that is free for it")]
     Prescribed,
+    /// Modes that contacts make.
+    #[error("not covered: systems with `contacts`")]
+    Contacts,
     /// Expressions that have no affine form in intervals.
     #[error(
         "not covered: {0} is not affine in the states, or a function of parameters that cannot be enclosed"

@@ -341,8 +341,12 @@ impl Checks<'_, SystemProblem> {
             forcing,
             ..
         } = self.source();
+        let system = &self.problem.system;
         let names: Vec<&str> = modes.names().chain(sliding.names()).collect();
-        self.one_of(&format!("{path}.mode"), "mode", &start.mode, &names)?;
+        match system.products.is_some() {
+            true => self.product(path, start)?,
+            false => self.one_of(&format!("{path}.mode"), "mode", &start.mode, &names)?,
+        }
         let names: Vec<&str> = states.iter().map(String::as_str).collect();
         let home = format!("{path}.state");
         let Ordered(given) = &start.state;
@@ -362,14 +366,55 @@ impl Checks<'_, SystemProblem> {
             let at = at.unwrap_or_else(|| self.outline.locate(&home));
             return Err(Flaw::new(at, wrong.0, wrong.1));
         }
-        if let Some(name) = names.iter().find(|name| start.state.index(name).is_none()) {
+        let missing = |name: &&&str| start.state.index(name).is_none() && !system.is_stretch(name);
+        if let Some(name) = names.iter().find(missing) {
             let message = format!("the state `{name}` is missing in `{home}`");
             let help = format!("add for example `\"{name}\": 0.0`");
             return self.refuse(&format!("{home}.{name}"), message, help);
         }
         let rule = "there is no `forcing` that it could be the phase of; leave it out";
         let holds = forcing.is_some() || start.phase == 0.0;
-        self.admit(&format!("{path}.phase"), start.phase, holds, rule)
+        self.admit(&format!("{path}.phase"), start.phase, holds, rule)?;
+        self.fits(path, start)
+    }
+
+    /// Refuses a name that is none of a mode that contacts make.
+    fn product(&self, path: &str, start: &Beginning) -> Check {
+        let system = &self.problem.system;
+        if system.mode(&start.mode).is_some() {
+            return Ok(());
+        }
+        let contacts = self.source().contacts.0.iter();
+        let of_contacts = contacts.map(|(name, law)| {
+            let mut states = law.states().to_vec();
+            states.dedup();
+            format!("{} of `{name}`", states.join("/"))
+        });
+        let own = self.source().modes.names().collect::<Vec<_>>().join("/");
+        let own = (!own.is_empty()).then(|| format!("{own} of `modes`"));
+        let parts: Vec<String> = own.into_iter().chain(of_contacts).collect();
+        let message = format!("`{}` is no mode of the contacts", excerpt(&start.mode));
+        let help = format!("join the states of the contacts by dots: {}", parts.join(", "));
+        self.refuse(&format!("{path}.mode"), message, help)
+    }
+
+    /// Refuses a mode whose contacts contradict the state.
+    fn fits(&self, path: &str, start: &Beginning) -> Check {
+        let system = &self.problem.system;
+        let Some(place) = start.place(system) else {
+            return Ok(());
+        };
+        let Ok(at) = system.at(&self.problem.values(), &[]) else {
+            return Ok(());
+        };
+        match system.contradicted(&at, &place) {
+            Some((contact, fits)) => {
+                let mode = excerpt(&start.mode);
+                let message = format!("`{mode}` contradicts the state, by the contact `{contact}`");
+                self.refuse(&format!("{path}.mode"), message, format!("write `{fits}`"))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Refuses a range at an end of which the system makes no sense; returns the value of the parameter here.

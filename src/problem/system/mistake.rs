@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::super::error::{Flaw, line};
 use super::super::explanation::known;
 use super::super::outline::{Outline, within_text};
+use crate::affine::contact::{ContactMistake, Kinematic};
 use crate::affine::expression::{Function, Obstacle, Wrong};
 use crate::affine::system::{BadName, Mistake, Source, SystemError};
 
@@ -30,6 +31,9 @@ pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &Sy
             help
         }
         Mistake::States(_) => "write for example `states: [\"x\", \"v\"]`".to_owned(),
+        Mistake::Rates => "write `rates` inside of each mode, or leave out `modes`".to_owned(),
+        Mistake::SlidingContacts => "leave out `sliding`".to_owned(),
+        Mistake::Contact(mistake) => about_contact(mistake),
         Mistake::NoModes => "add for example `\"free\": (rates: {\"x\": \"-x\"})`".to_owned(),
         Mistake::Name(_, bad) => match bad {
             BadName::NoWord => "write for example `x`, `A` or `theta_2`".to_owned(),
@@ -63,6 +67,42 @@ pub(super) fn flaw_at(source: &Source, outline: &Outline, path: &str, error: &Sy
         message = format!("{message}; did you mean `{near}`?");
     }
     Flaw::new(place(outline, path, &error.mistake), message, help)
+}
+
+/// What to do about a contact.
+fn about_contact(mistake: &ContactMistake) -> String {
+    match mistake {
+        ContactMistake::Many(_) | ContactMistake::Products(_) => {
+            "leave out contacts that do not change".to_owned()
+        }
+        ContactMistake::Nonlinear(name) => {
+            format!("write sums of `{name}` times numbers, parameters and states")
+        }
+        ContactMistake::HasForce => "write it in terms of states and parameters".to_owned(),
+        ContactMistake::NoInfluence(name, _) => {
+            format!("add `+ {name}` to the rate of a velocity that it acts on")
+        }
+        ContactMistake::Sign(name, Kinematic::Slip) => format!(
+            "write `+ {name}` in the rate of the velocity, or turn the sign of `slip`: a positive slip gets a negative \
+             force"
+        ),
+        ContactMistake::Sign(name, Kinematic::Gap) => {
+            format!("write `- {name}` where the gap is `d - x` and `+ {name}` where it is `x - d`")
+        }
+        ContactMistake::Massless => "let the force stand in the rate of a velocity".to_owned(),
+        ContactMistake::Bound(_) | ContactMistake::Static(..) => {
+            "change the parameters that it depends on".to_owned()
+        }
+        ContactMistake::BoundChanges => "write a number, or a parameter".to_owned(),
+        ContactMistake::Impulse => {
+            "let the restitution be 0, or let the bound depend on a `Spring`".to_owned()
+        }
+        ContactMistake::Singular(_) => {
+            "let two contacts not hold the same velocity, or join them to one".to_owned()
+        }
+        ContactMistake::Paradox(..) => "lessen the coefficient of friction".to_owned(),
+        ContactMistake::Obstacle(..) => "change the parameters that it depends on".to_owned(),
+    }
 }
 
 /// What an expression may have.

@@ -244,7 +244,11 @@ impl Beginning {
     /// mode, or another state.
     pub fn place(&self, system: &System) -> Option<Place> {
         let states = system.source.states.iter();
-        let state = states.map(|name| Some(self.state.0[self.state.index(name)?].1));
+        // the spring of a Jenkins element is at rest unless it is said not to be
+        let state = states.map(|name| match self.state.index(name) {
+            Some(index) => Some(self.state.0[index].1),
+            None => system.is_stretch(name).then_some(0.0),
+        });
         Some(Place {
             time: 0.0,
             phase: self.phase,

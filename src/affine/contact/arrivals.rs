@@ -1,0 +1,271 @@
+//! Where a mode with contacts ends, and which states of the contacts follow.
+//!
+//! What one contact does may make others change in the same instant: a block that stops loads its neighbour, an impact
+//! turns a slip round. From the states that the contact which ends would lead to, every other one is looked at in the
+//! order of the file, and where what it does hangs on the state of the instant both ways are followed, each with its
+//! condition. What is left is every end of such a chain, one exit each.
+
+use super::ContactMistake;
+use super::law::{
+    BACKWARD, CLOSED, FORWARD, GIVES_BACKWARD, GIVES_FORWARD, HELD, Law, OPEN, PARTING, STICK,
+};
+use super::modes::ContactForms;
+use crate::affine::expression::{Algebra, Obstacle};
+use crate::affine::form::Form;
+
+/// A guard of a contact, and what it changes.
+pub struct Ending {
+    /// What is positive as long as the contact stays as it is.
+    pub guard: Form,
+    /// The state of the contact beyond.
+    pub to: usize,
+    /// Whether it is an impact, and whether that has a restitution.
+    pub impact: Option<bool>,
+    /// Orders of the zero that its guard beyond has there.
+    pub zeros: usize,
+}
+
+/// States of the contacts that follow.
+pub struct Arrival {
+    /// These states.
+    pub digits: Vec<usize>,
+    /// What is not negative where they do.
+    pub conditions: Vec<Form>,
+}
+
+/// Contacts in states that are on trial, with what is not negative where they came to them.
+#[derive(Clone)]
+struct Trial {
+    digits: Vec<usize>,
+    conditions: Vec<Form>,
+    /// Contacts that have been looked at in these states.
+    seen: Vec<bool>,
+    /// States that the chain has been through.
+    passed: Vec<Vec<usize>>,
+}
+
+/// The instant at which a mode ends.
+pub struct Instant<'a> {
+    /// The forms of the system.
+    pub forms: &'a ContactForms,
+    /// The user's mode.
+    pub own: usize,
+    /// States of the contacts before.
+    pub before: &'a [usize],
+    /// Forces before.
+    pub forces: &'a [Form],
+    /// The contact that ends.
+    pub contact: usize,
+    /// How.
+    pub ending: &'a Ending,
+    /// New values of the states that jump.
+    pub jump: &'a [(usize, Form)],
+}
+
+impl Instant<'_> {
+    /// Every end of the chain of changes.
+    ///
+    /// # Errors
+    /// Forces that are not determined.
+    pub fn arrivals(&self) -> Result<Vec<Arrival>, ContactMistake> {
+        let mut digits = self.before.to_vec();
+        digits[self.contact] = self.ending.to;
+        let trial = Trial {
+            seen: vec![false; digits.len()],
+            conditions: Vec::new(),
+            passed: Vec::new(),
+            digits,
+        };
+        let mut ends = Vec::new();
+        let mut open = self.turned(trial)?;
+        open.reverse();
+        while let Some(trial) = open.pop() {
+            match self.unsettled(&trial)? {
+                None => ends.push(Arrival {
+                    digits: trial.digits,
+                    conditions: trial.conditions,
+                }),
+                Some(ways) => open.extend(ways.into_iter().rev()),
+            }
+        }
+        Ok(ends)
+    }
+
+    /// A form after the jump.
+    fn after(&self, form: &Form) -> Result<Form, Obstacle> {
+        if self.jump.is_empty() {
+            return Ok(form.clone());
+        }
+        let new = |state: usize| {
+            let mut jump = self.jump.iter();
+            jump.find_map(|(changed, form)| (*changed == state).then(|| form.clone()))
+        };
+        form.with(&new)
+    }
+
+    fn failed(&self, obstacle: Obstacle) -> ContactMistake {
+        ContactMistake::Obstacle(self.forms.name(self.own, self.before), obstacle)
+    }
+
+    /// The trials after an impact, which turns the slip of other contacts and the velocity of their gaps.
+    fn turned(&self, trial: Trial) -> Result<Vec<Trial>, ContactMistake> {
+        let mut trials = vec![trial];
+        if self.jump.is_empty() {
+            return Ok(trials);
+        }
+        let own = &self.forms.own[self.own];
+        for (contact, law) in self.forms.laws.iter().enumerate() {
+            if contact == self.contact {
+                continue;
+            }
+            let speed = &own.kinematics[contact].speed;
+            let after = self.after(speed).map_err(|error| self.failed(error))?;
+            let change = after.clone().minus(speed.clone());
+            let change = change.map_err(|error| self.failed(error))?.trimmed();
+            if change.largest() <= f64::EPSILON * speed.largest() {
+                continue;
+            }
+            // before an impact the velocity of the gap is negative
+            let closing = &own.kinematics[self.contact].speed;
+            let rises = change.sign_of_ratio(closing).map(|sign| sign < 0.0);
+            let (up, down, held) = match law {
+                Law::Friction { .. } => (FORWARD, BACKWARD, STICK),
+                Law::Jenkins { .. } => (HELD, HELD, HELD),
+                Law::Stop { .. } | Law::Spring { .. } => (OPEN, CLOSED, CLOSED),
+            };
+            let mut next = Vec::new();
+            for trial in trials {
+                let digit = trial.digits[contact];
+                let mut lead = |to: usize, condition: Option<Form>| {
+                    let mut trial = trial.clone();
+                    trial.digits[contact] = to;
+                    trial.conditions.extend(condition);
+                    next.push(trial);
+                };
+                match (law, digit) {
+                    (Law::Friction { .. } | Law::Stop { .. }, digit) if digit == held => match rises {
+                        Some(true) => lead(up, None),
+                        // a closed stop that is pressed on would have an impact of its own in the same instant
+                        Some(false) if matches!(law, Law::Stop { .. }) => {}
+                        Some(false) => lead(down, None),
+                        None => {
+                            lead(up, Some(after.clone()));
+                            if !matches!(law, Law::Stop { .. }) {
+                                lead(down, Some(after.clone().negative()));
+                            }
+                        }
+                    },
+                    (Law::Friction { .. }, _) => {
+                        let ways = [(up, after.clone()), (down, after.clone().negative())];
+                        // what it does already comes first
+                        let order = if digit == up { [0, 1] } else { [1, 0] };
+                        for way in order {
+                            lead(ways[way].0, Some(ways[way].1.clone()));
+                        }
+                    }
+                    (Law::Jenkins { .. }, GIVES_FORWARD | GIVES_BACKWARD) => {
+                        let goes_on = match digit {
+                            GIVES_FORWARD => after.clone(),
+                            _ => after.clone().negative(),
+                        };
+                        lead(digit, Some(goes_on.clone()));
+                        lead(HELD, Some(goes_on.negative()));
+                    }
+                    _ => lead(digit, None),
+                }
+            }
+            trials = next;
+        }
+        Ok(trials)
+    }
+
+    /// The ways on from a trial: by the first contact whose state is not settled by what has held before. `None` where all
+    /// are.
+    fn unsettled(&self, trial: &Trial) -> Result<Option<Vec<Trial>>, ContactMistake> {
+        let forms = self.forms;
+        let name = || forms.name(self.own, &trial.digits);
+        let forces = match forms.forces(self.own, &trial.digits) {
+            Ok(forces) => forces,
+            // the motion ends there, and the mode says why
+            Err(ContactMistake::Singular(_) | ContactMistake::Paradox(..)) => return Ok(None),
+            Err(mistake) => return Err(mistake),
+        };
+        let others = (0..trial.digits.len()).filter(|contact| *contact != self.contact);
+        for contact in std::iter::once(self.contact).chain(others) {
+            if trial.seen[contact] {
+                continue;
+            }
+            let digit = trial.digits[contact];
+            let same = digit == self.before[contact]
+                && self.jump.is_empty()
+                && forces[contact].is_same_at(&self.forces[contact], &self.ending.guard);
+            if same {
+                continue;
+            }
+            let limits = self.limits(contact, digit, &forces);
+            let limits = limits.map_err(|error| ContactMistake::Obstacle(name(), error))?;
+            if limits.is_empty() {
+                continue;
+            }
+            let mut ways = Vec::new();
+            let mut holds = trial.clone();
+            holds.seen[contact] = true;
+            holds.conditions.extend(limits.iter().map(|(limit, _)| limit.clone()));
+            ways.push(holds);
+            for (limit, to) in limits {
+                let mut passed = trial.passed.clone();
+                passed.push(trial.digits.clone());
+                let mut digits = trial.digits.clone();
+                digits[contact] = to;
+                // the same states again are no way on
+                if passed.contains(&digits) {
+                    continue;
+                }
+                let mut conditions = trial.conditions.clone();
+                conditions.push(limit.negative());
+                let mut seen = vec![false; digits.len()];
+                // released just now: it leaves by the sign of what was too much
+                seen[contact] = true;
+                ways.push(Trial {
+                    digits,
+                    conditions,
+                    seen,
+                    passed,
+                });
+            }
+            return Ok(Some(ways));
+        }
+        Ok(None)
+    }
+
+    /// What is not negative where a contact stays in a state at the instant, and what follows where it is.
+    fn limits(
+        &self,
+        contact: usize,
+        digit: usize,
+        forces: &[Form],
+    ) -> Result<Vec<(Form, usize)>, Obstacle> {
+        let force = || self.after(&forces[contact]);
+        Ok(match (&self.forms.laws[contact], digit) {
+            (law @ Law::Friction { .. }, STICK) => {
+                let hold = self.after(&self.forms.hold(law, forces)?)?;
+                let upper = (hold.clone().minus(force()?)?.trimmed(), BACKWARD);
+                let lower = (hold.plus(force()?)?.trimmed(), FORWARD);
+                // a slip that falls to zero is held by a force on its own side
+                match (contact == self.contact).then(|| self.before[contact]) {
+                    Some(FORWARD) => vec![upper],
+                    Some(BACKWARD) => vec![lower],
+                    _ => vec![upper, lower],
+                }
+            }
+            (Law::Stop { .. }, CLOSED) => vec![(force()?, OPEN)],
+            (
+                Law::Spring {
+                    damping: Some(_), ..
+                },
+                CLOSED,
+            ) if !self.jump.is_empty() => vec![(force()?, PARTING)],
+            _ => Vec::new(),
+        })
+    }
+}

@@ -1,0 +1,140 @@
+//! Forms in which states stand for other forms.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::expression::{Algebra, Obstacle, Operation};
+use super::form::{Coefficient, Form, Rule, Term};
+
+impl<C: Coefficient> Form<C> {
+    /// The sum of two.
+    ///
+    /// # Errors
+    /// It has no finite coefficients.
+    pub(super) fn plus(self, other: Form<C>) -> Result<Form<C>, Obstacle> {
+        self.operate(Operation::Plus, other)
+    }
+
+    /// The difference of two.
+    ///
+    /// # Errors
+    /// See [`Form::plus`].
+    pub(super) fn minus(self, other: Form<C>) -> Result<Form<C>, Obstacle> {
+        self.operate(Operation::Minus, other)
+    }
+
+    /// The product of two.
+    ///
+    /// # Errors
+    /// It is no form.
+    pub(super) fn times(self, other: Form<C>) -> Result<Form<C>, Obstacle> {
+        self.operate(Operation::Times, other)
+    }
+
+    /// The quotient of two.
+    ///
+    /// # Errors
+    /// It is no form, or not finite.
+    pub(super) fn over(self, other: Form<C>) -> Result<Form<C>, Obstacle> {
+        self.operate(Operation::Over, other)
+    }
+
+    /// The same without states and harmonics at its end whose coefficients are zero.
+    pub(super) fn trimmed(mut self) -> Form<C> {
+        let zero = C::default();
+        while self.states.last() == Some(&zero) {
+            self.states.pop();
+        }
+        while self.harmonics.last().is_some_and(|pair| pair.iter().all(|one| *one == zero)) {
+            self.harmonics.pop();
+        }
+        self
+    }
+
+    /// Whether a state of this number or a higher one stands in it.
+    pub(super) fn has_from(&self, first: usize) -> bool {
+        let mut states = self.states.iter().skip(first);
+        let mut terms = self.beyond.iter().flat_map(|(_, term)| &term.operands);
+        states.any(|one| *one != C::default()) || terms.any(|form| form.has_from(first))
+    }
+
+    /// The form with other forms in the place of states, where `new` has one.
+    ///
+    /// # Errors
+    /// An operation that has no result then.
+    pub(super) fn with(
+        &self,
+        new: &dyn Fn(usize) -> Option<Form<C>>,
+    ) -> Result<Form<C>, Obstacle> {
+        self.with_known(new, &mut HashMap::new())
+    }
+
+    /// The same; `known` has the terms that have been met.
+    fn with_known(
+        &self,
+        new: &dyn Fn(usize) -> Option<Form<C>>,
+        known: &mut HashMap<*const Term<C>, Form<C>>,
+    ) -> Result<Form<C>, Obstacle> {
+        let mut sum = Form {
+            states: Vec::new(),
+            beyond: Vec::new(),
+            ..self.clone()
+        };
+        for (state, coefficient) in self.states.iter().enumerate() {
+            if *coefficient != C::default() {
+                let form = new(state).unwrap_or_else(|| Form::state(state));
+                sum = sum.plus(form.times(Form::constant(coefficient.clone()))?)?;
+            }
+        }
+        for (coefficient, term) in &self.beyond {
+            let place = Arc::as_ptr(term);
+            if !known.contains_key(&place) {
+                let [one, other] = &term.operands;
+                let one = one.with_known(new, known)?;
+                let other = other.with_known(new, known)?;
+                let form = match term.rule {
+                    Rule::Product => one.times(other),
+                    Rule::Quotient => one.over(other),
+                    Rule::Power(r) => one.operate(Operation::Power, Form::number(r)),
+                    Rule::Function(function) => one.apply(function),
+                };
+                known.insert(place, form?);
+            }
+            if let Some(form) = known.get(&place) {
+                let form = form.clone();
+                sum = sum.plus(form.times(Form::constant(coefficient.clone()))?)?;
+            }
+        }
+        Ok(sum.trimmed())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::expression::Expression;
+    use super::super::form::Dual;
+    use super::*;
+
+    fn form(text: &str) -> Form<Dual> {
+        let meaning = |name: &str| match name {
+            "x" => Some(Form::state(0)),
+            "y" => Some(Form::state(1)),
+            "q" => Some(Form::state(2)),
+            _ => None,
+        };
+        Expression::read(text).unwrap().evaluate(&meaning).unwrap()
+    }
+
+    #[test]
+    fn what_stands_for_a_state_stands_in_every_term() {
+        let whole = form("3*x + 2*q + x*q/(1 + x^2) + exp(q - y)");
+        assert!(whole.has_from(2) && !whole.has_from(3));
+        let without = whole.with(&|state| (state == 2).then(Form::default)).unwrap();
+        assert!(!without.has_from(2));
+        // q = 0 leaves 3x + e^(-y): the product with nothing has gone
+        assert_eq!(without.states, form("3*x").states);
+        assert_eq!(without.beyond.len(), 1);
+        let affine = form("3*x - q + 2").with(&|state| (state == 2).then(|| form("x + y")));
+        assert_eq!(affine.unwrap(), form("2*x - y + 2"));
+    }
+}
