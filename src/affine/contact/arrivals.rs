@@ -70,8 +70,11 @@ impl Instant<'_> {
     pub fn arrivals(&self) -> Result<Vec<Arrival>, ContactMistake> {
         let mut digits = self.before.to_vec();
         digits[self.contact] = self.ending.to;
+        // what is released leaves by the sign of what was too much, as long as nothing else changes
+        let mut seen = vec![false; digits.len()];
+        seen[self.contact] = self.is_friction(self.contact) && self.before[self.contact] == STICK;
         let trial = Trial {
-            seen: vec![false; digits.len()],
+            seen,
             conditions: Vec::new(),
             passed: Vec::new(),
             digits,
@@ -101,6 +104,16 @@ impl Instant<'_> {
             jump.find_map(|(changed, form)| (*changed == state).then(|| form.clone()))
         };
         form.with(&new)
+    }
+
+    fn is_friction(&self, contact: usize) -> bool {
+        matches!(self.forms.laws[contact], Law::Friction { .. })
+    }
+
+    /// Whether friction has no velocity of slip at the instant: it has just stuck, or comes through zero.
+    fn is_at_rest(&self, contact: usize) -> bool {
+        let own = contact == self.contact || self.before[contact] == STICK;
+        self.is_friction(contact) && own && self.jump.is_empty()
     }
 
     fn failed(&self, obstacle: Obstacle) -> ContactMistake {
@@ -257,6 +270,14 @@ impl Instant<'_> {
                     Some(BACKWARD) => vec![lower],
                     _ => vec![upper, lower],
                 }
+            }
+            // a slip that another change has made to begin the wrong way
+            (Law::Friction { .. }, FORWARD) if self.is_at_rest(contact) => {
+                vec![(self.forms.acceleration(self.own, contact, forces)?, STICK)]
+            }
+            (Law::Friction { .. }, BACKWARD) if self.is_at_rest(contact) => {
+                let rate = self.forms.acceleration(self.own, contact, forces)?;
+                vec![(rate.negative(), STICK)]
             }
             (Law::Stop { .. }, CLOSED) => vec![(force()?, OPEN)],
             (

@@ -156,6 +156,21 @@ impl ContactForms {
         hold.as_ref().unwrap_or(bound).with(&of)
     }
 
+    /// The rate of the slip of a contact, or of the velocity of its gap, with these forces.
+    pub(super) fn acceleration(
+        &self,
+        own: usize,
+        contact: usize,
+        forces: &[Form],
+    ) -> Result<Form, Obstacle> {
+        let moving = &self.own[own].kinematics[contact];
+        let mut rate = moving.drift.clone();
+        for (force, by) in forces.iter().zip(&moving.by) {
+            rate = rate.plus(by.clone().times(force.clone())?)?;
+        }
+        Ok(rate.trimmed())
+    }
+
     /// A mode by its number.
     ///
     /// # Errors
